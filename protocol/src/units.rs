@@ -1,0 +1,155 @@
+//! Pulse widths, sensor counts and degrees.
+//!
+//! The board knows microseconds and counts only; degrees come from the user's rig file. A
+//! [`ServoScale`] turns commanded degrees into pulses, a [`SensorScale`] turns counts into measured
+//! degrees. Both keep a sign, because a servo may turn either way with a longer pulse and a sensor
+//! may be mounted either way round.
+
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+/// Width of a servo pulse [µs].
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, Schema,
+)]
+#[repr(transparent)]
+pub struct PulseWidth(pub u16);
+
+impl PulseWidth {
+    /// Half of the usual range of 1-2 ms: the neutral of most R/C servos.
+    pub const NEUTRAL: Self = Self(1500);
+
+    /// The width `offset_us` away from this one, or `None` where that leaves the number range.
+    #[must_use]
+    pub fn offset_by(self, offset_us: i16) -> Option<Self> {
+        self.0.checked_add_signed(offset_us).map(Self)
+    }
+}
+
+/// One sample of the angle sensor: the sum of the ADC's repeated 12-bit conversions.
+///
+/// [`Hello`](crate::Hello) says how many conversions are summed and what full scale is.
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
+#[repr(transparent)]
+pub struct Counts(pub u16);
+
+impl Counts {
+    /// The largest value that still takes two bytes on the wire (14 bits: a varint's two groups of
+    /// seven). A rig's full scale stays at or below it, so that a frame stays within 40 bytes.
+    pub const MAX_TWO_BYTES: Self = Self((1 << 14) - 1);
+}
+
+/// An angle [deg].
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[repr(transparent)]
+pub struct Degrees(pub f64);
+
+/// How a servo turns pulse width into angle: `angle = (pulse - neutral) / us_per_degree`.
+///
+/// A negative `us_per_degree` means that a longer pulse turns the servo the other way.
+///
+/// ```
+/// use servoid_protocol::{Degrees, PulseWidth, ServoScale};
+/// let servo = ServoScale { neutral: PulseWidth(1500), us_per_degree: 10.0 };
+/// assert_eq!(servo.pulse(Degrees(-5.0)), Some(PulseWidth(1450)));
+/// assert_eq!(servo.degrees(PulseWidth(1550)), Degrees(5.0));
+/// assert_eq!(servo.pulse(Degrees(1e9)), None); // no such pulse
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ServoScale {
+    /// The pulse that commands 0 degrees.
+    pub neutral: PulseWidth,
+    /// Change of the pulse width for one degree [µs/deg].
+    pub us_per_degree: f64,
+}
+
+impl ServoScale {
+    /// The angle that `pulse` commands.
+    #[must_use]
+    pub fn degrees(&self, pulse: PulseWidth) -> Degrees {
+        Degrees((f64::from(pulse.0) - f64::from(self.neutral.0)) / self.us_per_degree)
+    }
+
+    /// The pulse, to the nearest microsecond, that commands `angle`; `None` where none exists.
+    #[must_use]
+    pub fn pulse(&self, angle: Degrees) -> Option<PulseWidth> {
+        let us = round_half_up(f64::from(self.neutral.0) + angle.0 * self.us_per_degree);
+        // Written so that NaN falls out as well.
+        (us >= 0.0 && us <= f64::from(u16::MAX)).then_some(PulseWidth(us as u16))
+    }
+}
+
+/// How sensor counts become an angle: `angle = (counts - zero_counts) · degrees_per_count`.
+///
+/// ```
+/// use servoid_protocol::{Counts, Degrees, SensorScale};
+/// let sensor = SensorScale { zero_counts: 8190.0, degrees_per_count: -0.01 };
+/// assert_eq!(sensor.degrees(Counts(8290)), Degrees(-1.0));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorScale {
+    /// The counts at 0 degrees; may lie between two counts.
+    pub zero_counts: f64,
+    /// Change of the angle for one count [deg].
+    pub degrees_per_count: f64,
+}
+
+impl SensorScale {
+    /// The angle that `counts` stands for.
+    #[must_use]
+    pub fn degrees(&self, counts: Counts) -> Degrees {
+        Degrees((f64::from(counts.0) - self.zero_counts) * self.degrees_per_count)
+    }
+}
+
+/// `f64::round` lives in `std`; pulse widths are positive, so adding a half and truncating does.
+fn round_half_up(x: f64) -> f64 {
+    if x > 0.0 && x < 1e9 {
+        (x + 0.5) as u32 as f64
+    } else {
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_microsecond_survives_the_way_to_degrees_and_back() {
+        for us_per_degree in [10.0, -8.37] {
+            let servo = ServoScale {
+                neutral: PulseWidth(1520),
+                us_per_degree,
+            };
+            for us in 900..=2100 {
+                let pulse = PulseWidth(us);
+                assert_eq!(servo.pulse(servo.degrees(pulse)), Some(pulse));
+            }
+        }
+    }
+
+    #[test]
+    fn a_pulse_that_does_not_exist_is_none() {
+        let servo = ServoScale {
+            neutral: PulseWidth(1500),
+            us_per_degree: 10.0,
+        };
+        for angle in [-150.1, 6404.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(servo.pulse(Degrees(angle)), None, "{angle} deg");
+        }
+    }
+}
