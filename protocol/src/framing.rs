@@ -20,13 +20,13 @@ use serde::{Serialize, de::DeserializeOwned};
 /// The CRC of frames, of runs, and of recordings.
 pub static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
-/// The largest message [bytes]. Hello, the longest one today, takes at most 96 with every number at
+/// The largest message (bytes). Hello, the longest one today, takes at most 96 with every number at
 /// its longest; the rest is room to grow.
 pub const MAX_PAYLOAD: usize = 128;
 
 const CRC_BYTES: usize = 4;
 
-/// The longest frame on the wire [bytes], both zeros included.
+/// The longest frame on the wire (bytes), both zeros included.
 pub const MAX_WIRE: usize = cobs::max_encoding_length(MAX_PAYLOAD + CRC_BYTES) + 2;
 
 /// A message that does not fit [`MAX_PAYLOAD`].

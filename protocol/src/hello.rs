@@ -100,21 +100,21 @@ pub struct Hello {
     pub clock: ClockSource,
     /// Why the rig last started.
     pub reset_cause: ResetCause,
-    /// Length of a PWM frame [µs].
+    /// Length of a PWM frame (µs).
     pub frame_us: u32,
-    /// Time between two samples [µs].
+    /// Time between two samples (µs).
     pub sample_us: u32,
-    /// From a pulse's rising edge to the start of the frame's first sample [µs].
+    /// From a pulse's rising edge to the start of the frame's first sample (µs).
     pub first_sample_us: u16,
-    /// From the start of a sample's first conversion to the end of its last one [µs].
+    /// From the start of a sample's first conversion to the end of its last one (µs).
     pub aperture_us: u16,
     /// Conversions summed into one sample.
     pub oversampling: u8,
     /// Counts of a sensor at the supply rail.
     pub full_scale_counts: u16,
-    /// Shortest pulse that the board will ever make [µs].
+    /// Shortest pulse that the board will ever make (µs).
     pub shortest_pulse_us: u16,
-    /// Longest pulse that the board will ever make [µs].
+    /// Longest pulse that the board will ever make (µs).
     pub longest_pulse_us: u16,
     /// Frames that stay in the board's memory and can be asked for again.
     pub history_frames: u16,

@@ -101,7 +101,7 @@ pub struct Start {
 }
 
 impl Start {
-    /// Length of the whole run [frames].
+    /// Length of the whole run (frames).
     #[must_use]
     pub fn frames(&self) -> u32 {
         u32::from(self.pre_roll_frames)
@@ -109,7 +109,7 @@ impl Start {
             .saturating_add(u32::from(self.post_roll_frames))
     }
 
-    /// Offset from neutral in frame `index` of the run [µs], or `None` past its end.
+    /// Offset from neutral in frame `index` of the run (µs), or `None` past its end.
     #[must_use]
     pub fn offset_us(&self, index: u32) -> Option<i16> {
         if index >= self.frames() {

@@ -18,7 +18,7 @@ pub enum Reference {
 }
 
 impl Reference {
-    /// Length [frames].
+    /// Length (frames).
     #[must_use]
     pub fn frames(&self) -> u32 {
         match self {
@@ -26,7 +26,7 @@ impl Reference {
         }
     }
 
-    /// Offset from neutral in frame `frame` [µs], or `None` past the end.
+    /// Offset from neutral in frame `frame` (µs), or `None` past the end.
     #[must_use]
     pub fn offset_us(&self, frame: u32) -> Option<i16> {
         match self {
@@ -34,7 +34,7 @@ impl Reference {
         }
     }
 
-    /// The smallest and the largest offset from neutral [µs]: what travel limits are checked against.
+    /// The smallest and the largest offset from neutral (µs): what travel limits are checked against.
     #[must_use]
     pub fn extremes_us(&self) -> (i16, i16) {
         match self {
@@ -74,13 +74,13 @@ impl Reference {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Staircase {
-    /// Offset of both levels from neutral [µs]; the first level is `+amplitude_us`.
+    /// Offset of both levels from neutral (µs); the first level is `+amplitude_us`.
     pub amplitude_us: u16,
-    /// Hold of the first cycle [frames].
+    /// Hold of the first cycle (frames).
     pub longest_hold_frames: u16,
-    /// Hold below which no further cycle follows [frames].
+    /// Hold below which no further cycle follows (frames).
     pub shortest_hold_frames: u16,
-    /// What each cycle is shorter by [frames].
+    /// What each cycle is shorter by (frames).
     pub hold_step_frames: u16,
 }
 
@@ -93,7 +93,7 @@ impl Staircase {
         hold_step_frames: 5,
     };
 
-    /// The holds [frames], longest first; each is held once at + and once at -.
+    /// The holds (frames), longest first; each is held once at + and once at -.
     pub fn holds(&self) -> impl Iterator<Item = u32> + use<> {
         let (first, last) = (
             u32::from(self.longest_hold_frames),
@@ -110,7 +110,7 @@ impl Staircase {
         (0..count).map(move |cycle| first - cycle * step)
     }
 
-    /// Length [frames].
+    /// Length (frames).
     #[must_use]
     pub fn frames(&self) -> u32 {
         // Closed form of 2·Σ hold; u64, because 65 535 holds of 65 535 frames do not fit 32 bits.
@@ -121,7 +121,7 @@ impl Staircase {
         u32::try_from(total).unwrap_or(u32::MAX)
     }
 
-    /// Offset from neutral in frame `frame` [µs], or `None` past the end.
+    /// Offset from neutral in frame `frame` (µs), or `None` past the end.
     #[must_use]
     pub fn offset_us(&self, frame: u32) -> Option<i16> {
         let amplitude = i16::try_from(self.amplitude_us).unwrap_or(i16::MAX);

@@ -4,10 +4,10 @@
 //! fixed number of samples. Sample `j` of frame `f` is taken `f·20 ms + phase + j·2 ms` after the
 //! first rising edge, where the phase is stated in [`Hello`](crate::Hello).
 
-/// Length of a PWM frame [µs]: the usual frame of R/C servos, and the paper's (§4).
+/// Length of a PWM frame (µs): the usual frame of R/C servos, and the paper's (§4).
 pub const FRAME_US: u32 = 20_000;
 
-/// Time between two samples [µs] (paper §4: 2 ms).
+/// Time between two samples (µs) (paper §4: 2 ms).
 pub const SAMPLE_US: u32 = 2_000;
 
 /// Samples in one frame.

@@ -8,7 +8,7 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// Width of a servo pulse [µs].
+/// Width of a servo pulse (µs).
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, Schema,
 )]
@@ -52,7 +52,7 @@ impl Counts {
     pub const MAX_TWO_BYTES: Self = Self((1 << 14) - 1);
 }
 
-/// An angle [deg].
+/// An angle (deg).
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 #[repr(transparent)]
 pub struct Degrees(pub f64);
@@ -72,7 +72,7 @@ pub struct Degrees(pub f64);
 pub struct ServoScale {
     /// The pulse that commands 0 degrees.
     pub neutral: PulseWidth,
-    /// Change of the pulse width for one degree [µs/deg].
+    /// Change of the pulse width for one degree (µs/deg).
     pub us_per_degree: f64,
 }
 
@@ -103,7 +103,7 @@ impl ServoScale {
 pub struct SensorScale {
     /// The counts at 0 degrees; may lie between two counts.
     pub zero_counts: f64,
-    /// Change of the angle for one count [deg].
+    /// Change of the angle for one count (deg).
     pub degrees_per_count: f64,
 }
 
