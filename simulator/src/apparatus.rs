@@ -1,0 +1,92 @@
+//! Servo, sensor and ADC together: a pulse in, a frame of samples out.
+
+use crate::noise::Noise;
+use crate::options::{OptionsError, ServoKind, SimulationOptions};
+use crate::sensor::{HallSensor, SENSOR_SCALE};
+use crate::servo::Servo;
+use crate::{aircraft, bench, linear};
+use servoid_protocol::timing::{FRAME_US, SAMPLE_US, SAMPLES_PER_FRAME};
+use servoid_protocol::{Counts, PulseWidth};
+use std::time::Duration;
+
+/// Length of a PWM frame.
+pub(crate) const FRAME: Duration = Duration::from_micros(FRAME_US as u64);
+
+/// What one PWM frame brought, and what was behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SimulatedFrame {
+    /// Frames since the start of the simulation.
+    pub number: u64,
+    /// The pulse in this frame.
+    pub pulse: Option<PulseWidth>,
+    /// What the ADC gave.
+    pub samples: [Counts; SAMPLES_PER_FRAME],
+    /// The true angles at the samples' times, without noise and rounding (deg).
+    pub angles: [f64; SAMPLES_PER_FRAME],
+}
+
+impl SimulatedFrame {
+    /// The measured angles (deg), by the nominal [`SENSOR_SCALE`].
+    #[must_use]
+    pub fn degrees(&self) -> [f64; SAMPLES_PER_FRAME] {
+        self.samples.map(|counts| SENSOR_SCALE.degrees(counts).0)
+    }
+}
+
+/// All that the wires of a board would be connected to.
+pub struct Apparatus {
+    servo: Box<dyn Servo>,
+    sensor: HallSensor,
+    noise: Noise,
+    first_sample: Duration,
+    number: u64,
+}
+
+impl Apparatus {
+    /// An apparatus at rest, before its first frame.
+    ///
+    /// # Errors
+    /// [`OptionsError`] where an option has a value that makes no sense.
+    pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
+        options.check()?;
+        let conditions = options.conditions.scattered(options.scatter, options.seed);
+        let servo: Box<dyn Servo> = match options.servo {
+            ServoKind::Bench => Box::new(bench::servo(&conditions)),
+            ServoKind::Aircraft => Box::new(aircraft::servo(&conditions)),
+            ServoKind::Linear(mut parameters) => {
+                parameters.delay += conditions.clock_phase;
+                Box::new(linear::LinearServo::new(parameters))
+            }
+        };
+        Ok(Self {
+            servo,
+            sensor: HallSensor::new(conditions.sensor_gain, options.fault),
+            noise: Noise::new(options.noise, options.seed),
+            first_sample: Duration::from_micros(options.first_sample_us.into()),
+            number: 0,
+        })
+    }
+
+    /// The next frame, with `pulse` in it. Sample `j` is taken `first_sample_us + j · 2 ms` after
+    /// the rising edge; all its conversions see the same angle.
+    pub fn frame(&mut self, pulse: Option<PulseWidth>) -> SimulatedFrame {
+        let number = self.number;
+        self.number += 1;
+        let edge = Duration::from_micros(number * u64::from(FRAME_US));
+        self.servo.command(edge, pulse);
+        let mut samples = [Counts::default(); SAMPLES_PER_FRAME];
+        let mut angles = [0.0; SAMPLES_PER_FRAME];
+        let mut at = edge + self.first_sample;
+        for (counts, angle) in samples.iter_mut().zip(&mut angles) {
+            *angle = self.servo.angle(at);
+            *counts = self.sensor.sample(at, *angle, &self.noise.next_sample());
+            at += Duration::from_micros(SAMPLE_US.into());
+        }
+        SimulatedFrame {
+            number,
+            pulse,
+            samples,
+            angles,
+        }
+    }
+}

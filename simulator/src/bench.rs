@@ -1,0 +1,30 @@
+//! The servo free on the bench.
+//!
+//! The parameters were fitted to the figures that the paper reports (its Figs 4-7): that the
+//! simulated servo shows those figures is by construction, no evidence about the real one. The
+//! inertia, above all, is an effective value.
+
+use crate::conditions::Conditions;
+use crate::motor::{MotorParameters, MotorServo};
+use std::time::Duration;
+
+/// The bench servo at its nominal supply.
+pub const BENCH: MotorParameters = MotorParameters {
+    stall_torque: 1.18,
+    no_load_speed: 13.1,
+    inertia: 9.66e-3,
+    proportional_gain: 60.0,
+    speed_gain: 0.944,
+    speed_filter: 1e-3,
+    friction: 0.012,
+    friction_speed: 0.05,
+    dead_band: 0.04,
+    play: 0.04,
+    latency: Duration::from_micros(21_500),
+};
+
+/// A bench servo under `conditions`.
+#[must_use]
+pub fn servo(conditions: &Conditions) -> MotorServo {
+    MotorServo::new(conditions.applied_to(BENCH), None)
+}

@@ -1,0 +1,121 @@
+//! A board without hardware, for the firmware's own library.
+
+use crate::apparatus::{Apparatus, SimulatedFrame};
+use crate::options::{OptionsError, SimulationOptions};
+use crate::sensor::{FULL_SCALE, OVERSAMPLING};
+use servoid_firmware::{Board, CapturedFrame, Identity};
+use servoid_protocol::PulseWidth;
+use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
+use std::cell::Cell;
+use std::future::poll_fn;
+use std::rc::Rc;
+use std::task::Poll;
+
+/// The only thing that makes a simulated board's time go on. Clones are the same clock.
+#[derive(Clone, Debug, Default)]
+pub struct FrameClock(Rc<Cell<u64>>);
+
+impl FrameClock {
+    /// A clock before the first frame.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// One more PWM frame has passed.
+    pub fn tick(&self) {
+        self.0.set(self.0.get() + 1);
+    }
+}
+
+/// Is shown each frame as it is sampled.
+pub type Observer = Box<dyn FnMut(&SimulatedFrame)>;
+
+/// A [`Board`] over an [`Apparatus`].
+///
+/// [`Board::next_frame`] is pending until the [`FrameClock`] ticks, once for each frame, and wakes
+/// nobody: whoever ticks polls next.
+pub struct SimulatedBoard {
+    apparatus: Apparatus,
+    clock: FrameClock,
+    observer: Observer,
+    /// Frames that the rig has been given.
+    taken: u64,
+    /// The pulse from the next frame edge on.
+    pulse: Option<PulseWidth>,
+    identity: Identity,
+}
+
+impl SimulatedBoard {
+    /// A board that was just switched on. `observer` sees every frame, with the truth behind it.
+    ///
+    /// # Errors
+    /// [`OptionsError`] where an option has a value that makes no sense.
+    pub fn new(
+        options: &SimulationOptions,
+        clock: FrameClock,
+        observer: Observer,
+    ) -> Result<Self, OptionsError> {
+        Ok(Self {
+            apparatus: Apparatus::new(options)?,
+            clock,
+            observer,
+            taken: 0,
+            pulse: None,
+            identity: identity(options),
+        })
+    }
+}
+
+fn identity(options: &SimulationOptions) -> Identity {
+    let mut unique_id = *b"sim.        ";
+    unique_id[4..].copy_from_slice(&options.seed.to_le_bytes());
+    let board = ["sim:", options.servo.name()].concat();
+    Identity {
+        board: Text16::new(&board),
+        unique_id,
+        clock: ClockSource::Simulated,
+        reset_cause: ResetCause::PowerOn,
+        first_sample_us: options.first_sample_us,
+        // All conversions of a sample see the angle of one instant.
+        aperture_us: 0,
+        oversampling: OVERSAMPLING as u8,
+        full_scale: FULL_SCALE,
+    }
+}
+
+impl Board for SimulatedBoard {
+    fn identity(&self) -> Identity {
+        self.identity
+    }
+
+    async fn next_frame(&mut self) -> CapturedFrame {
+        poll_fn(|_| {
+            if self.taken < self.clock.0.get() {
+                Poll::Ready(())
+            } else {
+                Poll::Pending
+            }
+        })
+        .await;
+        // No await from here on: a future that is dropped has not taken the frame.
+        self.taken += 1;
+        let frame = self.apparatus.frame(self.pulse);
+        (self.observer)(&frame);
+        CapturedFrame {
+            number: frame.number as u32, // wraps, as the trait says
+            pulse: frame.pulse,
+            samples: frame.samples,
+        }
+    }
+
+    fn set_pulse(&mut self, pulse: Option<PulseWidth>) {
+        self.pulse = pulse;
+    }
+
+    /// Nothing to reset: a rig that hangs hangs its caller, who sees it.
+    fn feed_watchdog(&mut self) {}
+
+    /// Nobody sits beside a simulated board.
+    fn show_armed(&mut self, _armed: bool) {}
+}

@@ -1,0 +1,128 @@
+//! A whole rig inside the caller's own thread.
+//!
+//! The firmware's [`serve`] runs over a [`SimulatedBoard`] and a serial line, all in simulated time.
+//! Time goes on only while the caller waits in [`InProcessRig::read`]; so nothing depends on how
+//! fast or how loaded the machine is, a run takes no longer than its arithmetic, and leases and
+//! time-outs mean what they mean on a real rig.
+
+use crate::apparatus::{FRAME, SimulatedFrame};
+use crate::board::{FrameClock, Observer, SimulatedBoard};
+use crate::options::{OptionsError, SimulationOptions};
+use crate::serial_line::{RigEnd, SerialLine};
+use servoid_firmware::serve;
+use std::cell::RefCell;
+use std::pin::Pin;
+use std::rc::Rc;
+use std::task::{Context, Waker};
+use std::time::{Duration, Instant};
+
+/// A simulated rig behind a simulated serial line; see the [module](self).
+///
+/// ```
+/// use servoid_protocol::{Command, Decoder, Request, RigMessage, framing};
+/// use servoid_simulator::InProcessRig;
+/// use std::time::Duration;
+///
+/// let mut rig = InProcessRig::new(&"linear".parse()?)?;
+/// let hello = Request { session: 1, id: 0, command: Command::Hello };
+/// rig.write(framing::encode(&hello, &mut [0; framing::MAX_WIRE])?);
+/// let (mut decoder, mut buffer) = (Decoder::new(), [0; 64]);
+/// let answer = loop {
+///     let count = rig.read(&mut buffer, Duration::from_millis(100));
+///     assert_ne!(count, 0, "no answer within 100 ms");
+///     let messages = buffer[..count].iter().filter_map(|&byte| decoder.push(byte));
+///     if let Some(RigMessage::Hello(answer)) = messages.last() {
+///         break answer;
+///     }
+/// };
+/// assert_eq!(answer.board.as_str(), "sim:linear");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct InProcessRig {
+    /// `serve` with the board and the link that it owns. It never ends.
+    rig: Pin<Box<dyn Future<Output = ()>>>,
+    clock: FrameClock,
+    line: Rc<RefCell<SerialLine>>,
+    now: Duration,
+    next_edge: Duration,
+    /// The instant of simulated time 0, when simulated time follows the clock on the wall.
+    started: Option<Instant>,
+}
+
+impl InProcessRig {
+    /// A rig that was just switched on.
+    ///
+    /// # Errors
+    /// [`OptionsError`] where an option has a value that makes no sense.
+    pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
+        Self::observed(options, |_| {})
+    }
+
+    /// A rig whose every PWM frame is shown to `observer`, with the truth behind the samples.
+    ///
+    /// # Errors
+    /// [`OptionsError`] where an option has a value that makes no sense.
+    pub fn observed(
+        options: &SimulationOptions,
+        observer: impl FnMut(&SimulatedFrame) + 'static,
+    ) -> Result<Self, OptionsError> {
+        let clock = FrameClock::new();
+        let observer: Observer = Box::new(observer);
+        let mut board = SimulatedBoard::new(options, clock.clone(), observer)?;
+        let line = Rc::new(RefCell::new(SerialLine::new(options.line)));
+        let mut link = RigEnd(line.clone());
+        Ok(Self {
+            rig: Box::pin(async move { serve(&mut board, &mut link).await }),
+            clock,
+            line,
+            now: Duration::ZERO,
+            next_edge: FRAME,
+            started: options.realtime.then(Instant::now),
+        })
+    }
+
+    /// Simulated time since the rig was switched on.
+    #[must_use]
+    pub fn now(&self) -> Duration {
+        self.now
+    }
+
+    /// Hands `bytes` to the line. They reach the rig in the time that the line takes, which passes
+    /// in [`read`](Self::read).
+    pub fn write(&mut self, bytes: &[u8]) {
+        self.line.borrow_mut().host_writes(bytes);
+    }
+
+    /// Waits until bytes have come and copies them to `buffer`; returns how many, or 0 when
+    /// `timeout` of simulated time has passed without any.
+    ///
+    /// With a `timeout` of 0 no time passes; an endless loop of such reads waits for ever.
+    pub fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> usize {
+        let deadline = self.now.saturating_add(timeout);
+        loop {
+            let count = self.line.borrow_mut().host_reads(buffer);
+            if count > 0 || self.now >= deadline {
+                return count;
+            }
+            self.advance(deadline.min(self.next_edge));
+        }
+    }
+
+    /// Lets simulated time go on to `to`, which is not beyond the next frame edge.
+    fn advance(&mut self, to: Duration) {
+        if let Some(started) = self.started {
+            std::thread::sleep(to.saturating_sub(started.elapsed()));
+        }
+        self.line.borrow_mut().advance(to - self.now);
+        self.now = to;
+        if self.now == self.next_edge {
+            self.clock.tick();
+            self.next_edge += FRAME;
+        }
+        // Polling once is enough: both things that the rig waits for are looked at anew each time.
+        let _ = self
+            .rig
+            .as_mut()
+            .poll(&mut Context::from_waker(Waker::noop()));
+    }
+}

@@ -1,0 +1,187 @@
+//! The Hall angle sensor and the ADC behind its divider.
+//!
+//! ```text
+//!  shaft --> 0.5 .. 4.5 V over 120 deg, 2.5 V at 0 --> divider 5 V : 3.3 V --> 12-bit ADC, summed K times
+//! ```
+//!
+//! The divider makes the ADC's full scale 5 V at the sensor, so one step is 5 V / 4096 or
+//! 0.0366 deg. Each conversion rounds to the nearest step and stops at both ends; the board sums
+//! [`OVERSAMPLING`] of them.
+
+use crate::noise::SampleNoise;
+use servoid_protocol::{Counts, SensorScale};
+use std::time::Duration;
+
+/// Conversions K summed into one sample, as on the board.
+pub const OVERSAMPLING: usize = 4;
+
+/// Largest result of one conversion (12 bits).
+const LARGEST_CODE: u16 = (1 << 12) - 1;
+
+/// Counts of a sample at the supply rail.
+pub const FULL_SCALE: Counts = Counts(OVERSAMPLING as u16 * LARGEST_CODE);
+
+/// ADC codes per volt at the sensor: 4096 steps over 5 V.
+const CODES_PER_VOLT: f64 = 4096.0 / 5.0;
+/// Sensor output at 0 degrees (V).
+const MIDDLE: f64 = 2.5;
+/// Lowest and highest output of a healthy sensor (V).
+const LIMITS: (f64, f64) = (0.5, 4.5);
+/// Volts per degree.
+const VOLTS_PER_DEGREE: f64 = 4.0 / 120.0;
+
+/// From counts to degrees for the nominal sensor: 0 degrees are 8192 counts, one count is
+/// 0.00916 deg.
+///
+/// ```
+/// use servoid_protocol::{Counts, Degrees};
+/// use servoid_simulator::sensor::SENSOR_SCALE;
+/// assert_eq!(SENSOR_SCALE.degrees(Counts(8192)), Degrees(0.0));
+/// // 4.5 V of 5 V, at 60 degrees:
+/// let counts = Counts((4.0 * 4096.0 * 4.5 / 5.0) as u16);
+/// assert!((SENSOR_SCALE.degrees(counts).0 - 60.0).abs() < SENSOR_SCALE.degrees_per_count);
+/// ```
+pub const SENSOR_SCALE: SensorScale = SensorScale {
+    zero_counts: OVERSAMPLING as f64 * CODES_PER_VOLT * MIDDLE,
+    degrees_per_count: 1.0 / (OVERSAMPLING as f64 * CODES_PER_VOLT * VOLTS_PER_DEGREE),
+};
+
+/// What may break at the sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultKind {
+    /// The signal wire is off: the divider pulls the input to 0 V.
+    Open,
+    /// The signal wire touches the supply: 5 V.
+    Short,
+}
+
+/// A fault, and since when.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SensorFault {
+    /// What breaks.
+    pub kind: FaultKind,
+    /// When, counted from the start of the simulation.
+    pub from: Duration,
+}
+
+/// A sensor, its divider and the ADC.
+#[derive(Clone, Copy, Debug)]
+pub struct HallSensor {
+    gain: f64,
+    fault: Option<SensorFault>,
+}
+
+impl HallSensor {
+    /// A sensor with `gain` relative to [`SENSOR_SCALE`], which breaks as `fault` says.
+    #[must_use]
+    pub fn new(gain: f64, fault: Option<SensorFault>) -> Self {
+        Self { gain, fault }
+    }
+
+    /// One sample of `angle` (deg) at `at`.
+    #[must_use]
+    pub fn sample(&self, at: Duration, angle: f64, noise: &SampleNoise) -> Counts {
+        let volts = self.volts(at, angle + noise.shared);
+        Counts(
+            noise
+                .conversions
+                .iter()
+                .map(|own| convert(volts + own * VOLTS_PER_DEGREE))
+                .sum(),
+        )
+    }
+
+    /// What the sensor puts on its wire (V).
+    #[must_use]
+    pub fn volts(&self, at: Duration, angle: f64) -> f64 {
+        match self.fault {
+            Some(fault) if at >= fault.from => match fault.kind {
+                FaultKind::Open => 0.0,
+                FaultKind::Short => 5.0,
+            },
+            _ => (MIDDLE + self.gain * angle * VOLTS_PER_DEGREE).clamp(LIMITS.0, LIMITS.1),
+        }
+    }
+}
+
+/// One conversion of the voltage at the sensor.
+#[must_use]
+pub fn convert(volts: f64) -> u16 {
+    (volts * CODES_PER_VOLT)
+        .round()
+        .clamp(0.0, f64::from(LARGEST_CODE)) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::{Noise, NoiseKind};
+
+    const QUIET: SampleNoise = SampleNoise {
+        shared: 0.0,
+        conversions: [0.0; OVERSAMPLING],
+    };
+
+    fn degrees(counts: Counts) -> f64 {
+        SENSOR_SCALE.degrees(counts).0
+    }
+
+    #[test]
+    fn without_noise_the_error_is_at_most_half_a_step() {
+        let sensor = HallSensor::new(1.0, None);
+        let step = 5.0 / 4096.0 / (4.0 / 120.0);
+        let mut worst = 0f64;
+        for k in -59_000..=59_000 {
+            let angle = f64::from(k) * 1e-3;
+            let error = degrees(sensor.sample(Duration::ZERO, angle, &QUIET)) - angle;
+            worst = worst.max(error.abs());
+        }
+        // Half a step, and angles 0.001 deg apart come that close to it; 1e-9 for rounding.
+        assert!(
+            worst < step / 2.0 + 1e-9 && worst > step / 2.0 - 1e-3,
+            "{worst}"
+        );
+    }
+
+    #[test]
+    fn the_noise_of_conversions_dithers_the_adc() {
+        let sensor = HallSensor::new(1.0, None);
+        let mut noise = Noise::new(NoiseKind::White, 5);
+        // Half-way between two steps, where a quiet ADC errs most.
+        let angle = 0.5 * 5.0 / 4096.0 / (4.0 / 120.0);
+        const N: usize = 100_000;
+        let errors: Vec<f64> = (0..N)
+            .map(|_| degrees(sensor.sample(Duration::ZERO, angle, &noise.next_sample())) - angle)
+            .collect();
+        let mean = errors.iter().sum::<f64>() / N as f64;
+        let variance = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / N as f64;
+        // The sum's rounding adds LSB²/12 per conversion, a quarter of it in the mean of four:
+        // Sheppard's correction, whose remainder at noise of 1.09 LSB is e^(-2π²·1.09²) ~ 1e-10.
+        let expected = 0.02f64.powi(2) + 0.0366f64.powi(2) / 12.0 / 4.0;
+        // sd of the mean: 0.0207/√N = 7e-5; of the variance: √(2/N) = 0.45 %. Four of each.
+        assert!(mean.abs() < 2.6e-4, "{mean}");
+        assert!(
+            (variance / expected - 1.0).abs() < 0.018,
+            "{variance} for {expected}"
+        );
+    }
+
+    #[test]
+    fn it_saturates_and_breaks_where_it_should() {
+        let sample = |fault, angle| {
+            HallSensor::new(1.0, fault).sample(Duration::from_secs(2), angle, &QUIET)
+        };
+        let broken = |kind, from| {
+            Some(SensorFault {
+                kind,
+                from: Duration::from_secs(from),
+            })
+        };
+        assert!((degrees(sample(None, 90.0)) - 60.0).abs() < 0.02);
+        assert!((degrees(sample(None, -90.0)) + 60.0).abs() < 0.02);
+        assert_eq!(sample(broken(FaultKind::Open, 2), 0.0), Counts(0));
+        assert_eq!(sample(broken(FaultKind::Short, 2), 0.0), FULL_SCALE);
+        assert_eq!(sample(broken(FaultKind::Open, 3), 0.0), Counts(8192));
+        assert!(FULL_SCALE <= Counts::MAX_TWO_BYTES);
+    }
+}
