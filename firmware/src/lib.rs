@@ -1,9 +1,46 @@
 //! The rig's behaviour, over a [`Board`] and a [`Link`].
 //!
-//! The same code runs on the STM32F103 and, inside the simulator, on a PC.
+//! ```text
+//!               frame caught                       pulse for the next frame
+//!  Board ---------------------> +-----+ ---------------------------------> Board
+//!                               | Rig |
+//!  Link ----------------------> +-----+ ---------------------------------> Link
+//!               request                      answers, ends, frames
+//! ```
+//!
+//! | module      | what it does                                                        |
+//! |-------------|---------------------------------------------------------------------|
+//! | [`board`]   | what the rig needs from the hardware below it                       |
+//! | [`limits`]  | what a servo may be told, and what a healthy sensor says            |
+//! | [`rig`]     | the states and what moves between them; no input or output in it    |
+//! | [`history`] | the last frames of the run, for sending and for sending again       |
+//! | [`serve`](mod@serve) | the loop that connects a rig to its board and its link     |
+//!
+//! The same code runs on the STM32F103 and, inside the simulator, on a PC. Nothing in it allocates,
+//! waits for anything but the next frame or byte, or panics.
 
 #![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::unwrap_used
+    )
+)]
 
 pub mod board;
+pub mod history;
+pub mod limits;
+mod outbox;
+pub mod rig;
+mod run;
+pub mod serve;
+mod session;
 
 pub use board::{Board, CapturedFrame, Identity, Link};
+pub use rig::Rig;
+pub use serve::serve;

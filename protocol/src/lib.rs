@@ -14,7 +14,7 @@
 //! |---------------|----------------------------------------------------------------------------|
 //! | [`units`]     | pulse widths (µs), sensor counts, degrees, and the scales between them     |
 //! | [`timing`]    | the 20 ms PWM frame and the ten samples in it                              |
-//! | [`reference`] | the reference signals, expanded to one pulse per frame by the same code on both ends |
+//! | [`mod@reference`] | the reference signals, expanded to one pulse per frame by the same code on both ends |
 //! | [`message`]   | requests and what the rig answers                                          |
 //! | [`hello`]     | who the rig is: a layout that never changes                                |
 //! | [`framing`]   | messages to bytes and back: postcard, CRC-32, COBS, zero bytes around      |

@@ -13,7 +13,9 @@
 //! A host that hears nothing says the same again. A [`Request`] carries the host's `session` and an
 //! `id` that rises by one with each new request (wrapping); the rig answers a repeated id with the
 //! outcome that it gave before and does nothing else, and refuses an id older than the newest one,
-//! so that a copy that comes late can have no effect. [`Command::Hello`] opens a session.
+//! so that a copy that comes late can have no effect. [`Command::Hello`] opens a session; one whose
+//! own session is open already with a newer id is a late copy like any other, so a host that
+//! connects chooses a session by chance and another one where that is refused.
 
 use crate::framing::CRC;
 use crate::hello::Hello;
@@ -48,9 +50,11 @@ pub enum Command {
     Arm(Arm),
     /// Stop pulses. Ends a run first.
     Disarm,
-    /// Begin a run; the rig must be armed and not running.
+    /// Begin a run; the rig must be armed and not running. The frames of the run before are
+    /// forgotten.
     Start(Start),
-    /// End the run of that number at the next frame edge and go to neutral.
+    /// End the run of that number and go to neutral at the next frame edge. The frame under way is
+    /// not part of the run any more.
     Stop {
         /// The run's number.
         run: u16,
@@ -83,7 +87,7 @@ pub struct Arm {
     pub sensor_low: Counts,
     /// The largest reading of a healthy sensor.
     pub sensor_high: Counts,
-    /// Frames that a run goes on after the last sign of life from the host.
+    /// Frames that a run goes on after the last sign of life from the host; at least one.
     pub lease_frames: u16,
 }
 
@@ -180,6 +184,8 @@ pub enum Refusal {
     UnknownRun,
     /// The sensor reads outside its healthy range.
     SensorOutOfRange,
+    /// The run's number is that of the run before: its frames could be taken for the old ones.
+    RunRepeated,
 }
 
 /// One PWM frame of a run: the pulse that was *applied*, and the samples taken during it.
@@ -191,7 +197,7 @@ pub struct Frame {
     pub run: u16,
     /// Frames since the run's first one.
     pub index: u16,
-    /// The pulse at the start of this frame.
+    /// The pulse that was on the line in this frame; never zero.
     pub pulse: PulseWidth,
     /// The samples, in order.
     pub samples: [Counts; SAMPLES_PER_FRAME],

@@ -1,0 +1,150 @@
+//! The last frames of the run.
+//!
+//! Frames wait here until the link takes them, and stay for a host that asks for them again.
+
+use core::num::NonZeroU16;
+use core::ops::Range;
+use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLES_PER_FRAME};
+use servoid_protocol::{Counts, Frame, PulseWidth};
+
+/// A link may be silent for so long (s) and nothing is lost: long enough to push a plug back in.
+const SECONDS: u32 = 5;
+
+/// Frames that stay in memory: a power of two, so that the place of a frame is cheap to find.
+pub const CAPACITY: usize = (SECONDS * FRAMES_PER_SECOND).next_power_of_two() as usize;
+
+/// One frame as it is kept: 22 bytes, and no byte more where there is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Record {
+    pulse: NonZeroU16,
+    samples: [Counts; SAMPLES_PER_FRAME],
+}
+
+const _: () = assert!(size_of::<Option<Record>>() == 2 * (1 + SAMPLES_PER_FRAME));
+
+/// The last [`CAPACITY`] frames of one run.
+#[derive(Debug)]
+pub struct History {
+    run: Option<u16>,
+    /// Index of the frame that comes next: all below have come or are lost.
+    next: u16,
+    /// Frame `index` lies at `index % CAPACITY`; `None` for one that the board lost.
+    records: [Option<Record>; CAPACITY],
+}
+
+impl Default for History {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl History {
+    /// The history of no run.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            run: None,
+            next: 0,
+            records: [None; CAPACITY],
+        }
+    }
+
+    /// Forgets all and begins the history of `run`.
+    pub fn begin(&mut self, run: u16) {
+        self.run = Some(run);
+        self.next = 0;
+    }
+
+    /// The run that the frames belong to.
+    #[must_use]
+    pub fn run(&self) -> Option<u16> {
+        self.run
+    }
+
+    /// The frames that may still be here; those that the board lost are among them.
+    #[must_use]
+    pub fn indices(&self) -> Range<u16> {
+        self.next.saturating_sub(CAPACITY as u16)..self.next
+    }
+
+    /// Adds the next frame, or with `None` notes that the board lost it.
+    ///
+    /// A pulse of zero width is no pulse; a frame without one is kept as lost.
+    pub fn push(&mut self, caught: Option<(PulseWidth, [Counts; SAMPLES_PER_FRAME])>) {
+        let record = caught.and_then(|(pulse, samples)| {
+            let pulse = NonZeroU16::new(pulse.0)?;
+            Some(Record { pulse, samples })
+        });
+        if let Some(place) = self.records.get_mut(usize::from(self.next) % CAPACITY) {
+            *place = record;
+        }
+        self.next = self.next.saturating_add(1);
+    }
+
+    /// The first frame of `wanted` that is still here.
+    #[must_use]
+    pub fn first_of(&self, wanted: &Range<u16>) -> Option<Frame> {
+        let here = self.indices();
+        (wanted.start.max(here.start)..wanted.end.min(here.end)).find_map(|index| self.get(index))
+    }
+
+    fn get(&self, index: u16) -> Option<Frame> {
+        let record = (*self.records.get(usize::from(index) % CAPACITY)?)?;
+        Some(Frame {
+            run: self.run?,
+            index,
+            pulse: PulseWidth(record.pulse.get()),
+            samples: record.samples,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_history_is_long_enough_and_as_small_as_promised() {
+        assert!(CAPACITY as u32 >= 5 * FRAMES_PER_SECOND);
+        assert!(size_of::<History>() <= CAPACITY * 22 + 8);
+    }
+
+    #[test]
+    fn a_new_run_sees_nothing_of_the_one_before() {
+        let mut history = History::new();
+        history.begin(1);
+        history.push(Some((PulseWidth(1_500), [Counts(1); 10])));
+        history.begin(2);
+        assert_eq!(history.first_of(&(0..u16::MAX)), None);
+        history.push(Some((PulseWidth(1_500), [Counts(2); 10])));
+        let frame = history.first_of(&(0..1)).unwrap();
+        assert_eq!(
+            (frame.run, frame.index, frame.samples[0]),
+            (2, 0, Counts(2))
+        );
+    }
+
+    proptest! {
+        /// Against the obvious: a list of everything that ever came.
+        #[test]
+        fn what_is_here_is_what_came_last(
+            came in proptest::collection::vec(proptest::option::weighted(0.9, (1u16..3_000, any::<u16>())), 0..700),
+            wanted in (0u16..700, 0u16..700),
+        ) {
+            let mut history = History::new();
+            history.begin(7);
+            let frames: Vec<Option<Frame>> = came.iter().enumerate().map(|(index, caught)| {
+                history.push(caught.map(|(pulse, counts)| (PulseWidth(pulse), [Counts(counts); 10])));
+                caught.map(|(pulse, counts)| Frame {
+                    run: 7, index: index as u16, pulse: PulseWidth(pulse), samples: [Counts(counts); 10],
+                })
+            }).collect();
+            let here = frames.len().saturating_sub(CAPACITY)..frames.len();
+            prop_assert_eq!(history.indices(), here.start as u16..here.end as u16);
+            let expected = frames[here].iter().flatten()
+                .find(|frame| (wanted.0..wanted.1).contains(&frame.index)).copied();
+            prop_assert_eq!(history.first_of(&(wanted.0..wanted.1)), expected);
+        }
+    }
+}

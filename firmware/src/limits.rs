@@ -1,0 +1,215 @@
+//! What a servo may be told, and what a healthy sensor says.
+
+use servoid_protocol::message::{Arm, Refusal, Start};
+use servoid_protocol::{Counts, PulseWidth};
+
+/// The shortest pulse that the board ever makes.
+///
+/// R/C servos take 1-2 ms, many of them 0.8-2.2 ms as extended travel; what lies beyond drives most
+/// of them against their end stop. A sample taken 0.5 ms after the rising edge is also over before
+/// the shortest pulse ends, and one at 2.5 ms comes after the longest one has ended, so that no
+/// sample falls on an edge.
+pub const SHORTEST_PULSE: PulseWidth = PulseWidth(800);
+
+/// The longest pulse that the board ever makes; see [`SHORTEST_PULSE`].
+pub const LONGEST_PULSE: PulseWidth = PulseWidth(2_200);
+
+/// So many samples outside the sensor's range in a row end a run: 10 ms. One alone may be a
+/// disturbance on the line, a sensor that is off its magnet or a broken wire stays outside.
+pub const UNHEALTHY_SAMPLES: u8 = 5;
+
+/// The limits that a host armed the rig with, checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    neutral: PulseWidth,
+    shortest: PulseWidth,
+    longest: PulseWidth,
+    sensor_low: Counts,
+    sensor_high: Counts,
+    lease_frames: u16,
+}
+
+impl Limits {
+    /// The limits in `arm`, where they make sense and stay within the board's own.
+    ///
+    /// # Errors
+    /// [`Refusal::BadLimits`] unless [`SHORTEST_PULSE`] ≤ shortest ≤ neutral ≤ longest ≤
+    /// [`LONGEST_PULSE`], sensor_low < sensor_high ≤ `full_scale`, and the lease is not zero.
+    pub fn new(arm: &Arm, full_scale: Counts) -> Result<Self, Refusal> {
+        let pulses = [
+            SHORTEST_PULSE,
+            arm.shortest,
+            arm.neutral,
+            arm.longest,
+            LONGEST_PULSE,
+        ];
+        let sane = pulses.is_sorted()
+            && arm.sensor_low < arm.sensor_high
+            && arm.sensor_high <= full_scale
+            && arm.lease_frames > 0;
+        if !sane {
+            return Err(Refusal::BadLimits);
+        }
+        Ok(Self {
+            neutral: arm.neutral,
+            shortest: arm.shortest,
+            longest: arm.longest,
+            sensor_low: arm.sensor_low,
+            sensor_high: arm.sensor_high,
+            lease_frames: arm.lease_frames,
+        })
+    }
+
+    /// The pulse to rest at.
+    #[must_use]
+    pub fn neutral(&self) -> PulseWidth {
+        self.neutral
+    }
+
+    /// Frames that a run goes on after the last sign of life from the host.
+    #[must_use]
+    pub fn lease_frames(&self) -> u32 {
+        u32::from(self.lease_frames)
+    }
+
+    /// Whether a healthy sensor can read `counts`.
+    #[must_use]
+    pub fn is_healthy(&self, counts: Counts) -> bool {
+        (self.sensor_low..=self.sensor_high).contains(&counts)
+    }
+
+    /// The length of a run (frames), if it may be made at all.
+    ///
+    /// # Errors
+    /// [`Refusal::BadReference`] where the reference contradicts itself or the run does not fit the
+    /// 16-bit frame index; [`Refusal::BeyondLimits`] where it leaves the travel limits anywhere.
+    pub fn admit(&self, start: &Start) -> Result<u16, Refusal> {
+        let frames = u16::try_from(start.frames()).map_err(|_| Refusal::BadReference)?;
+        if !start.reference.is_well_formed() || frames == 0 {
+            return Err(Refusal::BadReference);
+        }
+        let (low, high) = start.reference.extremes_us();
+        let within = |offset_us| {
+            self.neutral
+                .offset_by(offset_us)
+                .is_some_and(|pulse| (self.shortest..=self.longest).contains(&pulse))
+        };
+        if within(low) && within(high) {
+            Ok(frames)
+        } else {
+            Err(Refusal::BeyondLimits)
+        }
+    }
+
+    /// The pulse `offset_us` away from neutral, never outside the limits: the last defence, should a
+    /// reference ever exceed the extremes that it was admitted with.
+    #[must_use]
+    pub fn pulse(&self, offset_us: i16) -> PulseWidth {
+        self.neutral
+            .offset_by(offset_us)
+            .unwrap_or(self.neutral)
+            .max(self.shortest)
+            .min(self.longest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_protocol::hello::SCHEMA_HASH;
+    use servoid_protocol::reference::{Reference, Staircase};
+
+    const FULL_SCALE: Counts = Counts(16_380);
+
+    fn arm() -> Arm {
+        Arm {
+            schema_hash: SCHEMA_HASH,
+            neutral: PulseWidth(1_500),
+            shortest: PulseWidth(1_000),
+            longest: PulseWidth(2_000),
+            sensor_low: Counts(1_000),
+            sensor_high: Counts(15_000),
+            lease_frames: 50,
+        }
+    }
+
+    fn staircase(amplitude_us: u16) -> Start {
+        Start {
+            run: 1,
+            pre_roll_frames: 10,
+            reference: Reference::Staircase(Staircase {
+                amplitude_us,
+                ..Staircase::PAPER
+            }),
+            post_roll_frames: 10,
+        }
+    }
+
+    #[test]
+    fn limits_that_touch_the_boards_own_are_good_and_one_microsecond_more_is_not() {
+        let widest = Arm {
+            shortest: SHORTEST_PULSE,
+            longest: LONGEST_PULSE,
+            sensor_high: FULL_SCALE,
+            lease_frames: 1,
+            ..arm()
+        };
+        assert!(Limits::new(&widest, FULL_SCALE).is_ok());
+        type Change = fn(&mut Arm);
+        let bad: [(&str, Change); 7] = [
+            ("too short", |a| a.shortest = PulseWidth(799)),
+            ("too long", |a| a.longest = PulseWidth(2_201)),
+            ("neutral below", |a| a.neutral = PulseWidth(799)),
+            ("neutral above", |a| a.neutral = PulseWidth(2_201)),
+            ("no sensor range", |a| a.sensor_low = a.sensor_high),
+            ("beyond full scale", |a| a.sensor_high = Counts(16_381)),
+            ("no lease", |a| a.lease_frames = 0),
+        ];
+        for (name, change) in bad {
+            let mut arm = widest;
+            change(&mut arm);
+            assert_eq!(
+                Limits::new(&arm, FULL_SCALE),
+                Err(Refusal::BadLimits),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_reference_may_touch_the_limits_and_not_leave_them() {
+        let limits = Limits::new(&arm(), FULL_SCALE).unwrap();
+        assert_eq!(limits.admit(&staircase(500)), Ok(380));
+        assert_eq!(limits.admit(&staircase(501)), Err(Refusal::BeyondLimits));
+        // Beyond what a 16-bit pulse can be, on the low side.
+        assert_eq!(limits.admit(&staircase(1_501)), Err(Refusal::BeyondLimits));
+    }
+
+    #[test]
+    fn a_run_must_make_sense_and_fit_the_frame_index() {
+        let limits = Limits::new(&arm(), FULL_SCALE).unwrap();
+        assert_eq!(limits.admit(&staircase(0)), Err(Refusal::BadReference));
+        let longest = Start {
+            pre_roll_frames: u16::MAX - 370,
+            ..staircase(50)
+        };
+        assert_eq!(limits.admit(&longest), Ok(u16::MAX));
+        let too_long = Start {
+            post_roll_frames: 11,
+            ..longest
+        };
+        assert_eq!(limits.admit(&too_long), Err(Refusal::BadReference));
+    }
+
+    #[test]
+    fn no_offset_makes_a_pulse_outside_the_limits() {
+        let limits = Limits::new(&arm(), FULL_SCALE).unwrap();
+        for offset in i16::MIN..=i16::MAX {
+            let pulse = limits.pulse(offset);
+            assert!((PulseWidth(1_000)..=PulseWidth(2_000)).contains(&pulse));
+            if (-500..=500).contains(&offset) {
+                assert_eq!(Some(pulse), PulseWidth(1_500).offset_by(offset));
+            }
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! The rig: what it does, without any input or output.
+//!
+//! A [`Rig`] is told of frames and requests and says which pulse comes next and what to send. It
+//! keeps no clock: time is the number of the frame. Pulses change with frames only, so a request
+//! has its effect on the line from the frame edge after the next frame that is caught.
+//!
+//! # States and transitions
+//!
+//! | state     | pulse     | `Arm`      | `Start`     | `Stop` | `Disarm` | the run's last frame, lease lapsed, sensor failed |
+//! |-----------|-----------|------------|-------------|--------|----------|--------------------|
+//! | Idle      | none      | -> Armed   | `NotArmed`  | (1)    | stays    |                    |
+//! | Armed     | neutral   | new limits | -> Running  | (1)    | -> Idle  |                    |
+//! | Running   | reference | `Running`  | `Running`   | -> Ended (2) | says `Ended`, -> Idle | -> Ended |
+//! | Ended     | neutral   | -> Armed   | -> Running  | (1)    | -> Idle  |                    |
+//!
+//! 1. Done where it is the last run, which has ended; `UnknownRun` otherwise.
+//! 2. `UnknownRun` where it is another run.
+//!
+//! `KeepAlive`, `Status` and `Hello` change no state; `Resend` is refused as `UnknownRun` unless it
+//! asks for the run under way or the last one. What makes a transition possible:
+//!
+//! | transition | needs                                                                                |
+//! |------------|--------------------------------------------------------------------------------------|
+//! | -> Armed   | an equal schema hash; [`Limits`] within the board's; every sample of the newest frame in the sensor's range |
+//! | -> Running | a reference that is well formed, fits the frame index and stays within the limits; a run number other than the last; the sensor in range |
+//!
+//! # Leases
+//!
+//! Every admitted request of the open session, repeated ones included, begins a new lease. The frame
+//! with which a lease is over ends the run, and the next one is at neutral.
+
+use crate::board::{CapturedFrame, Identity};
+use crate::history::{self, History};
+use crate::limits::{LONGEST_PULSE, Limits, SHORTEST_PULSE};
+use crate::outbox::{Answer, Item, Outbox};
+use crate::run::Run;
+use crate::session::{Admission, Session};
+use servoid_protocol::hello::{PROTOCOL_VERSION, SCHEMA_HASH, Text16};
+use servoid_protocol::message::{
+    Activity, Arm, Command, EndReason, Ended, Outcome, Refusal, Request, RigMessage, Start, Status,
+};
+use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
+use servoid_protocol::{Counts, Hello, PulseWidth};
+
+/// What the rig is doing.
+#[derive(Debug)]
+enum State {
+    Idle,
+    Armed(Limits),
+    Running(Limits, Run),
+    Ended(Limits, Ended),
+}
+
+/// The rig.
+#[derive(Debug)]
+pub struct Rig {
+    hello: Hello,
+    state: State,
+    session: Session,
+    history: History,
+    outbox: Outbox,
+    newest: Option<CapturedFrame>,
+    /// Number of the newest frame when the last sign of life came.
+    heard_at: u32,
+    frames_lost: u32,
+    rejects: u32,
+}
+
+impl Rig {
+    /// A rig on the board that calls itself `identity`: idle, without a session.
+    #[must_use]
+    pub fn new(identity: &Identity) -> Self {
+        Self {
+            hello: hello(identity),
+            state: State::Idle,
+            session: Session::default(),
+            history: History::new(),
+            outbox: Outbox::default(),
+            newest: None,
+            heard_at: 0,
+            frames_lost: 0,
+            rejects: 0,
+        }
+    }
+
+    /// Takes in a frame that the board has caught; returns the pulse for the next one.
+    pub fn on_frame(&mut self, frame: &CapturedFrame) -> Option<PulseWidth> {
+        if let Some(before) = self.newest.replace(*frame) {
+            let lost = frame.number.wrapping_sub(before.number).saturating_sub(1);
+            self.frames_lost = self.frames_lost.saturating_add(lost);
+        }
+        if let State::Running(limits, run) = &mut self.state {
+            let reason = run.on_frame(frame, limits, &mut self.history).or_else(|| {
+                let silent = frame.number.wrapping_sub(self.heard_at);
+                (silent >= limits.lease_frames()).then_some(EndReason::LeaseLapsed)
+            });
+            self.outbox.measure_backlog(&self.history);
+            if let Some(reason) = reason {
+                self.end(reason);
+            }
+        }
+        match &self.state {
+            State::Idle => None,
+            State::Armed(limits) | State::Ended(limits, _) => Some(limits.neutral()),
+            State::Running(limits, run) => Some(run.next_pulse(limits)),
+        }
+    }
+
+    /// Carries out a request and queues its answer.
+    pub fn on_request(&mut self, request: &Request) {
+        let Request {
+            session,
+            id,
+            command,
+        } = *request;
+        if command == Command::Unused {
+            self.rejects = self.rejects.saturating_add(1);
+            return;
+        }
+        let reply = |outcome| Answer::Reply {
+            session,
+            id,
+            outcome,
+        };
+        let outcome = match self.session.admit(request) {
+            Admission::Refused(refusal) => {
+                self.outbox.answer(reply(Outcome::Refused(refusal)));
+                return;
+            }
+            Admission::Again(outcome) => outcome,
+            Admission::New => {
+                if !self.session.is_open(session) {
+                    self.outbox.new_session();
+                }
+                let outcome = match self.carry_out(&command) {
+                    Ok(()) => Outcome::Done,
+                    Err(refusal) => Outcome::Refused(refusal),
+                };
+                self.session.settle(request, outcome);
+                outcome
+            }
+        };
+        self.heard_at = self.newest.map_or(0, |frame| frame.number);
+        self.outbox.answer(match command {
+            Command::Hello => Answer::Hello,
+            Command::Status => Answer::Status,
+            _ => reply(outcome),
+        });
+    }
+
+    /// Counts `rejects` more requests that could not be read.
+    pub fn count_rejects(&mut self, rejects: u32) {
+        self.rejects = self.rejects.saturating_add(rejects);
+    }
+
+    /// Whether pulses are on.
+    #[must_use]
+    pub fn is_armed(&self) -> bool {
+        !matches!(self.state, State::Idle)
+    }
+
+    /// Offers what waits to be sent to `take`, one message after the other, until there is nothing
+    /// more or `take` returns `false`. What it did not take is offered again the next time.
+    pub fn send(&mut self, mut take: impl FnMut(&RigMessage) -> bool) {
+        while let Some(item) = self.outbox.next(&self.history) {
+            let message = match item {
+                Item::Answer(Answer::Hello) => RigMessage::Hello(self.hello),
+                Item::Answer(Answer::Status) => RigMessage::Status(self.status()),
+                Item::Answer(Answer::Reply {
+                    session,
+                    id,
+                    outcome,
+                }) => RigMessage::Reply {
+                    session,
+                    id,
+                    outcome,
+                },
+                Item::Ended(ended) => RigMessage::Ended(ended),
+                Item::Again(frame) | Item::Live(frame) => RigMessage::Frame(frame),
+            };
+            if !take(&message) {
+                return;
+            }
+            self.outbox.sent(&item);
+        }
+    }
+
+    fn status(&self) -> Status {
+        let newest = self.newest.as_ref();
+        Status {
+            activity: match &self.state {
+                State::Idle => Activity::Idle,
+                State::Armed(_) => Activity::Armed,
+                State::Running(_, run) => Activity::Running {
+                    run: run.number(),
+                    frames: run.frames_so_far(),
+                },
+                State::Ended(_, ended) => Activity::Ended(*ended),
+            },
+            sensor: newest
+                .and_then(|frame| frame.samples.last().copied())
+                .unwrap_or_default(),
+            frames_since_start: newest.map_or(0, |frame| frame.number.wrapping_add(1)),
+            frames_lost_on_board: self.frames_lost,
+            rejects: self.rejects,
+            backlog_high_water: self.outbox.backlog_high_water(),
+        }
+    }
+
+    fn carry_out(&mut self, command: &Command) -> Result<(), Refusal> {
+        match command {
+            Command::Unused | Command::Hello | Command::Status | Command::KeepAlive => Ok(()),
+            Command::Arm(arm) => self.arm(arm),
+            Command::Disarm => {
+                self.end(EndReason::Disarmed);
+                self.state = State::Idle;
+                Ok(())
+            }
+            Command::Start(start) => self.start(start),
+            Command::Stop { run } => {
+                self.require_run(*run)?;
+                self.end(EndReason::Stopped);
+                Ok(())
+            }
+            Command::Resend { run, first, count } => {
+                self.require_run(*run)?;
+                self.outbox.resend(*first..first.saturating_add(*count));
+                Ok(())
+            }
+        }
+    }
+
+    fn arm(&mut self, arm: &Arm) -> Result<(), Refusal> {
+        if matches!(self.state, State::Running(..)) {
+            return Err(Refusal::Running);
+        }
+        if arm.schema_hash != SCHEMA_HASH {
+            return Err(Refusal::SchemaDiffers);
+        }
+        let limits = Limits::new(arm, Counts(self.hello.full_scale_counts))?;
+        self.require_healthy_sensor(&limits)?;
+        self.state = State::Armed(limits);
+        Ok(())
+    }
+
+    fn start(&mut self, start: &Start) -> Result<(), Refusal> {
+        let limits = match &self.state {
+            State::Idle => return Err(Refusal::NotArmed),
+            State::Running(..) => return Err(Refusal::Running),
+            State::Armed(limits) | State::Ended(limits, _) => *limits,
+        };
+        let frames = limits.admit(start)?;
+        if self.history.run() == Some(start.run) {
+            return Err(Refusal::RunRepeated);
+        }
+        self.require_healthy_sensor(&limits)?;
+        self.history.begin(start.run);
+        self.outbox.new_run();
+        self.state = State::Running(limits, Run::new(*start, frames));
+        Ok(())
+    }
+
+    /// Ends the run under way, if there is one.
+    fn end(&mut self, reason: EndReason) {
+        if let State::Running(limits, run) = &self.state {
+            let (limits, ended) = (*limits, run.ended(reason));
+            self.outbox.ended(ended);
+            self.state = State::Ended(limits, ended);
+        }
+    }
+
+    /// The history belongs to the run under way or the last one.
+    fn require_run(&self, run: u16) -> Result<(), Refusal> {
+        if self.history.run() == Some(run) {
+            Ok(())
+        } else {
+            Err(Refusal::UnknownRun)
+        }
+    }
+
+    fn require_healthy_sensor(&self, limits: &Limits) -> Result<(), Refusal> {
+        let healthy = |frame: &CapturedFrame| frame.samples.iter().all(|&s| limits.is_healthy(s));
+        if self.newest.as_ref().is_some_and(healthy) {
+            Ok(())
+        } else {
+            Err(Refusal::SensorOutOfRange)
+        }
+    }
+}
+
+fn hello(identity: &Identity) -> Hello {
+    Hello {
+        protocol_version: PROTOCOL_VERSION,
+        schema_hash: SCHEMA_HASH,
+        board: identity.board,
+        build: Text16::new(env!("CARGO_PKG_VERSION")),
+        unique_id: identity.unique_id,
+        clock: identity.clock,
+        reset_cause: identity.reset_cause,
+        frame_us: FRAME_US,
+        sample_us: SAMPLE_US,
+        first_sample_us: identity.first_sample_us,
+        aperture_us: identity.aperture_us,
+        oversampling: identity.oversampling,
+        full_scale_counts: identity.full_scale.0,
+        shortest_pulse_us: SHORTEST_PULSE.0,
+        longest_pulse_us: LONGEST_PULSE.0,
+        history_frames: history::CAPACITY as u16,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,111 @@
+//! Any sequence of events.
+
+use super::*;
+use proptest::prelude::*;
+
+fn any_command() -> impl Strategy<Value = Command> {
+    prop_oneof![
+        Just(Command::Unused),
+        Just(Command::Hello),
+        Just(Command::Status),
+        Just(Command::KeepAlive),
+        Just(Command::Disarm),
+        (0u16..3).prop_map(|run| Command::Stop { run }),
+        (0u16..3, any::<u16>(), any::<u16>()).prop_map(|(run, first, count)| Command::Resend {
+            run,
+            first,
+            count
+        }),
+        (any::<bool>(), 700u16..2_300, 700u16..2_300, 0u16..9).prop_map(
+            |(schema, shortest, longest, lease_frames)| {
+                Command::Arm(Arm {
+                    schema_hash: if schema { SCHEMA_HASH } else { 0 },
+                    shortest: PulseWidth(shortest),
+                    longest: PulseWidth(longest),
+                    lease_frames,
+                    ..arm()
+                })
+            }
+        ),
+        (0u16..3, 0u16..700, 0u16..4, 0u16..4, 0u16..4).prop_map(
+            |(run, amplitude_us, pre_roll_frames, longest_hold_frames, shortest_hold_frames)| {
+                Command::Start(Start {
+                    run,
+                    pre_roll_frames,
+                    reference: Reference::Staircase(Staircase {
+                        amplitude_us,
+                        longest_hold_frames,
+                        shortest_hold_frames,
+                        hold_step_frames: 1,
+                    }),
+                    post_roll_frames: 1,
+                })
+            }
+        ),
+    ]
+}
+
+#[derive(Clone, Debug)]
+enum Event {
+    Request(Command),
+    /// The newest request once more.
+    Again,
+    Frame {
+        late: bool,
+        sick: bool,
+    },
+    Lose(u32),
+}
+
+fn any_event() -> impl Strategy<Value = Event> {
+    prop_oneof![
+        3 => any_command().prop_map(Event::Request),
+        1 => Just(Event::Again),
+        6 => (prop::bool::weighted(0.1), prop::bool::weighted(0.05))
+            .prop_map(|(late, sick)| Event::Frame { late, sick }),
+        1 => prop_oneof![0u32..5, any::<u32>()].prop_map(Event::Lose),
+    ]
+}
+
+proptest! {
+    /// Whatever is asked: no pulse while idle, every other pulse within the limits of the last
+    /// arming that was accepted, and a run that was accepted ends at most once.
+    #[test]
+    fn no_sequence_of_events_makes_a_pulse_outside_the_limits(
+        events in proptest::collection::vec(any_event(), 0..120),
+    ) {
+        let mut bench = Bench::connected();
+        let (mut limits, mut line_before, mut newest, mut starts) = (None, None, Command::Hello, 0);
+        for event in events {
+            match event {
+                Event::Request(command) => {
+                    let outcome = bench.request(command);
+                    newest = command;
+                    match (command, outcome) {
+                        (Command::Arm(arm), Some(Outcome::Done)) => {
+                            limits = Some((arm.shortest, arm.longest));
+                        }
+                        (Command::Start(_), Some(Outcome::Done)) => starts += 1,
+                        _ => {}
+                    }
+                }
+                Event::Again => { bench.raw_request(1, bench.id, newest); }
+                Event::Lose(count) => bench.lose(count),
+                Event::Frame { late, sick } => {
+                    let applied = if late { line_before } else { bench.on_line };
+                    line_before = bench.on_line;
+                    let samples = if sick { [SICK; 10] } else { HEALTHY };
+                    bench.frame_with(applied, samples);
+                    prop_assert_eq!(bench.on_line.is_some(), bench.rig.is_armed());
+                    if let Some(pulse) = bench.on_line {
+                        let (shortest, longest) = limits.unwrap();
+                        prop_assert!((shortest..=longest).contains(&pulse));
+                        prop_assert!((SHORTEST_PULSE..=LONGEST_PULSE).contains(&pulse));
+                    }
+                }
+            }
+        }
+        prop_assert!(bench.ends().len() <= starts);
+        prop_assert!(bench.sent_frames().iter().all(|frame| frame.pulse.0 != 0));
+    }
+}

@@ -1,0 +1,154 @@
+//! One run under way.
+
+use crate::board::CapturedFrame;
+use crate::history::History;
+use crate::limits::{Limits, UNHEALTHY_SAMPLES};
+use servoid_protocol::message::{EndReason, Ended, Frame, RunCheck, Start};
+use servoid_protocol::{Counts, PulseWidth};
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Progress {
+    /// Its first pulse has not been asked for.
+    Requested,
+    /// Its first pulse was asked for when frame `after` had been caught.
+    Asked { after: u32 },
+    /// Its first pulse was first on the line in frame `first` of the board.
+    Begun { first: u32 },
+}
+
+/// A run that has not ended.
+#[derive(Debug)]
+pub(crate) struct Run {
+    start: Start,
+    frames: u16,
+    progress: Progress,
+    /// Index of the frame that comes next: all below have come or are lost.
+    next: u16,
+    lost: u16,
+    unhealthy: u8,
+    check: RunCheck,
+}
+
+impl Run {
+    /// A run of `frames` frames.
+    pub(crate) fn new(start: Start, frames: u16) -> Self {
+        Self {
+            start,
+            frames,
+            progress: Progress::Requested,
+            next: 0,
+            lost: 0,
+            unhealthy: 0,
+            check: RunCheck::new(),
+        }
+    }
+
+    /// Its number.
+    pub(crate) fn number(&self) -> u16 {
+        self.start.run
+    }
+
+    /// Frames that have come or are lost.
+    pub(crate) fn frames_so_far(&self) -> u16 {
+        self.next
+    }
+
+    /// What to report where it ends now.
+    pub(crate) fn ended(&self, reason: EndReason) -> Ended {
+        Ended {
+            run: self.start.run,
+            reason,
+            frames: self.next,
+            frames_lost_on_board: self.lost,
+            check: self.check.value(),
+        }
+    }
+
+    /// The pulse for the frame that comes next.
+    pub(crate) fn next_pulse(&self, limits: &Limits) -> PulseWidth {
+        limits.pulse(self.start.offset_us(u32::from(self.next)).unwrap_or(0))
+    }
+
+    /// Takes in a frame; returns why the run ends with it, if it does.
+    pub(crate) fn on_frame(
+        &mut self,
+        frame: &CapturedFrame,
+        limits: &Limits,
+        history: &mut History,
+    ) -> Option<EndReason> {
+        if let Some(index) = self.index_of(frame, limits) {
+            while self.next < self.frames && u32::from(self.next) < index {
+                self.lose(history);
+            }
+            if self.next < self.frames {
+                self.take(frame, history);
+            }
+        }
+        if self.sensor_failed(&frame.samples, limits) {
+            Some(EndReason::SensorOutOfRange)
+        } else if self.next >= self.frames {
+            Some(EndReason::Complete)
+        } else {
+            None
+        }
+    }
+
+    /// The frame's index in the run, or `None` before the run's first pulse is on the line.
+    ///
+    /// A first pulse that the board wrote too late for its frame is asked for again: the run begins
+    /// when it is on the line, not when it should have been.
+    fn index_of(&mut self, frame: &CapturedFrame, limits: &Limits) -> Option<u32> {
+        let first = match self.progress {
+            Progress::Begun { first } => first,
+            Progress::Asked { after } if frame.pulse == Some(self.next_pulse(limits)) => {
+                after.wrapping_add(1)
+            }
+            _ => {
+                self.progress = Progress::Asked {
+                    after: frame.number,
+                };
+                return None;
+            }
+        };
+        self.progress = Progress::Begun { first };
+        Some(frame.number.wrapping_sub(first))
+    }
+
+    /// Records a frame of the run, as it was on the line. One without a pulse says nothing of what
+    /// the servo was told: it counts as lost.
+    fn take(&mut self, caught: &CapturedFrame, history: &mut History) {
+        let Some(pulse) = caught.pulse.filter(|pulse| pulse.0 != 0) else {
+            self.lose(history);
+            return;
+        };
+        self.check.update(&Frame {
+            run: self.start.run,
+            index: self.next,
+            pulse,
+            samples: caught.samples,
+        });
+        history.push(Some((pulse, caught.samples)));
+        self.next = self.next.saturating_add(1);
+    }
+
+    fn lose(&mut self, history: &mut History) {
+        history.push(None);
+        self.next = self.next.saturating_add(1);
+        self.lost = self.lost.saturating_add(1);
+    }
+
+    fn sensor_failed(&mut self, samples: &[Counts], limits: &Limits) -> bool {
+        for &sample in samples {
+            if limits.is_healthy(sample) {
+                self.unhealthy = 0;
+            } else {
+                self.unhealthy = self.unhealthy.saturating_add(1);
+                if self.unhealthy >= UNHEALTHY_SAMPLES {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}

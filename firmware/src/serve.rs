@@ -1,0 +1,67 @@
+//! The loop that connects a rig to its board and its link.
+
+use crate::board::{Board, CapturedFrame, Link};
+use crate::rig::Rig;
+use core::task::Poll;
+use embassy_futures::poll_once;
+use embassy_futures::select::{Either, select};
+use servoid_protocol::{Decoder, Request, framing};
+
+/// Bytes taken from the link at once: the longest request.
+const RECEIVE_BUFFER: usize = framing::MAX_WIRE;
+
+/// Runs the rig for ever.
+///
+/// Frames come first: the pulse for the next one has to be in its register before the edge. Bytes
+/// that came meanwhile are taken after each frame, so neither side can starve the other however fast
+/// it is.
+pub async fn serve<B: Board, L: Link>(board: &mut B, link: &mut L) -> ! {
+    let mut rig = Rig::new(&board.identity());
+    let mut decoder = Decoder::new();
+    let mut bytes = [0; RECEIVE_BUFFER];
+    loop {
+        let received = match select(board.next_frame(), link.receive(&mut bytes)).await {
+            Either::First(frame) => {
+                on_frame(&mut rig, board, &frame);
+                match poll_once(link.receive(&mut bytes)) {
+                    Poll::Ready(received) => Some(received),
+                    Poll::Pending => None,
+                }
+            }
+            Either::Second(received) => Some(received),
+        };
+        if let Some(received) = received.and_then(|count| bytes.get(..count)) {
+            on_bytes(&mut rig, &mut decoder, received);
+        }
+        board.show_armed(rig.is_armed());
+        flush(&mut rig, link);
+    }
+}
+
+fn on_frame<B: Board>(rig: &mut Rig, board: &mut B, frame: &CapturedFrame) {
+    let pulse = rig.on_frame(frame);
+    board.set_pulse(pulse);
+    board.feed_watchdog();
+}
+
+fn on_bytes(rig: &mut Rig, decoder: &mut Decoder, bytes: &[u8]) {
+    let rejects_before = decoder.rejects().total();
+    for &byte in bytes {
+        if let Some(request) = decoder.push::<Request>(byte) {
+            rig.on_request(&request);
+        }
+    }
+    rig.count_rejects(decoder.rejects().total().saturating_sub(rejects_before));
+}
+
+fn flush<L: Link>(rig: &mut Rig, link: &mut L) {
+    let mut wire = [0; framing::MAX_WIRE];
+    rig.send(|message| match framing::encode(message, &mut wire) {
+        Ok(bytes) => link.try_send(bytes),
+        // No message is longer than a frame can be; should one ever be, nothing may wait behind it.
+        Err(framing::TooLong) => true,
+    });
+}
+
+#[cfg(test)]
+mod tests;

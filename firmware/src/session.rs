@@ -1,0 +1,107 @@
+//! Whose requests count, and which of them have been done already.
+
+use servoid_protocol::message::{Command, Outcome, Refusal, Request};
+
+/// What to do with a request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Admission {
+    /// Carry it out.
+    New,
+    /// It has been carried out: give the same answer.
+    Again(Outcome),
+    /// Refuse it; it is no sign of life either.
+    Refused(Refusal),
+}
+
+/// The session that is open, if any.
+#[derive(Debug, Default)]
+pub(crate) struct Session(Option<Open>);
+
+#[derive(Debug)]
+struct Open {
+    number: u16,
+    newest: u16,
+    /// What came of the newest request.
+    outcome: Outcome,
+}
+
+impl Session {
+    /// Judges a request. Ids wrap: the half of the circle ahead of the newest id is newer, the other
+    /// half older.
+    pub(crate) fn admit(&self, request: &Request) -> Admission {
+        match &self.0 {
+            Some(open) if open.number == request.session => {
+                match request.id.wrapping_sub(open.newest) {
+                    0 => Admission::Again(open.outcome),
+                    1..=0x7fff => Admission::New,
+                    _ => Admission::Refused(Refusal::Outdated),
+                }
+            }
+            _ if request.command == Command::Hello => Admission::New,
+            _ => Admission::Refused(Refusal::UnknownSession),
+        }
+    }
+
+    /// Whether this is the session that is open.
+    pub(crate) fn is_open(&self, session: u16) -> bool {
+        self.0.as_ref().is_some_and(|open| open.number == session)
+    }
+
+    /// Notes what came of an admitted request; the one that opens a session does it by this.
+    pub(crate) fn settle(&mut self, request: &Request, outcome: Outcome) {
+        self.0 = Some(Open {
+            number: request.session,
+            newest: request.id,
+            outcome,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn request(session: u16, id: u16, command: Command) -> Request {
+        Request {
+            session,
+            id,
+            command,
+        }
+    }
+
+    #[test]
+    fn ids_are_ordered_around_the_wrap() {
+        let mut session = Session::default();
+        session.settle(&request(1, u16::MAX, Command::Hello), Outcome::Done);
+        for (id, expected) in [
+            (u16::MAX, Admission::Again(Outcome::Done)),
+            (0, Admission::New),
+            (0x7ffe, Admission::New),
+            (0x7fff, Admission::Refused(Refusal::Outdated)),
+            (u16::MAX - 1, Admission::Refused(Refusal::Outdated)),
+        ] {
+            assert_eq!(
+                session.admit(&request(1, id, Command::KeepAlive)),
+                expected,
+                "{id}"
+            );
+        }
+    }
+
+    #[test]
+    fn only_a_hello_opens_a_session_and_its_late_copy_does_not_reopen_it() {
+        let mut session = Session::default();
+        let unknown = Admission::Refused(Refusal::UnknownSession);
+        assert_eq!(session.admit(&request(5, 1, Command::Disarm)), unknown);
+        let hello = request(5, 1, Command::Hello);
+        assert_eq!(session.admit(&hello), Admission::New);
+        session.settle(&hello, Outcome::Done);
+        session.settle(&request(5, 2, Command::KeepAlive), Outcome::Done);
+        assert_eq!(session.admit(&hello), Admission::Refused(Refusal::Outdated));
+        assert_eq!(session.admit(&request(6, 3, Command::Disarm)), unknown);
+        assert_eq!(
+            session.admit(&request(6, 1, Command::Hello)),
+            Admission::New
+        );
+    }
+}
