@@ -2,7 +2,7 @@
 
 use crate::noise::Noise;
 use crate::options::{OptionsError, ServoKind, SimulationOptions};
-use crate::sensor::{HallSensor, SENSOR_SCALE};
+use crate::sensor::{HallSensor, OVERSAMPLING, SENSOR_SCALE, sum};
 use crate::servo::Servo;
 use crate::{aircraft, bench, linear};
 use servoid_protocol::timing::{FRAME_US, SAMPLE_US, SAMPLES_PER_FRAME};
@@ -33,7 +33,19 @@ impl SimulatedFrame {
     }
 }
 
+/// One sample, and what was behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// The true angle (deg).
+    pub angle: f64,
+    /// What each conversion of the ADC gave; the board [sums](sum) them.
+    pub conversions: [u16; OVERSAMPLING],
+}
+
 /// All that the wires of a board would be connected to.
+///
+/// [`frame`](Self::frame) keeps the rig's timing; with [`command`](Self::command) and
+/// [`sample`](Self::sample) a caller keeps its own, forward only.
 pub struct Apparatus {
     servo: Box<dyn Servo>,
     sensor: HallSensor,
@@ -67,26 +79,34 @@ impl Apparatus {
         })
     }
 
-    /// The next frame, with `pulse` in it. Sample `j` is taken `first_sample_us + j · 2 ms` after
-    /// the rising edge; all its conversions see the same angle.
+    /// A pulse at `at`; see [`Servo::command`].
+    pub fn command(&mut self, at: Duration, pulse: Option<PulseWidth>) {
+        self.servo.command(at, pulse);
+    }
+
+    /// The next sample, at `at`. All its conversions see the same angle.
+    pub fn sample(&mut self, at: Duration) -> Sample {
+        let angle = self.servo.angle(at);
+        let conversions = self.sensor.convert(at, angle, &self.noise.next_sample());
+        Sample { angle, conversions }
+    }
+
+    /// The next PWM frame, with `pulse` at its edge. Sample `j` is taken `first_sample_us + j · 2 ms`
+    /// after the edge.
     pub fn frame(&mut self, pulse: Option<PulseWidth>) -> SimulatedFrame {
         let number = self.number;
         self.number += 1;
         let edge = Duration::from_micros(number * u64::from(FRAME_US));
-        self.servo.command(edge, pulse);
-        let mut samples = [Counts::default(); SAMPLES_PER_FRAME];
-        let mut angles = [0.0; SAMPLES_PER_FRAME];
-        let mut at = edge + self.first_sample;
-        for (counts, angle) in samples.iter_mut().zip(&mut angles) {
-            *angle = self.servo.angle(at);
-            *counts = self.sensor.sample(at, *angle, &self.noise.next_sample());
-            at += Duration::from_micros(SAMPLE_US.into());
-        }
+        self.command(edge, pulse);
+        let samples: [Sample; SAMPLES_PER_FRAME] = std::array::from_fn(|j| {
+            let since_first = Duration::from_micros(j as u64 * u64::from(SAMPLE_US));
+            self.sample(edge + self.first_sample + since_first)
+        });
         SimulatedFrame {
             number,
             pulse,
-            samples,
-            angles,
+            samples: samples.map(|sample| sum(sample.conversions)),
+            angles: samples.map(|sample| sample.angle),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A whole rig inside the caller's own thread.
 //!
-//! The firmware's [`serve`] runs over a [`SimulatedBoard`] and a serial line, all in simulated time.
+//! The firmware's [`serve()`] runs over a [`SimulatedBoard`] and a serial line, all in simulated time.
 //! Time goes on only while the caller waits in [`InProcessRig::read`]; so nothing depends on how
 //! fast or how loaded the machine is, a run takes no longer than its arithmetic, and leases and
 //! time-outs mean what they mean on a real rig.

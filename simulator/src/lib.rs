@@ -14,7 +14,7 @@
 //! |---------------|--------------------------------------------------------------------|
 //! | [`servo`]     | what every simulated servo does; pulses to commanded angles         |
 //! | [`motor`]     | the equations of a digital position servo                          |
-//! | [`bench`]     | that servo on the bench                                            |
+//! | [`mod@bench`] | that servo on the bench                                            |
 //! | [`aircraft`]  | the same servo in an aircraft, under [`load`]                      |
 //! | [`linear`]    | a linear servo whose step response is known exactly                |
 //! | [`conditions`] | what differs between two runs of the same servo                   |
@@ -47,7 +47,7 @@ pub mod options;
 pub mod sensor;
 pub mod servo;
 
-pub use apparatus::{Apparatus, SimulatedFrame};
+pub use apparatus::{Apparatus, Sample, SimulatedFrame};
 pub use board::{FrameClock, SimulatedBoard};
 pub use conditions::{Conditions, Scatter};
 pub use in_process::InProcessRig;

@@ -17,7 +17,8 @@
 //! the loop measures, and the output, where the sensor sits.
 //!
 //! Integrated by semi-implicit Euler (speed first, then angle) on a fixed grid of [`GRID`]; between
-//! grid points θ goes straight, as the scheme itself says.
+//! grid points θ goes straight, as the scheme itself says. A pulse comes into force at the first grid
+//! point that is not before its time.
 //!
 //! Without pulses the motor is off: no torque, no braking, the shaft coasts and follows the load.
 //! That is what most analogue servos do, and the worst case for an aircraft.

@@ -46,6 +46,12 @@ pub const SENSOR_SCALE: SensorScale = SensorScale {
     degrees_per_count: 1.0 / (OVERSAMPLING as f64 * CODES_PER_VOLT * VOLTS_PER_DEGREE),
 };
 
+/// One sample: the sum of its conversions.
+#[must_use]
+pub fn sum(conversions: [u16; OVERSAMPLING]) -> Counts {
+    Counts(conversions.iter().sum())
+}
+
 /// What may break at the sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
@@ -78,22 +84,17 @@ impl HallSensor {
         Self { gain, fault }
     }
 
-    /// One sample of `angle` (deg) at `at`.
+    /// The conversions of one sample of `angle` (deg) at `at`.
     #[must_use]
-    pub fn sample(&self, at: Duration, angle: f64, noise: &SampleNoise) -> Counts {
+    pub fn convert(&self, at: Duration, angle: f64, noise: &SampleNoise) -> [u16; OVERSAMPLING] {
         let volts = self.volts(at, angle + noise.shared);
-        Counts(
-            noise
-                .conversions
-                .iter()
-                .map(|own| convert(volts + own * VOLTS_PER_DEGREE))
-                .sum(),
-        )
+        noise
+            .conversions
+            .map(|own| code(volts + own * VOLTS_PER_DEGREE))
     }
 
     /// What the sensor puts on its wire (V).
-    #[must_use]
-    pub fn volts(&self, at: Duration, angle: f64) -> f64 {
+    fn volts(&self, at: Duration, angle: f64) -> f64 {
         match self.fault {
             Some(fault) if at >= fault.from => match fault.kind {
                 FaultKind::Open => 0.0,
@@ -105,8 +106,7 @@ impl HallSensor {
 }
 
 /// One conversion of the voltage at the sensor.
-#[must_use]
-pub fn convert(volts: f64) -> u16 {
+fn code(volts: f64) -> u16 {
     (volts * CODES_PER_VOLT)
         .round()
         .clamp(0.0, f64::from(LARGEST_CODE)) as u16
@@ -122,6 +122,10 @@ mod tests {
         conversions: [0.0; OVERSAMPLING],
     };
 
+    fn sample(sensor: HallSensor, angle: f64, noise: &SampleNoise) -> Counts {
+        sum(sensor.convert(Duration::from_secs(2), angle, noise))
+    }
+
     fn degrees(counts: Counts) -> f64 {
         SENSOR_SCALE.degrees(counts).0
     }
@@ -133,7 +137,7 @@ mod tests {
         let mut worst = 0f64;
         for k in -59_000..=59_000 {
             let angle = f64::from(k) * 1e-3;
-            let error = degrees(sensor.sample(Duration::ZERO, angle, &QUIET)) - angle;
+            let error = degrees(sample(sensor, angle, &QUIET)) - angle;
             worst = worst.max(error.abs());
         }
         // Half a step, and angles 0.001 deg apart come that close to it; 1e-9 for rounding.
@@ -151,7 +155,7 @@ mod tests {
         let angle = 0.5 * 5.0 / 4096.0 / (4.0 / 120.0);
         const N: usize = 100_000;
         let errors: Vec<f64> = (0..N)
-            .map(|_| degrees(sensor.sample(Duration::ZERO, angle, &noise.next_sample())) - angle)
+            .map(|_| degrees(sample(sensor, angle, &noise.next_sample())) - angle)
             .collect();
         let mean = errors.iter().sum::<f64>() / N as f64;
         let variance = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / N as f64;
@@ -168,9 +172,7 @@ mod tests {
 
     #[test]
     fn it_saturates_and_breaks_where_it_should() {
-        let sample = |fault, angle| {
-            HallSensor::new(1.0, fault).sample(Duration::from_secs(2), angle, &QUIET)
-        };
+        let sample = |fault, angle| sample(HallSensor::new(1.0, fault), angle, &QUIET);
         let broken = |kind, from| {
             Some(SensorFault {
                 kind,

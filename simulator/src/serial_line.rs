@@ -14,7 +14,7 @@ use std::time::Duration;
 pub(crate) const TRANSMIT_BUFFER: usize = 512;
 
 /// Bits on the line for each byte: start, eight, stop.
-const BITS_PER_BYTE: u32 = 10;
+const BITS_PER_BYTE: u64 = 10;
 
 /// One direction.
 #[derive(Debug, Default)]
@@ -23,7 +23,7 @@ struct Lane {
     waiting: VecDeque<u8>,
     /// Through, not yet taken.
     arrived: VecDeque<u8>,
-    /// Part of the next byte that is through (byte · ns per s).
+    /// Part of the next byte that is through (bit · ns per s).
     credit: u64,
 }
 
@@ -33,12 +33,13 @@ impl Lane {
         let through = match speed {
             LineSpeed::Unlimited => self.waiting.len(),
             LineSpeed::Baud(baud) => {
-                const SECOND: u64 = 1_000_000_000;
+                const BYTE: u64 = BITS_PER_BYTE * 1_000_000_000;
                 let elapsed = u64::try_from(elapsed.as_nanos()).unwrap_or(u64::MAX);
-                let rate = u64::from(baud / BITS_PER_BYTE);
-                self.credit = self.credit.saturating_add(elapsed.saturating_mul(rate));
-                let through = usize::try_from(self.credit / SECOND).unwrap_or(usize::MAX);
-                self.credit %= SECOND;
+                self.credit = self
+                    .credit
+                    .saturating_add(elapsed.saturating_mul(baud.into()));
+                let through = usize::try_from(self.credit / BYTE).unwrap_or(usize::MAX);
+                self.credit %= BYTE;
                 through
             }
         };
