@@ -135,6 +135,25 @@ impl Scatter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bench::BENCH;
+
+    #[test]
+    fn supply_scales_torque_and_speed_and_the_clock_delays() {
+        let conditions = Conditions {
+            supply: 0.5,
+            friction: 2.0,
+            clock_phase: Duration::from_millis(1),
+            ..Conditions::default()
+        };
+        let expected = MotorParameters {
+            stall_torque: 0.59,
+            no_load_speed: 6.55,
+            friction: 0.024,
+            latency: Duration::from_micros(22_500),
+            ..BENCH
+        };
+        assert_eq!(conditions.applied_to(BENCH), expected); // halves and doubles are exact
+    }
 
     #[test]
     fn one_part_does_not_depend_on_the_others() {

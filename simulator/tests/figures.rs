@@ -121,10 +121,14 @@ fn the_aircraft_servo_starts_slower_and_swings() {
 #[test]
 fn a_limp_aircraft_servo_is_blown_to_where_the_load_vanishes() {
     let options: SimulationOptions = "aircraft?noise=none".parse().unwrap();
-    let frames: Vec<SimulatedFrame> = simulate(&options, [None; 150]).unwrap().collect();
+    let pulses =
+        std::iter::repeat_n(Some(PulseWidth::NEUTRAL), 50).chain(std::iter::repeat_n(None, 150));
+    let frames: Vec<SimulatedFrame> = simulate(&options, pulses).unwrap().collect();
+    let held = frames[49].angles[9];
+    assert!(held.abs() < 1.0, "{held}");
     // c1 p = 0 at p = 6 + 0.8 θ = 0. The propeller shakes it by a1/(J Ω²) = 0.016 deg and friction
     // may hold it τc/(c1 · 0.8) = 0.9 deg away at the most.
-    let rest = frames[149].angles[9];
+    let rest = frames[199].angles[9];
     assert!((rest + 7.5).abs() < 0.95, "{rest}");
 }
 
@@ -173,7 +177,7 @@ fn conditions_change_what_they_say() {
         let shift = late[0][k + 1] - nominal[0][k];
         assert!(shift.abs() < 1e-9, "{k}: {shift}"); // times differ by rounding only
     }
-    // More supply, less delay to half-way; less supply, lower + plateau in the aircraft.
+    // Less supply, lower + plateau in the aircraft.
     let [weak, strong] = ["0.9", "1.1"].map(|s| holds(&format!("aircraft?noise=none&supply={s}")));
     assert!(plateau(&weak, 0) < plateau(&strong, 0) - 0.2);
     // More friction, less overshoot.

@@ -183,6 +183,9 @@ fn the_papers_run_arrives_whole_and_is_what_the_board_sampled() {
             assert_eq!(truth.samples, frame.samples);
         }
         assert_eq!(host.decoder.rejects().total(), 0);
+        // One PWM frame for each 20 ms of simulated time.
+        let edges = host.rig.now().as_millis() / 20;
+        assert_eq!(host.log.borrow().len() as u128, edges);
     }
 }
 
