@@ -1,1 +1,77 @@
-//! Placeholder
+//! Step and frequency responses of a servo from recorded input and output, with bounds that hold
+//! as often as they say.
+//!
+//! A [`Record`] goes in, a [`Model`] comes out; nothing here touches files, ports or plots.
+//!
+//! ```
+//! use servoid_identification::{identify, Options, Record};
+//! # let u: Vec<f64> = (0..1200).map(|k| if (k * k / 900) % 2 == 0 { 5.0 } else { -5.0 }).collect();
+//! # let y: Vec<f64> = u.iter().enumerate().scan(0.0, |y, (k, u)| {
+//! #     *y += 0.2 * (u - *y); Some(*y + 0.01 * ((k * 7919 % 101) as f64 - 50.0) / 50.0)
+//! # }).collect();
+//! let record = Record::from_slices(0.002, &u, &y)?;
+//! let step = identify(&record, &Options::default())?.step;
+//! for (m, g) in step.value.iter().enumerate() {
+//!     println!("{} s: {g}, in {}..{}", step.time_s[m], step.simultaneous.lower[m], step.simultaneous.upper[m]);
+//! }
+//! # assert!((step.value.last().unwrap() - 1.0).abs() < 0.01);
+//! # Ok::<(), servoid_identification::Error>(())
+//! ```
+//!
+//! # The method
+//!
+//! The output is y(k) = φ(k)'θ + c + ε(k)/D(z): frequency sampling filters φ of the input whose
+//! parameters θ are the frequency response itself ([`basis`]), a constant, and autoregressive noise.
+//! Generalised least squares finds θ and D in turn ([`gls`]). The bounds are Student's, with every
+//! degree of freedom counted ([`curve`], [`band`]); what leaving out frequencies may hide is added to
+//! them ([`truncation`]).
+//!
+//! # The way through the crate
+//!
+//! record → [`moments`] (one pass) → [`normal`] (least squares for any bank and noise filter) →
+//! [`gls`] → [`curve`] and [`band`] → [`step`], [`frequency`], [`metrics`] → [`model`]. The [`structure`] is
+//! chosen from the moments; [`residual`] tests and [`advice`] say how far to trust the result;
+//! [`mod@reference`] is the slow and obvious way that the tests hold all of it against.
+//!
+//! Sources: L. Wang and W. R. Cluett, *From Plant Data to Process Control*, 2000 (the filters);
+//! D. W. Clarke, "Generalised least squares estimation", IFAC 1967; S. Worsley, "An improved
+//! Bonferroni inequality", Biometrika 1982; F. E. Satterthwaite, Biometrics 1946.
+
+pub mod advice;
+pub mod band;
+pub mod basis;
+pub mod convolution;
+pub mod curve;
+pub mod error;
+pub mod explanation;
+pub mod factor;
+pub mod frequency;
+pub mod gls;
+pub mod identify;
+mod lagged_sums;
+mod linear;
+mod low_passed;
+mod matrix_serde;
+pub mod metrics;
+pub mod model;
+pub mod moments;
+pub mod nested;
+pub mod noise;
+pub mod normal;
+pub mod options;
+pub mod record;
+pub mod reference;
+pub mod residual;
+pub mod step;
+pub mod structure;
+pub mod truncation;
+pub mod validation;
+
+pub use advice::Advice;
+pub use error::Error;
+pub use explanation::Explanation;
+pub use identify::{Identification, identify, identify_explained, identify_moments};
+pub use model::Model;
+pub use options::{Frequencies, NoiseOrder, Options, Settling};
+pub use record::{Record, Run};
+pub use validation::Validation;

@@ -1,0 +1,295 @@
+//! Findings with their numbers, and what to do about each.
+
+use serde::{Deserialize, Serialize};
+
+use crate::explanation::Explanation;
+use crate::gls::MAX_AUTO_ORDER;
+use crate::identify::WELL_CONDITIONED;
+use crate::model::{Model, SelectedBy};
+use crate::noise::largest_root;
+use crate::normal::Path;
+use crate::options::{Frequencies, NoiseOrder, Options};
+use crate::structure::MARGIN;
+
+/// One finding.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Advice {
+    /// Short name of the check, stable between versions, such as `settled`.
+    pub check: String,
+    /// What was found, as one sentence.
+    pub finding: String,
+    /// The number that was found.
+    pub value: f64,
+    /// The number it was held against.
+    pub threshold: f64,
+    /// What to do, as one sentence.
+    #[serde(rename = "do")]
+    pub remedy: String,
+}
+
+impl Advice {
+    /// A finding; numbers beyond the finite ones are brought to the largest finite ones, because
+    /// the document that carries them has no infinity.
+    #[must_use]
+    pub fn new(
+        check: &str,
+        finding: String,
+        value: f64,
+        threshold: f64,
+        remedy: impl Into<String>,
+    ) -> Self {
+        let finite = |x: f64| {
+            if x.is_nan() {
+                0.0
+            } else {
+                x.clamp(f64::MIN, f64::MAX)
+            }
+        };
+        Self {
+            check: check.to_owned(),
+            finding,
+            value: finite(value),
+            threshold: finite(threshold),
+            remedy: remedy.into(),
+        }
+    }
+}
+
+/// What advice is drawn from.
+pub(crate) struct Evidence<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) explanation: &'a Explanation,
+    pub(crate) options: &'a Options,
+}
+
+/// p-values below this are findings.
+const SIGNIFICANCE: f64 = 0.01;
+
+/// Fewer degrees of freedom than this make the width of a band itself uncertain.
+const FEW_DEGREES: f64 = 30.0;
+
+/// A root of D(z) beyond this is drift.
+const SLOW_ROOT: f64 = 0.98;
+
+/// More parameters than this share of the rows leave too little to judge the noise by.
+const LARGE_SHARE: f64 = 0.25;
+
+/// All findings on a model.
+pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
+    [
+        settled(evidence),
+        responds(evidence),
+        truncated(evidence),
+        parameters(evidence),
+        slow_noise(evidence),
+        whiteness(evidence),
+        independence(evidence),
+        conditioning(evidence),
+        converged(evidence),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
+    let choice = evidence
+        .explanation
+        .settling
+        .as_ref()
+        .filter(|choice| !choice.settled)?;
+    let period = evidence.model.sample_period_s;
+    let longest = choice.longest as f64 * period;
+    let moving = choice.detected as f64 * period;
+    Some(Advice::new(
+        "settled",
+        format!(
+            "The response has not settled within the longest time that can be judged, {longest:.3} \
+             s: it still moves at {moving:.3} s. The bounds hold up to there; the final value is not \
+             certain."
+        ),
+        choice.detected as f64,
+        choice.longest as f64 / MARGIN,
+        format!(
+            "Record with holds of at least {:.2} s and at least {:.1} s in all.",
+            MARGIN * longest,
+            7.0 * MARGIN * longest
+        ),
+    ))
+}
+
+fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
+    let choice = evidence
+        .explanation
+        .settling
+        .as_ref()
+        .filter(|choice| choice.detected <= 1)?;
+    Some(Advice::new(
+        "response",
+        "The output shows no response to the input above the noise.".to_owned(),
+        choice.detected as f64,
+        1.0,
+        "Check that input and output belong together, and use larger steps.",
+    ))
+}
+
+fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
+    let model = evidence.model;
+    let basis = model.basis().ok()?;
+    if basis.is_complete() || model.step.truncation_bias == 0.0 {
+        return None;
+    }
+    let bias = model.step.truncation_bias;
+    let noise = model.step.mean_half_widths().0 - bias;
+    let highest = basis.highest_hz(model.sample_period_s);
+    let decade = if model.structure.selected_by == SelectedBy::Narrow {
+        40
+    } else {
+        20
+    };
+    let low_passed = evidence.options.frequencies == Frequencies::Auto;
+    let (finding, remedy) = if low_passed {
+        (
+            format!(
+                "The input has too little power above {highest:.1} Hz to tell the response there"
+            ),
+            "Use a reference with sharp edges, without a filter before the servo.".to_owned(),
+        )
+    } else {
+        (
+            format!(
+                "The {} frequencies reach up to {highest:.1} Hz only",
+                model.structure.frequencies
+            ),
+            "Take more frequencies, or leave their number to the automatic choice.".to_owned(),
+        )
+    };
+    Some(Advice::new(
+        "truncation",
+        format!(
+            "{finding}. The bands contain {bias:.2e} for what is left out, which holds if the response \
+             falls by at least {decade} dB/decade above."
+        ),
+        bias,
+        noise,
+        remedy,
+    ))
+}
+
+fn parameters(evidence: &Evidence<'_>) -> Option<Advice> {
+    let rows = evidence.explanation.rows as f64;
+    let share = (evidence.model.theta.len() + 1) as f64 / rows;
+    (share > LARGE_SHARE).then(|| {
+        Advice::new(
+            "parameters",
+            format!(
+                "The model has a parameter for every {:.1} samples.",
+                1.0 / share
+            ),
+            share,
+            LARGE_SHARE,
+            "Record longer, or ask for a shorter settling time.",
+        )
+    })
+}
+
+fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
+    let degrees = evidence
+        .explanation
+        .degrees_of_freedom
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    let root = largest_root(&evidence.model.noise.ar);
+    let remedy = "Record longer, or remove the drift at its source.";
+    if root > SLOW_ROOT {
+        let finding = "The noise drifts slowly; the bounds of the gain rest on few independent \
+                       stretches of it.";
+        return Some(Advice::new(
+            "slow_noise",
+            finding.to_owned(),
+            root,
+            SLOW_ROOT,
+            remedy,
+        ));
+    }
+    (degrees < FEW_DEGREES).then(|| {
+        let uncertain = 100.0 / (2.0 * degrees).sqrt();
+        let finding = format!(
+            "The noise is slow: the width of the bands is itself uncertain by {uncertain:.0} %."
+        );
+        Advice::new("slow_noise", finding, degrees, FEW_DEGREES, remedy)
+    })
+}
+
+fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
+    let order = evidence.model.structure.noise_order;
+    let remedy =
+        "Look for a periodic disturbance or a nonlinearity; a higher noise order may help.";
+    if let Some(p) = evidence
+        .model
+        .residuals
+        .whiteness_p
+        .filter(|p| *p < SIGNIFICANCE)
+    {
+        let finding = format!(
+            "The noise model is incomplete (order {order}): the one-step errors are related to each \
+             other, so the bounds are approximate."
+        );
+        return Some(Advice::new("whiteness", finding, p, SIGNIFICANCE, remedy));
+    }
+    (evidence.options.noise_order == NoiseOrder::Auto && order == MAX_AUTO_ORDER).then(|| {
+        let finding = format!("The noise model has the highest order considered, {order}.");
+        Advice::new(
+            "noise_order",
+            finding,
+            order as f64,
+            MAX_AUTO_ORDER as f64,
+            remedy,
+        )
+    })
+}
+
+fn independence(evidence: &Evidence<'_>) -> Option<Advice> {
+    let p = evidence
+        .model
+        .residuals
+        .input_correlation_p
+        .filter(|p| *p < SIGNIFICANCE)?;
+    Some(Advice::new(
+        "input_independence",
+        "What the model leaves over still depends on the input: the response is longer than the \
+         settling time, has more detail than the frequencies, or the servo is not linear."
+            .to_owned(),
+        p,
+        SIGNIFICANCE,
+        "Take a longer settling time or more frequencies; if neither helps, the servo is not linear \
+         and the bounds describe its best linear picture only.",
+    ))
+}
+
+fn conditioning(evidence: &Evidence<'_>) -> Option<Advice> {
+    (evidence.explanation.path == Path::Qr).then(|| {
+        Advice::new(
+            "conditioning",
+            "The moments were not accurate enough for this input or this little noise; the rows \
+             were factorised by QR instead, which is slower and as accurate as ever."
+                .to_owned(),
+            evidence.explanation.condition,
+            WELL_CONDITIONED,
+            "Nothing needs to be done; sharper edges in the input make the moments suffice.",
+        )
+    })
+}
+
+fn converged(evidence: &Evidence<'_>) -> Option<Advice> {
+    (!evidence.model.converged).then(|| {
+        Advice::new(
+            "converged",
+            "The noise model did not come to rest.".to_owned(),
+            evidence.model.iterations as f64,
+            evidence.model.iterations as f64,
+            "Fix the noise order, or look for a disturbance that comes and goes.",
+        )
+    })
+}

@@ -1,0 +1,131 @@
+//! Variances of linear functions of the response, and how well each variance is itself known.
+//!
+//! A point of the step response, a real or imaginary part at one frequency, a difference of two
+//! points: each is w'x for coordinates x, with variance σ² w'(Z_D'Z_D)^-1 w. That variance depends on
+//! the fitted D; its relative uncertainty turns into degrees of freedom by Satterthwaite's formula
+//!
+//! ```text
+//! ν = 2 / (g' Cov(D) g + 2/(rows - p - d)),   g = d ln(w'(Z_D'Z_D)^-1 w) / dD
+//! ```
+//!
+//! so that slow noise, whose D decides the width of the band, widens it through Student's t.
+
+use faer::Mat;
+
+use crate::gls::GlsFit;
+use crate::normal::Information;
+
+/// Standard deviations of linear functions of the response.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveSpread {
+    /// Standard deviation of each.
+    pub sd: Vec<f64>,
+    /// Degrees of freedom of each.
+    pub degrees_of_freedom: Vec<f64>,
+    /// Correlation of each with the next; one fewer.
+    pub neighbour_correlation: Vec<f64>,
+}
+
+/// The spread of the functions in the rows of `functions` (f x n, in the coordinates of the fit).
+#[must_use]
+pub fn spread(information: &Information, fit: &GlsFit, functions: &Mat<f64>) -> CurveSpread {
+    let (f, p) = (functions.nrows(), fit.coordinates.len());
+    let inverse = &fit.solution.inverse;
+    // Rows of the weights: functions * (Z'Z)^-1, the offset's column included.
+    let weights = functions * inverse.as_ref().submatrix(0, 0, p, p + 1);
+    let product =
+        |i: usize, k: usize| -> f64 { (0..p).map(|j| weights[(i, j)] * functions[(k, j)]).sum() };
+    let variance: Vec<f64> = (0..f).map(|i| product(i, i).max(0.0)).collect();
+    let neighbour_correlation = (1..f)
+        .map(|i| {
+            let scale = (variance[i - 1] * variance[i]).sqrt();
+            if scale > 0.0 {
+                (product(i - 1, i) / scale).clamp(-1.0, 1.0)
+            } else {
+                1.0
+            }
+        })
+        .collect();
+    let gradients = log_variance_gradients(information, fit, &weights, &variance);
+    let own = 2.0 / fit.degrees_of_freedom();
+    let degrees_of_freedom = (0..f)
+        .map(|i| {
+            let d = fit.ar.len();
+            let noise: f64 = (0..d)
+                .map(|k| {
+                    (0..d)
+                        .map(|l| gradients[(k, i)] * fit.ar_covariance[(k, l)] * gradients[(l, i)])
+                        .sum::<f64>()
+                })
+                .sum();
+            2.0 / (noise.max(0.0) + own)
+        })
+        .collect();
+    let sd = variance
+        .iter()
+        .map(|variance| (fit.variance * variance).sqrt())
+        .collect();
+    CurveSpread {
+        sd,
+        degrees_of_freedom,
+        neighbour_correlation,
+    }
+}
+
+/// d ln(w'(Z_D'Z_D)^-1 w) / dD_k = -2 v' (dZ_D/dD_k)' Z_D v / (w'(Z_D'Z_D)^-1 w) for the weights
+/// v = (Z_D'Z_D)^-1 w: d x f.
+fn log_variance_gradients(
+    information: &Information,
+    fit: &GlsFit,
+    weights: &Mat<f64>,
+    variance: &[f64],
+) -> Mat<f64> {
+    let order = fit.ar.len();
+    let f = weights.nrows();
+    if order == 0 {
+        return Mat::zeros(0, f);
+    }
+    let moments = &information.moments;
+    let (n, p) = (fit.coordinates.basis.settling(), fit.coordinates.len());
+    let d: Vec<f64> = std::iter::once(1.0).chain(fit.ar.iter().copied()).collect();
+    let gain: f64 = d.iter().sum();
+    let rows = moments.rows as f64;
+    // Weights as impulse responses, one per column: N x f.
+    let response = weights.as_ref().submatrix(0, 0, f, p).transpose();
+    let lags = match fit.coordinates.impulse_map() {
+        Some(map) => map * response,
+        None => response.to_owned(),
+    };
+    // R with one side filtered: (N+d) x N.
+    let mut filtered = Mat::<f64>::zeros(n + order, n);
+    for b in 0..n {
+        for (j, dj) in d.iter().enumerate() {
+            let source = moments.uu.col_as_slice(b + j);
+            for (target, source) in filtered.col_as_slice_mut(b).iter_mut().zip(source) {
+                *target += dj * source;
+            }
+        }
+    }
+    let input = filtered * &lags;
+    let sum: Vec<f64> = (0..n)
+        .map(|a| {
+            d.iter()
+                .enumerate()
+                .map(|(i, di)| di * moments.u[a + i])
+                .sum()
+        })
+        .collect();
+    Mat::from_fn(order, f, |k, i| {
+        let (v, offset) = (lags.col_as_slice(i), weights[(i, p)]);
+        let shift = k + 1;
+        let response = crate::basis::dot(v, &input.col_as_slice(i)[shift..]);
+        let edges = offset
+            * (crate::basis::dot(v, &sum) + gain * crate::basis::dot(v, &moments.u[shift..]));
+        let constant = offset * offset * gain * rows;
+        if variance[i] > 0.0 {
+            -2.0 * (response + edges + constant) / variance[i]
+        } else {
+            0.0
+        }
+    })
+}

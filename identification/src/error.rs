@@ -1,0 +1,155 @@
+//! What can be wrong with a record or a request, each as one sentence that says what to do.
+
+/// Why no model could be made, or why a request does not fit the data.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The sample period is zero, negative or not finite.
+    #[error("the sample period is {0} s: state a positive number of seconds between samples")]
+    SamplePeriod(f64),
+    /// Input and output of a run differ in length.
+    #[error(
+        "the input has {input} samples and the output {output}: give one input value for each \
+         output value, and NaN where a sample is missing"
+    )]
+    LengthMismatch {
+        /// Samples of the input.
+        input: usize,
+        /// Samples of the output.
+        output: usize,
+    },
+    /// A value is infinite.
+    #[error(
+        "the {column} is infinite at sample {sample} of run {run}: repair that value, or mark it \
+         as missing with NaN"
+    )]
+    Infinite {
+        /// `"input"` or `"output"`.
+        column: &'static str,
+        /// Run, counted from 1.
+        run: usize,
+        /// Sample within the run, counted from 0.
+        sample: usize,
+    },
+    /// A column holds no value at all.
+    #[error("the {column} has no value that is a number: check that the right column was chosen")]
+    AllMissing {
+        /// `"input"` or `"output"`.
+        column: &'static str,
+    },
+    /// The input never changes.
+    #[error(
+        "the input never moves from {value}: nothing can be learnt about the response to it, so \
+         record a reference with several steps"
+    )]
+    ConstantInput {
+        /// The only value the input takes.
+        value: f64,
+    },
+    /// The output never changes.
+    #[error(
+        "the output never moves from {value} while the input does: check the sensor and its column"
+    )]
+    ConstantOutput {
+        /// The only value the output takes.
+        value: f64,
+    },
+    /// Not enough complete rows for the model asked for.
+    #[error(
+        "{usable} samples have a full history of {history}, and a model of {parameters} parameters \
+         needs at least {needed}: record longer, shorten the settling time, or state the input \
+         before the record (at rest)"
+    )]
+    TooFewSamples {
+        /// Rows whose history is complete.
+        usable: usize,
+        /// Samples of history that each row needs.
+        history: usize,
+        /// Parameters to be estimated.
+        parameters: usize,
+        /// Rows needed at least.
+        needed: usize,
+    },
+    /// The record is too short for an automatic choice of the structure.
+    #[error(
+        "the record has {samples} samples and an automatic choice of the settling time needs at \
+         least {needed}: record longer, or state the settling time in samples"
+    )]
+    TooShortForAuto {
+        /// Samples in the record.
+        samples: usize,
+        /// Samples needed at least.
+        needed: usize,
+    },
+    /// The settling time is not a usable number of samples.
+    #[error("a settling time of {0} samples is too short: state at least 3")]
+    Settling(usize),
+    /// The number of frequencies is even, zero or larger than the settling time.
+    #[error(
+        "{frequencies} frequencies do not fit a settling time of {settling} samples: state an odd \
+         number from 1 to {settling}"
+    )]
+    Frequencies {
+        /// The number asked for.
+        frequencies: usize,
+        /// Settling time in samples.
+        settling: usize,
+    },
+    /// The noise order is beyond what is supported.
+    #[error("a noise order of {order} is too high: state a number from 0 to {max}")]
+    NoiseOrder {
+        /// The order asked for.
+        order: usize,
+        /// Largest order supported.
+        max: usize,
+    },
+    /// The confidence level is not between 0.5 and 1.
+    #[error(
+        "a confidence level of {0} makes no sense: state a number such as 0.99, between 0.5 and 0.99999"
+    )]
+    Level(f64),
+    /// The input does not excite as many frequencies as asked for.
+    #[error(
+        "the input excites {excited} of the {asked} frequencies asked for (up to {highest_hz:.3} \
+         Hz): ask for at most {excited}, or record a reference with sharper and more steps"
+    )]
+    NotExcited {
+        /// Frequencies asked for.
+        asked: usize,
+        /// Odd number of frequencies that the input does excite.
+        excited: usize,
+        /// The highest excited frequency \[Hz\].
+        highest_hz: f64,
+    },
+    /// Two records, or a record and a model, differ in sample period.
+    #[error(
+        "the sample period is {found} s where {expected} s is needed: resample the record or \
+         identify it on its own"
+    )]
+    PeriodMismatch {
+        /// Period of the model or first record \[s\].
+        expected: f64,
+        /// Period of the record at hand \[s\].
+        found: f64,
+    },
+    /// No sample of a record has the history that the model needs.
+    #[error(
+        "no sample has the {history} samples of input history that the model needs: give a longer \
+         record, or state the input before it (at rest)"
+    )]
+    NoHistory {
+        /// Samples of history needed.
+        history: usize,
+    },
+    /// Moments with different lags cannot be added.
+    #[error(
+        "moments of {left} lags cannot be added to moments of {right}: collect both with the same \
+         settling time and noise order"
+    )]
+    LagMismatch {
+        /// Lags of the first.
+        left: usize,
+        /// Lags of the second.
+        right: usize,
+    },
+}

@@ -1,0 +1,61 @@
+//! The few factorisations that the estimators share, on top of `faer`.
+
+use faer::linalg::triangular_inverse::invert_lower_triangular;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Mat, Par, Side};
+
+/// Lower Cholesky factor of a symmetric matrix, `None` when it is not positive definite.
+pub(crate) fn cholesky(matrix: &Mat<f64>) -> Option<Mat<f64>> {
+    if matrix.nrows() == 0 {
+        return Some(Mat::zeros(0, 0));
+    }
+    let factor = matrix.llt(Side::Lower).ok()?;
+    let lower = factor.L().to_owned();
+    // Rounding can let a singular matrix through with a meaningless last pivot.
+    (0..lower.nrows())
+        .all(|i| lower[(i, i)].is_finite() && lower[(i, i)] > 0.0)
+        .then_some(lower)
+}
+
+/// L^-1 b.
+pub(crate) fn forward_solve(lower: &Mat<f64>, b: &[f64]) -> Vec<f64> {
+    let mut x = column(b);
+    solve_lower_triangular_in_place(lower.as_ref(), x.as_mut(), Par::Seq);
+    x.col_as_slice(0).to_vec()
+}
+
+/// L^-T b.
+pub(crate) fn backward_solve(lower: &Mat<f64>, b: &[f64]) -> Vec<f64> {
+    let mut x = column(b);
+    solve_upper_triangular_in_place(lower.transpose(), x.as_mut(), Par::Seq);
+    x.col_as_slice(0).to_vec()
+}
+
+/// L^-1.
+pub(crate) fn inverse_of_lower(lower: &Mat<f64>) -> Mat<f64> {
+    let mut inverse = Mat::zeros(lower.nrows(), lower.nrows());
+    invert_lower_triangular(inverse.as_mut(), lower.as_ref(), Par::Seq);
+    inverse
+}
+
+/// A column vector.
+pub(crate) fn column(values: &[f64]) -> Mat<f64> {
+    Mat::from_fn(values.len(), 1, |i, _| values[i])
+}
+
+/// The product of a matrix and a vector.
+pub(crate) fn times(matrix: &Mat<f64>, vector: &[f64]) -> Vec<f64> {
+    (matrix * column(vector)).col_as_slice(0).to_vec()
+}
+
+/// Condition number in the 1-norm of a matrix whose inverse is known.
+pub(crate) fn condition(matrix: &Mat<f64>, inverse: &Mat<f64>) -> f64 {
+    let norm = |matrix: &Mat<f64>| {
+        (0..matrix.ncols())
+            .map(|j| matrix.col_as_slice(j).iter().map(|x| x.abs()).sum::<f64>())
+            .fold(0.0, f64::max)
+    };
+    norm(matrix) * norm(inverse)
+}

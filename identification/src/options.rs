@@ -1,0 +1,186 @@
+//! What a caller may fix, and what is left to the measured procedures.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::error::Error;
+
+/// Largest order of the noise model that can be asked for.
+pub const MAX_NOISE_ORDER: usize = 24;
+
+/// Settling time N: the number of samples after which the response to an input is over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Settling {
+    /// Chosen from the data (see [`crate::structure`]).
+    #[default]
+    Auto,
+    /// Fixed \[samples\].
+    Samples(usize),
+}
+
+/// Number n of frequencies in the filter bank, odd and at most N.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Frequencies {
+    /// All of them (n = N, made odd), or, when the input has no power at high frequencies, as many
+    /// as make the honest band narrowest.
+    #[default]
+    Auto,
+    /// About twice what predicts best: a smoother and narrower picture that holds only if the
+    /// response falls at 40 dB/decade above the highest frequency.
+    Narrow,
+    /// Fixed, odd.
+    Count(usize),
+}
+
+/// Order d of the noise model `1/D(z)`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NoiseOrder {
+    /// By Bayes' information criterion over 0 to 8.
+    #[default]
+    Auto,
+    /// Fixed; 0 is plain least squares.
+    Order(usize),
+}
+
+/// Options of [`crate::identify`]. `Options::default()` leaves every choice to the data, at 99 %.
+///
+/// ```
+/// use servoid_identification::{Options, Settling};
+/// let options = Options { settling: "50".parse().unwrap(), ..Options::default() };
+/// assert_eq!(options.settling, Settling::Samples(50));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Settling time N.
+    pub settling: Settling,
+    /// Number of frequencies n.
+    pub frequencies: Frequencies,
+    /// Noise order d.
+    pub noise_order: NoiseOrder,
+    /// Confidence level of every bound, between 0.5 and 0.99999.
+    pub level: f64,
+    /// Longest settling time that the automatic choice considers \[samples\]; `None` is a seventh
+    /// of the record, at most [`crate::structure::LONGEST_SETTLING`].
+    pub longest_settling: Option<usize>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            settling: Settling::Auto,
+            frequencies: Frequencies::Auto,
+            noise_order: NoiseOrder::Auto,
+            level: 0.99,
+            longest_settling: None,
+        }
+    }
+}
+
+impl Options {
+    /// Checks what can be checked without data.
+    ///
+    /// # Errors
+    /// A settling time below 3 samples, an even or too large number of frequencies, a noise order
+    /// above [`MAX_NOISE_ORDER`], a level outside 0.5..0.99999.
+    pub fn check(&self) -> Result<(), Error> {
+        if let Settling::Samples(settling) = self.settling {
+            if settling < 3 {
+                return Err(Error::Settling(settling));
+            }
+            if let Frequencies::Count(frequencies) = self.frequencies
+                && (frequencies % 2 == 0 || frequencies > settling)
+            {
+                return Err(Error::Frequencies {
+                    frequencies,
+                    settling,
+                });
+            }
+        }
+        if let NoiseOrder::Order(order) = self.noise_order
+            && order > MAX_NOISE_ORDER
+        {
+            return Err(Error::NoiseOrder {
+                order,
+                max: MAX_NOISE_ORDER,
+            });
+        }
+        if !(0.5..=0.99999).contains(&self.level) {
+            return Err(Error::Level(self.level));
+        }
+        Ok(())
+    }
+}
+
+/// A word that is neither `auto` nor a number where one of the two is wanted.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{given}` is not understood: give {wanted}")]
+pub struct ParseOptionError {
+    given: String,
+    wanted: &'static str,
+}
+
+fn number(given: &str, wanted: &'static str) -> Result<usize, ParseOptionError> {
+    given.parse().map_err(|_| ParseOptionError {
+        given: given.to_owned(),
+        wanted,
+    })
+}
+
+impl FromStr for Settling {
+    type Err = ParseOptionError;
+    fn from_str(given: &str) -> Result<Self, Self::Err> {
+        match given {
+            "auto" => Ok(Self::Auto),
+            _ => number(given, "`auto` or a number of samples").map(Self::Samples),
+        }
+    }
+}
+
+impl FromStr for Frequencies {
+    type Err = ParseOptionError;
+    fn from_str(given: &str) -> Result<Self, Self::Err> {
+        match given {
+            "auto" => Ok(Self::Auto),
+            "narrow" => Ok(Self::Narrow),
+            _ => number(given, "`auto`, `narrow` or an odd number").map(Self::Count),
+        }
+    }
+}
+
+impl FromStr for NoiseOrder {
+    type Err = ParseOptionError;
+    fn from_str(given: &str) -> Result<Self, Self::Err> {
+        match given {
+            "auto" => Ok(Self::Auto),
+            _ => number(given, "`auto` or a number").map(Self::Order),
+        }
+    }
+}
+
+impl fmt::Display for Settling {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Samples(samples) => samples.fmt(f),
+        }
+    }
+}
+
+impl fmt::Display for Frequencies {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Narrow => f.write_str("narrow"),
+            Self::Count(count) => count.fmt(f),
+        }
+    }
+}
+
+impl fmt::Display for NoiseOrder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Order(order) => order.fmt(f),
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! Tests of what the model leaves over.
+//!
+//! **Whiteness** (Ljung & Box 1978). If the noise model is right, the one-step errors ε are white,
+//! and Q = sum_τ n_τ r_τ² over the autocorrelations at lags 1..h follows χ² with h-d degrees of
+//! freedom. A small p means that the noise model is incomplete (a periodic disturbance, more orders,
+//! a nonlinearity): bounds are then approximate.
+//!
+//! **Independence of the input** (a score test). If N is long enough and the servo linear, adding
+//! further lags of the input explains nothing more: the reduction of the sum of squares by K extra
+//! D-filtered lags, over σ², follows χ² with K degrees of freedom. A small p means that the response
+//! is longer than N, has more detail than n frequencies, or is not linear.
+
+use faer::{Mat, Side};
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use crate::linear::times;
+use crate::normal::{Coordinates, Information, filtered_input_moments};
+
+/// Lags of the whiteness test.
+pub const WHITENESS_LAGS: usize = 25;
+
+/// Extra lags of the input in the test of independence.
+pub const INPUT_LAGS: usize = 10;
+
+/// p-values of the tests; `None` where the data at hand do not allow the test.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Residuals {
+    /// Probability of autocorrelations at least as large if the one-step errors are white.
+    pub whiteness_p: Option<f64>,
+    /// Probability of a relation to further input at least as strong if there is none.
+    pub input_correlation_p: Option<f64>,
+}
+
+/// The p-value of Ljung and Box's test on one-step errors, one slice per run, NaN where missing.
+/// `noise_order` coefficients have been fitted to them.
+#[must_use]
+pub fn whiteness(errors: &[Vec<f64>], noise_order: usize) -> Option<f64> {
+    let present = errors.iter().flatten().filter(|error| !error.is_nan());
+    let (count, square) = present.fold((0usize, 0.0), |(n, sum), e| (n + 1, sum + e * e));
+    if count < 4 * WHITENESS_LAGS || square == 0.0 {
+        return None;
+    }
+    let mean_square = square / count as f64;
+    let statistic: f64 = (1..=WHITENESS_LAGS)
+        .map(|lag| {
+            let (pairs, sum) = errors
+                .iter()
+                .map(|run| lagged_product(run, lag))
+                .fold((0usize, 0.0), |(n, sum), (pairs, product)| {
+                    (n + pairs, sum + product)
+                });
+            if pairs == 0 {
+                return 0.0;
+            }
+            sum * sum / (pairs as f64 * mean_square * mean_square)
+        })
+        .sum();
+    upper_tail(statistic, WHITENESS_LAGS.saturating_sub(noise_order).max(1))
+}
+
+/// Number of pairs a lag apart, both present, and the sum of their products.
+fn lagged_product(run: &[f64], lag: usize) -> (usize, f64) {
+    if run.len() <= lag {
+        return (0, 0.0);
+    }
+    let mut counts = [0usize; 4];
+    let mut sums = [0.0; 4];
+    let (late, early) = (
+        run[lag..].chunks_exact(4),
+        run[..run.len() - lag].chunks_exact(4),
+    );
+    let rest = late.remainder().iter().zip(early.remainder());
+    let mut add = |slot: usize, product: f64| {
+        let there = !product.is_nan();
+        counts[slot] += usize::from(there);
+        sums[slot] += if there { product } else { 0.0 };
+    };
+    for (a, b) in rest {
+        add(0, a * b);
+    }
+    for (late, early) in late.zip(early) {
+        for slot in 0..4 {
+            add(slot, late[slot] * early[slot]);
+        }
+    }
+    (counts.iter().sum(), sums.iter().sum())
+}
+
+/// The p-value of the test of independence, for the noise filter `ar`; `None` when the moments
+/// have no further lags, or further lags carry nothing new.
+#[must_use]
+pub fn input_independence(
+    information: &Information,
+    coordinates: &Coordinates,
+    ar: &[f64],
+) -> Option<f64> {
+    let moments = &information.moments;
+    let (n, order) = (coordinates.basis.settling(), ar.len());
+    let beyond = moments.input_lags().checked_sub(n + order)?.min(INPUT_LAGS);
+    let mut lags: Vec<usize> = (n..n + beyond).collect();
+    if !coordinates.basis.is_complete() {
+        lags.extend((0..n).step_by(n.div_ceil(INPUT_LAGS)));
+    }
+    if lags.is_empty() {
+        return None;
+    }
+    let solution = information.solve(coordinates, ar)?;
+    let impulse = coordinates.impulse(solution.response());
+    let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+    let gain: f64 = d.iter().sum();
+    let uu = filtered_input_moments(&moments.uu, n + beyond, &d);
+    let rows = moments.rows as f64;
+    let filtered = |values: &dyn Fn(usize) -> f64, lag: usize| -> f64 {
+        d.iter()
+            .enumerate()
+            .map(|(i, di)| di * values(lag + i))
+            .sum()
+    };
+    let with_output = |lag: usize| {
+        d.iter()
+            .enumerate()
+            .map(|(j, dj)| dj * filtered(&|a| moments.uy[(a, j)], lag))
+            .sum::<f64>()
+    };
+    let with_offset = |lag: usize| gain * filtered(&|a| moments.u[a], lag);
+    let score: Vec<f64> = lags
+        .iter()
+        .map(|&lag| {
+            let modelled: f64 = (0..n).map(|b| uu[(lag, b)] * impulse[b]).sum();
+            with_output(lag) - modelled - with_offset(lag) * solution.offset()
+        })
+        .collect();
+    // Cross moments of the extra lags with the regressors, in coordinates, offset last.
+    let p = coordinates.len();
+    let by_lag = Mat::from_fn(lags.len(), n, |k, b| uu[(lags[k], b)]);
+    let by_coordinate = match coordinates.impulse_map() {
+        Some(map) => by_lag * map,
+        None => by_lag,
+    };
+    let cross = Mat::from_fn(lags.len(), p + 1, |k, j| {
+        if j < p {
+            by_coordinate[(k, j)]
+        } else {
+            with_offset(lags[k])
+        }
+    });
+    let own = Mat::from_fn(lags.len(), lags.len(), |k, l| uu[(lags[k], lags[l])]);
+    let left = &own - &cross * &solution.inverse * cross.transpose();
+    let variance = solution.rss / (rows - (p + 1 + order) as f64).max(1.0);
+    let (statistic, degrees) = quadratic_form(&left, &own, &score, variance)?;
+    upper_tail(statistic, degrees)
+}
+
+/// s' V^-1 s / variance over the directions of V that are not rounding beside `own`.
+fn quadratic_form(
+    v: &Mat<f64>,
+    own: &Mat<f64>,
+    score: &[f64],
+    variance: f64,
+) -> Option<(f64, usize)> {
+    let k = score.len();
+    let scale: Vec<f64> = (0..k).map(|i| own[(i, i)].sqrt().recip()).collect();
+    if variance <= 0.0 || scale.iter().any(|scale| !scale.is_finite()) {
+        return None;
+    }
+    let scaled = Mat::from_fn(k, k, |i, j| v[(i, j)] * scale[i] * scale[j]);
+    let eigen = scaled.self_adjoint_eigen(Side::Lower).ok()?;
+    let score: Vec<f64> = score
+        .iter()
+        .zip(&scale)
+        .map(|(s, scale)| s * scale)
+        .collect();
+    let turned = times(&eigen.U().transpose().to_owned(), &score);
+    // A direction of which less than a millionth is new to the regressors carries rounding only.
+    let kept = (0..k).filter(|&i| eigen.S()[i] > 1e-6);
+    let (statistic, degrees) = kept.fold((0.0, 0), |(sum, count), i| {
+        (
+            sum + turned[i] * turned[i] / (eigen.S()[i] * variance),
+            count + 1,
+        )
+    });
+    (degrees > 0).then_some((statistic, degrees))
+}
+
+fn upper_tail(statistic: f64, degrees: usize) -> Option<f64> {
+    let chi = ChiSquared::new(degrees as f64).ok()?;
+    Some(chi.sf(statistic).clamp(0.0, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn white_errors_pass_and_coloured_ones_fail() {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let runs = 400;
+        let mut rejected = 0;
+        for _ in 0..runs {
+            let mut errors: Vec<f64> = (0..500)
+                .map(|_| StandardNormal.sample(&mut random))
+                .collect();
+            errors[100] = f64::NAN;
+            rejected += usize::from(whiteness(&[errors], 0).unwrap() < 0.05);
+        }
+        // 5 % of 400 with a standard deviation of 1.1 %.
+        let share = rejected as f64 / f64::from(runs);
+        assert!((0.015..0.085).contains(&share), "{share}");
+        let slow: Vec<f64> = (0..500)
+            .scan(0.0, |x, _| {
+                let e: f64 = StandardNormal.sample(&mut random);
+                *x = 0.3 * *x + e;
+                Some(*x)
+            })
+            .collect();
+        assert!(whiteness(&[slow], 0).unwrap() < 1e-3);
+    }
+}
