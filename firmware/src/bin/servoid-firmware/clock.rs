@@ -1,0 +1,66 @@
+//! The clock tree: 72 MHz from the crystal, or 64 MHz from the internal oscillator.
+
+use servoid_protocol::hello::ClockSource;
+use stm32f1xx_hal::pac::{FLASH, RCC};
+use stm32f1xx_hal::prelude::*;
+use stm32f1xx_hal::rcc::{Config, Rcc};
+
+/// The clocks, and where they come from.
+pub struct Clock {
+    pub rcc: Rcc,
+    pub source: ClockSource,
+}
+
+/// How often the crystal is asked whether it runs before it is given up: some 50 ms at 8 MHz and
+/// about 8 cycles a time. A good crystal takes 2 ms (datasheet, table of HSE characteristics).
+const CRYSTAL_POLLS: u32 = 50_000;
+
+/// Starts the clocks.
+///
+/// Either way the timers' clock is a whole number of MHz, so that their microseconds are whole, and
+/// the ADC's clock divides it evenly. A crystal that stops later stops the processor: the clock
+/// security system (7.2.7) stays off on purpose, because it would go on at another rate and measure
+/// wrongly, while the watchdog, which has an oscillator of its own, ends the pulses.
+pub fn start(rcc: RCC, flash: FLASH) -> Clock {
+    let (config, source) = if crystal_runs(&rcc) {
+        let config = Config::hse(8.MHz())
+            .sysclk(72.MHz())
+            .pclk1(36.MHz())
+            .adcclk(12.MHz());
+        (config, ClockSource::Crystal)
+    } else {
+        // 8 MHz / 2 × 16 is the most that the PLL makes of the internal oscillator (7.3.2). The ADC
+        // gets 64 / 6 MHz: 16 MHz would be above its limit of 14 MHz (11.1).
+        let config = Config::hsi()
+            .sysclk(64.MHz())
+            .pclk1(32.MHz())
+            .adcclk(10.MHz());
+        (config, ClockSource::InternalRc)
+    };
+    let rcc = rcc.freeze(config, &mut flash.constrain().acr);
+    prefetch();
+    Clock { rcc, source }
+}
+
+/// Switches the crystal on and waits for it; the HAL would wait for ever for one that is not there.
+fn crystal_runs(rcc: &RCC) -> bool {
+    rcc.cr().modify(|_, w| w.hseon().set_bit()); // 7.3.1
+    let runs = (0..CRYSTAL_POLLS).any(|_| rcc.cr().read().hserdy().bit_is_set());
+    if !runs {
+        rcc.cr().modify(|_, w| w.hseon().clear_bit());
+    }
+    runs
+}
+
+/// Switches the flash's prefetch buffer on again, which the HAL leaves off: with two wait states,
+/// every instruction would be waited for. 3.3.3 allows it only below 24 MHz, so the system clock goes
+/// back to the internal oscillator (SW, 7.3.2) while the PLL keeps running.
+fn prefetch() {
+    // SAFETY: the HAL is done with both; nothing else runs yet.
+    let (rcc, flash) = unsafe { (RCC::steal(), FLASH::steal()) };
+    rcc.cfgr().modify(|_, w| w.sw().hsi());
+    while !rcc.cfgr().read().sws().is_hsi() {}
+    flash.acr().modify(|_, w| w.prftbe().set_bit());
+    rcc.cfgr().modify(|_, w| w.sw().pll());
+    while !rcc.cfgr().read().sws().is_pll() {}
+}

@@ -1,0 +1,126 @@
+//! The rig on an STM32F103C8.
+//!
+//! ```text
+//!  TIM2  20 ms, 1 µs steps --- CH2, compare preloaded ---> PA1  pulse to the servo
+//!   | started by one write
+//!   v TRGO = enable
+//!  TIM3  2 ms, half a millisecond late
+//!   v TRGO = update
+//!  ADC1  PA4 four times <--- Hall sensor
+//!   v
+//!  DMA1 channel 1, a ring of two frames --- half done ---> one wake-up, one frame
+//! ```
+//!
+//! The processor is not in the timing path: it prepares the pulse of the next frame and takes the
+//! samples of the last one, 1.4 ms before the next edge. Section numbers in the comments are those
+//! of the reference manual RM0008.
+//!
+//! | pin  | use                               |
+//! |------|-----------------------------------|
+//! | PA1  | TIM2_CH2: pulse to the servo      |
+//! | PA4  | ADC_IN4: Hall sensor, behind a divider from 5 V to 3.3 V |
+//! | PA9  | USART1_TX: to the host            |
+//! | PA10 | USART1_RX: from the host          |
+//! | PC13 | LED to the supply: on while pulses are on |
+//!
+//! # Interrupts
+//!
+//! | handler         | when            | longest time that it may wait                                   |
+//! |-----------------|-----------------|-----------------------------------------------------------------|
+//! | `DMA1_CHANNEL1` | each frame      | 1.4 ms, or the frame counts as lost                              |
+//! | `USART1`        | each byte       | one byte time, 87 µs, or a byte is lost and its request repeated |
+//!
+//! Both have the priority that the reset gives them, so neither interrupts the other: each is done
+//! in some microseconds, which is less than the other can wait, and one stack depth is enough.
+
+#![no_std]
+#![no_main]
+#![allow(unsafe_code)] // registers; each block says which section of the manual allows it
+
+mod clock;
+mod debugger;
+mod identity;
+mod pulse;
+mod safety;
+mod sampling;
+mod serial;
+mod timing;
+mod watchdog;
+
+use clock::Clock;
+use defmt_rtt as _;
+use embassy_executor::Spawner;
+use servoid_firmware::{Board, CapturedFrame, Identity, serve};
+use servoid_protocol::PulseWidth;
+use stm32f1xx_hal::gpio::{Output, PC13, PushPull};
+use stm32f1xx_hal::pac::Peripherals;
+use stm32f1xx_hal::prelude::*;
+use watchdog::Watchdog;
+
+/// The board as the rig sees it.
+struct Stm32f103 {
+    identity: Identity,
+    led: PC13<Output<PushPull>>,
+    watchdog: Watchdog,
+}
+
+impl Board for Stm32f103 {
+    fn identity(&self) -> Identity {
+        self.identity
+    }
+
+    async fn next_frame(&mut self) -> CapturedFrame {
+        sampling::next_frame().await
+    }
+
+    fn set_pulse(&mut self, pulse: Option<PulseWidth>) {
+        pulse::set(pulse);
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.watchdog.feed();
+    }
+
+    fn show_armed(&mut self, armed: bool) {
+        self.led.set_state((!armed).into()); // the LED lies between the supply and the pin
+    }
+}
+
+/// Brings the hardware up in the order that the timing chain needs, then serves for ever.
+#[embassy_executor::main]
+async fn main(_spawner: Spawner) {
+    let Some(p) = Peripherals::take() else {
+        safety::stop()
+    };
+    let reset_cause = identity::take_reset_cause(&p.RCC);
+    debugger::prepare(&p.DBGMCU);
+    let Clock { mut rcc, source } = clock::start(p.RCC, p.FLASH);
+
+    let mut gpioa = p.GPIOA.split(&mut rcc);
+    let mut gpioc = p.GPIOC.split(&mut rcc);
+    let led = gpioc
+        .pc13
+        .into_push_pull_output_with_state(&mut gpioc.crh, true.into());
+    gpioa.pa4.into_analog(&mut gpioa.crl);
+
+    let chain = timing::prepare(p.TIM2, p.TIM3, &mut rcc);
+    // Only now: the timer holds the line low from here on, before it could have floated.
+    gpioa.pa1.into_alternate_push_pull(&mut gpioa.crl);
+    sampling::arm(p.ADC1, p.DMA1, &mut rcc);
+    let tx = gpioa.pa9.into_alternate_push_pull(&mut gpioa.crh);
+    let mut link = serial::open(p.USART1, tx, gpioa.pa10, &mut rcc);
+
+    let mut board = Stm32f103 {
+        identity: identity::read(source, reset_cause, &rcc.clocks),
+        led,
+        watchdog: Watchdog::start(p.IWDG),
+    };
+    defmt::info!(
+        "servoid {=str}: crystal {=bool}, after a watchdog reset {=bool}",
+        env!("CARGO_PKG_VERSION"),
+        source == servoid_protocol::hello::ClockSource::Crystal,
+        reset_cause == servoid_protocol::hello::ResetCause::Watchdog,
+    );
+    chain.start();
+    serve(&mut board, &mut link).await
+}

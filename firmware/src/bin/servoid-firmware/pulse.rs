@@ -1,0 +1,74 @@
+//! The pulse on the line, and which frame it was on the line in.
+//!
+//! The compare register is preloaded: what is written to it in one frame is on the line in the next
+//! one, and the chip does not let the program read what is on the line now. So this module keeps
+//! both, and moves one to the other at each frame edge, which the timer's update flag tells of.
+
+use core::cell::Cell;
+use critical_section::{CriticalSection, Mutex};
+use servoid_protocol::PulseWidth;
+use servoid_protocol::timing::FRAME_US;
+use stm32f1xx_hal::pac::TIM2;
+
+/// A write so close before the frame edge (µs) might fall on either side of it: it waits for the
+/// edge instead, and the program knows that it came late. The few bus cycles between reading the
+/// counter and the write are well below a microsecond; the rest is margin.
+const EDGE_GUARD_US: u16 = 10;
+
+#[derive(Clone, Copy)]
+struct Line {
+    /// On the line since the last frame edge.
+    applied: Option<PulseWidth>,
+    /// In the compare register, for the next frame edge.
+    preloaded: Option<PulseWidth>,
+}
+
+static LINE: Mutex<Cell<Line>> = Mutex::new(Cell::new(Line {
+    applied: None,
+    preloaded: None,
+}));
+
+/// The pulse from the next frame edge on.
+pub fn set(pulse: Option<PulseWidth>) {
+    critical_section::with(|cs| {
+        let tim2 = tim2(cs);
+        while tim2.cnt().read().cnt().bits() >= FRAME_US as u16 - EDGE_GUARD_US {}
+        let applied = on_line(cs);
+        // 15.4.14: with preload this takes effect at the next update event.
+        tim2.ccr2()
+            .write(|w| w.ccr().set(pulse.map_or(0, |pulse| pulse.0)));
+        LINE.borrow(cs).set(Line {
+            applied,
+            preloaded: pulse,
+        });
+    });
+}
+
+/// The pulse that is on the line in this frame. Has to be asked for at least once in each.
+pub fn on_line(cs: CriticalSection) -> Option<PulseWidth> {
+    let tim2 = tim2(cs);
+    let line = LINE.borrow(cs);
+    if tim2.sr().read().uif().bit_is_set() {
+        // 15.4.5: flags are cleared by writing 0, and keep their value where 1 is written.
+        // SAFETY: all bits of this register may be written as 1.
+        tim2.sr()
+            .write(|w| unsafe { w.bits(u32::MAX) }.uif().clear());
+        let Line { preloaded, .. } = line.get();
+        line.set(Line {
+            applied: preloaded,
+            preloaded,
+        });
+    }
+    line.get().applied
+}
+
+/// Microseconds since the last frame edge.
+pub fn since_edge_us(cs: CriticalSection) -> u16 {
+    tim2(cs).cnt().read().cnt().bits()
+}
+
+fn tim2(_: CriticalSection) -> TIM2 {
+    // SAFETY: once the timers run, only this module touches the timer's compare register and flags,
+    // and only in critical sections.
+    unsafe { TIM2::steal() }
+}

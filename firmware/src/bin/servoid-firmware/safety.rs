@@ -1,0 +1,50 @@
+//! What happens when the program cannot go on.
+//!
+//! A pulse that is cut short would make the servo jerk. So the compare register is set to zero, which
+//! the timer takes over at the next frame edge without the processor, the pulse under way ends as it
+//! should, and then the chip is reset: it comes up without pulses. Should even this hang, the
+//! watchdog does the same a little later.
+//!
+//! No ready-made panic handler, because those stop the processor and leave the timer at the last
+//! pulse until the watchdog bites.
+
+use core::panic::PanicInfo;
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::{ExceptionFrame, exception};
+use servoid_protocol::timing::FRAME_US;
+use stm32f1xx_hal::pac::{RCC, TIM2};
+
+/// Ends the pulses at the next frame edge, then resets the chip.
+pub fn stop() -> ! {
+    cortex_m::interrupt::disable();
+    // SAFETY: interrupts are off and the program does not go on: nobody else uses these.
+    let (rcc, tim2) = unsafe { (RCC::steal(), TIM2::steal()) };
+    // Before the timer has a clock there is no pulse to end (7.3.8).
+    if rcc.apb1enr().read().tim2en().bit_is_set() {
+        tim2.ccr2().write(|w| w.ccr().set(0)); // 15.4.14
+        // A whole frame at least, at the highest clock there is: 72 cycles for a microsecond.
+        cortex_m::asm::delay(FRAME_US * 72);
+    }
+    SCB::sys_reset()
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    if let Some(place) = info.location() {
+        defmt::error!("panic at {=str}:{=u32}", place.file(), place.line());
+    }
+    stop()
+}
+
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    defmt::error!("hard fault at {=u32:#x}", frame.pc());
+    stop()
+}
+
+/// Any interrupt or exception that has no handler of its own.
+#[exception]
+unsafe fn DefaultHandler(number: i16) {
+    defmt::error!("unexpected interrupt {=i16}", number);
+    stop()
+}

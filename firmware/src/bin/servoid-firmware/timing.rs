@@ -1,0 +1,83 @@
+//! The two timers that everything runs by.
+
+use servoid_firmware::limits::{LONGEST_PULSE, SHORTEST_PULSE};
+use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
+use stm32f1xx_hal::pac::{TIM2, TIM3};
+use stm32f1xx_hal::rcc::{BusTimerClock, Enable, Rcc, Reset};
+
+/// From a pulse's rising edge to the start of the frame's first sample (µs).
+///
+/// The rising edge comes at 0, the falling edge between [`SHORTEST_PULSE`] and [`LONGEST_PULSE`]:
+/// half a millisecond keeps the samples away from both, and from the disturbance that the servo's
+/// own electronics makes at them.
+pub const FIRST_SAMPLE_US: u16 = 500;
+
+/// No sample is under way at an edge: the first is over before the shortest pulse ends (0.1 ms is
+/// more than its aperture), the second begins after the longest one.
+const _: () = assert!(FIRST_SAMPLE_US + 100 < SHORTEST_PULSE.0);
+const _: () = assert!(FIRST_SAMPLE_US as u32 + SAMPLE_US > LONGEST_PULSE.0 as u32);
+
+/// When the frame's last sample begins (µs after its rising edge).
+pub const LAST_SAMPLE_US: u16 = (FIRST_SAMPLE_US as u32 + FRAME_US - SAMPLE_US) as u16;
+
+/// The timers, prepared and standing still.
+#[must_use]
+pub struct Chain {
+    tim2: TIM2,
+}
+
+/// Prepares the timers: TIM2 makes the pulses, TIM3 waits to be started by it.
+///
+/// Both count microseconds of the same bus clock, and a frame is a whole number of samples, so their
+/// phase never changes.
+pub fn prepare(tim2: TIM2, tim3: TIM3, rcc: &mut Rcc) -> Chain {
+    TIM2::enable(rcc);
+    TIM2::reset(rcc);
+    TIM3::enable(rcc);
+    TIM3::reset(rcc);
+    let per_microsecond = TIM2::timer_clock(&rcc.clocks).to_MHz() as u16;
+    prepare_pulses(&tim2, per_microsecond - 1);
+    prepare_samples(&tim3, per_microsecond - 1);
+    Chain { tim2 }
+}
+
+/// Section 15.4.
+fn prepare_pulses(tim2: &TIM2, prescaler: u16) {
+    tim2.psc().write(|w| w.psc().set(prescaler));
+    tim2.arr().write(|w| w.arr().set((FRAME_US - 1) as u16));
+    // URS: the UG below is no frame edge, and must not set the flag that tells of one.
+    tim2.cr1().write(|w| w.arpe().set_bit().urs().set_bit());
+    // Output while the count is below the compare value; 0 is no pulse (15.3.9). With preload, a
+    // value written now applies from the next frame edge on.
+    tim2.ccmr1_output()
+        .write(|w| w.oc2m().pwm_mode1().oc2pe().set_bit());
+    tim2.ccr2().write(|w| w.ccr().set(0));
+    tim2.ccer().write(|w| w.cc2e().set_bit());
+    // Loads prescaler, period and compare value. It also puts out a trigger, which nobody hears yet.
+    tim2.egr().write(|w| w.ug().set_bit());
+    // From here on the trigger output says that the counter runs (15.3.15).
+    tim2.cr2().write(|w| w.mms().enable());
+}
+
+fn prepare_samples(tim3: &TIM3, prescaler: u16) {
+    tim3.psc().write(|w| w.psc().set(prescaler));
+    tim3.arr().write(|w| w.arr().set((SAMPLE_US - 1) as u16));
+    // While the trigger output is not yet the update event, or this UG would be a sample.
+    tim3.egr().write(|w| w.ug().set_bit());
+    let head_start = SAMPLE_US as u16 - FIRST_SAMPLE_US;
+    tim3.cnt().write(|w| w.cnt().set(head_start));
+    tim3.cr2().write(|w| w.mms().update());
+    // ITR1 of TIM3 is TIM2 (table "TIMx internal trigger connection"). The source must be chosen
+    // before the mode that listens to it (SMCR, bits TS).
+    tim3.smcr().write(|w| w.ts().itr1());
+    tim3.smcr().modify(|_, w| w.sms().trigger_mode());
+}
+
+impl Chain {
+    /// Starts both timers with one write. Sampling has to be armed before.
+    ///
+    /// TIM3 follows by a few cycles of the bus clock, some 50 ns, always the same.
+    pub fn start(self) {
+        self.tim2.cr1().modify(|_, w| w.cen().set_bit());
+    }
+}

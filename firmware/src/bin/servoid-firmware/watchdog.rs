@@ -1,0 +1,29 @@
+//! The independent watchdog: no frames, no pulses.
+
+use servoid_protocol::timing::FRAME_US;
+use stm32f1xx_hal::pac::IWDG;
+use stm32f1xx_hal::prelude::*;
+use stm32f1xx_hal::watchdog::IndependentWatchdog;
+
+/// Frames that may fail to come before the chip is reset, at the oscillator's nominal rate.
+///
+/// The oscillator has 40 kHz, but anything from 30 to 60 kHz is within its datasheet: so 3.3 to 6.7
+/// frames. Never less than three, so that nothing but a standstill triggers it.
+const FRAMES: u32 = 5;
+
+/// The watchdog, running. It cannot be stopped (19.3).
+pub struct Watchdog(IndependentWatchdog);
+
+impl Watchdog {
+    /// Starts it. The first frame has to come within its time as well.
+    pub fn start(iwdg: IWDG) -> Self {
+        let mut watchdog = IndependentWatchdog::new(iwdg);
+        watchdog.start((FRAMES * FRAME_US / 1_000).millis());
+        Self(watchdog)
+    }
+
+    /// A frame has come.
+    pub fn feed(&mut self) {
+        self.0.feed();
+    }
+}
