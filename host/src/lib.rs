@@ -1,1 +1,36 @@
-//! Placeholder
+//! Measures how an R/C servo really moves, and says how sure it is.
+//!
+//! The path of the data, and where each part of it lives:
+//!
+//! ```text
+//!  Reference -> rig ------> Frame ------> Recording ------> Record -> Model ------> plots, summary
+//!  protocol     port, rig   protocol      rig::capture,     dataset   identification  plots,
+//!                                         recording                                   summary
+//! ```
+//!
+//! | module        | what it does                                                             |
+//! |---------------|--------------------------------------------------------------------------|
+//! | [`port`]      | a byte stream to a rig: serial, network, or simulated in this process      |
+//! | [`rig`]       | talks to a rig, and captures runs                                          |
+//! | [`recording`] | recordings on disk, written as they come in and read as what they are      |
+//! | [`table`]     | any other CSV file                                                         |
+//! | [`dataset`]   | from files to a record that can be identified                              |
+//! | [`plots`]     | pictures                                                                   |
+//! | [`summary`]   | results as text for a terminal                                             |
+//! | [`paper`]     | the paper's facts beside ours                                              |
+//! | [`output`]    | files that a command leaves behind                                         |
+//! | [`commands`]  | the command line, thin                                                     |
+//!
+//! The mathematics is in [`servoid_identification`], what goes over the wire in
+//! [`servoid_protocol`].
+
+pub mod commands;
+pub mod dataset;
+pub mod output;
+pub mod paper;
+pub mod plots;
+pub mod port;
+pub mod recording;
+pub mod rig;
+pub mod summary;
+pub mod table;

@@ -1,0 +1,202 @@
+//! `servoid capture`
+
+use super::progress::CaptureProgress;
+use super::{Talk, interrupt};
+use crate::output;
+use crate::port;
+use crate::recording::{Ending, Header, RecordingWriter};
+use crate::rig::{Capture, CaptureEnd, RigClient, RigFile};
+use anyhow::{Context, Result, bail};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use servoid_protocol::message::Command;
+use servoid_protocol::reference::{Reference, Staircase};
+use std::path::{Path, PathBuf};
+
+/// Drive the servo with a reference and record how it moves
+///
+/// The run is: 0.8 s at neutral, the reference, 0.8 s at neutral. Rows are on the disk as they come
+/// in; Ctrl-C brings the servo to neutral, closes the file and keeps the data. Afterwards the servo
+/// is held at neutral, unless --release is given.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  servoid capture --port /dev/ttyUSB0 --condition bench -o bench.csv
+  servoid capture --port sim:aircraft -o aircraft.csv       (no hardware needed)")]
+pub(super) struct CaptureArgs {
+    /// Where the rig is: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
+    /// (sim:bench?realtime&seed=7 for real pace and another noise)
+    #[arg(long, short)]
+    port: Option<String>,
+    /// What is known of servo and sensor; without it: 1500 µs neutral, 10 µs per degree, a Honeywell
+    /// RTY sensor of 120 degrees
+    #[arg(long, value_name = "RIG.toml")]
+    rig: Option<PathBuf>,
+    /// What the servo is told
+    #[arg(long, value_enum, default_value_t = ReferenceKind::Staircase)]
+    reference: ReferenceKind,
+    /// How far the reference goes to each side (degrees)
+    #[arg(long, default_value_t = 5.0, value_name = "DEGREES")]
+    amplitude: f64,
+    /// Under what condition: bench, aircraft, or a word of your own
+    #[arg(long, default_value = "")]
+    condition: String,
+    /// I have read the safety rules, and nobody is near the rotor (needed for --condition aircraft)
+    #[arg(long)]
+    arm: bool,
+    /// A remark that the recording keeps
+    #[arg(long, default_value = "")]
+    notes: String,
+    /// End the pulses after the run: the servo goes limp
+    #[arg(long)]
+    release: bool,
+    /// The recording to write
+    #[arg(long, short, value_name = "FILE.csv")]
+    out: PathBuf,
+    /// Replace the file if it exists
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ReferenceKind {
+    /// The paper's: holds of 800 ms down to 100 ms by 100 ms, each at + and at - (7.2 s)
+    Staircase,
+}
+
+/// What is captured, from where, and what is done to the rig afterwards.
+pub(super) struct Job<'a> {
+    pub address: &'a str,
+    pub rig: RigFile,
+    pub amplitude_deg: f64,
+    pub condition: &'a str,
+    pub notes: &'a str,
+    pub release: bool,
+    pub out: &'a Path,
+    pub force: bool,
+}
+
+/// The result as `--json` prints it.
+#[derive(Serialize)]
+struct CaptureResult<'a> {
+    file: &'a Path,
+    complete: bool,
+    reason: Option<&'a str>,
+    rows: u64,
+    unreadable_messages: u32,
+    frames_asked_again: u32,
+}
+
+impl CaptureArgs {
+    pub(super) fn run(self) -> Result<String> {
+        let rig = match &self.rig {
+            Some(path) => RigFile::read(path)?,
+            None => RigFile::default(),
+        };
+        let Some(address) = self.port.clone().or_else(|| rig.port.clone()) else {
+            bail!(
+                "say where the rig is, with --port or with 'port' in the rig file: 'servoid ports' lists the serial ports, and sim:bench needs none"
+            );
+        };
+        let dangerous = self.condition == "aircraft" && !port::is_simulated(&address);
+        if dangerous && !self.arm {
+            bail!(
+                "the aircraft condition moves a loaded servo: read the safety rules in the README, clear the rotor, then add --arm"
+            );
+        }
+        let ReferenceKind::Staircase = self.reference;
+        interrupt::listen()?;
+        let end = capture(
+            &Job {
+                address: &address,
+                rig,
+                amplitude_deg: self.amplitude,
+                condition: &self.condition,
+                notes: &self.notes,
+                release: self.release,
+                out: &self.out,
+                force: self.force,
+            },
+            self.talk,
+        )?;
+        self.report(&end)
+    }
+
+    fn report(&self, end: &CaptureEnd) -> Result<String> {
+        let (complete, reason) = match &end.ending {
+            Ending::Complete => (true, None),
+            Ending::Partial { reason, .. } => (false, Some(reason.as_str())),
+        };
+        if !complete && !interrupt::asked() {
+            self.talk.say(format_args!(
+                "the recording is partial: {}",
+                reason.unwrap_or_default()
+            ));
+        }
+        let result = CaptureResult {
+            file: &self.out,
+            complete,
+            reason,
+            rows: end.rows,
+            unreadable_messages: end.rejects,
+            frames_asked_again: end.asked_again,
+        };
+        let state = if complete { "complete" } else { "partial" };
+        self.talk.result(
+            format!("{}: {state}, {} samples\n", self.out.display(), end.rows),
+            &result,
+        )
+    }
+}
+
+/// The paper's staircase at this amplitude.
+fn staircase(rig: &RigFile, amplitude_deg: f64) -> Result<Reference> {
+    let microseconds = (amplitude_deg * rig.servo.us_per_degree).abs().round();
+    if !(1.0..=1000.0).contains(&microseconds) {
+        bail!(
+            "an amplitude of {amplitude_deg} degrees is {microseconds} µs of pulse: choose one between 1 and 1000 µs"
+        );
+    }
+    let staircase = Staircase {
+        amplitude_us: microseconds as u16,
+        ..Staircase::PAPER
+    };
+    Ok(Reference::Staircase(staircase))
+}
+
+/// Captures one run.
+pub(super) fn capture(job: &Job<'_>, talk: Talk) -> Result<CaptureEnd> {
+    let capture = Capture::new(job.rig.clone(), staircase(&job.rig, job.amplitude_deg)?);
+    // Before the servo moves, not after: a run may be expensive.
+    output::check_free(job.out, job.force)?;
+    let mut client = RigClient::connect(port::open(job.address)?, job.address)?;
+    let hello = *client.hello();
+    talk.say(format_args!(
+        "{}: {}, firmware {}, {} clock",
+        job.address,
+        hello.board.as_str(),
+        hello.build.as_str(),
+        format!("{:?}", hello.clock).to_lowercase()
+    ));
+    capture.arm(&mut client)?;
+    let header = Header {
+        condition: job.condition.to_owned(),
+        notes: job.notes.to_owned(),
+        port: job.address.to_owned(),
+        ..Header::of_run(&hello, &job.rig, &capture.start)
+    };
+    let (servo, sensor) = (job.rig.servo_scale(), job.rig.sensor_scale());
+    let writer = RecordingWriter::create(job.out, job.force, &header, servo, sensor)?;
+    let progress = CaptureProgress::new(talk, capture.start.frames(), servo, sensor);
+    let end = capture.record(&mut client, writer, &interrupt::asked, &mut |p| {
+        progress.update(p)
+    });
+    progress.finish();
+    if job.release {
+        client
+            .request(Command::Disarm)
+            .context("the pulses could not be ended")?;
+    }
+    end.with_context(|| format!("{} keeps what was captured before this", job.out.display()))
+}

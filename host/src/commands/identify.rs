@@ -1,0 +1,80 @@
+//! `servoid identify`
+
+use super::table_args::TableArgs;
+use super::{Talk, listed, stem};
+use crate::plots::figures;
+use crate::{dataset, output, summary};
+use anyhow::{Context, Result};
+use clap::Args;
+use servoid_identification::{Frequencies, NoiseOrder, Options, Settling, identify};
+use std::path::PathBuf;
+
+/// Find the servo's step and frequency response, with bounds
+///
+/// Takes recordings of servoid, or any CSV file with its columns named. Several files are several
+/// runs of the same servo under the same conditions; they are never joined end to end.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  servoid identify bench.csv -o bench.json --plots plots
+  servoid identify mine.csv --input u --output y --period 0.02")]
+pub(super) struct Identify {
+    /// Recordings, or CSV files
+    #[arg(required = true, value_name = "FILE.csv")]
+    files: Vec<PathBuf>,
+    /// Samples after which the response to a step is over (N), or auto
+    #[arg(long, default_value_t = Settling::Auto, value_name = "N|auto")]
+    settling: Settling,
+    /// Number of frequencies (n, odd, at most N), auto, or narrow
+    #[arg(long, default_value_t = Frequencies::Auto, value_name = "n|auto|narrow")]
+    frequencies: Frequencies,
+    /// Order of the noise model (d), or auto
+    #[arg(long, default_value_t = NoiseOrder::Auto, value_name = "d|auto")]
+    noise_order: NoiseOrder,
+    /// Confidence level of every bound
+    #[arg(long, default_value_t = 0.99)]
+    level: f64,
+    /// The model to write
+    #[arg(long, short, value_name = "MODEL.json")]
+    out: Option<PathBuf>,
+    /// Folder for plots of input and output, step response, frequency response and validation
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+    /// Replace files that exist
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    table: TableArgs,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+impl Identify {
+    pub(super) fn run(self) -> Result<String> {
+        if let Some(out) = &self.out {
+            output::check_free(out, self.force)?;
+        }
+        let data = dataset::load(&self.files, &self.table.into())?;
+        data.remarks.iter().for_each(|remark| self.talk.say(remark));
+        let options = Options {
+            settling: self.settling,
+            frequencies: self.frequencies,
+            noise_order: self.noise_order,
+            level: self.level,
+            ..Options::default()
+        };
+        let model = identify(&data.record, &options).with_context(|| listed(&self.files))?;
+        if let Some(out) = &self.out {
+            output::write_file(out, self.force, &output::to_json(&model)?)?;
+            self.talk.say(format_args!("model: {}", out.display()));
+        }
+        if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
+            let figures = figures::identification(&stem(first), &data.record, &model, data.unit);
+            let files = output::write_figures(folder, self.force, &figures)?;
+            self.talk.say(format_args!("plots: {}", listed(&files)));
+        }
+        self.talk.result(
+            summary::of_model(&listed(&self.files), &model, data.unit),
+            &model,
+        )
+    }
+}

@@ -1,0 +1,157 @@
+//! `servoid info`
+
+use super::Talk;
+use crate::port;
+use crate::rig::RigClient;
+use anyhow::Result;
+use clap::Args;
+use servoid_protocol::hello::{ClockSource, PROTOCOL_VERSION, ResetCause, SCHEMA_HASH};
+use servoid_protocol::message::{Activity, Status};
+use servoid_protocol::{Hello, Rejects};
+use std::fmt::Write;
+
+/// Say what is on the other end of a port, and how it is
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  servoid info --port /dev/ttyUSB0
+  servoid info --port sim:bench")]
+pub(super) struct Info {
+    /// Where the rig is: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
+    #[arg(long, short)]
+    port: String,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+#[derive(serde::Serialize)]
+struct Answer<'a> {
+    hello: &'a Hello,
+    schema_equal: bool,
+    status: Option<Status>,
+}
+
+impl Info {
+    pub(super) fn run(self) -> Result<String> {
+        let mut client = RigClient::connect(port::open(&self.port)?, &self.port)?;
+        let hello = *client.hello();
+        let schema_equal = client.require_equal_schema().is_ok();
+        // A rig with other messages may answer with anything; its hello is all that is sure.
+        let status = if schema_equal {
+            Some(client.status()?)
+        } else {
+            None
+        };
+        let text = describe(&hello, status.as_ref(), client.rejects())?;
+        self.talk.result(
+            text,
+            &Answer {
+                hello: &hello,
+                schema_equal,
+                status,
+            },
+        )
+    }
+}
+
+fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> Result<String> {
+    let mut text = String::new();
+    let id: String = hello
+        .unique_id
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    writeln!(text, "board            {} ({id})", hello.board.as_str())?;
+    writeln!(text, "firmware         {}", hello.build.as_str())?;
+    writeln!(
+        text,
+        "protocol         {} (this servoid: {PROTOCOL_VERSION})",
+        hello.protocol_version
+    )?;
+    writeln!(
+        text,
+        "schema           {:016x} ({})",
+        hello.schema_hash,
+        if hello.schema_hash == SCHEMA_HASH {
+            "equal".to_owned()
+        } else {
+            format!(
+                "this servoid's is {SCHEMA_HASH:016x}: flash this version's firmware to capture"
+            )
+        }
+    )?;
+    writeln!(text, "clock            {}", clock(hello.clock))?;
+    writeln!(text, "last start       {}", reset(hello.reset_cause))?;
+    writeln!(text, "PWM frame        {} µs", hello.frame_us)?;
+    writeln!(
+        text,
+        "samples          every {} µs, the first {} µs after the pulse's rising edge",
+        hello.sample_us, hello.first_sample_us
+    )?;
+    writeln!(
+        text,
+        "one sample       {} conversions within {} µs, 0 to {} counts",
+        hello.oversampling, hello.aperture_us, hello.full_scale_counts
+    )?;
+    writeln!(
+        text,
+        "pulses           {} to {} µs, never beyond",
+        hello.shortest_pulse_us, hello.longest_pulse_us
+    )?;
+    writeln!(
+        text,
+        "memory           {} frames ({} s) can be asked for again",
+        hello.history_frames,
+        f64::from(hello.history_frames) * f64::from(hello.frame_us) * 1e-6
+    )?;
+    if let Some(status) = status {
+        writeln!(text, "doing            {}", activity(&status.activity))?;
+        writeln!(text, "sensor           {} counts", status.sensor.0)?;
+        writeln!(
+            text,
+            "frames           {} since start, {} lost on the board, at most {} waited to be sent",
+            status.frames_since_start, status.frames_lost_on_board, status.backlog_high_water
+        )?;
+        writeln!(
+            text,
+            "link             unreadable messages: {} to the rig, {} from it",
+            status.rejects,
+            rejects.total()
+        )?;
+    }
+    Ok(text)
+}
+
+fn clock(source: ClockSource) -> &'static str {
+    match source {
+        ClockSource::Crystal => "crystal (tens of ppm)",
+        ClockSource::InternalRc => {
+            "internal oscillator, as the crystal did not start (about 1 %: every time is that uncertain)"
+        }
+        ClockSource::Simulated => "simulated (exact)",
+    }
+}
+
+fn reset(cause: ResetCause) -> &'static str {
+    match cause {
+        ResetCause::PowerOn => "power was switched on, or had dropped out",
+        ResetCause::Pin => "the reset pin",
+        ResetCause::Watchdog => "the watchdog: frames had stopped advancing",
+        ResetCause::Software => "the program asked for it",
+        ResetCause::LowPower => "a low-power mode",
+        ResetCause::Unknown => "not known",
+    }
+}
+
+fn activity(activity: &Activity) -> String {
+    match activity {
+        Activity::Idle => "idle, no pulses".to_owned(),
+        Activity::Armed => "armed, at neutral".to_owned(),
+        Activity::Running { run, frames } => format!("run {run}, {frames} frames so far"),
+        Activity::Ended(ended) => {
+            format!(
+                "at neutral; run {} ended ({:?}) after {} frames",
+                ended.run, ended.reason, ended.frames
+            )
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The command line: each command a thin file over the library.
+//!
+//! Results go to standard output, everything else to standard error.
+
+mod capture;
+mod demo;
+mod identify;
+mod info;
+mod interrupt;
+mod ports;
+mod progress;
+mod simulate;
+mod table_args;
+mod validate;
+
+use anyhow::Result;
+use clap::{Args, Parser, Subcommand};
+use std::path::{Path, PathBuf};
+
+/// Measures how an R/C servo really moves, and says how sure it is.
+///
+/// Without any hardware:  servoid demo
+///
+/// With a board:          servoid capture --port /dev/ttyUSB0 -o bench.csv
+///                        servoid identify bench.csv -o bench.json --plots plots
+///
+/// With a recording:      servoid identify mine.csv --input u --output y --period 0.02
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    max_term_width = 100,
+    verbatim_doc_comment,
+    propagate_version = true
+)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Demo(demo::Demo),
+    Ports(ports::Ports),
+    Info(info::Info),
+    Capture(capture::CaptureArgs),
+    Identify(identify::Identify),
+    Validate(validate::Validate),
+    Simulate(simulate::Simulate),
+}
+
+impl Cli {
+    /// Does what was asked for; returns what goes to standard output.
+    ///
+    /// # Errors
+    /// One sentence that says what to do.
+    pub fn run(self) -> Result<String> {
+        match self.command {
+            Command::Demo(command) => command.run(),
+            Command::Ports(command) => command.run(),
+            Command::Info(command) => command.run(),
+            Command::Capture(command) => command.run(),
+            Command::Identify(command) => command.run(),
+            Command::Validate(command) => command.run(),
+            Command::Simulate(command) => command.run(),
+        }
+    }
+}
+
+/// How much is said, and in which form.
+#[derive(Clone, Copy, Debug, Args)]
+struct Talk {
+    /// Print the result as one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Say nothing but the result and errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+impl Talk {
+    /// A remark for the person at the terminal.
+    fn say(self, remark: impl std::fmt::Display) {
+        if !self.quiet {
+            eprintln!("{remark}");
+        }
+    }
+
+    /// The result in the form that was asked for.
+    fn result(self, text: String, value: &impl serde::Serialize) -> Result<String> {
+        if self.json {
+            crate::output::to_json(value)
+        } else {
+            Ok(text)
+        }
+    }
+}
+
+/// What a file is called in plots and on the terminal: its name without folder and ending.
+fn stem(path: &Path) -> String {
+    path.file_stem()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// "a.svg, b.svg" for remarks.
+fn listed(paths: &[PathBuf]) -> String {
+    paths
+        .iter()
+        .map(|p| p.display().to_string())
+        .collect::<Vec<_>>()
+        .join(", ")
+}

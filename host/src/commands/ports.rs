@@ -1,0 +1,101 @@
+//! `servoid ports`
+
+use super::Talk;
+use crate::port;
+use crate::rig::RigClient;
+use anyhow::{Context, Result};
+use clap::Args;
+use serde::Serialize;
+use serialport::SerialPortType;
+use std::fmt::Write;
+
+/// List the serial ports, those that answer as a rig first
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  servoid ports")]
+pub(super) struct Ports {
+    #[command(flatten)]
+    talk: Talk,
+}
+
+#[derive(Serialize)]
+struct Found {
+    port: String,
+    device: String,
+    rig: Option<String>,
+    error: Option<String>,
+}
+
+impl Ports {
+    pub(super) fn run(self) -> Result<String> {
+        let ports = serialport::available_ports().context("the serial ports cannot be listed")?;
+        // Each silent port takes its whole time-out, so all are asked at once.
+        let askers: Vec<_> = ports
+            .into_iter()
+            .map(|port| std::thread::spawn(move || ask(port)))
+            .collect();
+        let mut found: Vec<Found> = askers
+            .into_iter()
+            .filter_map(|asker| asker.join().ok())
+            .collect();
+        found.sort_by(|a, b| (a.rig.is_none(), &a.port).cmp(&(b.rig.is_none(), &b.port)));
+        let mut text = String::new();
+        for Found {
+            port,
+            device,
+            rig,
+            error,
+        } in &found
+        {
+            let answer = match (rig, error) {
+                (Some(rig), _) => format!("servoid rig: {rig}"),
+                (None, Some(error)) => error.clone(),
+                (None, None) => "no rig answers".to_owned(),
+            };
+            writeln!(text, "{port:24} {device:32} {answer}")?;
+        }
+        if found.is_empty() {
+            text.push_str("no serial ports: is the board plugged in?\n");
+        }
+        text.push_str("without hardware: sim:bench, sim:aircraft, sim:linear\n");
+        self.talk.result(text, &found)
+    }
+}
+
+fn ask(info: serialport::SerialPortInfo) -> Found {
+    let port = info.port_name;
+    let device = match info.port_type {
+        SerialPortType::UsbPort(usb) => {
+            let product = usb.product.unwrap_or_default();
+            format!("USB {:04x}:{:04x} {product}", usb.vid, usb.pid)
+        }
+        SerialPortType::PciPort => "built in".to_owned(),
+        SerialPortType::BluetoothPort => "Bluetooth".to_owned(),
+        SerialPortType::Unknown => String::new(),
+    };
+    let client = match port::open(&port) {
+        Ok(stream) => RigClient::probe(stream, &port),
+        Err(error) => {
+            return Found {
+                port,
+                device,
+                rig: None,
+                error: Some(error.to_string()),
+            };
+        }
+    };
+    let rig = client.ok().map(|client| {
+        let hello = client.hello();
+        format!(
+            "{}, firmware {}",
+            hello.board.as_str(),
+            hello.build.as_str()
+        )
+    });
+    Found {
+        port,
+        device,
+        rig,
+        error: None,
+    }
+}

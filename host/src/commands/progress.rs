@@ -1,0 +1,65 @@
+//! What a person sees while a capture goes on.
+
+use super::Talk;
+use crate::rig::Progress;
+use indicatif::{ProgressBar, ProgressStyle};
+use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLES_PER_FRAME};
+use servoid_protocol::{SensorScale, ServoScale};
+
+/// A line that moves in a terminal; plain lines, one per second of the run, elsewhere.
+pub(super) struct CaptureProgress {
+    bar: ProgressBar,
+    talk: Talk,
+    servo: ServoScale,
+    sensor: SensorScale,
+}
+
+impl CaptureProgress {
+    pub(super) fn new(talk: Talk, frames: u32, servo: ServoScale, sensor: SensorScale) -> Self {
+        let bar = if talk.quiet {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(frames.into())
+        };
+        let style =
+            ProgressStyle::with_template("{bar:30} {pos}/{len} frames, {eta} left  {wide_msg}");
+        // The template is fixed above; if the library ever refused it, its own style would do.
+        if let Ok(style) = style {
+            bar.set_style(style);
+        }
+        Self {
+            bar,
+            talk,
+            servo,
+            sensor,
+        }
+    }
+
+    pub(super) fn update(&self, progress: Progress<'_>) {
+        let frame = progress.frame;
+        let done = u64::from(frame.index) + 1;
+        let reference = self.servo.degrees(frame.pulse).0;
+        let position = frame
+            .samples
+            .last()
+            .map_or(f64::NAN, |&c| self.sensor.degrees(c).0);
+        let message = format!(
+            "reference {reference:+.1} deg, position {position:+.2} deg; link: {} unreadable, {} asked again",
+            progress.rejects, progress.asked_again
+        );
+        if !self.bar.is_hidden() {
+            self.bar.set_position(done);
+            self.bar.set_message(message);
+        } else if done.is_multiple_of(u64::from(FRAMES_PER_SECOND)) {
+            let samples = done * SAMPLES_PER_FRAME as u64;
+            self.talk.say(format_args!(
+                "{samples} of {} samples, {message}",
+                u64::from(progress.frames_total) * SAMPLES_PER_FRAME as u64
+            ));
+        }
+    }
+
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

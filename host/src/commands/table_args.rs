@@ -1,0 +1,49 @@
+//! The options that say how to read files.
+
+use crate::dataset::DatasetOptions;
+use clap::Args;
+
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "How to read the files")]
+pub(super) struct TableArgs {
+    /// The column with the input (what was commanded)
+    #[arg(long, value_name = "COLUMN")]
+    input: Option<String>,
+    /// The column with the output (what was measured)
+    #[arg(long, value_name = "COLUMN")]
+    output: Option<String>,
+    /// Time between rows (seconds); without it, from a column 't', 'time' or 'time_s'
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    period: Option<f64>,
+    /// The column whose value changes where a new run begins
+    #[arg(long, value_name = "COLUMN")]
+    run: Option<String>,
+    /// The input had this value for a settling time before each run: then no row is left out. State
+    /// it only where it is true, as a wrong one is far worse than none
+    #[arg(long, value_name = "INPUT", allow_negative_numbers = true)]
+    at_rest: Option<f64>,
+    /// Of recordings of servoid, use the rest at neutral before and after the reference too: its
+    /// strokes are half as long, which a real servo does not answer in proportion
+    #[arg(long)]
+    with_rest: bool,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        _ => Err("a number of seconds above 0 is needed".to_owned()),
+    }
+}
+
+impl From<TableArgs> for DatasetOptions {
+    fn from(args: TableArgs) -> Self {
+        Self {
+            input: args.input,
+            output: args.output,
+            period_s: args.period,
+            run: args.run,
+            at_rest: args.at_rest,
+            with_rest: args.with_rest,
+        }
+    }
+}

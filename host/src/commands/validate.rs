@@ -1,0 +1,76 @@
+//! `servoid validate`
+
+use super::table_args::TableArgs;
+use super::{Talk, listed, stem};
+use crate::plots::figures::{self, Named};
+use crate::{dataset, output, summary};
+use anyhow::{Context, Result};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Hold a model against a recording that it has not seen
+///
+/// The model is driven with the recording's input alone; fit is 100 % for a perfect prediction and
+/// 0 % for one no better than the mean.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  servoid validate bench.json another-bench.csv --plots plots")]
+pub(super) struct Validate {
+    /// The model
+    #[arg(value_name = "MODEL.json")]
+    model: PathBuf,
+    /// Recordings, or CSV files
+    #[arg(required = true, value_name = "FILE.csv")]
+    files: Vec<PathBuf>,
+    /// The result to write, as JSON
+    #[arg(long, short, value_name = "FILE.json")]
+    out: Option<PathBuf>,
+    /// Folder for plots of model against measurement
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+    /// Replace files that exist
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    table: TableArgs,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+impl Validate {
+    pub(super) fn run(self) -> Result<String> {
+        if let Some(out) = &self.out {
+            output::check_free(out, self.force)?;
+        }
+        let model = output::read_model(&self.model)?;
+        let data = dataset::load(&self.files, &self.table.into())?;
+        data.remarks.iter().for_each(|remark| self.talk.say(remark));
+        let result = model
+            .validate(&data.record)
+            .with_context(|| listed(&self.files))?;
+        if let Some(out) = &self.out {
+            output::write_file(out, self.force, &output::to_json(&result)?)?;
+        }
+        if let Some(folder) = &self.plots {
+            let name = stem(&self.model);
+            let named = [Named {
+                name: &name,
+                model: &model,
+            }];
+            let figures: Vec<_> = data
+                .record
+                .runs()
+                .iter()
+                .zip(1..)
+                .map(|(run, number)| {
+                    let file = format!("{name}-on-{}-run-{number}", stem(&self.files[0]));
+                    figures::validation(&file, "Model against measurement", &named, run, data.unit)
+                })
+                .collect();
+            let files = output::write_figures(folder, self.force, &figures)?;
+            self.talk.say(format_args!("plots: {}", listed(&files)));
+        }
+        self.talk
+            .result(summary::of_validation(&result, data.unit), &result)
+    }
+}

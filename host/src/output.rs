@@ -1,0 +1,89 @@
+//! Files that commands leave behind, and read back: never over an existing one unless told so.
+
+use crate::plots::{Figure, svg};
+use crate::recording::WriteError;
+use anyhow::{Context, Result, bail};
+use servoid_identification::Model;
+use servoid_identification::model::SCHEMA;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Makes a file that was not there, or whose loss is allowed, with this content.
+///
+/// # Errors
+/// One sentence: it exists, or what the system said.
+pub fn write_file(path: &Path, force: bool, content: &str) -> Result<()> {
+    let mut file = crate::recording::create(path, force)?;
+    file.write_all(content.as_bytes())
+        .map_err(|reason| WriteError::NotCreated {
+            path: path.to_owned(),
+            reason,
+        })?;
+    Ok(())
+}
+
+/// Fails now if `path` could not be written later: before an hour of work rather than after it.
+///
+/// # Errors
+/// [`WriteError::Exists`].
+pub fn check_free(path: &Path, force: bool) -> Result<()> {
+    if !force && path.exists() {
+        return Err(WriteError::Exists {
+            path: path.to_owned(),
+        }
+        .into());
+    }
+    Ok(())
+}
+
+/// Draws figures into a folder, which is made if it is not there; returns the files.
+///
+/// # Errors
+/// One sentence.
+pub fn write_figures(folder: &Path, force: bool, figures: &[Figure]) -> Result<Vec<PathBuf>> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("the folder {folder:?} cannot be made"))?;
+    let mut files = Vec::new();
+    for figure in figures {
+        let path = folder.join(format!("{}.svg", figure.name));
+        let drawing = svg::draw(figure)
+            .map_err(|e| anyhow::anyhow!("the plot {:?} cannot be drawn: {e}", figure.name))?;
+        write_file(&path, force, &drawing)?;
+        files.push(path);
+    }
+    Ok(files)
+}
+
+/// Reads a model that `servoid identify` has written.
+///
+/// # Errors
+/// One sentence: it cannot be read, is no model, or was made by a newer servoid.
+pub fn read_model(path: &Path) -> Result<Model> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|reason| anyhow::anyhow!("the model {path:?} cannot be read: {reason}"))?;
+    let schema = serde_json::from_str::<SchemaOnly>(&text).map(|model| model.schema);
+    if let Ok(schema) = schema
+        && schema > SCHEMA
+    {
+        bail!(
+            "the model {path:?} was made by a newer servoid (schema {schema}, this one reads up to {SCHEMA}): update servoid"
+        );
+    }
+    let model: Model = serde_json::from_str(&text)
+        .map_err(|e| anyhow::anyhow!("{path:?} is no model of 'servoid identify': {e}"))?;
+    Ok(model)
+}
+
+/// The one field that every version of the model has.
+#[derive(serde::Deserialize)]
+struct SchemaOnly {
+    schema: u32,
+}
+
+/// A result as indented JSON, with a line end.
+///
+/// # Errors
+/// When a value has no form in JSON.
+pub fn to_json(value: &impl serde::Serialize) -> Result<String> {
+    Ok(serde_json::to_string_pretty(value).context("the result cannot be written as JSON")? + "\n")
+}

@@ -1,0 +1,114 @@
+//! What a picture shows, as data.
+
+/// A picture: panels one above the other, all as wide as the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Name of its file, without folder and ending.
+    pub name: String,
+    /// What it says above the panels.
+    pub title: String,
+    /// The panels, from the top.
+    pub panels: Vec<Panel>,
+}
+
+/// One pair of axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Panel {
+    /// What runs to the right, with its unit.
+    pub x_label: String,
+    /// Whether it runs logarithmically.
+    pub x_logarithmic: bool,
+    /// What runs upwards, with its unit.
+    pub y_label: String,
+    /// Whether the curves fill the panel, so that the legend needs room above them.
+    pub legend_above: bool,
+    /// Areas, drawn first.
+    pub bands: Vec<Band>,
+    /// Lines.
+    pub curves: Vec<Curve>,
+}
+
+/// A line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// What the legend calls it; empty for none.
+    pub name: String,
+    /// How it is drawn.
+    pub ink: Ink,
+    /// Whether it is dashed.
+    pub dashed: bool,
+    /// Its points; the line breaks where a coordinate is NaN.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// An area between two lines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    /// What the legend calls it.
+    pub name: String,
+    /// How it is drawn.
+    pub ink: Ink,
+    /// (x, lower, upper)
+    pub points: Vec<(f64, f64, f64)>,
+}
+
+/// What a line stands for decides its colour, the same in every picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ink {
+    /// What was commanded.
+    Reference,
+    /// What was measured.
+    Measured,
+    /// The first model.
+    Model,
+    /// The second model.
+    SecondModel,
+}
+
+impl Panel {
+    /// The smallest and largest finite coordinates of everything in it: ((x, x), (y, y)).
+    /// `None` where there is nothing to show.
+    #[must_use]
+    pub fn extent(&self) -> Option<((f64, f64), (f64, f64))> {
+        let curves = self.curves.iter().flat_map(|c| c.points.iter().copied());
+        let bands = self.bands.iter().flat_map(|b| &b.points);
+        let edges = bands.flat_map(|&(x, lower, upper)| [(x, lower), (x, upper)]);
+        let mut extent: Option<((f64, f64), (f64, f64))> = None;
+        for (x, y) in curves
+            .chain(edges)
+            .filter(|(x, y)| x.is_finite() && y.is_finite())
+        {
+            let ((x0, x1), (y0, y1)) = extent.get_or_insert(((x, x), (y, y)));
+            (*x0, *x1, *y0, *y1) = (x0.min(x), x1.max(x), y0.min(y), y1.max(y));
+        }
+        extent
+    }
+}
+
+impl Curve {
+    /// A solid line.
+    pub fn solid(
+        name: impl Into<String>,
+        ink: Ink,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            ink,
+            dashed: false,
+            points: points.into_iter().collect(),
+        }
+    }
+
+    /// A dashed line.
+    pub fn dashed(
+        name: impl Into<String>,
+        ink: Ink,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self {
+            dashed: true,
+            ..Self::solid(name, ink, points)
+        }
+    }
+}

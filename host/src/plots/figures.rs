@@ -1,0 +1,270 @@
+//! The paper's figures, made from recordings and models.
+
+use super::figure::{Band, Curve, Figure, Ink, Panel};
+use servoid_identification::frequency::FrequencyResponse;
+use servoid_identification::{Model, Record, Run};
+
+/// A model with the name that its curves carry.
+#[derive(Clone, Copy, Debug)]
+pub struct Named<'a> {
+    /// What the legend calls it.
+    pub name: &'a str,
+    /// The model.
+    pub model: &'a Model,
+}
+
+const INKS: [Ink; 2] = [Ink::Model, Ink::SecondModel];
+
+/// "angle (deg)", or the quantity alone where the unit is not known.
+fn with_unit(quantity: &str, unit: Option<&str>) -> String {
+    unit.map_or_else(
+        || quantity.to_owned(),
+        |unit| format!("{quantity} ({unit})"),
+    )
+}
+
+/// Sample times of a run (s).
+fn times(count: usize, period_s: f64) -> impl Iterator<Item = f64> {
+    (0..count).map(move |k| k as f64 * period_s)
+}
+
+/// Figs 4 and 8: the reference and the measurement, one panel per run.
+#[must_use]
+pub fn input_output(name: &str, title: &str, record: &Record, unit: Option<&str>) -> Figure {
+    let period = record.sample_period_s();
+    let panels = record.runs().iter().map(|run| Panel {
+        x_label: "time (s)".into(),
+        y_label: with_unit("position", unit),
+        legend_above: true,
+        curves: vec![
+            Curve::solid(
+                "measured",
+                Ink::Measured,
+                times(run.len(), period).zip(run.output().iter().copied()),
+            ),
+            Curve::solid(
+                "reference",
+                Ink::Reference,
+                times(run.len(), period).zip(run.input().iter().copied()),
+            ),
+        ],
+        ..Panel::default()
+    });
+    Figure {
+        name: name.into(),
+        title: title.into(),
+        panels: panels.collect(),
+    }
+}
+
+/// Figs 5 and 10: the step response with its bounds.
+#[must_use]
+pub fn step_response(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
+    let mut panel = Panel {
+        x_label: "time since the step (s)".into(),
+        y_label: "response to a unit step".into(),
+        ..Panel::default()
+    };
+    for (Named { name, model }, ink) in models.iter().zip(INKS) {
+        let step = &model.step;
+        let percent = 100.0 * step.simultaneous.level;
+        let bounds = step.simultaneous.lower.iter().zip(&step.simultaneous.upper);
+        panel.bands.push(Band {
+            name: format!("{name}: the whole curve, {percent} %"),
+            ink,
+            points: step
+                .time_s
+                .iter()
+                .zip(bounds)
+                .map(|(&t, (&lo, &hi))| (t, lo, hi))
+                .collect(),
+        });
+        let line = |values: &[f64]| {
+            step.time_s
+                .iter()
+                .copied()
+                .zip(values.to_vec())
+                .collect::<Vec<_>>()
+        };
+        panel
+            .curves
+            .push(Curve::solid(*name, ink, line(&step.value)));
+        let each = format!("{name}: each point, {} %", 100.0 * step.pointwise.level);
+        panel
+            .curves
+            .push(Curve::dashed(each, ink, line(&step.pointwise.lower)));
+        panel.curves.push(Curve {
+            name: String::new(),
+            ..Curve::dashed("", ink, line(&step.pointwise.upper))
+        });
+    }
+    Figure {
+        name: name.into(),
+        title: title.into(),
+        panels: vec![panel],
+    }
+}
+
+/// Figs 6 and 11: magnitude and phase with their bounds.
+#[must_use]
+pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
+    let panel = |y_label: &str| Panel {
+        x_label: "frequency (rad/s)".into(),
+        x_logarithmic: true,
+        y_label: y_label.into(),
+        ..Panel::default()
+    };
+    let (mut magnitude, mut phase) = (panel("magnitude (dB)"), panel("phase (deg)"));
+    for (Named { name, model }, ink) in models.iter().zip(INKS) {
+        let f = &model.frequency;
+        let shown = shown_frequencies(f);
+        let level = format!("{name}: {} %", 100.0 * model.step.pointwise.level);
+        let points = |values: &[f64]| {
+            let points = f.omega_rad_s.iter().copied().zip(values.iter().copied());
+            points
+                .skip(shown.start)
+                .take(shown.len())
+                .collect::<Vec<_>>()
+        };
+        let band = |lower: &[f64], upper: &[f64]| {
+            let bounds = points(lower).into_iter().zip(points(upper));
+            let points = bounds
+                .map(|((w, lower), (_, upper))| (w, lower, upper))
+                .collect();
+            Band {
+                name: level.clone(),
+                ink,
+                points,
+            }
+        };
+        magnitude
+            .bands
+            .push(band(&f.magnitude_db_lower, &f.magnitude_db_upper));
+        magnitude
+            .curves
+            .push(Curve::solid(*name, ink, points(&f.magnitude_db)));
+        phase
+            .bands
+            .push(band(&f.phase_deg_lower, &f.phase_deg_upper));
+        phase
+            .curves
+            .push(Curve::solid(*name, ink, points(&f.phase_deg)));
+    }
+    Figure {
+        name: name.into(),
+        title: title.into(),
+        panels: vec![magnitude, phase],
+    }
+}
+
+/// The frequencies that can be drawn and mean something: above 0, which has no place on a
+/// logarithmic axis, and below the first one where the response cannot be told from zero and any
+/// phase is possible.
+fn shown_frequencies(response: &FrequencyResponse) -> std::ops::Range<usize> {
+    let start = response
+        .omega_rad_s
+        .iter()
+        .take_while(|&&w| w <= 0.0)
+        .count();
+    let margins = response
+        .phase_deg_upper
+        .iter()
+        .zip(&response.phase_deg_lower);
+    let known = margins
+        .skip(start)
+        .take_while(|(upper, lower)| *upper - *lower < 360.0)
+        .count();
+    start..start + known
+}
+
+/// Figs 7, 9 and 12: models against a measurement, with the residual below.
+#[must_use]
+pub fn validation(
+    name: &str,
+    title: &str,
+    models: &[Named<'_>],
+    run: &Run,
+    unit: Option<&str>,
+) -> Figure {
+    let Some(first) = models.first() else {
+        return Figure {
+            name: name.into(),
+            title: title.into(),
+            panels: Vec::new(),
+        };
+    };
+    let period = first.model.sample_period_s;
+    let measured = run.output();
+    let mut above = Panel {
+        x_label: "time (s)".into(),
+        y_label: with_unit("position", unit),
+        legend_above: true,
+        curves: vec![Curve::solid(
+            "measured",
+            Ink::Measured,
+            times(run.len(), period).zip(measured.iter().copied()),
+        )],
+        ..Panel::default()
+    };
+    let mut below = Panel {
+        x_label: "time (s)".into(),
+        y_label: with_unit("measured - model", unit),
+        legend_above: true,
+        ..Panel::default()
+    };
+    for (Named { name, model }, ink) in models.iter().zip(INKS) {
+        let simulated = model.simulate(run);
+        let residual: Vec<f64> = measured
+            .iter()
+            .zip(&simulated)
+            .map(|(y, s)| y - s)
+            .collect();
+        above.curves.push(Curve::solid(
+            *name,
+            ink,
+            times(run.len(), period).zip(simulated),
+        ));
+        below.curves.push(Curve::solid(
+            *name,
+            ink,
+            times(run.len(), period).zip(residual),
+        ));
+    }
+    Figure {
+        name: name.into(),
+        title: title.into(),
+        panels: vec![above, below],
+    }
+}
+
+/// Everything that is drawn of one identification: Figs 4-7 of the paper for this record.
+#[must_use]
+pub fn identification(
+    prefix: &str,
+    record: &Record,
+    model: &Model,
+    unit: Option<&str>,
+) -> Vec<Figure> {
+    let named = [Named {
+        name: "model",
+        model,
+    }];
+    let mut figures = vec![
+        input_output(
+            &format!("{prefix}-input-output"),
+            "Reference and measurement",
+            record,
+            unit,
+        ),
+        step_response(&format!("{prefix}-step"), "Step response", &named),
+        bode(&format!("{prefix}-bode"), "Frequency response", &named),
+    ];
+    figures.extend(record.runs().iter().zip(1..).map(|(run, number)| {
+        let name = match record.runs().len() {
+            1 => format!("{prefix}-validation"),
+            _ => format!("{prefix}-validation-run-{number}"),
+        };
+        validation(&name, "Model against measurement", &named, run, unit)
+    }));
+    figures
+}

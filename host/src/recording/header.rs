@@ -1,0 +1,165 @@
+//! The comment lines above the rows: where a recording comes from.
+
+use super::FORMAT;
+use crate::rig::RigFile;
+use serde::{Deserialize, Serialize};
+use servoid_protocol::message::Start;
+use servoid_protocol::{Hello, Reference};
+use toml::{Table, Value};
+
+/// What a recording says of itself. One `# key = value` line each, in this order.
+///
+/// Keys that are missing get their defaults and keys that are not known are passed over, so that
+/// recordings of other versions of the same format can be read.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Header {
+    /// [`FORMAT`].
+    pub format: u32,
+    /// Version of the program that wrote it.
+    pub servoid: String,
+    /// When the run began, UTC, RFC 3339.
+    pub started: String,
+    /// What the servo is called.
+    pub servo: String,
+    /// Under what condition: `bench`, `aircraft`, or the user's word.
+    pub condition: String,
+    /// What the rig is called.
+    pub rig: String,
+    /// The user's remarks.
+    pub notes: String,
+    /// Where the rig was.
+    pub port: String,
+    /// Kind of board, its unique number, and the firmware's version.
+    pub board: String,
+    /// The board's unique number, hexadecimal.
+    pub board_id: String,
+    /// The firmware's version.
+    pub firmware: String,
+    /// Where the board's clock came from.
+    pub clock: String,
+    /// The reference signal, in microseconds from neutral and frames of 20 ms.
+    pub reference: Option<Table>,
+    /// Frames at neutral before the reference.
+    pub pre_roll_frames: u16,
+    /// Frames of the reference; 0 where it is not known.
+    pub reference_frames: u32,
+    /// Frames at neutral after the reference.
+    pub post_roll_frames: u16,
+    /// Time between samples (s).
+    pub sample_period_s: f64,
+    /// From a change of the reference to the first sample that carries it (s).
+    pub sample_phase_s: f64,
+    /// The pulse that commands 0 degrees (µs).
+    pub neutral_us: u16,
+    /// Change of the pulse for one degree (µs/deg).
+    pub us_per_degree: f64,
+    /// What the sensor is called.
+    pub sensor: String,
+    /// Sensor reading at 0 degrees (counts).
+    pub zero_counts: f64,
+    /// Degrees for one count.
+    pub degrees_per_count: f64,
+    /// Standard deviation of the sensor's zero (deg).
+    pub zero_sd_deg: f64,
+    /// Standard deviation of the sensor's scale (percent of it).
+    pub scale_sd_percent: f64,
+}
+
+impl Default for Header {
+    fn default() -> Self {
+        let rig = RigFile::default();
+        Self {
+            format: FORMAT,
+            servoid: String::new(),
+            started: String::new(),
+            servo: String::new(),
+            condition: String::new(),
+            rig: String::new(),
+            notes: String::new(),
+            port: String::new(),
+            board: String::new(),
+            board_id: String::new(),
+            firmware: String::new(),
+            clock: String::new(),
+            reference: None,
+            pre_roll_frames: 0,
+            reference_frames: 0,
+            post_roll_frames: 0,
+            sample_period_s: f64::from(servoid_protocol::timing::SAMPLE_US) * 1e-6,
+            sample_phase_s: 0.0,
+            neutral_us: rig.servo.neutral_us,
+            us_per_degree: rig.servo.us_per_degree,
+            sensor: String::new(),
+            zero_counts: rig.sensor.zero_counts,
+            degrees_per_count: rig.sensor.degrees_per_count,
+            zero_sd_deg: rig.sensor.zero_sd_deg,
+            scale_sd_percent: rig.sensor.scale_sd_percent,
+        }
+    }
+}
+
+impl Header {
+    /// The header of a run that begins now.
+    #[must_use]
+    pub fn of_run(hello: &Hello, rig: &RigFile, start: &Start) -> Self {
+        let now = std::time::SystemTime::now();
+        Self {
+            servoid: env!("CARGO_PKG_VERSION").to_owned(),
+            started: humantime::format_rfc3339_seconds(now).to_string(),
+            servo: rig.servo.name.clone(),
+            rig: rig.name.clone(),
+            board: hello.board.as_str().to_owned(),
+            board_id: hello
+                .unique_id
+                .iter()
+                .map(|byte| format!("{byte:02x}"))
+                .collect(),
+            firmware: hello.build.as_str().to_owned(),
+            clock: format!("{:?}", hello.clock),
+            reference: Some(reference_table(&start.reference)),
+            pre_roll_frames: start.pre_roll_frames,
+            reference_frames: start.reference.frames(),
+            post_roll_frames: start.post_roll_frames,
+            sample_period_s: f64::from(hello.sample_us) * 1e-6,
+            sample_phase_s: f64::from(hello.first_sample_us) * 1e-6,
+            neutral_us: rig.servo.neutral_us,
+            us_per_degree: rig.servo.us_per_degree,
+            sensor: rig.sensor.name.clone(),
+            zero_counts: rig.sensor.zero_counts,
+            degrees_per_count: rig.sensor.degrees_per_count,
+            zero_sd_deg: rig.sensor.zero_sd_deg,
+            scale_sd_percent: rig.sensor.scale_sd_percent,
+            ..Self::default()
+        }
+    }
+
+    /// The comment lines.
+    ///
+    /// # Errors
+    /// When a value has no form in TOML.
+    pub fn to_lines(&self) -> Result<String, toml::ser::Error> {
+        let value = Value::try_from(self)?;
+        let fields = value.as_table().into_iter().flatten();
+        // A value is written on one line: TOML's inline form escapes line ends in texts.
+        Ok(fields
+            .map(|(key, value)| format!("# {key} = {value}\n"))
+            .collect())
+    }
+}
+
+/// A reference as a flat table: its kind, then its numbers.
+fn reference_table(reference: &Reference) -> Table {
+    let Reference::Staircase(s) = reference;
+    let mut table = Table::new();
+    table.insert("kind".into(), "staircase".into());
+    for (key, number) in [
+        ("amplitude_us", s.amplitude_us),
+        ("longest_hold_frames", s.longest_hold_frames),
+        ("shortest_hold_frames", s.shortest_hold_frames),
+        ("hold_step_frames", s.hold_step_frames),
+    ] {
+        table.insert(key.into(), i64::from(number).into());
+    }
+    table
+}

@@ -1,0 +1,274 @@
+//! The rig file: what the user knows of their servo, their sensor and their limits.
+//!
+//! ```toml
+//! name = "bench 1"
+//! port = "/dev/ttyUSB0"
+//!
+//! [servo]
+//! name = "ALIGN DS610"
+//! neutral_us = 1500
+//! us_per_degree = 10.0        # negative when a longer pulse turns it the other way
+//!
+//! [sensor]
+//! name = "Honeywell RTY120"
+//! zero_counts = 8190.0        # reading at 0 degrees
+//! degrees_per_count = 0.009157509157509158   # negative when it is mounted the other way round
+//! zero_sd_deg = 0.1           # how well the zero is known (standard deviation)
+//! scale_sd_percent = 0.5      # how well the scale is known (standard deviation)
+//! healthy_counts = [1000, 15380]
+//!
+//! [limits]
+//! shortest_us = 1400          # the board will not leave these, whatever it is asked for
+//! longest_us = 1600
+//! ```
+//!
+//! Everything may be left out; what stands in for it is in [`RigFile::default`].
+
+use serde::{Deserialize, Serialize};
+use servoid_protocol::{Counts, PulseWidth, SensorScale, ServoScale};
+use std::path::Path;
+
+/// What the user knows of their rig.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RigFile {
+    /// What the user calls this rig.
+    pub name: String,
+    /// The port to use when none is named on the command line.
+    pub port: Option<String>,
+    /// The servo.
+    pub servo: ServoSection,
+    /// The angle sensor.
+    pub sensor: SensorSection,
+    /// Travel limits.
+    pub limits: LimitsSection,
+}
+
+/// `[servo]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ServoSection {
+    /// What the servo is called.
+    pub name: String,
+    /// The pulse that commands 0 degrees (µs).
+    pub neutral_us: u16,
+    /// Change of the pulse for one degree (µs/deg).
+    pub us_per_degree: f64,
+}
+
+impl Default for ServoSection {
+    /// 1500 µs and 10 µs per degree: 100 degrees of travel on 1-2 ms, as the paper's servo.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            neutral_us: PulseWidth::NEUTRAL.0,
+            us_per_degree: 10.0,
+        }
+    }
+}
+
+/// `[sensor]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SensorSection {
+    /// What the sensor is called.
+    pub name: String,
+    /// Reading at 0 degrees (counts).
+    pub zero_counts: f64,
+    /// Degrees for one count.
+    pub degrees_per_count: f64,
+    /// Standard deviation of the zero (deg).
+    pub zero_sd_deg: f64,
+    /// Standard deviation of the scale (percent of it).
+    pub scale_sd_percent: f64,
+    /// Smallest and largest reading of a healthy sensor (counts).
+    pub healthy_counts: [u16; 2],
+}
+
+/// Volts of the sensor at the ends of its range, the range (deg), and the volts that the divider
+/// brings to the ADC's full scale: Honeywell RTY, 120 degrees, 0.5 to 4.5 V on a 5 V supply; the
+/// divider takes 5 V to the 3.3 V reference (paper §4).
+const RTY_VOLTS: [f64; 2] = [0.5, 4.5];
+const RTY_DEGREES: f64 = 120.0;
+const FULL_SCALE_VOLTS: f64 = 5.0;
+/// Four conversions of 12 bits, summed.
+const FULL_SCALE_COUNTS: f64 = 4.0 * 4095.0;
+
+impl Default for SensorSection {
+    /// The paper's sensor behind the divider of the wiring guide, from its data sheet: nobody has
+    /// measured where its zero is on this rig, so the zero's uncertainty is a degree.
+    fn default() -> Self {
+        let counts_per_volt = FULL_SCALE_COUNTS / FULL_SCALE_VOLTS;
+        let [low, high] = RTY_VOLTS.map(|volts| volts * counts_per_volt);
+        Self {
+            name: String::new(),
+            zero_counts: (low + high) / 2.0,
+            degrees_per_count: RTY_DEGREES / (high - low),
+            zero_sd_deg: 1.0,
+            scale_sd_percent: 1.0,
+            // Half way from the range's ends to the rails, where an open or shorted wire reads.
+            healthy_counts: [
+                (low / 2.0) as u16,
+                ((high + FULL_SCALE_COUNTS) / 2.0) as u16,
+            ],
+        }
+    }
+}
+
+/// `[limits]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LimitsSection {
+    /// The shortest pulse that this servo may be given (µs).
+    pub shortest_us: u16,
+    /// The longest pulse that this servo may be given (µs).
+    pub longest_us: u16,
+}
+
+impl Default for LimitsSection {
+    /// The full range of an R/C servo, 1-2 ms (paper §4).
+    fn default() -> Self {
+        Self {
+            shortest_us: 1000,
+            longest_us: 2000,
+        }
+    }
+}
+
+/// Why a rig file cannot be used. The text says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum RigFileError {
+    /// The file cannot be read.
+    #[error("the rig file {path:?} cannot be read: {reason}")]
+    Unreadable {
+        /// Which.
+        path: std::path::PathBuf,
+        /// What the system said.
+        reason: std::io::Error,
+    },
+    /// The file is no rig file.
+    #[error("the rig file {path:?} does not make sense: {reason}")]
+    Malformed {
+        /// Which.
+        path: std::path::PathBuf,
+        /// What is wrong, and where.
+        reason: String,
+    },
+}
+
+impl RigFile {
+    /// Reads and checks a rig file.
+    ///
+    /// # Errors
+    /// [`RigFileError`]; the sentence names the key that is wrong.
+    pub fn read(path: &Path) -> Result<Self, RigFileError> {
+        let text = std::fs::read_to_string(path).map_err(|reason| RigFileError::Unreadable {
+            path: path.to_owned(),
+            reason,
+        })?;
+        let malformed = |reason| RigFileError::Malformed {
+            path: path.to_owned(),
+            reason,
+        };
+        let file: Self =
+            toml::from_str(&text).map_err(|e| malformed(e.to_string().trim_end().to_owned()))?;
+        file.check()
+            .map_err(|reason| malformed(reason.to_owned()))?;
+        Ok(file)
+    }
+
+    fn check(&self) -> Result<(), &'static str> {
+        let usable = |scale: f64| scale.is_finite() && scale != 0.0;
+        let spread = |sd: f64| sd.is_finite() && sd >= 0.0;
+        let (servo, sensor, limits) = (&self.servo, &self.sensor, &self.limits);
+        if !usable(servo.us_per_degree) {
+            return Err("servo.us_per_degree must be a number other than 0");
+        }
+        if !usable(sensor.degrees_per_count) || !sensor.zero_counts.is_finite() {
+            return Err(
+                "sensor.degrees_per_count and sensor.zero_counts must be numbers, the first not 0",
+            );
+        }
+        if !spread(sensor.zero_sd_deg) || !spread(sensor.scale_sd_percent) {
+            return Err("sensor.zero_sd_deg and sensor.scale_sd_percent must be 0 or more");
+        }
+        if sensor.healthy_counts[0] >= sensor.healthy_counts[1] {
+            return Err("sensor.healthy_counts must be [smallest, largest]");
+        }
+        if limits.shortest_us >= limits.longest_us
+            || !(limits.shortest_us..=limits.longest_us).contains(&servo.neutral_us)
+        {
+            return Err(
+                "limits.shortest_us, servo.neutral_us and limits.longest_us must be in this order",
+            );
+        }
+        Ok(())
+    }
+
+    /// How pulses become degrees.
+    #[must_use]
+    pub fn servo_scale(&self) -> ServoScale {
+        ServoScale {
+            neutral: PulseWidth(self.servo.neutral_us),
+            us_per_degree: self.servo.us_per_degree,
+        }
+    }
+
+    /// How counts become degrees.
+    #[must_use]
+    pub fn sensor_scale(&self) -> SensorScale {
+        SensorScale {
+            zero_counts: self.sensor.zero_counts,
+            degrees_per_count: self.sensor.degrees_per_count,
+        }
+    }
+
+    /// Smallest and largest reading of a healthy sensor.
+    #[must_use]
+    pub fn healthy_counts(&self) -> [Counts; 2] {
+        self.sensor.healthy_counts.map(Counts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_protocol::Degrees;
+
+    fn read(text: &str) -> Result<RigFile, RigFileError> {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("rig.toml");
+        std::fs::write(&path, text).unwrap();
+        RigFile::read(&path)
+    }
+
+    #[test]
+    fn an_empty_file_is_the_papers_rig() {
+        let rig = read("").unwrap();
+        assert_eq!(rig, RigFile::default());
+        assert_eq!(
+            rig.servo_scale().pulse(Degrees(5.0)),
+            Some(PulseWidth(1550))
+        );
+        // 0.5 V of 5 V at -60 degrees: the data sheet's lower end.
+        let low = Counts((0.5 / 5.0 * 4.0 * 4095.0) as u16);
+        assert!((rig.sensor_scale().degrees(low).0 + 60.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn each_mistake_is_named() {
+        for (text, word) in [
+            ("[servo]\nus_per_degree = 0", "us_per_degree"),
+            ("[servo]\nus_per_degree = nan", "us_per_degree"),
+            ("[servo]\nneutral_us = 2500", "neutral_us"),
+            ("[sensor]\nhealthy_counts = [9, 3]", "healthy_counts"),
+            ("[sensor]\nzero_sd_deg = -1", "zero_sd_deg"),
+            ("[servo]\nneutral = 1500", "neutral"),
+            ("[limits]\nshortest_us = 99999", "shortest_us"),
+            ("servo = 3", "servo"),
+        ] {
+            let error = read(text).unwrap_err().to_string();
+            assert!(error.contains(word), "{text:?}: {error}");
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! Results as text for a terminal.
+
+use servoid_identification::metrics::{Interval, Metrics};
+use servoid_identification::model::SelectedBy;
+use servoid_identification::{Model, Validation};
+use std::fmt::Write;
+
+/// One line of a table of metrics.
+struct Row {
+    name: &'static str,
+    unit: &'static str,
+    /// From the model's unit to the printed one.
+    scale: f64,
+    digits: usize,
+    of: fn(&Metrics) -> Interval,
+}
+
+const ROWS: [Row; 6] = [
+    Row {
+        name: "DC gain",
+        unit: "",
+        scale: 1.0,
+        digits: 4,
+        of: |m| m.dc_gain,
+    },
+    Row {
+        name: "delay (5 %)",
+        unit: "ms",
+        scale: 1e3,
+        digits: 2,
+        of: |m| m.delay_s,
+    },
+    Row {
+        name: "rise time (10-90 %)",
+        unit: "ms",
+        scale: 1e3,
+        digits: 2,
+        of: |m| m.rise_time_s,
+    },
+    Row {
+        name: "overshoot",
+        unit: "%",
+        scale: 1.0,
+        digits: 2,
+        of: |m| m.overshoot_percent,
+    },
+    Row {
+        name: "settling time (2 %)",
+        unit: "ms",
+        scale: 1e3,
+        digits: 1,
+        of: |m| m.settling_time_s,
+    },
+    Row {
+        name: "bandwidth (-3 dB)",
+        unit: "rad/s",
+        scale: 1.0,
+        digits: 2,
+        of: |m| m.bandwidth_rad_s,
+    },
+];
+
+impl Row {
+    fn number(&self, value: Option<f64>) -> String {
+        value.map_or_else(
+            || "-".to_owned(),
+            |v| format!("{:.*}", self.digits, v * self.scale),
+        )
+    }
+
+    fn bounds(&self, interval: &Interval) -> String {
+        match (interval.lower, interval.upper) {
+            (None, None) => String::new(),
+            (lower, upper) => format!("{} .. {}", self.number(lower), self.number(upper)),
+        }
+    }
+}
+
+/// What was found by one identification.
+#[must_use]
+pub fn of_model(source: &str, model: &Model, unit: Option<&str>) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _infallible = write_model(&mut text, source, model, unit);
+    text
+}
+
+fn write_model(
+    text: &mut String,
+    source: &str,
+    model: &Model,
+    unit: Option<&str>,
+) -> std::fmt::Result {
+    let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
+    let (structure, fit, period) = (&model.structure, &model.fit, model.sample_period_s);
+    let (each, whole) = model.step.mean_half_widths();
+    let level = 100.0 * model.step.pointwise.level;
+    writeln!(text, "{source}")?;
+    writeln!(
+        text,
+        "  samples     {} used, {} missing, every {} ms",
+        fit.samples_used,
+        fit.samples_missing,
+        rounded(period * 1e3)
+    )?;
+    let chosen = match structure.selected_by {
+        SelectedBy::Auto => "chosen from the data",
+        SelectedBy::Narrow => {
+            "narrow: smoother, holds only if the response falls steeply above its highest frequency"
+        }
+        SelectedBy::User => "as asked for",
+    };
+    writeln!(
+        text,
+        "  structure   settling N = {} samples ({:.0} ms), n = {} frequencies, noise order d = {} ({chosen})",
+        structure.settling_samples,
+        structure.settling_samples as f64 * period * 1e3,
+        structure.frequencies,
+        structure.noise_order
+    )?;
+    writeln!(
+        text,
+        "  fit         {:.2} % simulated, {:.2} % one step ahead, error {:.4}{unit} rms",
+        fit.simulation_percent, fit.one_step_percent, fit.rmse
+    )?;
+    writeln!(
+        text,
+        "  step band   +-{each:.4} each point, +-{whole:.4} whole curve ({level} %, of a unit step, mean)",
+    )?;
+    writeln!(text, "  offset      {:.4}{unit}", model.offset)?;
+    writeln!(
+        text,
+        "  residuals   white: p = {}, independent of the input: p = {}",
+        probability(model.residuals.whiteness_p),
+        probability(model.residuals.input_correlation_p)
+    )?;
+    writeln!(
+        text,
+        "\n  {:22} {:>10}       {level} % interval",
+        "", "value"
+    )?;
+    for row in &ROWS {
+        let interval = (row.of)(&model.metrics);
+        writeln!(
+            text,
+            "  {:22} {:>10} {:5} {}",
+            row.name,
+            row.number(interval.value),
+            row.unit,
+            row.bounds(&interval)
+        )?;
+    }
+    for advice in &model.advice {
+        writeln!(text, "\n  ! {}\n    {}", advice.finding, advice.remedy)?;
+    }
+    Ok(())
+}
+
+/// How well a model predicted a recording that it had not seen.
+#[must_use]
+pub fn of_validation(validation: &Validation, unit: Option<&str>) -> String {
+    let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
+    format!(
+        "fit {:.2} %, error {:.4}{unit} rms, bias {:+.4}{unit}, {} samples\n",
+        validation.fit_percent, validation.rmse, validation.bias, validation.samples_used
+    )
+}
+
+/// Two models side by side, with the paper's figure where it gives one.
+#[must_use]
+pub fn side_by_side(bench: &Metrics, aircraft: &Metrics) -> String {
+    let mut text = format!(
+        "{:32} {:>12} {:>12} {:>12}\n",
+        "", "bench", "aircraft", "difference"
+    );
+    for row in &ROWS {
+        let (a, b) = ((row.of)(bench).value, (row.of)(aircraft).value);
+        let difference = a.zip(b).map(|(a, b)| b - a);
+        let label = format!(
+            "{} {}",
+            row.name,
+            if row.unit.is_empty() {
+                String::new()
+            } else {
+                format!("({})", row.unit)
+            }
+        );
+        let _infallible = writeln!(
+            text,
+            "{label:32} {:>12} {:>12} {:>12}",
+            row.number(a),
+            row.number(b),
+            row.number(difference)
+        );
+    }
+    text
+}
+
+/// A p-value; a test that could not be made has none.
+fn probability(p: Option<f64>) -> String {
+    p.map_or_else(|| "-".to_owned(), |p| format!("{p:.3}"))
+}
+
+/// 2 rather than 2.0000000000000004.
+fn rounded(number: f64) -> f64 {
+    (number * 1e6).round() / 1e6
+}

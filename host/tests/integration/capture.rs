@@ -1,0 +1,137 @@
+//! Captures through the byte link, on simulated servos.
+
+use crate::support::{arg, refusal, run};
+use servoid::recording::{Completeness, Recording};
+use servoid_protocol::reference::Staircase;
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
+
+#[test]
+fn a_capture_is_whole_and_has_the_applied_pulse_beside_each_sample() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("bench.csv");
+    run(&["capture", "--port", "sim:bench", "-o", arg(&file)]);
+    let recording = Recording::read(&file).unwrap();
+    assert_eq!(recording.completeness, Completeness::Complete);
+    let roll = usize::from(servoid::rig::capture::ROLL_FRAMES) * SAMPLES_PER_FRAME;
+    let count = recording.samples.len();
+    assert_eq!(count, roll + 3600 + roll);
+    assert!(
+        recording.samples.iter().copied().eq(0..count as u64),
+        "no gap"
+    );
+    let expected = (0..count).map(|sample| {
+        let in_reference = sample
+            .checked_sub(roll)
+            .map(|s| (s / SAMPLES_PER_FRAME) as u32);
+        let offset = in_reference.and_then(|frame| Staircase::PAPER.offset_us(frame));
+        f64::from(offset.unwrap_or(0)) / 10.0
+    });
+    assert!(recording.reference_deg.iter().copied().eq(expected));
+    // The servo follows: on the last tenth of the first hold it is within a degree of it.
+    let plateau = &recording.position_deg[roll + 360..roll + 400];
+    assert!(plateau.iter().all(|y| (y - 5.0).abs() < 1.0), "{plateau:?}");
+}
+
+#[test]
+fn equal_seeds_give_equal_rows_and_others_do_not() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = |name: &str, seed: &str| {
+        let file = dir.path().join(name);
+        run(&[
+            "simulate",
+            "--servo",
+            "aircraft",
+            "--seed",
+            seed,
+            "-o",
+            arg(&file),
+        ]);
+        Recording::read(&file).unwrap().position_deg
+    };
+    let first = rows("a.csv", "5");
+    assert_eq!(first, rows("b.csv", "5"));
+    assert_ne!(first, rows("c.csv", "6"));
+}
+
+#[test]
+fn an_existing_file_is_kept_unless_forced() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("x.csv");
+    std::fs::write(&file, "precious").unwrap();
+    let args = ["capture", "--port", "sim:bench", "-o", arg(&file)];
+    assert!(refusal(&args).contains("--force"));
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "precious");
+    run(&[&args[..], &["--force"]].concat());
+    assert_eq!(
+        Recording::read(&file).unwrap().completeness,
+        Completeness::Complete
+    );
+}
+
+#[test]
+fn a_sensor_that_breaks_ends_the_run_and_keeps_the_rows() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("x.csv");
+    let text = run(&[
+        "capture",
+        "--port",
+        "sim:bench?fault=open@3",
+        "-o",
+        arg(&file),
+    ]);
+    assert!(text.contains("partial"), "{text}");
+    let recording = Recording::read(&file).unwrap();
+    let Completeness::Partial(reason) = &recording.completeness else {
+        panic!("it is partial")
+    };
+    assert!(reason.contains("sensor"), "{reason}");
+    assert!(
+        recording.samples.len() > 1000,
+        "{}",
+        recording.samples.len()
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_closes_the_file_and_keeps_the_data() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("x.csv");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_servoid"))
+        .args(["capture", "--port", "sim:bench?realtime", "-o", arg(&file)])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let started = Instant::now();
+    // Wait until rows are on the disk, then interrupt.
+    while std::fs::metadata(&file).map_or(0, |m| m.len()) < 4000 {
+        assert!(started.elapsed() < Duration::from_secs(60), "no rows came");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let pid = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let status = child.wait().unwrap();
+    assert!(status.success(), "{status}");
+    let recording = Recording::read(&file).unwrap();
+    let Completeness::Partial(reason) = &recording.completeness else {
+        panic!("it is partial")
+    };
+    assert!(reason.contains("stopped"), "{reason}");
+    assert!(
+        recording
+            .samples
+            .iter()
+            .copied()
+            .eq(0..recording.samples.len() as u64)
+    );
+}

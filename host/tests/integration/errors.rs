@@ -1,0 +1,172 @@
+//! Bad input: one plain sentence, exit code 1 or 2, and nothing breaks.
+
+use crate::support::{arg, refusal};
+use std::path::Path;
+
+fn write(dir: &Path, name: &str, text: &str) -> String {
+    let path = dir.join(name);
+    std::fs::write(&path, text).unwrap();
+    arg(&path).to_owned()
+}
+
+/// `rows` rows of an input that moves and an output that follows.
+fn good_rows(rows: usize) -> String {
+    let row = |k: usize| format!("{},{}\n", k / 7 % 2, k / 7 % 2 * (k % 7));
+    (0..rows).map(row).collect()
+}
+
+#[test]
+fn files_that_are_not_what_they_should_be() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = good_rows(400);
+    let cases = [
+        ("empty.csv", String::new(), "empty"),
+        ("noise.csv", "\u{0}\u{1}\u{2}".repeat(99), "column"),
+        ("missing.csv", format!("a,y\n{rows}"), "no column \"u\""),
+        ("nan.csv", format!("u,y\n{rows}1,nan\n"), "line 402"),
+        ("text.csv", format!("u,y\nup,1\n{rows}"), "\"up\""),
+        ("ragged.csv", format!("u,y\n{rows}1\n"), "no CSV"),
+        ("two.csv", "u,y\n0,0\n1,1\n".to_owned(), "short"),
+        (
+            "constant.csv",
+            format!("u,y\n{}", "3,1\n3,2\n".repeat(200)),
+            "input",
+        ),
+        (
+            "flat.csv",
+            format!("u,y\n{}", "1,5\n2,5\n".repeat(200)),
+            "output",
+        ),
+        (
+            "gone.csv",
+            format!("u,y\n{}", ",1\n,2\n".repeat(200)),
+            "input",
+        ),
+    ];
+    for (name, text, word) in &cases {
+        let file = write(dir.path(), name, text);
+        let said = refusal(&[
+            "identify", &file, "--input", "u", "--output", "y", "--period", "0.02",
+        ]);
+        assert!(said.contains(word), "{name}: {said}");
+        assert!(said.contains(name), "{name} is not named: {said}");
+    }
+    let missing = dir.path().join("nowhere.csv");
+    assert!(refusal(&["identify", arg(&missing)]).contains("cannot be read"));
+    let unnamed = write(dir.path(), "u.csv", &format!("u,y\n{rows}"));
+    assert!(refusal(&["identify", &unnamed]).contains("--input COLUMN"));
+    let named = [
+        "identify",
+        unnamed.as_str(),
+        "--input",
+        "u",
+        "--output",
+        "y",
+    ];
+    assert!(refusal(&named).contains("--period"));
+}
+
+#[test]
+fn models_that_are_none() {
+    let dir = tempfile::tempdir().unwrap();
+    let record = write(dir.path(), "x.csv", "u,y\n1,2\n2,3\n");
+    let columns = ["--input", "u", "--output", "y", "--period", "1"];
+    for (text, word) in [
+        ("", "no model"),
+        ("{}", "no model"),
+        ("{\"schema\": 99}", "newer servoid"),
+        ("[1, 2", "no model"),
+    ] {
+        let model = write(dir.path(), "m.json", text);
+        let said = refusal(&[&["validate", &model, &record][..], &columns].concat());
+        assert!(said.contains(word), "{text}: {said}");
+    }
+}
+
+#[test]
+fn options_that_make_no_sense_are_wrong_usage() {
+    for args in [
+        &["identify"][..],
+        &["identify", "x.csv", "--settling", "soon"],
+        &["identify", "x.csv", "--period", "0"],
+        &["identify", "x.csv", "--period", "nan"],
+        &["capture", "--port", "sim:bench"],
+        &["simulate", "--servo", "boat", "-o", "x.csv"],
+        &["fly"],
+    ] {
+        let said = refusal(args);
+        assert!(
+            said.contains("--help") || said.contains("Usage"),
+            "{args:?}: {said}"
+        );
+    }
+}
+
+#[test]
+fn ports_that_are_not_there_or_make_no_sense() {
+    for (port, word) in [
+        ("/dev/nowhere", "servoid ports"),
+        ("sim:boat", "bench, aircraft or linear"),
+        ("tcp:nonsense", "tcp:HOST:PORT"),
+    ] {
+        let said = refusal(&["info", "--port", port]);
+        assert!(said.contains(word), "{port}: {said}");
+    }
+    let said = refusal(&["capture", "-o", "x.csv"]);
+    assert!(said.contains("--port"), "{said}");
+}
+
+/// A loopback listener whose other end does `serve` with the first connection.
+fn listener(serve: impl FnOnce(std::net::TcpStream) + Send + 'static) -> String {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = format!("tcp:{}", listener.local_addr().unwrap());
+    std::thread::spawn(move || {
+        if let Ok((stream, _)) = listener.accept() {
+            serve(stream);
+        }
+    });
+    address
+}
+
+#[test]
+fn a_port_that_never_answers_and_one_that_talks_nonsense() {
+    use std::io::{Read, Write};
+    let silent = listener(|mut stream| {
+        let mut nobody_reads = [0; 64];
+        while stream.read(&mut nobody_reads).is_ok_and(|n| n > 0) {}
+    });
+    assert!(refusal(&["info", "--port", &silent]).contains("answers"));
+    let noisy = listener(|mut stream| while stream.write_all(b"U\x00junk\x03\x00").is_ok() {});
+    assert!(refusal(&["info", "--port", &noisy]).contains("baud"));
+    let gone = listener(drop);
+    assert!(refusal(&["info", "--port", &gone]).contains("connection"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_port_that_another_servoid_has_is_busy() {
+    let (_near, far) = serialport::TTYPort::pair().unwrap();
+    let name = serialport::SerialPort::name(&far).unwrap();
+    drop(far);
+    let _held = servoid::port::open(&name)
+        .map_err(|e| e.to_string())
+        .map(|_port| _port);
+    assert!(_held.is_ok(), "the first one gets it");
+    assert!(refusal(&["info", "--port", &name]).contains("busy"));
+}
+
+#[test]
+fn the_aircraft_is_not_moved_by_accident() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("x.csv");
+    let args = [
+        "capture",
+        "--port",
+        "/dev/nowhere",
+        "--condition",
+        "aircraft",
+        "-o",
+        arg(&file),
+    ];
+    assert!(refusal(&args).contains("--arm"));
+}

@@ -1,0 +1,60 @@
+//! What the tests have in common.
+
+use assert_cmd::Command;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Long enough for an unoptimised build on a loaded machine, short enough to end a hang.
+const LIMIT: Duration = Duration::from_secs(120);
+
+/// `servoid` with these arguments.
+pub fn servoid(args: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("servoid").expect("the binary under test is built");
+    command.args(args).timeout(LIMIT);
+    command
+}
+
+/// Runs `servoid`, requires success, returns what it printed to standard output.
+pub fn run(args: &[&str]) -> String {
+    let output = servoid(args).output().expect("it can be started");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "servoid {args:?}: {errors}");
+    String::from_utf8(output.stdout).expect("it prints UTF-8")
+}
+
+/// Runs `servoid`, requires exit code 1 or 2 and one plain sentence, returns it.
+pub fn refusal(args: &[&str]) -> String {
+    let output = servoid(args).output().expect("it can be started");
+    let errors = String::from_utf8(output.stderr).expect("it prints UTF-8");
+    assert!(
+        matches!(output.status.code(), Some(1 | 2)),
+        "{args:?}: {:?}",
+        output.status
+    );
+    assert!(output.stdout.is_empty(), "{args:?} printed a result");
+    assert!(!errors.contains("panicked"), "{errors}");
+    if output.status.code() == Some(1) {
+        let sentence = errors.lines().last().unwrap_or_default();
+        assert!(sentence.starts_with("servoid: "), "{errors}");
+        return sentence.to_owned();
+    }
+    errors
+}
+
+/// A recording that came with the tests.
+pub fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data")
+        .join(name)
+}
+
+/// A path as an argument.
+pub fn arg(path: &Path) -> &str {
+    path.to_str().expect("the path is UTF-8")
+}
+
+/// A JSON file.
+pub fn json(path: &Path) -> serde_json::Value {
+    let text = std::fs::read_to_string(path).expect("the file is there");
+    serde_json::from_str(&text).expect("it is JSON")
+}
