@@ -69,6 +69,7 @@ pub struct Rig {
 impl Rig {
     /// A rig on the board that calls itself `identity`: idle, without a session.
     #[must_use]
+    #[inline(never)] // or its 6 KB would be on the stack of the loop that keeps it, for ever
     pub fn new(identity: &Identity) -> Self {
         Self {
             hello: hello(identity),

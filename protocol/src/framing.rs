@@ -74,14 +74,15 @@ pub fn encode<'a, T: Serialize>(
     buffer: &'a mut [u8; MAX_WIRE],
 ) -> Result<&'a [u8], TooLong> {
     let mut plain = [0; MAX_PAYLOAD + CRC_BYTES];
-    let len = postcard::to_slice(message, &mut plain[..MAX_PAYLOAD])
-        .map_err(|_| TooLong)?
-        .len();
-    let crc = CRC.checksum(&plain[..len]).to_le_bytes();
-    plain[len..len + CRC_BYTES].copy_from_slice(&crc);
-    let stuffed = cobs::try_encode_including_sentinels(&plain[..len + CRC_BYTES], buffer)
-        .map_err(|_| TooLong)?;
-    Ok(&buffer[..stuffed])
+    let room = plain.first_chunk_mut().ok_or(TooLong)?;
+    let len = to_payload(message, room)?.len();
+    let end = len + CRC_BYTES;
+    let crc = CRC.checksum(plain.get(..len).ok_or(TooLong)?);
+    let after = plain.get_mut(len..end).ok_or(TooLong)?;
+    after.copy_from_slice(&crc.to_le_bytes());
+    let plain = plain.get(..end).ok_or(TooLong)?;
+    let stuffed = cobs::try_encode_including_sentinels(plain, buffer).map_err(|_| TooLong)?;
+    buffer.get(..stuffed).ok_or(TooLong)
 }
 
 /// What a [`Decoder`] could not use, by class.

@@ -26,6 +26,7 @@ pub struct Text16(pub [u8; 16]);
 impl Text16 {
     /// The first 16 bytes of `text`.
     #[must_use]
+    #[allow(clippy::indexing_slicing)] // const, so without iterators; the condition bounds both
     pub const fn new(text: &str) -> Self {
         let (bytes, mut out) = (text.as_bytes(), [0; 16]);
         let mut i = 0;

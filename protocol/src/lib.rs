@@ -22,6 +22,17 @@
 //! Everything here is `no_std`, allocates nothing and never panics on what the wire brings.
 
 #![cfg_attr(not(test), no_std)]
+// What comes over the wire meets no panic here.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::unwrap_used
+    )
+)]
 
 pub mod framing;
 pub mod hello;
