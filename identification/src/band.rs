@@ -1,6 +1,6 @@
 //! Critical values: how many standard deviations make a band.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{Continuous, ContinuousCDF, StudentsT};
 use statrs::function::erf::{erfc, erfc_inv};
 
 /// Abscissae and weights of the 24-point Gauss-Legendre rule on [-1, 1], positive half.
@@ -103,15 +103,8 @@ fn exceedance_bound(neighbour_correlation: &[f64], c: f64) -> f64 {
 /// degrees of freedom at once.
 #[must_use]
 pub fn student_critical(normal: f64, degrees_of_freedom: &[f64]) -> Vec<f64> {
-    let tail = normal_cdf(-normal);
-    let smallest = degrees_of_freedom
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
-    let exact = |degrees: f64| match StudentsT::new(0.0, 1.0, degrees) {
-        Ok(student) if degrees < 1e9 => -student.inverse_cdf(tail),
-        _ => normal,
-    };
+    let smallest = degrees_of_freedom.iter().copied().fold(f64::INFINITY, f64::min);
+    let exact = |degrees: f64| student_quantile(normal, degrees);
     if degrees_of_freedom.len() <= NODES || smallest < 8.0 {
         return degrees_of_freedom
             .iter()
@@ -136,6 +129,37 @@ pub fn student_critical(normal: f64, degrees_of_freedom: &[f64]) -> Vec<f64> {
 
 /// Nodes of the interpolation over 1/ν.
 const NODES: usize = 8;
+
+/// Student's t quantile with the tail probability of the normal quantile `x`.
+fn student_quantile(x: f64, degrees: f64) -> f64 {
+    // Cornish and Fisher's expansion (Abramowitz & Stegun 26.7.5).
+    let square = x * x;
+    let terms = [
+        x * (square + 1.0) / 4.0,
+        x * ((5.0 * square + 16.0) * square + 3.0) / 96.0,
+        x * (((3.0 * square + 19.0) * square + 17.0) * square - 15.0) / 384.0,
+        x * ((((79.0 * square + 776.0) * square + 1482.0) * square - 1920.0) * square - 945.0)
+            / 92160.0,
+    ];
+    let start = x + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / degrees);
+    // Beyond this its first omitted term is below 1e-12 for any level in use.
+    if degrees > 1e4 {
+        return start;
+    }
+    let Ok(student) = StudentsT::new(0.0, 1.0, degrees) else { return start };
+    // Newton's rule on the logarithm of the tail, which is nearly straight.
+    let target = normal_cdf(-x).ln();
+    let mut t = start;
+    for _ in 0..50 {
+        let tail = student.sf(t);
+        let step = (tail.ln() - target) * tail / student.pdf(t);
+        t += step;
+        if step.abs() < 1e-10 * t {
+            break;
+        }
+    }
+    t
+}
 
 fn lagrange(nodes: &[(f64, f64)], x: f64) -> f64 {
     nodes

@@ -1,9 +1,45 @@
-//! The numbers that people ask for, read off the responses.
+//! The numbers that people ask for, read off the responses, each with its interval.
+//!
+//! The figures are those of the servo, not of its samples: times count from the edge of the command
+//! (see [`crate::timing`]), crossings between samples are interpolated by cubics, and magnitude and
+//! phase are freed of the hold of the samples.
+//!
+//! # Intervals
+//!
+//! * **Gain and phase**: the bound of the response itself (Student's, Fieller's).
+//! * **Crossing times, bandwidth, -90 degrees**: quantiles over seeded draws of the response from
+//!   the covariance of its fit. Each point of a draw is widened by Student's t as the band is.
+//! * **Overshoot**, which cannot be negative, and **settling**, which jumps when a peak enters its
+//!   band, are not smooth: near those places draws miss the truth altogether. There a bracket
+//!   takes over. With z_1 the critical value of one point and z_N that of all points at once
+//!   (Bonferroni), v_m a point of the response over its edge and s_m its standard deviation,
+//!
+//! ```text
+//! overshoot  from max(0, max_m (v_m - z_N s_m))          to max(0, max_m (v_m + z_1 s_m))
+//! settling   from the last m with v_m - z_N s_m > 0      to one after the last with v_m + z_1 s_m > 0
+//! ```
+//!
+//!   The upper ends need no more than z_1, because only one point can make them wrong: the true
+//!   peak, and the last point truly outside. Overshoot is bracketed unless its peak stands more than
+//!   five standard deviations clear; settling, unless the bracket is within three times the draws.
+//!
+//! The bound of what left-out frequencies may hide is added to all of them.
 
+mod bands;
+mod draws;
+mod shape;
+
+use faer::Mat;
 use serde::{Deserialize, Serialize};
 
+use crate::basis::Basis;
+use crate::error::Error;
 use crate::frequency::FrequencyResponse;
+use crate::model::Model;
 use crate::step::StepResponse;
+use crate::timing::Timing;
+
+pub(crate) use draws::{MetricDraws, interval_of};
 
 /// A value with its bounds; `None` where the responses do not determine it.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -17,113 +53,181 @@ pub struct Interval {
 }
 
 impl Interval {
-    fn of_value(value: Option<f64>) -> Self {
+    /// An interval; numbers that are not finite become `None`.
+    #[must_use]
+    pub fn new(value: f64, lower: f64, upper: f64) -> Self {
+        let finite = |x: f64| x.is_finite().then_some(x);
         Self {
-            value: value.filter(|value| value.is_finite()),
-            lower: None,
-            upper: None,
+            value: finite(value),
+            lower: finite(lower),
+            upper: finite(upper),
         }
+    }
+
+    /// Whether `x` is not excluded: a missing bound excludes nothing.
+    ///
+    /// ```
+    /// use servoid_identification::metrics::Interval;
+    /// assert!(Interval::new(1.0, 0.9, f64::INFINITY).contains(7.0));
+    /// assert!(!Interval::new(1.0, 0.9, 1.1).contains(0.8));
+    /// ```
+    #[must_use]
+    pub fn contains(&self, x: f64) -> bool {
+        self.lower.is_none_or(|lower| lower <= x) && self.upper.is_none_or(|upper| x <= upper)
     }
 }
 
-/// Figures of the responses.
+/// Figures of the responses, with intervals at the level of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
     /// Final value of the step response \[output per input\].
     pub dc_gain: Interval,
     /// From 10 to 90 % of the final value \[s\].
     pub rise_time_s: Interval,
-    /// Until the response stays within 2 % of the final value \[s\].
+    /// From the edge until the response stays within 2 % of the final value \[s\]. Without an upper
+    /// bound the response may settle later than the model can see.
     pub settling_time_s: Interval,
     /// Highest point above the final value \[% of it\].
     pub overshoot_percent: Interval,
-    /// Until 5 % of the final value \[s\].
+    /// From the edge until 5 % of the final value \[s\]: the last such crossing before half of it,
+    /// so that noise on the flat part before does not count.
     pub delay_s: Interval,
-    /// Where the magnitude has fallen by 3 dB from its value at rest \[rad/s\].
+    /// From the edge until half of the final value \[s\].
+    #[serde(default)]
+    pub t50_s: Interval,
+    /// Where the magnitude of the servo has fallen by 3 dB from its value at rest \[rad/s\].
     pub bandwidth_rad_s: Interval,
+    /// Where the phase of the servo reaches -90 degrees \[rad/s\].
+    #[serde(default)]
+    pub phase_minus_90_rad_s: Interval,
+}
+
+/// The phase of the servo at one frequency.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PhaseAt {
+    /// Frequency \[rad/s\].
+    pub omega_rad_s: f64,
+    /// Phase \[degrees\]; a lag is negative.
+    pub phase_deg: Interval,
+}
+
+/// A response and what is known about it: all that the figures are read from.
+pub(crate) struct Measured<'a> {
+    pub(crate) basis: &'a Basis,
+    pub(crate) theta: &'a [f64],
+    /// Covariance of θ.
+    pub(crate) covariance: &'a Mat<f64>,
+    pub(crate) step: &'a StepResponse,
+    pub(crate) timing: Timing,
 }
 
 impl Metrics {
     /// Reads the figures off.
-    #[must_use]
-    pub fn new(step: &StepResponse, frequency: &FrequencyResponse) -> Self {
+    pub(crate) fn new(measured: &Measured<'_>) -> Self {
+        let step = measured.step;
         let last = step.value.len() - 1;
-        let gain = step.value[last];
-        let period = step.time_s.get(1).copied().unwrap_or(0.0);
-        let relative: Vec<f64> = step.value.iter().map(|value| value / gain).collect();
-        let at = |share: f64| crossing(&relative, share).map(|samples| samples * period);
-        let rise = at(0.9).zip(at(0.1)).map(|(late, early)| late - early);
-        let overshoot = relative.iter().fold(1.0f64, |a, &b| a.max(b)) - 1.0;
-        let bandwidth = {
-            let start = frequency.magnitude_db.first().copied().unwrap_or(0.0);
-            let fall: Vec<f64> = frequency.magnitude_db.iter().map(|db| start - db).collect();
-            let half_power = 10.0 * 2f64.log10();
-            crossing(&fall, half_power).map(|at| {
-                let (k, part) = (at.floor() as usize, at.fract());
-                let omega = |k: usize| frequency.omega_rad_s[k.min(fall.len() - 1)];
-                omega(k) + part * (omega(k + 1) - omega(k))
-            })
-        };
-        Self {
-            dc_gain: Interval {
-                value: Some(gain),
-                lower: Some(step.pointwise.lower[last]),
-                upper: Some(step.pointwise.upper[last]),
-            },
-            rise_time_s: Interval::of_value(rise),
-            settling_time_s: Interval::of_value(
-                last_outside(&relative, 0.02).map(|samples| samples * period),
-            ),
-            overshoot_percent: Interval::of_value(Some(100.0 * overshoot)),
-            delay_s: Interval::of_value(at(0.05)),
-            bandwidth_rad_s: Interval::of_value(bandwidth),
+        let dc_gain = Interval::new(
+            step.value[last],
+            step.pointwise.lower[last],
+            step.pointwise.upper[last],
+        );
+        // Everything else is relative to a gain, and there is none if it may be zero.
+        if dc_gain.contains(0.0) {
+            return Self {
+                dc_gain,
+                rise_time_s: Interval::default(),
+                settling_time_s: Interval::default(),
+                overshoot_percent: Interval::default(),
+                delay_s: Interval::default(),
+                t50_s: Interval::default(),
+                bandwidth_rad_s: Interval::default(),
+                phase_minus_90_rad_s: Interval::default(),
+            };
+        }
+        MetricDraws::new(measured, draws::SEED).metrics(measured, dc_gain)
+    }
+
+    /// The figures of a model, as [`crate::identify`] has already put them into it.
+    ///
+    /// # Errors
+    /// The structure of a hand-made document does not describe a filter bank.
+    pub fn of_model(model: &Model) -> Result<Self, Error> {
+        let (basis, covariance) = (model.basis()?, covariance_of(model));
+        Ok(Self::new(&Measured {
+            basis: &basis,
+            theta: &model.theta,
+            covariance: &covariance,
+            step: &model.step,
+            timing: model.timing(),
+        }))
+    }
+}
+
+pub(crate) fn covariance_of(model: &Model) -> Mat<f64> {
+    let n = model.theta.len();
+    Mat::from_fn(n, n, |i, j| model.covariance[i][j])
+}
+
+impl Model {
+    /// When the samples of the model's responses are taken.
+    #[must_use]
+    pub fn timing(&self) -> Timing {
+        Timing {
+            sample_period_s: self.sample_period_s,
+            sample_phase_s: self.sample_phase_s,
         }
     }
-}
 
-/// Where `values` first reach `level`, in samples, interpolated.
-fn crossing(values: &[f64], level: f64) -> Option<f64> {
-    let k = values.iter().position(|&value| value >= level)?;
-    if k == 0 {
-        return Some(0.0);
+    /// The frequency response of the servo itself, at any frequencies \[rad/s\] up to half the rate
+    /// of sampling, with pointwise bounds at the level of the model: [`Model::frequency`] is what
+    /// the samples show, and this is freed of their hold and phase (see [`crate::timing`]).
+    ///
+    /// # Errors
+    /// The structure of a hand-made document does not describe a filter bank.
+    pub fn servo_response(&self, omega_rad_s: &[f64]) -> Result<FrequencyResponse, Error> {
+        let (basis, covariance) = (self.basis()?, covariance_of(self));
+        Ok(bands::servo_response(
+            &Measured {
+                basis: &basis,
+                theta: &self.theta,
+                covariance: &covariance,
+                step: &self.step,
+                timing: self.timing(),
+            },
+            omega_rad_s,
+        ))
     }
-    let (before, after) = (values[k - 1], values[k]);
-    Some((k - 1) as f64 + (level - before) / (after - before))
-}
 
-/// When `values` last come within `band` of one, in samples, interpolated. `None` when they
-/// arrive only with the last sample, which is one by definition.
-fn last_outside(values: &[f64], band: f64) -> Option<f64> {
-    let Some(k) = values.iter().rposition(|value| (value - 1.0).abs() > band) else {
-        return Some(0.0);
-    };
-    if k + 2 >= values.len() {
-        return None;
-    }
-    let (outside, inside) = ((values[k] - 1.0).abs(), (values[k + 1] - 1.0).abs());
-    let inside = if (values[k] > 1.0) == (values[k + 1] > 1.0) {
-        inside
-    } else {
-        -inside
-    };
-    Some(k as f64 + (outside - band) / (outside - inside))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use approx::assert_abs_diff_eq;
-
-    #[test]
-    fn crossings_are_interpolated() {
-        assert_abs_diff_eq!(
-            crossing(&[0.0, 0.2, 1.0], 0.6).unwrap(),
-            1.5,
-            epsilon = 1e-12
-        );
-        assert_eq!(crossing(&[0.0, 0.2], 0.6), None);
-        let values = [0.0, 1.3, 0.9, 1.0, 1.0, 1.0];
-        assert_abs_diff_eq!(last_outside(&values, 0.05).unwrap(), 2.5, epsilon = 1e-12);
-        assert_eq!(last_outside(&[0.0, 0.5, 1.0], 0.05), None);
+    /// The phase of the servo at given frequencies \[rad/s\], continued from zero at rest. A
+    /// frequency at which any phase is possible has no bounds.
+    ///
+    /// ```
+    /// # use servoid_identification::{identify, Options, Record, Settling};
+    /// # let u: Vec<f64> = (0..400).map(|k| f64::from(k * k / 35 % 2)).collect();
+    /// # let y: Vec<f64> = (0..400).map(|k| u[k.max(2) - 2] + 0.001 * f64::from(k as u32 * 7919 % 101)).collect();
+    /// # let options = Options { settling: Settling::Samples(31), ..Options::default() };
+    /// // A servo that answers two samples late, 10 ms apart and held: its phase is -ω (20 - 5) ms.
+    /// let model = identify(&Record::from_slices(0.01, &u, &y)?, &options)?;
+    /// let phase = model.phase_at(&[10.0])?[0].phase_deg;
+    /// assert!((phase.value.unwrap() + 0.15f64.to_degrees()).abs() < 1.0);
+    /// # Ok::<(), servoid_identification::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The structure of a hand-made document does not describe a filter bank.
+    pub fn phase_at(&self, omega_rad_s: &[f64]) -> Result<Vec<PhaseAt>, Error> {
+        let (basis, covariance) = (self.basis()?, covariance_of(self));
+        let measured = Measured {
+            basis: &basis,
+            theta: &self.theta,
+            covariance: &covariance,
+            step: &self.step,
+            timing: self.timing(),
+        };
+        let phase = |&omega: &f64| PhaseAt {
+            omega_rad_s: omega,
+            phase_deg: bands::phase_at(&measured, omega),
+        };
+        Ok(omega_rad_s.iter().map(phase).collect())
     }
 }
