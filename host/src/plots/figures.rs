@@ -157,6 +157,18 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     }
 }
 
+/// The lower bounds of the magnitude, no lower than a little below the lowest point of the curve:
+/// where zero is possible, minus infinity would flatten everything else.
+fn floored(response: &FrequencyResponse) -> Vec<f64> {
+    let shown = &response.magnitude_db[shown_frequencies(response)];
+    let floor = shown.iter().copied().fold(0.0, f64::min) - 10.0;
+    response
+        .magnitude_db_lower
+        .iter()
+        .map(|&lower| lower.max(floor))
+        .collect()
+}
+
 /// The frequencies that can be drawn and mean something: above 0, which has no place on a
 /// logarithmic axis, and below the first one where the response cannot be told from zero and any
 /// phase is possible.

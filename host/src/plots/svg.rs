@@ -11,7 +11,7 @@ const WIDTH: u32 = 960;
 const PANEL_HEIGHT: u32 = 380;
 const TITLE_HEIGHT: u32 = 44;
 /// Height of a line in a legend, as a share of what a panel has for curves.
-const LEGEND_LINE: f64 = 30.0;
+const LEGEND_LINE: f64 = 38.0;
 const FONT: &str = "sans-serif";
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -85,6 +85,7 @@ where
         .x_desc(&panel.x_label)
         .y_desc(&panel.y_label)
         .max_light_lines(1)
+        .x_labels(8)
         .light_line_style(TRANSPARENT)
         .bold_line_style(BLACK.mix(0.12))
         .axis_desc_style((FONT, 16))

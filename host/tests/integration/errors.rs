@@ -26,7 +26,7 @@ fn files_that_are_not_what_they_should_be() {
         ("nan.csv", format!("u,y\n{rows}1,nan\n"), "line 402"),
         ("text.csv", format!("u,y\nup,1\n{rows}"), "\"up\""),
         ("ragged.csv", format!("u,y\n{rows}1\n"), "no CSV"),
-        ("two.csv", "u,y\n0,0\n1,1\n".to_owned(), "short"),
+        ("two.csv", "u,y\n0,0\n1,1\n".to_owned(), "record longer"),
         (
             "constant.csv",
             format!("u,y\n{}", "3,1\n3,2\n".repeat(200)),
