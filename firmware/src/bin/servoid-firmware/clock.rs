@@ -18,9 +18,8 @@ const CRYSTAL_POLLS: u32 = 50_000;
 /// Starts the clocks.
 ///
 /// Either way the timers' clock is a whole number of MHz, so that their microseconds are whole, and
-/// the ADC's clock divides it evenly. A crystal that stops later stops the processor: the clock
-/// security system (7.2.7) stays off on purpose, because it would go on at another rate and measure
-/// wrongly, while the watchdog, which has an oscillator of its own, ends the pulses.
+/// the ADC's clock divides it evenly. A crystal that stops later ends the pulses: see
+/// [`guard_the_crystal`].
 pub fn start(rcc: RCC, flash: FLASH) -> Clock {
     let (config, source) = if crystal_runs(&rcc) {
         let config = Config::hse(8.MHz())
@@ -39,6 +38,9 @@ pub fn start(rcc: RCC, flash: FLASH) -> Clock {
     };
     let rcc = rcc.freeze(config, &mut flash.constrain().acr);
     prefetch();
+    if source == ClockSource::Crystal {
+        guard_the_crystal();
+    }
     Clock { rcc, source }
 }
 
@@ -63,4 +65,13 @@ fn prefetch() {
     flash.acr().modify(|_, w| w.prftbe().set_bit());
     rcc.cfgr().modify(|_, w| w.sw().pll());
     while !rcc.cfgr().read().sws().is_pll() {}
+}
+
+/// Switches the clock security system on (7.2.7). Without its crystal the chip goes on at 8 MHz, and
+/// a pulse nine times as long would come out: the system's interrupt ends it, and the chip starts
+/// anew with its internal oscillator, which it then says.
+fn guard_the_crystal() {
+    // SAFETY: the HAL is done with it, and nothing else runs yet.
+    let rcc = unsafe { RCC::steal() };
+    rcc.cr().modify(|_, w| w.csson().set_bit());
 }

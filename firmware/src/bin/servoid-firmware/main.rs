@@ -108,7 +108,8 @@ async fn main(_spawner: Spawner) {
     gpioa.pa1.into_alternate_push_pull(&mut gpioa.crl);
     sampling::arm(p.ADC1, p.DMA1, &mut rcc);
     let tx = gpioa.pa9.into_alternate_push_pull(&mut gpioa.crh);
-    let mut link = serial::open(p.USART1, tx, gpioa.pa10, &mut rcc);
+    let rx = gpioa.pa10.into_pull_up_input(&mut gpioa.crh);
+    let mut link = serial::open(p.USART1, tx, rx, &mut rcc);
 
     let mut board = Stm32f103 {
         identity: identity::read(source, reset_cause, &rcc.clocks),

@@ -10,9 +10,9 @@ use servoid_protocol::PulseWidth;
 use servoid_protocol::timing::FRAME_US;
 use stm32f1xx_hal::pac::TIM2;
 
-/// A write so close before the frame edge (µs) might fall on either side of it: it waits for the
-/// edge instead, and the program knows that it came late. The few bus cycles between reading the
-/// counter and the write are well below a microsecond; the rest is margin.
+/// So close before the frame edge (µs), a write might fall on either side of it, and the flag might
+/// come up while it is being cleared. The program waits for the edge instead, and knows that it is
+/// late. What it does after that takes well below a microsecond; the rest is margin.
 const EDGE_GUARD_US: u16 = 10;
 
 #[derive(Clone, Copy)]
@@ -31,11 +31,10 @@ static LINE: Mutex<Cell<Line>> = Mutex::new(Cell::new(Line {
 /// The pulse from the next frame edge on.
 pub fn set(pulse: Option<PulseWidth>) {
     critical_section::with(|cs| {
-        let tim2 = tim2(cs);
-        while tim2.cnt().read().cnt().bits() >= FRAME_US as u16 - EDGE_GUARD_US {}
         let applied = on_line(cs);
         // 15.4.14: with preload this takes effect at the next update event.
-        tim2.ccr2()
+        tim2(cs)
+            .ccr2()
             .write(|w| w.ccr().set(pulse.map_or(0, |pulse| pulse.0)));
         LINE.borrow(cs).set(Line {
             applied,
@@ -48,11 +47,10 @@ pub fn set(pulse: Option<PulseWidth>) {
 pub fn on_line(cs: CriticalSection) -> Option<PulseWidth> {
     let tim2 = tim2(cs);
     let line = LINE.borrow(cs);
+    while since_edge_us(cs) >= FRAME_US as u16 - EDGE_GUARD_US {}
     if tim2.sr().read().uif().bit_is_set() {
-        // 15.4.5: flags are cleared by writing 0, and keep their value where 1 is written.
-        // SAFETY: all bits of this register may be written as 1.
-        tim2.sr()
-            .write(|w| unsafe { w.bits(u32::MAX) }.uif().clear());
+        // 15.4.5: a flag is cleared by writing 0. The others are not used.
+        tim2.sr().modify(|_, w| w.uif().clear());
         let Line { preloaded, .. } = line.get();
         line.set(Line {
             applied: preloaded,

@@ -36,6 +36,16 @@ fn panic(info: &PanicInfo) -> ! {
     stop()
 }
 
+/// The crystal has stopped (7.2.7): the timer counts nine times slower now, so the pulse under way
+/// ends at once, cut short as it may be.
+#[exception]
+unsafe fn NonMaskableInt() {
+    // SAFETY: this never returns, so nobody else uses it any more.
+    let tim2 = unsafe { TIM2::steal() };
+    tim2.ccer().modify(|_, w| w.cc2e().clear_bit()); // 15.4.9: off, and low
+    SCB::sys_reset()
+}
+
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     defmt::error!("hard fault at {=u32:#x}", frame.pc());

@@ -5,7 +5,7 @@ use embassy_sync::pipe::Pipe;
 use servoid_firmware::Link;
 use servoid_protocol::framing::MAX_WIRE;
 use servoid_protocol::timing::FRAME_US;
-use stm32f1xx_hal::gpio::{Alternate, Input, PA9, PA10};
+use stm32f1xx_hal::gpio::{Alternate, Input, PA9, PA10, PullUp};
 use stm32f1xx_hal::pac::{Interrupt, NVIC, USART1, interrupt};
 use stm32f1xx_hal::prelude::*;
 use stm32f1xx_hal::rcc::Rcc;
@@ -30,8 +30,9 @@ static TX: Pipe<CriticalSectionRawMutex, TX_RING> = Pipe::new();
 /// The link.
 pub struct Usart(());
 
-/// Opens the link: 8 data bits, no parity, one stop bit.
-pub fn open(usart: USART1, tx: PA9<Alternate>, rx: PA10<Input>, rcc: &mut Rcc) -> Usart {
+/// Opens the link: 8 data bits, no parity, one stop bit. With a pull-up, because an idle line is high:
+/// a cable that is not plugged in is silence, not noise.
+pub fn open(usart: USART1, tx: PA9<Alternate>, rx: PA10<Input<PullUp>>, rcc: &mut Rcc) -> Usart {
     let config = Config::default().baudrate(BAUD.bps());
     let (_, mut rx) = Serial::new(usart, (tx, rx), config, rcc).split();
     rx.listen();
