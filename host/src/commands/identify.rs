@@ -43,9 +43,9 @@ pub(super) struct Identify {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
-    table: TableArgs,
-    #[command(flatten)]
     talk: Talk,
+    #[command(flatten)]
+    table: TableArgs,
 }
 
 impl Identify {

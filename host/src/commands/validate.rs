@@ -32,9 +32,9 @@ pub(super) struct Validate {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
-    table: TableArgs,
-    #[command(flatten)]
     talk: Talk,
+    #[command(flatten)]
+    table: TableArgs,
 }
 
 impl Validate {
