@@ -10,7 +10,7 @@ use crate::frequency::{self, FrequencyResponse, frequency_map};
 use crate::gls::{self, GlsFit, GlsOptions, MAX_AUTO_ORDER};
 use crate::linear::times;
 use crate::matrix_serde::to_rows;
-use crate::metrics::Metrics;
+use crate::metrics::{Measured, Metrics};
 use crate::model::{Fit, Model, SCHEMA, SelectedBy, Structure};
 use crate::moments::Moments;
 use crate::nested::{BankCandidate, NestedBanks};
@@ -21,6 +21,7 @@ use crate::record::Record;
 use crate::residual::{self, INPUT_LAGS, Residuals};
 use crate::step::StepResponse;
 use crate::structure::{self, Choice};
+use crate::timing::Timing;
 use crate::truncation::{FIRST_ORDER, SECOND_ORDER, step_bias_bound};
 use crate::validation::{Validation, fit_percent};
 
@@ -271,8 +272,8 @@ impl Pipeline<'_> {
         let omegas = frequency::grid(&coordinates);
         let responses = Responses::new(&information, &fit, &omegas);
         let theta = fit.theta();
-        let covariance = fit.covariance();
         let n = theta.len();
+        let covariance = fit.covariance().as_ref().submatrix(0, 0, n, n).to_owned();
         let sd: Vec<f64> = (0..n).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
         let bias = step_bias_bound(&self.plan.basis, &theta, &sd, self.plan.roll_off);
         let period = self.moments.sample_period_s();
@@ -286,9 +287,21 @@ impl Pipeline<'_> {
             &responses.frequency,
             level,
         );
+        let timing = Timing {
+            sample_period_s: period,
+            sample_phase_s: self.record.map_or(0.0, Record::sample_phase_s),
+        };
+        let metrics = Metrics::new(&Measured {
+            basis: &self.plan.basis,
+            theta: &theta,
+            covariance: &covariance,
+            step: &step,
+            timing,
+        });
         let mut model = Model {
             schema: SCHEMA,
             sample_period_s: period,
+            sample_phase_s: timing.sample_phase_s,
             structure: Structure {
                 settling_samples: self.plan.basis.settling(),
                 frequencies: n,
@@ -296,13 +309,13 @@ impl Pipeline<'_> {
                 selected_by: self.plan.selected_by,
             },
             theta,
-            covariance: to_rows(&covariance.as_ref().submatrix(0, 0, n, n).to_owned()),
+            covariance: to_rows(&covariance),
             offset: fit.offset(&information),
             noise: Noise {
                 ar: fit.ar.clone(),
                 sigma: fit.variance.sqrt(),
             },
-            metrics: Metrics::new(&step, &frequency),
+            metrics,
             step,
             frequency,
             fit: self.fit_from_moments(&information, &fit),

@@ -64,6 +64,7 @@ pub mod reference;
 pub mod residual;
 pub mod step;
 pub mod structure;
+pub mod timing;
 pub mod truncation;
 pub mod validation;
 

@@ -39,7 +39,7 @@ use crate::model::Model;
 use crate::step::StepResponse;
 use crate::timing::Timing;
 
-pub(crate) use draws::{MetricDraws, interval_of};
+use draws::MetricDraws;
 
 /// A value with its bounds; `None` where the responses do not determine it.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

@@ -68,6 +68,10 @@ pub struct Model {
     pub schema: u32,
     /// Time between samples \[s\].
     pub sample_period_s: f64,
+    /// Time from an edge of the input to the sample that belongs to it \[s\]: element m of the step
+    /// response is the servo m Ts plus this after the edge.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub sample_phase_s: f64,
     /// N, n and d.
     pub structure: Structure,
     /// θ = \[G0, Re G1, Im G1, ...\], n values: the frequency response at l·2π/(N Ts) rad/s, with
@@ -95,6 +99,12 @@ pub struct Model {
     pub converged: bool,
     /// What to know and what to do about it; never a replacement for the numbers.
     pub advice: Vec<Advice>,
+}
+
+/// For serde, which hands over a reference.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Model {

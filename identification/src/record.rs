@@ -161,6 +161,7 @@ impl Run {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     sample_period_s: f64,
+    sample_phase_s: f64,
     runs: Vec<Run>,
 }
 
@@ -182,8 +183,31 @@ impl Record {
         })?;
         Ok(Self {
             sample_period_s,
+            sample_phase_s: 0.0,
             runs,
         })
+    }
+
+    /// States that the output is sampled `seconds` after the instant at which the input of the same
+    /// sample takes effect: sample m after an edge is then the servo m Ts + `seconds` after it. The
+    /// times and phases of [`crate::metrics`] count from the edge.
+    ///
+    /// # Panics
+    /// When `seconds` is negative or not finite.
+    #[must_use]
+    pub fn with_sample_phase(mut self, seconds: f64) -> Self {
+        assert!(
+            seconds >= 0.0 && seconds.is_finite(),
+            "a sample phase of {seconds} s is not a time after an edge"
+        );
+        self.sample_phase_s = seconds;
+        self
+    }
+
+    /// Time from the edge of the input to the sample of the output that belongs to it \[s\].
+    #[must_use]
+    pub fn sample_phase_s(&self) -> f64 {
+        self.sample_phase_s
     }
 
     /// A record of a single run.

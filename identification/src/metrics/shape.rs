@@ -55,8 +55,8 @@ impl Windows {
     pub(crate) fn new(curve: &[f64], sd: &[f64]) -> Self {
         let last = curve.len() - 1;
         let gain = curve[last];
-        let margin: Vec<f64> = sd.iter().map(|sd| SURE * sd.hypot(sd_of_gain(sd, sd))).collect();
-        let margin = |m: usize| margin[m].max(SURE * sd[last]);
+        // Each level is a share of the gain, which is itself uncertain.
+        let margin = |m: usize| SURE * (sd[m] + sd[last]);
         let first = |from: usize, test: &dyn Fn(usize) -> bool| {
             (from..last).find(|&m| test(m)).unwrap_or(last)
         };
@@ -88,9 +88,8 @@ impl Windows {
             }
         };
         for m in early_from..=late_to {
-            let crossed_next = |level: f64| {
-                m < last && (curve[m] < level * gain) != (curve[m + 1] < level * gain)
-            };
+            let crossed_next =
+                |level: f64| m < last && (curve[m] < level * gain) != (curve[m + 1] < level * gain);
             if [EARLY[0], EARLY[1], 0.5, LATE]
                 .iter()
                 .any(|&level| near(m, level) || crossed_next(level))
@@ -171,12 +170,6 @@ impl Windows {
     }
 }
 
-/// Standard deviation of a level that is itself uncertain, taken as large as that of the sample:
-/// windows may be too wide, never too narrow.
-fn sd_of_gain(sd: &f64, _of: &f64) -> f64 {
-    *sd
-}
-
 /// How much a parabola through sample `m` and its neighbours rises above it.
 pub(crate) fn bump(curve: &[f64], m: usize, last: usize) -> f64 {
     if m == 0 || m + 1 >= last {
@@ -224,9 +217,7 @@ fn crossing_before(curve: &[f64], m: usize, level: f64) -> f64 {
         } else {
             low = t;
         }
-        let derivative = slope
-            + (2.0 * t - 1.0) * second
-            + (3.0 * t * t - 1.0) * third;
+        let derivative = slope + (2.0 * t - 1.0) * second + (3.0 * t * t - 1.0) * third;
         let newton = t - value / derivative;
         t = if newton > low && newton < high {
             newton
@@ -285,7 +276,7 @@ mod tests {
     #[test]
     fn windows_hold_every_sample_that_can_matter() {
         let curve = response(0.5);
-        let sd = vec![0.003; curve.len()];
+        let sd = vec![0.001; curve.len()];
         let windows = Windows::new(&curve, &sd);
         let all = Windows {
             half_from: 0,
@@ -297,7 +288,7 @@ mod tests {
         for seed in 0..200 {
             let mut disturbed = curve.clone();
             for &m in &windows.points {
-                disturbed[m] += 0.006 * (f64::from(seed) * 1.7 + m as f64 * 2.3).sin();
+                disturbed[m] += 0.002 * (f64::from(seed) * 1.7 + m as f64 * 2.3).sin();
             }
             assert_eq!(windows.read(&disturbed), all.read(&disturbed));
         }
