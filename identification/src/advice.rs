@@ -6,6 +6,7 @@ use crate::explanation::Explanation;
 use crate::gls::MAX_AUTO_ORDER;
 use crate::identify::WELL_CONDITIONED;
 use crate::model::{Model, SelectedBy};
+use crate::model_error::TOLERATED;
 use crate::noise::largest_root;
 use crate::normal::Path;
 use crate::options::{Frequencies, NoiseOrder, Options};
@@ -60,6 +61,8 @@ pub(crate) struct Evidence<'a> {
     pub(crate) model: &'a Model,
     pub(crate) explanation: &'a Explanation,
     pub(crate) options: &'a Options,
+    /// Samples of the record, missing ones included.
+    pub(crate) samples: usize,
 }
 
 /// p-values below this are findings.
@@ -77,6 +80,7 @@ const LARGE_SHARE: f64 = 0.25;
 /// All findings on a model.
 pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
     [
+        model_error(evidence),
         settled(evidence),
         responds(evidence),
         truncated(evidence),
@@ -86,6 +90,9 @@ pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
         independence(evidence),
         conditioning(evidence),
         converged(evidence),
+        scatter(evidence),
+        deviating(evidence),
+        history(evidence),
     ]
     .into_iter()
     .flatten()
@@ -290,6 +297,106 @@ fn converged(evidence: &Evidence<'_>) -> Option<Advice> {
             evidence.model.iterations as f64,
             evidence.model.iterations as f64,
             "Fix the noise order, or look for a disturbance that comes and goes.",
+        )
+    })
+}
+
+/// The check of errors that are not noise: while it is among the advice, bounds have no level.
+pub const MODEL_ERROR: &str = "model_error";
+
+fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
+    let errors = evidence.explanation.model_errors.as_ref()?;
+    let level = 100.0 * evidence.options.level;
+    let (plain, generalised) = (errors.least_squares_percent, errors.generalised_percent);
+    let taken = if evidence.model.structure.noise_order == 0 {
+        "plain"
+    } else {
+        "generalised"
+    };
+    Some(Advice::new(
+        MODEL_ERROR,
+        format!(
+            "What the model cannot explain is not noise: generalised least squares simulates the \
+             record to {generalised:.1} %, plain least squares to {plain:.1} %. The bounds are not \
+             {level} % bounds of anything. The structure was chosen by how well it predicts parts \
+             not seen, and {taken} least squares was taken."
+        ),
+        plain - generalised,
+        TOLERATED,
+        "Record longer holds, smaller steps and lower frequencies; use the model for prediction, not \
+         for comparison by its bounds.",
+    ))
+}
+
+fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
+    let runs = evidence.explanation.runs.as_ref()?;
+    let p = [runs.gain_percent, runs.delay_s, runs.offset]
+        .iter()
+        .map(|s| s.p)
+        .fold(1.0, f64::min);
+    // Three numbers are tested.
+    let threshold = SIGNIFICANCE / 3.0;
+    (p < threshold).then(|| {
+        Advice::new(
+            "run_scatter",
+            format!(
+                "The runs differ by more than their noise: gain by {:.2} %, delay by {:.2} ms, offset \
+                 by {:.3} (standard deviations between runs). The bounds hold for the mean of these \
+                 runs, not for the next one.",
+                runs.gain_percent.sd,
+                1000.0 * runs.delay_s.sd,
+                runs.offset.sd
+            ),
+            p,
+            threshold,
+            "Look for what changes from run to run, such as supply voltage or temperature; compare \
+             servos by several runs each.",
+        )
+    })
+}
+
+fn deviating(evidence: &Evidence<'_>) -> Option<Advice> {
+    let runs = evidence.explanation.runs.as_ref()?;
+    let deviating = runs.deviating?;
+    let run = runs.runs.iter().find(|run| run.run == deviating.run)?;
+    Some(Advice::new(
+        "deviating_run",
+        format!(
+            "Run {} stands out from the others: gain {:+.2} %, delay {:+.2} ms, offset {:+.3} against \
+             the common model.",
+            run.run,
+            run.gain_percent.value,
+            1000.0 * run.delay_s.value,
+            run.offset.value
+        ),
+        deviating.distance,
+        deviating.threshold,
+        format!(
+            "Look at run {} before using it; identify again without it and compare.",
+            run.run
+        ),
+    ))
+}
+
+/// Share of the samples that may be lost to history without a word.
+const LOST_TO_HISTORY: f64 = 0.2;
+
+fn history(evidence: &Evidence<'_>) -> Option<Advice> {
+    let fit = &evidence.model.fit;
+    let present = (evidence.samples - fit.samples_missing) as f64;
+    let lost = 1.0 - evidence.explanation.rows as f64 / present;
+    (lost > LOST_TO_HISTORY).then(|| {
+        Advice::new(
+            "history",
+            format!(
+                "{:.0} % of the samples only serve as history of others, because each run begins \
+                 with an unknown past.",
+                100.0 * lost
+            ),
+            lost,
+            LOST_TO_HISTORY,
+            "State the input before the runs (at rest), if it is known; or record fewer and longer \
+             runs.",
         )
     })
 }

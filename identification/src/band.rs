@@ -103,7 +103,10 @@ fn exceedance_bound(neighbour_correlation: &[f64], c: f64) -> f64 {
 /// degrees of freedom at once.
 #[must_use]
 pub fn student_critical(normal: f64, degrees_of_freedom: &[f64]) -> Vec<f64> {
-    let smallest = degrees_of_freedom.iter().copied().fold(f64::INFINITY, f64::min);
+    let smallest = degrees_of_freedom
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
     let exact = |degrees: f64| student_quantile(normal, degrees);
     if degrees_of_freedom.len() <= NODES || smallest < 8.0 {
         return degrees_of_freedom
@@ -141,20 +144,25 @@ fn student_quantile(x: f64, degrees: f64) -> f64 {
         x * ((((79.0 * square + 776.0) * square + 1482.0) * square - 1920.0) * square - 945.0)
             / 92160.0,
     ];
-    let start = x + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / degrees);
+    let start = x + terms
+        .iter()
+        .rev()
+        .fold(0.0, |sum, term| (sum + term) / degrees);
     // Beyond this its first omitted term is below 1e-12 for any level in use.
     if degrees > 1e4 {
         return start;
     }
-    let Ok(student) = StudentsT::new(0.0, 1.0, degrees) else { return start };
-    // Newton's rule on the logarithm of the tail, which is nearly straight.
+    let Ok(student) = StudentsT::new(0.0, 1.0, degrees) else {
+        return start;
+    };
+    // Newton's rule on the logarithm of the tail over that of t: nearly straight for heavy tails.
     let target = normal_cdf(-x).ln();
     let mut t = start;
     for _ in 0..50 {
         let tail = student.sf(t);
-        let step = (tail.ln() - target) * tail / student.pdf(t);
-        t += step;
-        if step.abs() < 1e-10 * t {
+        let step = (tail.ln() - target) * tail / (student.pdf(t) * t);
+        t *= step.exp();
+        if step.abs() < 1e-11 {
             break;
         }
     }
@@ -185,7 +193,8 @@ mod tests {
         assert_abs_diff_eq!(pointwise_critical(0.95), 1.959_963_984_5, epsilon = 1e-9);
         // Student's t, 0.995: 10 and 30 degrees of freedom (printed to four digits).
         let normal = pointwise_critical(0.99);
-        let t = student_critical(normal, &[10.0, 30.0]);
+        let t = student_critical(normal, &[10.0, 30.0, 1.0]);
+        assert_abs_diff_eq!(t[2], 63.657, epsilon = 5e-4);
         assert_abs_diff_eq!(t[0], 3.1693, epsilon = 5e-5);
         assert_abs_diff_eq!(t[1], 2.7500, epsilon = 5e-5);
     }

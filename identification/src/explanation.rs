@@ -2,9 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::model_error::ModelErrors;
 use crate::nested::BankCandidate;
 use crate::noise::OrderCandidate;
 use crate::normal::Path;
+use crate::runs::RunComparison;
 use crate::structure::Choice;
 
 /// The way to a model.
@@ -24,4 +26,8 @@ pub struct Explanation {
     pub rows: usize,
     /// Degrees of freedom behind each standard deviation of the step response.
     pub degrees_of_freedom: Vec<f64>,
+    /// What was found when the errors are not noise; `None` when they are.
+    pub model_errors: Option<ModelErrors>,
+    /// How the runs compare; `None` with fewer than two.
+    pub runs: Option<RunComparison>,
 }

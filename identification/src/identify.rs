@@ -12,6 +12,7 @@ use crate::linear::times;
 use crate::matrix_serde::to_rows;
 use crate::metrics::{Measured, Metrics};
 use crate::model::{Fit, Model, SCHEMA, SelectedBy, Structure};
+use crate::model_error::{self, BothEstimators, ModelErrors, Prediction};
 use crate::moments::Moments;
 use crate::nested::{BankCandidate, NestedBanks};
 use crate::noise::Noise;
@@ -19,6 +20,7 @@ use crate::normal::{Coordinates, Information};
 use crate::options::{Frequencies, NoiseOrder, Options, Settling};
 use crate::record::Record;
 use crate::residual::{self, INPUT_LAGS, Residuals};
+use crate::runs::RunComparison;
 use crate::step::StepResponse;
 use crate::structure::{self, Choice};
 use crate::timing::Timing;
@@ -151,6 +153,7 @@ struct Plan {
     selected_by: SelectedBy,
     /// Roll-off assumed above the highest frequency.
     roll_off: i32,
+    order: NoiseOrder,
     /// D to start from.
     start: Vec<f64>,
     choice: Option<Choice>,
@@ -212,6 +215,7 @@ impl Plan {
             basis: Basis::full(settling)?,
             selected_by: SelectedBy::User,
             roll_off: FIRST_ORDER,
+            order: options.noise_order,
             start: ar.to_vec(),
             choice: None,
             banks: Vec::new(),
@@ -267,8 +271,20 @@ struct Pipeline<'a> {
 impl Pipeline<'_> {
     fn run(mut self) -> Result<Identification, Error> {
         check_rows(&self.moments, self.plan.basis.frequencies())?;
-        let coordinates = Coordinates::new(self.plan.basis);
-        let (information, fit) = self.estimate(&coordinates)?;
+        let mut coordinates = Coordinates::new(self.plan.basis);
+        let (mut information, mut fit) = self.estimate(&coordinates)?;
+        let mut model_errors = None;
+        if let Some(both) = BothEstimators::new(&information, &coordinates, &fit)
+            && both.errors_are_not_noise()
+        {
+            let candidates = self.rank_by_prediction();
+            if let Some(best) = candidates.first() {
+                self.adopt(*best)?;
+                coordinates = Coordinates::new(self.plan.basis);
+                (information, fit) = self.estimate(&coordinates)?;
+            }
+            model_errors = Some(self.model_errors(&information, &coordinates, &both, candidates));
+        }
         let omegas = frequency::grid(&coordinates);
         let responses = Responses::new(&information, &fit, &omegas);
         let theta = fit.theta();
@@ -333,11 +349,16 @@ impl Pipeline<'_> {
             condition: fit.solution.condition,
             rows: information.rows(),
             degrees_of_freedom: responses.step.degrees_of_freedom.clone(),
+            model_errors,
+            runs: self
+                .record
+                .and_then(|record| RunComparison::of(&model, record.runs())),
         };
         model.advice = advice::gather(&Evidence {
             model: &model,
             explanation: &explanation,
             options: self.options,
+            samples: self.moments.samples(),
         });
         Ok(Identification { model, explanation })
     }
@@ -345,7 +366,7 @@ impl Pipeline<'_> {
     /// The fit, through moments if they are accurate enough, else through QR.
     fn estimate(&self, coordinates: &Coordinates) -> Result<(Information, GlsFit), Error> {
         let options = GlsOptions {
-            order: self.options.noise_order,
+            order: self.plan.order,
             start: self.plan.start.clone(),
             ..GlsOptions::default()
         };
@@ -367,6 +388,79 @@ impl Pipeline<'_> {
                 }
             }
             (None, None) => Err(self.not_excited()),
+        }
+    }
+
+    /// Estimators by how well they predict parts of the record that they have not seen.
+    fn rank_by_prediction(&self) -> Vec<Prediction> {
+        let Some(record) = self.record else {
+            return Vec::new();
+        };
+        let settling = self.plan.basis.settling();
+        let settlings = match &self.plan.choice {
+            None => vec![settling],
+            Some(choice) => {
+                let between = (settling as f64 * choice.longest as f64).sqrt() as usize | 1;
+                let mut settlings = vec![settling, between, choice.longest];
+                settlings.dedup();
+                settlings
+            }
+        };
+        let frequencies = match self.options.frequencies {
+            Frequencies::Count(count) => Some(count),
+            _ => None,
+        };
+        model_error::rank(record, &settlings, frequencies, self.options.noise_order)
+    }
+
+    /// Makes `best` the plan.
+    fn adopt(&mut self, best: Prediction) -> Result<(), Error> {
+        self.plan.basis = Basis::new(best.settling, best.frequencies)?;
+        self.plan.start = Vec::new();
+        if !best.generalised {
+            self.plan.order = NoiseOrder::Order(0);
+        }
+        if let Some(record) = self.record {
+            let lags = noise_lags(self.plan.order);
+            self.moments = Moments::of_record(record, best.settling + lags, lags + 1);
+            let beyond = best.settling + lags + INPUT_LAGS;
+            self.extended = Some(Moments::of_record(record, beyond, lags + 1));
+        }
+        Ok(())
+    }
+
+    fn model_errors(
+        &self,
+        information: &Information,
+        coordinates: &Coordinates,
+        before: &BothEstimators,
+        candidates: Vec<Prediction>,
+    ) -> ModelErrors {
+        let generalised = self.plan.order != NoiseOrder::Order(0);
+        // The other estimator at the structure that was taken; with its own noise model if it has
+        // one, which needs further lags.
+        let other = if generalised {
+            NoiseOrder::Order(0)
+        } else {
+            self.options.noise_order
+        };
+        let lags = noise_lags(other);
+        let moments = match self.record {
+            Some(record) => Moments::of_record(record, self.plan.basis.settling() + lags, lags + 1),
+            None => information.moments.clone(),
+        };
+        let options = GlsOptions {
+            order: other,
+            ..GlsOptions::default()
+        };
+        let other = gls::fit(&Information::from_moments(moments), coordinates, &options);
+        ModelErrors {
+            least_squares_percent: before.least_squares_percent,
+            generalised_percent: before.generalised_percent,
+            candidates,
+            other_step: other.map_or_else(Vec::new, |fit| {
+                coordinates.basis.step_response(&fit.theta())
+            }),
         }
     }
 

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::advice::Advice;
+use crate::advice::{Advice, MODEL_ERROR};
 use crate::basis::Basis;
 use crate::convolution::causal_filter;
 use crate::error::Error;
@@ -114,6 +114,13 @@ impl Model {
     /// The structure of a hand-made document does not describe a filter bank.
     pub fn basis(&self) -> Result<Basis, Error> {
         Basis::new(self.structure.settling_samples, self.structure.frequencies)
+    }
+
+    /// Whether the bounds have earned their level: not when the errors turned out not to be noise
+    /// (see [`crate::model_error`]).
+    #[must_use]
+    pub fn bounds_hold(&self) -> bool {
+        !self.advice.iter().any(|advice| advice.check == MODEL_ERROR)
     }
 
     /// The impulse response T θ, N samples.

@@ -58,21 +58,6 @@ impl Moments {
         stream.moments()
     }
 
-    /// The moments of each run of `record` by itself, all relative to the same centre.
-    #[must_use]
-    pub fn of_runs(record: &Record, input_lags: usize, output_lags: usize) -> Vec<Self> {
-        let mut centre = (None, None);
-        let mut moments = Vec::new();
-        for run in record.runs() {
-            let mut stream = MomentStream::new(record.sample_period_s(), input_lags, output_lags);
-            stream.centre = centre;
-            stream.push_run(run);
-            centre = stream.centre;
-            moments.push(stream.moments());
-        }
-        moments
-    }
-
     /// L: lags of the input.
     #[must_use]
     pub fn input_lags(&self) -> usize {
@@ -139,6 +124,12 @@ impl Moments {
         other.move_centre(self.centre);
         self.accumulate(&other, 1.0);
         Ok(())
+    }
+
+    /// Adds the rows behind `part`, which has the same lags and centre.
+    pub(crate) fn add(&mut self, part: &Self) {
+        debug_assert_eq!(self.centre, part.centre);
+        self.accumulate(part, 1.0);
     }
 
     /// Takes the rows behind `part` out again. Both must have been collected with the same centre

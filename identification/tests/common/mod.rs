@@ -2,6 +2,8 @@
 
 #![allow(dead_code)] // Each test binary and example uses a part.
 
+pub mod coverage;
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

@@ -1,0 +1,203 @@
+//! When the errors are not noise.
+//!
+//! Generalised least squares is the better estimator when what the model cannot explain is noise. On
+//! a mechanism that the model cannot represent (flexible, nonlinear, longer than N), the misfit is a
+//! function of the input; whitening then takes weight away from where the response lives, and the
+//! result can simulate far worse than plain least squares. Both cost nothing from the moments, so
+//! both are made; when generalised least squares simulates worse by more than [`TOLERATED`], the
+//! label of the bounds is withdrawn, and settling time, frequencies and estimator are chosen by
+//! how well they predict parts of the record that they have not seen.
+
+use serde::{Deserialize, Serialize};
+
+use crate::basis::Basis;
+use crate::gls::{self, GlsOptions};
+use crate::moments::{MomentStream, Moments};
+use crate::nested::NestedBanks;
+use crate::normal::{Coordinates, Information};
+use crate::options::NoiseOrder;
+use crate::record::Record;
+use crate::truncation::FIRST_ORDER;
+use crate::validation::fit_percent;
+
+/// Points of fit that whitening may cost while the errors count as noise: on servos that the model
+/// can represent it costs less than a tenth of one.
+pub const TOLERATED: f64 = 1.0;
+
+/// Parts of the record that are left out in turn.
+const PARTS: usize = 4;
+
+/// An estimator and how it predicts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Prediction {
+    /// N \[samples\].
+    pub settling: usize,
+    /// n.
+    pub frequencies: usize,
+    /// Whether the noise is modelled; otherwise plain least squares.
+    pub generalised: bool,
+    /// Fit of simulations of the parts left out \[%\].
+    pub cross_validated_percent: f64,
+}
+
+/// What was found about errors that are not noise.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelErrors {
+    /// Simulation fit of plain least squares \[%\].
+    pub least_squares_percent: f64,
+    /// Simulation fit of generalised least squares \[%\].
+    pub generalised_percent: f64,
+    /// What was tried, best first; the first was taken.
+    pub candidates: Vec<Prediction>,
+    /// Step response of the estimator that was not taken, at the same N and n.
+    pub other_step: Vec<f64>,
+}
+
+/// Simulation fits of plain and of generalised least squares with one bank \[%\].
+pub(crate) struct BothEstimators {
+    pub(crate) least_squares_percent: f64,
+    pub(crate) generalised_percent: f64,
+}
+
+impl BothEstimators {
+    /// `None` when the rows do not determine the bank.
+    pub(crate) fn new(
+        information: &Information,
+        coordinates: &Coordinates,
+        generalised: &gls::GlsFit,
+    ) -> Option<Self> {
+        let plain = gls::fit(information, coordinates, &plain())?;
+        let spread = information.moments.output_spread();
+        let percent = |fit: &gls::GlsFit| fit_percent(simulation_error(information, fit), spread);
+        Some(Self {
+            least_squares_percent: percent(&plain),
+            generalised_percent: percent(generalised),
+        })
+    }
+
+    /// Whether whitening costs more than it can when errors are noise.
+    pub(crate) fn errors_are_not_noise(&self) -> bool {
+        self.least_squares_percent - self.generalised_percent > TOLERATED
+    }
+}
+
+fn plain() -> GlsOptions {
+    GlsOptions {
+        order: NoiseOrder::Order(0),
+        corrected: false,
+        ..GlsOptions::default()
+    }
+}
+
+/// Sum of squares of the simulation error.
+fn simulation_error(information: &Information, fit: &gls::GlsFit) -> f64 {
+    information.residual_moments(&fit.impulse(), fit.solution.offset(), 0)[(0, 0)].max(0.0)
+}
+
+/// Ranks estimators by cross-validation, best first. `settlings` are the N to be tried.
+pub(crate) fn rank(
+    record: &Record,
+    settlings: &[usize],
+    frequencies: Option<usize>,
+    order: NoiseOrder,
+) -> Vec<Prediction> {
+    let lags = match order {
+        NoiseOrder::Auto => gls::MAX_AUTO_ORDER,
+        NoiseOrder::Order(order) => order,
+    };
+    let longest = settlings.iter().copied().max().unwrap_or(0);
+    let parts = moments_of_parts(record, longest + lags, lags + 1);
+    let mut total = parts[0].clone();
+    for part in &parts[1..] {
+        total.add(part);
+    }
+    let mut ranked = Vec::new();
+    for &settling in settlings {
+        for basis in banks(&total, settling, frequencies) {
+            for generalised in [false, true] {
+                let options = if generalised {
+                    GlsOptions {
+                        order,
+                        tolerance: 1e-3,
+                        max_iterations: 10,
+                        ..GlsOptions::default()
+                    }
+                } else {
+                    plain()
+                };
+                let coordinates = Coordinates::new(basis);
+                if let Some(percent) = cross_validate(&total, &parts, &coordinates, &options) {
+                    ranked.push(Prediction {
+                        settling,
+                        frequencies: basis.frequencies(),
+                        generalised,
+                        cross_validated_percent: percent,
+                    });
+                }
+            }
+        }
+    }
+    ranked.sort_by(|a, b| {
+        b.cross_validated_percent
+            .total_cmp(&a.cross_validated_percent)
+    });
+    ranked
+}
+
+/// The complete bank and the one that predicts best by itself, or the one asked for.
+fn banks(total: &Moments, settling: usize, frequencies: Option<usize>) -> Vec<Basis> {
+    if let Some(frequencies) = frequencies {
+        return Basis::new(settling, frequencies).into_iter().collect();
+    }
+    let mut banks: Vec<Basis> = Basis::full(settling).into_iter().collect();
+    if let Some(scan) = NestedBanks::scan(total, settling, &[], FIRST_ORDER) {
+        banks.extend(Basis::new(settling, scan.best_predictor().frequencies));
+    }
+    banks
+}
+
+/// Fit of simulations of each part by an estimate from the others \[%\].
+fn cross_validate(
+    total: &Moments,
+    parts: &[Moments],
+    coordinates: &Coordinates,
+    options: &GlsOptions,
+) -> Option<f64> {
+    let mut error = 0.0;
+    for part in parts.iter().filter(|part| part.rows() > 0) {
+        let others = Information::from_moments(total.without(part));
+        let fit = gls::fit(&others, coordinates, options)?;
+        error += simulation_error(&Information::from_moments(part.clone()), &fit);
+    }
+    Some(fit_percent(error, total.output_spread()))
+}
+
+/// The moments of the rows of each quarter of the record, all relative to the same centre. Rows
+/// keep their history across the boundaries; runs do not.
+fn moments_of_parts(record: &Record, input_lags: usize, output_lags: usize) -> Vec<Moments> {
+    let mut stream = MomentStream::new(record.sample_period_s(), input_lags, output_lags);
+    let mut parts: Vec<Moments> = Vec::new();
+    let mut before: Option<Moments> = None;
+    let (mut seen, samples) = (0, record.samples());
+    for run in record.runs() {
+        stream.begin_run(run.input_at_rest());
+        let mut start = 0;
+        while start < run.len() {
+            let boundary = samples * (parts.len() + 1) / PARTS;
+            let end = run.len().min(start + boundary - seen);
+            stream.push(&run.input()[start..end], &run.output()[start..end]);
+            seen += end - start;
+            start = end;
+            if seen == boundary {
+                let now = stream.moments();
+                parts.push(
+                    before
+                        .as_ref()
+                        .map_or_else(|| now.clone(), |before| now.without(before)),
+                );
+                before = Some(now);
+            }
+        }
+    }
+    parts
+}
