@@ -74,6 +74,18 @@ pub enum DatasetError {
         /// The other's period (s).
         expected: f64,
     },
+    /// Files that do not go together.
+    #[error(
+        "{path:?} was sampled {found} s after the edges of its reference and the file before it {expected} s: identify them apart"
+    )]
+    MixedPhases {
+        /// Which file.
+        path: PathBuf,
+        /// Its phase (s).
+        found: f64,
+        /// The other's phase (s).
+        expected: f64,
+    },
 }
 
 /// A record, and what is known of where it comes from.
@@ -81,17 +93,41 @@ pub enum DatasetError {
 pub struct Dataset {
     /// The runs.
     pub record: Record,
-    /// The unit of input and output, where the files say it.
+    /// What the files say of themselves.
+    pub about: About,
+}
+
+/// What files say of themselves.
+#[derive(Clone, Debug, Default)]
+pub struct About {
+    /// The unit of input and output, where the files say it and agree.
     pub unit: Option<&'static str>,
+    /// Under what condition it was recorded, where the files say it and agree.
+    pub condition: Option<String>,
+    /// Where the data come from: name and value of each thing that is known.
+    pub provenance: Vec<(String, String)>,
     /// What a user should know about the files: partial recordings, guessed periods.
     pub remarks: Vec<String>,
+}
+
+impl About {
+    fn merge(&mut self, other: Self) {
+        self.unit = self.unit.filter(|unit| Some(*unit) == other.unit);
+        self.condition = self
+            .condition
+            .take()
+            .filter(|c| Some(c) == other.condition.as_ref());
+        self.provenance.extend(other.provenance);
+        self.remarks.extend(other.remarks);
+    }
 }
 
 struct Loaded {
     runs: Vec<Run>,
     period_s: f64,
-    unit: Option<&'static str>,
-    remarks: Vec<String>,
+    /// From a change of the input to the first sample that carries it (s).
+    phase_s: f64,
+    about: About,
 }
 
 /// Reads files, each one run or more, into one record.
@@ -114,9 +150,16 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
                 expected,
             });
         }
+        if next.phase_s != all.phase_s {
+            let (found, expected) = (next.phase_s, all.phase_s);
+            return Err(DatasetError::MixedPhases {
+                path: path.clone(),
+                found,
+                expected,
+            });
+        }
         all.runs.extend(next.runs);
-        all.remarks.extend(next.remarks);
-        all.unit = all.unit.filter(|unit| Some(*unit) == next.unit);
+        all.about.merge(next.about);
     }
     let files = || {
         let names: Vec<_> = paths.iter().map(|p| format!("{}", p.display())).collect();
@@ -125,22 +168,21 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
     let Loaded {
         runs,
         period_s,
-        unit,
-        remarks,
+        phase_s,
+        about,
     } = all.unwrap_or(Loaded {
         runs: Vec::new(),
         period_s: f64::NAN,
-        unit: None,
-        remarks: Vec::new(),
+        phase_s: 0.0,
+        about: About::default(),
     });
     let record = Record::new(period_s, runs).map_err(|error| DatasetError::Data {
         files: files(),
         error,
     })?;
     Ok(Dataset {
-        record,
-        unit,
-        remarks,
+        record: record.with_sample_phase(phase_s),
+        about,
     })
 }
 
@@ -182,11 +224,30 @@ fn from_recording(
         ));
     }
     let period_s = recording.header.sample_period_s;
+    let condition = Some(recording.header.condition.clone()).filter(|c| !c.is_empty());
+    let mut provenance = vec![("file".to_owned(), path.display().to_string())];
+    provenance.extend(recording.header.facts());
+    let about = About {
+        unit: Some("deg"),
+        condition,
+        provenance,
+        remarks,
+    };
+    let phase_s = recording.header.sample_phase_s;
+    if !(phase_s >= 0.0 && phase_s.is_finite()) {
+        let reason = "sample_phase_s is no time after an edge".to_owned();
+        return Err(ReadError::DamagedHeader {
+            path: path.to_owned(),
+            line: 1,
+            reason,
+        }
+        .into());
+    }
     Ok(Loaded {
         runs: vec![run],
         period_s,
-        unit: Some("deg"),
-        remarks,
+        phase_s,
+        about,
     })
 }
 
@@ -235,11 +296,23 @@ fn from_table(table: &Table, options: &DatasetOptions) -> Result<Loaded, Dataset
             runs
         }
     };
+    let provenance = vec![
+        ("file".to_owned(), path.display().to_string()),
+        (
+            "columns".to_owned(),
+            format!("input {input}, output {output}"),
+        ),
+    ];
+    let about = About {
+        provenance,
+        remarks,
+        ..About::default()
+    };
     Ok(Loaded {
         runs,
         period_s,
-        unit: None,
-        remarks,
+        phase_s: 0.0,
+        about,
     })
 }
 
@@ -348,7 +421,7 @@ mod tests {
         let path = write(dir.path(), "a.csv", &format!("t,u,y\n{rows}"));
         let set = load(&[path], &named()).unwrap();
         assert_eq!(set.record.sample_period_s(), 0.02);
-        assert_eq!(set.remarks.len(), 1);
+        assert_eq!(set.about.remarks.len(), 1);
     }
 
     #[test]

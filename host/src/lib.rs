@@ -17,6 +17,8 @@
 //! | [`dataset`]   | from files to a record that can be identified                              |
 //! | [`plots`]     | pictures                                                                   |
 //! | [`summary`]   | results as text for a terminal                                             |
+//! | [`explain`]   | why a model has the structure that it has                                  |
+//! | [`report`]    | one page with everything, to open in a browser                             |
 //! | [`paper`]     | the paper's facts beside ours                                              |
 //! | [`output`]    | files that a command leaves behind                                         |
 //! | [`commands`]  | the command line, thin                                                     |
@@ -26,11 +28,13 @@
 
 pub mod commands;
 pub mod dataset;
+pub mod explain;
 pub mod output;
 pub mod paper;
 pub mod plots;
 pub mod port;
 pub mod recording;
+pub mod report;
 pub mod rig;
 pub mod summary;
 pub mod table;

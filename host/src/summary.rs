@@ -15,7 +15,7 @@ struct Row {
     of: fn(&Metrics) -> Interval,
 }
 
-const ROWS: [Row; 6] = [
+const ROWS: [Row; 8] = [
     Row {
         name: "DC gain",
         unit: "",
@@ -29,6 +29,13 @@ const ROWS: [Row; 6] = [
         scale: 1e3,
         digits: 2,
         of: |m| m.delay_s,
+    },
+    Row {
+        name: "time to 50 %",
+        unit: "ms",
+        scale: 1e3,
+        digits: 2,
+        of: |m| m.t50_s,
     },
     Row {
         name: "rise time (10-90 %)",
@@ -58,6 +65,13 @@ const ROWS: [Row; 6] = [
         digits: 2,
         of: |m| m.bandwidth_rad_s,
     },
+    Row {
+        name: "-90 deg of phase at",
+        unit: "rad/s",
+        scale: 1.0,
+        digits: 2,
+        of: |m| m.phase_minus_90_rad_s,
+    },
 ];
 
 impl Row {
@@ -66,6 +80,14 @@ impl Row {
             || "-".to_owned(),
             |v| format!("{:.*}", self.digits, v * self.scale),
         )
+    }
+
+    /// Name and unit.
+    fn label(&self) -> String {
+        match self.unit {
+            "" => self.name.to_owned(),
+            unit => format!("{} ({unit})", self.name),
+        }
     }
 
     fn bounds(&self, interval: &Interval) -> String {
@@ -166,7 +188,30 @@ pub fn of_validation(validation: &Validation, unit: Option<&str>) -> String {
     )
 }
 
-/// Two models side by side, with the paper's figure where it gives one.
+/// A line of a table of metrics: what it is, and value and bounds for each model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MetricRow {
+    /// Name and unit.
+    pub label: String,
+    /// Value and bounds, as text.
+    pub cells: Vec<(String, String)>,
+}
+
+/// The metrics of models side by side, as text.
+#[must_use]
+pub fn metric_rows(models: &[&Metrics]) -> Vec<MetricRow> {
+    let row = |row: &Row| MetricRow {
+        label: row.label(),
+        cells: models
+            .iter()
+            .map(|metrics| (row.of)(metrics))
+            .map(|interval| (row.number(interval.value), row.bounds(&interval)))
+            .collect(),
+    };
+    ROWS.iter().map(row).collect()
+}
+
+/// Two models side by side, with their difference.
 #[must_use]
 pub fn side_by_side(bench: &Metrics, aircraft: &Metrics) -> String {
     let mut text = format!(
@@ -176,24 +221,34 @@ pub fn side_by_side(bench: &Metrics, aircraft: &Metrics) -> String {
     for row in &ROWS {
         let (a, b) = ((row.of)(bench).value, (row.of)(aircraft).value);
         let difference = a.zip(b).map(|(a, b)| b - a);
-        let label = format!(
-            "{} {}",
-            row.name,
-            if row.unit.is_empty() {
-                String::new()
-            } else {
-                format!("({})", row.unit)
-            }
-        );
         let _infallible = writeln!(
             text,
-            "{label:32} {:>12} {:>12} {:>12}",
+            "{:32} {:>12} {:>12} {:>12}",
+            row.label(),
             row.number(a),
             row.number(b),
             row.number(difference)
         );
     }
     text
+}
+
+/// Samples, structure and fit in one sentence.
+#[must_use]
+pub fn one_line(model: &Model, unit: Option<&str>) -> String {
+    let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
+    let (structure, fit) = (&model.structure, &model.fit);
+    format!(
+        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.4}{unit} rms",
+        fit.samples_used,
+        fit.samples_missing,
+        rounded(model.sample_period_s * 1e3),
+        structure.settling_samples,
+        structure.frequencies,
+        structure.noise_order,
+        fit.simulation_percent,
+        fit.rmse
+    )
 }
 
 /// A p-value; a test that could not be made has none.

@@ -3,7 +3,7 @@
 use super::capture::{Job, capture};
 use super::{Talk, interrupt};
 use crate::dataset::{self, Dataset, DatasetOptions};
-use crate::plots::figures::{self, Named};
+use crate::plots::figures::{self, Subject};
 use crate::rig::RigFile;
 use crate::{output, paper, summary};
 use anyhow::{Context, Result};
@@ -47,7 +47,18 @@ impl Demo {
             [run, ..] => paper::facts(&bench, &aircraft, run),
             [] => Vec::new(),
         };
-        let plots = self.plot((&bench_data, &bench), (&aircraft_data, &aircraft))?;
+        let [first, second] = [
+            ("bench", &bench, &bench_data),
+            ("aircraft", &aircraft, &aircraft_data),
+        ]
+        .map(|(name, model, data)| Subject {
+            name,
+            model,
+            record: Some(&data.record),
+            unit: data.about.unit,
+        });
+        let figures = figures::paper(&first, Some(&second));
+        let plots = output::write_figures(&self.out.join("plots"), true, &figures)?;
         let summary = Summary {
             bench: bench.metrics,
             aircraft: aircraft.metrics,
@@ -104,70 +115,8 @@ impl Demo {
         self.talk.say(summary::of_model(
             &file.display().to_string(),
             &model,
-            data.unit,
+            data.about.unit,
         ));
         Ok((data, model))
-    }
-
-    /// The paper's Figs 4-12. As there, the aircraft's results are drawn with the bench's.
-    fn plot(
-        &self,
-        bench: (&Dataset, &Model),
-        aircraft: (&Dataset, &Model),
-    ) -> Result<Vec<PathBuf>> {
-        let unit = bench.0.unit;
-        let b = Named {
-            name: "bench model",
-            model: bench.1,
-        };
-        let a = Named {
-            name: "aircraft model",
-            model: aircraft.1,
-        };
-        let mut all = vec![
-            figures::input_output(
-                "fig-04-bench",
-                "Bench: reference and measurement",
-                &bench.0.record,
-                unit,
-            ),
-            figures::step_response("fig-05-bench-step", "Bench: step response", &[b]),
-            figures::bode("fig-06-bench-bode", "Bench: frequency response", &[b]),
-            figures::input_output(
-                "fig-08-aircraft",
-                "Aircraft: reference and measurement",
-                &aircraft.0.record,
-                unit,
-            ),
-            figures::step_response("fig-10-step", "Step response, bench and aircraft", &[b, a]),
-            figures::bode(
-                "fig-11-bode",
-                "Frequency response, bench and aircraft",
-                &[b, a],
-            ),
-        ];
-        let on = |name: &str, title: &str, models: &[Named<'_>], data: &Dataset| {
-            let run = data.record.runs().first()?;
-            Some(figures::validation(name, title, models, run, unit))
-        };
-        all.extend(on(
-            "fig-07-bench-validation",
-            "Bench model on bench data",
-            &[b],
-            bench.0,
-        ));
-        all.extend(on(
-            "fig-09-bench-on-aircraft",
-            "Bench model on aircraft data",
-            &[b],
-            aircraft.0,
-        ));
-        all.extend(on(
-            "fig-12-both-on-aircraft",
-            "Both models on aircraft data",
-            &[b, a],
-            aircraft.0,
-        ));
-        output::write_figures(&self.out.join("plots"), true, &all)
     }
 }

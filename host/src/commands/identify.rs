@@ -3,10 +3,13 @@
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem};
 use crate::plots::figures;
-use crate::{dataset, output, summary};
+use crate::{dataset, explain, output, summary};
 use anyhow::{Context, Result};
 use clap::Args;
-use servoid_identification::{Frequencies, NoiseOrder, Options, Settling, identify};
+use serde::Serialize;
+use servoid_identification::{
+    Explanation, Frequencies, Model, NoiseOrder, Options, Settling, identify_explained,
+};
 use std::path::PathBuf;
 
 /// Find the servo's step and frequency response, with bounds
@@ -33,6 +36,9 @@ pub(super) struct Identify {
     /// Confidence level of every bound
     #[arg(long, default_value_t = 0.99)]
     level: f64,
+    /// Show how the structure came about: what was considered, and why this was chosen
+    #[arg(long)]
+    explain: bool,
     /// The model to write
     #[arg(long, short, value_name = "MODEL.json")]
     out: Option<PathBuf>,
@@ -54,7 +60,10 @@ impl Identify {
             output::check_free(out, self.force)?;
         }
         let data = dataset::load(&self.files, &self.table.into())?;
-        data.remarks.iter().for_each(|remark| self.talk.say(remark));
+        data.about
+            .remarks
+            .iter()
+            .for_each(|remark| self.talk.say(remark));
         let options = Options {
             settling: self.settling,
             frequencies: self.frequencies,
@@ -62,19 +71,33 @@ impl Identify {
             level: self.level,
             ..Options::default()
         };
-        let model = identify(&data.record, &options).with_context(|| listed(&self.files))?;
+        let found =
+            identify_explained(&data.record, &options).with_context(|| listed(&self.files))?;
+        let model = &found.model;
+        let explanation = self.explain.then_some(&found.explanation);
         if let Some(out) = &self.out {
-            output::write_file(out, self.force, &output::to_json(&model)?)?;
+            output::write_file(out, self.force, &output::to_json(model)?)?;
             self.talk.say(format_args!("model: {}", out.display()));
         }
         if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
-            let figures = figures::identification(&stem(first), &data.record, &model, data.unit);
+            let name = stem(first);
+            let mut figures = figures::identification(&name, &data.record, model, data.about.unit);
+            figures
+                .extend(explanation.map(|e| explain::as_figure(&format!("{name}-structure"), e)));
             let files = output::write_figures(folder, self.force, &figures)?;
             self.talk.say(format_args!("plots: {}", listed(&files)));
         }
-        self.talk.result(
-            summary::of_model(&listed(&self.files), &model, data.unit),
-            &model,
-        )
+        let mut text = summary::of_model(&listed(&self.files), model, data.about.unit);
+        text.extend(explanation.map(|e| explain::as_text(e, &model.structure)));
+        self.talk.result(text, &Explained { model, explanation })
     }
+}
+
+/// The model as `--json` prints it, with the explanation beside it where that was asked for.
+#[derive(Serialize)]
+struct Explained<'a> {
+    #[serde(flatten)]
+    model: &'a Model,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    explanation: Option<&'a Explanation>,
 }

@@ -9,6 +9,7 @@ mod info;
 mod interrupt;
 mod ports;
 mod progress;
+mod report;
 mod simulate;
 mod table_args;
 mod validate;
@@ -45,6 +46,7 @@ enum Command {
     Capture(capture::CaptureArgs),
     Identify(identify::Identify),
     Validate(validate::Validate),
+    Report(report::Report),
     Simulate(simulate::Simulate),
 }
 
@@ -61,6 +63,7 @@ impl Cli {
             Command::Capture(command) => command.run(),
             Command::Identify(command) => command.run(),
             Command::Validate(command) => command.run(),
+            Command::Report(command) => command.run(),
             Command::Simulate(command) => command.run(),
         }
     }

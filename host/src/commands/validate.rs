@@ -44,7 +44,10 @@ impl Validate {
         }
         let model = output::read_model(&self.model)?;
         let data = dataset::load(&self.files, &self.table.into())?;
-        data.remarks.iter().for_each(|remark| self.talk.say(remark));
+        data.about
+            .remarks
+            .iter()
+            .for_each(|remark| self.talk.say(remark));
         let result = model
             .validate(&data.record)
             .with_context(|| listed(&self.files))?;
@@ -64,13 +67,19 @@ impl Validate {
                 .zip(1..)
                 .map(|(run, number)| {
                     let file = format!("{name}-on-{}-run-{number}", stem(&self.files[0]));
-                    figures::validation(&file, "Model against measurement", &named, run, data.unit)
+                    figures::validation(
+                        &file,
+                        "Model against measurement",
+                        &named,
+                        run,
+                        data.about.unit,
+                    )
                 })
                 .collect();
             let files = output::write_figures(folder, self.force, &figures)?;
             self.talk.say(format_args!("plots: {}", listed(&files)));
         }
         self.talk
-            .result(summary::of_validation(&result, data.unit), &result)
+            .result(summary::of_validation(&result, data.about.unit), &result)
     }
 }

@@ -139,7 +139,7 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
         };
         magnitude
             .bands
-            .push(band(&f.magnitude_db_lower, &f.magnitude_db_upper));
+            .push(band(&floored(f), &f.magnitude_db_upper));
         magnitude
             .curves
             .push(Curve::solid(*name, ink, points(&f.magnitude_db)));
@@ -278,5 +278,102 @@ pub fn identification(
         };
         validation(&name, "Model against measurement", &named, run, unit)
     }));
+    figures
+}
+
+/// One servo under one condition: what a report draws.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// What it is called: bench, aircraft, a file's name.
+    pub name: &'a str,
+    /// Its model.
+    pub model: &'a Model,
+    /// The record it was identified from, where that is at hand.
+    pub record: Option<&'a Record>,
+    /// The unit of its angles, where that is known.
+    pub unit: Option<&'a str>,
+}
+
+impl<'a> Subject<'a> {
+    fn named(&self) -> Named<'a> {
+        Named {
+            name: self.name,
+            model: self.model,
+        }
+    }
+
+    fn first_run(&self) -> Option<&'a Run> {
+        self.record.and_then(|record| record.runs().first())
+    }
+}
+
+/// The paper's Figs 4-7 of one servo and, where there is a second one, Figs 8-12 as well. As in the
+/// paper, the second one's results are drawn with the first one's.
+#[must_use]
+pub fn paper(first: &Subject<'_>, second: Option<&Subject<'_>>) -> Vec<Figure> {
+    let mut all = of_one(first, &[first.named()], ["04", "05", "06", "07"]);
+    if let Some(second) = second {
+        let both = [first.named(), second.named()];
+        let mut later = of_one(second, &both, ["08", "10", "11", "12"]);
+        if let Some(run) = second.first_run() {
+            let title = format!("Fig. 9: {} model on {} data", first.name, second.name);
+            let figure = validation(
+                "fig-09-first-on-second",
+                &title,
+                &[first.named()],
+                run,
+                second.unit,
+            );
+            later.insert(1, figure);
+        }
+        all.extend(later);
+    }
+    all
+}
+
+/// Measurement, step response, frequency response and validation of one servo, with these numbers
+/// of the paper's figures.
+fn of_one(subject: &Subject<'_>, models: &[Named<'_>], numbers: [&str; 4]) -> Vec<Figure> {
+    let [io, step, frequency, fit] = numbers;
+    let names: Vec<&str> = models.iter().map(|m| m.name).collect();
+    let names = names.join(" and ");
+    let title =
+        |number: &str, what: &str| format!("Fig. {}: {what}", number.trim_start_matches('0'));
+    let mut figures = Vec::new();
+    if let Some(record) = subject.record {
+        let title = title(io, &format!("{}, reference and measurement", subject.name));
+        figures.push(input_output(
+            &format!("fig-{io}-measurement"),
+            &title,
+            record,
+            subject.unit,
+        ));
+    }
+    figures.push(step_response(
+        &format!("fig-{step}-step-response"),
+        &title(step, &format!("step response, {names}")),
+        models,
+    ));
+    figures.push(bode(
+        &format!("fig-{frequency}-frequency-response"),
+        &title(frequency, &format!("frequency response, {names}")),
+        models,
+    ));
+    if let Some(run) = subject.first_run() {
+        let title = title(
+            fit,
+            &format!(
+                "model against measurement, {names} on {} data",
+                subject.name
+            ),
+        );
+        figures.push(validation(
+            &format!("fig-{fit}-validation"),
+            &title,
+            models,
+            run,
+            subject.unit,
+        ));
+    }
     figures
 }

@@ -134,6 +134,23 @@ impl Header {
         }
     }
 
+    /// What is known, in words and in the file's order: name and value, what is empty left out.
+    #[must_use]
+    pub fn facts(&self) -> Vec<(String, String)> {
+        // A header always has a form in TOML; were it not so, there would be nothing to tell.
+        let value = Value::try_from(self).unwrap_or_else(|_| Value::Table(Table::new()));
+        let text = |value: &Value| {
+            value
+                .as_str()
+                .map_or_else(|| value.to_string(), str::to_owned)
+        };
+        let fields = value.as_table().into_iter().flatten();
+        fields
+            .map(|(key, value)| (key.replace('_', " "), text(value)))
+            .filter(|(_, value)| !value.is_empty())
+            .collect()
+    }
+
     /// The comment lines.
     ///
     /// # Errors

@@ -1,0 +1,166 @@
+//! Why a model has the structure that it has, as text and as a picture.
+
+use crate::plots::figure::{Curve, Figure, Ink, Panel};
+use servoid_identification::Explanation;
+use servoid_identification::model::Structure;
+use servoid_identification::normal::Path;
+use std::fmt::Write;
+
+/// Lines of a table that are printed; a long search is thinned out to about so many.
+const MOST_LINES: usize = 16;
+
+/// The way to the structure, as tables.
+#[must_use]
+pub fn as_text(explanation: &Explanation, structure: &Structure) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _infallible = write_text(&mut text, explanation, structure);
+    text
+}
+
+fn write_text(text: &mut String, e: &Explanation, structure: &Structure) -> std::fmt::Result {
+    writeln!(text, "\nhow the structure came about")?;
+    let arithmetic = match e.path {
+        Path::Moments => "lagged moments, one pass",
+        Path::Qr => "QR on the rows, as the moments are too ill-conditioned",
+    };
+    let least = e
+        .degrees_of_freedom
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    writeln!(
+        text,
+        "  arithmetic  {arithmetic}; condition number {:.2e}; {} rows for {} parameters; at least {least:.0} degrees of freedom",
+        e.condition,
+        e.rows,
+        structure.frequencies + 1 + structure.noise_order
+    )?;
+    match &e.settling {
+        None => writeln!(
+            text,
+            "  settling    N = {} was asked for",
+            structure.settling_samples
+        )?,
+        Some(choice) => {
+            writeln!(
+                text,
+                "\n  settling time: the smallest N that is 1.75 times the settling that it finds itself, and that\n  the fit with N = {} does not contradict (by more than 4.75 standard deviations)\n\n  {:>8} {:>10} {:>16}",
+                choice.longest, "N", "settles at", "contradiction"
+            )?;
+            for c in &choice.candidates {
+                let mark = if c.accepted { "  <- chosen" } else { "" };
+                writeln!(
+                    text,
+                    "  {:>8} {:>10} {:>13.1} sd{mark}",
+                    c.settling, c.detected, c.contradiction
+                )?;
+            }
+            if !choice.settled {
+                writeln!(
+                    text,
+                    "  none was accepted: the longest is used, and the response may not be over by then"
+                )?;
+            }
+        }
+    }
+    if !e.noise_orders.is_empty() {
+        writeln!(
+            text,
+            "\n  noise order: the smallest BIC\n\n  {:>8} {:>14}",
+            "d", "BIC"
+        )?;
+        for c in &e.noise_orders {
+            let mark = if c.order == structure.noise_order {
+                "  <- chosen"
+            } else {
+                ""
+            };
+            writeln!(text, "  {:>8} {:>14.1}{mark}", c.order, c.bic)?;
+        }
+    }
+    if !e.frequencies.is_empty() {
+        writeln!(
+            text,
+            "\n  frequencies: n = N holds without further assumptions; fewer are narrower in white noise, and\n  biased by what they leave out\n\n  {:>8} {:>14} {:>12} {:>12}",
+            "n", "GCV", "noise +-", "bias up to"
+        )?;
+        let every = e.frequencies.len().div_ceil(MOST_LINES);
+        for (i, c) in e.frequencies.iter().enumerate() {
+            let chosen = c.frequencies == structure.frequencies;
+            if chosen || i % every == 0 {
+                let mark = if chosen { "  <- chosen" } else { "" };
+                writeln!(
+                    text,
+                    "  {:>8} {:>14.6e} {:>12.4} {:>12.4}{mark}",
+                    c.frequencies, c.gcv, c.noise_half_width, c.truncation_bias
+                )?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The same as a picture: a panel for each choice that was made from the data.
+#[must_use]
+pub fn as_figure(name: &str, explanation: &Explanation) -> Figure {
+    let panel = |x: &str, y: &str, curves: Vec<Curve>| Panel {
+        x_label: x.into(),
+        y_label: y.into(),
+        curves,
+        ..Panel::default()
+    };
+    let mut panels = Vec::new();
+    if let Some(choice) = &explanation.settling {
+        let each = |of: &dyn Fn(usize, usize) -> f64| -> Vec<(f64, f64)> {
+            let points = choice.candidates.iter();
+            points
+                .map(|c| (c.settling as f64, of(c.settling, c.detected)))
+                .collect()
+        };
+        panels.push(panel(
+            "settling time N considered (samples)",
+            "samples",
+            vec![
+                Curve::solid(
+                    "1.75 x the settling found with it",
+                    Ink::Model,
+                    each(&|_, d| 1.75 * d as f64),
+                ),
+                Curve::dashed("N itself", Ink::Reference, each(&|n, _| n as f64)),
+            ],
+        ));
+    }
+    if !explanation.noise_orders.is_empty() {
+        let points = explanation
+            .noise_orders
+            .iter()
+            .map(|c| (c.order as f64, c.bic));
+        panels.push(panel(
+            "noise order d",
+            "BIC",
+            vec![Curve::solid("BIC", Ink::Model, points)],
+        ));
+    }
+    if !explanation.frequencies.is_empty() {
+        let each = |of: fn(&servoid_identification::nested::BankCandidate) -> f64| {
+            explanation
+                .frequencies
+                .iter()
+                .map(move |c| (c.frequencies as f64, of(c)))
+        };
+        panels.push(panel(
+            "number of frequencies n",
+            "half width of the step band",
+            vec![
+                Curve::solid("noise and bias", Ink::Model, each(|c| c.half_width())),
+                Curve::dashed("noise alone", Ink::Measured, each(|c| c.noise_half_width)),
+            ],
+        ));
+    }
+    Figure {
+        name: name.into(),
+        title: "Choice of structure".into(),
+        panels,
+    }
+}
