@@ -1,0 +1,356 @@
+//! The chip around the core: the peripherals, and the wires between them.
+//!
+//! ```text
+//!  TIM2 --TRGO--> ITR1 TIM3 --TRGO--> ADC1 --request--> DMA1 channel 1 --> memory
+//!   | CH2                             ^ IN4
+//!  PA1 --> servo --> shaft --> sensor --> PA4        PA9, PA10 <--> USART1 <--> line
+//! ```
+//!
+//! Everything happens at its exact time, in the order of time; what happens at the same time happens
+//! in the order TIM2, TIM3, ADC, USART, line: a frame edge comes before the sample that it triggers.
+
+use crate::fault::Fault;
+use crate::line::Line;
+use crate::memory::Ram;
+use crate::peripherals::adc::{Adc, Event};
+use crate::peripherals::afio::Afio;
+use crate::peripherals::dbgmcu::Dbgmcu;
+use crate::peripherals::dma::{Dma, Transfer};
+use crate::peripherals::flash::Flash;
+use crate::peripherals::gpio::{Gpio, Mode};
+use crate::peripherals::iwdg::Iwdg;
+use crate::peripherals::rcc::Rcc;
+use crate::peripherals::signature::Signature;
+use crate::peripherals::tim::{Tim, TriggerOutput};
+use crate::peripherals::usart::Usart;
+use crate::peripherals::Moment;
+use crate::plant::Plant;
+use crate::record::{Irregularity, Pulse, Record, ResetReason};
+use crate::time::Ticks;
+
+/// Interrupt positions (RM0008 10.1.2, vector table).
+pub mod irq {
+    /// DMA1 channel 1; the others follow.
+    pub const DMA1_CHANNEL1: u32 = 11;
+    /// ADC1 and ADC2.
+    pub const ADC1_2: u32 = 18;
+    /// TIM2.
+    pub const TIM2: u32 = 28;
+    /// TIM3.
+    pub const TIM3: u32 = 29;
+    /// USART1.
+    pub const USART1: u32 = 37;
+}
+
+/// The address of ADC1's data register, the only one that is read by DMA here.
+const ADC1_DR: u32 = 0x4001_244c;
+/// TIM3's internal trigger input that TIM2 is connected to (15.4.3, table of internal triggers).
+const TIM2_AT_TIM3: u32 = 1;
+/// TIM2's internal trigger input that TIM3 is connected to.
+const TIM3_AT_TIM2: u32 = 2;
+
+/// What lies outside the chip.
+#[derive(Debug)]
+pub struct Surroundings {
+    /// Servo and sensor.
+    pub plant: Plant,
+    /// The line to the host.
+    pub line: Line,
+}
+
+/// What a chip is like.
+#[derive(Clone, Copy, Debug)]
+pub struct Specimen {
+    /// Whether the crystal starts.
+    pub crystal: bool,
+    /// Frequency of the low-speed oscillator (Hz).
+    pub lsi_hz: u32,
+    /// Its unique number.
+    pub unique_id: [u8; 12],
+}
+
+impl Specimen {
+    /// A chip with those of `faults` that are its own.
+    #[must_use]
+    pub fn new(faults: &[Fault], lsi_hz: u32, seed: u64) -> Self {
+        let mut unique_id = *b"virt        ";
+        for (byte, value) in unique_id.iter_mut().skip(4).zip(seed.to_le_bytes()) {
+            *byte = value;
+        }
+        Self {
+            crystal: !faults.contains(&Fault::NoCrystal),
+            lsi_hz,
+            unique_id,
+        }
+    }
+}
+
+/// The models of all that a reset resets.
+#[derive(Debug)]
+pub(crate) struct Peripherals {
+    pub flash: Flash,
+    pub afio: Afio,
+    /// Ports A to E.
+    pub gpio: [Gpio; 5],
+    pub tim2: Tim,
+    pub tim3: Tim,
+    pub adc: Adc,
+    pub dma: Dma,
+    pub usart: Usart,
+    pub iwdg: Iwdg,
+    pub dbgmcu: Dbgmcu,
+}
+
+impl Peripherals {
+    fn new(rcc: &Rcc, lsi_hz: u32) -> Self {
+        let clocks = rcc.clocks();
+        Self {
+            flash: Flash::default(),
+            afio: Afio::default(),
+            gpio: Default::default(),
+            tim2: Tim::new(clocks.timers),
+            tim3: Tim::new(clocks.timers),
+            adc: Adc::new(clocks.adc),
+            dma: Dma::default(),
+            usart: Usart::new(clocks.pclk2),
+            iwdg: Iwdg::new(lsi_hz),
+            dbgmcu: Dbgmcu::default(),
+        }
+    }
+}
+
+/// The chip.
+#[derive(Debug)]
+pub struct Chip {
+    specimen: Specimen,
+    pub(crate) rcc: Rcc,
+    pub(crate) p: Peripherals,
+    pub(crate) signature: Signature,
+    ram: Ram,
+    /// What is connected to it.
+    pub surroundings: Surroundings,
+    /// What happened.
+    pub record: Record,
+    /// When the level of PA1 last rose, if it is high.
+    high_since: Option<Ticks>,
+}
+
+impl Chip {
+    /// A chip without supply; [`reset`](Self::reset) switches it on.
+    #[must_use]
+    pub fn new(specimen: Specimen, ram: Ram, surroundings: Surroundings, record: Record) -> Self {
+        let rcc = Rcc::new(specimen.crystal);
+        Self {
+            p: Peripherals::new(&rcc, specimen.lsi_hz),
+            rcc,
+            signature: Signature::new(specimen.unique_id),
+            specimen,
+            ram,
+            surroundings,
+            record,
+            high_since: None,
+        }
+    }
+
+    /// Everything but the memory goes to its reset state (7.1.1). All pins float, so a pulse under
+    /// way ends.
+    pub fn reset(&mut self, reason: ResetReason, now: Ticks) {
+        if reason == ResetReason::PowerOn {
+            self.ram.forget();
+        }
+        self.rcc.reset(reason);
+        self.p = Peripherals::new(&self.rcc, self.specimen.lsi_hz);
+        self.follow_pulse(now);
+        self.record.resets.push((now, reason));
+    }
+
+    /// The supply is gone: the peripherals stand still and all pins float.
+    pub fn switch_off(&mut self, now: Ticks) {
+        self.rcc = Rcc::new(self.specimen.crystal);
+        self.p = Peripherals::new(&self.rcc, self.specimen.lsi_hz);
+        self.follow_pulse(now);
+    }
+
+    /// When the watchdog will reset the chip.
+    #[must_use]
+    pub fn watchdog_expires(&self) -> Option<Ticks> {
+        self.p.iwdg.expires()
+    }
+
+    /// Ticks of one cycle of the processor.
+    #[must_use]
+    pub fn hclk(&self) -> Ticks {
+        self.rcc.clocks().hclk
+    }
+
+    /// Whether the LED at PC13, to the supply, is on.
+    #[must_use]
+    pub fn led(&self) -> bool {
+        let [_, _, port_c, ..] = &self.p.gpio;
+        port_c.mode(13) == Mode::Output && !port_c.level(13)
+    }
+
+    /// The levels of the interrupt request lines, one bit each.
+    #[must_use]
+    pub fn interrupts(&self) -> u64 {
+        let dma = (1..=7).map(|n| (irq::DMA1_CHANNEL1 + n - 1, self.p.dma.interrupt(n)));
+        let others = [
+            (irq::ADC1_2, self.p.adc.interrupt()),
+            (irq::TIM2, self.p.tim2.interrupt()),
+            (irq::TIM3, self.p.tim3.interrupt()),
+            (irq::USART1, self.p.usart.interrupt()),
+        ];
+        dma.chain(others)
+            .fold(0, |lines, (number, level)| lines | u64::from(level) << number)
+    }
+
+    /// The next time that something happens by itself.
+    #[must_use]
+    pub fn next_event(&self) -> Option<Ticks> {
+        [
+            self.p.tim2.next_event(),
+            self.p.tim3.next_event(),
+            self.p.adc.next_event(),
+            self.p.usart.next_event(),
+            self.surroundings.line.next_event(),
+        ]
+        .into_iter()
+        .flatten()
+        .min()
+    }
+
+    /// Lets everything happen that is due by `to`.
+    pub fn advance(&mut self, to: Ticks) {
+        while let Some(now) = self.next_event().filter(|&event| event <= to) {
+            let trigger = self.p.tim2.advance(now);
+            self.on_tim2_trigger(trigger, now);
+            self.follow_pulse(now);
+            let trigger = self.p.tim3.advance(now);
+            self.on_tim3_trigger(trigger, now);
+            self.advance_adc(now);
+            self.advance_usart(now);
+        }
+    }
+
+    pub(crate) fn on_tim2_trigger(&mut self, trigger: TriggerOutput, now: Ticks) {
+        if trigger.0 {
+            let trigger = self.p.tim3.trigger(TIM2_AT_TIM3, now);
+            self.on_tim3_trigger(trigger, now);
+        }
+    }
+
+    pub(crate) fn on_tim3_trigger(&mut self, trigger: TriggerOutput, now: Ticks) {
+        if trigger.0 {
+            let record = &mut self.record;
+            self.p.adc.trigger_by_tim3(&mut Moment { now, record });
+            // A ring of triggers is no chain: TIM2 does not answer TIM3 here.
+            let answered = self.p.tim2.trigger(TIM3_AT_TIM2, now);
+            let what = Irregularity::NotModelled("two timers that trigger each other");
+            self.moment(now).report_if(answered.0, what);
+        }
+    }
+
+    pub(crate) fn moment(&mut self, now: Ticks) -> Moment<'_> {
+        Moment {
+            now,
+            record: &mut self.record,
+        }
+    }
+
+    /// Looks at PA1: TIM2's channel 2 where pin and mapping say so, its own data otherwise.
+    pub(crate) fn follow_pulse(&mut self, now: Ticks) {
+        let [port_a, ..] = &self.p.gpio;
+        let level = match port_a.mode(1) {
+            Mode::AlternatePushPull if self.p.afio.tim2_channel_2_is_on_pa1() => {
+                self.p.tim2.output(2, now).unwrap_or(false)
+            }
+            Mode::Output => port_a.level(1),
+            // The input of a servo has a pull-down.
+            _ => false,
+        };
+        match (level, self.high_since) {
+            (true, None) => self.high_since = Some(now),
+            (false, Some(rise)) => {
+                self.high_since = None;
+                let pulse = Pulse {
+                    rise,
+                    width: now - rise,
+                };
+                self.surroundings.plant.pulse(pulse);
+                self.record.pulse(pulse);
+            }
+            _ => {}
+        }
+    }
+
+    fn advance_adc(&mut self, now: Ticks) {
+        let record = &mut self.record;
+        match self.p.adc.advance(&mut Moment { now, record }) {
+            Event::None => {}
+            Event::Hold { channel, index } => {
+                let code = self.input(channel, index, now);
+                self.p.adc.hold(code);
+            }
+            Event::DmaRequest => {
+                let record = &mut self.record;
+                if let Some(transfer) = self.p.dma.request(1, &mut Moment { now, record }) {
+                    self.transfer(&transfer, now);
+                }
+            }
+        }
+    }
+
+    /// What the ADC reads: ADC_IN4 is PA4, and nothing else is connected.
+    fn input(&mut self, channel: u32, index: u32, now: Ticks) -> u16 {
+        let [port_a, ..] = &self.p.gpio;
+        let analog = port_a.mode(4) == Mode::Analog;
+        let mut moment = self.moment(now);
+        moment.report_if(channel != 4, Irregularity::NotModelled("another ADC input than PA4"));
+        let what = Irregularity::AgainstTheManual("an ADC input that is not analog (9.1.12)");
+        moment.report_if(!analog, what);
+        if channel == 4 {
+            self.surroundings.plant.code(now, index)
+        } else {
+            0
+        }
+    }
+
+    fn transfer(&mut self, transfer: &Transfer, now: Ticks) {
+        let value = if transfer.peripheral == ADC1_DR {
+            self.p.adc.read_data()
+        } else {
+            let address = transfer.peripheral;
+            self.moment(now).report(Irregularity::Unmapped { address });
+            0
+        };
+        let written = self.ram.write(transfer.memory, transfer.bytes, value);
+        if written.is_none() {
+            let address = transfer.memory;
+            self.moment(now).report(Irregularity::Unmapped { address });
+            self.p.dma.fail(1);
+        }
+    }
+
+    /// TX is PA9, RX is PA10.
+    fn advance_usart(&mut self, now: Ticks) {
+        let [port_a, ..] = &self.p.gpio;
+        let (transmits, receives) = (
+            port_a.mode(9) == Mode::AlternatePushPull,
+            port_a.mode(10) == Mode::Input,
+        );
+        let bit_time = self.p.usart.bit_time();
+        if let Some(byte) = self.p.usart.advance(now) {
+            let what = Irregularity::AgainstTheManual("TX is not an alternate output (9.1.11)");
+            self.moment(now).report_if(!transmits, what);
+            if transmits {
+                self.surroundings.line.board_writes(byte, bit_time);
+            }
+        }
+        if let Some((byte, damaged)) = self.surroundings.line.arrive(now, bit_time)
+            && receives
+        {
+            let record = &mut self.record;
+            self.p.usart.receive(byte, damaged, &mut Moment { now, record });
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! The processor, as the board sees it.
+//!
+//! A small trait, so that another core can take the place of the one in [`rsemu`]. What belongs to
+//! the Cortex-M3 itself is the core's: NVIC, SCB, SysTick, and the bit-band alias (Cortex-M3 TRM,
+//! "Bit-banding"), through which a program reads and writes single bits of peripherals.
+
+pub mod rsemu;
+
+use std::fmt::Debug;
+
+/// Where the core's accesses to peripherals go.
+pub trait Bus: Debug + Send + Sync {
+    /// Reads 1, 2 or 4 bytes.
+    fn read(&self, address: u32, bytes: u32) -> u32;
+    /// Writes 1, 2 or 4 bytes.
+    fn write(&self, address: u32, bytes: u32, value: u32);
+}
+
+/// The registers, for whoever looks over the core's shoulder.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Registers {
+    /// R0 to R15, the stack pointer being the one in use.
+    pub r: [u32; 16],
+    /// Flags, IT state and exception number.
+    pub xpsr: u32,
+}
+
+/// A Cortex-M3.
+pub trait Core {
+    /// Executes one instruction, or enters one exception; returns the cycles that it took. A core
+    /// that sleeps returns one cycle and goes on sleeping, unless an interrupt wakes it.
+    fn step(&mut self) -> u64;
+
+    /// The level of an interrupt request line.
+    fn set_irq(&mut self, number: u32, level: bool);
+
+    /// Whether the core sleeps.
+    fn is_asleep(&self) -> bool;
+
+    /// Lets `cycles` pass for a core that sleeps.
+    fn skip(&mut self, cycles: u64);
+
+    /// Cycles until the core's own timer does something.
+    fn own_event(&self) -> Option<u64>;
+
+    /// The registers.
+    fn registers(&self) -> Registers;
+
+    /// Where the program was when it met a fault, if it did since this was last asked.
+    fn take_fault(&mut self) -> Option<u32>;
+
+    /// Whether the program asked for a reset.
+    fn wants_reset(&self) -> bool;
+
+    /// Resets the core; it starts at the reset vector with the next step.
+    fn reset(&mut self);
+}

@@ -1,0 +1,171 @@
+//! Faults on purpose.
+
+use crate::time::{Ticks, from_duration};
+use servoid_simulator::sensor::{FaultKind, SensorFault};
+use std::str::FromStr;
+use std::time::Duration;
+use thiserror::Error;
+
+/// A direction on the serial line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From the host to the board.
+    ToBoard,
+    /// From the board to the host.
+    ToHost,
+}
+
+/// What happens to a byte on the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Disturbance {
+    /// One of its bits is flipped.
+    Flip,
+    /// It is lost.
+    Drop,
+    /// Another one comes before it.
+    Inject,
+}
+
+/// Something that goes wrong.
+///
+/// As text:
+///
+/// | text                             | what goes wrong                                           |
+/// |----------------------------------|-----------------------------------------------------------|
+/// | `no-crystal`                     | the crystal never starts                                   |
+/// | `sensor-open@S`, `sensor-short@S` | the sensor's wire is off, or touches the supply, from second S on |
+/// | `host-silent@S`                  | nothing of what the host sends arrives from second S on    |
+/// | `cpu-stuck@S`                    | the processor stops at second S, until the next reset      |
+/// | `brown-out@S`                    | the supply is gone for 0.1 s                               |
+/// | `flip:P`, `drop:P`, `inject:P`   | each byte, in both directions, is disturbed with probability P |
+/// | `to-board-flip:P`, `to-host-drop:P`, … | the same in one direction                            |
+///
+/// ```
+/// use virtual_board::fault::Fault;
+/// assert_eq!("no-crystal".parse(), Ok(Fault::NoCrystal));
+/// let fault: Fault = "to-host-drop:0.01".parse()?;
+/// assert!(matches!(fault, Fault::Line { .. }));
+/// # Ok::<(), virtual_board::fault::FaultError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// The crystal never starts.
+    NoCrystal,
+    /// The sensor breaks.
+    Sensor(SensorFault),
+    /// The host is not heard any more.
+    HostSilent {
+        /// From when on.
+        from: Ticks,
+    },
+    /// The processor stops until the next reset.
+    CpuStuck {
+        /// When.
+        at: Ticks,
+    },
+    /// The supply drops out for [`BROWN_OUT`].
+    BrownOut {
+        /// When.
+        at: Ticks,
+    },
+    /// Bytes on the line are disturbed.
+    Line {
+        /// Which way; both where there is none.
+        direction: Option<Direction>,
+        /// How.
+        disturbance: Disturbance,
+        /// How likely for each byte, 0 to 1.
+        probability: f64,
+    },
+}
+
+/// How long a brown-out lasts.
+pub const BROWN_OUT: Duration = Duration::from_millis(100);
+
+/// Why a text names no fault.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error(
+    "there is no fault '{0}': choose no-crystal, sensor-open@S, sensor-short@S, host-silent@S, \
+     cpu-stuck@S or brown-out@S with S in seconds, or flip:P, drop:P or inject:P with P from 0 to 1, \
+     each with to-board- or to-host- before it if it is one direction only"
+)]
+pub struct FaultError(String);
+
+impl FromStr for Fault {
+    type Err = FaultError;
+
+    fn from_str(text: &str) -> Result<Self, FaultError> {
+        let fault = if let Some((name, at)) = text.split_once('@') {
+            timed(name, at)
+        } else if let Some((name, probability)) = text.split_once(':') {
+            on_the_line(name, probability)
+        } else {
+            (text == "no-crystal").then_some(Self::NoCrystal)
+        };
+        fault.ok_or_else(|| FaultError(text.into()))
+    }
+}
+
+fn timed(name: &str, at: &str) -> Option<Fault> {
+    let from = Duration::try_from_secs_f64(at.parse().ok()?).ok()?;
+    let sensor = |kind| Fault::Sensor(SensorFault { kind, from });
+    let at = from_duration(from);
+    Some(match name {
+        "sensor-open" => sensor(FaultKind::Open),
+        "sensor-short" => sensor(FaultKind::Short),
+        "host-silent" => Fault::HostSilent { from: at },
+        "cpu-stuck" => Fault::CpuStuck { at },
+        "brown-out" => Fault::BrownOut { at },
+        _ => return None,
+    })
+}
+
+fn on_the_line(name: &str, probability: &str) -> Option<Fault> {
+    let probability = probability.parse().ok()?;
+    let (direction, name) = if let Some(name) = name.strip_prefix("to-board-") {
+        (Some(Direction::ToBoard), name)
+    } else if let Some(name) = name.strip_prefix("to-host-") {
+        (Some(Direction::ToHost), name)
+    } else {
+        (None, name)
+    };
+    let disturbance = match name {
+        "flip" => Disturbance::Flip,
+        "drop" => Disturbance::Drop,
+        "inject" => Disturbance::Inject,
+        _ => return None,
+    };
+    (0.0..=1.0).contains(&probability).then_some(Fault::Line {
+        direction,
+        disturbance,
+        probability,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::milliseconds;
+
+    #[test]
+    fn texts() {
+        assert_eq!(
+            "cpu-stuck@3.5".parse(),
+            Ok(Fault::CpuStuck {
+                at: milliseconds(3_500)
+            })
+        );
+        assert_eq!(
+            "to-board-flip:0.5".parse(),
+            Ok(Fault::Line {
+                direction: Some(Direction::ToBoard),
+                disturbance: Disturbance::Flip,
+                probability: 0.5
+            })
+        );
+        for bad in ["", "no-crystal@1", "cpu-stuck", "cpu-stuck@-1", "flip:2", "flip:x", "melt:0.1"]
+        {
+            assert_eq!(bad.parse::<Fault>(), Err(FaultError(bad.into())));
+        }
+    }
+}

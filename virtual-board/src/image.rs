@@ -1,0 +1,138 @@
+//! The program: what a flash tool would write, and what its log needs to be read.
+
+use crate::memory::{FLASH_BYTES, FLASH_START, RAM_BYTES, RAM_START};
+use defmt_decoder::Table;
+use object::elf::{PT_LOAD, SHF_ALLOC};
+use object::read::elf::{ElfFile32, ProgramHeader};
+use object::{Endianness, Object, ObjectSection, ObjectSymbol, SectionFlags};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// The log's control block (SEGGER RTT).
+const RTT: &str = "_SEGGER_RTT";
+
+/// Why a file is no image.
+#[derive(Debug, Error)]
+pub enum ImageError {
+    /// The file cannot be read.
+    #[error("the image {path} cannot be read: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It is not what a linker makes for this chip.
+    #[error("this is no image for an STM32F103C8: {0}")]
+    NotAnImage(String),
+}
+
+/// A program for the chip.
+pub struct Image {
+    flash: Vec<u8>,
+    rtt: Option<u32>,
+    log: Option<Table>,
+    flash_used: u32,
+    ram_used: u32,
+}
+
+impl Image {
+    /// Reads an ELF file.
+    ///
+    /// # Errors
+    /// [`ImageError`] where it cannot be read or is not for this chip.
+    pub fn read(path: &Path) -> Result<Self, ImageError> {
+        let bytes = std::fs::read(path).map_err(|source| ImageError::Read {
+            path: path.into(),
+            source,
+        })?;
+        Self::parse(&bytes)
+    }
+
+    /// Takes an ELF file apart.
+    ///
+    /// # Errors
+    /// [`ImageError::NotAnImage`] where it is not for this chip.
+    pub fn parse(elf: &[u8]) -> Result<Self, ImageError> {
+        let wrong = |what: &dyn std::fmt::Display| ImageError::NotAnImage(what.to_string());
+        let file = ElfFile32::<Endianness>::parse(elf).map_err(|e| wrong(&e))?;
+        // Erased flash is all ones (PM0075).
+        let mut flash = vec![0xff; FLASH_BYTES as usize];
+        let mut flash_used = 0;
+        for header in file.elf_program_headers() {
+            let endian = file.endian();
+            if header.p_type(endian) != PT_LOAD || header.p_filesz(endian) == 0 {
+                continue;
+            }
+            // The physical address is where a flash tool writes it, initial values included.
+            let (at, length) = (header.p_paddr(endian), header.p_filesz(endian));
+            let data = header.data(endian, elf).map_err(|()| wrong(&"it is cut off"))?;
+            let place = at
+                .checked_sub(FLASH_START)
+                .map(|offset| offset as usize)
+                .and_then(|offset| flash.get_mut(offset..offset + length as usize))
+                .ok_or_else(|| wrong(&format!("{length} bytes at {at:#x} are not in its flash")))?;
+            place.copy_from_slice(data);
+            flash_used += length;
+        }
+        if flash_used == 0 {
+            return Err(wrong(&"there is no program in it"));
+        }
+        Ok(Self {
+            flash,
+            rtt: file.symbol_by_name(RTT).map(|symbol| symbol.address() as u32),
+            log: Table::parse(elf).map_err(|e| wrong(&format!("its log cannot be read: {e}")))?,
+            flash_used,
+            ram_used: ram_used(&file),
+        })
+    }
+
+    /// The contents of the flash.
+    #[must_use]
+    pub fn flash(&self) -> &[u8] {
+        &self.flash
+    }
+
+    /// Bytes of flash that the program uses.
+    #[must_use]
+    pub fn flash_used(&self) -> u32 {
+        self.flash_used
+    }
+
+    /// Bytes of static memory that the program's variables use; the rest is for its stack.
+    #[must_use]
+    pub fn ram_used(&self) -> u32 {
+        self.ram_used
+    }
+
+    /// Where the log's control block is, and how to read the log.
+    pub(crate) fn into_log(self) -> Option<(u32, Table)> {
+        self.rtt.zip(self.log)
+    }
+}
+
+fn ram_used(file: &ElfFile32<'_, Endianness>) -> u32 {
+    file.sections()
+        .filter(|section| {
+            let SectionFlags::Elf { sh_flags } = section.flags() else {
+                return false;
+            };
+            let in_ram = (RAM_START..RAM_START + RAM_BYTES).contains(&(section.address() as u32));
+            sh_flags & u64::from(SHF_ALLOC) != 0 && in_ram
+        })
+        .map(|section| section.size() as u32)
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_image_says_so() {
+        let error = Image::parse(b"not an ELF file").err().unwrap();
+        assert!(error.to_string().contains("no image for an STM32F103C8"), "{error}");
+        let error = Image::read(Path::new("nowhere")).err().unwrap();
+        assert!(error.to_string().contains("nowhere"), "{error}");
+    }
+}

@@ -1,0 +1,141 @@
+//! A virtual board as a serial port: try the instrument without one.
+
+use anyhow::{Context, Result, bail};
+use clap::Parser;
+use servoid_simulator::{LineSpeed, SimulationOptions};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use virtual_board::server::{HostEnd, Pace, TcpServer, serve};
+use virtual_board::{BoardOptions, Fault, Image, VirtualBoard};
+
+/// A virtual STM32F103 with a simulated servo, running the very image that is flashed
+///
+/// Prints the port that the host opens and runs until Ctrl-C. What the program logs, and whatever it
+/// does that a real chip would take amiss, goes to standard error.
+#[derive(Debug, Parser)]
+#[command(version, after_help = "Example:
+  cargo fw
+  virtual-board --servo aircraft --seed 7 --tcp 127.0.0.1:5000
+  servoid capture --port tcp:127.0.0.1:5000 -o aircraft.csv")]
+struct Cli {
+    /// Servo on its pins: bench, aircraft or linear, with options as after sim: (bench?noise=none)
+    #[arg(long, default_value = "bench")]
+    servo: SimulationOptions,
+    /// Another one, other noise
+    #[arg(long)]
+    seed: Option<u64>,
+    /// The image to run; without it, the one that 'cargo fw' has built
+    #[arg(long, value_name = "FILE")]
+    elf: Option<PathBuf>,
+    /// Simulated time follows the clock on the wall; without it, it goes up to twice as fast
+    #[arg(long)]
+    realtime: bool,
+    /// Something that goes wrong: no-crystal, sensor-open@S, sensor-short@S, host-silent@S,
+    /// cpu-stuck@S, brown-out@S (S in seconds), flip:P, drop:P, inject:P (P for each byte; to-board-
+    /// or to-host- before it for one direction). May be given several times
+    #[arg(long, value_name = "FAULT")]
+    fault: Vec<Fault>,
+    /// Listen at this address instead of offering a pseudo-terminal
+    #[arg(long, value_name = "HOST:PORT")]
+    tcp: Option<String>,
+}
+
+fn main() -> Result<()> {
+    let cli = Cli::parse();
+    let image = Image::read(&find_image(cli.elf.as_deref())?)?;
+    let mut options = BoardOptions::new(simulation(&cli)?);
+    options.faults.clone_from(&cli.fault);
+    options.keeps_signals = false;
+    let mut board = VirtualBoard::new(image, &options)?;
+
+    let stop = Arc::new(AtomicBool::new(false));
+    let handler = stop.clone();
+    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed))?;
+    let mut end = open(cli.tcp.as_deref())?;
+    let pace = if cli.realtime || options.simulation.realtime {
+        Pace::REAL_TIME
+    } else {
+        Pace::FASTEST
+    };
+    serve(
+        &mut board,
+        end.as_mut(),
+        pace,
+        &|| stop.load(Ordering::Relaxed),
+        &mut report,
+    )
+    .context("the port is gone")
+}
+
+fn simulation(cli: &Cli) -> Result<SimulationOptions> {
+    let mut simulation = cli.servo.clone();
+    let usual = SimulationOptions::new(simulation.servo);
+    if simulation.line != LineSpeed::Baud(115_200)
+        || simulation.first_sample_us != usual.first_sample_us
+    {
+        bail!("the image itself sets the baud rate and when it samples: leave out baud and first-sample-us");
+    }
+    simulation.seed = cli.seed.unwrap_or(simulation.seed);
+    Ok(simulation)
+}
+
+/// Where `cargo fw` leaves the image, beside this program or below the working directory.
+fn find_image(named: Option<&Path>) -> Result<PathBuf> {
+    const IMAGE: &str = "thumbv7m-none-eabi/firmware/servoid-firmware";
+    if let Some(path) = named {
+        return Ok(path.into());
+    }
+    let beside = std::env::current_exe().ok().and_then(|program| {
+        // target/release/virtual-board
+        program.ancestors().nth(2).map(Path::to_path_buf)
+    });
+    let configured = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
+    let candidates = [configured, beside, Some("target".into())];
+    let found = candidates
+        .into_iter()
+        .flatten()
+        .map(|target| target.join(IMAGE))
+        .find(|path| path.is_file());
+    found.context("there is no image yet: build it with 'cargo fw', or name one with --elf")
+}
+
+fn open(tcp: Option<&str>) -> Result<Box<dyn HostEnd>> {
+    if let Some(address) = tcp {
+        let server = TcpServer::listen(address)
+            .with_context(|| format!("cannot listen at {address}: write HOST:PORT, with a free port"))?;
+        announce(&format!("tcp:{}", server.address()?));
+        return Ok(Box::new(server));
+    }
+    pseudo_terminal()
+}
+
+#[cfg(unix)]
+fn pseudo_terminal() -> Result<Box<dyn HostEnd>> {
+    let terminal = virtual_board::server::PseudoTerminal::open()
+        .context("there is no pseudo-terminal to be had: use --tcp 127.0.0.1:5000")?;
+    announce(&terminal.path().display().to_string());
+    Ok(Box::new(terminal))
+}
+
+#[cfg(not(unix))]
+fn pseudo_terminal() -> Result<Box<dyn HostEnd>> {
+    bail!("this system has no pseudo-terminals: use --tcp 127.0.0.1:5000")
+}
+
+/// The port goes to standard output alone, for scripts.
+fn announce(port: &str) {
+    println!("{port}");
+    eprintln!("servoid capture --port {port} -o recording.csv");
+}
+
+/// Says what is new, and forgets it.
+fn report(board: &mut VirtualBoard) {
+    let record = &mut board.chip().record;
+    for line in record.log.drain(..) {
+        eprintln!("{line}");
+    }
+    for violation in record.violations.drain(..) {
+        eprintln!("{violation}");
+    }
+}

@@ -1,0 +1,339 @@
+//! The analog-to-digital converter ADC1 (RM0008 chapter 11): regular sequences.
+
+use super::{Moment, bit, field};
+use crate::record::{Conversion, Irregularity};
+use crate::time::{TICKS_PER_SECOND, Ticks, microseconds};
+
+/// Registers by their offsets (11.12.15).
+mod offset {
+    pub const SR: u32 = 0x00;
+    pub const CR1: u32 = 0x04;
+    pub const CR2: u32 = 0x08;
+    pub const SMPR1: u32 = 0x0c;
+    pub const SMPR2: u32 = 0x10;
+    pub const HTR: u32 = 0x24;
+    pub const SQR1: u32 = 0x2c;
+    pub const SQR3: u32 = 0x34;
+    pub const DR: u32 = 0x4c;
+}
+
+const ADON: u32 = 0;
+const CAL: u32 = 2;
+const RSTCAL: u32 = 3;
+const DMA: u32 = 8;
+const EXTTRIG: u32 = 20;
+const SWSTART: u32 = 22;
+const SCAN: u32 = 8;
+const EOC: u32 = 1 << 1;
+const STRT: u32 = 1 << 4;
+
+/// EXTSEL of TIM3's trigger output (11.7, table of external triggers for regular channels).
+const TIM3_TRGO: u32 = 0b100;
+/// EXTSEL of SWSTART.
+const SOFTWARE: u32 = 0b111;
+
+/// Time from power-up until conversions are exact (DS5319, table of ADC characteristics).
+const STABILISATION: Ticks = microseconds(1);
+/// The highest clock (11.1).
+const HIGHEST_CLOCK: u64 = 14_000_000;
+
+/// Half cycles for sampling, by SMPx (11.12.4).
+const SAMPLING: [Ticks; 8] = [3, 15, 27, 57, 83, 111, 143, 479];
+/// Half cycles for converting what was sampled (11.6).
+const CONVERTING: Ticks = 25;
+/// Cycles of a calibration (DS5319) and of resetting it (not stated; some).
+const CALIBRATION: Ticks = 83;
+const CALIBRATION_RESET: Ticks = 2;
+
+/// What an event of the ADC asks of the chip around it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// Nothing.
+    None,
+    /// The input of this channel is held now: [`Adc::hold`] wants its code.
+    Hold {
+        /// The channel.
+        channel: u32,
+        /// Which conversion of the sequence it is.
+        index: u32,
+    },
+    /// A conversion is done, and DMA is asked for its result.
+    DmaRequest,
+}
+
+/// A sequence under way.
+#[derive(Clone, Copy, Debug)]
+struct Scan {
+    /// Which conversion of the sequence.
+    index: u32,
+    start: Ticks,
+    held: Ticks,
+    done: Ticks,
+    code: Option<u16>,
+}
+
+/// The model.
+#[derive(Debug)]
+pub struct Adc {
+    /// Ticks of one cycle of the ADC's clock.
+    clock: Ticks,
+    sr: u32,
+    cr1: u32,
+    cr2: u32,
+    smpr: [u32; 2],
+    /// HTR and LTR: kept, not used.
+    watchdog: [u32; 2],
+    sqr: [u32; 3],
+    dr: u32,
+    powered_since: Ticks,
+    calibrated: bool,
+    /// End of the calibration, or of its reset, that is under way.
+    calibrates_until: Ticks,
+    scan: Option<Scan>,
+}
+
+impl Adc {
+    /// An ADC out of reset, on a clock of `clock` ticks.
+    #[must_use]
+    pub fn new(clock: Ticks) -> Self {
+        Self {
+            clock,
+            sr: 0,
+            cr1: 0,
+            cr2: 0,
+            smpr: [0; 2],
+            watchdog: [0xfff, 0],
+            sqr: [0; 3],
+            dr: 0,
+            powered_since: 0,
+            calibrated: false,
+            calibrates_until: 0,
+            scan: None,
+        }
+    }
+
+    /// The clock is `clock` ticks from now on.
+    pub fn set_clock(&mut self, clock: Ticks) {
+        self.clock = clock;
+    }
+
+    /// Channel of conversion `index` of the sequence (11.12.9-11.12.11).
+    fn channel(&self, index: u32) -> u32 {
+        let [_, sqr2, sqr3] = self.sqr;
+        let register = if index < 6 { sqr3 } else { sqr2 };
+        field(register, index % 6 * 5, 5)
+    }
+
+    /// Conversions in the sequence: without SCAN only the first (11.3.8).
+    fn length(&self) -> u32 {
+        if bit(self.cr1, SCAN) {
+            field(self.sqr[0], 20, 4) + 1
+        } else {
+            1
+        }
+    }
+
+    fn sampling(&self, channel: u32) -> Ticks {
+        let [smpr1, smpr2] = self.smpr;
+        let code = if channel < 10 {
+            field(smpr2, channel * 3, 3)
+        } else {
+            field(smpr1, (channel - 10) * 3, 3)
+        };
+        SAMPLING[code as usize]
+    }
+
+    fn begin(&mut self, index: u32, start: Ticks) {
+        let held = start + self.sampling(self.channel(index)) * self.clock / 2;
+        self.scan = Some(Scan {
+            index,
+            start,
+            held,
+            done: held + CONVERTING * self.clock / 2,
+            code: None,
+        });
+    }
+
+    /// The trigger output of TIM3 fired.
+    pub fn trigger_by_tim3(&mut self, m: &mut Moment<'_>) {
+        let listens = bit(self.cr2, EXTTRIG) && field(self.cr2, 17, 3) == TIM3_TRGO;
+        if listens && bit(self.cr2, ADON) {
+            self.start(m);
+        }
+    }
+
+    fn start(&mut self, m: &mut Moment<'_>) {
+        if self.scan.is_some() {
+            m.report(Irregularity::TriggerWhileBusy);
+            return;
+        }
+        let early = m.now < self.powered_since + STABILISATION;
+        m.report_if(early, Irregularity::AgainstTheManual("a conversion within tSTAB (11.3.1)"));
+        let busy = !self.calibrated || m.now < self.calibrates_until;
+        m.report_if(busy, Irregularity::AgainstTheManual("a conversion uncalibrated (11.4)"));
+        let fast = TICKS_PER_SECOND > HIGHEST_CLOCK * self.clock;
+        m.report_if(fast, Irregularity::AgainstTheManual("an ADC clock above 14 MHz (11.1)"));
+        let long = bit(self.cr1, SCAN) && self.length() > 12;
+        m.report_if(long, Irregularity::NotModelled("a sequence of more than twelve"));
+        self.sr |= STRT;
+        self.begin(0, m.now);
+    }
+
+    /// The next time that the ADC does something by itself.
+    #[must_use]
+    pub fn next_event(&self) -> Option<Ticks> {
+        self.scan.map(|scan| match scan.code {
+            None => scan.held,
+            Some(_) => scan.done,
+        })
+    }
+
+    /// Does what is due at `m.now`.
+    pub fn advance(&mut self, m: &mut Moment<'_>) -> Event {
+        let Some(scan) = self.scan.filter(|_| self.next_event() == Some(m.now)) else {
+            return Event::None;
+        };
+        let Some(code) = scan.code else {
+            return Event::Hold {
+                channel: self.channel(scan.index),
+                index: scan.index,
+            };
+        };
+        m.record.conversion(Conversion {
+            start: scan.start,
+            held: scan.held,
+            code,
+        });
+        let lost = self.sr & EOC != 0 && !bit(self.cr2, DMA);
+        m.report_if(lost, Irregularity::AgainstTheManual("a result nobody read (11.12.1)"));
+        self.dr = u32::from(code) << if bit(self.cr2, 11) { 4 } else { 0 };
+        if scan.index + 1 < self.length() {
+            self.begin(scan.index + 1, scan.done);
+        } else {
+            // 11.12.1: at the end of the group.
+            self.scan = None;
+            self.sr |= EOC;
+        }
+        // 11.3.8: with DMA, after each conversion.
+        if bit(self.cr2, DMA) {
+            Event::DmaRequest
+        } else {
+            Event::None
+        }
+    }
+
+    /// Gives the code of the input that [`Event::Hold`] asked for.
+    pub fn hold(&mut self, code: u16) {
+        if let Some(scan) = &mut self.scan {
+            scan.code = Some(code);
+        }
+    }
+
+    /// Reads the data register, as the DMA does (11.12.14): clears EOC.
+    pub fn read_data(&mut self) -> u32 {
+        self.sr &= !EOC;
+        self.dr
+    }
+
+    /// Whether the ADC asks for its interrupt.
+    #[must_use]
+    pub fn interrupt(&self) -> bool {
+        self.sr & EOC != 0 && bit(self.cr1, 5)
+    }
+
+    /// Reads the register at `offset`; `None` where there is none.
+    pub fn read(&mut self, offset: u32, now: Ticks) -> Option<u32> {
+        Some(match offset {
+            offset::SR => self.sr,
+            offset::CR1 => self.cr1,
+            offset::CR2 => {
+                // CAL and RSTCAL are cleared by the hardware when it is done (11.12.3).
+                if now >= self.calibrates_until {
+                    self.cr2 &= !(1 << CAL | 1 << RSTCAL);
+                }
+                self.cr2
+            }
+            offset::SMPR1 | offset::SMPR2 => self.smpr[usize::from(offset == offset::SMPR2)],
+            0x14..offset::HTR => 0,
+            offset::HTR | 0x28 => self.watchdog[usize::from(offset == 0x28)],
+            offset::SQR1..=offset::SQR3 => self.sqr[(offset - offset::SQR1) as usize / 4],
+            0x38..offset::DR => 0,
+            offset::DR => self.read_data(),
+            _ => return None,
+        })
+    }
+
+    /// Writes the register at `offset`; `None` where there is none.
+    pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
+        match offset {
+            offset::SR => self.sr &= value | !0x1f,
+            offset::CR1 => {
+                let what = Irregularity::NotModelled("more of the ADC than scans (CR1)");
+                m.report_if(value & !(1 << SCAN | 1 << 5) != 0, what);
+                self.cr1 = value;
+            }
+            offset::CR2 => self.write_cr2(value, m),
+            offset::SMPR1 | offset::SMPR2 => {
+                self.smpr[usize::from(offset == offset::SMPR2)] = value;
+            }
+            offset::HTR | 0x28 => self.watchdog[usize::from(offset == 0x28)] = value & 0xfff,
+            offset::SQR1..=offset::SQR3 => {
+                m.report_if(
+                    self.scan.is_some(),
+                    Irregularity::AgainstTheManual("the sequence was changed in a conversion"),
+                );
+                self.sqr[(offset - offset::SQR1) as usize / 4] = value;
+            }
+            0x14..offset::HTR | 0x38 => {
+                m.report(Irregularity::NotModelled("injected conversions"));
+            }
+            0x3c..=offset::DR => {}
+            _ => return None,
+        }
+        Some(())
+    }
+
+    /// 11.3.1 and 11.12.3: ADON powers the ADC up; written once more with nothing else changed in
+    /// the register, it starts a conversion.
+    fn write_cr2(&mut self, value: u32, m: &mut Moment<'_>) {
+        let before = self.read(offset::CR2, m.now).unwrap_or_default();
+        let was_on = bit(before, ADON);
+        let unmodelled = 1 << 1 | 1 << 15 | 1 << 21 | 1 << 23;
+        m.report_if(
+            value & unmodelled != 0,
+            Irregularity::NotModelled("continuous or injected conversions, or the thermometer"),
+        );
+        let source = field(value, 17, 3);
+        m.report_if(
+            bit(value, EXTTRIG) && !matches!(source, TIM3_TRGO | SOFTWARE),
+            Irregularity::NotModelled("this trigger of the ADC"),
+        );
+        // SWSTART is cleared when the conversion starts.
+        self.cr2 = value & !(1 << SWSTART);
+        if bit(value, ADON) && !was_on {
+            self.powered_since = m.now;
+        }
+        if !bit(value, ADON) {
+            (self.scan, self.calibrated) = (None, self.calibrated && was_on);
+            return;
+        }
+        let begins = |n: u32| bit(value, n) && !bit(before, n);
+        if begins(RSTCAL) || begins(CAL) {
+            let settled = m.now >= self.powered_since + 2 * self.clock;
+            let what = Irregularity::AgainstTheManual("calibrated before two cycles on (11.4)");
+            m.report_if(!settled || !was_on, what);
+            let cycles = if begins(CAL) { CALIBRATION } else { CALIBRATION_RESET };
+            self.calibrates_until = m.now + cycles * self.clock;
+            self.calibrated = begins(CAL);
+        }
+        let by_adon = was_on && value == before;
+        let by_software = bit(value, SWSTART) && bit(value, EXTTRIG) && source == SOFTWARE;
+        if by_adon || by_software {
+            m.report(Irregularity::StartedBySoftware);
+            self.start(m);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

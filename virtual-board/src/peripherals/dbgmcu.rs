@@ -1,0 +1,59 @@
+//! Debug support (RM0008 31.16.3).
+
+use super::Moment;
+use crate::record::Irregularity;
+
+/// Medium-density device, revision Y (31.6.1).
+const IDCODE: u32 = 0x2003_6410;
+
+/// The model. No debugger is ever attached, so nothing in CR has an effect; a program that sets it
+/// all the same drains a battery, or keeps the watchdog from biting on the bench.
+#[derive(Debug, Default)]
+pub struct Dbgmcu {
+    cr: u32,
+}
+
+impl Dbgmcu {
+    /// Reads the register at `offset`; `None` where there is none.
+    #[must_use]
+    pub fn read(&self, offset: u32) -> Option<u32> {
+        match offset {
+            0x00 => Some(IDCODE),
+            0x04 => Some(self.cr),
+            _ => None,
+        }
+    }
+
+    /// Writes the register at `offset`; `None` where there is none.
+    pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
+        match offset {
+            0x00 => {}
+            0x04 => {
+                let what = Irregularity::AgainstTheManual("debug settings without a debugger");
+                m.report_if(value != 0, what);
+                self.cr = value;
+            }
+            _ => return None,
+        }
+        Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::peripherals::testing::Bench;
+
+    #[test]
+    fn the_device_is_a_medium_density_one() {
+        assert_eq!(Dbgmcu::default().read(0).unwrap() & 0xfff, 0x410);
+    }
+
+    #[test]
+    fn a_debug_setting_is_kept_and_reported() {
+        let (mut dbgmcu, mut bench) = (Dbgmcu::default(), Bench::default());
+        dbgmcu.write(4, 1, &mut bench.at(0));
+        assert_eq!(dbgmcu.read(4), Some(1));
+        assert_eq!(bench.reported().len(), 1);
+    }
+}

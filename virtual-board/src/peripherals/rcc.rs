@@ -1,0 +1,415 @@
+//! Reset and clock control (RM0008 chapter 7).
+
+use super::{Moment, bit, field};
+use crate::record::{Irregularity, ResetReason};
+use crate::time::{TICKS_PER_SECOND, Ticks, microseconds};
+
+/// Start-up of the crystal (datasheet DS5319, table "HSE 4-16 MHz oscillator characteristics").
+const HSE_STARTUP: Ticks = microseconds(2_000);
+/// The longest time that the PLL needs to lock (DS5319, table "PLL characteristics").
+const PLL_LOCK: Ticks = microseconds(200);
+/// Start-up of the low-speed oscillator (DS5319, table "LSI oscillator characteristics").
+const LSI_STARTUP: Ticks = microseconds(85);
+
+const MHZ: u64 = 1_000_000;
+/// Both the internal oscillator and the crystal of the usual boards.
+const OSCILLATOR: u64 = 8 * MHZ;
+
+/// Limits of the clocks (7.2): system, APB1.
+const SYSCLK_LIMIT: u64 = 72 * MHZ;
+const PCLK1_LIMIT: u64 = 36 * MHZ;
+
+/// Ticks per cycle of each clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Clocks {
+    /// Processor, memory and DMA.
+    pub hclk: Ticks,
+    /// APB1.
+    pub pclk1: Ticks,
+    /// APB2.
+    pub pclk2: Ticks,
+    /// Timers on APB1.
+    pub timers: Ticks,
+    /// ADC.
+    pub adc: Ticks,
+}
+
+/// A bus whose peripherals are enabled and reset one by one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Domain {
+    /// 7.3.6.
+    Ahb,
+    /// 7.3.7.
+    Apb2,
+    /// 7.3.8.
+    Apb1,
+}
+
+/// The model.
+#[derive(Debug)]
+pub struct Rcc {
+    crystal: bool,
+    cr: u32,
+    cfgr: u32,
+    cir: u32,
+    apb2rstr: u32,
+    apb1rstr: u32,
+    ahbenr: u32,
+    apb2enr: u32,
+    apb1enr: u32,
+    bdcr: u32,
+    csr: u32,
+    hse_since: Ticks,
+    pll_since: Ticks,
+    lsi_since: Ticks,
+}
+
+const HSION: u32 = 0;
+const HSEON: u32 = 16;
+const PLLON: u32 = 24;
+const LSION: u32 = 0;
+
+impl Rcc {
+    /// The clocks of a chip with or without a crystal that starts, before its first reset.
+    #[must_use]
+    pub fn new(crystal: bool) -> Self {
+        Self {
+            crystal,
+            cr: 0x83,
+            cfgr: 0,
+            cir: 0,
+            apb2rstr: 0,
+            apb1rstr: 0,
+            ahbenr: 0x14,
+            apb2enr: 0,
+            apb1enr: 0,
+            bdcr: 0,
+            csr: 0,
+            hse_since: 0,
+            pll_since: 0,
+            lsi_since: 0,
+        }
+    }
+
+    /// A reset. All registers but the flags in CSR go to their reset values (7.1.1); every reset
+    /// pulls the reset pin low (7.1.1, figure of the reset circuit), so its flag is set as well.
+    pub fn reset(&mut self, reason: ResetReason) {
+        const PIN: u32 = 1 << 26;
+        let flag = match reason {
+            ResetReason::PowerOn => 1 << 27,
+            ResetReason::Software => 1 << 28,
+            ResetReason::Watchdog => 1 << 29,
+        };
+        // A supply that comes up knows nothing of earlier resets.
+        let before = match reason {
+            ResetReason::PowerOn => 0,
+            _ => self.csr & 0xfc00_0000,
+        };
+        *self = Self::new(self.crystal);
+        self.csr = before | flag | PIN;
+    }
+
+    fn ready(on: bool, since: Ticks, startup: Ticks, now: Ticks) -> bool {
+        on && now >= since + startup
+    }
+
+    fn hse_ready(&self, now: Ticks) -> bool {
+        self.crystal && Self::ready(bit(self.cr, HSEON), self.hse_since, HSE_STARTUP, now)
+    }
+
+    fn pll_ready(&self, now: Ticks) -> bool {
+        let source = !bit(self.cfgr, 16) || self.hse_ready(now);
+        source && Self::ready(bit(self.cr, PLLON), self.pll_since, PLL_LOCK, now)
+    }
+
+    /// Frequency of the PLL's output (7.3.2: PLLSRC, PLLXTPRE, PLLMUL).
+    fn pll_hz(&self) -> u64 {
+        let source = match (bit(self.cfgr, 16), bit(self.cfgr, 17)) {
+            (false, _) | (true, true) => OSCILLATOR / 2,
+            (true, false) => OSCILLATOR,
+        };
+        // 1110 and 1111 are both 16.
+        source * u64::from((field(self.cfgr, 18, 4) + 2).min(16))
+    }
+
+    fn sysclk_hz(&self) -> u64 {
+        match field(self.cfgr, 0, 2) {
+            2 => self.pll_hz(),
+            _ => OSCILLATOR,
+        }
+    }
+
+    /// Frequency of the system clock (MHz), for the rules that depend on it.
+    #[must_use]
+    pub fn sysclk_mhz(&self) -> u64 {
+        self.sysclk_hz() / MHZ
+    }
+
+    /// The clocks as they are now.
+    #[must_use]
+    pub fn clocks(&self) -> Clocks {
+        let hclk = TICKS_PER_SECOND / self.sysclk_hz() * ahb_divider(field(self.cfgr, 4, 4));
+        let (div1, div2) = (
+            apb_divider(field(self.cfgr, 8, 3)),
+            apb_divider(field(self.cfgr, 11, 3)),
+        );
+        let pclk2 = hclk * div2;
+        Clocks {
+            hclk,
+            pclk1: hclk * div1,
+            pclk2,
+            // 7.2, clock tree: twice PCLK1 unless that is not divided.
+            timers: if div1 == 1 { hclk } else { hclk * div1 / 2 },
+            adc: pclk2 * u64::from(2 * (field(self.cfgr, 14, 2) + 1)),
+        }
+    }
+
+    /// Whether the peripheral at `bit_number` of its enable register has a clock.
+    #[must_use]
+    pub fn is_enabled(&self, domain: Domain, bit_number: u32) -> bool {
+        let register = match domain {
+            Domain::Ahb => self.ahbenr,
+            Domain::Apb2 => self.apb2enr,
+            Domain::Apb1 => self.apb1enr,
+        };
+        bit(register, bit_number)
+    }
+
+    /// Reads the register at `offset`; `None` where there is none.
+    #[must_use]
+    pub fn read(&self, offset: u32, now: Ticks) -> Option<u32> {
+        let ready = |is_ready: bool, n: u32| u32::from(is_ready) << n;
+        Some(match offset {
+            0x00 => {
+                self.cr
+                    | ready(bit(self.cr, HSION), 1)
+                    | ready(self.hse_ready(now), 17)
+                    | ready(self.pll_ready(now), 25)
+            }
+            // SWS mirrors SW: a switch to a clock that is not ready is reported and not made.
+            0x04 => self.cfgr | field(self.cfgr, 0, 2) << 2,
+            0x08 => self.cir,
+            0x0c => self.apb2rstr,
+            0x10 => self.apb1rstr,
+            0x14 => self.ahbenr,
+            0x18 => self.apb2enr,
+            0x1c => self.apb1enr,
+            0x20 => self.bdcr,
+            0x24 => {
+                let lsi = Self::ready(bit(self.csr, LSION), self.lsi_since, LSI_STARTUP, now);
+                self.csr | ready(lsi, 1)
+            }
+            _ => return None,
+        })
+    }
+
+    /// Writes the register at `offset`. Returns the peripherals that this resets, as a domain and
+    /// the bits of its reset register; `None` where there is no such register.
+    pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<(Domain, u32)> {
+        let mut resets = (Domain::Ahb, 0);
+        match offset {
+            0x00 => self.write_cr(value, m),
+            0x04 => self.write_cfgr(value, m),
+            0x08 => {
+                let what = Irregularity::NotModelled("clock interrupts (RCC_CIR)");
+                m.report_if(value & 0x1f00 != 0, what);
+                self.cir = value & 0x1f00;
+            }
+            0x0c => {
+                resets = (Domain::Apb2, value & !self.apb2rstr);
+                self.apb2rstr = value;
+            }
+            0x10 => {
+                resets = (Domain::Apb1, value & !self.apb1rstr);
+                self.apb1rstr = value;
+            }
+            0x14 => self.ahbenr = value,
+            0x18 => self.apb2enr = value,
+            0x1c => self.apb1enr = value,
+            0x20 => {
+                m.report_if(value != 0, Irregularity::NotModelled("the backup domain"));
+                self.bdcr = value;
+            }
+            0x24 => {
+                if bit(value, LSION) && !bit(self.csr, LSION) {
+                    self.lsi_since = m.now;
+                }
+                // RMVF clears all flags (7.3.10).
+                let flags = if bit(value, 24) { 0 } else { self.csr & 0xfc00_0000 };
+                self.csr = flags | value & 1;
+            }
+            _ => return None,
+        }
+        Some(resets)
+    }
+
+    fn write_cr(&mut self, value: u32, m: &mut Moment<'_>) {
+        // Writable: HSION, HSITRIM, HSEON, HSEBYP, CSSON, PLLON.
+        let value = value & 0x010d_00f9 | self.cr & 0xff00;
+        if bit(value, HSEON) && !bit(self.cr, HSEON) {
+            self.hse_since = m.now;
+        }
+        if bit(value, PLLON) && !bit(self.cr, PLLON) {
+            self.pll_since = m.now;
+        }
+        m.report_if(bit(value, 19), Irregularity::NotModelled("the clock security system"));
+        // 7.3.1: a clock in use cannot be switched off.
+        let used = match field(self.cfgr, 0, 2) {
+            0 => 1 << HSION,
+            1 => 1 << HSEON,
+            _ => 1 << PLLON | if bit(self.cfgr, 16) { 1 << HSEON } else { 1 << HSION },
+        };
+        let what = Irregularity::AgainstTheManual("a clock in use was switched off (7.3.1)");
+        m.report_if(self.cr & used & !value != 0, what);
+        self.cr = value | self.cr & used;
+    }
+
+    fn write_cfgr(&mut self, value: u32, m: &mut Moment<'_>) {
+        const PLL_FIELDS: u32 = 0x003f_0000;
+        let mut value = value & 0x077f_fff3;
+        if bit(self.cr, PLLON) && (value ^ self.cfgr) & PLL_FIELDS != 0 {
+            m.report(Irregularity::AgainstTheManual("the PLL was changed while on (7.3.2)"));
+            value = value & !PLL_FIELDS | self.cfgr & PLL_FIELDS;
+        }
+        let ready = match value & 3 {
+            0 => bit(self.cr, HSION),
+            1 => self.hse_ready(m.now),
+            2 => self.pll_ready(m.now),
+            _ => false,
+        };
+        if !ready {
+            m.report(Irregularity::NotModelled("a switch to a clock that is not ready"));
+            value = value & !3 | self.cfgr & 3;
+        }
+        let before = self.cfgr;
+        self.cfgr = value;
+        if !TICKS_PER_SECOND.is_multiple_of(self.sysclk_hz()) {
+            m.report(Irregularity::NotModelled("a system clock that 576 MHz is no multiple of"));
+            self.cfgr = before;
+        }
+        let what = Irregularity::AgainstTheManual("the system clock is above 72 MHz (7.2)");
+        m.report_if(self.sysclk_hz() > SYSCLK_LIMIT, what);
+        let pclk1 = TICKS_PER_SECOND / self.clocks().pclk1;
+        let what = Irregularity::AgainstTheManual("PCLK1 is above 36 MHz (7.2)");
+        m.report_if(pclk1 > PCLK1_LIMIT, what);
+    }
+}
+
+/// HPRE (7.3.2): 0xxx not divided; 1000 by 2 and so on, without 32.
+fn ahb_divider(code: u32) -> u64 {
+    match code {
+        0..8 => 1,
+        8..12 => 2 << (code - 8),
+        _ => 4 << (code - 8),
+    }
+}
+
+/// PPRE (7.3.2): 0xx not divided; 100 by 2 and so on.
+fn apb_divider(code: u32) -> u64 {
+    if code < 4 { 1 } else { 2 << (code - 4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::peripherals::testing::Bench;
+
+    /// Writes, as a program would: 72 MHz from the crystal, PCLK1 halved, ADC divided by six.
+    const CFGR_72_MHZ: u32 = 7 << 18 | 1 << 16 | 2 << 14 | 4 << 8;
+
+    #[test]
+    fn out_of_reset_the_internal_oscillator_runs() {
+        let rcc = Rcc::new(true);
+        // 7.3.1 and 7.3.6: 0x0000 XX83, 0x14.
+        assert_eq!(rcc.read(0x00, 0).unwrap() & 0xff, 0x83);
+        assert_eq!(rcc.read(0x14, 0), Some(0x14));
+        assert_eq!(rcc.clocks().hclk, 72);
+    }
+
+    #[test]
+    fn a_crystal_and_the_pll_make_72_mhz() {
+        let (mut rcc, mut bench) = (Rcc::new(true), Bench::default());
+        let (mut now, start) = (1_000, 1_000);
+        rcc.write(0x00, 0x1_0083, &mut bench.at(now));
+        while !bit(rcc.read(0x00, now).unwrap(), 17) {
+            now += 1_000;
+        }
+        assert!(now - start >= HSE_STARTUP && now - start < HSE_STARTUP + 1_000);
+        rcc.write(0x04, CFGR_72_MHZ, &mut bench.at(now));
+        rcc.write(0x00, 0x101_0083, &mut bench.at(now));
+        assert!(!bit(rcc.read(0x00, now).unwrap(), 25));
+        now += PLL_LOCK;
+        assert!(bit(rcc.read(0x00, now).unwrap(), 25));
+        rcc.write(0x04, CFGR_72_MHZ | 2, &mut bench.at(now));
+        assert_eq!(field(rcc.read(0x04, now).unwrap(), 2, 2), 2, "SWS follows SW");
+        let expected = Clocks {
+            hclk: 8,
+            pclk1: 16,
+            pclk2: 8,
+            timers: 8,
+            adc: 48,
+        };
+        assert_eq!(rcc.clocks(), expected);
+        assert_eq!(bench.reported(), []);
+    }
+
+    #[test]
+    fn without_a_crystal_its_flag_never_comes() {
+        let (mut rcc, mut bench) = (Rcc::new(false), Bench::default());
+        rcc.write(0x00, 0x1_0083, &mut bench.at(0));
+        assert!(!bit(rcc.read(0x00, TICKS_PER_SECOND).unwrap(), 17));
+        // 64 MHz from the internal oscillator: 8 MHz / 2 * 16.
+        rcc.write(0x04, 14 << 18 | 4 << 8 | 2 << 14, &mut bench.at(0));
+        rcc.write(0x00, 0x100_0083, &mut bench.at(0));
+        rcc.write(0x04, 14 << 18 | 4 << 8 | 2 << 14 | 2, &mut bench.at(PLL_LOCK));
+        let clocks = rcc.clocks();
+        assert_eq!((clocks.hclk, clocks.timers, clocks.adc), (9, 9, 54));
+        assert_eq!(bench.reported(), []);
+    }
+
+    #[test]
+    fn every_reset_shows_the_pin_and_its_own_flag() {
+        let (mut rcc, mut bench) = (Rcc::new(true), Bench::default());
+        rcc.reset(ResetReason::PowerOn);
+        assert_eq!(rcc.read(0x24, 0), Some(0x0c00_0000)); // 7.3.10
+        rcc.write(0x24, 1 << 24, &mut bench.at(0));
+        assert_eq!(rcc.read(0x24, 0), Some(0));
+        rcc.reset(ResetReason::Watchdog);
+        assert_eq!(rcc.read(0x24, 0), Some(0x2400_0000));
+        // Flags stay until they are cleared, or the supply goes.
+        rcc.reset(ResetReason::Software);
+        assert_eq!(rcc.read(0x24, 0), Some(0x3400_0000));
+        rcc.reset(ResetReason::PowerOn);
+        assert_eq!(rcc.read(0x24, 0), Some(0x0c00_0000));
+    }
+
+    #[test]
+    fn a_reset_bit_resets_when_it_rises() {
+        let (mut rcc, mut bench) = (Rcc::new(true), Bench::default());
+        assert_eq!(
+            rcc.write(0x10, 3, &mut bench.at(0)),
+            Some((Domain::Apb1, 3))
+        );
+        assert_eq!(
+            rcc.write(0x10, 2, &mut bench.at(0)),
+            Some((Domain::Apb1, 0))
+        );
+    }
+
+    #[test]
+    fn what_the_manual_forbids_is_reported() {
+        let (mut rcc, mut bench) = (Rcc::new(true), Bench::default());
+        rcc.write(0x04, 2, &mut bench.at(0));
+        assert!(matches!(bench.reported()[..], [Irregularity::NotModelled(_)]));
+        assert_eq!(rcc.clocks().hclk, 72, "still on the internal oscillator");
+        rcc.write(0x00, 0, &mut bench.at(0));
+        assert!(matches!(bench.reported()[..], [Irregularity::AgainstTheManual(_)]));
+        // 72 MHz with PCLK1 undivided.
+        rcc.write(0x00, 0x1_0083, &mut bench.at(0));
+        let now = HSE_STARTUP;
+        rcc.write(0x04, 7 << 18 | 1 << 16, &mut bench.at(now));
+        rcc.write(0x00, 0x101_0083, &mut bench.at(now));
+        rcc.write(0x04, 7 << 18 | 1 << 16 | 2, &mut bench.at(now + PLL_LOCK));
+        assert!(matches!(bench.reported()[..], [Irregularity::AgainstTheManual(_)]));
+    }
+}

@@ -1,0 +1,400 @@
+//! A general-purpose timer, TIM2 or TIM3 (RM0008 chapter 15).
+//!
+//! Counting up, output compare, the trigger output and the slave's trigger mode. The few bus cycles
+//! that the hardware takes from a trigger to the counter's start (15.3.15) are left out: they are
+//! always the same, and well below a microsecond.
+
+use super::{Moment, bit, field};
+use crate::record::Irregularity;
+use crate::time::Ticks;
+
+/// Registers by their offsets (15.4.19).
+mod offset {
+    pub const CR1: u32 = 0x00;
+    pub const CR2: u32 = 0x04;
+    pub const SMCR: u32 = 0x08;
+    pub const DIER: u32 = 0x0c;
+    pub const SR: u32 = 0x10;
+    pub const EGR: u32 = 0x14;
+    pub const CCMR1: u32 = 0x18;
+    pub const CCMR2: u32 = 0x1c;
+    pub const CCER: u32 = 0x20;
+    pub const CNT: u32 = 0x24;
+    pub const PSC: u32 = 0x28;
+    pub const ARR: u32 = 0x2c;
+    pub const CCR1: u32 = 0x34;
+    pub const CCR4: u32 = 0x40;
+}
+
+const CEN: u32 = 0;
+const UDIS: u32 = 1;
+const URS: u32 = 2;
+const OPM: u32 = 3;
+const ARPE: u32 = 7;
+const UIF: u32 = 1 << 0;
+const TIF: u32 = 1 << 6;
+/// UIF, CC1IF to CC4IF, TIF, CC1OF to CC4OF.
+const SR_BITS: u32 = 0x1e5f;
+
+/// Something that a timer has several of: one for each channel.
+type PerChannel = [u32; 4];
+
+/// Values that take effect at an update event (15.3.1, 15.3.8).
+#[derive(Clone, Copy, Debug, Default)]
+struct Shadowed {
+    prescaler: u32,
+    reload: u32,
+    compare: PerChannel,
+}
+
+/// A trigger went out to the timer's slaves and to the ADC.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[must_use]
+pub struct TriggerOutput(pub bool);
+
+/// The model.
+#[derive(Debug)]
+pub struct Tim {
+    cr1: u32,
+    cr2: u32,
+    smcr: u32,
+    dier: u32,
+    sr: u32,
+    ccmr: [u32; 2],
+    ccer: u32,
+    written: Shadowed,
+    active: Shadowed,
+    /// Ticks of one cycle of the timer's clock.
+    clock: Ticks,
+    /// The count at `since`.
+    count: u32,
+    since: Ticks,
+}
+
+impl Tim {
+    /// A timer out of reset, on a clock of `clock` ticks.
+    #[must_use]
+    pub fn new(clock: Ticks) -> Self {
+        Self {
+            cr1: 0,
+            cr2: 0,
+            smcr: 0,
+            dier: 0,
+            sr: 0,
+            ccmr: [0; 2],
+            ccer: 0,
+            written: Shadowed::default(),
+            active: Shadowed::default(),
+            clock,
+            count: 0,
+            since: 0,
+        }
+    }
+
+    fn runs(&self) -> bool {
+        // 15.3.1: the counter is blocked while the reload value is null.
+        bit(self.cr1, CEN) && self.active.reload != 0
+    }
+
+    /// Ticks of one count.
+    fn step(&self) -> Ticks {
+        self.clock * Ticks::from(self.active.prescaler + 1)
+    }
+
+    /// The count at `now`, which is before the next [`event`](Self::next_event).
+    #[must_use]
+    pub fn count(&self, now: Ticks) -> u32 {
+        if self.runs() {
+            self.count + ((now - self.since) / self.step()) as u32
+        } else {
+            self.count
+        }
+    }
+
+    /// The clock is `clock` ticks from now on.
+    pub fn set_clock(&mut self, clock: Ticks, now: Ticks) {
+        if clock != self.clock {
+            self.settle(now);
+            self.clock = clock;
+        }
+    }
+
+    /// Makes `now` the time that the count is kept for. What has passed of the count under way is
+    /// lost: only a stop, a new count or a new clock needs this.
+    fn settle(&mut self, now: Ticks) {
+        self.count = self.count(now);
+        self.since = now;
+    }
+
+    /// Where the counter starts again (15.3.2). A count set beyond the reload value first runs
+    /// through all 16 bits.
+    fn top(&self) -> u32 {
+        if self.count > self.active.reload {
+            0xffff
+        } else {
+            self.active.reload
+        }
+    }
+
+    /// The next time that the timer does something by itself.
+    #[must_use]
+    pub fn next_event(&self) -> Option<Ticks> {
+        let next = self
+            .active
+            .compare
+            .into_iter()
+            .filter(|&compare| compare > self.count && compare <= self.top())
+            .chain([self.top() + 1])
+            .min()?;
+        let until = Ticks::from(next - self.count) * self.step();
+        self.runs().then_some(self.since + until)
+    }
+
+    /// Does what is due at `now`, the time of the next event.
+    pub fn advance(&mut self, now: Ticks) -> TriggerOutput {
+        if self.next_event() != Some(now) {
+            return TriggerOutput(false);
+        }
+        let count = self.count(now);
+        let overflows = count > self.top();
+        self.count = if overflows { 0 } else { count };
+        self.since = now;
+        let mut trigger = TriggerOutput(false);
+        if overflows && !bit(self.cr1, UDIS) {
+            trigger = self.update();
+            self.sr |= UIF;
+            if bit(self.cr1, OPM) {
+                self.cr1 &= !(1 << CEN);
+            }
+        }
+        self.match_channels();
+        trigger
+    }
+
+    /// Sets the flag of each channel whose compare value is reached (15.3.7).
+    fn match_channels(&mut self) {
+        for (channel, compare) in self.active.compare.into_iter().enumerate() {
+            if compare == self.count {
+                self.sr |= 1 << (channel + 1);
+            }
+        }
+    }
+
+    /// The update event (15.3.2): all that is preloaded takes effect.
+    fn update(&mut self) -> TriggerOutput {
+        self.active = self.written;
+        TriggerOutput(self.master_mode() == 0b010)
+    }
+
+    /// MMS (15.4.2).
+    fn master_mode(&self) -> u32 {
+        field(self.cr2, 4, 3)
+    }
+
+    /// A trigger comes in at the internal input `input` (ITR0 to ITR3).
+    pub fn trigger(&mut self, input: u32, now: Ticks) -> TriggerOutput {
+        // SMS = 110: trigger mode, the counter starts and is not reset (15.4.3).
+        if field(self.smcr, 0, 3) != 0b110 || field(self.smcr, 4, 3) != input {
+            return TriggerOutput(false);
+        }
+        self.sr |= TIF;
+        self.start(now)
+    }
+
+    fn start(&mut self, now: Ticks) -> TriggerOutput {
+        let starts = !bit(self.cr1, CEN);
+        if starts {
+            self.cr1 |= 1 << CEN;
+            self.since = now;
+        }
+        // MMS = 001: the trigger output is the counter's enable (15.4.2).
+        TriggerOutput(starts && self.master_mode() == 0b001)
+    }
+
+    /// The level of output `channel` (1 to 4) at `now`, `None` while it is not driven.
+    #[must_use]
+    pub fn output(&self, channel: u32, now: Ticks) -> Option<bool> {
+        let enables = field(self.ccer, 4 * (channel - 1), 4);
+        let compare = *self.active.compare.get(channel as usize - 1)?;
+        let below = self.count(now) < compare;
+        let reference = match self.mode(channel) {
+            0b100 => false,
+            0b101 => true,
+            0b110 => below,
+            0b111 => !below,
+            // Frozen or toggling: see `check_modes`.
+            _ => false,
+        };
+        // CC1P inverts (15.4.9).
+        bit(enables, 0).then_some(reference != bit(enables, 1))
+    }
+
+    /// OCxM of `channel` (15.4.7, 15.4.8).
+    fn mode(&self, channel: u32) -> u32 {
+        field(self.half(channel), 4, 3)
+    }
+
+    /// The byte of CCMR1 or CCMR2 that belongs to `channel`.
+    fn half(&self, channel: u32) -> u32 {
+        let [low, high] = self.ccmr;
+        let register = if channel < 3 { low } else { high };
+        field(register, (channel - 1) % 2 * 8, 8)
+    }
+
+    fn preloads(&self, channel: u32) -> bool {
+        bit(self.half(channel), 3)
+    }
+
+    /// Whether the timer asks for its interrupt.
+    #[must_use]
+    pub fn interrupt(&self) -> bool {
+        self.sr & self.dier & 0x5f != 0
+    }
+
+    /// Reads the register at `offset`; `None` where there is none.
+    #[must_use]
+    pub fn read(&self, offset: u32, now: Ticks) -> Option<u32> {
+        Some(match offset {
+            offset::CR1 => self.cr1,
+            offset::CR2 => self.cr2,
+            offset::SMCR => self.smcr,
+            offset::DIER => self.dier,
+            offset::SR => self.sr,
+            offset::EGR => 0,
+            offset::CCMR1 => self.ccmr[0],
+            offset::CCMR2 => self.ccmr[1],
+            offset::CCER => self.ccer,
+            offset::CNT => self.count(now),
+            offset::PSC => self.written.prescaler,
+            offset::ARR => self.written.reload,
+            offset::CCR1..=offset::CCR4 => {
+                *self.written.compare.get((offset - offset::CCR1) as usize / 4)?
+            }
+            _ => return None,
+        })
+    }
+
+    /// Writes the register at `offset`; `None` where there is none.
+    pub fn write(
+        &mut self,
+        offset: u32,
+        value: u32,
+        m: &mut Moment<'_>,
+    ) -> Option<TriggerOutput> {
+        let value = value & 0xffff;
+        let mut trigger = TriggerOutput(false);
+        match offset {
+            offset::CR1 => trigger = self.write_cr1(value, m),
+            offset::CR2 => {
+                self.cr2 = value & 0xf8;
+                let what = Irregularity::NotModelled("this trigger output of a timer");
+                m.report_if(self.master_mode() > 0b010 || bit(value, 7), what);
+            }
+            offset::SMCR => {
+                let what = Irregularity::NotModelled("this slave mode of a timer");
+                m.report_if(!matches!(field(value, 0, 3), 0b000 | 0b110), what);
+                m.report_if(field(value, 8, 8) != 0, what);
+                self.smcr = value;
+            }
+            offset::DIER => {
+                m.report_if(value & 0x7f00 != 0, Irregularity::NotModelled("DMA by a timer"));
+                self.dier = value;
+            }
+            // Written with 0 to clear; 1 leaves as it is (15.4.5).
+            offset::SR => self.sr &= value | !SR_BITS,
+            offset::EGR => trigger = self.generate(value, m.now),
+            offset::CCMR1 | offset::CCMR2 => {
+                self.ccmr[usize::from(offset == offset::CCMR2)] = value;
+                self.check_modes(m);
+            }
+            offset::CCER => self.ccer = value,
+            offset::CNT => {
+                self.count = value;
+                self.since = m.now;
+            }
+            offset::PSC => self.written.prescaler = value,
+            offset::ARR => self.write_reload(value, m),
+            offset::CCR1..=offset::CCR4 => self.write_compare(offset, value, m),
+            _ => return None,
+        }
+        Some(trigger)
+    }
+
+    fn write_cr1(&mut self, value: u32, m: &mut Moment<'_>) -> TriggerOutput {
+        m.report_if(value & 0x70 != 0, Irregularity::NotModelled("a timer that counts down"));
+        let (starts, stops) = (
+            bit(value, CEN) && !bit(self.cr1, CEN),
+            !bit(value, CEN) && bit(self.cr1, CEN),
+        );
+        if stops {
+            self.settle(m.now);
+        }
+        let cen = self.cr1 & 1 << CEN;
+        self.cr1 = value & !(1 << CEN) | if stops { 0 } else { cen };
+        if starts {
+            self.start(m.now)
+        } else {
+            TriggerOutput(false)
+        }
+    }
+
+    /// EGR (15.4.6).
+    fn generate(&mut self, value: u32, now: Ticks) -> TriggerOutput {
+        self.sr |= value & 0x1e;
+        if bit(value, 6) {
+            self.sr |= TIF;
+        }
+        if !bit(value, 0) {
+            return TriggerOutput(false);
+        }
+        self.count = 0;
+        self.since = now;
+        let mut trigger = TriggerOutput(false);
+        if !bit(self.cr1, UDIS) {
+            trigger = self.update();
+            // URS: only an overflow sets the flag (15.4.1).
+            if !bit(self.cr1, URS) {
+                self.sr |= UIF;
+            }
+        }
+        // MMS = 000: UG itself is the trigger output (15.4.2).
+        TriggerOutput(trigger.0 || self.master_mode() == 0b000)
+    }
+
+    fn write_reload(&mut self, value: u32, m: &mut Moment<'_>) {
+        self.written.reload = value;
+        if !bit(self.cr1, ARPE) {
+            m.report_if(self.runs(), Irregularity::NotModelled("a running timer's reload value"));
+            self.active.reload = value;
+        }
+    }
+
+    fn write_compare(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) {
+        let index = (offset - offset::CCR1) / 4;
+        let at_once = !self.preloads(index + 1);
+        if let Some(written) = self.written.compare.get_mut(index as usize) {
+            *written = value;
+        }
+        if at_once && let Some(active) = self.active.compare.get_mut(index as usize) {
+            let what = Irregularity::AgainstTheManual(
+                "a running timer's compare value without preload: the pulse may be cut (15.3.9)",
+            );
+            let drives = bit(self.ccer, 4 * index);
+            *active = value;
+            m.report_if(bit(self.cr1, CEN) && drives, what);
+        }
+    }
+
+    fn check_modes(&self, m: &mut Moment<'_>) {
+        for channel in 1..=4 {
+            // CCxS: an input. OCxCE, OCxFE: clearing by ETR, and a fast enable.
+            let what = Irregularity::NotModelled("input capture, or clearing of an output");
+            m.report_if(self.half(channel) & 0b1000_0111 != 0, what);
+            let what = Irregularity::NotModelled("an output that follows a match");
+            m.report_if(matches!(self.mode(channel), 0b001..=0b011), what);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

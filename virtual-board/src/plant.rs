@@ -1,0 +1,134 @@
+//! What the wires of the board are connected to: the servo, and the sensor on its shaft.
+
+use crate::record::Pulse;
+use crate::time::{TICKS_PER_MICROSECOND, Ticks, milliseconds, to_duration};
+use servoid_protocol::PulseWidth;
+use servoid_simulator::noise::{Noise, SampleNoise};
+use servoid_simulator::sensor::{HallSensor, OVERSAMPLING};
+use servoid_simulator::{
+    Apparatus, OptionsError, Servo, ServoKind, SimulationOptions, aircraft, bench, linear,
+};
+
+/// Period of the pulses that a servo expects.
+const FRAME: Ticks = milliseconds(20);
+/// A pulse that is later than this after its time does not come any more. Less than a servo's
+/// latency, so that it hears of it in time.
+const PATIENCE: Ticks = milliseconds(10);
+
+/// Servo, sensor and divider, with the voltage at PA4 as codes of the ADC.
+///
+/// Unlike the [`Apparatus`] of the in-process rig, each conversion sees the angle at the instant at
+/// which the ADC holds its input.
+pub struct Plant {
+    servo: Box<dyn Servo + Send>,
+    sensor: HallSensor,
+    noise: Noise,
+    sample: SampleNoise,
+    last_rise: Option<Ticks>,
+}
+
+impl Plant {
+    /// Servo and sensor at rest.
+    ///
+    /// # Errors
+    /// [`OptionsError`] where an option has a value that makes no sense.
+    pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
+        // It has the check of the options.
+        Apparatus::new(options)?;
+        let conditions = options.conditions.scattered(options.scatter, options.seed);
+        let servo: Box<dyn Servo + Send> = match options.servo {
+            ServoKind::Bench => Box::new(bench::servo(&conditions)),
+            ServoKind::Aircraft => Box::new(aircraft::servo(&conditions)),
+            ServoKind::Linear(mut parameters) => {
+                parameters.delay += conditions.clock_phase;
+                Box::new(linear::LinearServo::new(parameters))
+            }
+        };
+        Ok(Self {
+            servo,
+            sensor: HallSensor::new(conditions.sensor_gain, options.fault),
+            noise: Noise::new(options.noise, options.seed),
+            sample: SampleNoise::default(),
+            last_rise: None,
+        })
+    }
+
+    /// A pulse has ended. The servo knows whole microseconds, as its own timer would.
+    pub fn pulse(&mut self, pulse: Pulse) {
+        let width = (pulse.width + TICKS_PER_MICROSECOND / 2) / TICKS_PER_MICROSECOND;
+        let width = u16::try_from(width).unwrap_or(u16::MAX);
+        let at = to_duration(pulse.rise);
+        self.servo.command(at, Some(PulseWidth(width)));
+        self.last_rise = Some(pulse.rise);
+    }
+
+    /// The code of the input at `held`, the instant at which it was held, for conversion `index` of
+    /// a sample.
+    pub fn code(&mut self, held: Ticks, index: u32) -> u16 {
+        if let Some(rise) = self.last_rise.take_if(|rise| held > *rise + FRAME + PATIENCE) {
+            self.servo.command(to_duration(rise + FRAME), None);
+        }
+        if index == 0 {
+            self.sample = self.noise.next_sample();
+        }
+        let at = to_duration(held);
+        let angle = self.servo.angle(at);
+        let codes = self.sensor.convert(at, angle, &self.sample);
+        codes
+            .get(index as usize % OVERSAMPLING)
+            .copied()
+            .unwrap_or_default()
+    }
+}
+
+impl std::fmt::Debug for Plant {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Plant")
+            .field("last_rise", &self.last_rise)
+            .finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::microseconds;
+    use servoid_simulator::SENSOR_SCALE;
+    use servoid_simulator::sensor::sum;
+
+    fn degrees(plant: &mut Plant, at: Ticks) -> f64 {
+        let codes = std::array::from_fn(|k| plant.code(at + microseconds(21) * k as u64, k as u32));
+        SENSOR_SCALE.degrees(sum(codes)).0
+    }
+
+    #[test]
+    fn the_servo_follows_measured_pulses() {
+        let options = "linear?noise=none".parse().unwrap();
+        let mut plant = Plant::new(&options).unwrap();
+        assert_eq!(degrees(&mut plant, milliseconds(1)), 0.0);
+        for frame in 0..50 {
+            plant.pulse(Pulse {
+                rise: FRAME * frame,
+                width: microseconds(1_550),
+            });
+        }
+        // Within half a step of the sum of four conversions that all round alike.
+        let step = 4.0 * SENSOR_SCALE.degrees_per_count;
+        assert!((degrees(&mut plant, milliseconds(1_000)) - 5.0).abs() <= step / 2.0);
+    }
+
+    #[test]
+    fn pulses_that_end_leave_a_motor_without_command() {
+        let options = "bench?noise=none".parse().unwrap();
+        let mut plant = Plant::new(&options).unwrap();
+        for frame in 0..2 {
+            plant.pulse(Pulse {
+                rise: FRAME * frame,
+                width: microseconds(1_900),
+            });
+        }
+        // On the way to 40 degrees when the pulses end.
+        let limp = degrees(&mut plant, milliseconds(300));
+        assert!((1.0..35.0).contains(&limp), "{limp}");
+    }
+}
