@@ -141,6 +141,18 @@ pub enum Error {
         /// Samples of history needed.
         history: usize,
     },
+    /// The sizes of the changes of the input say nothing beyond the input itself.
+    #[error(
+        "up and down strokes cannot be told apart in this record: record a reference that moves \
+         both ways several times, with holds of different lengths"
+    )]
+    OneDirection,
+    /// There is no step response to describe.
+    #[error(
+        "the response does not rise clearly to a final value: no model of low order can be fitted, \
+         so look at the step response first"
+    )]
+    NoResponse,
     /// Moments with different lags cannot be added.
     #[error(
         "moments of {left} lags cannot be added to moments of {right}: collect both with the same \

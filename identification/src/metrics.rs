@@ -9,19 +9,21 @@
 //! * **Gain and phase**: the bound of the response itself (Student's, Fieller's).
 //! * **Crossing times, bandwidth, -90 degrees**: quantiles over seeded draws of the response from
 //!   the covariance of its fit. Each point of a draw is widened by Student's t as the band is.
-//! * **Overshoot**, which cannot be negative, and **settling**, which jumps when a peak enters its
-//!   band, are not smooth: near those places draws miss the truth altogether. There a bracket
-//!   takes over. With z_1 the critical value of one point and z_N that of all points at once
-//!   (Bonferroni), v_m a point of the response over its edge and s_m its standard deviation,
+//! * **Overshoot**, which cannot be negative and is a maximum over noisy samples, and **settling**,
+//!   which jumps when a peak enters its band, are not smooth: draws miss the truth there. A bracket
+//!   takes their place. With z_1 the critical value of one sample and z_k that of all k samples that
+//!   can be the one sought (Bonferroni), v_m the response over its edge and s_m its standard
+//!   deviation,
 //!
 //! ```text
-//! overshoot  from max(0, max_m (v_m - z_N s_m))          to max(0, max_m (v_m + z_1 s_m))
-//! settling   from the last m with v_m - z_N s_m > 0      to one after the last with v_m + z_1 s_m > 0
+//! overshoot  from max(0, max_m (v_m - z_k s_m))          to max(0, max_m (v_m + z_1 s_m))
+//! settling   from the last m with v_m - z_k s_m > 0      to one after the last with v_m + z_1 s_m > 0
 //! ```
 //!
-//!   The upper ends need no more than z_1, because only one point can make them wrong: the true
-//!   peak, and the last point truly outside. Overshoot is bracketed unless its peak stands more than
-//!   five standard deviations clear; settling, unless the bracket is within three times the draws.
+//!   The upper ends need no more than z_1, because only one sample can make them wrong: the true
+//!   peak, and the last sample truly outside. Where the bracket is less than three times as wide as
+//!   the interval of a single crossing, only that crossing can be the last one, and draws are the
+//!   sharper answer.
 //!
 //! The bound of what left-out frequencies may hide is added to all of them.
 

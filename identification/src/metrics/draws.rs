@@ -25,12 +25,11 @@ const BEYOND: f64 = 25.0;
 /// distribution's, for the number of draws would grow without limit.
 const DRAWN_LEVEL: f64 = 0.99;
 
-/// Standard deviations by which the peak must exceed the final value for its draws to be smooth.
-const CLEAR: f64 = 5.0;
-
-/// How many times wider than the draws a bracket of the settling time may be for the draws to be
-/// believed: near a place where it jumps, the bracket holds both sides and is far wider.
+/// How many times wider than a single crossing's interval a bracket of the settling time may be for
+/// draws to be believed: near a place where it jumps, the bracket holds both sides and is far
+/// wider. Brackets are in whole samples, which adds up to two.
 const PLAUSIBLE: f64 = 3.0;
+const ROUNDED: f64 = 2.0;
 
 /// Pairs of draws for a level.
 pub(crate) fn pairs(level: f64) -> usize {
@@ -64,6 +63,7 @@ pub(crate) struct MetricDraws {
     pub(crate) bandwidth: Crossing,
     pub(crate) quarter_turn: Crossing,
     spread: Spread,
+    windows: Windows,
     /// The response, turned so that its gain is positive.
     curve: Vec<f64>,
 }
@@ -127,6 +127,7 @@ impl MetricDraws {
             bandwidth: bandwidth(measured, spread.widest, &mut random),
             quarter_turn: quarter_turn(measured, spread.widest, &mut random),
             spread,
+            windows,
             curve,
         }
     }
@@ -193,11 +194,7 @@ impl MetricDraws {
             .max_by(|&a, &b| self.curve[a].total_cmp(&self.curve[b]))
             .unwrap_or(0);
         let bias = measured.step.truncation_bias / gain;
-        if value * gain > CLEAR * sd(peak) + bias * gain {
-            let draws = &mut self.figure(|shape| shape.overshoot);
-            return widened(interval_of(value, draws, level), (-bias, bias));
-        }
-        let critical = Critical::new(level, last);
+        let critical = Critical::new(level, self.windows.tops());
         let edge = |factor: f64, side: f64| {
             (0..last)
                 .map(|m| self.curve[m] - gain + side * factor * sd(m))
@@ -217,7 +214,7 @@ impl MetricDraws {
         let last = self.curve.len() - 1;
         let gain = self.curve[last];
         let bias = measured.step.truncation_bias;
-        let critical = Critical::new(level, 2 * last);
+        let critical = Critical::new(level, self.windows.doubtful());
         let last_with = |factor: f64| {
             (0..last).rfind(|&m| {
                 [1.0, -1.0].iter().any(|side| {
@@ -234,13 +231,25 @@ impl MetricDraws {
             Some(m) if m + 2 >= last => f64::INFINITY,
             Some(m) => (m + 1) as f64,
         };
-        let drawn = interval_of(value, &mut self.figure(|shape| shape.settling), level);
-        match (drawn.lower, drawn.upper) {
-            (Some(low), Some(high)) if upper - lower < PLAUSIBLE * (high - low) && bias == 0.0 => {
-                drawn
-            }
-            _ => Interval::new(value, lower, upper),
+        let plain = PLAUSIBLE * 2.0 * critical.one * self.sd_of_settling() + ROUNDED;
+        if bias == 0.0 && upper - lower <= plain {
+            interval_of(value, &mut self.figure(|shape| shape.settling), level)
+        } else {
+            Interval::new(value, lower, upper)
         }
+    }
+
+    /// Standard deviation of the crossing at which the response settles, by its slope there, in
+    /// samples: right unless another crossing may be the last one.
+    fn sd_of_settling(&self) -> f64 {
+        let last = self.curve.len() - 1;
+        let at = self.nominal.settling;
+        if at >= (last - 1) as f64 {
+            return 0.0;
+        }
+        let m = at as usize;
+        let side = (self.curve[m] - self.curve[last]).signum();
+        self.sd_over(m, 1.0 + side * SETTLED) / (self.curve[m + 1] - self.curve[m]).abs()
     }
 
     /// Standard deviation of a sample minus `share` of the final value.

@@ -46,6 +46,7 @@ pub(crate) struct Windows {
     half_from: usize,
     peak: Range<usize>,
     settled_from: usize,
+    surely_outside: usize,
     /// Samples whose uncertainty matters to one of the figures, ascending, the last one included.
     pub(crate) points: Vec<usize>,
 }
@@ -104,8 +105,19 @@ impl Windows {
             half_from,
             peak,
             settled_from,
+            surely_outside,
             points: (0..=last).filter(|&m| wanted[m]).collect(),
         }
+    }
+
+    /// Samples that can be the highest.
+    pub(crate) fn tops(&self) -> usize {
+        self.peak.len().max(1)
+    }
+
+    /// Samples that can be the last outside the band of the settled response.
+    pub(crate) fn doubtful(&self) -> usize {
+        self.settled_from - self.surely_outside + 1
     }
 
     /// Reads a curve whose surely known samples are those of the curve that the windows are for.
@@ -282,6 +294,7 @@ mod tests {
             half_from: 0,
             peak: 0..curve.len() - 1,
             settled_from: curve.len() - 2,
+            surely_outside: 0,
             points: (0..curve.len()).collect(),
         };
         // Disturb only samples that matter: reading everything must not find anything else.

@@ -1,0 +1,103 @@
+//! What no linear model can show: limits of speed and travel, and hysteresis, from the recording
+//! alone.
+//!
+//! Each detector says what it found, with an interval, or that the recording cannot tell and what to
+//! record instead. They are built to stay silent on linear servos of any damping: a limit that is
+//! not there would send someone looking for a fault that is not there.
+//!
+//! The record must have holds: a command that stands still, exactly, between its steps. From sweeps
+//! and random references these limits cannot be told.
+
+mod holds;
+mod levels;
+mod rate;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::Error;
+use crate::model::Model;
+use crate::record::Record;
+use crate::structure::MARGIN;
+
+pub use levels::{Cell, Hysteresis, RangeEnd, Side};
+pub use rate::{Rate, RateVerdict};
+
+/// The limits of a servo as far as one record shows them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Limits {
+    /// Speed of strokes upwards.
+    pub rate_up: Rate,
+    /// Speed of strokes downwards.
+    pub rate_down: Rate,
+    /// Dependence of the rest position on the direction of approach.
+    pub hysteresis: Hysteresis,
+    /// The ends of the commanded range, low and high; `None` when no hold is long enough.
+    pub ends: Option<[RangeEnd; 2]>,
+    /// Where the servo rests, by level and side.
+    pub levels: Vec<Cell>,
+}
+
+impl Limits {
+    /// Looks for limits in `record`, of which `model` is a plain model: its N says how long a
+    /// response lasts, its level how wide intervals are.
+    ///
+    /// ```
+    /// use servoid_identification::limits::{Limits, RateVerdict};
+    /// use servoid_identification::{identify, Options, Record, Settling};
+    /// let u: Vec<f64> = (0..4000).map(|k| [0.0, 4.0, 2.0, 6.0, 4.0, 6.0, 2.0][k / 100 % 7]).collect();
+    /// let y: Vec<f64> = u.iter().enumerate().scan(0.0, |y, (k, u)| {
+    ///     *y += 0.2 * (u - *y); Some(*y + 0.002 * ((k * 7919 % 101) as f64 - 50.0) / 50.0)
+    /// }).collect();
+    /// let record = Record::from_slices(0.002, &u, &y)?;
+    /// let options = Options { settling: Settling::Samples(61), ..Options::default() };
+    /// let limits = Limits::of(&record, &identify(&record, &options)?);
+    /// assert_eq!(limits.rate_up.verdict, RateVerdict::Proportional);
+    /// assert_eq!(limits.hysteresis.found, Some(false));
+    /// # Ok::<(), servoid_identification::Error>(())
+    /// ```
+    #[must_use]
+    pub fn of(record: &Record, model: &Model) -> Self {
+        let memory = model.structure.settling_samples;
+        // N is a margin longer than the response takes to settle visibly.
+        let settling = (memory as f64 / MARGIN).ceil() as usize;
+        let level = model.step.pointwise.level;
+        let strokes = holds::strokes(record, settling);
+        let (up, down): (Vec<_>, Vec<_>) =
+            strokes.into_iter().partition(|stroke| stroke.size > 0.0);
+        let table = levels::Table::new(record, memory, level);
+        Self {
+            rate_up: Rate::new("up", &up, level),
+            rate_down: Rate::new("down", &down, level),
+            hysteresis: table.hysteresis(),
+            ends: table.ends(),
+            levels: table.cells,
+        }
+    }
+
+    /// The level table of a record by itself, from the holds that outlast `memory` samples of
+    /// response.
+    ///
+    /// # Errors
+    /// No hold is long enough.
+    pub fn level_table(record: &Record, memory: usize, level: f64) -> Result<Vec<Cell>, Error> {
+        let cells = levels::Table::new(record, memory, level).cells;
+        if cells.is_empty() {
+            return Err(Error::NoHistory { history: memory });
+        }
+        Ok(cells)
+    }
+
+    /// All findings as sentences.
+    #[must_use]
+    pub fn statements(&self) -> Vec<&str> {
+        let ends = self.ends.iter().flatten().map(|end| end.statement.as_str());
+        [
+            self.rate_up.statement.as_str(),
+            self.rate_down.statement.as_str(),
+            self.hysteresis.statement.as_str(),
+        ]
+        .into_iter()
+        .chain(ends)
+        .collect()
+    }
+}

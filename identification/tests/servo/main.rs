@@ -1,0 +1,7 @@
+//! Servos with exactly known answers, and whether the figures, verdicts and findings hold for them.
+
+mod direction;
+mod limits;
+mod metrics;
+mod metrics_coverage;
+mod plants;
