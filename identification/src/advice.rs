@@ -10,7 +10,7 @@ use crate::model_error::TOLERATED;
 use crate::noise::largest_root;
 use crate::normal::Path;
 use crate::options::{Frequencies, NoiseOrder, Options};
-use crate::structure::MARGIN;
+use crate::structure::{Choice, MARGIN};
 
 /// One finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -99,12 +99,17 @@ pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
     .collect()
 }
 
-fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
-    let choice = evidence
-        .explanation
+/// The choice of the settling time, unless it was overruled because the errors are not noise.
+fn trusted_choice<'a>(evidence: &Evidence<'a>) -> Option<&'a Choice> {
+    let explanation = evidence.explanation;
+    explanation
         .settling
         .as_ref()
-        .filter(|choice| !choice.settled)?;
+        .filter(|_| explanation.model_errors.is_none())
+}
+
+fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
+    let choice = trusted_choice(evidence).filter(|choice| !choice.settled)?;
     let period = evidence.model.sample_period_s;
     let longest = choice.longest as f64 * period;
     let moving = choice.detected as f64 * period;
@@ -126,11 +131,7 @@ fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
 }
 
 fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
-    let choice = evidence
-        .explanation
-        .settling
-        .as_ref()
-        .filter(|choice| choice.detected <= 1)?;
+    let choice = trusted_choice(evidence).filter(|choice| choice.detected <= 1)?;
     Some(Advice::new(
         "response",
         "The output shows no response to the input above the noise.".to_owned(),
@@ -143,7 +144,8 @@ fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
 fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     let model = evidence.model;
     let basis = model.basis().ok()?;
-    if basis.is_complete() || model.step.truncation_bias == 0.0 {
+    // An even N leaves out its last frequency, which is no choice of anyone's.
+    if basis.frequencies() + 1 >= basis.settling() {
         return None;
     }
     let bias = model.step.truncation_bias;

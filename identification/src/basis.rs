@@ -155,16 +155,19 @@ impl Basis {
         running_sum(&self.impulse_response(theta))
     }
 
-    /// |S(l,m)| for the frequency `l`, m = 0..N-1: how much a unit of |G_l| can add to the step
-    /// response.
+    /// |S(l,m)| for each frequency l = 1..=N/2 (outer) and m = 0..N-1 (inner): how much a unit of
+    /// |G_l| can add to the step response, |sin(lΩ(m+1)/2) / (N sin(lΩ/2))|.
     #[must_use]
-    pub fn step_kernel_magnitude(&self, l: usize) -> Vec<f64> {
-        let n = self.settling as f64;
-        let half = l as f64 * self.fundamental() / 2.0;
-        (0..self.settling)
-            .map(|m| match l {
-                0 => (m + 1) as f64 / n,
-                _ => ((half * (m + 1) as f64).sin() / (half.sin() * n)).abs(),
+    pub fn step_kernel_magnitudes(&self) -> Vec<Vec<f64>> {
+        let n = self.settling;
+        // sin(πk/N) repeats with a change of sign only.
+        let half: Vec<f64> = (0..n)
+            .map(|k| (std::f64::consts::PI * k as f64 / n as f64).sin())
+            .collect();
+        (1..=n / 2)
+            .map(|l| {
+                let scale = 1.0 / (half[l] * n as f64);
+                (1..=n).map(|m| half[l * m % n] * scale).collect()
             })
             .collect()
     }
@@ -173,15 +176,45 @@ impl Basis {
     /// G = sum_i e^{-jωi} (Tθ)_i. A lag has negative phase.
     #[must_use]
     pub fn frequency_rows(&self, omega: f64) -> (Vec<f64>, Vec<f64>) {
-        let q = self.highest();
+        self.frequency_rows_on(&Circle::new(self.settling), omega)
+    }
+
+    /// [`Basis::frequency_rows`] for many frequencies.
+    #[must_use]
+    pub fn many_frequency_rows(&self, omegas: &[f64]) -> Vec<(Vec<f64>, Vec<f64>)> {
+        let circle = Circle::new(self.settling);
+        omegas
+            .iter()
+            .map(|&omega| self.frequency_rows_on(&circle, omega))
+            .collect()
+    }
+
+    fn frequency_rows_on(&self, circle: &Circle, omega: f64) -> (Vec<f64>, Vec<f64>) {
+        let n = self.settling as f64;
         let mut re = vec![0.0; self.frequencies];
         let mut im = vec![0.0; self.frequencies];
-        // Response of the single filter H_l at omega; G = sum over +-l of G_l H_l with
-        // G_{-l} = conj(G_l).
-        let filter = |l: f64| dirichlet(self.settling, l * self.fundamental() - omega);
-        (re[0], im[0]) = filter(0.0);
-        for l in 1..=q {
-            let (plus, minus) = (filter(l as f64), filter(-(l as f64)));
+        let (turn_sin, turn_cos) = (n * omega).sin_cos();
+        let (sin, cos) = omega.sin_cos();
+        // H_l(e^{jω}) = (1/N) (1 - e^{-jNω}) / (1 - e^{j(lΩ-ω)}): the numerator is common to all l.
+        let numerator = ((1.0 - turn_cos) / n, turn_sin / n);
+        let filter = |l: usize, sign: f64| {
+            let (c, s) = (circle.cos(l), sign * circle.sin(l));
+            let denominator = (1.0 - (c * cos + s * sin), -(s * cos - c * sin));
+            let square = denominator.0.powi(2) + denominator.1.powi(2);
+            // Close to the filter's own frequency both vanish; the quotient is then taken in a
+            // form that has no difference of equal numbers.
+            if square < 1e-8 {
+                return dirichlet(self.settling, sign * l as f64 * self.fundamental() - omega);
+            }
+            (
+                (numerator.0 * denominator.0 + numerator.1 * denominator.1) / square,
+                (numerator.1 * denominator.0 - numerator.0 * denominator.1) / square,
+            )
+        };
+        (re[0], im[0]) = filter(0, 1.0);
+        // G is the sum over +-l of G_l H_l, with G_-l the conjugate of G_l.
+        for l in 1..=self.highest() {
+            let (plus, minus) = (filter(l, 1.0), filter(l, -1.0));
             re[2 * l - 1] = plus.0 + minus.0;
             im[2 * l - 1] = plus.1 + minus.1;
             // j (H_l - H_-l)
@@ -295,17 +328,14 @@ mod tests {
         let (map, step) = (basis.impulse_map(), basis.step_map());
         let impulse = basis.impulse_response(&theta);
         let response = basis.step_response(&theta);
+        let kernels = basis.step_kernel_magnitudes();
         for m in 0..30 {
             let row = |map: &Mat<f64>| (0..11).map(|j| map[(m, j)] * theta[j]).sum::<f64>();
             assert_abs_diff_eq!(impulse[m], row(&map), epsilon = 1e-14);
             assert_abs_diff_eq!(response[m], row(&step), epsilon = 1e-14);
             for l in 1..=5 {
                 let magnitude = step[(m, 2 * l - 1)].hypot(step[(m, 2 * l)]) / 2.0;
-                assert_abs_diff_eq!(
-                    basis.step_kernel_magnitude(l)[m],
-                    magnitude,
-                    epsilon = 1e-14
-                );
+                assert_abs_diff_eq!(kernels[l - 1][m], magnitude, epsilon = 1e-14);
             }
         }
         assert_abs_diff_eq!(response[29], theta[0], epsilon = 1e-13);

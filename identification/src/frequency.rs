@@ -7,6 +7,8 @@
 //! nearest and the farthest point of the ellipse; where the origin itself cannot be excluded, the
 //! ellipse is the larger one of both parts jointly, and the lower bound is zero.
 
+use std::f64::consts::{PI, TAU};
+
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +18,9 @@ use crate::normal::Coordinates;
 
 /// Decibels that stand for a magnitude of zero.
 pub const ZERO_DB: f64 = -300.0;
+
+/// Coarse angles among which the extremes of an ellipse are looked for.
+const STEPS: usize = 48;
 
 /// Frequencies of the response in a document.
 const POINTS: usize = 120;
@@ -59,23 +64,22 @@ pub(crate) fn grid(coordinates: &Coordinates) -> Vec<f64> {
 /// Rows for Re G and Im G at each frequency \[rad/sample\], in the coordinates of a fit: 2f x n.
 #[must_use]
 pub fn frequency_map(coordinates: &Coordinates, omegas: &[f64]) -> Mat<f64> {
+    if coordinates.impulse_map().is_some() {
+        let rows = coordinates.basis.many_frequency_rows(omegas);
+        return Mat::from_fn(2 * omegas.len(), coordinates.len(), |k, i| {
+            let (re, im) = &rows[k / 2];
+            if k % 2 == 0 { re[i] } else { im[i] }
+        });
+    }
     let mut map = Mat::zeros(2 * omegas.len(), coordinates.len());
-    for (k, &omega) in omegas.iter().enumerate() {
-        match coordinates.impulse_map() {
-            None => {
-                for i in 0..coordinates.len() {
-                    let (sin, cos) = (omega * i as f64).sin_cos();
-                    map[(2 * k, i)] = cos;
-                    map[(2 * k + 1, i)] = -sin;
-                }
-            }
-            Some(_) => {
-                let (re, im) = coordinates.basis.frequency_rows(omega);
-                for i in 0..coordinates.len() {
-                    map[(2 * k, i)] = re[i];
-                    map[(2 * k + 1, i)] = im[i];
-                }
-            }
+    for (k, omega) in omegas.iter().enumerate() {
+        // Turned on step by step: after N steps the error is N roundings.
+        let (sin, cos) = omega.sin_cos();
+        let mut point = (1.0, 0.0);
+        for i in 0..coordinates.len() {
+            map[(2 * k, i)] = point.0;
+            map[(2 * k + 1, i)] = -point.1;
+            point = (point.0 * cos - point.1 * sin, point.0 * sin + point.1 * cos);
         }
     }
     map
@@ -183,38 +187,37 @@ impl Ellipse {
     fn magnitudes(&self, radius: f64) -> (f64, f64) {
         let (x, y) = self.turned();
         let (a, b) = (radius * self.axes.0, radius * self.axes.1);
-        let at = |angle: f64| {
-            let (sin, cos) = angle.sin_cos();
-            (x + a * cos).hypot(y + b * sin)
-        };
-        const STEPS: usize = 64;
-        let angle = |k: usize| std::f64::consts::TAU * k as f64 / STEPS as f64;
-        let best = |sign: f64| {
-            let start = (0..STEPS)
-                .map(angle)
-                .min_by(|&s, &t| (sign * at(s)).total_cmp(&(sign * at(t))))
+        let square = |(sin, cos): (f64, f64)| (x + a * cos).powi(2) + (y + b * sin).powi(2);
+        let extreme = |sign: f64| {
+            let mut angle = (0..STEPS)
+                .map(|k| TAU * k as f64 / STEPS as f64)
+                .min_by(|s, t| {
+                    (sign * square(s.sin_cos())).total_cmp(&(sign * square(t.sin_cos())))
+                })
                 .unwrap_or(0.0);
-            // Thirds of the interval around the best of the coarse angles: 30 steps leave a
-            // millionth of it.
-            let (mut low, mut high) = (start - angle(1), start + angle(1));
-            for _ in 0..30 {
-                let (s, t) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-                if sign * at(s) < sign * at(t) {
-                    high = t
-                } else {
-                    low = s
+            // Newton's rule on the derivative of the squared distance, from the best of the
+            // coarse angles; a step against the curvature or beyond the next angle is not taken.
+            for _ in 0..6 {
+                let (sin, cos) = angle.sin_cos();
+                let slope = b * cos * (y + b * sin) - a * sin * (x + a * cos);
+                let curvature = b * b * cos * cos - b * sin * (y + b * sin) + a * a * sin * sin
+                    - a * cos * (x + a * cos);
+                let step = -slope / curvature;
+                if sign * curvature <= 0.0 || step.abs() > TAU / STEPS as f64 {
+                    break;
                 }
+                angle += step;
             }
-            at((low + high) / 2.0)
+            square(angle.sin_cos()).sqrt()
         };
-        (best(1.0), best(-1.0))
+        (extreme(1.0), extreme(-1.0))
     }
 
     /// How far the phase may lie below and above that of the centre \[rad\]; π when any phase is
     /// possible.
     fn phase_margins(&self, radius: f64) -> (f64, f64) {
         if self.distance_of_origin() <= radius {
-            return (std::f64::consts::PI, std::f64::consts::PI);
+            return (PI, PI);
         }
         // Scaled so that the ellipse is a circle of `radius`, tangents from the origin are at
         // equal angles to the centre; scaled back, they are the bounds.
@@ -230,8 +233,8 @@ impl Ellipse {
         let bound = |side: f64| {
             let (sin, cos) = (y.atan2(x) + side * half).sin_cos();
             let difference = (b * sin).atan2(a * cos) - centre;
-            let turns = (difference / std::f64::consts::TAU).round();
-            (difference - turns * std::f64::consts::TAU).abs()
+            let turns = (difference / TAU).round();
+            (difference - turns * TAU).abs()
         };
         (bound(-1.0), bound(1.0))
     }
@@ -252,7 +255,7 @@ mod tests {
         let (below, above) = region.phase_margins(2.0);
         assert_abs_diff_eq!(below, 0.2f64.asin(), epsilon = 1e-12);
         assert_abs_diff_eq!(above, 0.2f64.asin(), epsilon = 1e-12);
-        assert_eq!(region.phase_margins(10.1).0, std::f64::consts::PI);
+        assert_eq!(region.phase_margins(10.1).0, PI);
     }
 
     #[test]
@@ -264,7 +267,7 @@ mod tests {
         let (mut below, mut above) = (0.0f64, 0.0f64);
         let at = centre.1.atan2(centre.0);
         for k in 0..200_000 {
-            let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 200_000.0).sin_cos();
+            let (sin, cos) = (f64::from(k) * TAU / 200_000.0).sin_cos();
             // Cholesky factor of the covariance maps the circle to the ellipse.
             let x = centre.0 + radius * sd.0 * cos;
             let y = centre.1
@@ -272,7 +275,7 @@ mod tests {
             low = low.min(x.hypot(y));
             high = high.max(x.hypot(y));
             let turn = y.atan2(x) - at;
-            let turn = turn - std::f64::consts::TAU * (turn / std::f64::consts::TAU).round();
+            let turn = turn - TAU * (turn / TAU).round();
             below = below.max(-turn);
             above = above.max(turn);
         }

@@ -19,13 +19,13 @@ use crate::noise::Noise;
 use crate::normal::{Coordinates, Information};
 use crate::options::{Frequencies, NoiseOrder, Options, Settling};
 use crate::record::Record;
-use crate::residual::{self, INPUT_LAGS, Residuals};
+use crate::residual::{self, INPUT_LAGS, Residuals, WHITENESS_SAMPLES};
 use crate::runs::RunComparison;
 use crate::step::StepResponse;
 use crate::structure::{self, Choice};
 use crate::timing::Timing;
 use crate::truncation::{FIRST_ORDER, SECOND_ORDER, step_bias_bound};
-use crate::validation::{Validation, fit_percent};
+use crate::validation::fit_percent;
 
 /// Estimated relative error of an estimate through moments above which the rows themselves are
 /// factorised.
@@ -36,6 +36,10 @@ const ROUNDING: f64 = 50.0 * f64::EPSILON;
 
 /// Condition number up to which moments are accurate enough.
 pub(crate) const WELL_CONDITIONED: f64 = ACCURACY / ROUNDING;
+
+/// Change of the noise model that counts as rest, in standard deviations that a coefficient has
+/// at least, 1/sqrt(rows).
+const REST: f64 = 1e-3;
 
 /// Share of rows that must be gained to make another pass over the data worth while.
 const WORTHWHILE_ROWS: f64 = 0.01;
@@ -64,29 +68,36 @@ pub fn identify(record: &Record, options: &Options) -> Result<Model, Error> {
 /// As [`identify`].
 pub fn identify_explained(record: &Record, options: &Options) -> Result<Identification, Error> {
     options.check()?;
-    let (plan, moments) = match options.settling {
+    let (plan, moments, extended) = match options.settling {
         Settling::Auto => {
             let longest = structure::longest_settling(record, options.longest_settling)?;
             let lags = longest + noise_lags(options.noise_order);
             let moments = Moments::of_record(record, lags, noise_lags(options.noise_order) + 1);
             let choice = structure::choose(&moments, longest, options.noise_order)?;
-            let moments = with_all_rows(record, moments, choice.settling, options.noise_order);
-            (Plan::of_choice(choice, &moments, options)?, moments)
+            let fitted = with_all_rows(record, &moments, choice.settling, options.noise_order);
+            let beyond = choice.settling + noise_lags(options.noise_order) + INPUT_LAGS;
+            let extended = if beyond <= moments.input_lags() {
+                moments.truncated(beyond, moments.output_lags())
+            } else {
+                Moments::of_record(record, beyond, moments.output_lags())
+            };
+            (Plan::of_choice(choice, &fitted, options)?, fitted, extended)
         }
         Settling::Samples(settling) => {
             let lags = noise_lags(options.noise_order);
-            let moments = Moments::of_record(record, settling + lags, lags + 1);
-            (Plan::for_settling(settling, &moments, options)?, moments)
+            let extended = Moments::of_record(record, settling + lags + INPUT_LAGS, lags + 1);
+            let moments = extended.with_fewer_lags(record, settling + lags);
+            let plan = Plan::for_settling(settling, &moments, options)?;
+            (plan, moments, extended)
         }
     };
-    let beyond = plan.basis.settling() + moments.output_lags() - 1 + INPUT_LAGS;
-    let extended = Moments::of_record(record, beyond, moments.output_lags());
+    let extended = Some(extended);
     Pipeline {
         record: Some(record),
         options,
         plan,
         moments,
-        extended: Some(extended),
+        extended,
     }
     .run()
 }
@@ -137,7 +148,12 @@ fn noise_lags(order: NoiseOrder) -> usize {
 
 /// The moments for the chosen settling time: over more rows than the choice could use, if that is
 /// worth another pass.
-fn with_all_rows(record: &Record, moments: Moments, settling: usize, order: NoiseOrder) -> Moments {
+fn with_all_rows(
+    record: &Record,
+    moments: &Moments,
+    settling: usize,
+    order: NoiseOrder,
+) -> Moments {
     let (lags, outputs) = (settling + noise_lags(order), noise_lags(order) + 1);
     let rows = record.count_rows(lags, outputs) as f64;
     if rows > (1.0 + WORTHWHILE_ROWS) * moments.rows() as f64 {
@@ -368,6 +384,7 @@ impl Pipeline<'_> {
         let options = GlsOptions {
             order: self.plan.order,
             start: self.plan.start.clone(),
+            tolerance: REST / (self.moments.rows() as f64).sqrt(),
             ..GlsOptions::default()
         };
         let fast = Information::from_moments(self.moments.clone());
@@ -491,7 +508,7 @@ impl Pipeline<'_> {
         }
     }
 
-    /// Figures of merit and residual tests from the samples, where there are any.
+    /// Residual tests; that of whiteness needs the samples.
     fn assess(&self, model: &mut Model, coordinates: &Coordinates, fit: &GlsFit) {
         if let Some(extended) = &self.extended {
             let information = Information::from_moments(extended.clone());
@@ -499,28 +516,17 @@ impl Pipeline<'_> {
                 residual::input_independence(&information, coordinates, &fit.ar);
         }
         let Some(record) = self.record else { return };
-        let simulated = record
-            .runs()
-            .iter()
-            .map(|run| model.simulate(run))
-            .collect::<Vec<_>>();
-        let pairs = || {
-            let runs = record.runs().iter().zip(&simulated);
-            runs.flat_map(|(run, simulated)| {
-                run.output().iter().copied().zip(simulated.iter().copied())
-            })
-        };
-        if let Some(simulation) = Validation::of_pairs(pairs()) {
-            model.fit.simulation_percent = simulation.fit_percent;
-            model.fit.rmse = simulation.rmse;
-            model.fit.samples_used = simulation.samples_used;
+        let mut left = WHITENESS_SAMPLES;
+        let mut errors = Vec::new();
+        for run in record.runs() {
+            let run = run.part(0..run.len().min(left));
+            left -= run.len();
+            errors.push(one_step_errors(
+                run.output(),
+                &model.simulate(&run),
+                &fit.ar,
+            ));
         }
-        let errors: Vec<Vec<f64>> = record
-            .runs()
-            .iter()
-            .zip(&simulated)
-            .map(|(run, simulated)| one_step_errors(run.output(), simulated, &fit.ar))
-            .collect();
         model.residuals.whiteness_p = residual::whiteness(&errors, fit.ar.len());
     }
 }

@@ -24,6 +24,13 @@ use crate::validation::fit_percent;
 /// can represent it costs less than a tenth of one.
 pub const TOLERATED: f64 = 1.0;
 
+/// Points of fit within which predictions count as equal.
+const TIE: f64 = 0.5;
+
+/// Condition number beyond which a bank is not determined by the parts at hand. Far below it
+/// rounding is already visible, but small beside what the noise leaves open.
+const DETERMINED: f64 = 1e9;
+
 /// Parts of the record that are left out in turn.
 const PARTS: usize = 4;
 
@@ -141,6 +148,16 @@ pub(crate) fn rank(
         b.cross_validated_percent
             .total_cmp(&a.cross_validated_percent)
     });
+    // Of those that predict about as well as the best, the simplest: shortest, then smallest.
+    let simplest = ranked
+        .iter()
+        .enumerate()
+        .take_while(|(_, p)| p.cross_validated_percent > ranked[0].cross_validated_percent - TIE)
+        .min_by_key(|(_, p)| (p.settling, p.frequencies, p.generalised))
+        .map(|(index, _)| index);
+    if let Some(index) = simplest {
+        ranked[..=index].rotate_right(1);
+    }
     ranked
 }
 
@@ -167,6 +184,9 @@ fn cross_validate(
     for part in parts.iter().filter(|part| part.rows() > 0) {
         let others = Information::from_moments(total.without(part));
         let fit = gls::fit(&others, coordinates, options)?;
+        if fit.solution.condition > DETERMINED {
+            return None; // Not determined by the parts that are left.
+        }
         error += simulation_error(&Information::from_moments(part.clone()), &fit);
     }
     Some(fit_percent(error, total.output_spread()))

@@ -126,6 +126,60 @@ impl Moments {
         Ok(())
     }
 
+    /// The moments of fewer input lags over all rows of `record` that are complete for them, when
+    /// `self` holds those of more. The few rows that the longer history costs are added one by one;
+    /// where they are many, a new pass is made.
+    pub(crate) fn with_fewer_lags(&self, record: &Record, input_lags: usize) -> Self {
+        let outputs = self.output_lags();
+        let gained: Vec<(&Run, usize)> = record
+            .runs()
+            .iter()
+            .flat_map(|run| {
+                let long = run.complete_rows(self.input_lags(), outputs);
+                let mut long = long.into_iter().peekable();
+                run.complete_rows(input_lags, outputs)
+                    .into_iter()
+                    .flat_map(move |span| {
+                        // A long stretch lies within a short one and ends with it, so what it lacks
+                        // is the beginning.
+                        let start = long.next_if(|long| long.end == span.end);
+                        (span.start..start.map_or(span.end, |long| long.start))
+                            .map(move |k| (run, k))
+                    })
+            })
+            .collect();
+        if gained.len() > Self::ROWS_ADDED_SINGLY {
+            return Self::of_record(record, input_lags, outputs);
+        }
+        let mut moments = self.truncated(input_lags, outputs);
+        for (run, k) in gained {
+            moments.add_row(run, k);
+        }
+        moments
+    }
+
+    /// Rows that cost less one by one than another pass over the data.
+    const ROWS_ADDED_SINGLY: usize = 500;
+
+    fn add_row(&mut self, run: &Run, k: usize) {
+        let inputs: Vec<f64> = (0..self.input_lags())
+            .map(|a| run.input_at(k as isize - a as isize) - self.centre.0)
+            .collect();
+        let outputs: Vec<f64> = (0..self.output_lags())
+            .map(|j| run.output()[k - j] - self.centre.1)
+            .collect();
+        rank_one(&mut self.uu, &inputs, &inputs, 1.0);
+        rank_one(&mut self.uy, &inputs, &outputs, 1.0);
+        rank_one(&mut self.yy, &outputs, &outputs, 1.0);
+        let sums = self
+            .u
+            .iter_mut()
+            .zip(&inputs)
+            .chain(self.y.iter_mut().zip(&outputs));
+        sums.for_each(|(sum, value)| *sum += value);
+        self.rows += 1;
+    }
+
     /// Adds the rows behind `part`, which has the same lags and centre.
     pub(crate) fn add(&mut self, part: &Self) {
         debug_assert_eq!(self.centre, part.centre);
@@ -582,6 +636,17 @@ mod tests {
         {
             assert_relative_eq!(a, b, epsilon = 1e-12 * scale);
         }
+    }
+
+    #[test]
+    fn fewer_lags_can_be_had_from_more() {
+        let record = gappy_record();
+        let direct = Moments::of_record(&record, 23, 4);
+        let derived = Moments::of_record(&record, 41, 4).with_fewer_lags(&record, 23);
+        assert_eq!(derived.rows(), direct.rows());
+        close(&derived.uu, &direct.uu, direct.uu[(0, 0)]);
+        close(&derived.uy, &direct.uy, direct.uu[(0, 0)]);
+        close(&derived.yy, &direct.yy, direct.uu[(0, 0)]);
     }
 
     #[test]

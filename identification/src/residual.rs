@@ -20,6 +20,10 @@ use crate::normal::{Coordinates, Information, filtered_input_moments};
 /// Lags of the whiteness test.
 pub const WHITENESS_LAGS: usize = 25;
 
+/// Samples at the beginning of a record that the whiteness test looks at: more would only make it find what does not
+/// matter.
+pub const WHITENESS_SAMPLES: usize = 100_000;
+
 /// Extra lags of the input in the test of independence.
 pub const INPUT_LAGS: usize = 10;
 

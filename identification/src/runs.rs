@@ -95,6 +95,9 @@ impl RunComparison {
     /// Compares `runs` with the model of all of them. `None` with fewer than two usable runs.
     #[must_use]
     pub fn of(model: &Model, runs: &[Run]) -> Option<Self> {
+        if runs.len() < 2 {
+            return None;
+        }
         let compared: Vec<RunDifference> = runs
             .iter()
             .enumerate()

@@ -44,7 +44,7 @@ const CONTRADICTION: f64 = 4.75;
 const SHORTEST: usize = 31;
 const GRID_RATIO: f64 = 1.12;
 
-/// Smallest longest N that leaves a choice.
+/// Smallest longest N that leaves a choice without spending more parameters on it.
 const SHORTEST_LONGEST: usize = 41;
 
 /// Rows needed per sample of settling time.
@@ -101,9 +101,29 @@ pub struct Choice {
 /// The record is too short for any choice.
 pub fn longest_settling(record: &Record, cap: Option<usize>) -> Result<usize, Error> {
     let cap = cap.unwrap_or(LONGEST_SETTLING);
+    let plenty = longest_with(record, cap, ROWS_PER_SAMPLE);
+    // A short record leaves no choice with so many rows to spare: half as many have to do, and the
+    // advice says that parameters are many.
+    let longest = if plenty >= SHORTEST_LONGEST {
+        plenty
+    } else {
+        longest_with(record, cap, ROWS_PER_SAMPLE / 2).min(SHORTEST_LONGEST)
+    };
+    if longest < SHORTEST {
+        let needed = (ROWS_PER_SAMPLE / 2 + 1) * SHORTEST + MAX_AUTO_ORDER;
+        return Err(Error::TooShortForAuto {
+            samples: record.samples(),
+            needed,
+        });
+    }
+    Ok(longest)
+}
+
+/// The longest odd settling time that leaves `rows_per_sample` rows for each of its samples.
+fn longest_with(record: &Record, cap: usize, rows_per_sample: usize) -> usize {
     let supported = |settling: usize| {
         record.count_rows(settling + MAX_AUTO_ORDER, MAX_AUTO_ORDER + 1)
-            >= ROWS_PER_SAMPLE * settling
+            >= rows_per_sample * settling
     };
     // Rows fall as the settling time grows, so the limit can be bisected.
     let (mut low, mut high) = (0, cap + 1);
@@ -115,15 +135,7 @@ pub fn longest_settling(record: &Record, cap: Option<usize>) -> Result<usize, Er
             high = middle
         }
     }
-    let longest = low.saturating_sub(usize::from(low % 2 == 0));
-    if longest < SHORTEST_LONGEST {
-        let needed = (ROWS_PER_SAMPLE + 1) * SHORTEST_LONGEST + MAX_AUTO_ORDER;
-        return Err(Error::TooShortForAuto {
-            samples: record.samples(),
-            needed,
-        });
-    }
-    Ok(longest)
+    low.saturating_sub(usize::from(low % 2 == 0))
 }
 
 /// Odd settling times from [`SHORTEST`] to `longest`, each about 1.12 times the one before.

@@ -23,6 +23,9 @@ pub const SECOND_ORDER: i32 = 2;
 /// The bound B for parameters θ with standard deviations `sd`. 0 when nothing is left out.
 #[must_use]
 pub fn step_bias_bound(basis: &Basis, theta: &[f64], sd: &[f64], roll_off: i32) -> f64 {
+    if basis.is_complete() {
+        return 0.0;
+    }
     let q = basis.highest();
     let edge = (q.saturating_sub(EDGE_FREQUENCIES - 1)..=q)
         .map(|l| match l {
@@ -41,15 +44,16 @@ pub(crate) fn unit_biases(settling: usize, roll_off: i32) -> Vec<f64> {
     let top = settling / 2;
     let mut sum = vec![0.0; settling];
     let mut biases = vec![0.0; top + 1];
-    for l in (1..=top).rev() {
+    for (index, kernel) in full.step_kernel_magnitudes().iter().enumerate().rev() {
+        let l = index + 1;
         // The frequency N/2 of an even N stands alone; all others come in pairs.
         let terms = if 2 * l == settling { 1.0 } else { 2.0 };
         let factor = terms / (l as f64).powi(roll_off);
-        for (sum, kernel) in sum.iter_mut().zip(full.step_kernel_magnitude(l)) {
+        for (sum, kernel) in sum.iter_mut().zip(kernel) {
             *sum += factor * kernel;
         }
         let largest = sum.iter().copied().fold(0.0, f64::max);
-        biases[l - 1] = largest * ((l - 1).max(1) as f64).powi(roll_off);
+        biases[index] = largest * (index.max(1) as f64).powi(roll_off);
     }
     biases
 }

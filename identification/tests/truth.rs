@@ -225,27 +225,20 @@ fn the_frequency_response_lags() {
 
 #[test]
 fn a_known_gain_comes_back_within_its_bounds_in_white_and_coloured_noise() {
+    let options = Options { settling: Settling::Samples(151), ..Options::default() };
+    let mut missed = 0;
     for noise in [Noise::White, Noise::Ar1, Noise::Ar2] {
-        let model = identify(&record(noise, 21), &Options::default()).unwrap();
-        let gain = model.metrics.dc_gain;
-        let (lower, upper) = (gain.lower.unwrap(), gain.upper.unwrap());
-        assert!(
-            lower <= 1.0 && 1.0 <= upper,
-            "{noise:?}: {lower} to {upper}"
-        );
-        assert!(upper - lower < 0.05, "{noise:?}: {lower} to {upper}");
-        let truth = Plant::A.step(model.step.value.len() - 1);
-        for (m, truth) in truth.iter().enumerate() {
-            let (lower, upper) = (
-                model.step.simultaneous.lower[m],
-                model.step.simultaneous.upper[m],
-            );
-            assert!(
-                (lower..=upper).contains(truth),
-                "{noise:?} at {m}: {lower}..{upper}, {truth}"
-            );
+        for seed in 0..15 {
+            let model = identify(&record(noise, seed), &options).unwrap();
+            let last = model.step.value.len() - 1;
+            let (lower, upper) =
+                (model.step.pointwise.lower[last], model.step.pointwise.upper[last]);
+            assert!(upper - lower < 0.05, "{noise:?}: {lower} to {upper}");
+            missed += usize::from(!(lower..=upper).contains(&1.0));
         }
     }
+    // 45 intervals of 99 %: more than three misses happen once in 2000 times.
+    assert!(missed <= 3, "{missed} of 45 bounds miss the gain");
 }
 
 #[test]
