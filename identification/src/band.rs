@@ -162,6 +162,9 @@ pub fn student_critical(normal: f64, degrees_of_freedom: &[f64]) -> Vec<f64> {
         .iter()
         .copied()
         .fold(f64::INFINITY, f64::min);
+    if smallest == f64::INFINITY {
+        return vec![normal; degrees_of_freedom.len()];
+    }
     let exact = |degrees: f64| student_quantile(normal, degrees);
     if degrees_of_freedom.len() <= NODES || smallest < 8.0 {
         return degrees_of_freedom
@@ -188,6 +191,9 @@ const NODES: usize = 8;
 
 /// Student's t quantile with the tail probability of the normal quantile `x`.
 fn student_quantile(x: f64, degrees: f64) -> f64 {
+    if degrees == f64::INFINITY {
+        return x;
+    }
     // Cornish and Fisher's expansion (Abramowitz & Stegun 26.7.5).
     let square = x * x;
     let terms = [
@@ -226,6 +232,22 @@ fn student_quantile(x: f64, degrees: f64) -> f64 {
 mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn endless_degrees_of_freedom_are_the_normal_distribution() {
+        for count in [1, 40] {
+            assert_eq!(
+                student_critical(2.5, &vec![f64::INFINITY; count]),
+                vec![2.5; count]
+            );
+        }
+        let mixed = student_critical(2.5, &[[f64::INFINITY; 20], [50.0; 20]].concat());
+        // The polynomial through the nodes is good to about 1e-9.
+        assert!(
+            (mixed[0] - 2.5).abs() < 1e-6 && mixed[20] > 2.55,
+            "{mixed:?}"
+        );
+    }
 
     #[test]
     fn quantiles_agree_with_printed_tables() {
