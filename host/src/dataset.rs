@@ -7,6 +7,7 @@
 
 use crate::recording::{self, Completeness, ReadError, Recording};
 use crate::table::{Table, TableError};
+use crate::timeline::{self, Stretch, TimeColumn};
 use servoid_identification::{Error as DataError, Record, Run};
 use std::path::{Path, PathBuf};
 
@@ -214,16 +215,22 @@ fn from_recording(
         recording.reference_samples()
     };
     let (input, output) = recording.columns(range);
-    let run = run(input, output, path, options)?;
+    let run = run(input, output, path, options.at_rest)?;
     let mut remarks = Vec::new();
     if let Completeness::Partial(reason) = &recording.completeness {
         let rows = recording.samples.len();
         remarks.push(format!(
-            "{} is partial ({reason}): {rows} rows are used",
+            "{} is partial ({reason}): it has {rows} rows",
             path.display()
         ));
     }
     let period_s = recording.header.sample_period_s;
+    if options.period_s.is_some() {
+        remarks.push(format!(
+            "{} is a recording and says itself that its samples are {period_s} s apart; --period is not used for it",
+            path.display()
+        ));
+    }
     let condition = Some(recording.header.condition.clone()).filter(|c| !c.is_empty());
     let mut provenance = vec![("file".to_owned(), path.display().to_string())];
     provenance.extend(recording.header.facts());
@@ -261,41 +268,43 @@ fn from_table(table: &Table, options: &DatasetOptions) -> Result<Loaded, Dataset
         });
     };
     let [u, y] = table.numbers([input.as_str(), output.as_str()])?;
+    if u.len() < 2 {
+        return Err(TableError::Empty {
+            path: path.to_owned(),
+        }
+        .into());
+    }
     let mut remarks = Vec::new();
-    let period_s = match options.period_s {
-        Some(period_s) => period_s,
-        None => {
-            let (column, period_s) =
-                guess_period(table)?.ok_or_else(|| DatasetError::NoPeriod {
-                    path: path.to_owned(),
-                })?;
+    let time = time_column(table)?;
+    let period_s = match (options.period_s, &time) {
+        (Some(period_s), _) => period_s,
+        (None, Some((column, time))) => {
             remarks.push(format!(
-                "{}: rows are {period_s} s apart by column {column:?}; --period says otherwise",
-                path.display()
+                "{}: rows are {} s apart by column {column:?}; --period says otherwise",
+                path.display(),
+                time.step()
             ));
-            period_s
+            time.step()
+        }
+        (None, None) => {
+            return Err(DatasetError::NoPeriod {
+                path: path.to_owned(),
+            });
         }
     };
-    let runs = match &options.run {
-        None => vec![run(u, y, path, options)?],
-        Some(column) => {
-            let [label] = table.numbers([column.as_str()])?;
-            let mut runs = Vec::new();
-            let mut start = 0;
-            // Compared by bits: a label is a name here, and an empty cell (NaN) is one too.
-            for part in label.chunk_by(|a, b| a.to_bits() == b.to_bits()) {
-                let end = start + part.len();
-                runs.push(run(
-                    u[start..end].to_vec(),
-                    y[start..end].to_vec(),
-                    path,
-                    options,
-                )?);
-                start = end;
-            }
-            runs
-        }
+    let labels = match &options.run {
+        Some(column) => table.numbers([column.as_str()])?.into_iter().next(),
+        None => None,
     };
+    let found = timeline::stretches(u.len(), time.as_ref().map(|(_, t)| t), labels.as_deref());
+    if let Some((column, _)) = &time {
+        remarks.extend(remark_on_time(path, column, &found, labels.is_some()));
+    }
+    let mut runs = Vec::new();
+    for stretch in &found {
+        let at_rest = options.at_rest.filter(|_| !stretch.continues);
+        runs.push(run(stretch.place(&u), stretch.place(&y), path, at_rest)?);
+    }
     let provenance = vec![
         ("file".to_owned(), path.display().to_string()),
         (
@@ -320,49 +329,44 @@ fn run(
     input: Vec<f64>,
     output: Vec<f64>,
     path: &Path,
-    options: &DatasetOptions,
+    at_rest: Option<f64>,
 ) -> Result<Run, DatasetError> {
     let files = path.display().to_string();
     let run = Run::new(input, output).map_err(|error| DatasetError::Data { files, error })?;
-    Ok(match options.at_rest {
+    Ok(match at_rest {
         Some(input) => run.with_input_at_rest(input),
         None => run,
     })
 }
 
-/// The step of a column of time, where there is one and it is even.
-fn guess_period(table: &Table) -> Result<Option<(String, f64)>, TableError> {
-    let Some(column) = table
-        .columns()
-        .iter()
-        .find(|c| ["t", "time", "time_s"].contains(&c.as_str()))
-    else {
+/// The column of time and its name, where there is one with even steps.
+fn time_column(table: &Table) -> Result<Option<(String, TimeColumn)>, TableError> {
+    let names = ["t", "time", "time_s"];
+    let Some(name) = table.columns().iter().find(|c| names.contains(&c.as_str())) else {
         return Ok(None);
     };
-    let [time] = table.numbers([column.as_str()])?;
-    let mut steps: Vec<f64> = time
-        .windows(2)
-        .map(|w| w[1] - w[0])
-        .filter(|step| *step > 0.0)
-        .collect();
-    steps.sort_by(f64::total_cmp);
-    let Some(&middle) = steps.get(steps.len() / 2) else {
-        return Ok(None);
-    };
-    // Times may restart with each run, so a few steps may be anything; but the middle one must
-    // stand for nearly all of them.
-    let even = steps
-        .iter()
-        .filter(|&&s| (s / middle - 1.0).abs() < 0.05)
-        .count();
-    let enough = even * 20 >= time.len().saturating_sub(1) * 19;
-    Ok(enough.then(|| (column.clone(), round_to_microseconds(middle))))
+    let [times] = table.numbers([name.as_str()])?;
+    Ok(TimeColumn::new(times).map(|column| (name.clone(), column)))
 }
 
-/// Differences of written times carry rounding noise: 0.02 comes back as 0.020000000000003126.
-fn round_to_microseconds(seconds: f64) -> f64 {
-    let rounded = (seconds * 1e6).round() / 1e6;
-    if rounded > 0.0 { rounded } else { seconds }
+/// What a column of time has shown: gaps, and runs that the user has not named.
+fn remark_on_time(path: &Path, column: &str, found: &[Stretch], labelled: bool) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let missing: usize = found.iter().map(Stretch::missing).sum();
+    if missing > 0 {
+        remarks.push(format!(
+            "{}: column {column:?} has gaps; {missing} samples count as missing",
+            path.display()
+        ));
+    }
+    if found.len() > 1 && !labelled {
+        remarks.push(format!(
+            "{}: column {column:?} goes back or far ahead {} times; a new run begins at each (--run COLUMN names runs)",
+            path.display(),
+            found.len() - 1
+        ));
+    }
+    remarks
 }
 
 #[cfg(test)]
@@ -396,7 +400,7 @@ mod tests {
             at_rest: Some(0.0),
             ..named()
         };
-        // One of four steps is the restart: not even enough to guess from.
+        // One of four steps is the restart: not even enough for a column of time.
         assert!(matches!(
             load(std::slice::from_ref(&path), &options),
             Err(DatasetError::NoPeriod { .. })
@@ -422,6 +426,23 @@ mod tests {
         let set = load(&[path], &named()).unwrap();
         assert_eq!(set.record.sample_period_s(), 0.02);
         assert_eq!(set.about.remarks.len(), 1);
+    }
+
+    #[test]
+    fn rows_that_are_missing_are_not_closed_up() {
+        let dir = tempfile::tempdir().unwrap();
+        let rows: String = (0..200)
+            .filter(|k| !(50..70).contains(k))
+            .map(|k| format!("{:.2},{},{}\n", 0.02 * f64::from(k), k % 7, k % 5))
+            .collect();
+        let path = write(dir.path(), "a.csv", &format!("t,u,y\n{rows}"));
+        let set = load(&[path], &named()).unwrap();
+        assert_eq!((set.record.samples(), set.record.missing()), (200, 20));
+        assert!(
+            set.about.remarks.iter().any(|r| r.contains("20 samples")),
+            "{:?}",
+            set.about.remarks
+        );
     }
 
     #[test]

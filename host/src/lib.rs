@@ -14,6 +14,7 @@
 //! | [`rig`]       | talks to a rig, and captures runs                                          |
 //! | [`recording`] | recordings on disk, written as they come in and read as what they are      |
 //! | [`table`]     | any other CSV file                                                         |
+//! | [`timeline`]  | where the rows of such a file lie in time                                 |
 //! | [`dataset`]   | from files to a record that can be identified                              |
 //! | [`plots`]     | pictures                                                                   |
 //! | [`summary`]   | results as text for a terminal                                             |
@@ -38,3 +39,4 @@ pub mod report;
 pub mod rig;
 pub mod summary;
 pub mod table;
+pub mod timeline;

@@ -239,7 +239,7 @@ pub fn one_line(model: &Model, unit: Option<&str>) -> String {
     let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
     let (structure, fit) = (&model.structure, &model.fit);
     format!(
-        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.4}{unit} rms",
+        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.4}{unit} rms; residuals white: p = {}, independent of the input: p = {}",
         fit.samples_used,
         fit.samples_missing,
         rounded(model.sample_period_s * 1e3),
@@ -247,7 +247,9 @@ pub fn one_line(model: &Model, unit: Option<&str>) -> String {
         structure.frequencies,
         structure.noise_order,
         fit.simulation_percent,
-        fit.rmse
+        fit.rmse,
+        probability(model.residuals.whiteness_p),
+        probability(model.residuals.input_correlation_p)
     )
 }
 

@@ -20,12 +20,24 @@ pub struct Panel {
     pub x_logarithmic: bool,
     /// What runs upwards, with its unit.
     pub y_label: String,
-    /// Whether the curves fill the panel, so that the legend needs room above them.
-    pub legend_above: bool,
+    /// Where the legend hides nothing.
+    pub legend: Legend,
     /// Areas, drawn first.
     pub bands: Vec<Band>,
     /// Lines.
     pub curves: Vec<Curve>,
+}
+
+/// Where the curves of a panel leave room.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Legend {
+    /// They rise to the right.
+    #[default]
+    LowerRight,
+    /// They fall to the right.
+    UpperRight,
+    /// They fill the panel: room is made above them.
+    Above,
 }
 
 /// A line.
@@ -82,6 +94,20 @@ impl Panel {
             (*x0, *x1, *y0, *y1) = (x0.min(x), x1.max(x), y0.min(y), y1.max(y));
         }
         extent
+    }
+}
+
+impl Figure {
+    /// The range of x that a panel is drawn over: panels with the same x share it, so that what
+    /// happens at one time is at one place in all of them. `None` where there is nothing to show.
+    #[must_use]
+    pub fn x_range(&self, panel: &Panel) -> Option<(f64, f64)> {
+        let alike = self
+            .panels
+            .iter()
+            .filter(|other| other.x_label == panel.x_label);
+        let ranges = alike.filter_map(Panel::extent).map(|(x, _)| x);
+        ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 }
 

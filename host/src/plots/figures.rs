@@ -1,6 +1,6 @@
 //! The paper's figures, made from recordings and models.
 
-use super::figure::{Band, Curve, Figure, Ink, Panel};
+use super::figure::{Band, Curve, Figure, Ink, Legend, Panel};
 use servoid_identification::frequency::FrequencyResponse;
 use servoid_identification::{Model, Record, Run};
 
@@ -23,9 +23,33 @@ fn with_unit(quantity: &str, unit: Option<&str>) -> String {
     )
 }
 
-/// Sample times of a run (s).
-fn times(count: usize, period_s: f64) -> impl Iterator<Item = f64> {
-    (0..count).map(move |k| k as f64 * period_s)
+/// Points of a long record that are still drawn one by one.
+const MOST_POINTS: usize = 12_000;
+
+/// A signal over time. Of a long one, each stretch of samples is drawn as its smallest and its
+/// largest value: at the width of a page that looks the same, and the file stays small.
+fn signal(period_s: f64, values: &[f64]) -> Vec<(f64, f64)> {
+    let time = |k: usize| k as f64 * period_s;
+    if values.len() <= MOST_POINTS {
+        return values
+            .iter()
+            .enumerate()
+            .map(|(k, &value)| (time(k), value))
+            .collect();
+    }
+    let stretch = (2 * values.len()).div_ceil(MOST_POINTS);
+    let extremes = |(index, part): (usize, &[f64])| {
+        let low = (0..part.len()).min_by(|&a, &b| part[a].total_cmp(&part[b]))?;
+        // A missing sample (NaN) counts as the largest, so that gaps stay visible.
+        let high = (0..part.len()).max_by(|&a, &b| part[a].total_cmp(&part[b]))?;
+        Some([low.min(high), low.max(high)].map(|k| (time(index * stretch + k), part[k])))
+    };
+    values
+        .chunks(stretch)
+        .enumerate()
+        .filter_map(extremes)
+        .flatten()
+        .collect()
 }
 
 /// Figs 4 and 8: the reference and the measurement, one panel per run.
@@ -35,18 +59,10 @@ pub fn input_output(name: &str, title: &str, record: &Record, unit: Option<&str>
     let panels = record.runs().iter().map(|run| Panel {
         x_label: "time (s)".into(),
         y_label: with_unit("position", unit),
-        legend_above: true,
+        legend: Legend::Above,
         curves: vec![
-            Curve::solid(
-                "measured",
-                Ink::Measured,
-                times(run.len(), period).zip(run.output().iter().copied()),
-            ),
-            Curve::solid(
-                "reference",
-                Ink::Reference,
-                times(run.len(), period).zip(run.input().iter().copied()),
-            ),
+            Curve::solid("measured", Ink::Measured, signal(period, run.output())),
+            Curve::solid("reference", Ink::Reference, signal(period, run.input())),
         ],
         ..Panel::default()
     });
@@ -61,31 +77,28 @@ pub fn input_output(name: &str, title: &str, record: &Record, unit: Option<&str>
 #[must_use]
 pub fn step_response(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     let mut panel = Panel {
-        x_label: "time since the step (s)".into(),
+        x_label: "time since the edge of the command (s)".into(),
         y_label: "response to a unit step".into(),
         ..Panel::default()
     };
     for (Named { name, model }, ink) in models.iter().zip(INKS) {
         let step = &model.step;
+        let timing = model.timing();
         let percent = 100.0 * step.simultaneous.level;
-        let bounds = step.simultaneous.lower.iter().zip(&step.simultaneous.upper);
+        let line = |values: &[f64]| -> Vec<(f64, f64)> {
+            let place = |(m, &value)| (timing.seconds(m as f64), value);
+            values.iter().enumerate().map(place).collect()
+        };
+        let bounds = line(&step.simultaneous.lower)
+            .into_iter()
+            .zip(&step.simultaneous.upper);
         panel.bands.push(Band {
             name: format!("{name}: the whole curve, {percent} %"),
             ink,
-            points: step
-                .time_s
-                .iter()
-                .zip(bounds)
-                .map(|(&t, (&lo, &hi))| (t, lo, hi))
+            points: bounds
+                .map(|((t, lower), &upper)| (t, lower, upper))
                 .collect(),
         });
-        let line = |values: &[f64]| {
-            step.time_s
-                .iter()
-                .copied()
-                .zip(values.to_vec())
-                .collect::<Vec<_>>()
-        };
         panel
             .curves
             .push(Curve::solid(*name, ink, line(&step.value)));
@@ -105,18 +118,22 @@ pub fn step_response(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     }
 }
 
-/// Figs 6 and 11: magnitude and phase with their bounds.
+/// Figs 6 and 11: magnitude and phase of the servo with their bounds, freed of the hold and the
+/// phase of the samples.
 #[must_use]
 pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     let panel = |y_label: &str| Panel {
         x_label: "frequency (rad/s)".into(),
         x_logarithmic: true,
         y_label: y_label.into(),
+        legend: Legend::UpperRight,
         ..Panel::default()
     };
     let (mut magnitude, mut phase) = (panel("magnitude (dB)"), panel("phase (deg)"));
     for (Named { name, model }, ink) in models.iter().zip(INKS) {
-        let f = &model.frequency;
+        // Only a model made by hand can have no response of its own; its samples' is at hand then.
+        let own = model.servo_response(&model.frequency.omega_rad_s);
+        let f = &own.unwrap_or_else(|_| model.frequency.clone());
         let shown = shown_frequencies(f);
         let level = format!("{name}: {} %", 100.0 * model.step.pointwise.level);
         let points = |values: &[f64]| {
@@ -210,18 +227,18 @@ pub fn validation(
     let mut above = Panel {
         x_label: "time (s)".into(),
         y_label: with_unit("position", unit),
-        legend_above: true,
+        legend: Legend::Above,
         curves: vec![Curve::solid(
             "measured",
             Ink::Measured,
-            times(run.len(), period).zip(measured.iter().copied()),
+            signal(period, measured),
         )],
         ..Panel::default()
     };
     let mut below = Panel {
         x_label: "time (s)".into(),
         y_label: with_unit("measured - model", unit),
-        legend_above: true,
+        legend: Legend::Above,
         ..Panel::default()
     };
     for (Named { name, model }, ink) in models.iter().zip(INKS) {
@@ -231,16 +248,12 @@ pub fn validation(
             .zip(&simulated)
             .map(|(y, s)| y - s)
             .collect();
-        above.curves.push(Curve::solid(
-            *name,
-            ink,
-            times(run.len(), period).zip(simulated),
-        ));
-        below.curves.push(Curve::solid(
-            *name,
-            ink,
-            times(run.len(), period).zip(residual),
-        ));
+        above
+            .curves
+            .push(Curve::solid(*name, ink, signal(period, &simulated)));
+        below
+            .curves
+            .push(Curve::solid(*name, ink, signal(period, &residual)));
     }
     Figure {
         name: name.into(),

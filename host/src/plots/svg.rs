@@ -1,6 +1,6 @@
 //! Figures as SVG files.
 
-use super::figure::{Band, Curve, Figure, Ink, Panel};
+use super::figure::{Band, Curve, Figure, Ink, Legend, Panel};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::ValueFormatter;
 use plotters::coord::types::RangedCoordf64;
@@ -30,7 +30,7 @@ pub fn draw(figure: &Figure) -> Result<String, Box<dyn Error>> {
         root.fill(&WHITE)?;
         let rest = root.titled(&figure.title, (FONT, 22))?;
         for (panel, area) in figure.panels.iter().zip(rest.split_evenly((panels, 1))) {
-            draw_panel(panel, &area)?;
+            draw_panel(figure, panel, &area)?;
         }
         root.present()?;
     }
@@ -47,14 +47,14 @@ fn colour(ink: Ink) -> RGBColor {
     }
 }
 
-fn draw_panel<'a>(panel: &Panel, area: &Area<'a>) -> DrawResult {
-    let Some(((x0, x1), (y0, y1))) = panel.extent() else {
+fn draw_panel<'a>(figure: &Figure, panel: &Panel, area: &Area<'a>) -> DrawResult {
+    let (Some((_, (y0, y1))), Some((x0, x1))) = (panel.extent(), figure.x_range(panel)) else {
         return Ok(());
     };
     // Room above the highest and below the lowest point, and an axis even for a flat line.
     let margin = if y1 > y0 { (y1 - y0) * 0.06 } else { 1.0 };
     let lines = panel.bands.len() + panel.curves.iter().filter(|c| !c.name.is_empty()).count();
-    let legend = if panel.legend_above {
+    let legend = if panel.legend == Legend::Above {
         (y1 - y0) * lines as f64 * LEGEND_LINE / f64::from(PANEL_HEIGHT)
     } else {
         0.0
@@ -111,7 +111,8 @@ where
         points,
     } in &panel.curves
     {
-        let style = ShapeStyle::from(colour(*ink)).stroke_width(2);
+        // A bound is thinner than what it bounds.
+        let style = ShapeStyle::from(colour(*ink)).stroke_width(if *dashed { 1 } else { 2 });
         // A line breaks where a sample is missing; only its first piece is named in the legend.
         let mut label = (!name.is_empty()).then_some(name);
         for piece in points.split(|(x, y)| !(x.is_finite() && y.is_finite())) {
@@ -134,10 +135,9 @@ where
     }
     chart
         .configure_series_labels()
-        .position(if panel.legend_above {
-            SeriesLabelPosition::UpperRight
-        } else {
-            SeriesLabelPosition::LowerRight
+        .position(match panel.legend {
+            Legend::LowerRight => SeriesLabelPosition::LowerRight,
+            Legend::UpperRight | Legend::Above => SeriesLabelPosition::UpperRight,
         })
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.2))

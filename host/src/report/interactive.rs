@@ -31,6 +31,7 @@ pub(super) fn plotly_json(figure: &Figure) -> Value {
         "legend": { "orientation": "h", "y": -0.18 / count as f64, "x": 0 },
         "paper_bgcolor": "rgba(0,0,0,0)",
         "plot_bgcolor": "rgba(0,0,0,0)",
+        "modebar": { "bgcolor": "rgba(0,0,0,0)", "color": "rgba(128,128,128,.8)" },
     });
     for (index, panel) in figure.panels.iter().enumerate() {
         let suffix = if index == 0 {
@@ -40,7 +41,19 @@ pub(super) fn plotly_json(figure: &Figure) -> Value {
         };
         let height = (1.0 - GAP * (count - 1) as f64) / count as f64;
         let top = 1.0 - index as f64 * (height + GAP);
+        // Panels over the same quantity are zoomed together.
+        let like = figure
+            .panels
+            .iter()
+            .position(|other| other.x_label == panel.x_label);
+        let matches = like
+            .filter(|&first| first < index)
+            .map(|first| match first {
+                0 => "x".to_owned(),
+                first => format!("x{}", first + 1),
+            });
         layout[format!("xaxis{suffix}")] = json!({
+            "matches": matches,
             "title": { "text": panel.x_label },
             "type": if panel.x_logarithmic { "log" } else { "linear" },
             "anchor": format!("y{suffix}"),
@@ -72,14 +85,16 @@ fn panel_traces(panel: &Panel, suffix: &str, in_legend: bool) -> Vec<Value> {
                 "line": { "width": 0, "color": rgba(*ink, 0.0) },
                 "fill": if fill { "tonexty" } else { "none" },
                 "fillcolor": rgba(*ink, 0.18),
-                "name": if fill { format!("{name}, upper") } else { format!("{name}, lower") },
+                "name": if fill { name.clone() } else { format!("{name}, lower") },
                 "legendgroup": name,
                 "showlegend": false,
                 "hovertemplate": "%{y:.5g}",
             }))
         };
         traces.push(edge(|p| p.1, false));
-        traces.push(edge(|p| p.2, true));
+        let mut area = edge(|p| p.2, true);
+        area["showlegend"] = in_legend.into();
+        traces.push(area);
     }
     for Curve {
         name,

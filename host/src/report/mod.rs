@@ -105,10 +105,9 @@ fn write_numbers(body: &mut String, parts: &[&Part<'_>]) -> std::fmt::Result {
     let heads: String = parts
         .iter()
         .map(|part| {
-            format!(
-                "<th class=\"number\">{}</th><th>bounds</th>",
-                escape(part.subject.name)
-            )
+            let level = 100.0 * part.subject.model.step.pointwise.level;
+            let name = escape(part.subject.name);
+            format!("<th class=\"number\">{name}</th><th>{level} % interval</th>")
         })
         .collect();
     write!(
