@@ -14,7 +14,7 @@
 //!
 //! A servo is called asymmetric when δ leaves its simultaneous band around zero.
 
-mod two_inputs;
+pub(crate) mod two_inputs;
 
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
@@ -91,7 +91,7 @@ pub(crate) struct SplitFit {
     /// From parameters to δ, N rows.
     pub(crate) split_map: Mat<f64>,
     centre: (f64, f64, f64),
-    degrees_of_freedom: f64,
+    pub(crate) degrees_of_freedom: f64,
 }
 
 impl SplitFit {
@@ -161,7 +161,7 @@ pub fn split_with(
     level: f64,
 ) -> Result<DirectionModel, Error> {
     let settling = basis.settling();
-    let odd = settling - usize::from(settling % 2 == 0);
+    let odd = settling - usize::from(settling.is_multiple_of(2));
     let second = Basis::new(settling, FREQUENCIES.min(odd))?;
     let moments = TwoInputMoments::of_record(record, settling);
     let parameters = basis.frequencies() + second.frequencies() + 1;

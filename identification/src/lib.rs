@@ -40,12 +40,14 @@
 pub mod advice;
 pub mod band;
 pub mod basis;
+pub mod comparison;
 pub mod convolution;
 pub mod curve;
 pub mod direction;
 pub mod error;
 pub mod explanation;
 pub mod factor;
+pub mod flight_model;
 pub mod frequency;
 pub mod gls;
 pub mod identify;

@@ -8,7 +8,7 @@
 //! The record must have holds: a command that stands still, exactly, between its steps. From sweeps
 //! and random references these limits cannot be told.
 
-mod holds;
+pub(crate) mod holds;
 mod levels;
 mod rate;
 

@@ -188,6 +188,36 @@ pub(crate) fn fit(
     })
 }
 
+/// What the estimator makes of a servo with known responses to u and to w, of `length` samples each
+/// and longer than the banks if need be: parameters, offset included, from the one response followed
+/// by the other. The moments need lags for `length` and the noise filter `ar`.
+pub(crate) fn projection(
+    moments: &TwoInputMoments,
+    coordinates: &Coordinates,
+    second: &Basis,
+    ar: &[f64],
+    length: usize,
+) -> Option<Mat<f64>> {
+    let problem = Problem::new(moments, coordinates, second);
+    let solution = problem.solve(ar)?;
+    let p = solution.parameters.len();
+    let columns = problem.filtered_columns(ar);
+    let columns = columns.as_ref().submatrix(0, 0, columns.nrows(), p);
+    let lags = moments.lags;
+    let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+    let responses = Mat::from_fn(moments.products.nrows(), 2 * length, |row, k| {
+        let (input, lag) = (k / length, k % length);
+        let filter = row.checked_sub(input * lags).filter(|a| *a < lags);
+        filter
+            .and_then(|a| a.checked_sub(lag))
+            .and_then(|i| d.get(i))
+            .copied()
+            .unwrap_or(0.0)
+    });
+    let right = columns.transpose() * (&moments.products * responses);
+    Some(solution.inverse * right)
+}
+
 /// The least-squares problem of one pair of banks.
 struct Problem<'a> {
     moments: &'a TwoInputMoments,

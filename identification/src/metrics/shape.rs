@@ -84,9 +84,7 @@ impl Windows {
         let mut wanted = vec![false; curve.len()];
         // A cubic between two samples uses one more on each side.
         let mut want = |m: usize| {
-            for neighbour in m.saturating_sub(2)..=(m + 2).min(last) {
-                wanted[neighbour] = true;
-            }
+            wanted[m.saturating_sub(2)..=(m + 2).min(last)].fill(true);
         };
         for m in early_from..=late_to {
             let crossed_next =

@@ -1,6 +1,8 @@
 //! Servos with exactly known answers, and whether the figures, verdicts and findings hold for them.
 
+mod comparison;
 mod direction;
+mod flight_model;
 mod limits;
 mod metrics;
 mod metrics_coverage;

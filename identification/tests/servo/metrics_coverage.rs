@@ -30,6 +30,7 @@ pub struct Case {
 }
 
 /// Of one figure.
+#[allow(dead_code)] // The tests look at the share alone, the example prints all.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Coverage {
     /// Share of runs whose interval holds the exact figure.

@@ -176,7 +176,6 @@ fn bisect(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 /// What a real servo may have beside its dynamics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Limit {
-    None,
     /// Largest speed \[deg/s\] up and down.
     Rate(f64, f64),
     /// Backlash, full width \[deg\].
@@ -196,7 +195,7 @@ pub fn limited(zeta: f64, omega: f64, limit: Limit, input: &[f64], rest: f64) ->
         shaft = match limit {
             Limit::Play(width) => shaft.clamp(x - width / 2.0, x + width / 2.0),
             Limit::Clip(low, high) => x.clamp(low, high),
-            _ => x,
+            Limit::Rate(..) => x,
         };
         output.push(shaft);
         for step in 0..STEPS {

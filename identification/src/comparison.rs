@@ -1,0 +1,431 @@
+//! Is the second servo different from the first, and by how much?
+//!
+//! **The verdict is against a margin**, not against zero. With d_m the difference of the response
+//! curves, s_m its standard deviation and q the critical value of all points at once,
+//!
+//! ```text
+//! L = max_m (|d_m| - q s_m) / G0      U = max_m (|d_m| + q s_m) / G0
+//! different if L > margin;  same if U <= margin;  undecided otherwise
+//! ```
+//!
+//! so that "different by at least L" and "by at most U" hold with the probability of the level. One
+//! servo recorded twice is never exactly the same: supply, friction and the phase of the clocks
+//! scatter from run to run, and a test against zero would call almost every pair different.
+//!
+//! **A p-value** therefore needs three runs a side or more; it counts scatter between runs. When it
+//! does not confirm a difference beyond the margin, the verdict is undecided.
+//!
+//! When a side answers up and down strokes differently ([`crate::direction`]), both curves enter.
+//! Differences of single figures are intervals from the intervals of both sides (G. Y. Zou and
+//! A. Donner, Statistics in Medicine 2008): with d = b - a,
+//!
+//! ```text
+//! from d - sqrt((b - b_low)² + (a_up - a)²)   to d + sqrt((b_up - b)² + (a - a_low)²)
+//! ```
+
+mod difference;
+mod over_prediction;
+mod scatter;
+mod sides;
+
+use serde::{Deserialize, Serialize};
+
+use crate::advice::Advice;
+use crate::error::Error;
+use crate::limits::Limits;
+use crate::metrics::{Interval, Metrics};
+use crate::model::{Model, SCHEMA};
+use crate::options::Options;
+use crate::record::Record;
+use crate::structure::MARGIN;
+use difference::{Curves, LargestDifference, equivalent_shift, largest_difference};
+use sides::{Identified, identified, same_period};
+
+pub use over_prediction::OverPrediction;
+
+/// Probability of a difference by chance below which scatter between runs does not explain it.
+const CHANCE: f64 = 0.01;
+
+/// What is asked of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComparisonOptions {
+    /// Largest difference that still counts as the same \[% of the step\].
+    pub margin_percent: f64,
+    /// How the sides are identified; its level is that of every bound.
+    pub identification: Options,
+    /// Samples after an edge from which a plateau counts; `None` is the settling time of the first
+    /// side.
+    pub wait_samples: Option<usize>,
+    /// Standard deviation of the sensor's zero between the two sides \[output\].
+    pub zero_sd: f64,
+}
+
+impl Default for ComparisonOptions {
+    fn default() -> Self {
+        Self {
+            margin_percent: 5.0,
+            identification: Options::default(),
+            wait_samples: None,
+            zero_sd: 0.0,
+        }
+    }
+}
+
+/// The answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// By more than the margin.
+    Different,
+    /// Within the margin.
+    Same,
+    /// The recordings allow both.
+    Undecided,
+}
+
+/// Simultaneous bounds of the largest difference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DifferencePercent {
+    /// \[% of the step\], zero when there may be none.
+    pub at_least: f64,
+    /// \[% of the step\].
+    pub at_most: f64,
+    /// When the difference is surest, after the edge \[s\].
+    pub at_s: f64,
+}
+
+/// Where one side comes to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Levels {
+    /// Largest command.
+    pub command_plus: f64,
+    /// Rest at the largest command.
+    pub plus: Interval,
+    /// Smallest command.
+    pub command_minus: f64,
+    /// Rest at the smallest command.
+    pub minus: Interval,
+}
+
+/// Whether one side answers up and down strokes differently.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Asymmetry {
+    /// Probability of the difference seen if it does not; `None` when the record cannot tell.
+    pub p: Option<f64>,
+    /// Largest difference between up and down \[% of the stroke\].
+    pub largest_percent: Option<f64>,
+}
+
+/// One item for each side.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Sides<T> {
+    /// The first side.
+    pub a: T,
+    /// The second side.
+    pub b: T,
+}
+
+/// One figure of both sides.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MetricDifference {
+    /// Name of the figure, as in the model.
+    pub metric: String,
+    /// Of the first side.
+    pub a: Option<f64>,
+    /// Of the second side.
+    pub b: Option<f64>,
+    /// b - a.
+    pub difference: Option<f64>,
+    /// Lower bound of the difference.
+    pub lower: Option<f64>,
+    /// Upper bound of the difference.
+    pub upper: Option<f64>,
+}
+
+/// Two servos, or one servo under two conditions, side by side.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// Version of this document.
+    pub schema: u32,
+    /// The answer.
+    pub verdict: Verdict,
+    /// The margin it is held against \[% of the step\].
+    pub margin_percent: f64,
+    /// Bounds of the largest difference between the responses.
+    pub difference_percent: DifferencePercent,
+    /// Level of every bound.
+    pub level: f64,
+    /// Runs on each side.
+    pub runs: [usize; 2],
+    /// Probability of the difference by scatter between runs of one servo; `None` with fewer than
+    /// three runs on a side.
+    pub p_value: Option<f64>,
+    /// Delay that brings the first response closest to the second \[s\].
+    pub delay_shift_s: f64,
+    /// Whether up and down strokes are compared apart.
+    pub split: bool,
+    /// By how much the first, driven like the second, goes farther; `None` without plateaus at two
+    /// levels.
+    pub over_prediction: Option<OverPrediction>,
+    /// Where each side comes to rest at the ends of the command; `None` without records.
+    pub levels: Option<Sides<Levels>>,
+    /// Up against down strokes on each side; `None` without records.
+    pub asymmetry: Option<Sides<Asymmetry>>,
+    /// Figures of both sides.
+    pub differences: Vec<MetricDifference>,
+    /// The answer in two sentences.
+    pub summary: String,
+    /// What the recordings cannot answer, and what would.
+    pub advice: Vec<Advice>,
+}
+
+/// Compares two sides, each a record of one or more runs.
+///
+/// ```
+/// use servoid_identification::comparison::{compare, ComparisonOptions, Verdict};
+/// use servoid_identification::Record;
+/// let u: Vec<f64> = (0..3000).map(|k| if k * k / 9000 % 2 == 0 { 5.0 } else { -5.0 }).collect();
+/// let servo = |speed: f64, shift: usize| {
+///     let noise = |k: usize| 0.01 * (((k + shift) * 7919 % 101) as f64 - 50.0) / 50.0;
+///     let y: Vec<f64> = u.iter().enumerate().scan(5.0, |y, (k, u)| {
+///         *y += speed * (u - *y); Some(*y + noise(k))
+///     }).collect();
+///     Record::from_slices(0.002, &u, &y)
+/// };
+/// let (bench, again, loaded) = (servo(0.2, 0)?, servo(0.2, 17)?, servo(0.1, 5)?);
+/// let options = ComparisonOptions::default();
+/// assert_eq!(compare(&bench, &again, &options)?.verdict, Verdict::Same);
+/// let found = compare(&bench, &loaded, &options)?;
+/// assert_eq!(found.verdict, Verdict::Different);
+/// assert!(found.difference_percent.at_least > 20.0);
+/// # Ok::<(), servoid_identification::Error>(())
+/// ```
+///
+/// # Errors
+/// A side cannot be identified, or the two differ in sample period.
+pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Comparison, Error> {
+    let (a, b) = identified(a, b, &options.identification)?;
+    let level = options.identification.level;
+    let both = a.split.as_ref().zip(b.split.as_ref());
+    let split = both.filter(|_| a.asymmetric() || b.asymmetric());
+    let points = a.model.structure.settling_samples;
+    let curves = match split {
+        Some((a, b)) => [Curves::of_split(a), Curves::of_split(b)],
+        None => [
+            Curves::of_model(&a.model, points)?,
+            Curves::of_model(&b.model, points)?,
+        ],
+    };
+    let p_value = match scatter::p_value(a.record, b.record, a.model.basis()?, level) {
+        // A single run may be too short for a model of its own; then there is no test.
+        Err(Error::TooFewSamples { .. } | Error::OneDirection) => None,
+        other => other?,
+    };
+    let over_prediction = over_prediction::over_prediction(
+        b.record,
+        &over_prediction::Basis {
+            model: &a.model,
+            sd_at_rest: a.sd_at_rest(),
+            zero_sd: options.zero_sd,
+            wait: options
+                .wait_samples
+                .unwrap_or((points as f64 / MARGIN).ceil() as usize),
+            level,
+        },
+    );
+    let runs = [a.record.runs().len(), b.record.runs().len()];
+    let mut comparison = of_curves(&a.model, &b.model, &curves, p_value, runs, options);
+    comparison.split = split.is_some();
+    comparison.over_prediction = over_prediction;
+    comparison.levels = Some(Sides {
+        a: a.levels(),
+        b: b.levels(),
+    });
+    comparison.asymmetry = Some(Sides {
+        a: a.asymmetry(),
+        b: b.asymmetry(),
+    });
+    comparison.advice = advice(&comparison, &[&a, &b]);
+    Ok(comparison)
+}
+
+/// Compares two models without their records: plain step responses and figures.
+///
+/// # Errors
+/// The two differ in sample period, or a hand-made document does not describe a filter bank.
+pub fn compare_models(
+    a: &Model,
+    b: &Model,
+    options: &ComparisonOptions,
+) -> Result<Comparison, Error> {
+    same_period(a.sample_period_s, b.sample_period_s)?;
+    let points = a
+        .structure
+        .settling_samples
+        .max(b.structure.settling_samples);
+    let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
+    let mut comparison = of_curves(a, b, &curves, None, [1, 1], options);
+    comparison.advice = advice(&comparison, &[]);
+    Ok(comparison)
+}
+
+fn of_curves(
+    a: &Model,
+    b: &Model,
+    curves: &[Curves; 2],
+    p_value: Option<f64>,
+    runs: [usize; 2],
+    options: &ComparisonOptions,
+) -> Comparison {
+    let level = options.identification.level;
+    let found = largest_difference(&curves[0], &curves[1], level);
+    let margin = options.margin_percent / 100.0;
+    let by_margin = if found.at_least > margin {
+        Verdict::Different
+    } else if found.at_most <= margin {
+        Verdict::Same
+    } else {
+        Verdict::Undecided
+    };
+    let by_chance = p_value.is_some_and(|p| p > CHANCE);
+    let verdict = match by_margin {
+        Verdict::Different if by_chance => Verdict::Undecided,
+        other => other,
+    };
+    let timing = a.timing();
+    let difference_percent = DifferencePercent {
+        at_least: 100.0 * found.at_least.max(0.0),
+        at_most: 100.0 * found.at_most,
+        at_s: timing.seconds(found.sample as f64),
+    };
+    let delay_shift_s = equivalent_shift(&curves[0], &curves[1]) * timing.sample_period_s
+        + b.sample_phase_s
+        - a.sample_phase_s;
+    Comparison {
+        schema: SCHEMA,
+        verdict,
+        margin_percent: options.margin_percent,
+        difference_percent,
+        level,
+        runs,
+        p_value,
+        delay_shift_s,
+        split: false,
+        over_prediction: None,
+        levels: None,
+        asymmetry: None,
+        differences: metric_differences(&a.metrics, &b.metrics),
+        summary: summary(verdict, &found, by_chance, p_value, options),
+        advice: Vec::new(),
+    }
+}
+
+fn summary(
+    verdict: Verdict,
+    found: &LargestDifference,
+    by_chance: bool,
+    p_value: Option<f64>,
+    options: &ComparisonOptions,
+) -> String {
+    let (least, most) = (100.0 * found.at_least.max(0.0), 100.0 * found.at_most);
+    let margin = options.margin_percent;
+    let answer = match verdict {
+        Verdict::Different => format!(
+            "The two servos differ by more than the margin of {margin} %: at least {least:.1} % and at most \
+             {most:.1} % of the step."
+        ),
+        Verdict::Same => format!(
+            "The two servos are the same within the margin of {margin} %: they differ by at most {most:.1} % \
+             of the step."
+        ),
+        Verdict::Undecided if by_chance && 100.0 * found.at_least > margin => format!(
+            "The recordings differ by at least {least:.1} % of the step, but no more than runs of one \
+             servo differ among themselves."
+        ),
+        Verdict::Undecided => format!(
+            "The recordings do not decide: the servos differ by {least:.1} to {most:.1} % of the step, and \
+             the margin of {margin} % lies between."
+        ),
+    };
+    let chance = match p_value {
+        Some(p) => format!("Differences between runs are counted (p = {p:.3})."),
+        None => {
+            "Differences from run to run are not included: that takes three runs a side.".to_owned()
+        }
+    };
+    format!("{answer} {chance}")
+}
+
+/// How to read a figure.
+type Figure = fn(&Metrics) -> Interval;
+
+fn metric_differences(a: &Metrics, b: &Metrics) -> Vec<MetricDifference> {
+    let figures: [(&str, Figure); 8] = [
+        ("dc_gain", |m| m.dc_gain),
+        ("delay_s", |m| m.delay_s),
+        ("t50_s", |m| m.t50_s),
+        ("rise_time_s", |m| m.rise_time_s),
+        ("overshoot_percent", |m| m.overshoot_percent),
+        ("settling_time_s", |m| m.settling_time_s),
+        ("bandwidth_rad_s", |m| m.bandwidth_rad_s),
+        ("phase_minus_90_rad_s", |m| m.phase_minus_90_rad_s),
+    ];
+    figures
+        .iter()
+        .map(|(name, of)| {
+            let (a, b) = (of(a), of(b));
+            let difference = b.value.zip(a.value).map(|(b, a)| b - a);
+            let away =
+                |from: Option<f64>, to: Option<f64>| from.zip(to).map(|(from, to)| to - from);
+            let bound = |b_part: Option<f64>, a_part: Option<f64>| {
+                b_part.zip(a_part).map(|(x, y)| x.hypot(y))
+            };
+            let below = bound(away(b.lower, b.value), away(a.value, a.upper));
+            let above = bound(away(b.value, b.upper), away(a.lower, a.value));
+            MetricDifference {
+                metric: (*name).to_owned(),
+                a: a.value,
+                b: b.value,
+                difference,
+                lower: difference.zip(below).map(|(d, below)| d - below),
+                upper: difference.zip(above).map(|(d, above)| d + above),
+            }
+        })
+        .collect()
+}
+
+/// What the recordings cannot answer.
+fn advice(comparison: &Comparison, sides: &[&Identified<'_>]) -> Vec<Advice> {
+    let mut advice = Vec::new();
+    let fewest = comparison.runs[0].min(comparison.runs[1]);
+    if comparison.p_value.is_none() {
+        advice.push(Advice::new(
+            "runs",
+            format!("{fewest} run a side: differences from run to run are not included."),
+            fewest as f64,
+            3.0,
+            "Record three or more runs a side, five for the sharper test.",
+        ));
+    }
+    let two_levels = |side: &&&Identified<'_>| {
+        let memory = side.model.structure.settling_samples;
+        let mut levels: Vec<f64> = Limits::level_table(side.record, memory, comparison.level)
+            .map(|cells| cells.iter().map(|cell| cell.command).collect())
+            .unwrap_or_default();
+        levels.dedup();
+        levels.len() < 4
+    };
+    if sides.iter().filter(two_levels).count() > 0 {
+        advice.push(Advice::new(
+            "levels",
+            "Where between its levels a servo loses travel, and whether it meets a stop, cannot be \
+             known from two levels."
+                .to_owned(),
+            2.0,
+            4.0,
+            "Record stairs up and down with at least four levels, both ends included, each reached \
+             from both sides three times and held for twice the settling time.",
+        ));
+    }
+    advice
+}

@@ -1,0 +1,163 @@
+//! Two response curves and what lies between them, for all points at once.
+
+use faer::Mat;
+
+use crate::band::{simultaneous_critical, student_critical};
+use crate::basis::dot;
+use crate::direction::DirectionModel;
+use crate::error::Error;
+use crate::linear::times;
+use crate::metrics::covariance_of;
+use crate::model::Model;
+
+/// Farthest shift in time looked at, and its resolution \[samples\].
+const SHIFT: (f64, f64) = (40.0, 0.05);
+
+/// One or more response curves, one after the other, with their second moments.
+#[derive(Debug, Clone)]
+pub(crate) struct Curves {
+    pub(crate) value: Vec<f64>,
+    variance: Vec<f64>,
+    /// Covariance of each point with the next; one fewer.
+    neighbour: Vec<f64>,
+    degrees_of_freedom: f64,
+    /// Bound of what no variance covers.
+    bias: f64,
+    /// Points of each curve.
+    pub(crate) points: usize,
+}
+
+impl Curves {
+    /// The step response of a plain model, held at its final value up to `points` samples.
+    pub(crate) fn of_model(model: &Model, points: usize) -> Result<Self, Error> {
+        let map = model.basis()?.step_map();
+        let last = map.nrows() - 1;
+        let map = Mat::from_fn(points, map.ncols(), |m, k| map[(m.min(last), k)]);
+        let bias = model.step.truncation_bias;
+        let parameters = model.structure.frequencies + 1 + model.structure.noise_order;
+        let degrees = (model.fit.samples_used as f64 - parameters as f64).max(1.0);
+        Ok(Self::new(
+            &map,
+            &model.theta,
+            &covariance_of(model),
+            degrees,
+            bias,
+            points,
+        ))
+    }
+
+    /// Up and down response of a direction-split model.
+    pub(crate) fn of_split(model: &DirectionModel) -> Self {
+        let fit = &model.fit;
+        let map = fit.curves_map();
+        let points = map.nrows() / 2;
+        Self::new(
+            &map,
+            &fit.parameters,
+            &fit.covariance,
+            fit.degrees_of_freedom,
+            0.0,
+            points,
+        )
+    }
+
+    fn new(
+        map: &Mat<f64>,
+        parameters: &[f64],
+        covariance: &Mat<f64>,
+        degrees_of_freedom: f64,
+        bias: f64,
+        points: usize,
+    ) -> Self {
+        let rows = map.transpose().to_owned();
+        let weighted = covariance * &rows;
+        let product = |i: usize, j: usize| dot(weighted.col_as_slice(i), rows.col_as_slice(j));
+        Self {
+            value: times(map, parameters),
+            variance: (0..map.nrows()).map(|i| product(i, i).max(0.0)).collect(),
+            neighbour: (1..map.nrows()).map(|i| product(i - 1, i)).collect(),
+            degrees_of_freedom,
+            bias,
+            points,
+        }
+    }
+
+    /// The final value.
+    pub(crate) fn gain(&self) -> f64 {
+        self.value[self.points - 1]
+    }
+}
+
+/// Bounds of the largest difference between two sets of curves, relative to the gain of the first.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LargestDifference {
+    /// The largest difference is at least this; negative when there may be none.
+    pub(crate) at_least: f64,
+    pub(crate) at_most: f64,
+    /// Point at which the difference is surest \[samples\], within its curve.
+    pub(crate) sample: usize,
+}
+
+/// All differences lie within q of their standard deviations of their estimates at once with
+/// probability `level`, and so does the largest.
+pub(crate) fn largest_difference(a: &Curves, b: &Curves, level: f64) -> LargestDifference {
+    let count = a.value.len();
+    let sd: Vec<f64> = (0..count)
+        .map(|m| (a.variance[m] + b.variance[m]).sqrt())
+        .collect();
+    let correlation: Vec<f64> = (1..count)
+        .map(|m| {
+            let scale = sd[m - 1] * sd[m];
+            if scale > 0.0 {
+                ((a.neighbour[m - 1] + b.neighbour[m - 1]) / scale).clamp(-1.0, 1.0)
+            } else {
+                1.0
+            }
+        })
+        .collect();
+    let degrees = a.degrees_of_freedom.min(b.degrees_of_freedom);
+    let q = student_critical(simultaneous_critical(&correlation, level), &[degrees])[0];
+    let (bias, gain) = (a.bias + b.bias, a.gain().abs());
+    let difference = |m: usize| (a.value[m] - b.value[m]).abs();
+    let sample = (0..count)
+        .max_by(|&i, &j| (difference(i) - q * sd[i]).total_cmp(&(difference(j) - q * sd[j])))
+        .unwrap_or(0);
+    let largest = (0..count)
+        .map(|m| difference(m) + q * sd[m])
+        .fold(0.0, f64::max);
+    LargestDifference {
+        at_least: (difference(sample) - q * sd[sample] - bias) / gain,
+        at_most: (largest + bias) / gain,
+        sample: sample % a.points,
+    }
+}
+
+/// The delay \[samples\] that brings the first curves closest to the second: positive when the
+/// second are later.
+pub(crate) fn equivalent_shift(a: &Curves, b: &Curves) -> f64 {
+    let curves = a.value.len() / a.points;
+    let at = |curve: &[f64], t: f64| {
+        if t < 0.0 {
+            return 0.0;
+        }
+        let (k, part) = (t as usize, t.fract());
+        let last = curve.len() - 1;
+        curve[k.min(last)] * (1.0 - part) + curve[(k + 1).min(last)] * part
+    };
+    let distance = |shift: f64| {
+        (0..curves)
+            .flat_map(|c| (0..a.points).map(move |m| (c, m)))
+            .map(|(c, m)| {
+                let range = c * a.points..(c + 1) * a.points;
+                let earlier = at(&a.value[range.clone()], m as f64 - shift);
+                (earlier - b.value[range.start + m]).abs()
+            })
+            .fold(0.0, f64::max)
+    };
+    let steps = (SHIFT.0 / SHIFT.1) as i64;
+    (-steps..=steps)
+        .map(|k| k as f64 * SHIFT.1)
+        .map(|shift| (shift, distance(shift)))
+        .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.abs().total_cmp(&b.0.abs())))
+        .map_or(0.0, |best| best.0)
+}

@@ -1,0 +1,176 @@
+//! By how much the first servo, driven like the second, goes farther than the second.
+//!
+//! P holds the samples of the second record at one end of its command, from a settling time w after
+//! the edge to the next edge. With a the output there and â that of the first model driven by the
+//! second record's own input, both from the sensor's zero,
+//!
+//! ```text
+//! over-prediction  1 - sum_P a / sum_P â        at the plus end, and at the minus end
+//! travel           1 - (a+ - a-) / (â+ - â-)    needs no zero
+//! ```
+//!
+//! Plateaus are the units of scatter: with a_j the mean of plateau j, w_j its length, K their number,
+//! s² = K/(K-1) sum (w_j (a_j - a))² / (sum w_j)², the interval is Student's with K-1 degrees of freedom
+//! around (s/â)² + v (a/â²)² + (s_zero/â)², v the variance of â. Drift and scatter between runs are not in
+//! it.
+
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::limits::holds::{Hold, holds, mean_output};
+use crate::metrics::Interval;
+use crate::model::Model;
+use crate::record::{Record, Run};
+
+/// Over-prediction of the second servo by the first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OverPrediction {
+    /// At the largest command \[%\].
+    pub plus_percent: Interval,
+    /// At the smallest command \[%\].
+    pub minus_percent: Interval,
+    /// Of the travel between the two \[%\].
+    pub travel_percent: Interval,
+    /// w \[samples\].
+    pub wait_samples: usize,
+    /// What the figures are.
+    pub definition: String,
+}
+
+/// What the intervals rest on, beside the record.
+pub(crate) struct Basis<'a> {
+    /// Model of the first servo.
+    pub(crate) model: &'a Model,
+    /// Standard deviation of its output at rest, at the largest and smallest command.
+    pub(crate) sd_at_rest: [f64; 2],
+    /// Standard deviation of the zero of the sensor between the two records.
+    pub(crate) zero_sd: f64,
+    pub(crate) wait: usize,
+    pub(crate) level: f64,
+}
+
+/// One end of the command.
+struct End {
+    /// Mean output, its standard deviation, plateaus.
+    mean: f64,
+    sd: f64,
+    plateaus: usize,
+    /// Mean prediction.
+    predicted: f64,
+}
+
+/// `None` when the record has no two ends with two plateaus each.
+pub(crate) fn over_prediction(record: &Record, basis: &Basis<'_>) -> Option<OverPrediction> {
+    let levels: Vec<f64> = record
+        .runs()
+        .iter()
+        .flat_map(|run| {
+            holds(run)
+                .into_iter()
+                .filter(|hold| hold.samples.len() > basis.wait)
+        })
+        .map(|hold| hold.level)
+        .collect();
+    let high = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let low = levels.iter().copied().fold(f64::INFINITY, f64::min);
+    if high <= low {
+        return None;
+    }
+    let (plus, minus) = (
+        End::new(record, basis, high)?,
+        End::new(record, basis, low)?,
+    );
+    let zero = basis.zero_sd;
+    let side = |end: &End, sd_at_rest: f64| {
+        let (a, b) = (end.mean, end.predicted);
+        let variance =
+            (end.sd / b).powi(2) + (sd_at_rest * a / (b * b)).powi(2) + (zero / b).powi(2);
+        interval(1.0 - a / b, variance.sqrt(), end.plateaus - 1, basis.level)
+    };
+    let (travel, predicted) = (plus.mean - minus.mean, plus.predicted - minus.predicted);
+    // The zero cancels, and so does the offset; the gain's part adds up.
+    let sd_predicted = basis.sd_at_rest[0].hypot(basis.sd_at_rest[1]);
+    let variance = (plus.sd.hypot(minus.sd) / predicted).powi(2)
+        + (sd_predicted * travel / (predicted * predicted)).powi(2);
+    let degrees = plus.plateaus.min(minus.plateaus) - 1;
+    Some(OverPrediction {
+        plus_percent: side(&plus, basis.sd_at_rest[0]),
+        minus_percent: side(&minus, basis.sd_at_rest[1]),
+        travel_percent: interval(
+            1.0 - travel / predicted,
+            variance.sqrt(),
+            degrees,
+            basis.level,
+        ),
+        wait_samples: basis.wait,
+        definition: format!(
+            "(predicted - measured) / predicted of the plateaus at {high} (plus) and {low} (minus), \
+             from {} samples after the edge; {} and {} plateaus; zero of the sensor known to {zero}",
+            basis.wait, plus.plateaus, minus.plateaus
+        ),
+    })
+}
+
+impl End {
+    fn new(record: &Record, basis: &Basis<'_>, level: f64) -> Option<Self> {
+        let mut plateaus: Vec<(f64, f64, f64)> = Vec::new();
+        for run in record.runs() {
+            let predicted = Run::new(run.input(), basis.model.simulate(run)).ok()?;
+            for Hold {
+                samples,
+                level: at,
+                before,
+            } in holds(run)
+            {
+                let settled = samples.start + basis.wait..samples.end;
+                if at != level || before.is_none() || settled.len() < 2 {
+                    continue;
+                }
+                // A prediction without full history is missing, and so is what goes with it.
+                let known = settled.start
+                    + predicted.output()[settled.clone()]
+                        .iter()
+                        .take_while(|y| y.is_nan())
+                        .count();
+                let settled = known..settled.end;
+                let means =
+                    mean_output(run, settled.clone()).zip(mean_output(&predicted, settled.clone()));
+                if let Some((measured, predicted)) = means {
+                    plateaus.push((settled.len() as f64, measured, predicted));
+                }
+            }
+        }
+        let count = plateaus.len();
+        if count < 2 {
+            return None;
+        }
+        let weight: f64 = plateaus.iter().map(|p| p.0).sum();
+        let mean = |of: fn(&(f64, f64, f64)) -> f64| {
+            plateaus.iter().map(|p| p.0 * of(p)).sum::<f64>() / weight
+        };
+        let (measured, predicted) = (mean(|p| p.1), mean(|p| p.2));
+        let square: f64 = plateaus
+            .iter()
+            .map(|p| (p.0 * (p.1 - measured)).powi(2))
+            .sum();
+        let correction = count as f64 / (count - 1) as f64;
+        Some(Self {
+            mean: measured,
+            sd: (correction * square).sqrt() / weight,
+            plateaus: count,
+            predicted,
+        })
+    }
+}
+
+/// In percent.
+fn interval(value: f64, sd: f64, degrees: usize, level: f64) -> Interval {
+    let critical = StudentsT::new(0.0, 1.0, degrees as f64)
+        .map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + level / 2.0));
+    let half = critical * sd;
+    Interval::new(
+        100.0 * value,
+        100.0 * (value - half),
+        100.0 * (value + half),
+    )
+}

@@ -1,0 +1,255 @@
+//! Whether two groups of runs differ by more than runs of one servo differ among themselves.
+//!
+//! With three or four runs a side: Welch's t tests on ten figures of each run (times of 10, 50 and
+//! 90 % and the peak, up and down; both levels at rest), the smallest p times ten (Bonferroni). With
+//! five or more: the largest difference of the mean curves, each point over its own scatter, against
+//! its distribution over all ways to split the runs into two groups.
+
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::basis::Basis;
+use crate::direction::{DirectionModel, split_with};
+use crate::error::Error;
+use crate::options::NoiseOrder;
+use crate::record::Record;
+
+/// Runs a side needed for t tests, and for permutations: with four, the smallest possible p is
+/// 2/70.
+const RUNS: (usize, usize) = (3, 5);
+
+/// Most splits that are all tried; beyond, as many are drawn at random, seed below.
+const SPLITS: usize = 20_000;
+const SEED: u64 = 20_250_918;
+
+/// Probability of a difference at least as large if both sides are one servo; `None` with fewer
+/// than three runs on a side.
+pub(crate) fn p_value(
+    a: &Record,
+    b: &Record,
+    basis: Basis,
+    level: f64,
+) -> Result<Option<f64>, Error> {
+    let fewest = a.runs().len().min(b.runs().len());
+    if fewest < RUNS.0 {
+        return Ok(None);
+    }
+    let ends = ends(a);
+    let (a, b) = (models(a, basis, level)?, models(b, basis, level)?);
+    if fewest >= RUNS.1 {
+        return Ok(Some(permutation(&a, &b)));
+    }
+    let figures = |models: &[DirectionModel]| -> Vec<[f64; 10]> {
+        models.iter().map(|model| figures(model, ends)).collect()
+    };
+    let (a, b) = (figures(&a), figures(&b));
+    let smallest = (0..10)
+        .filter_map(|k| {
+            let column = |rows: &[[f64; 10]]| rows.iter().map(|row| row[k]).collect::<Vec<f64>>();
+            welch(&column(&a), &column(&b))
+        })
+        .fold(1.0, f64::min);
+    Ok(Some((10.0 * smallest).min(1.0)))
+}
+
+fn models(record: &Record, basis: Basis, level: f64) -> Result<Vec<DirectionModel>, Error> {
+    let alone = |run: &crate::record::Run| {
+        let record = Record::new(record.sample_period_s(), vec![run.clone()])?
+            .with_sample_phase(record.sample_phase_s());
+        split_with(&record, basis, NoiseOrder::Auto, level)
+    };
+    record.runs().iter().map(alone).collect()
+}
+
+/// Smallest and largest command.
+pub(crate) fn ends(record: &Record) -> (f64, f64) {
+    record
+        .runs()
+        .iter()
+        .flat_map(|run| run.input().iter().filter(|u| !u.is_nan()))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &u| {
+            (low.min(u), high.max(u))
+        })
+}
+
+fn figures(model: &DirectionModel, (low, high): (f64, f64)) -> [f64; 10] {
+    let of = |curve: &[f64]| {
+        let gain = curve[curve.len() - 1];
+        let at = |level: f64| {
+            let Some(m) = curve
+                .iter()
+                .position(|g| g / gain >= level)
+                .filter(|m| *m > 0)
+            else {
+                return f64::NAN;
+            };
+            let (before, after) = (curve[m - 1] / gain, curve[m] / gain);
+            (m - 1) as f64 + (level - before) / (after - before)
+        };
+        let peak = curve
+            .iter()
+            .map(|g| g / gain)
+            .fold(f64::NEG_INFINITY, f64::max);
+        [at(0.1), at(0.5), at(0.9), peak]
+    };
+    let (up, down) = (of(&model.up.value), of(&model.down.value));
+    let level = |command: f64| model.level_at(command).value.unwrap_or(f64::NAN);
+    [
+        up[0],
+        up[1],
+        up[2],
+        up[3],
+        down[0],
+        down[1],
+        down[2],
+        down[3],
+        level(high),
+        level(low),
+    ]
+}
+
+/// Two-sided p of equal means, variances unknown and unequal; `None` without scatter to compare
+/// with.
+fn welch(a: &[f64], b: &[f64]) -> Option<f64> {
+    let moments = |values: &[f64]| {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let square: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+        (mean, square / (count - 1.0) / count, count - 1.0)
+    };
+    let ((mean_a, share_a, degrees_a), (mean_b, share_b, degrees_b)) = (moments(a), moments(b));
+    let variance = share_a + share_b;
+    let degrees = variance.powi(2) / (share_a.powi(2) / degrees_a + share_b.powi(2) / degrees_b);
+    let t = (mean_a - mean_b).abs() / variance.sqrt();
+    if !t.is_finite() {
+        return None;
+    }
+    Some(2.0 * StudentsT::new(0.0, 1.0, degrees).ok()?.sf(t))
+}
+
+fn permutation(a: &[DirectionModel], b: &[DirectionModel]) -> f64 {
+    let curves: Vec<Vec<f64>> = a
+        .iter()
+        .chain(b)
+        .map(|model| [model.up.value.as_slice(), &model.down.value].concat())
+        .collect();
+    let total = curves.len();
+    let observed: Vec<bool> = (0..total).map(|k| k < a.len()).collect();
+    let reached = statistic(&curves, &observed);
+    // Statistics of the same split in another order of summation differ by rounding.
+    let exceeds = |split: &[bool]| statistic(&curves, split) >= reached * (1.0 - 1e-9);
+    let mut splits = Vec::new();
+    choose(total, a.len(), &mut Vec::new(), &mut splits);
+    if splits.len() > SPLITS {
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        let mut split = observed;
+        let count = (0..SPLITS)
+            .filter(|_| {
+                split.shuffle(&mut random);
+                exceeds(&split)
+            })
+            .count();
+        return (count + 1) as f64 / (SPLITS + 1) as f64;
+    }
+    let count = splits.iter().filter(|split| exceeds(split)).count();
+    count as f64 / splits.len() as f64
+}
+
+/// All ways to mark `chosen` of `total`, up to one more than are ever tried.
+fn choose(total: usize, chosen: usize, marks: &mut Vec<bool>, splits: &mut Vec<Vec<bool>>) {
+    if splits.len() > SPLITS {
+        return;
+    }
+    if marks.len() == total {
+        splits.push(marks.clone());
+        return;
+    }
+    let left = total - marks.len();
+    for mark in [true, false] {
+        let needed = chosen - usize::from(mark && chosen > 0);
+        let possible = if mark { chosen > 0 } else { chosen < left };
+        if possible {
+            marks.push(mark);
+            choose(total, needed, marks, splits);
+            marks.pop();
+        }
+    }
+}
+
+/// max_m |difference of means| / (s_m + median s), s the pooled scatter within groups.
+fn statistic(curves: &[Vec<f64>], first: &[bool]) -> f64 {
+    let points = curves[0].len();
+    let group = |m: usize, side: bool| {
+        let values = || {
+            curves
+                .iter()
+                .zip(first)
+                .filter(move |(_, f)| **f == side)
+                .map(move |(c, _)| c[m])
+        };
+        let count = values().count() as f64;
+        let mean = values().sum::<f64>() / count;
+        (mean, values().map(|x| (x - mean).powi(2)).sum::<f64>())
+    };
+    let (difference, scatter): (Vec<f64>, Vec<f64>) = (0..points)
+        .map(|m| {
+            let ((mean_a, square_a), (mean_b, square_b)) = (group(m, true), group(m, false));
+            let degrees = (curves.len() - 2) as f64;
+            (
+                (mean_a - mean_b).abs(),
+                ((square_a + square_b) / degrees).sqrt(),
+            )
+        })
+        .unzip();
+    let median = {
+        let mut sorted = scatter.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted[points / 2]
+    };
+    difference
+        .iter()
+        .zip(&scatter)
+        .map(|(d, s)| {
+            if s + median > 0.0 {
+                d / (s + median)
+            } else {
+                0.0
+            }
+        })
+        .fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn welch_agrees_with_a_worked_example() {
+        // t = 3 / sqrt(1/3 + 4/3) = 2.3238, 2.941 degrees of freedom.
+        let p = welch(&[1.0, 2.0, 3.0], &[3.0, 5.0, 7.0]).unwrap();
+        let exact = 2.0
+            * StudentsT::new(0.0, 1.0, 50.0 / 17.0)
+                .unwrap()
+                .sf(3.0 / (5.0f64 / 3.0).sqrt());
+        assert_abs_diff_eq!(p, exact, epsilon = 1e-12);
+        assert_eq!(welch(&[1.0, 1.0], &[1.0, 1.0]), None);
+    }
+
+    #[test]
+    fn all_splits_are_listed_once() {
+        let mut splits = Vec::new();
+        choose(10, 5, &mut Vec::new(), &mut splits);
+        assert_eq!(splits.len(), 252);
+        assert!(
+            splits
+                .iter()
+                .all(|split| split.iter().filter(|mark| **mark).count() == 5)
+        );
+        splits.sort();
+        splits.dedup();
+        assert_eq!(splits.len(), 252);
+    }
+}

@@ -1,0 +1,132 @@
+//! One side of a comparison, identified.
+
+use super::{Asymmetry, Levels, scatter};
+use crate::band::pointwise_critical;
+use crate::direction::{DirectionModel, split};
+use crate::error::Error;
+use crate::identify::identify;
+use crate::limits::Limits;
+use crate::metrics::Interval;
+use crate::model::Model;
+use crate::options::{Frequencies, Options, Settling};
+use crate::record::Record;
+
+/// One side, identified.
+pub(super) struct Identified<'a> {
+    pub(super) record: &'a Record,
+    pub(super) model: Model,
+    pub(super) split: Option<DirectionModel>,
+}
+
+impl<'a> Identified<'a> {
+    fn new(record: &'a Record, options: &Options) -> Result<Self, Error> {
+        let model = identify(record, options)?;
+        // What one record cannot tell, such as strokes in one direction only, is no error here.
+        let split = split(record, &model).ok();
+        Ok(Self {
+            record,
+            model,
+            split,
+        })
+    }
+
+    pub(super) fn asymmetric(&self) -> bool {
+        self.split
+            .as_ref()
+            .is_some_and(|split| split.symmetry.asymmetric)
+    }
+
+    pub(super) fn asymmetry(&self) -> Asymmetry {
+        let symmetry = self.split.as_ref().map(|split| &split.symmetry);
+        Asymmetry {
+            p: symmetry.map(|symmetry| symmetry.p),
+            largest_percent: symmetry.map(|s| {
+                100.0 * s.largest_difference / self.model.metrics.dc_gain.value.unwrap_or(1.0)
+            }),
+        }
+    }
+
+    /// Rest at the ends of the command: from the plateaus of a record with several levels, from the
+    /// static line of one with two.
+    pub(super) fn levels(&self) -> Levels {
+        let (low, high) = scatter::ends(self.record);
+        let memory = self.model.structure.settling_samples;
+        let level = self.model.step.pointwise.level;
+        let cells = Limits::level_table(self.record, memory, level).unwrap_or_default();
+        let mut commands: Vec<f64> = cells.iter().map(|cell| cell.command).collect();
+        commands.dedup();
+        let rest = |command: f64| {
+            let cell = cells
+                .iter()
+                .find(|cell| cell.command == command && cell.visits > 1);
+            match (cell, &self.split) {
+                (Some(cell), _) if commands.len() > 2 => cell.reached,
+                (_, Some(split)) => split.level_at(command),
+                (Some(cell), None) => cell.reached,
+                (None, None) => Interval::default(),
+            }
+        };
+        Levels {
+            command_plus: high,
+            plus: rest(high),
+            command_minus: low,
+            minus: rest(low),
+        }
+    }
+
+    /// Standard deviation of the rest at the largest and the smallest command.
+    pub(super) fn sd_at_rest(&self) -> [f64; 2] {
+        let (low, high) = scatter::ends(self.record);
+        let critical = pointwise_critical(self.model.step.pointwise.level);
+        [high, low].map(|command| match &self.split {
+            Some(split) => {
+                let rest = split.level_at(command);
+                rest.upper
+                    .zip(rest.lower)
+                    .map_or(0.0, |(up, low)| (up - low) / 2.0 / critical)
+            }
+            None => command.abs() * self.model.covariance[0][0].max(0.0).sqrt(),
+        })
+    }
+}
+
+/// Both sides with one structure: the longer settling time of the two.
+pub(super) fn identified<'a>(
+    a: &'a Record,
+    b: &'a Record,
+    options: &Options,
+) -> Result<(Identified<'a>, Identified<'a>), Error> {
+    same_period(a.sample_period_s(), b.sample_period_s())?;
+    let structure = [
+        identify(a, options)?.structure,
+        identify(b, options)?.structure,
+    ];
+    let common = Options {
+        settling: Settling::Samples(
+            structure[0]
+                .settling_samples
+                .max(structure[1].settling_samples),
+        ),
+        frequencies: match options.frequencies {
+            // Where one side is low-passed, both are seen through its bank.
+            Frequencies::Auto
+                if structure
+                    .iter()
+                    .any(|s| s.frequencies < s.settling_samples - 1) =>
+            {
+                Frequencies::Count(structure[0].frequencies.min(structure[1].frequencies))
+            }
+            other => other,
+        },
+        ..*options
+    };
+    Ok((Identified::new(a, &common)?, Identified::new(b, &common)?))
+}
+
+pub(super) fn same_period(expected: f64, found: f64) -> Result<(), Error> {
+    // Clocks of one rig agree far better, and another rate differs far more.
+    if ((found - expected) / expected).abs() > 1e-6 {
+        return Err(Error::PeriodMismatch { expected, found });
+    }
+    Ok(())
+}

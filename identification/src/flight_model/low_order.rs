@@ -1,0 +1,141 @@
+//! K e^{-Ls} with one to three poles, answered exactly.
+
+use faer::c64;
+use serde::{Deserialize, Serialize};
+
+/// Relative distance to which poles that coincide are moved apart. The response is an even function
+/// of the distance, so that it changes by the square of this; residues lose as many digits as the
+/// distance has.
+const APART: f64 = 1e-5;
+
+/// A transfer function of low order, orders 1 to 3:
+///
+/// ```text
+/// K e^{-Ls} / (1 + Ts)
+/// K e^{-Ls} / (1 + 2ζs/ω + s²/ω²)
+/// K e^{-Ls} / ((1 + 2ζs/ω + s²/ω²) (1 + Ts))
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LowOrder {
+    /// K \[output per input\].
+    pub gain: f64,
+    /// L \[s\].
+    pub delay_s: f64,
+    /// ω \[rad/s\] and ζ, orders 2 and 3.
+    pub oscillator: Option<Oscillator>,
+    /// T \[s\], orders 1 and 3.
+    pub lag_s: Option<f64>,
+}
+
+/// A pair of poles.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Oscillator {
+    /// ω \[rad/s\].
+    pub omega_rad_s: f64,
+    /// ζ.
+    pub damping: f64,
+}
+
+impl LowOrder {
+    /// Poles \[1/s\], no two the same.
+    fn poles(&self) -> Vec<c64> {
+        let mut poles = Vec::with_capacity(3);
+        if let Some(Oscillator {
+            omega_rad_s,
+            damping,
+        }) = self.oscillator
+        {
+            let root = c64::new(damping * damping - 1.0, 0.0).sqrt();
+            let root = if root.norm() < APART {
+                c64::new(APART, 0.0)
+            } else {
+                root
+            };
+            poles.extend([
+                (root - damping) * omega_rad_s,
+                (-root - damping) * omega_rad_s,
+            ]);
+        }
+        if let Some(lag) = self.lag_s {
+            let mut pole = c64::new(-1.0 / lag, 0.0);
+            while poles
+                .iter()
+                .any(|p: &c64| (p - pole).norm() < APART * pole.norm())
+            {
+                pole *= 1.0 + 3.0 * APART;
+            }
+            poles.push(pole);
+        }
+        poles
+    }
+
+    /// The response to a unit step, `t_s` seconds after it, by residues.
+    ///
+    /// ```
+    /// use servoid_identification::flight_model::LowOrder;
+    /// let servo = LowOrder { gain: 2.0, delay_s: 0.02, oscillator: None, lag_s: Some(0.01) };
+    /// assert!((servo.step(0.03) - 2.0 * (1.0 - (-1.0f64).exp())).abs() < 1e-12);
+    /// ```
+    #[must_use]
+    pub fn step(&self, t_s: f64) -> f64 {
+        self.steps(std::iter::once(t_s))[0]
+    }
+
+    /// [`LowOrder::step`] at many times.
+    pub(crate) fn steps(&self, times: impl Iterator<Item = f64>) -> Vec<f64> {
+        let poles = self.poles();
+        let all: c64 = poles.iter().map(|p| -p).product();
+        let modes: Vec<(c64, c64)> = (0..poles.len())
+            .map(|i| {
+                let others: c64 = (0..poles.len())
+                    .filter(|&j| j != i)
+                    .map(|j| poles[i] - poles[j])
+                    .product();
+                (poles[i], all / (poles[i] * others))
+            })
+            .collect();
+        times
+            .map(|t| {
+                let t = t - self.delay_s;
+                if t <= 0.0 {
+                    return 0.0;
+                }
+                let sum: f64 = modes
+                    .iter()
+                    .map(|(p, weight)| (weight * (p * t).exp()).re)
+                    .sum();
+                self.gain * (1.0 + sum)
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn poles_that_coincide_give_the_limit() {
+        let critical = |t: f64| 1.0 - (-50.0 * t).exp() * (1.0 + 50.0 * t);
+        let servo = LowOrder {
+            gain: 1.0,
+            delay_s: 0.0,
+            oscillator: Some(Oscillator {
+                omega_rad_s: 50.0,
+                damping: 1.0,
+            }),
+            lag_s: None,
+        };
+        let triple = LowOrder {
+            lag_s: Some(0.02),
+            ..servo
+        };
+        let exact = |t: f64| 1.0 - (-50.0 * t).exp() * (1.0 + 50.0 * t + 1250.0 * t * t);
+        for t in [0.001, 0.02, 0.1] {
+            assert_abs_diff_eq!(servo.step(t), critical(t), epsilon = 1e-9);
+            // Two distances of 1e-5: ten digits are lost.
+            assert_abs_diff_eq!(triple.step(t), exact(t), epsilon = 1e-4);
+        }
+    }
+}

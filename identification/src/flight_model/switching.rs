@@ -1,0 +1,315 @@
+//! A flight model for a servo that answers up and down strokes differently.
+//!
+//! Each change a of the command starts a response of its own, a g_up(t) when it leads upwards and
+//! a g_down(t) when it leads downwards, with one gain K and two sets of delay and poles. The direction-split
+//! estimate (see [`crate::direction`]) is linear in the output just as the plain one, so the same
+//! projection serves, on both of its banks at once.
+//!
+//! The output at rest is on the line c + K u. Where strokes overlap this is a superposition, which a
+//! real servo need not follow; and its speed may not grow with the stroke. The model holds for
+//! strokes of the sizes recorded, which it states.
+
+use faer::Mat;
+use serde::{Deserialize, Serialize};
+
+use super::projection::{LENGTH, whitening, with_history};
+use super::search::{Minimum, minimise};
+use super::{FlightModelOptions, Guess, LowOrder, OrderTried, REJECT};
+use crate::band::pointwise_critical;
+use crate::basis::Basis;
+use crate::direction::two_inputs::{self, TwoInputMoments};
+use crate::direction::{DirectionModel, FREQUENCIES, upper_tail};
+use crate::error::Error;
+use crate::linear::times;
+use crate::matrix_serde::to_rows;
+use crate::metrics::Interval;
+use crate::model::Model;
+use crate::normal::Coordinates;
+use crate::options::NoiseOrder;
+use crate::record::Record;
+use crate::timing::Timing;
+
+/// The answer to strokes of one direction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stroke {
+    /// The transfer function; the gain is common to both directions.
+    pub transfer: LowOrder,
+    /// L \[s\].
+    pub delay_s: Interval,
+    /// ω \[rad/s\].
+    pub omega_rad_s: Interval,
+    /// ζ.
+    pub damping: Interval,
+    /// T \[s\], order 3.
+    pub lag_s: Option<Interval>,
+}
+
+/// A flight model with two sets of dynamics.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SwitchingModel {
+    /// K \[output per input\].
+    pub gain: Interval,
+    /// c: output at rest at a command of zero.
+    pub offset: Interval,
+    /// Strokes upwards.
+    pub up: Stroke,
+    /// Strokes downwards.
+    pub down: Stroke,
+    /// Level of the intervals.
+    pub level: f64,
+    /// Covariance of \[K, up: L, ln ω, ln ζ, ln T, down: the same\], widened already.
+    pub covariance: Vec<Vec<f64>>,
+    /// Orders 2 and 3.
+    pub tried: Vec<OrderTried>,
+    /// Poles for each direction.
+    pub order: usize,
+    /// Whether the data reject the order, so that this is an approximation.
+    pub approximation: bool,
+    /// χ²/dof by which the covariance was multiplied, 1 when nothing is rejected.
+    pub inflation: f64,
+    /// Largest error of either response \[% of the stroke\].
+    pub largest_error_percent: f64,
+    /// Smallest and largest commanded change in the record: the model holds for these.
+    pub stroke_sizes: (f64, f64),
+    /// Period at which the command is held before it reaches this model \[s\].
+    pub hold_period_s: Option<f64>,
+}
+
+/// Fits both directions of `split`, found with `model` in `record`. The order, 2 or 3, is the one
+/// with the smaller χ² + dim x · ln(rank).
+///
+/// # Errors
+/// One of the responses does not rise, or the record is not the one of the models.
+pub fn fit_switching(
+    record: &Record,
+    model: &Model,
+    split: &DirectionModel,
+    options: &FlightModelOptions,
+) -> Result<SwitchingModel, Error> {
+    let fitter = Fitter::new(record, model)?;
+    let guesses = [
+        Guess::of_curve(&split.up.value, fitter.timing),
+        Guess::of_curve(&split.down.value, fitter.timing),
+    ];
+    let [Some(up), Some(down)] = guesses else {
+        return Err(Error::NoResponse);
+    };
+    let pairs = |order: usize, second: Option<[LowOrder; 2]>| -> Vec<[LowOrder; 2]> {
+        let starts = |guess: &Guess, k: usize| guess.starts(order, second.map(|pair| pair[k]));
+        starts(&up, 0)
+            .into_iter()
+            .zip(starts(&down, 1))
+            .map(|(up, down)| [up, down])
+            .collect()
+    };
+    let second = fitter.best(2, &pairs(2, None)).ok_or(Error::NoResponse)?;
+    let third = fitter.best(3, &pairs(3, Some(second.transfers)));
+    let mut fits = vec![second];
+    fits.extend(third);
+    let tried = fits.iter().map(|fit| fit.tried).collect();
+    let best = fits
+        .iter()
+        .min_by(|a, b| a.tried.bic.total_cmp(&b.tried.bic))
+        .ok_or(Error::NoResponse)?;
+    Ok(best.report(record, split, tried, options.frame_period_s))
+}
+
+/// [K, up: L, ln ω, ln ζ, ln T, down: ...].
+fn to_parameters(transfers: &[LowOrder; 2]) -> Vec<f64> {
+    let gain = f64::midpoint(transfers[0].gain, transfers[1].gain);
+    let sides = transfers
+        .iter()
+        .flat_map(|transfer| super::to_parameters(transfer).split_off(1));
+    std::iter::once(gain).chain(sides).collect()
+}
+
+fn from_parameters(order: usize, x: &[f64]) -> [LowOrder; 2] {
+    let each = (x.len() - 1) / 2;
+    [0, 1].map(|side| {
+        let own = &x[1 + side * each..1 + (side + 1) * each];
+        let with_gain: Vec<f64> = std::iter::once(x[0]).chain(own.iter().copied()).collect();
+        super::from_parameters(order, &with_gain)
+    })
+}
+
+struct Fitter {
+    timing: Timing,
+    length: usize,
+    /// Whitened estimate, and whitened map from responses.
+    estimate: Vec<f64>,
+    map: Mat<f64>,
+    /// Estimate of g_up and g_down, and the map from responses to what the estimator would find.
+    curves: Vec<f64>,
+    curves_map: Mat<f64>,
+}
+
+impl Fitter {
+    fn new(record: &Record, model: &Model) -> Result<Self, Error> {
+        let basis = model.basis()?;
+        let settling = basis.settling();
+        let length = LENGTH * settling;
+        let odd = settling - usize::from(settling.is_multiple_of(2));
+        let second = Basis::new(settling, FREQUENCIES.min(odd))?;
+        let coordinates = Coordinates::new(basis);
+        let moments = TwoInputMoments::of_record(&with_history(record, settling)?, length);
+        let fit = two_inputs::fit(&moments, &coordinates, &second, NoiseOrder::Auto)
+            .ok_or(Error::OneDirection)?;
+        let projection = two_inputs::projection(&moments, &coordinates, &second, &fit.ar, length)
+            .ok_or(Error::OneDirection)?;
+        let (n, n2) = (coordinates.len(), second.frequencies());
+        let p = n + n2;
+        let covariance = fit.covariance.as_ref().submatrix(0, 0, p, p).to_owned();
+        let whitening = whitening(&covariance).ok_or(Error::NoResponse)?;
+        let projection = projection
+            .as_ref()
+            .submatrix(0, 0, p, 2 * length)
+            .to_owned();
+        let (step, impulse) = (coordinates.step_map(), second.impulse_map());
+        let to_curves = Mat::from_fn(2 * settling, p, |i, k| {
+            let (m, sign) = (i % settling, if i < settling { 1.0 } else { -1.0 });
+            if k < n {
+                step[(m, k)]
+            } else {
+                sign * impulse[(m, k - n)]
+            }
+        });
+        Ok(Self {
+            timing: Timing {
+                sample_period_s: record.sample_period_s(),
+                sample_phase_s: record.sample_phase_s(),
+            },
+            length,
+            estimate: times(&whitening, &fit.parameters[..p]),
+            map: whitening * &projection,
+            curves: times(&to_curves, &fit.parameters[..p]),
+            curves_map: to_curves * projection,
+        })
+    }
+
+    /// Response to u, then to |du|, sample by sample.
+    fn responses(&self, transfers: &[LowOrder; 2]) -> Vec<f64> {
+        let [up, down] = transfers.map(|transfer| {
+            transfer.steps((0..self.length).map(|i| self.timing.seconds(i as f64)))
+        });
+        let mut before = 0.0;
+        let mean = up.iter().zip(&down).map(|(up, down)| {
+            let g = f64::midpoint(*up, *down);
+            g - std::mem::replace(&mut before, g)
+        });
+        let split = up.iter().zip(&down).map(|(up, down)| (up - down) / 2.0);
+        mean.chain(split).collect()
+    }
+
+    fn best(&self, order: usize, starts: &[[LowOrder; 2]]) -> Option<Fit> {
+        let residuals = |x: &[f64]| -> Vec<f64> {
+            let projected = times(&self.map, &self.responses(&from_parameters(order, x)));
+            self.estimate
+                .iter()
+                .zip(projected)
+                .map(|(a, b)| a - b)
+                .collect()
+        };
+        let minimum = starts
+            .iter()
+            .filter_map(|start| {
+                let x = to_parameters(start);
+                let mut increments = vec![1e-4; x.len()];
+                increments[0] = 1e-4 * x[0].abs();
+                for delay in [1, 1 + (x.len() - 1) / 2] {
+                    increments[delay] = 1e-2 * self.timing.sample_period_s;
+                }
+                minimise(&residuals, &x, &increments)
+            })
+            .min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares))?;
+        let (count, rank) = (minimum.parameters.len(), self.estimate.len());
+        let degrees_of_freedom = rank.checked_sub(count).filter(|degrees| *degrees > 0)?;
+        let transfers = from_parameters(order, &minimum.parameters);
+        let projected = times(&self.curves_map, &self.responses(&transfers));
+        let error = self
+            .curves
+            .iter()
+            .zip(projected)
+            .map(|(a, b)| (a - b).abs() / transfers[0].gain.abs())
+            .fold(0.0, f64::max);
+        Some(Fit {
+            order,
+            transfers,
+            tried: OrderTried {
+                order,
+                chi_square: minimum.sum_of_squares,
+                degrees_of_freedom,
+                p: upper_tail(minimum.sum_of_squares, degrees_of_freedom),
+                bic: minimum.sum_of_squares + count as f64 * (rank as f64).ln(),
+                largest_error_percent: 100.0 * error,
+            },
+            minimum,
+        })
+    }
+}
+
+struct Fit {
+    order: usize,
+    transfers: [LowOrder; 2],
+    minimum: Minimum,
+    tried: OrderTried,
+}
+
+impl Fit {
+    fn report(
+        &self,
+        record: &Record,
+        split: &DirectionModel,
+        tried: Vec<OrderTried>,
+        hold_period_s: Option<f64>,
+    ) -> SwitchingModel {
+        let approximation = self.tried.p < REJECT;
+        let ratio = self.tried.chi_square / self.tried.degrees_of_freedom as f64;
+        let inflation = if approximation { ratio.max(1.0) } else { 1.0 };
+        let covariance = faer::Scale(inflation) * &self.minimum.covariance;
+        let x = &self.minimum.parameters;
+        let critical = pointwise_critical(split.level);
+        let half = |k: usize| critical * covariance[(k, k)].max(0.0).sqrt();
+        let plain = |k: usize| Interval::new(x[k], x[k] - half(k), x[k] + half(k));
+        let exponential =
+            |k: usize| Interval::new(x[k].exp(), (x[k] - half(k)).exp(), (x[k] + half(k)).exp());
+        let each = (x.len() - 1) / 2;
+        let stroke = |side: usize| {
+            let first = 1 + side * each;
+            Stroke {
+                transfer: self.transfers[side],
+                delay_s: plain(first),
+                omega_rad_s: exponential(first + 1),
+                damping: exponential(first + 2),
+                lag_s: (self.order == 3).then(|| exponential(first + 3)),
+            }
+        };
+        SwitchingModel {
+            gain: plain(0),
+            offset: split.level_at(0.0),
+            up: stroke(0),
+            down: stroke(1),
+            level: split.level,
+            covariance: to_rows(&covariance),
+            tried,
+            order: self.order,
+            approximation,
+            inflation,
+            largest_error_percent: self.tried.largest_error_percent,
+            stroke_sizes: stroke_sizes(record),
+            hold_period_s,
+        }
+    }
+}
+
+/// Smallest and largest change of the command from one sample to the next.
+fn stroke_sizes(record: &Record) -> (f64, f64) {
+    record
+        .runs()
+        .iter()
+        .flat_map(|run| run.input().windows(2))
+        .map(|pair| (pair[1] - pair[0]).abs())
+        .filter(|size| *size > 0.0)
+        .fold((f64::INFINITY, 0.0), |(small, large), size| {
+            (small.min(size), large.max(size))
+        })
+}

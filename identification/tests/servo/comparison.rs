@@ -1,0 +1,186 @@
+//! The same servo is never called different, a different one is.
+
+use rayon::prelude::*;
+use servoid_identification::comparison::{
+    Comparison, ComparisonOptions, Verdict, compare, compare_models,
+};
+use servoid_identification::{Options, Record, Run, Settling, identify};
+
+use crate::plants::{Linear, PERIOD, measured, respond_by_stroke, staircase};
+
+fn servo() -> Linear {
+    Linear::second_order(0.97, 0.0255, 0.5, 60.0)
+}
+
+fn options() -> ComparisonOptions {
+    ComparisonOptions {
+        identification: Options {
+            settling: Settling::Samples(131),
+            ..Options::default()
+        },
+        ..ComparisonOptions::default()
+    }
+}
+
+/// Runs that differ in their noise, and in gain and delay by `scatter` of 1 % and 0.2 ms.
+fn record(
+    up: &Linear,
+    down: &Linear,
+    zero: f64,
+    seeds: std::ops::Range<u64>,
+    scatter: f64,
+) -> Record {
+    let input = staircase();
+    let runs = seeds.map(|seed| {
+        let part =
+            |k: u64| scatter * (((seed * 7 + k) * 2_654_435_761 % 1000) as f64 / 500.0 - 1.0);
+        let changed = |servo: &Linear| {
+            let mut servo = servo.clone();
+            servo.gain *= 1.0 + 0.01 * part(1);
+            servo.delay_s += 0.0002 * part(2);
+            servo
+        };
+        let clean: Vec<f64> = respond_by_stroke(&changed(up), &changed(down), &input, -5.0, 0.0)
+            .iter()
+            .map(|y| y + zero)
+            .collect();
+        Run::new(input.as_slice(), measured(&clean, 1.0, seed)).unwrap()
+    });
+    Record::new(PERIOD, runs.collect()).unwrap()
+}
+
+fn plain(servo: &Linear, seed: u64) -> Record {
+    record(servo, servo, 0.0, seed..seed + 1, 0.0)
+}
+
+#[test]
+fn the_same_servo_is_the_same_and_never_different() {
+    let verdicts: Vec<Comparison> = (0..20u64)
+        .into_par_iter()
+        .map(|k| {
+            compare(
+                &plain(&servo(), 2 * k),
+                &plain(&servo(), 2 * k + 1),
+                &options(),
+            )
+            .unwrap()
+        })
+        .collect();
+    assert!(verdicts.iter().all(|found| found.verdict == Verdict::Same));
+    for found in &verdicts {
+        assert!(found.summary.contains("not included"));
+        assert_eq!((found.p_value, found.runs), (None, [1, 1]));
+    }
+    // 20 pairs times 8 figures at 99 %: 1.6 expected outside; eight have a probability below 0.1 %.
+    let outside = verdicts
+        .iter()
+        .flat_map(|found| &found.differences)
+        .filter(|d| d.lower.is_some_and(|low| low > 0.0) || d.upper.is_some_and(|up| up < 0.0))
+        .count();
+    assert!(outside < 8, "{outside} of 160");
+}
+
+#[test]
+fn bounds_of_the_difference_hold_the_true_one() {
+    let (a, b) = (servo(), Linear::second_order(0.87, 0.0275, 0.5, 55.0));
+    let found = compare(&plain(&a, 1), &plain(&b, 2), &options()).unwrap();
+    let exact = (0..130)
+        .map(|m| f64::from(m) * PERIOD)
+        .map(|t| (a.step(t) - b.step(t)).abs() / a.gain)
+        .fold(0.0, f64::max);
+    assert_eq!(found.verdict, Verdict::Different);
+    assert!(found.difference_percent.at_least <= 100.0 * exact);
+    assert!(found.difference_percent.at_most >= 100.0 * exact);
+    assert!(found.difference_percent.at_most < 100.0 * exact + 2.0);
+    let figure = |name: &str| found.differences.iter().find(|d| d.metric == name).unwrap();
+    let gain = figure("dc_gain");
+    assert!(gain.lower.unwrap() < -0.1 && -0.1 < gain.upper.unwrap());
+
+    // Two milliseconds of delay alone.
+    let later = Linear::second_order(0.97, 0.0275, 0.5, 60.0);
+    let found = compare(&plain(&a, 1), &plain(&later, 2), &options()).unwrap();
+    assert!(
+        (found.delay_shift_s - 0.002).abs() < 2e-4,
+        "{}",
+        found.delay_shift_s
+    );
+    let delay = found
+        .differences
+        .iter()
+        .find(|d| d.metric == "t50_s")
+        .unwrap();
+    assert!(delay.lower.unwrap() < 0.002 && 0.002 < delay.upper.unwrap());
+}
+
+#[test]
+fn a_loaded_servo_is_described_by_stroke_level_and_over_prediction() {
+    let bench = servo();
+    let slow = Linear::second_order(0.88, 0.0255, 0.5, 45.0);
+    let fast = Linear::second_order(0.88, 0.0255, 0.5, 60.0);
+    let aircraft = record(&slow, &fast, -0.5, 9..10, 0.0);
+    let found = compare(&plain(&bench, 1), &aircraft, &ComparisonOptions::default()).unwrap();
+    assert_eq!(found.verdict, Verdict::Different);
+    assert!(found.split);
+    let asymmetry = found.asymmetry.unwrap();
+    assert!(asymmetry.b.p.unwrap() < 1e-6 && asymmetry.a.p.unwrap() > 1e-3);
+    let levels = found.levels.unwrap();
+    assert!(levels.b.plus.contains(0.88 * 5.0 - 0.5), "{levels:?}");
+    assert!(levels.b.minus.contains(-0.88 * 5.0 - 0.5), "{levels:?}");
+    let over = found.over_prediction.unwrap();
+    let exact = |measured: f64, predicted: f64| 100.0 * (1.0 - measured / predicted);
+    assert!(over.plus_percent.contains(exact(3.9, 4.85)), "{over:?}");
+    assert!(over.minus_percent.contains(exact(-4.9, -4.85)), "{over:?}");
+    assert!(over.travel_percent.contains(exact(8.8, 9.7)), "{over:?}");
+    let (low, high) = (
+        over.plus_percent.lower.unwrap(),
+        over.plus_percent.upper.unwrap(),
+    );
+    assert!(high - low < 2.0, "{over:?}");
+}
+
+#[test]
+fn scatter_between_runs_is_counted_from_three_runs_a_side() {
+    let side = |gain: f64, seeds: std::ops::Range<u64>| {
+        let servo = Linear::second_order(gain, 0.0255, 0.5, 60.0);
+        record(&servo, &servo, 0.0, seeds, 1.0)
+    };
+    let same = compare(&side(0.97, 0..3), &side(0.97, 10..13), &options()).unwrap();
+    assert_eq!(same.runs, [3, 3]);
+    assert!(
+        same.p_value.unwrap() > 0.01 && same.verdict != Verdict::Different,
+        "{}",
+        same.summary
+    );
+    let different = compare(&side(0.97, 0..5), &side(0.85, 10..15), &options()).unwrap();
+    assert!(different.p_value.unwrap() < 0.01, "{}", different.summary);
+    assert_eq!(different.verdict, Verdict::Different);
+}
+
+#[test]
+fn models_can_be_compared_without_records_and_whatever_their_settling_time() {
+    let model = |servo: &Linear, settling: usize, seed: u64| {
+        let options = Options {
+            settling: Settling::Samples(settling),
+            ..Options::default()
+        };
+        identify(&plain(servo, seed), &options).unwrap()
+    };
+    let found = compare_models(
+        &model(&servo(), 131, 1),
+        &model(&servo(), 171, 2),
+        &options(),
+    )
+    .unwrap();
+    assert_eq!(found.verdict, Verdict::Same);
+    let slower = Linear::second_order(0.97, 0.0255, 0.5, 50.0);
+    let found = compare_models(
+        &model(&servo(), 131, 1),
+        &model(&slower, 151, 2),
+        &options(),
+    )
+    .unwrap();
+    assert_eq!(found.verdict, Verdict::Different);
+    let json = serde_json::to_value(&found).unwrap();
+    assert_eq!(json["verdict"], "different");
+    assert!(json["difference_percent"]["at_least"].as_f64().unwrap() > 5.0);
+}
