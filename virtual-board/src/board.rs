@@ -69,6 +69,7 @@ impl BoardOptions {
 /// Something planned from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Plan {
+    StopCrystal,
     Stick,
     SwitchOff,
     SwitchOn,
@@ -87,6 +88,7 @@ pub struct VirtualBoard<C: Core = RsemuCore> {
     next_event: Ticks,
     /// Interrupt lines as the core knows them.
     interrupts: u64,
+    nmi: bool,
     plans: Vec<(Ticks, Plan)>,
     power: bool,
     stuck: bool,
@@ -120,6 +122,7 @@ impl<C: Core> VirtualBoard<C> {
         for fault in &options.faults {
             match *fault {
                 Fault::Sensor(fault) => simulation.fault = Some(fault),
+                Fault::CrystalStops { at } => plans.push((at, Plan::StopCrystal)),
                 Fault::CpuStuck { at } => plans.push((at, Plan::Stick)),
                 Fault::BrownOut { at } => {
                     let back = at + from_duration(BROWN_OUT) + POWER_ON_DELAY;
@@ -151,6 +154,7 @@ impl<C: Core> VirtualBoard<C> {
             hclk: 1,
             next_event: 0,
             interrupts: 0,
+            nmi: false,
             plans,
             power: false,
             stuck: false,
@@ -176,6 +180,12 @@ impl<C: Core> VirtualBoard<C> {
     #[must_use]
     pub fn core(&mut self) -> &mut C {
         &mut self.core
+    }
+
+    /// The static memory.
+    #[must_use]
+    pub fn ram(&self) -> &Ram {
+        &self.ram
     }
 
     /// The chip, with the record of what happened.
@@ -231,7 +241,7 @@ impl<C: Core> VirtualBoard<C> {
         self.awake_cycles += cycles;
         if self.core.is_asleep() {
             self.look_around();
-            if self.interrupts == 0 {
+            if self.interrupts == 0 && !self.nmi {
                 self.sleep(end);
             }
         }
@@ -280,6 +290,8 @@ impl<C: Core> VirtualBoard<C> {
             .flatten()
             .min()
             .unwrap_or(Ticks::MAX);
+        self.nmi = chip.nmi();
+        self.core.set_nmi(self.nmi);
         let interrupts = chip.interrupts();
         let mut changed = interrupts ^ self.interrupts;
         while changed != 0 {
@@ -296,6 +308,7 @@ impl<C: Core> VirtualBoard<C> {
         {
             self.plans.remove(0);
             match plan {
+                Plan::StopCrystal => self.chip.lock().stop_crystal(self.now),
                 Plan::Stick => self.stuck = true,
                 Plan::SwitchOff => {
                     self.power = false;

@@ -140,11 +140,7 @@ impl Chip {
         let m = &mut Moment { now, record };
         let (domain, resets) = self.rcc.write(offset, value, m)?;
         self.p.flash.check(self.rcc.sysclk_mhz(), m);
-        let clocks = self.rcc.clocks();
-        self.p.tim2.set_clock(clocks.timers, now);
-        self.p.tim3.set_clock(clocks.timers, now);
-        self.p.adc.set_clock(clocks.adc);
-        self.p.usart.set_clock(clocks.pclk2);
+        self.distribute_clocks(now);
         for (_, unit, clock) in UNITS {
             if let Some((of, bit)) = clock
                 && of == domain

@@ -171,6 +171,29 @@ impl Chip {
         self.follow_pulse(now);
     }
 
+    /// The crystal stops for ever.
+    pub fn stop_crystal(&mut self, now: Ticks) {
+        self.specimen.crystal = false;
+        let record = &mut self.record;
+        self.rcc.stop_crystal(&mut Moment { now, record });
+        self.distribute_clocks(now);
+    }
+
+    /// The clocks may have changed.
+    pub(crate) fn distribute_clocks(&mut self, now: Ticks) {
+        let clocks = self.rcc.clocks();
+        self.p.tim2.set_clock(clocks.timers, now);
+        self.p.tim3.set_clock(clocks.timers, now);
+        self.p.adc.set_clock(clocks.adc);
+        self.p.usart.set_clock(clocks.pclk2);
+    }
+
+    /// Whether the non-maskable interrupt is raised.
+    #[must_use]
+    pub fn nmi(&self) -> bool {
+        self.rcc.nmi()
+    }
+
     /// When the watchdog will reset the chip.
     #[must_use]
     pub fn watchdog_expires(&self) -> Option<Ticks> {

@@ -34,6 +34,9 @@ pub trait Core {
     /// The level of an interrupt request line.
     fn set_irq(&mut self, number: u32, level: bool);
 
+    /// The level of the non-maskable interrupt's line.
+    fn set_nmi(&mut self, level: bool);
+
     /// Whether the core sleeps.
     fn is_asleep(&self) -> bool;
 

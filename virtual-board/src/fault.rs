@@ -33,6 +33,7 @@ pub enum Disturbance {
 /// | text                             | what goes wrong                                           |
 /// |----------------------------------|-----------------------------------------------------------|
 /// | `no-crystal`                     | the crystal never starts                                   |
+/// | `crystal-stops@S`                | the crystal stops at second S, for ever                    |
 /// | `sensor-open@S`, `sensor-short@S` | the sensor's wire is off, or touches the supply, from second S on |
 /// | `host-silent@S`                  | nothing of what the host sends arrives from second S on    |
 /// | `cpu-stuck@S`                    | the processor stops at second S, until the next reset      |
@@ -51,6 +52,11 @@ pub enum Disturbance {
 pub enum Fault {
     /// The crystal never starts.
     NoCrystal,
+    /// The crystal stops, for ever.
+    CrystalStops {
+        /// When.
+        at: Ticks,
+    },
     /// The sensor breaks.
     Sensor(SensorFault),
     /// The host is not heard any more.
@@ -85,7 +91,7 @@ pub const BROWN_OUT: Duration = Duration::from_millis(100);
 /// Why a text names no fault.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
-    "there is no fault '{0}': choose no-crystal, sensor-open@S, sensor-short@S, host-silent@S, \
+    "there is no fault '{0}': choose no-crystal, crystal-stops@S, sensor-open@S, sensor-short@S, host-silent@S, \
      cpu-stuck@S or brown-out@S with S in seconds, or flip:P, drop:P or inject:P with P from 0 to 1, \
      each with to-board- or to-host- before it if it is one direction only"
 )]
@@ -113,6 +119,7 @@ fn timed(name: &str, at: &str) -> Option<Fault> {
     Some(match name {
         "sensor-open" => sensor(FaultKind::Open),
         "sensor-short" => sensor(FaultKind::Short),
+        "crystal-stops" => Fault::CrystalStops { at },
         "host-silent" => Fault::HostSilent { from: at },
         "cpu-stuck" => Fault::CpuStuck { at },
         "brown-out" => Fault::BrownOut { at },

@@ -31,8 +31,8 @@ struct Cli {
     /// Simulated time follows the clock on the wall; without it, it goes up to twice as fast
     #[arg(long)]
     realtime: bool,
-    /// Something that goes wrong: no-crystal, sensor-open@S, sensor-short@S, host-silent@S,
-    /// cpu-stuck@S, brown-out@S (S in seconds), flip:P, drop:P, inject:P (P for each byte; to-board-
+    /// Something that goes wrong: no-crystal, crystal-stops@S, sensor-open@S, sensor-short@S,
+    /// host-silent@S, cpu-stuck@S, brown-out@S (S in seconds), flip:P, drop:P, inject:P (P for each byte; to-board-
     /// or to-host- before it for one direction). May be given several times
     #[arg(long, value_name = "FAULT")]
     fault: Vec<Fault>,

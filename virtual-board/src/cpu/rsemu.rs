@@ -79,6 +79,10 @@ impl Core for RsemuCore {
         self.core.set_irq(number as u16, level);
     }
 
+    fn set_nmi(&mut self, level: bool) {
+        self.core.set_nmi(level);
+    }
+
     fn is_asleep(&self) -> bool {
         self.core.is_asleep()
     }

@@ -64,7 +64,11 @@ pub struct Rcc {
     lsi_since: Ticks,
 }
 
+/// The clock security system has seen the crystal stop (7.3.3).
+const CSSF: u32 = 1 << 7;
+
 const HSION: u32 = 0;
+const CSSON: u32 = 19;
 const HSEON: u32 = 16;
 const PLLON: u32 = 24;
 const LSION: u32 = 0;
@@ -175,6 +179,34 @@ impl Rcc {
         bit(register, bit_number)
     }
 
+    /// The crystal stops for ever. With the clock security system on (7.2.7), the chip goes on with its
+    /// internal oscillator, PLL and crystal are switched off, and the NMI is raised. Without it, a
+    /// chip that runs from the crystal stands still: that is not modelled.
+    pub fn stop_crystal(&mut self, m: &mut Moment<'_>) {
+        self.crystal = false;
+        let from_crystal = match field(self.cfgr, 0, 2) {
+            0 => false,
+            1 => true,
+            _ => bit(self.cfgr, 16),
+        };
+        if bit(self.cr, CSSON) && bit(self.cr, HSEON) {
+            self.cr &= !(1 << HSEON | 1 << CSSON);
+            self.cir |= CSSF;
+            if from_crystal {
+                self.cr = self.cr & !(1 << PLLON) | 1 << HSION;
+                self.cfgr &= !3;
+            }
+        } else {
+            m.report_if(from_crystal, Irregularity::NotModelled("a chip without any clock"));
+        }
+    }
+
+    /// Whether the NMI is raised: as long as CSSF is set (7.2.7).
+    #[must_use]
+    pub fn nmi(&self) -> bool {
+        self.cir & CSSF != 0
+    }
+
     /// Reads the register at `offset`; `None` where there is none.
     #[must_use]
     pub fn read(&self, offset: u32, now: Ticks) -> Option<u32> {
@@ -213,7 +245,9 @@ impl Rcc {
             0x08 => {
                 let what = Irregularity::NotModelled("clock interrupts (RCC_CIR)");
                 m.report_if(value & 0x1f00 != 0, what);
-                self.cir = value & 0x1f00;
+                // CSSC clears CSSF (7.3.3).
+                let failed = self.cir & CSSF;
+                self.cir = value & 0x1f00 | if bit(value, 23) { 0 } else { failed };
             }
             0x0c => {
                 resets = (Domain::Apb2, value & !self.apb2rstr);
@@ -252,7 +286,6 @@ impl Rcc {
         if bit(value, PLLON) && !bit(self.cr, PLLON) {
             self.pll_since = m.now;
         }
-        m.report_if(bit(value, 19), Irregularity::NotModelled("the clock security system"));
         // 7.3.1: a clock in use cannot be switched off.
         let used = match field(self.cfgr, 0, 2) {
             0 => 1 << HSION,
@@ -364,6 +397,26 @@ mod tests {
         rcc.write(0x04, 14 << 18 | 4 << 8 | 2 << 14 | 2, &mut bench.at(PLL_LOCK));
         let clocks = rcc.clocks();
         assert_eq!((clocks.hclk, clocks.timers, clocks.adc), (9, 9, 54));
+        assert_eq!(bench.reported(), []);
+    }
+
+    /// 7.2.7.
+    #[test]
+    fn the_security_system_falls_back_and_raises_the_nmi() {
+        let (mut rcc, mut bench) = (Rcc::new(true), Bench::default());
+        rcc.write(0x00, 0x1_0083, &mut bench.at(0));
+        let now = HSE_STARTUP;
+        rcc.write(0x04, CFGR_72_MHZ, &mut bench.at(now));
+        rcc.write(0x00, 0x109_0083, &mut bench.at(now));
+        rcc.write(0x04, CFGR_72_MHZ | 2, &mut bench.at(now + PLL_LOCK));
+        assert!(!rcc.nmi());
+        let now = now + 2 * PLL_LOCK;
+        rcc.stop_crystal(&mut bench.at(now));
+        assert!(rcc.nmi());
+        assert_eq!((rcc.clocks().hclk, field(rcc.read(0x04, now).unwrap(), 2, 2)), (72, 0));
+        assert_eq!(rcc.read(0x00, now).unwrap() & 0x030b_0000, 0, "PLL, CSS and HSE are off");
+        rcc.write(0x08, 1 << 23, &mut bench.at(now));
+        assert!(!rcc.nmi());
         assert_eq!(bench.reported(), []);
     }
 
