@@ -174,6 +174,17 @@ impl Chip {
         clocked
     }
 
+    /// Some units have registers of half a word, and may be accessed by it (15.4, 19.4, 27.6); what is
+    /// written beside the half is nothing then. All others are accessed by words.
+    fn check_width(&mut self, address: u32, bytes: u32, now: Ticks) {
+        let halves = locate(address).is_some_and(|(unit, ..)| {
+            matches!(unit, Unit::Tim2 | Unit::Tim3 | Unit::Iwdg | Unit::Usart1)
+        });
+        let good = bytes == 4 || bytes == 2 && halves && address.is_multiple_of(4);
+        let what = Irregularity::Narrow { address };
+        self.moment(now).report_if(!good, what);
+    }
+
     /// The signature is memory: it may be read by bytes.
     fn read_signature(&mut self, address: u32, bytes: u32, now: Ticks) -> u32 {
         let byte = |n: u32| {
@@ -234,18 +245,13 @@ impl Bus for SharedChip {
         if address & 0xffff_f000 == SIGNATURE & 0xffff_f000 {
             return chip.read_signature(address, bytes, now);
         }
-        if bytes != 4 {
-            chip.moment(now).report(Irregularity::Narrow { address });
-        }
+        chip.check_width(address, bytes, now);
         chip.read_word(address & !3, now) >> (8 * (address & 3))
     }
 
     fn write(&self, address: u32, bytes: u32, value: u32) {
         let (mut chip, now) = self.access();
-        if bytes != 4 {
-            // 2.1: a bus bridge widens it to a word, which is hardly what was meant.
-            chip.moment(now).report(Irregularity::Narrow { address });
-        }
+        chip.check_width(address, bytes, now);
         chip.write_word(address & !3, value, now);
     }
 }

@@ -17,7 +17,7 @@ pub enum Irregularity {
         /// The address.
         address: u32,
     },
-    /// A peripheral register accessed by less than a word (RM0008 2.1).
+    /// A peripheral register accessed by less than it may be: most by words only.
     Narrow {
         /// The address.
         address: u32,
@@ -62,7 +62,7 @@ impl fmt::Display for Violation {
                 write!(f, "{address:#010x} accessed without a clock")
             }
             Irregularity::Narrow { address } => {
-                write!(f, "{address:#010x} accessed by less than a word")
+                write!(f, "{address:#010x} accessed by less than its register")
             }
             Irregularity::NotModelled(what) => write!(f, "not modelled: {what}"),
             Irregularity::AgainstTheManual(what) => write!(f, "against RM0008: {what}"),

@@ -95,10 +95,17 @@ fn a_reset_bit_resets_its_unit_only() {
 }
 
 #[test]
-fn less_than_a_word_is_reported() {
+fn less_than_a_register_is_reported() {
     let rig = Rig::new();
-    rig.shared.read(RCC + 1, 1);
-    assert_eq!(rig.reported(), [Irregularity::Narrow { address: RCC + 1 }]);
+    rig.write(RCC + 0x1c, 1);
+    // Timers have registers of half a word (15.4).
+    rig.shared.write(TIM2 + 0x2c, 2, 99);
+    assert_eq!(rig.shared.read(TIM2 + 0x2c, 2), 99);
+    assert_eq!(rig.reported(), []);
+    for (address, bytes) in [(RCC + 0x18, 2), (RCC + 1, 1), (TIM2 + 0x2c, 1), (TIM2 + 0x2e, 2)] {
+        rig.shared.read(address, bytes);
+        assert_eq!(rig.reported(), [Irregularity::Narrow { address }]);
+    }
 }
 
 #[test]

@@ -80,6 +80,8 @@ fn the_staircase_is_on_the_line_and_in_the_stream_to_the_tick() {
         OVERSAMPLING as Ticks * CONVERSION
     );
 
+    eprintln!("DBG after hello {:?}", client.status().unwrap());
+    eprintln!("DBG v {:?}", board.violations());
     let job = staircase();
     let folder = tempfile::tempdir().unwrap();
     let (end, frames) = capture(&mut client, &job, &folder.path().join("run.csv"));
@@ -87,6 +89,7 @@ fn the_staircase_is_on_the_line_and_in_the_stream_to_the_tick() {
     assert_eq!(end.ending, Ending::Complete);
     assert_eq!((end.rejects, end.asked_again), (0, 0));
     assert_eq!(frames.len() as u32, job.start.frames());
+    eprintln!("DBG v {:?}", board.violations());
     let status = client.status().unwrap();
     assert_eq!((status.frames_lost_on_board, status.rejects), (0, 0));
 
@@ -126,8 +129,7 @@ fn load_and_memory() {
     let frames = 50u64;
     board.pass(Duration::from_millis(20 * frames));
     let (after, memory) = board.with(|board| {
-        let chip = board.chip().record.violations.len();
-        assert_eq!(chip, 0);
+        assert!(board.chip().record.violations.is_empty());
         (board.awake_cycles(), memory_of(board))
     });
     let cycles = (after - before) / frames;

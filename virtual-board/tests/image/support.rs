@@ -72,7 +72,8 @@ impl<C: Core + 'static> SharedBoard<C> {
     pub fn violations(&self) -> Vec<String> {
         self.with(|board| {
             let chip = board.chip();
-            chip.record.violations.iter().map(ToString::to_string).collect()
+            // A handful says enough.
+            chip.record.violations.iter().take(5).map(ToString::to_string).collect()
         })
     }
 }
