@@ -41,7 +41,7 @@ impl Basis {
         if settling < 3 {
             return Err(Error::Settling(settling));
         }
-        if frequencies % 2 == 0 || frequencies > settling {
+        if frequencies.is_multiple_of(2) || frequencies > settling {
             return Err(Error::Frequencies {
                 frequencies,
                 settling,
@@ -58,7 +58,7 @@ impl Basis {
     /// # Errors
     /// A settling time below 3 samples.
     pub fn full(settling: usize) -> Result<Self, Error> {
-        Self::new(settling, settling - usize::from(settling % 2 == 0))
+        Self::new(settling, settling - usize::from(settling.is_multiple_of(2)))
     }
 
     /// N \[samples\].
@@ -176,34 +176,21 @@ impl Basis {
     /// G = sum_i e^{-jωi} (Tθ)_i. A lag has negative phase.
     #[must_use]
     pub fn frequency_rows(&self, omega: f64) -> (Vec<f64>, Vec<f64>) {
-        self.frequency_rows_on(&Circle::new(self.settling), omega)
-    }
-
-    /// [`Basis::frequency_rows`] for many frequencies.
-    #[must_use]
-    pub fn many_frequency_rows(&self, omegas: &[f64]) -> Vec<(Vec<f64>, Vec<f64>)> {
-        let circle = Circle::new(self.settling);
-        omegas
-            .iter()
-            .map(|&omega| self.frequency_rows_on(&circle, omega))
-            .collect()
-    }
-
-    fn frequency_rows_on(&self, circle: &Circle, omega: f64) -> (Vec<f64>, Vec<f64>) {
         let n = self.settling as f64;
         let mut re = vec![0.0; self.frequencies];
         let mut im = vec![0.0; self.frequencies];
         let (turn_sin, turn_cos) = (n * omega).sin_cos();
         let (sin, cos) = omega.sin_cos();
+        let (step_sin, step_cos) = self.fundamental().sin_cos();
         // H_l(e^{jω}) = (1/N) (1 - e^{-jNω}) / (1 - e^{j(lΩ-ω)}): the numerator is common to all l.
         let numerator = ((1.0 - turn_cos) / n, turn_sin / n);
-        let filter = |l: usize, sign: f64| {
-            let (c, s) = (circle.cos(l), sign * circle.sin(l));
+        let filter = |l: usize, c: f64, s: f64, sign: f64| {
+            let s = sign * s;
             let denominator = (1.0 - (c * cos + s * sin), -(s * cos - c * sin));
             let square = denominator.0.powi(2) + denominator.1.powi(2);
             // Close to the filter's own frequency both vanish; the quotient is then taken in a
-            // form that has no difference of equal numbers.
-            if square < 1e-8 {
+            // form that has no difference of nearly equal numbers.
+            if square < 1e-4 {
                 return dirichlet(self.settling, sign * l as f64 * self.fundamental() - omega);
             }
             (
@@ -211,10 +198,13 @@ impl Basis {
                 (numerator.1 * denominator.0 - numerator.0 * denominator.1) / square,
             )
         };
-        (re[0], im[0]) = filter(0, 1.0);
-        // G is the sum over +-l of G_l H_l, with G_-l the conjugate of G_l.
+        (re[0], im[0]) = filter(0, 1.0, 0.0, 1.0);
+        // G is the sum over +-l of G_l H_l, with G_-l the conjugate of G_l. cos lΩ and sin lΩ are
+        // turned on step by step: after n steps the error is n roundings.
+        let (mut c, mut s) = (1.0, 0.0);
         for l in 1..=self.highest() {
-            let (plus, minus) = (filter(l, 1.0), filter(l, -1.0));
+            (c, s) = (c * step_cos - s * step_sin, c * step_sin + s * step_cos);
+            let (plus, minus) = (filter(l, c, s, 1.0), filter(l, c, s, -1.0));
             re[2 * l - 1] = plus.0 + minus.0;
             im[2 * l - 1] = plus.1 + minus.1;
             // j (H_l - H_-l)

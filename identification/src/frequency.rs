@@ -65,7 +65,10 @@ pub(crate) fn grid(coordinates: &Coordinates) -> Vec<f64> {
 #[must_use]
 pub fn frequency_map(coordinates: &Coordinates, omegas: &[f64]) -> Mat<f64> {
     if coordinates.impulse_map().is_some() {
-        let rows = coordinates.basis.many_frequency_rows(omegas);
+        let rows: Vec<_> = omegas
+            .iter()
+            .map(|&omega| coordinates.basis.frequency_rows(omega))
+            .collect();
         return Mat::from_fn(2 * omegas.len(), coordinates.len(), |k, i| {
             let (re, im) = &rows[k / 2];
             if k % 2 == 0 { re[i] } else { im[i] }

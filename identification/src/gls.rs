@@ -155,7 +155,7 @@ pub fn fit(
     let (mut iterations, mut converged) = (0, false);
     while iterations < options.max_iterations && !converged {
         iterations += 1;
-        let solution = information.solve(coordinates, &ar)?;
+        let solution = information.solve_coordinates(coordinates, &ar)?;
         let next = match noise_of(information, coordinates, &solution, max_order, None) {
             Some(noise) => {
                 let order = match options.order {
@@ -179,10 +179,10 @@ pub fn fit(
     };
     if options.corrected && !ar.is_empty() {
         for _ in 0..CORRECTED_PASSES {
-            let known = Some(variance(&solution, ar.len()));
-            let Some(noise) = noise_of(information, coordinates, &solution, ar.len(), known) else {
-                break;
-            };
+            let correction = Some((&solution.inverse, variance(&solution, ar.len())));
+            let found = &solution.coordinates;
+            let noise = noise_of(information, coordinates, found, ar.len(), correction);
+            let Some(noise) = noise else { break };
             let corrected = noise.coefficients(ar.len());
             let Some(next) = information.solve(coordinates, &corrected) else {
                 break;
@@ -192,11 +192,13 @@ pub fn fit(
         }
     }
     let variance = variance(&solution, ar.len());
-    let known = options.corrected.then_some(variance);
-    let ar_covariance = noise_of(information, coordinates, &solution, ar.len(), known).map_or_else(
-        || Mat::zeros(ar.len(), ar.len()),
-        |noise| faer::Scale(variance) * noise.unit_covariance(ar.len()),
-    );
+    let correction = options.corrected.then_some((&solution.inverse, variance));
+    let found = &solution.coordinates;
+    let ar_covariance = noise_of(information, coordinates, found, ar.len(), correction)
+        .map_or_else(
+            || Mat::zeros(ar.len(), ar.len()),
+            |noise| faer::Scale(variance) * noise.unit_covariance(ar.len()),
+        );
     Some(GlsFit {
         coordinates: coordinates.clone(),
         solution,
@@ -210,19 +212,20 @@ pub fn fit(
     })
 }
 
-/// The noise fit of the residuals, corrected for the parameters fitted when the variance of ε is
-/// known.
+/// The noise fit of the residuals of coordinates and offset; with the inverse and the variance of
+/// ε, their moments are corrected for the parameters fitted.
 fn noise_of(
     information: &Information,
     coordinates: &Coordinates,
-    solution: &Solution,
+    solution: &[f64],
     order: usize,
-    variance: Option<f64>,
+    correction: Option<(&Mat<f64>, f64)>,
 ) -> Option<NoiseFit> {
-    let impulse = coordinates.impulse(solution.response());
-    let mut moments = information.residual_moments(&impulse, solution.offset(), order);
-    if let Some(variance) = variance {
-        let lost = fitted_noise(information, coordinates, solution, order);
+    let (offset, response) = solution.split_last()?;
+    let impulse = coordinates.impulse(response);
+    let mut moments = information.residual_moments(&impulse, *offset, order);
+    if let Some((inverse, variance)) = correction {
+        let lost = fitted_noise(information, coordinates, inverse, order);
         moments += faer::Scale(variance) * lost;
     }
     NoiseFit::new(&moments, information.moments.output_spread())
@@ -233,13 +236,12 @@ fn noise_of(
 fn fitted_noise(
     information: &Information,
     coordinates: &Coordinates,
-    solution: &Solution,
+    inverse: &Mat<f64>,
     order: usize,
 ) -> Mat<f64> {
     let moments = &information.moments;
     let p = coordinates.len();
     let n = coordinates.basis.settling();
-    let inverse = &solution.inverse;
     let block = inverse.as_ref().submatrix(0, 0, p, p).to_owned();
     let border: Vec<f64> = (0..p).map(|k| inverse[(k, p)]).collect();
     let (covariance, border) = (coordinates.expand(block), coordinates.impulse(&border));

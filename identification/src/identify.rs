@@ -114,7 +114,7 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
     let available = moments.input_lags().saturating_sub(noise);
     let plan = match options.settling {
         Settling::Auto => {
-            let longest = available - usize::from(available % 2 == 0);
+            let longest = available - usize::from(available.is_multiple_of(2));
             let longest = longest.min(options.longest_settling.unwrap_or(longest));
             let choice = structure::choose(moments, longest, options.noise_order)?;
             Plan::of_choice(choice, moments, options)?

@@ -73,11 +73,23 @@ impl BothEstimators {
         coordinates: &Coordinates,
         generalised: &gls::GlsFit,
     ) -> Option<Self> {
-        let plain = gls::fit(information, coordinates, &plain())?;
         let spread = information.moments.output_spread();
         let percent = |fit: &gls::GlsFit| fit_percent(simulation_error(information, fit), spread);
+        let mut least_squares_percent = percent(&gls::fit(information, coordinates, &plain())?);
+        // Whitening that has gone astray also misjudges how many frequencies can be told, so
+        // plain least squares may bring its own bank.
+        let settling = coordinates.basis.settling();
+        let own = NestedBanks::scan(&information.moments, settling, &[], FIRST_ORDER)
+            .map(|banks| banks.best_predictor().frequencies)
+            .filter(|frequencies| *frequencies != coordinates.basis.frequencies());
+        if !coordinates.basis.is_complete()
+            && let Some(basis) = own.and_then(|own| Basis::new(settling, own).ok())
+            && let Some(fit) = gls::fit(information, &Coordinates::new(basis), &plain())
+        {
+            least_squares_percent = least_squares_percent.max(percent(&fit));
+        }
         Some(Self {
-            least_squares_percent: percent(&plain),
+            least_squares_percent,
             generalised_percent: percent(generalised),
         })
     }

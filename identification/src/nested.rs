@@ -161,7 +161,7 @@ impl PivotedPrefix {
         let sound = if sound == 0 {
             0
         } else {
-            sound - usize::from(sound % 2 == 0)
+            sound - usize::from(sound.is_multiple_of(2))
         };
         let size = sound + 1;
         projected.truncate(size);

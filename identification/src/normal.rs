@@ -17,7 +17,7 @@
 use faer::Mat;
 
 use crate::basis::{Basis, dot};
-use crate::linear::{backward_solve, cholesky, condition, forward_solve, inverse_of_lower};
+use crate::linear::{backward_solve, cholesky, condition, forward_solve, inverse_of_lower, times};
 use crate::moments::Moments;
 
 /// Which arithmetic an estimate went through.
@@ -204,6 +204,22 @@ impl Information {
         }
     }
 
+    /// The coordinates and offset of [`Information::solve`] alone, without their covariance.
+    #[must_use]
+    pub(crate) fn solve_coordinates(
+        &self,
+        coordinates: &Coordinates,
+        ar: &[f64],
+    ) -> Option<Vec<f64>> {
+        if self.factor.is_some() {
+            return self
+                .solve(coordinates, ar)
+                .map(|solution| solution.coordinates);
+        }
+        let equations = NormalEquations::new(&self.moments, coordinates, ar);
+        Factored::new(&equations).map(|factored| factored.refined(&equations))
+    }
+
     /// E[i,j] = sum v(k-i) v(k-j), i, j = 0..=order, for v = y - h*u - offset (all relative to
     /// the centre).
     #[must_use]
@@ -316,35 +332,58 @@ pub(crate) fn filtered_input_moments(uu: &Mat<f64>, n: usize, d: &[f64]) -> Mat<
     twice
 }
 
-fn solve_moments(equations: &NormalEquations) -> Option<Solution> {
-    let (scaled, scale) = equations.equilibrated();
-    let lower = cholesky(&scaled)?;
-    let solve = |b: &[f64]| -> Vec<f64> {
-        let b: Vec<f64> = b.iter().zip(&scale).map(|(b, s)| b * s).collect();
-        let x = backward_solve(&lower, &forward_solve(&lower, &b));
-        x.iter().zip(&scale).map(|(x, s)| x * s).collect()
-    };
-    let mut x = solve(&equations.b);
-    let product = crate::linear::times(&equations.a, &x);
-    let left: Vec<f64> = equations
-        .b
-        .iter()
-        .zip(&product)
-        .map(|(b, ax)| b - ax)
-        .collect();
-    for (x, correction) in x.iter_mut().zip(solve(&left)) {
-        *x += correction;
+/// Cholesky factor of equilibrated normal equations.
+struct Factored {
+    lower: Mat<f64>,
+    scale: Vec<f64>,
+}
+
+impl Factored {
+    fn new(equations: &NormalEquations) -> Option<Self> {
+        let (scaled, scale) = equations.equilibrated();
+        cholesky(&scaled).map(|lower| Self { lower, scale })
     }
-    // c - b'x, with the error of x entering only in second order.
-    let product = crate::linear::times(&equations.a, &x);
-    let rss = equations.c - 2.0 * dot(&equations.b, &x) + dot(&x, &product);
-    let inverse_lower = inverse_of_lower(&lower);
-    let mut inverse = inverse_lower.transpose() * &inverse_lower;
-    for j in 0..scale.len() {
-        for i in 0..scale.len() {
-            inverse[(i, j)] *= scale[i] * scale[j];
+
+    fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let b: Vec<f64> = b.iter().zip(&self.scale).map(|(b, s)| b * s).collect();
+        let x = backward_solve(&self.lower, &forward_solve(&self.lower, &b));
+        x.iter().zip(&self.scale).map(|(x, s)| x * s).collect()
+    }
+
+    /// A^-1 b with one step of refinement.
+    fn refined(&self, equations: &NormalEquations) -> Vec<f64> {
+        let mut x = self.solve(&equations.b);
+        let product = times(&equations.a, &x);
+        let left: Vec<f64> = equations
+            .b
+            .iter()
+            .zip(&product)
+            .map(|(b, ax)| b - ax)
+            .collect();
+        for (x, correction) in x.iter_mut().zip(self.solve(&left)) {
+            *x += correction;
         }
+        x
     }
+
+    fn inverse(&self) -> Mat<f64> {
+        let inverse_lower = inverse_of_lower(&self.lower);
+        let mut inverse = inverse_lower.transpose() * &inverse_lower;
+        for j in 0..self.scale.len() {
+            for i in 0..self.scale.len() {
+                inverse[(i, j)] *= self.scale[i] * self.scale[j];
+            }
+        }
+        inverse
+    }
+}
+
+fn solve_moments(equations: &NormalEquations) -> Option<Solution> {
+    let factored = Factored::new(equations)?;
+    let x = factored.refined(equations);
+    // c - 2 b'x + x'A x: the error of x enters only in second order.
+    let rss = equations.c - 2.0 * dot(&equations.b, &x) + dot(&x, &times(&equations.a, &x));
+    let inverse = factored.inverse();
     let condition = centred_condition(&equations.a, &inverse);
     Some(Solution {
         coordinates: x,

@@ -42,7 +42,7 @@ pub enum NoiseOrder {
     Order(usize),
 }
 
-/// Options of [`crate::identify`]. `Options::default()` leaves every choice to the data, at 99 %.
+/// Options of [`crate::identify()`]. `Options::default()` leaves every choice to the data, at 99 %.
 ///
 /// ```
 /// use servoid_identification::{Options, Settling};
@@ -88,7 +88,7 @@ impl Options {
                 return Err(Error::Settling(settling));
             }
             if let Frequencies::Count(frequencies) = self.frequencies
-                && (frequencies % 2 == 0 || frequencies > settling)
+                && (frequencies.is_multiple_of(2) || frequencies > settling)
             {
                 return Err(Error::Frequencies {
                     frequencies,

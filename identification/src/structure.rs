@@ -135,7 +135,7 @@ fn longest_with(record: &Record, cap: usize, rows_per_sample: usize) -> usize {
             high = middle
         }
     }
-    low.saturating_sub(usize::from(low % 2 == 0))
+    low.saturating_sub(usize::from(low.is_multiple_of(2)))
 }
 
 /// Odd settling times from [`SHORTEST`] to `longest`, each about 1.12 times the one before.
@@ -172,7 +172,7 @@ pub fn choose(moments: &Moments, longest: usize, order: NoiseOrder) -> Result<Ch
 
 /// Whether the complete bank of a settling time is undetermined or useless beside the best one.
 pub(crate) fn is_low_passed(banks: &NestedBanks, settling: usize) -> bool {
-    let complete = settling - usize::from(settling % 2 == 0);
+    let complete = settling - usize::from(settling.is_multiple_of(2));
     banks.largest().frequencies < complete
         || banks.largest().half_width() > LOW_PASSED_RATIO * banks.narrowest().half_width()
 }

@@ -225,14 +225,19 @@ fn the_frequency_response_lags() {
 
 #[test]
 fn a_known_gain_comes_back_within_its_bounds_in_white_and_coloured_noise() {
-    let options = Options { settling: Settling::Samples(151), ..Options::default() };
+    let options = Options {
+        settling: Settling::Samples(151),
+        ..Options::default()
+    };
     let mut missed = 0;
     for noise in [Noise::White, Noise::Ar1, Noise::Ar2] {
         for seed in 0..15 {
             let model = identify(&record(noise, seed), &options).unwrap();
             let last = model.step.value.len() - 1;
-            let (lower, upper) =
-                (model.step.pointwise.lower[last], model.step.pointwise.upper[last]);
+            let (lower, upper) = (
+                model.step.pointwise.lower[last],
+                model.step.pointwise.upper[last],
+            );
             assert!(upper - lower < 0.05, "{noise:?}: {lower} to {upper}");
             missed += usize::from(!(lower..=upper).contains(&1.0));
         }
