@@ -196,7 +196,11 @@ impl<C: Core> VirtualBoard<C> {
 
     /// Hands `bytes` to the line; they take their time.
     pub fn write(&mut self, bytes: &[u8]) {
-        self.chip.lock().surroundings.line.host_writes(bytes, self.now);
+        self.chip
+            .lock()
+            .surroundings
+            .line
+            .host_writes(bytes, self.now);
         self.next_event = self.now;
     }
 
@@ -249,7 +253,10 @@ impl<C: Core> VirtualBoard<C> {
 
     /// Lets a sleeping core sleep until the next event.
     fn sleep(&mut self, end: Ticks) {
-        let own = self.core.own_event().map(|cycles| self.now + cycles * self.hclk);
+        let own = self
+            .core
+            .own_event()
+            .map(|cycles| self.now + cycles * self.hclk);
         let until = self.next_event.min(end).min(own.unwrap_or(Ticks::MAX));
         let cycles = until.saturating_sub(self.now).div_ceil(self.hclk);
         self.core.skip(cycles);
@@ -266,7 +273,10 @@ impl<C: Core> VirtualBoard<C> {
         }
         if let Some(pc) = self.core.take_fault() {
             let now = self.now;
-            self.chip.lock().moment(now).report(Irregularity::Fault { pc });
+            self.chip
+                .lock()
+                .moment(now)
+                .report(Irregularity::Fault { pc });
         }
         let mut chip = self.chip.lock();
         chip.advance(self.now);
@@ -285,11 +295,16 @@ impl<C: Core> VirtualBoard<C> {
         let chip = self.chip.lock();
         self.hclk = chip.hclk();
         let plan = self.plans.first().map(|&(at, _)| at);
-        self.next_event = [chip.next_event(), chip.watchdog_expires(), plan, Some(self.log_at)]
-            .into_iter()
-            .flatten()
-            .min()
-            .unwrap_or(Ticks::MAX);
+        self.next_event = [
+            chip.next_event(),
+            chip.watchdog_expires(),
+            plan,
+            Some(self.log_at),
+        ]
+        .into_iter()
+        .flatten()
+        .min()
+        .unwrap_or(Ticks::MAX);
         self.nmi = chip.nmi();
         self.core.set_nmi(self.nmi);
         let interrupts = chip.interrupts();

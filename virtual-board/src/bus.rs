@@ -2,12 +2,12 @@
 
 use crate::chip::Chip;
 use crate::cpu::Bus;
-use crate::peripherals::rcc::Domain;
 use crate::peripherals::Moment;
-use crate::peripherals::tim::Tim;
 use crate::peripherals::adc::Adc;
 use crate::peripherals::afio::Afio;
 use crate::peripherals::gpio::Gpio;
+use crate::peripherals::rcc::Domain;
+use crate::peripherals::tim::Tim;
 use crate::peripherals::usart::Usart;
 use crate::record::Irregularity;
 use crate::time::Ticks;

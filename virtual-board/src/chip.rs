@@ -12,6 +12,7 @@
 use crate::fault::Fault;
 use crate::line::Line;
 use crate::memory::Ram;
+use crate::peripherals::Moment;
 use crate::peripherals::adc::{Adc, Event};
 use crate::peripherals::afio::Afio;
 use crate::peripherals::dbgmcu::Dbgmcu;
@@ -23,7 +24,6 @@ use crate::peripherals::rcc::Rcc;
 use crate::peripherals::signature::Signature;
 use crate::peripherals::tim::{Tim, TriggerOutput};
 use crate::peripherals::usart::Usart;
-use crate::peripherals::Moment;
 use crate::plant::Plant;
 use crate::record::{Irregularity, Pulse, Record, ResetReason};
 use crate::time::Ticks;
@@ -223,8 +223,9 @@ impl Chip {
             (irq::TIM3, self.p.tim3.interrupt()),
             (irq::USART1, self.p.usart.interrupt()),
         ];
-        dma.chain(others)
-            .fold(0, |lines, (number, level)| lines | u64::from(level) << number)
+        dma.chain(others).fold(0, |lines, (number, level)| {
+            lines | u64::from(level) << number
+        })
     }
 
     /// The next time that something happens by itself.
@@ -328,7 +329,10 @@ impl Chip {
         let [port_a, ..] = &self.p.gpio;
         let analog = port_a.mode(4) == Mode::Analog;
         let mut moment = self.moment(now);
-        moment.report_if(channel != 4, Irregularity::NotModelled("another ADC input than PA4"));
+        moment.report_if(
+            channel != 4,
+            Irregularity::NotModelled("another ADC input than PA4"),
+        );
         let what = Irregularity::AgainstTheManual("an ADC input that is not analog (9.1.12)");
         moment.report_if(!analog, what);
         if channel == 4 {
@@ -373,7 +377,9 @@ impl Chip {
             && receives
         {
             let record = &mut self.record;
-            self.p.usart.receive(byte, damaged, &mut Moment { now, record });
+            self.p
+                .usart
+                .receive(byte, damaged, &mut Moment { now, record });
         }
     }
 }

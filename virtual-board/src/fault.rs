@@ -170,8 +170,15 @@ mod tests {
                 probability: 0.5
             })
         );
-        for bad in ["", "no-crystal@1", "cpu-stuck", "cpu-stuck@-1", "flip:2", "flip:x", "melt:0.1"]
-        {
+        for bad in [
+            "",
+            "no-crystal@1",
+            "cpu-stuck",
+            "cpu-stuck@-1",
+            "flip:2",
+            "flip:x",
+            "melt:0.1",
+        ] {
             assert_eq!(bad.parse::<Fault>(), Err(FaultError(bad.into())));
         }
     }

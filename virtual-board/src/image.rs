@@ -66,7 +66,9 @@ impl Image {
             }
             // The physical address is where a flash tool writes it, initial values included.
             let (at, length) = (header.p_paddr(endian), header.p_filesz(endian));
-            let data = header.data(endian, elf).map_err(|()| wrong(&"it is cut off"))?;
+            let data = header
+                .data(endian, elf)
+                .map_err(|()| wrong(&"it is cut off"))?;
             let place = at
                 .checked_sub(FLASH_START)
                 .map(|offset| offset as usize)
@@ -80,7 +82,9 @@ impl Image {
         }
         Ok(Self {
             flash,
-            rtt: file.symbol_by_name(RTT).map(|symbol| symbol.address() as u32),
+            rtt: file
+                .symbol_by_name(RTT)
+                .map(|symbol| symbol.address() as u32),
             log: Table::parse(elf).map_err(|e| wrong(&format!("its log cannot be read: {e}")))?,
             flash_used,
             ram_used: ram_used(&file),
@@ -131,7 +135,10 @@ mod tests {
     #[test]
     fn what_is_no_image_says_so() {
         let error = Image::parse(b"not an ELF file").err().unwrap();
-        assert!(error.to_string().contains("no image for an STM32F103C8"), "{error}");
+        assert!(
+            error.to_string().contains("no image for an STM32F103C8"),
+            "{error}"
+        );
         let error = Image::read(Path::new("nowhere")).err().unwrap();
         assert!(error.to_string().contains("nowhere"), "{error}");
     }

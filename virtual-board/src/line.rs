@@ -45,7 +45,9 @@ impl Line {
                     direction,
                     disturbance,
                     probability,
-                } => line.disturbances.push((direction, disturbance, probability)),
+                } => line
+                    .disturbances
+                    .push((direction, disturbance, probability)),
                 _ => {}
             }
         }
@@ -159,7 +161,11 @@ mod tests {
     #[test]
     fn another_baud_rate_damages() {
         let mut line = with(&[]);
-        for (bit_time, good) in [(BIT, true), (BIT * 103 / 100, true), (BIT * 104 / 100, false)] {
+        for (bit_time, good) in [
+            (BIT, true),
+            (BIT * 103 / 100, true),
+            (BIT * 104 / 100, false),
+        ] {
             line.board_writes(0x55, bit_time);
             let mut byte = [0];
             line.host_reads(&mut byte);

@@ -14,10 +14,13 @@ use virtual_board::{BoardOptions, Fault, Image, VirtualBoard};
 /// Prints the port that the host opens and runs until Ctrl-C. What the program logs, and whatever it
 /// does that a real chip would take amiss, goes to standard error.
 #[derive(Debug, Parser)]
-#[command(version, after_help = "Example:
+#[command(
+    version,
+    after_help = "Example:
   cargo fw
   virtual-board --servo aircraft --seed 7 --tcp 127.0.0.1:5000
-  servoid capture --port tcp:127.0.0.1:5000 -o aircraft.csv")]
+  servoid capture --port tcp:127.0.0.1:5000 -o aircraft.csv"
+)]
 struct Cli {
     /// Servo on its pins: bench, aircraft or linear, with options as after sim: (bench?noise=none)
     #[arg(long, default_value = "bench")]
@@ -74,7 +77,9 @@ fn simulation(cli: &Cli) -> Result<SimulationOptions> {
     if simulation.line != LineSpeed::Baud(115_200)
         || simulation.first_sample_us != usual.first_sample_us
     {
-        bail!("the image itself sets the baud rate and when it samples: leave out baud and first-sample-us");
+        bail!(
+            "the image itself sets the baud rate and when it samples: leave out baud and first-sample-us"
+        );
     }
     simulation.seed = cli.seed.unwrap_or(simulation.seed);
     Ok(simulation)
@@ -102,8 +107,9 @@ fn find_image(named: Option<&Path>) -> Result<PathBuf> {
 
 fn open(tcp: Option<&str>) -> Result<Box<dyn HostEnd>> {
     if let Some(address) = tcp {
-        let server = TcpServer::listen(address)
-            .with_context(|| format!("cannot listen at {address}: write HOST:PORT, with a free port"))?;
+        let server = TcpServer::listen(address).with_context(|| {
+            format!("cannot listen at {address}: write HOST:PORT, with a free port")
+        })?;
         announce(&format!("tcp:{}", server.address()?));
         return Ok(Box::new(server));
     }

@@ -65,7 +65,10 @@ impl Plant {
     /// The code of the input at `held`, the instant at which it was held, for conversion `index` of
     /// a sample.
     pub fn code(&mut self, held: Ticks, index: u32) -> u16 {
-        if let Some(rise) = self.last_rise.take_if(|rise| held > *rise + FRAME + PATIENCE) {
+        if let Some(rise) = self
+            .last_rise
+            .take_if(|rise| held > *rise + FRAME + PATIENCE)
+        {
             self.servo.command(to_duration(rise + FRAME), None);
         }
         if index == 0 {

@@ -117,7 +117,12 @@ pub struct LogLine {
 
 impl fmt::Display for LogLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.6} s: {}", to_duration(self.at).as_secs_f64(), self.text)
+        write!(
+            f,
+            "{:.6} s: {}",
+            to_duration(self.at).as_secs_f64(),
+            self.text
+        )
     }
 }
 

@@ -66,7 +66,11 @@ fn an_address_where_nothing_is() {
     for address in [0x4000_7000, 0x4002_3000, TIM2 + 0x30, 0xe004_2008] {
         rig.shared.lock().write_word(RCC + 0x1c, 1, 0);
         assert_eq!(rig.read(address), 0);
-        assert_eq!(rig.reported(), [Irregularity::Unmapped { address }], "{address:#x}");
+        assert_eq!(
+            rig.reported(),
+            [Irregularity::Unmapped { address }],
+            "{address:#x}"
+        );
     }
 }
 
@@ -102,7 +106,12 @@ fn less_than_a_register_is_reported() {
     rig.shared.write(TIM2 + 0x2c, 2, 99);
     assert_eq!(rig.shared.read(TIM2 + 0x2c, 2), 99);
     assert_eq!(rig.reported(), []);
-    for (address, bytes) in [(RCC + 0x18, 2), (RCC + 1, 1), (TIM2 + 0x2c, 1), (TIM2 + 0x2e, 2)] {
+    for (address, bytes) in [
+        (RCC + 0x18, 2),
+        (RCC + 1, 1),
+        (TIM2 + 0x2c, 1),
+        (TIM2 + 0x2e, 2),
+    ] {
         rig.shared.read(address, bytes);
         assert_eq!(rig.reported(), [Irregularity::Narrow { address }]);
     }
@@ -111,7 +120,9 @@ fn less_than_a_register_is_reported() {
 #[test]
 fn the_unique_number_may_be_read_by_bytes() {
     let rig = Rig::new();
-    let bytes: Vec<u8> = (0..12).map(|n| rig.shared.read(0x1fff_f7e8 + n, 1) as u8).collect();
+    let bytes: Vec<u8> = (0..12)
+        .map(|n| rig.shared.read(0x1fff_f7e8 + n, 1) as u8)
+        .collect();
     assert_eq!(bytes, b"virt\x07\0\0\0\0\0\0\0");
     assert_eq!(rig.read(0x1fff_f7e8), u32::from_le_bytes(*b"virt"));
     assert_eq!(rig.reported(), []);
@@ -167,12 +178,29 @@ fn one_write_starts_pulses_and_samples_in_step() {
     let chip = rig.shared.lock();
     let rises: Vec<Ticks> = chip.record.pulses.iter().map(|p| p.rise - start).collect();
     assert_eq!(rises, [0, 200, 400].map(microseconds));
-    assert!(chip.record.pulses.iter().all(|p| p.width == microseconds(30)));
-    let starts: Vec<Ticks> = chip.record.conversions.iter().map(|c| c.start - start).collect();
+    assert!(
+        chip.record
+            .pulses
+            .iter()
+            .all(|p| p.width == microseconds(30))
+    );
+    let starts: Vec<Ticks> = chip
+        .record
+        .conversions
+        .iter()
+        .map(|c| c.start - start)
+        .collect();
     assert_eq!(starts, [50, 150, 250, 350, 450, 550].map(microseconds));
     // Six conversions into a ring of four: the memory holds the third to the sixth.
-    let codes: Vec<u32> = chip.record.conversions.iter().map(|c| c.code.into()).collect();
-    let ring: Vec<u32> = (0..4).map(|n| rig.ram.read(RAM_START + 0x100 + 2 * n, 2).unwrap()).collect();
+    let codes: Vec<u32> = chip
+        .record
+        .conversions
+        .iter()
+        .map(|c| c.code.into())
+        .collect();
+    let ring: Vec<u32> = (0..4)
+        .map(|n| rig.ram.read(RAM_START + 0x100 + 2 * n, 2).unwrap())
+        .collect();
     assert_eq!(ring, [codes[4], codes[5], codes[2], codes[3]]);
     drop(chip);
     assert_eq!(rig.reported(), []);
@@ -202,6 +230,9 @@ fn a_reset_cuts_the_pulse_and_stops_everything() {
     rig.run(1_000);
     let chip = rig.shared.lock();
     let last = chip.record.pulses.last().unwrap();
-    assert_eq!((last.rise - start, last.width), (microseconds(200), microseconds(10)));
+    assert_eq!(
+        (last.rise - start, last.width),
+        (microseconds(200), microseconds(10))
+    );
     assert_eq!(chip.next_event(), None);
 }

@@ -52,7 +52,10 @@ impl RsemuCore {
             add(Region::ram("sram", ram.store()), RAM_START);
             for (base, length) in WINDOWS {
                 let bus = bus.clone();
-                add(Region::io("peripherals", length, Arc::new(Window { base, bus })), base);
+                add(
+                    Region::io("peripherals", length, Arc::new(Window { base, bus })),
+                    base,
+                );
             }
         }
         let space = Arc::new(space);
@@ -158,7 +161,8 @@ impl MemOps for Window {
                 *value = *byte;
             }
             let value = u32::from_le_bytes(value);
-            self.bus.write(self.base + offset as u32, bytes.len() as u32, value);
+            self.bus
+                .write(self.base + offset as u32, bytes.len() as u32, value);
         }
         Ok(())
     }

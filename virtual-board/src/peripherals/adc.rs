@@ -168,13 +168,25 @@ impl Adc {
             return;
         }
         let early = m.now < self.powered_since + STABILISATION;
-        m.report_if(early, Irregularity::AgainstTheManual("a conversion within tSTAB (11.3.1)"));
+        m.report_if(
+            early,
+            Irregularity::AgainstTheManual("a conversion within tSTAB (11.3.1)"),
+        );
         let busy = !self.calibrated || m.now < self.calibrates_until;
-        m.report_if(busy, Irregularity::AgainstTheManual("a conversion uncalibrated (11.4)"));
+        m.report_if(
+            busy,
+            Irregularity::AgainstTheManual("a conversion uncalibrated (11.4)"),
+        );
         let fast = TICKS_PER_SECOND > HIGHEST_CLOCK * self.clock;
-        m.report_if(fast, Irregularity::AgainstTheManual("an ADC clock above 14 MHz (11.1)"));
+        m.report_if(
+            fast,
+            Irregularity::AgainstTheManual("an ADC clock above 14 MHz (11.1)"),
+        );
         let long = bit(self.cr1, SCAN) && self.length() > 12;
-        m.report_if(long, Irregularity::NotModelled("a sequence of more than twelve"));
+        m.report_if(
+            long,
+            Irregularity::NotModelled("a sequence of more than twelve"),
+        );
         self.sr |= STRT;
         self.begin(0, m.now);
     }
@@ -205,7 +217,10 @@ impl Adc {
             code,
         });
         let lost = self.sr & EOC != 0 && !bit(self.cr2, DMA);
-        m.report_if(lost, Irregularity::AgainstTheManual("a result nobody read (11.12.1)"));
+        m.report_if(
+            lost,
+            Irregularity::AgainstTheManual("a result nobody read (11.12.1)"),
+        );
         self.dr = u32::from(code) << if bit(self.cr2, 11) { 4 } else { 0 };
         if scan.index + 1 < self.length() {
             self.begin(scan.index + 1, scan.done);
@@ -322,7 +337,11 @@ impl Adc {
             let settled = m.now >= self.powered_since + 2 * self.clock;
             let what = Irregularity::AgainstTheManual("calibrated before two cycles on (11.4)");
             m.report_if(!settled || !was_on, what);
-            let cycles = if begins(CAL) { CALIBRATION } else { CALIBRATION_RESET };
+            let cycles = if begins(CAL) {
+                CALIBRATION
+            } else {
+                CALIBRATION_RESET
+            };
             self.calibrates_until = m.now + cycles * self.clock;
             self.calibrated = begins(CAL);
         }

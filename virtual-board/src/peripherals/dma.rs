@@ -72,7 +72,12 @@ impl Dma {
         let passed = channel.reload - channel.cndtr;
         let transfer = Transfer {
             peripheral: channel.cpar,
-            memory: channel.cmar + if bit(channel.ccr, MINC) { passed * bytes } else { 0 },
+            memory: channel.cmar
+                + if bit(channel.ccr, MINC) {
+                    passed * bytes
+                } else {
+                    0
+                },
             bytes,
         };
         channel.cndtr -= 1;
@@ -90,7 +95,10 @@ impl Dma {
         // A flag that is set again was not taken note of in time.
         let watched = bit(channel.ccr, TCIE) || bit(channel.ccr, HTIE);
         let late = field(self.isr, shift, 4) & flags != 0;
-        m.report_if(watched && late, Irregularity::DmaOverrun { channel: number });
+        m.report_if(
+            watched && late,
+            Irregularity::DmaOverrun { channel: number },
+        );
         if flags != 0 {
             self.isr |= (flags | GIF) << shift;
         }
@@ -143,7 +151,9 @@ impl Dma {
                     channel.write_ccr(value & 0x7fff, index, m);
                 } else if bit(channel.ccr, EN) {
                     // 13.4.4-13.4.6.
-                    m.report(Irregularity::AgainstTheManual("a DMA channel written while on"));
+                    m.report(Irregularity::AgainstTheManual(
+                        "a DMA channel written while on",
+                    ));
                 } else {
                     match register {
                         1 => channel.cndtr = value & 0xffff,

@@ -44,7 +44,10 @@ impl Flash {
         m.report_if(switched && sysclk_mhz >= 24, AGAINST_PREFETCH);
         // PRFTBS says what PRFTBE did; half cycle access only below 8 MHz.
         self.acr = value & 0x1f | u32::from(bit(value, PREFETCH)) << 5;
-        m.report_if(bit(value, 3), Irregularity::NotModelled("half cycle access"));
+        m.report_if(
+            bit(value, 3),
+            Irregularity::NotModelled("half cycle access"),
+        );
         self.check(sysclk_mhz, m);
         Some(())
     }

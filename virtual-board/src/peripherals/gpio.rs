@@ -127,7 +127,9 @@ mod tests {
             (0b1110, Mode::AlternateOpenDrain),
             (0b1100, Mode::Reserved),
         ];
-        let crh = (0..).zip(table).fold(0, |w, (n, (cnf, _))| w | cnf << (4 * n));
+        let crh = (0..)
+            .zip(table)
+            .fold(0, |w, (n, (cnf, _))| w | cnf << (4 * n));
         gpio.write(0x04, crh, &mut bench.at(0));
         for (pin, (_, mode)) in (8..).zip(table) {
             assert_eq!(gpio.mode(pin), mode, "pin {pin}");

@@ -197,8 +197,14 @@ mod tests {
         let (mut iwdg, mut bench, now) = started(0, 999);
         iwdg.write(0, 0x5555, &mut bench.at(now));
         iwdg.write(8, 500, &mut bench.at(now));
-        assert_eq!((iwdg.read(0xc, now), iwdg.read(8, now)), (Some(2), Some(999)));
+        assert_eq!(
+            (iwdg.read(0xc, now), iwdg.read(8, now)),
+            (Some(2), Some(999))
+        );
         let later = now + milliseconds(1);
-        assert_eq!((iwdg.read(0xc, later), iwdg.read(8, later)), (Some(0), Some(500)));
+        assert_eq!(
+            (iwdg.read(0xc, later), iwdg.read(8, later)),
+            (Some(0), Some(500))
+        );
     }
 }

@@ -197,7 +197,10 @@ impl Rcc {
                 self.cfgr &= !3;
             }
         } else {
-            m.report_if(from_crystal, Irregularity::NotModelled("a chip without any clock"));
+            m.report_if(
+                from_crystal,
+                Irregularity::NotModelled("a chip without any clock"),
+            );
         }
     }
 
@@ -269,7 +272,11 @@ impl Rcc {
                     self.lsi_since = m.now;
                 }
                 // RMVF clears all flags (7.3.10).
-                let flags = if bit(value, 24) { 0 } else { self.csr & 0xfc00_0000 };
+                let flags = if bit(value, 24) {
+                    0
+                } else {
+                    self.csr & 0xfc00_0000
+                };
                 self.csr = flags | value & 1;
             }
             _ => return None,
@@ -290,7 +297,14 @@ impl Rcc {
         let used = match field(self.cfgr, 0, 2) {
             0 => 1 << HSION,
             1 => 1 << HSEON,
-            _ => 1 << PLLON | if bit(self.cfgr, 16) { 1 << HSEON } else { 1 << HSION },
+            _ => {
+                1 << PLLON
+                    | if bit(self.cfgr, 16) {
+                        1 << HSEON
+                    } else {
+                        1 << HSION
+                    }
+            }
         };
         let what = Irregularity::AgainstTheManual("a clock in use was switched off (7.3.1)");
         m.report_if(self.cr & used & !value != 0, what);
@@ -301,7 +315,9 @@ impl Rcc {
         const PLL_FIELDS: u32 = 0x003f_0000;
         let mut value = value & 0x077f_fff3;
         if bit(self.cr, PLLON) && (value ^ self.cfgr) & PLL_FIELDS != 0 {
-            m.report(Irregularity::AgainstTheManual("the PLL was changed while on (7.3.2)"));
+            m.report(Irregularity::AgainstTheManual(
+                "the PLL was changed while on (7.3.2)",
+            ));
             value = value & !PLL_FIELDS | self.cfgr & PLL_FIELDS;
         }
         let ready = match value & 3 {
@@ -311,13 +327,17 @@ impl Rcc {
             _ => false,
         };
         if !ready {
-            m.report(Irregularity::NotModelled("a switch to a clock that is not ready"));
+            m.report(Irregularity::NotModelled(
+                "a switch to a clock that is not ready",
+            ));
             value = value & !3 | self.cfgr & 3;
         }
         let before = self.cfgr;
         self.cfgr = value;
         if !TICKS_PER_SECOND.is_multiple_of(self.sysclk_hz()) {
-            m.report(Irregularity::NotModelled("a system clock that 576 MHz is no multiple of"));
+            m.report(Irregularity::NotModelled(
+                "a system clock that 576 MHz is no multiple of",
+            ));
             self.cfgr = before;
         }
         let what = Irregularity::AgainstTheManual("the system clock is above 72 MHz (7.2)");
@@ -374,7 +394,11 @@ mod tests {
         now += PLL_LOCK;
         assert!(bit(rcc.read(0x00, now).unwrap(), 25));
         rcc.write(0x04, CFGR_72_MHZ | 2, &mut bench.at(now));
-        assert_eq!(field(rcc.read(0x04, now).unwrap(), 2, 2), 2, "SWS follows SW");
+        assert_eq!(
+            field(rcc.read(0x04, now).unwrap(), 2, 2),
+            2,
+            "SWS follows SW"
+        );
         let expected = Clocks {
             hclk: 8,
             pclk1: 16,
@@ -394,7 +418,11 @@ mod tests {
         // 64 MHz from the internal oscillator: 8 MHz / 2 * 16.
         rcc.write(0x04, 14 << 18 | 4 << 8 | 2 << 14, &mut bench.at(0));
         rcc.write(0x00, 0x100_0083, &mut bench.at(0));
-        rcc.write(0x04, 14 << 18 | 4 << 8 | 2 << 14 | 2, &mut bench.at(PLL_LOCK));
+        rcc.write(
+            0x04,
+            14 << 18 | 4 << 8 | 2 << 14 | 2,
+            &mut bench.at(PLL_LOCK),
+        );
         let clocks = rcc.clocks();
         assert_eq!((clocks.hclk, clocks.timers, clocks.adc), (9, 9, 54));
         assert_eq!(bench.reported(), []);
@@ -413,8 +441,15 @@ mod tests {
         let now = now + 2 * PLL_LOCK;
         rcc.stop_crystal(&mut bench.at(now));
         assert!(rcc.nmi());
-        assert_eq!((rcc.clocks().hclk, field(rcc.read(0x04, now).unwrap(), 2, 2)), (72, 0));
-        assert_eq!(rcc.read(0x00, now).unwrap() & 0x030b_0000, 0, "PLL, CSS and HSE are off");
+        assert_eq!(
+            (rcc.clocks().hclk, field(rcc.read(0x04, now).unwrap(), 2, 2)),
+            (72, 0)
+        );
+        assert_eq!(
+            rcc.read(0x00, now).unwrap() & 0x030b_0000,
+            0,
+            "PLL, CSS and HSE are off"
+        );
         rcc.write(0x08, 1 << 23, &mut bench.at(now));
         assert!(!rcc.nmi());
         assert_eq!(bench.reported(), []);
@@ -453,16 +488,25 @@ mod tests {
     fn what_the_manual_forbids_is_reported() {
         let (mut rcc, mut bench) = (Rcc::new(true), Bench::default());
         rcc.write(0x04, 2, &mut bench.at(0));
-        assert!(matches!(bench.reported()[..], [Irregularity::NotModelled(_)]));
+        assert!(matches!(
+            bench.reported()[..],
+            [Irregularity::NotModelled(_)]
+        ));
         assert_eq!(rcc.clocks().hclk, 72, "still on the internal oscillator");
         rcc.write(0x00, 0, &mut bench.at(0));
-        assert!(matches!(bench.reported()[..], [Irregularity::AgainstTheManual(_)]));
+        assert!(matches!(
+            bench.reported()[..],
+            [Irregularity::AgainstTheManual(_)]
+        ));
         // 72 MHz with PCLK1 undivided.
         rcc.write(0x00, 0x1_0083, &mut bench.at(0));
         let now = HSE_STARTUP;
         rcc.write(0x04, 7 << 18 | 1 << 16, &mut bench.at(now));
         rcc.write(0x00, 0x101_0083, &mut bench.at(now));
         rcc.write(0x04, 7 << 18 | 1 << 16 | 2, &mut bench.at(now + PLL_LOCK));
-        assert!(matches!(bench.reported()[..], [Irregularity::AgainstTheManual(_)]));
+        assert!(matches!(
+            bench.reported()[..],
+            [Irregularity::AgainstTheManual(_)]
+        ));
     }
 }

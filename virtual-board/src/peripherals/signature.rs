@@ -36,9 +36,16 @@ mod tests {
     #[test]
     fn size_and_number_are_at_their_places() {
         let signature = Signature::new(*b"abcdefghijkl");
-        assert_eq!((0..2).map(|n| signature.read_byte(n).unwrap()).collect::<Vec<_>>(), [64, 0]);
         assert_eq!(
-            (8..20).map(|n| signature.read_byte(n).unwrap()).collect::<Vec<_>>(),
+            (0..2)
+                .map(|n| signature.read_byte(n).unwrap())
+                .collect::<Vec<_>>(),
+            [64, 0]
+        );
+        assert_eq!(
+            (8..20)
+                .map(|n| signature.read_byte(n).unwrap())
+                .collect::<Vec<_>>(),
             b"abcdefghijkl"
         );
         assert_eq!(signature.read_byte(2), None);

@@ -267,20 +267,16 @@ impl Tim {
             offset::CNT => self.count(now),
             offset::PSC => self.written.prescaler,
             offset::ARR => self.written.reload,
-            offset::CCR1..=offset::CCR4 => {
-                *self.written.compare.get((offset - offset::CCR1) as usize / 4)?
-            }
+            offset::CCR1..=offset::CCR4 => *self
+                .written
+                .compare
+                .get((offset - offset::CCR1) as usize / 4)?,
             _ => return None,
         })
     }
 
     /// Writes the register at `offset`; `None` where there is none.
-    pub fn write(
-        &mut self,
-        offset: u32,
-        value: u32,
-        m: &mut Moment<'_>,
-    ) -> Option<TriggerOutput> {
+    pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<TriggerOutput> {
         let value = value & 0xffff;
         let mut trigger = TriggerOutput(false);
         match offset {
@@ -297,7 +293,10 @@ impl Tim {
                 self.smcr = value;
             }
             offset::DIER => {
-                m.report_if(value & 0x7f00 != 0, Irregularity::NotModelled("DMA by a timer"));
+                m.report_if(
+                    value & 0x7f00 != 0,
+                    Irregularity::NotModelled("DMA by a timer"),
+                );
                 self.dier = value;
             }
             // Written with 0 to clear; 1 leaves as it is (15.4.5).
@@ -321,7 +320,10 @@ impl Tim {
     }
 
     fn write_cr1(&mut self, value: u32, m: &mut Moment<'_>) -> TriggerOutput {
-        m.report_if(value & 0x70 != 0, Irregularity::NotModelled("a timer that counts down"));
+        m.report_if(
+            value & 0x70 != 0,
+            Irregularity::NotModelled("a timer that counts down"),
+        );
         let (starts, stops) = (
             bit(value, CEN) && !bit(self.cr1, CEN),
             !bit(value, CEN) && bit(self.cr1, CEN),
@@ -364,7 +366,10 @@ impl Tim {
     fn write_reload(&mut self, value: u32, m: &mut Moment<'_>) {
         self.written.reload = value;
         if !bit(self.cr1, ARPE) {
-            m.report_if(self.runs(), Irregularity::NotModelled("a running timer's reload value"));
+            m.report_if(
+                self.runs(),
+                Irregularity::NotModelled("a running timer's reload value"),
+            );
             self.active.reload = value;
         }
     }

@@ -134,14 +134,9 @@ impl Usart {
     /// Whether the USART asks for its interrupt (27.4): each enable in CR1 has its flags.
     #[must_use]
     pub fn interrupt(&self) -> bool {
-        [
-            (4, IDLE),
-            (5, RXNE | ORE),
-            (6, TC),
-            (7, TXE),
-        ]
-        .into_iter()
-        .any(|(enable, flags)| bit(self.cr1, enable) && self.sr & flags != 0)
+        [(4, IDLE), (5, RXNE | ORE), (6, TC), (7, TXE)]
+            .into_iter()
+            .any(|(enable, flags)| bit(self.cr1, enable) && self.sr & flags != 0)
     }
 
     /// Reads the register at `offset`; `None` where there is none.
@@ -186,7 +181,10 @@ impl Usart {
                 }
             }
             offset::CR2 => {
-                m.report_if(value != 0, Irregularity::NotModelled("other stop bits, clock, LIN"));
+                m.report_if(
+                    value != 0,
+                    Irregularity::NotModelled("other stop bits, clock, LIN"),
+                );
                 self.cr2 = value;
             }
             offset::CR3 => {
@@ -204,7 +202,9 @@ impl Usart {
 
     fn send(&mut self, byte: u8, m: &mut Moment<'_>) {
         if !self.is_on(TE) || self.brr == 0 {
-            m.report(Irregularity::AgainstTheManual("data for a transmitter that is off (27.3.2)"));
+            m.report(Irregularity::AgainstTheManual(
+                "data for a transmitter that is off (27.3.2)",
+            ));
             return;
         }
         // 27.6.1: TC is cleared by reading SR, then writing DR.

@@ -64,7 +64,11 @@ mod tests {
     #[test]
     fn bytes_pass_as_they_are() {
         let mut terminal = PseudoTerminal::open().unwrap();
-        let mut host = File::options().read(true).write(true).open(terminal.path()).unwrap();
+        let mut host = File::options()
+            .read(true)
+            .write(true)
+            .open(terminal.path())
+            .unwrap();
         let all: Vec<u8> = (0..=255).collect();
         let mut buffer = [0; 512];
         assert_eq!(terminal.receive(&mut buffer).unwrap(), 0);

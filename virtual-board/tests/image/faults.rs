@@ -34,7 +34,15 @@ fn pulses(board: &SharedBoard) -> Vec<Pulse> {
 }
 
 fn resets(board: &SharedBoard) -> Vec<ResetReason> {
-    board.with(|board| board.chip().record.resets.iter().map(|reset| reset.1).collect())
+    board.with(|board| {
+        board
+            .chip()
+            .record
+            .resets
+            .iter()
+            .map(|reset| reset.1)
+            .collect()
+    })
 }
 
 /// Starts the staircase and lets time pass, without a word from the host, to `end`.
@@ -91,7 +99,10 @@ fn disturbed_bytes_cost_repeats_and_nothing_else() {
         assert_eq!(end.ending, Ending::Complete, "{faults:?}");
         assert_eq!(frames.len() as u32, staircase().start.frames());
         let refused = end.rejects + client.status().unwrap().rejects;
-        assert!(refused > 0 || end.asked_again > 0, "{faults:?} disturbed nothing");
+        assert!(
+            refused > 0 || end.asked_again > 0,
+            "{faults:?} disturbed nothing"
+        );
         assert_eq!(board.violations(), [""; 0], "{faults:?}");
     }
 }
@@ -100,9 +111,16 @@ fn disturbed_bytes_cost_repeats_and_nothing_else() {
 fn without_a_crystal_the_internal_oscillator_does_and_says_so() {
     let board = SharedBoard::new(&options("linear?seed=1", &["no-crystal"]));
     let (clock, cause) = next_run_works(&board);
-    assert_eq!((clock, cause), (ClockSource::InternalRc, ResetCause::PowerOn));
+    assert_eq!(
+        (clock, cause),
+        (ClockSource::InternalRc, ResetCause::PowerOn)
+    );
     let pulses = pulses(&board);
-    assert!(pulses.windows(2).all(|pair| pair[1].rise - pair[0].rise == FRAME));
+    assert!(
+        pulses
+            .windows(2)
+            .all(|pair| pair[1].rise - pair[0].rise == FRAME)
+    );
     assert_eq!(board.violations(), [""; 0]);
 }
 
@@ -114,9 +132,15 @@ fn a_crystal_that_stops_ends_the_pulses_at_once() {
     let last = pulses_then.last().unwrap();
     // The one under way at the fault may be stretched by the slow clock until the program is there.
     assert!(last.rise <= fault_at() && last.rise + last.width < fault_at() + milliseconds(1));
-    assert_eq!(resets(&board), [ResetReason::PowerOn, ResetReason::Software]);
+    assert_eq!(
+        resets(&board),
+        [ResetReason::PowerOn, ResetReason::Software]
+    );
     let (clock, cause) = next_run_works(&board);
-    assert_eq!((clock, cause), (ClockSource::InternalRc, ResetCause::Software));
+    assert_eq!(
+        (clock, cause),
+        (ClockSource::InternalRc, ResetCause::Software)
+    );
     assert_eq!(board.violations(), [""; 0]);
 }
 
@@ -136,7 +160,10 @@ fn a_broken_sensor_ends_the_run_at_neutral() {
             .into_iter()
             .filter(|pulse| pulse.rise >= safe_from)
             .collect();
-        assert!(after.len() > 40 && after.iter().all(|pulse| pulse.width == NEUTRAL), "{fault}");
+        assert!(
+            after.len() > 40 && after.iter().all(|pulse| pulse.width == NEUTRAL),
+            "{fault}"
+        );
         // As long as the sensor is broken, there is no next run: it is refused.
         let refused = staircase().arm(&mut board.connect()).unwrap_err();
         assert!(refused.to_string().contains("sensor"), "{refused}");
@@ -164,7 +191,11 @@ fn a_silent_host_ends_the_run_at_neutral_when_its_lease_lapses() {
     assert!(after.clone().count() > 40);
     assert!(after.clone().all(|pulse| pulse.width == NEUTRAL));
     // Not before its time either: the reference went on until shortly before.
-    let moving = pulses.iter().rev().find(|pulse| pulse.width != NEUTRAL).unwrap();
+    let moving = pulses
+        .iter()
+        .rev()
+        .find(|pulse| pulse.width != NEUTRAL)
+        .unwrap();
     assert!(moving.rise >= lapsed - 6 * FRAME, "{moving:?}");
     assert_eq!(board.violations(), [""; 0]);
 }
@@ -195,7 +226,10 @@ fn a_stuck_processor_is_reset_by_the_watchdog() {
         assert!((soonest..latest).contains(&bites), "{lsi_hz} Hz: {bites}");
         let last = *pulses(&board).last().unwrap();
         assert!(last.rise < bites, "{lsi_hz} Hz");
-        assert_eq!(resets(&board), [ResetReason::PowerOn, ResetReason::Watchdog]);
+        assert_eq!(
+            resets(&board),
+            [ResetReason::PowerOn, ResetReason::Watchdog]
+        );
         let (clock, cause) = next_run_works(&board);
         assert_eq!((clock, cause), (ClockSource::Crystal, ResetCause::Watchdog));
         // The frames that nobody took are what is to be seen of it, and nothing else.
@@ -203,7 +237,10 @@ fn a_stuck_processor_is_reset_by_the_watchdog() {
             let chip = board.chip();
             let overran = |v: &Violation| matches!(v.what, Irregularity::DmaOverrun { .. });
             let violations = &chip.record.violations;
-            assert!(!violations.is_empty() && violations.iter().all(overran), "{violations:?}");
+            assert!(
+                !violations.is_empty() && violations.iter().all(overran),
+                "{violations:?}"
+            );
         });
     }
 }

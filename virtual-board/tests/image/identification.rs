@@ -39,7 +39,9 @@ fn phase(board: &SharedBoard) -> f64 {
         let chip = board.chip();
         let sample = &chip.record.conversions[..4];
         let edge = sample[0].start - microseconds(500);
-        let held = sample.iter().map(|c| to_duration(c.held - edge).as_secs_f64());
+        let held = sample
+            .iter()
+            .map(|c| to_duration(c.held - edge).as_secs_f64());
         held.sum::<f64>() / 4.0
     })
 }
@@ -67,7 +69,10 @@ fn the_linear_servos_exact_step_response_is_in_the_band() {
             band.upper[m]
         );
     }
-    println!("widest band {widest:.4} of a unit step, phase {:.1} us", phase * 1e6);
+    println!(
+        "widest band {widest:.4} of a unit step, phase {:.1} us",
+        phase * 1e6
+    );
     // A band that holds everything says nothing.
     assert!(widest < 0.2, "{widest}");
 }

@@ -18,7 +18,14 @@ fn with_board(mut end: impl HostEnd + Send, host: impl FnOnce()) {
         scope.spawn(|| {
             let mut board = VirtualBoard::new(image(), &options("linear?seed=1", &[])).unwrap();
             let should_stop = || done.load(Ordering::Relaxed) || Instant::now() > deadline;
-            serve(&mut board, &mut end, Pace::FASTEST, &should_stop, &mut |_| {}).unwrap();
+            serve(
+                &mut board,
+                &mut end,
+                Pace::FASTEST,
+                &should_stop,
+                &mut |_| {},
+            )
+            .unwrap();
         });
         // Also where it panics: the board must not go on for ever.
         struct Done<'a>(&'a AtomicBool);
@@ -46,8 +53,7 @@ fn short_run() -> Capture {
 }
 
 fn capture_at(address: &str) {
-    let mut client =
-        RigClient::connect(servoid::port::open(address).unwrap(), address).unwrap();
+    let mut client = RigClient::connect(servoid::port::open(address).unwrap(), address).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let job = short_run();
     let (end, frames) = capture(&mut client, &job, &folder.path().join("run.csv"));

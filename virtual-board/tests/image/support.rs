@@ -6,8 +6,8 @@ use servoid::rig::capture::{Capture, CaptureEnd, CaptureError};
 use servoid::rig::{RigClient, RigFile};
 use servoid_protocol::hello::SCHEMA_HASH;
 use servoid_protocol::message::Arm;
-use servoid_protocol::{Frame, PulseWidth};
 use servoid_protocol::reference::{Reference, Staircase};
+use servoid_protocol::{Frame, PulseWidth};
 use servoid_simulator::SENSOR_SCALE;
 use std::cell::RefCell;
 use std::path::Path;
@@ -73,7 +73,12 @@ impl<C: Core + 'static> SharedBoard<C> {
         self.with(|board| {
             let chip = board.chip();
             // A handful says enough.
-            chip.record.violations.iter().take(5).map(ToString::to_string).collect()
+            chip.record
+                .violations
+                .iter()
+                .take(5)
+                .map(ToString::to_string)
+                .collect()
         })
     }
 }

@@ -23,7 +23,9 @@ impl Rig {
     }
 
     fn write(&mut self, offset: u32, value: u32) {
-        self.adc.write(offset, value, &mut self.bench.at(self.now)).unwrap();
+        self.adc
+            .write(offset, value, &mut self.bench.at(self.now))
+            .unwrap();
     }
 
     fn read(&mut self, offset: u32) -> u32 {
@@ -84,8 +86,17 @@ fn a_scan_converts_one_after_the_other() {
         .map(|n| (start + Ticks::from(n) * 252 * CLOCK, n))
         .collect();
     assert_eq!(rig.run(), expected);
-    let held: Vec<_> = rig.bench.0.conversions.iter().map(|c| c.held - start).collect();
-    assert_eq!(held, [0, 1, 2, 3].map(|n| n * 252 * CLOCK + 479 * CLOCK / 2));
+    let held: Vec<_> = rig
+        .bench
+        .0
+        .conversions
+        .iter()
+        .map(|c| c.held - start)
+        .collect();
+    assert_eq!(
+        held,
+        [0, 1, 2, 3].map(|n| n * 252 * CLOCK + 479 * CLOCK / 2)
+    );
     assert_eq!(rig.bench.reported(), []);
 }
 
@@ -117,9 +128,9 @@ fn a_trigger_while_busy_is_lost_and_reported() {
 #[test]
 fn nothing_starts_without_its_trigger_being_enabled() {
     for cr2 in [
-        1 | 1 << DMA | TIM3_TRGO << 17,          // EXTTRIG missing
+        1 | 1 << DMA | TIM3_TRGO << 17,               // EXTTRIG missing
         1 | 1 << DMA | 1 << EXTTRIG | SOFTWARE << 17, // another source
-        1 << DMA | 1 << EXTTRIG | TIM3_TRGO << 17, // off
+        1 << DMA | 1 << EXTTRIG | TIM3_TRGO << 17,    // off
     ] {
         let mut rig = Rig::ready(4);
         rig.write(CR2, cr2);

@@ -173,7 +173,11 @@ fn the_trigger_output() {
         rig.write(CR2, mode << 4);
         assert_eq!(rig.write(EGR, 1), by_generation, "{mode:03b}");
         assert_eq!(rig.write(CR1, 1), by_start, "{mode:03b}");
-        assert_eq!(!rig.run_to(rig.now + 100 * CLOCK).is_empty(), by_overflow, "{mode:03b}");
+        assert_eq!(
+            !rig.run_to(rig.now + 100 * CLOCK).is_empty(),
+            by_overflow,
+            "{mode:03b}"
+        );
     }
 }
 
@@ -187,11 +191,19 @@ fn a_trigger_starts_the_slave_from_its_preset_count() {
     rig.write(CNT, 1_500);
     rig.write(CR2, 0b010 << 4);
     rig.write(SMCR, 0b001 << 4);
-    assert_eq!(rig.tim.trigger(1, rig.now), TriggerOutput(false), "no slave mode yet");
+    assert_eq!(
+        rig.tim.trigger(1, rig.now),
+        TriggerOutput(false),
+        "no slave mode yet"
+    );
     rig.write(SMCR, 0b001 << 4 | 0b110);
     let start = rig.now + 5_000;
     assert!(rig.run_to(start).is_empty());
-    assert_eq!(rig.tim.trigger(0, start), TriggerOutput(false), "another input");
+    assert_eq!(
+        rig.tim.trigger(0, start),
+        TriggerOutput(false),
+        "another input"
+    );
     assert_eq!(rig.tim.next_event(), None);
     assert_eq!(rig.tim.trigger(1, start), TriggerOutput(false));
     assert_eq!(rig.read(SR) & TIF, TIF);

@@ -35,7 +35,8 @@ impl Rig {
     }
 
     fn receive(&mut self, byte: u8) {
-        self.usart.receive(byte, false, &mut self.bench.at(self.now));
+        self.usart
+            .receive(byte, false, &mut self.bench.at(self.now));
     }
 
     fn run_to(&mut self, now: Ticks) -> Vec<(Ticks, u8)> {
