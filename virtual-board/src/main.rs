@@ -46,8 +46,8 @@ struct Cli {
 
 fn main() -> Result<()> {
     let cli = Cli::parse();
-    let image = Image::read(&find_image(cli.elf.as_deref())?)?;
     let mut options = BoardOptions::new(simulation(&cli)?);
+    let image = Image::read(&find_image(cli.elf.as_deref())?)?;
     options.faults.clone_from(&cli.fault);
     options.keeps_signals = false;
     let mut board = VirtualBoard::new(image, &options)?;

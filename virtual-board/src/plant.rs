@@ -120,18 +120,27 @@ mod tests {
         assert!((degrees(&mut plant, milliseconds(1_000)) - 5.0).abs() <= step / 2.0);
     }
 
-    #[test]
-    fn pulses_that_end_leave_a_motor_without_command() {
+    /// Angle of a bench servo after 0.3 s, of which this many pulses commanded 40 degrees.
+    fn angle_after(pulses: u64) -> f64 {
         let options = "bench?noise=none".parse().unwrap();
         let mut plant = Plant::new(&options).unwrap();
-        for frame in 0..2 {
-            plant.pulse(Pulse {
-                rise: FRAME * frame,
-                width: microseconds(1_900),
-            });
+        let mut angle = 0.0;
+        for frame in 0..15 {
+            if frame < pulses {
+                plant.pulse(Pulse {
+                    rise: FRAME * frame,
+                    width: microseconds(1_900),
+                });
+            }
+            angle = degrees(&mut plant, FRAME * (frame + 1));
         }
-        // On the way to 40 degrees when the pulses end.
-        let limp = degrees(&mut plant, milliseconds(300));
-        assert!((1.0..35.0).contains(&limp), "{limp}");
+        angle
+    }
+
+    #[test]
+    fn pulses_that_end_leave_a_motor_without_command() {
+        assert!((angle_after(15) - 40.0).abs() < 3.0, "{}", angle_after(15));
+        // On its way when the pulses end, and nothing stops it at 40 degrees.
+        assert!((angle_after(2) - 40.0).abs() > 10.0, "{}", angle_after(2));
     }
 }

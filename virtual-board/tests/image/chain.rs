@@ -96,6 +96,10 @@ fn the_staircase_is_on_the_line_and_in_the_stream_to_the_tick() {
     // The rig says the end before its last frame, so the host may ask for that one: no loss.
     assert!(end.asked_again <= 1, "{}", end.asked_again);
     assert_eq!(frames.len() as u32, job.start.frames());
+    assert!(board.with(|board| board.chip().led()), "armed, at neutral");
+    client.request(Command::Disarm).unwrap();
+    board.pass(Duration::from_millis(40));
+    assert!(!board.with(|board| board.chip().led()));
     let status = client.status().unwrap();
     assert_eq!((status.frames_lost_on_board, status.rejects), (0, 0));
 

@@ -16,8 +16,9 @@ use servoid::rig::RigClient;
 use servoid_protocol::hello::{ClockSource, ResetCause};
 use servoid_protocol::message::{Activity, Arm, Command, EndReason, Status};
 use std::time::Duration;
+use virtual_board::Fault;
 use virtual_board::record::{Irregularity, Pulse, ResetReason, Violation};
-use virtual_board::time::{Ticks, from_duration, microseconds, milliseconds};
+use virtual_board::time::{Ticks, from_duration, microseconds, milliseconds, to_duration};
 
 const FRAME: Ticks = milliseconds(20);
 const NEUTRAL: Ticks = microseconds(1_500);
@@ -71,7 +72,9 @@ fn next_run_works(board: &SharedBoard) -> (ClockSource, ResetCause) {
     let folder = tempfile::tempdir().unwrap();
     let (end, frames) = capture(&mut client, &staircase(), &folder.path().join("next.csv"));
     let end = end.unwrap();
-    assert_eq!((&end.ending, end.rejects), (&Ending::Complete, 0));
+    assert_eq!(end.ending, Ending::Complete);
+    // The message that a reset cut off may still be in the line.
+    assert!(end.rejects <= 1, "{}", end.rejects);
     assert_eq!(frames.len() as u32, staircase().start.frames());
     (hello.clock, hello.reset_cause)
 }
@@ -124,14 +127,27 @@ fn without_a_crystal_the_internal_oscillator_does_and_says_so() {
     assert_eq!(board.violations(), [""; 0]);
 }
 
+/// A time in the middle of a pulse: 0.7 ms after its rising edge, some 3 s after the start. Every board
+/// boots alike, to the tick, so one without a fault tells when.
+fn in_a_pulse() -> Ticks {
+    let board = SharedBoard::new(&options("linear?seed=1", &[]));
+    let first_sample = board.with(|board| board.chip().record.conversions[0].start);
+    first_sample + 150 * FRAME + microseconds(200)
+}
+
 #[test]
 fn a_crystal_that_stops_ends_the_pulses_at_once() {
-    let board = SharedBoard::new(&options("linear?seed=1", &["crystal-stops@3"]));
-    start_and_watch(&board, LONG_LEASE, FAULT + Duration::from_secs(1));
-    let pulses_then = pulses(&board);
-    let last = pulses_then.last().unwrap();
-    // The one under way at the fault may be stretched by the slow clock until the program is there.
-    assert!(last.rise <= fault_at() && last.rise + last.width < fault_at() + milliseconds(1));
+    let at = in_a_pulse();
+    let options = options("linear?seed=1", &[]).with_fault(Fault::CrystalStops { at });
+    let board = SharedBoard::new(&options);
+    start_and_watch(&board, LONG_LEASE, to_duration(at) + Duration::from_secs(1));
+    let last = *pulses(&board).last().unwrap();
+    // At 8 MHz the program takes some microseconds until it is there.
+    let end = last.rise + last.width;
+    assert!(
+        last.rise < at && end > at && end < at + microseconds(20),
+        "{last:?}"
+    );
     assert_eq!(
         resets(&board),
         [ResetReason::PowerOn, ResetReason::Software]
@@ -247,11 +263,17 @@ fn a_stuck_processor_is_reset_by_the_watchdog() {
 
 #[test]
 fn a_brown_out_ends_the_pulses_and_is_reported() {
-    let board = SharedBoard::new(&options("linear?seed=1", &["brown-out@3"]));
-    start_and_watch(&board, LONG_LEASE, FAULT + Duration::from_secs(1));
+    let at = in_a_pulse();
+    let options = options("linear?seed=1", &[]).with_fault(Fault::BrownOut { at });
+    let board = SharedBoard::new(&options);
+    start_and_watch(&board, LONG_LEASE, to_duration(at) + Duration::from_secs(1));
     let last = *pulses(&board).last().unwrap();
-    // An instruction later at most.
-    assert!(last.rise + last.width <= fault_at() + microseconds(1));
+    // Cut short, an instruction later at most.
+    let end = last.rise + last.width;
+    assert!(
+        last.rise < at && (at..at + microseconds(1)).contains(&end),
+        "{last:?}"
+    );
     assert_eq!(resets(&board), [ResetReason::PowerOn; 2]);
     let (clock, cause) = next_run_works(&board);
     assert_eq!((clock, cause), (ClockSource::Crystal, ResetCause::PowerOn));

@@ -1,0 +1,145 @@
+use super::*;
+use crate::peripherals::testing::Bench;
+
+/// Writes, as a program would: 72 MHz from the crystal, PCLK1 halved, ADC divided by six.
+const CFGR_72_MHZ: u32 = 7 << 18 | 1 << 16 | 2 << 14 | 4 << 8;
+
+#[test]
+fn out_of_reset_the_internal_oscillator_runs() {
+    let rcc = Rcc::new(true);
+    // 7.3.1 and 7.3.6: 0x0000 XX83, 0x14.
+    assert_eq!(rcc.read(0x00, 0).unwrap() & 0xff, 0x83);
+    assert_eq!(rcc.read(0x14, 0), Some(0x14));
+    assert_eq!(rcc.clocks().hclk, 72);
+}
+
+#[test]
+fn a_crystal_and_the_pll_make_72_mhz() {
+    let (mut rcc, mut bench) = (Rcc::new(true), Bench::default());
+    let (mut now, start) = (1_000, 1_000);
+    rcc.write(0x00, 0x1_0083, &mut bench.at(now));
+    while !bit(rcc.read(0x00, now).unwrap(), 17) {
+        now += 1_000;
+    }
+    assert!(now - start >= HSE_STARTUP && now - start < HSE_STARTUP + 1_000);
+    rcc.write(0x04, CFGR_72_MHZ, &mut bench.at(now));
+    rcc.write(0x00, 0x101_0083, &mut bench.at(now));
+    assert!(!bit(rcc.read(0x00, now).unwrap(), 25));
+    now += PLL_LOCK;
+    assert!(bit(rcc.read(0x00, now).unwrap(), 25));
+    rcc.write(0x04, CFGR_72_MHZ | 2, &mut bench.at(now));
+    assert_eq!(
+        field(rcc.read(0x04, now).unwrap(), 2, 2),
+        2,
+        "SWS follows SW"
+    );
+    let expected = Clocks {
+        hclk: 8,
+        pclk1: 16,
+        pclk2: 8,
+        timers: 8,
+        adc: 48,
+    };
+    assert_eq!(rcc.clocks(), expected);
+    assert_eq!(bench.reported(), []);
+}
+
+#[test]
+fn without_a_crystal_its_flag_never_comes() {
+    let (mut rcc, mut bench) = (Rcc::new(false), Bench::default());
+    rcc.write(0x00, 0x1_0083, &mut bench.at(0));
+    assert!(!bit(rcc.read(0x00, TICKS_PER_SECOND).unwrap(), 17));
+    // 64 MHz from the internal oscillator: 8 MHz / 2 * 16.
+    rcc.write(0x04, 14 << 18 | 4 << 8 | 2 << 14, &mut bench.at(0));
+    rcc.write(0x00, 0x100_0083, &mut bench.at(0));
+    rcc.write(
+        0x04,
+        14 << 18 | 4 << 8 | 2 << 14 | 2,
+        &mut bench.at(PLL_LOCK),
+    );
+    let clocks = rcc.clocks();
+    assert_eq!((clocks.hclk, clocks.timers, clocks.adc), (9, 9, 54));
+    assert_eq!(bench.reported(), []);
+}
+
+/// 7.2.7.
+#[test]
+fn the_security_system_falls_back_and_raises_the_nmi() {
+    let (mut rcc, mut bench) = (Rcc::new(true), Bench::default());
+    rcc.write(0x00, 0x1_0083, &mut bench.at(0));
+    let now = HSE_STARTUP;
+    rcc.write(0x04, CFGR_72_MHZ, &mut bench.at(now));
+    rcc.write(0x00, 0x109_0083, &mut bench.at(now));
+    rcc.write(0x04, CFGR_72_MHZ | 2, &mut bench.at(now + PLL_LOCK));
+    assert!(!rcc.nmi());
+    let now = now + 2 * PLL_LOCK;
+    rcc.stop_crystal(&mut bench.at(now));
+    assert!(rcc.nmi());
+    assert_eq!(
+        (rcc.clocks().hclk, field(rcc.read(0x04, now).unwrap(), 2, 2)),
+        (72, 0)
+    );
+    assert_eq!(
+        rcc.read(0x00, now).unwrap() & 0x030b_0000,
+        0,
+        "PLL, CSS and HSE are off"
+    );
+    rcc.write(0x08, 1 << 23, &mut bench.at(now));
+    assert!(!rcc.nmi());
+    assert_eq!(bench.reported(), []);
+}
+
+#[test]
+fn every_reset_shows_the_pin_and_its_own_flag() {
+    let (mut rcc, mut bench) = (Rcc::new(true), Bench::default());
+    rcc.reset(ResetReason::PowerOn);
+    assert_eq!(rcc.read(0x24, 0), Some(0x0c00_0000)); // 7.3.10
+    rcc.write(0x24, 1 << 24, &mut bench.at(0));
+    assert_eq!(rcc.read(0x24, 0), Some(0));
+    rcc.reset(ResetReason::Watchdog);
+    assert_eq!(rcc.read(0x24, 0), Some(0x2400_0000));
+    // Flags stay until they are cleared, or the supply goes.
+    rcc.reset(ResetReason::Software);
+    assert_eq!(rcc.read(0x24, 0), Some(0x3400_0000));
+    rcc.reset(ResetReason::PowerOn);
+    assert_eq!(rcc.read(0x24, 0), Some(0x0c00_0000));
+}
+
+#[test]
+fn a_reset_bit_resets_when_it_rises() {
+    let (mut rcc, mut bench) = (Rcc::new(true), Bench::default());
+    assert_eq!(
+        rcc.write(0x10, 3, &mut bench.at(0)),
+        Some((Domain::Apb1, 3))
+    );
+    assert_eq!(
+        rcc.write(0x10, 2, &mut bench.at(0)),
+        Some((Domain::Apb1, 0))
+    );
+}
+
+#[test]
+fn what_the_manual_forbids_is_reported() {
+    let (mut rcc, mut bench) = (Rcc::new(true), Bench::default());
+    rcc.write(0x04, 2, &mut bench.at(0));
+    assert!(matches!(
+        bench.reported()[..],
+        [Irregularity::NotModelled(_)]
+    ));
+    assert_eq!(rcc.clocks().hclk, 72, "still on the internal oscillator");
+    rcc.write(0x00, 0, &mut bench.at(0));
+    assert!(matches!(
+        bench.reported()[..],
+        [Irregularity::AgainstTheManual(_)]
+    ));
+    // 72 MHz with PCLK1 undivided.
+    rcc.write(0x00, 0x1_0083, &mut bench.at(0));
+    let now = HSE_STARTUP;
+    rcc.write(0x04, 7 << 18 | 1 << 16, &mut bench.at(now));
+    rcc.write(0x00, 0x101_0083, &mut bench.at(now));
+    rcc.write(0x04, 7 << 18 | 1 << 16 | 2, &mut bench.at(now + PLL_LOCK));
+    assert!(matches!(
+        bench.reported()[..],
+        [Irregularity::AgainstTheManual(_)]
+    ));
+}
