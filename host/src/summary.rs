@@ -1,8 +1,12 @@
 //! Results as text for a terminal.
 
+mod comparison;
+
+pub use comparison::of_comparison;
+
 use servoid_identification::metrics::{Interval, Metrics};
 use servoid_identification::model::SelectedBy;
-use servoid_identification::{Model, Validation};
+use servoid_identification::{Advice, Model, Validation};
 use std::fmt::Write;
 
 /// One line of a table of metrics.
@@ -172,10 +176,7 @@ fn write_model(
             row.bounds(&interval)
         )?;
     }
-    for advice in &model.advice {
-        writeln!(text, "\n  ! {}\n    {}", advice.finding, advice.remedy)?;
-    }
-    Ok(())
+    write_advice(text, &model.advice)
 }
 
 /// How well a model predicted a recording that it had not seen.
@@ -231,6 +232,13 @@ pub fn side_by_side(bench: &Metrics, aircraft: &Metrics) -> String {
         );
     }
     text
+}
+
+fn write_advice(text: &mut String, advice: &[Advice]) -> std::fmt::Result {
+    for item in advice {
+        writeln!(text, "\n  ! {}\n    {}", item.finding, item.remedy)?;
+    }
+    Ok(())
 }
 
 /// Samples, structure and fit in one sentence.

@@ -3,6 +3,7 @@
 //! Results go to standard output, everything else to standard error.
 
 mod capture;
+mod compare;
 mod demo;
 mod identify;
 mod info;
@@ -46,6 +47,7 @@ enum Command {
     Capture(capture::CaptureArgs),
     Identify(identify::Identify),
     Validate(validate::Validate),
+    Compare(compare::Compare),
     Report(report::Report),
     Simulate(simulate::Simulate),
 }
@@ -63,6 +65,7 @@ impl Cli {
             Command::Capture(command) => command.run(),
             Command::Identify(command) => command.run(),
             Command::Validate(command) => command.run(),
+            Command::Compare(command) => command.run(),
             Command::Report(command) => command.run(),
             Command::Simulate(command) => command.run(),
         }

@@ -1,0 +1,113 @@
+//! `servoid compare`
+
+use super::table_args::TableArgs;
+use super::{Talk, listed};
+use crate::dataset::{self, DatasetOptions};
+use crate::{output, summary};
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use servoid_identification::comparison::{ComparisonOptions, compare, compare_models};
+use servoid_identification::{Options, Record};
+use std::path::{Path, PathBuf};
+
+/// Say whether two servos, or one under two conditions, differ, and by how much
+///
+/// The verdict is against a margin: "different" when the step responses surely differ by more than
+/// it somewhere, "same" when they surely do so nowhere, "undecided" otherwise. Several recordings a
+/// side are several runs; with three or more, scatter between runs is tested too.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  servoid compare bench.csv aircraft.csv
+  servoid compare --a bench1.csv bench2.csv bench3.csv --b air1.csv air2.csv air3.csv --margin 3")]
+pub(super) struct Compare {
+    /// The reference condition, then the other: two recordings, or two models
+    #[arg(num_args = 2, value_names = ["A", "B"], required_unless_present_all = ["a", "b"])]
+    sides: Vec<PathBuf>,
+    /// Recordings of the reference condition, several runs
+    #[arg(long, num_args = 1.., value_name = "FILE", conflicts_with = "sides", requires = "b")]
+    a: Vec<PathBuf>,
+    /// Recordings of the other condition, several runs
+    #[arg(long, num_args = 1.., value_name = "FILE", conflicts_with = "sides", requires = "a")]
+    b: Vec<PathBuf>,
+    /// The largest difference that still counts as the same (percent of the step)
+    #[arg(long, default_value_t = 5.0, value_name = "PERCENT")]
+    margin: f64,
+    /// Confidence level of every bound
+    #[arg(long, default_value_t = 0.99)]
+    level: f64,
+    /// How well the sensor's zero is known between the two sides (standard deviation, in the
+    /// recording's unit)
+    #[arg(long, default_value_t = 0.0, value_name = "SD")]
+    zero_sd: f64,
+    /// The result to write, as JSON
+    #[arg(long, short, value_name = "FILE.json")]
+    out: Option<PathBuf>,
+    /// Replace the file if it exists
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    talk: Talk,
+    #[command(flatten)]
+    table: TableArgs,
+}
+
+impl Compare {
+    pub(super) fn run(self) -> Result<String> {
+        if !(self.margin >= 0.0 && self.zero_sd >= 0.0) {
+            bail!("--margin and --zero-sd must be 0 or more");
+        }
+        if let Some(out) = &self.out {
+            output::check_free(out, self.force)?;
+        }
+        let options = ComparisonOptions {
+            margin_percent: self.margin,
+            identification: Options {
+                level: self.level,
+                ..Options::default()
+            },
+            zero_sd: self.zero_sd,
+            ..ComparisonOptions::default()
+        };
+        let (a, b) = match &self.sides[..] {
+            [a, b] => (std::slice::from_ref(a), std::slice::from_ref(b)),
+            _ => (&self.a[..], &self.b[..]),
+        };
+        let found = match (a, b) {
+            ([a], [b]) if is_model(a) && is_model(b) => {
+                compare_models(&output::read_model(a)?, &output::read_model(b)?, &options)
+            }
+            _ => {
+                let table: DatasetOptions = self.table.into();
+                compare(
+                    &record(a, &table, self.talk)?,
+                    &record(b, &table, self.talk)?,
+                    &options,
+                )
+            }
+        };
+        let found = found.with_context(|| format!("{} against {}", listed(a), listed(b)))?;
+        if let Some(out) = &self.out {
+            output::write_file(out, self.force, &output::to_json(&found)?)?;
+        }
+        self.talk.result(
+            summary::of_comparison(&listed(a), &listed(b), &found),
+            &found,
+        )
+    }
+}
+
+fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "json")
+}
+
+fn record(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Record> {
+    if let Some(model) = files.iter().find(|file| is_model(file)) {
+        bail!("{model:?} is a model: compare two models, or recordings on both sides");
+    }
+    let data = dataset::load(files, options)?;
+    data.about
+        .remarks
+        .iter()
+        .for_each(|remark| talk.say(remark));
+    Ok(data.record)
+}
