@@ -5,7 +5,8 @@
 //! them: agreement here shows that the chain works from end to end, not what any real servo does.
 
 use serde::Serialize;
-use servoid_identification::{Model, Run};
+use servoid_identification::Model;
+use servoid_identification::comparison::Comparison;
 
 /// One fact: what the paper says, and what was found here.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -27,9 +28,9 @@ const LEVEL_DEG: f64 = 5.0;
 /// "achieves steady state in approximately 60 sampling intervals" (§4.3).
 pub const WAIT_SAMPLES: usize = 60;
 
-/// Compares a bench model and an aircraft model, and the aircraft's recording, with the paper.
+/// Holds the models of bench and aircraft, and their comparison, against the paper.
 #[must_use]
-pub fn facts(bench: &Model, aircraft: &Model, aircraft_run: &Run) -> Vec<Fact> {
+pub fn facts(bench: &Model, aircraft: &Model, comparison: &Comparison) -> Vec<Fact> {
     let mut facts = vec![
         Fact {
             figure: "5",
@@ -50,15 +51,33 @@ pub fn facts(bench: &Model, aircraft: &Model, aircraft_run: &Run) -> Vec<Fact> {
             here: LEVEL_DEG - level_at(aircraft, LEVEL_DEG),
         },
     ];
-    if let Some(share) = over_prediction(bench, aircraft_run) {
-        facts.push(Fact {
-            figure: "9",
-            fact: "bench model over-predicts aircraft at +5 deg (%)",
-            paper: 22.0,
-            here: 100.0 * share,
-        });
-    }
+    let over = comparison
+        .over_prediction
+        .as_ref()
+        .and_then(|over| over.plus_percent.value);
+    facts.extend(over.map(|here| Fact {
+        figure: "9",
+        fact: "bench model over-predicts aircraft at +5 deg (%)",
+        paper: 22.0,
+        here,
+    }));
     facts
+}
+
+/// The facts as lines for a terminal.
+#[must_use]
+pub fn as_table(facts: &[Fact]) -> String {
+    let head = format!(
+        "{:50} {:>6} {:>10} {:>10}\n",
+        "the paper", "figure", "paper", "here"
+    );
+    let line = |f: &Fact| {
+        format!(
+            "{:50} {:>6} {:>10} {:>10.2}\n",
+            f.fact, f.figure, f.paper, f.here
+        )
+    };
+    head + &facts.iter().map(line).collect::<String>()
 }
 
 /// The first sample from which a step response stays within `band` of its final value.
@@ -83,33 +102,6 @@ fn highest_at(model: &Model, input: f64) -> f64 {
         .iter()
         .map(|g| start + 2.0 * input * g)
         .fold(f64::NEG_INFINITY, f64::max)
-}
-
-/// How much more the model moves than the measurement on the plateaus where the input is at its
-/// highest: 1 - sum y / sum y_model over the samples that follow an edge by [`WAIT_SAMPLES`] or
-/// more. `None` where there are none.
-fn over_prediction(model: &Model, run: &Run) -> Option<f64> {
-    let highest = run
-        .input()
-        .iter()
-        .copied()
-        .filter(|u| u.is_finite())
-        .fold(f64::NAN, f64::max);
-    let mut since_edge = 0;
-    let (mut measured, mut predicted) = (0.0, 0.0);
-    let samples = run
-        .input()
-        .iter()
-        .zip(run.output())
-        .zip(model.simulate(run));
-    for ((&u, &y), y_model) in samples {
-        since_edge = if u == highest { since_edge + 1 } else { 0 };
-        if since_edge > WAIT_SAMPLES && !(y + y_model).is_nan() {
-            measured += y;
-            predicted += y_model;
-        }
-    }
-    (predicted != 0.0).then(|| 1.0 - measured / predicted)
 }
 
 #[cfg(test)]

@@ -4,19 +4,21 @@ use super::capture::{Job, capture};
 use super::{Talk, interrupt};
 use crate::dataset::{self, Dataset, DatasetOptions};
 use crate::plots::figures::{self, Subject};
+use crate::report::{self, Part};
 use crate::rig::RigFile;
 use crate::{output, paper, summary};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
+use servoid_identification::comparison::{ComparisonOptions, compare};
 use servoid_identification::metrics::Metrics;
 use servoid_identification::{Model, Options, identify};
-use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Run the whole paper on simulated rigs: capture, identify, compare bench and aircraft
 ///
-/// Writes two recordings, two models, the paper's figures and summary.json. Needs no hardware.
+/// Writes two recordings, two models, their comparison, the paper's figures, a report to open in a
+/// browser, and summary.json. Needs no hardware.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
   servoid demo --out demo")]
@@ -27,6 +29,9 @@ pub(super) struct Demo {
     #[command(flatten)]
     talk: Talk,
 }
+
+/// The page with everything.
+const REPORT: &str = "report.html";
 
 /// `summary.json`
 #[derive(Serialize)]
@@ -43,51 +48,61 @@ impl Demo {
         interrupt::listen()?;
         let (bench_data, bench) = self.measure("bench")?;
         let (aircraft_data, aircraft) = self.measure("aircraft")?;
-        let facts = match aircraft_data.record.runs() {
-            [run, ..] => paper::facts(&bench, &aircraft, run),
-            [] => Vec::new(),
+        let options = ComparisonOptions {
+            wait_samples: Some(paper::WAIT_SAMPLES),
+            ..ComparisonOptions::default()
         };
-        let [first, second] = [
-            ("bench", &bench, &bench_data),
-            ("aircraft", &aircraft, &aircraft_data),
-        ]
-        .map(|(name, model, data)| Subject {
-            name,
-            model,
-            record: Some(&data.record),
-            unit: data.about.unit,
-        });
-        let figures = figures::paper(&first, Some(&second));
-        let plots = output::write_figures(&self.out.join("plots"), true, &figures)?;
+        let comparison = compare(&bench_data.record, &aircraft_data.record, &options)?;
+        self.write("comparison.json", &output::to_json(&comparison)?)?;
         let summary = Summary {
             bench: bench.metrics,
             aircraft: aircraft.metrics,
-            paper: facts,
+            paper: paper::facts(&bench, &aircraft, &comparison),
         };
-        let path = self.out.join("summary.json");
-        output::write_file(&path, true, &output::to_json(&summary)?)?;
-        let mut text = summary::side_by_side(&summary.bench, &summary.aircraft);
-        writeln!(
-            text,
-            "\n{:50} {:>6} {:>10} {:>10}",
-            "the paper", "figure", "paper", "here"
-        )?;
-        for paper::Fact {
-            figure,
-            fact,
-            paper,
-            here,
-        } in &summary.paper
-        {
-            writeln!(text, "{fact:50} {figure:>6} {paper:>10} {here:>10.2}")?;
-        }
-        writeln!(
-            text,
-            "\nrecordings, models, summary.json and {} plots are in {}",
-            plots.len(),
-            self.out.display()
-        )?;
+        self.write("summary.json", &output::to_json(&summary)?)?;
+        let bench_data = Subject {
+            name: "bench",
+            model: &bench,
+            record: Some(&bench_data.record),
+            unit: bench_data.about.unit,
+        };
+        let aircraft_data = Subject {
+            name: "aircraft",
+            model: &aircraft,
+            record: Some(&aircraft_data.record),
+            unit: aircraft_data.about.unit,
+        };
+        let plots = self.draw(bench_data, aircraft_data)?;
+        let text = format!(
+            "{}\n{}\n{}\n\nrecordings, models, comparison.json, summary.json and {plots} plots are in {}\nopen {} in a browser to look around\n",
+            summary::side_by_side(&summary.bench, &summary.aircraft),
+            paper::as_table(&summary.paper),
+            comparison.summary,
+            self.out.display(),
+            self.out.join(REPORT).display()
+        );
         self.talk.result(text, &summary)
+    }
+
+    /// The paper's figures, one by one and on a page; returns how many.
+    fn draw(&self, bench: Subject<'_>, aircraft: Subject<'_>) -> Result<usize> {
+        let figures = figures::paper(&bench, Some(&aircraft));
+        let plots = output::write_figures(&self.out.join("plots"), true, &figures)?;
+        let [bench, aircraft] = [bench, aircraft].map(|subject| Part {
+            subject,
+            provenance: &[],
+        });
+        let page = report::page(
+            "A servo on the bench and on the aircraft, simulated",
+            &bench,
+            Some(&aircraft),
+        )?;
+        self.write(REPORT, &page)?;
+        Ok(plots.len())
+    }
+
+    fn write(&self, name: &str, content: &str) -> Result<()> {
+        output::write_file(&self.out.join(name), true, content)
     }
 
     /// Captures a simulated servo and identifies it.
@@ -110,8 +125,7 @@ impl Demo {
         let data = dataset::load(std::slice::from_ref(&file), &DatasetOptions::default())?;
         let model = identify(&data.record, &Options::default())
             .with_context(|| file.display().to_string())?;
-        let json = self.out.join(format!("{condition}.json"));
-        output::write_file(&json, true, &output::to_json(&model)?)?;
+        self.write(&format!("{condition}.json"), &output::to_json(&model)?)?;
         self.talk.say(summary::of_model(
             &file.display().to_string(),
             &model,
