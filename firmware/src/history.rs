@@ -24,6 +24,7 @@ const _: () = assert!(size_of::<Option<Record>>() == 2 * (1 + SAMPLES_PER_FRAME)
 
 /// The last [`CAPACITY`] frames of one run.
 #[derive(Debug)]
+#[cfg_attr(test, derive(Clone))]
 pub struct History {
     run: Option<u16>,
     /// Index of the frame that comes next: all below have come or are lost.

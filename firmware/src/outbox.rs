@@ -36,6 +36,7 @@ pub(crate) enum Item {
 /// Answers first, because a host waits for them; then ends; then frames to be sent again; then the
 /// run's frames in order, which wait in the history.
 #[derive(Debug, Default)]
+#[cfg_attr(test, derive(Clone))]
 pub(crate) struct Outbox {
     answers: Deque<Answer, ANSWERS>,
     ended: Option<Ended>,

@@ -44,6 +44,7 @@ use servoid_protocol::{Counts, Hello, PulseWidth};
 
 /// What the rig is doing.
 #[derive(Debug)]
+#[cfg_attr(test, derive(Clone))]
 enum State {
     Idle,
     Armed(Limits),
@@ -53,6 +54,7 @@ enum State {
 
 /// The rig.
 #[derive(Debug)]
+#[cfg_attr(test, derive(Clone))]
 pub struct Rig {
     hello: Hello,
     state: State,

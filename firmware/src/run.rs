@@ -19,6 +19,7 @@ enum Progress {
 
 /// A run that has not ended.
 #[derive(Debug)]
+#[cfg_attr(test, derive(Clone))]
 pub(crate) struct Run {
     start: Start,
     frames: u16,

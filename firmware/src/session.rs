@@ -15,9 +15,11 @@ pub(crate) enum Admission {
 
 /// The session that is open, if any.
 #[derive(Debug, Default)]
+#[cfg_attr(test, derive(Clone))]
 pub(crate) struct Session(Option<Open>);
 
 #[derive(Debug)]
+#[cfg_attr(test, derive(Clone))]
 struct Open {
     number: u16,
     newest: u16,

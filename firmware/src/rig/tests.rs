@@ -5,6 +5,7 @@ mod ends;
 mod everything;
 mod link;
 mod losses;
+mod model;
 mod runs;
 mod sessions;
 
@@ -63,6 +64,7 @@ const SHORT_RUN_US: [u16; 11] = [
 ];
 
 /// A rig with a perfect board, unless told otherwise, and a link that takes all.
+#[derive(Clone)]
 struct Bench {
     rig: Rig,
     number: u32,
