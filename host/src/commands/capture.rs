@@ -2,9 +2,8 @@
 
 use super::progress::CaptureProgress;
 use super::{Talk, interrupt};
-use crate::output;
 use crate::port;
-use crate::recording::{Ending, Header, RecordingWriter};
+use crate::recording::{Ending, Header, ReservedFile};
 use crate::rig::{Capture, CaptureEnd, RigClient, RigFile};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
@@ -169,7 +168,7 @@ fn staircase(rig: &RigFile, amplitude_deg: f64) -> Result<Reference> {
 pub(super) fn capture(job: &Job<'_>, talk: Talk) -> Result<CaptureEnd> {
     let capture = Capture::new(job.rig.clone(), staircase(&job.rig, job.amplitude_deg)?);
     // Before the servo moves, not after: a run may be expensive.
-    output::check_free(job.out, job.force)?;
+    let file = ReservedFile::new(job.out, job.force)?;
     let mut client = RigClient::connect(port::open(job.address)?, job.address)?;
     let hello = *client.hello();
     talk.say(format_args!(
@@ -187,16 +186,20 @@ pub(super) fn capture(job: &Job<'_>, talk: Talk) -> Result<CaptureEnd> {
         ..Header::of_run(&hello, &job.rig, &capture.start)
     };
     let (servo, sensor) = (job.rig.servo_scale(), job.rig.sensor_scale());
-    let writer = RecordingWriter::create(job.out, job.force, &header, servo, sensor)?;
+    let writer = file.begin(&header)?;
     let progress = CaptureProgress::new(talk, capture.start.frames(), servo, sensor);
     let end = capture.record(&mut client, writer, &interrupt::asked, &mut |p| {
         progress.update(p)
     });
     progress.finish();
-    if job.release {
-        client
-            .request(Command::Disarm)
-            .context("the pulses could not be ended")?;
-    }
-    end.with_context(|| format!("{} keeps what was captured before this", job.out.display()))
+    let released = if job.release {
+        client.request(Command::Disarm)
+    } else {
+        Ok(())
+    };
+    // What went wrong first is what the user has to know.
+    let end =
+        end.with_context(|| format!("{} keeps what was captured before this", job.out.display()))?;
+    released.context("the pulses could not be ended")?;
+    Ok(end)
 }

@@ -10,6 +10,7 @@ mod info;
 mod interrupt;
 mod ports;
 mod progress;
+mod recover;
 mod report;
 mod simulate;
 mod table_args;
@@ -50,6 +51,7 @@ enum Command {
     Compare(compare::Compare),
     Report(report::Report),
     Simulate(simulate::Simulate),
+    Recover(recover::Recover),
 }
 
 impl Cli {
@@ -68,6 +70,7 @@ impl Cli {
             Command::Compare(command) => command.run(),
             Command::Report(command) => command.run(),
             Command::Simulate(command) => command.run(),
+            Command::Recover(command) => command.run(),
         }
     }
 }

@@ -8,6 +8,7 @@
 //!
 //! Code that talks to a rig sees a [`Port`] and cannot tell which of them it has.
 
+pub mod chaos;
 mod serial;
 mod simulated;
 mod tcp;
@@ -73,7 +74,7 @@ pub enum OpenError {
 /// [`OpenError`] with a sentence that says what to do.
 pub fn open(address: &str) -> Result<Box<dyn Port>, OpenError> {
     if let Some(simulation) = address.strip_prefix("sim:") {
-        Ok(Box::new(simulated::SimulatedPort::open(simulation)?))
+        Ok(Box::new(simulated::open(simulation)?))
     } else if let Some(network) = address.strip_prefix("tcp:") {
         Ok(Box::new(tcp::TcpPort::open(network)?))
     } else {

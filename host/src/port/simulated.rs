@@ -4,32 +4,25 @@ use super::{OpenError, Port};
 use servoid_simulator::{InProcessRig, SimulationOptions};
 use std::time::Duration;
 
-pub(super) struct SimulatedPort {
-    rig: InProcessRig,
+/// `description` is what follows `sim:`.
+pub(super) fn open(description: &str) -> Result<InProcessRig, OpenError> {
+    let options: SimulationOptions = description
+        .parse()
+        .map_err(|e| OpenError::BadAddress(format!("{e}")))?;
+    InProcessRig::new(&options).map_err(|e| OpenError::BadAddress(format!("{e}")))
 }
 
-impl SimulatedPort {
-    /// `description` is what follows `sim:`.
-    pub(super) fn open(description: &str) -> Result<Self, OpenError> {
-        let options: SimulationOptions = description
-            .parse()
-            .map_err(|e| OpenError::BadAddress(format!("{e}")))?;
-        let rig = InProcessRig::new(&options).map_err(|e| OpenError::BadAddress(format!("{e}")))?;
-        Ok(Self { rig })
-    }
-}
-
-impl Port for SimulatedPort {
+impl Port for InProcessRig {
     fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> std::io::Result<usize> {
-        Ok(self.rig.read(buffer, timeout))
+        Ok(InProcessRig::read(self, buffer, timeout))
     }
 
     fn write_all(&mut self, bytes: &[u8]) -> std::io::Result<()> {
-        self.rig.write(bytes);
+        self.write(bytes);
         Ok(())
     }
 
     fn now(&self) -> Duration {
-        self.rig.now()
+        InProcessRig::now(self)
     }
 }

@@ -3,9 +3,16 @@
 use super::FORMAT;
 use crate::rig::RigFile;
 use serde::{Deserialize, Serialize};
+use servoid_protocol::framing::CRC;
 use servoid_protocol::message::Start;
-use servoid_protocol::{Hello, Reference};
+use servoid_protocol::{Hello, PulseWidth, Reference, SensorScale, ServoScale};
 use toml::{Table, Value};
+
+/// How every recording begins.
+pub(super) const FIRST_LINE: &str = "# format = ";
+
+/// The key of the header's own CRC-32.
+pub(super) const HEADER_CRC: &str = "header_crc32";
 
 /// What a recording says of itself. One `# key = value` line each, in this order.
 ///
@@ -28,6 +35,9 @@ pub struct Header {
     pub rig: String,
     /// The user's remarks.
     pub notes: String,
+    /// What was lost when the recording was rescued from a damaged file; empty where it was not.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub recovered: String,
     /// Where the rig was.
     pub port: String,
     /// Kind of board, its unique number, and the firmware's version.
@@ -77,6 +87,7 @@ impl Default for Header {
             condition: String::new(),
             rig: String::new(),
             notes: String::new(),
+            recovered: String::new(),
             port: String::new(),
             board: String::new(),
             board_id: String::new(),
@@ -151,7 +162,7 @@ impl Header {
             .collect()
     }
 
-    /// The comment lines.
+    /// The comment lines: the format first, a CRC-32 over all of them last.
     ///
     /// # Errors
     /// When a value has no form in TOML.
@@ -159,9 +170,31 @@ impl Header {
         let value = Value::try_from(self)?;
         let fields = value.as_table().into_iter().flatten();
         // A value is written on one line: TOML's inline form escapes line ends in texts.
-        Ok(fields
+        let lines: String = fields
+            .filter(|(key, _)| *key != "format")
             .map(|(key, value)| format!("# {key} = {value}\n"))
-            .collect())
+            .collect();
+        let lines = format!("{FIRST_LINE}{}\n{lines}", self.format);
+        let crc32 = CRC.checksum(lines.as_bytes());
+        Ok(format!("{lines}# {HEADER_CRC} = \"{crc32:08x}\"\n"))
+    }
+
+    /// How pulses become degrees.
+    #[must_use]
+    pub fn servo_scale(&self) -> ServoScale {
+        ServoScale {
+            neutral: PulseWidth(self.neutral_us),
+            us_per_degree: self.us_per_degree,
+        }
+    }
+
+    /// How counts become degrees.
+    #[must_use]
+    pub fn sensor_scale(&self) -> SensorScale {
+        SensorScale {
+            zero_counts: self.zero_counts,
+            degrees_per_count: self.degrees_per_count,
+        }
     }
 }
 

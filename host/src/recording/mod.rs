@@ -1,11 +1,11 @@
 //! Recordings: what was commanded and what was measured, sample by sample.
 //!
 //! ```text
-//! # format = 1
-//! # servo = "ALIGN DS610"
+//! # format = 2
 //! # condition = "bench"
 //! # sample_period_s = 0.002
 //! # ...
+//! # header_crc32 = "0f6a22d9"
 //! sample,time_s,reference_deg,position_deg,counts
 //! 0,0.000,0,0.0275,8193
 //! 1,0.002,0,-0.0092,8189
@@ -15,25 +15,32 @@
 //!
 //! | part       | rule                                                                                      |
 //! |------------|-------------------------------------------------------------------------------------------|
-//! | comments   | `# key = value`, the values in TOML                                                        |
-//! | rows       | one per sample, appended and handed to the system frame by frame                           |
+//! | comments   | `# key = value`, the values in TOML; the format first, the CRC-32 (ISO-HDLC) of the lines above it last |
+//! | rows       | one per sample, appended and handed to the system frame by frame: ten rows of one pulse   |
 //! | `sample`   | counts from the first sample of the run; a lost sample is a missing row, never a shifted one |
-//! | last line  | how it ended, the number of rows, and the CRC-32 (ISO-HDLC) of their bytes, line ends included |
+//! | `time_s`   | `sample` times the period; `position_deg` is `counts` on the header's scale. Said twice, so that a changed digit shows where it is |
+//! | last line  | how it ended, the number of rows, and the CRC-32 of their bytes, line ends included       |
 //!
 //! Without its last line a recording is partial, and is read as such. pandas
 //! (`read_csv(path, comment="#")`) and MATLAB (`readtable(path, CommentStyle="#")`) read it as it is.
+//!
+//! Format 1 had no CRC over the header; it is read too.
 
 mod header;
 mod reader;
+mod recover;
+mod row;
+mod scan;
 mod writer;
 
 pub use header::Header;
 pub use reader::{Completeness, ReadError, Recording, is_recording};
+pub use recover::{Recovered, recover};
 pub(crate) use writer::create;
-pub use writer::{Ending, RecordingWriter, WriteError};
+pub use writer::{Ending, RecordingWriter, ReservedFile, Target, WriteError};
 
 /// Version of the format; a reader refuses a higher one.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// The header row.
 pub const COLUMNS: [&str; 5] = [

@@ -1,11 +1,13 @@
 //! Reading a recording as what it is: complete, partial, or damaged.
 
-use super::{COLUMNS, FORMAT, Header};
-use servoid_protocol::framing::CRC;
+use super::row::Row;
+pub use super::scan::is_recording;
+use super::scan::{Damage, LastLine, Newer, Scan, scan};
+use super::{FORMAT, Header};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use toml::Table;
+use toml::{Table, Value};
 
 /// Whether all of the run is there.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +31,8 @@ pub struct Recording {
     pub position_deg: Vec<f64>,
     /// Whether all of the run is there.
     pub completeness: Completeness,
+    /// The samples that the last line names as lost.
+    pub lost_samples: Vec<Range<u64>>,
 }
 
 /// Why a recording could not be read. The text says what to do.
@@ -53,7 +57,9 @@ pub enum ReadError {
         format: u32,
     },
     /// The comment lines make no sense.
-    #[error("{path:?} line {line} is damaged: {reason}")]
+    #[error(
+        "{path:?} is damaged above its rows, at line {line}: {reason}; 'servoid recover' keeps what is sound"
+    )]
     DamagedHeader {
         /// Which.
         path: PathBuf,
@@ -64,7 +70,7 @@ pub enum ReadError {
     },
     /// A row makes no sense.
     #[error(
-        "{path:?} is damaged at row {row} (line {line}): {reason}; the rows before it are sound"
+        "{path:?} is damaged at row {row} (line {line}): {reason}; 'servoid recover' keeps what is sound"
     )]
     DamagedRow {
         /// Which.
@@ -74,11 +80,17 @@ pub enum ReadError {
         /// Line, from 1.
         line: usize,
         /// What is wrong.
-        reason: &'static str,
+        reason: String,
+    },
+    /// Not one frame is sound.
+    #[error("{path:?} has no sound frame left: nothing can be recovered from it")]
+    NothingSound {
+        /// Which.
+        path: PathBuf,
     },
     /// Every row reads well and yet they are not what was written.
     #[error(
-        "{path:?} was changed after it was recorded: its rows do not match its last line ({what}); if you meant to, delete the line that begins with '# end', and it is read as partial"
+        "{path:?} was changed after it was recorded: its rows do not match its last line ({what}); if you meant to, 'servoid recover' makes a partial recording of it"
     )]
     Changed {
         /// Which.
@@ -86,23 +98,6 @@ pub enum ReadError {
         /// What does not match.
         what: &'static str,
     },
-}
-
-/// Whether `bytes` look like a recording of this program rather than any other CSV file.
-#[must_use]
-pub fn is_recording(bytes: &[u8]) -> bool {
-    lines(bytes)
-        .find(|line| !line.starts_with(b"#"))
-        .is_some_and(is_column_row)
-}
-
-fn is_column_row(line: &[u8]) -> bool {
-    line.strip_suffix(b"\r").unwrap_or(line) == COLUMNS.join(",").as_bytes()
-}
-
-/// Lines without their ends.
-fn lines(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
-    bytes.split(|&b| b == b'\n')
 }
 
 impl Recording {
@@ -123,68 +118,25 @@ impl Recording {
     /// # Errors
     /// [`ReadError`].
     pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, ReadError> {
-        // What comes after the last line end was being written when the writer died.
-        let whole = bytes
-            .iter()
-            .rposition(|&b| b == b'\n')
-            .map_or(0, |end| end + 1);
-        let cut_line = whole < bytes.len();
-        let mut header = Table::new();
-        let mut end = None;
-        let mut digest = CRC.digest();
-        let mut in_rows = false;
-        let mut rows = Rows::default();
-        let damaged = |line, reason| ReadError::DamagedHeader {
+        let scanned = scan(bytes).map_err(|Newer(format)| ReadError::Newer {
             path: path.to_owned(),
-            line,
-            reason,
-        };
-        let body = bytes.get(..whole).unwrap_or_default();
-        for (number, line) in (1..).zip(body.split_inclusive(|&b| b == b'\n')) {
-            let text = line.trim_ascii_end();
-            if let Some(comment) = text.strip_prefix(b"#") {
-                let table = comment_table(comment).map_err(|reason| damaged(number, reason))?;
-                if table.contains_key("end") {
-                    end = Some(table)
-                } else {
-                    header.extend(table)
-                }
-            } else if in_rows {
-                digest.update(line);
-                rows.push(text).map_err(|reason| ReadError::DamagedRow {
-                    path: path.to_owned(),
-                    row: rows.samples.len() + 1,
-                    line: number,
-                    reason,
-                })?;
-            } else if is_column_row(text) {
-                in_rows = true;
-            } else {
-                return Err(damaged(number, "the column names are wrong".to_owned()));
-            }
+            format,
+        })?;
+        if let Some(damage) = scanned.damages.first() {
+            return Err(damaged(damage, path));
         }
-        let header = typed_header(header, path)?;
-        let completeness = match end {
-            Some(end) => judge(&end, rows.samples.len(), digest.finalize()).map_err(|what| {
-                ReadError::Changed {
-                    path: path.to_owned(),
-                    what,
-                }
-            })?,
-            None if cut_line => Completeness::Partial("the last line was cut off".to_owned()),
-            None => Completeness::Partial("it has no last line".to_owned()),
-        };
-        let Rows {
-            samples,
-            reference_deg,
-            position_deg,
-        } = rows;
+        let (completeness, lost_samples) = judge(&scanned).map_err(|what| ReadError::Changed {
+            path: path.to_owned(),
+            what,
+        })?;
+        let column = |value: fn(&Row) -> f64| scanned.rows.iter().map(value).collect();
         Ok(Self {
-            header,
-            samples,
-            reference_deg,
-            position_deg,
+            samples: scanned.rows.iter().map(|row| row.sample).collect(),
+            reference_deg: column(|row| row.reference_deg),
+            position_deg: column(|row| row.position_deg),
+            header: scanned.header,
             completeness,
+            lost_samples,
         })
     }
 
@@ -214,7 +166,7 @@ impl Recording {
         let (Some(&((&first, _), _)), Some(&((&last, _), _))) = (rows.first(), rows.last()) else {
             return (Vec::new(), Vec::new());
         };
-        // A file cannot make this allocate more than a long run takes: see `Rows::push`.
+        // A file cannot make this allocate more than a long run takes: see `row::MOST_SAMPLES`.
         let length = (last - first) as usize + 1;
         let (mut input, mut output) = (vec![f64::NAN; length], vec![f64::NAN; length]);
         for ((&sample, &reference), &position) in rows {
@@ -227,99 +179,51 @@ impl Recording {
     }
 }
 
-/// A comment is the inside of a TOML inline table: `key = value, key = value`.
-fn comment_table(comment: &[u8]) -> Result<Table, String> {
-    let text = std::str::from_utf8(comment).map_err(|_| "it is not UTF-8 text".to_owned())?;
-    let table: Result<Table, _> = toml::from_str(&format!("line = {{ {} }}", text.trim()));
-    match table {
-        Ok(mut table) => match table.remove("line") {
-            Some(toml::Value::Table(inner)) if table.is_empty() => Ok(inner),
-            _ => Err("it is not of the form '# key = value'".to_owned()),
+pub(super) fn damaged(damage: &Damage, path: &Path) -> ReadError {
+    let (path, line, reason) = (path.to_owned(), damage.line, damage.reason.clone());
+    match damage.row {
+        Some(row) => ReadError::DamagedRow {
+            path,
+            row,
+            line,
+            reason,
         },
-        Err(_) => Err("it is not of the form '# key = value'".to_owned()),
+        None => ReadError::DamagedHeader { path, line, reason },
     }
 }
 
-fn typed_header(table: Table, path: &Path) -> Result<Header, ReadError> {
-    let format = table
-        .get("format")
-        .and_then(toml::Value::as_integer)
-        .unwrap_or(FORMAT.into());
-    if format > i64::from(FORMAT) {
-        let format = u32::try_from(format).unwrap_or(u32::MAX);
-        return Err(ReadError::Newer {
-            path: path.to_owned(),
-            format,
-        });
-    }
-    table
-        .try_into()
-        .map_err(|error: toml::de::Error| ReadError::DamagedHeader {
-            path: path.to_owned(),
-            line: 1,
-            reason: error.message().to_owned(),
-        })
-}
-
-/// Holds the last line against the rows.
-fn judge(end: &Table, rows: usize, crc: u32) -> Result<Completeness, &'static str> {
-    let text = |key| end.get(key).and_then(toml::Value::as_str);
-    if end.get("rows").and_then(toml::Value::as_integer) != i64::try_from(rows).ok() {
+/// Holds the last line against the rows; returns how complete they are, and what it names as lost.
+pub(super) fn judge(scanned: &Scan) -> Result<(Completeness, Vec<Range<u64>>), &'static str> {
+    let partial = |why: &str| Ok((Completeness::Partial(why.to_owned()), Vec::new()));
+    let end = match &scanned.last_line {
+        LastLine::Read(end) => end,
+        LastLine::Damaged => return partial("its last line is damaged"),
+        LastLine::Missing if scanned.rows_seen == 0 => return partial("it has no rows"),
+        LastLine::Missing if scanned.cut_rows > 0 => return partial("its last frame was cut off"),
+        LastLine::Missing if scanned.cut => return partial("the last line was cut off"),
+        LastLine::Missing => return partial("it has no last line"),
+    };
+    let text = |key| end.get(key).and_then(Value::as_str);
+    let rows = i64::try_from(scanned.rows_seen).ok();
+    if end.get("rows").and_then(Value::as_integer) != rows {
         return Err("the number of rows differs");
     }
-    if text("crc32") != Some(format!("{crc:08x}").as_str()) {
+    if text("crc32") != Some(format!("{:08x}", scanned.crc32).as_str()) {
         return Err("the CRC differs");
     }
-    match text("end") {
-        Some("complete") => Ok(Completeness::Complete),
-        _ => Ok(Completeness::Partial(
-            text("reason").unwrap_or("it says so").to_owned(),
-        )),
-    }
+    let completeness = match text("end") {
+        Some("complete") => Completeness::Complete,
+        _ => Completeness::Partial(text("reason").unwrap_or("it says so").to_owned()),
+    };
+    Ok((completeness, lost_samples(end)))
 }
 
-#[derive(Default)]
-struct Rows {
-    samples: Vec<u64>,
-    reference_deg: Vec<f64>,
-    position_deg: Vec<f64>,
-}
-
-/// The longest run that the wire can number: 65 536 frames of 10 samples. A sample number beyond
-/// it is damage, and must not decide how much memory is taken.
-const MOST_SAMPLES: u64 = 65_536 * SAMPLES_PER_FRAME as u64;
-
-impl Rows {
-    fn push(&mut self, line: &[u8]) -> Result<(), &'static str> {
-        let line = std::str::from_utf8(line).map_err(|_| "it is not text")?;
-        let mut fields = line.split(',');
-        let mut next = || fields.next().ok_or("it has too few fields");
-        let sample: u64 = next()?
-            .parse()
-            .map_err(|_| "the sample number is no whole number")?;
-        let time = next()?;
-        let (reference, position) = (next()?, next()?);
-        let counts = next()?;
-        if fields.next().is_some() {
-            return Err("it has too many fields");
-        }
-        if sample >= MOST_SAMPLES || self.samples.last().is_some_and(|&last| sample <= last) {
-            return Err("the sample number does not rise");
-        }
-        finite(time)?;
-        counts
-            .parse::<u16>()
-            .map_err(|_| "the counts are no whole number")?;
-        self.samples.push(sample);
-        self.reference_deg.push(finite(reference)?);
-        self.position_deg.push(finite(position)?);
-        Ok(())
-    }
-}
-
-fn finite(text: &str) -> Result<f64, &'static str> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        _ => Err("a field is no number"),
-    }
+fn lost_samples(end: &Table) -> Vec<Range<u64>> {
+    let number = |value: &Value| u64::try_from(value.as_integer()?).ok();
+    let range = |value: &Value| match value.as_array()?.as_slice() {
+        [first, last] => Some(number(first)?..number(last)?.saturating_add(1)),
+        _ => None,
+    };
+    let lost = end.get("lost_samples").and_then(Value::as_array);
+    lost.into_iter().flatten().filter_map(range).collect()
 }

@@ -1,12 +1,12 @@
 //! Writing a recording so that what has been captured survives whatever comes next.
 
+use super::row::RowFormat;
 use super::{COLUMNS, Header};
+use servoid_protocol::Frame;
 use servoid_protocol::framing::CRC;
-use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
-use servoid_protocol::{Frame, SensorScale, ServoScale};
-use std::fmt::Write as _;
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::fs::{File, OpenOptions};
-use std::io::Write as _;
+use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -62,6 +62,10 @@ pub(crate) fn create(path: &Path, force: bool) -> Result<File, WriteError> {
     } else {
         options.create_new(true)
     };
+    open(&options, path)
+}
+
+fn open(options: &OpenOptions, path: &Path) -> Result<File, WriteError> {
     options.open(path).map_err(|reason| match reason.kind() {
         std::io::ErrorKind::AlreadyExists => WriteError::Exists {
             path: path.to_owned(),
@@ -73,12 +77,100 @@ pub(crate) fn create(path: &Path, force: bool) -> Result<File, WriteError> {
     })
 }
 
+/// Where a recording is written to: a file, as a rule.
+pub trait Target: Write {
+    /// Takes back everything beyond the first `length` bytes.
+    ///
+    /// # Errors
+    /// When that cannot be done.
+    fn cut_to(&mut self, length: u64) -> std::io::Result<()>;
+
+    /// Waits until everything is where a power cut cannot touch it.
+    ///
+    /// # Errors
+    /// When that cannot be done.
+    fn settle(&mut self) -> std::io::Result<()>;
+}
+
+impl Target for File {
+    fn cut_to(&mut self, length: u64) -> std::io::Result<()> {
+        self.set_len(length)?;
+        std::io::Seek::seek(self, std::io::SeekFrom::End(0)).map(|_| ())
+    }
+
+    fn settle(&mut self) -> std::io::Result<()> {
+        self.sync_all()
+    }
+}
+
+/// A file that can be written, and has not been touched yet: so that a folder that is read-only is
+/// found before the servo moves, and a file that may be replaced is not lost for a run that does not
+/// take place.
+#[derive(Debug)]
+pub struct ReservedFile {
+    /// `None` once the file belongs to a writer.
+    file: Option<File>,
+    path: PathBuf,
+    was_there: bool,
+}
+
+impl ReservedFile {
+    /// Opens the file, or makes it where it is not there.
+    ///
+    /// # Errors
+    /// [`WriteError::Exists`] unless `force`; [`WriteError::NotCreated`].
+    pub fn new(path: &Path, force: bool) -> Result<Self, WriteError> {
+        let was_there = path.exists();
+        let mut options = OpenOptions::new();
+        options.write(true);
+        if force {
+            options.create(true).truncate(false)
+        } else {
+            options.create_new(true)
+        };
+        Ok(Self {
+            file: Some(open(&options, path)?),
+            path: path.to_owned(),
+            was_there,
+        })
+    }
+
+    /// Replaces what is in the file by the header of a recording.
+    ///
+    /// # Errors
+    /// [`WriteError::NotCreated`].
+    pub fn begin(mut self, header: &Header) -> Result<RecordingWriter, WriteError> {
+        let not_created = |reason| WriteError::NotCreated {
+            path: self.path.clone(),
+            reason,
+        };
+        let file = self
+            .file
+            .as_ref()
+            .ok_or_else(|| not_created(std::io::Error::other("closed")))?;
+        let file = file.try_clone().map_err(not_created)?;
+        // What is not a plain file has no length to cut.
+        let _best_effort = file.set_len(0);
+        let writer = RecordingWriter::on(Box::new(file), &self.path, header)?;
+        self.file = None;
+        Ok(writer)
+    }
+}
+
+impl Drop for ReservedFile {
+    /// An empty file would be in the way of the next attempt.
+    fn drop(&mut self) {
+        if self.file.take().is_some() && !self.was_there {
+            let _best_effort = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
 /// A recording that is being written.
 pub struct RecordingWriter {
-    file: File,
+    target: Box<dyn Target>,
     path: PathBuf,
-    servo: ServoScale,
-    sensor: SensorScale,
+    format: RowFormat,
     rows: u64,
     /// Length of the file up to the last whole frame (bytes).
     bytes: u64,
@@ -90,12 +182,18 @@ impl RecordingWriter {
     ///
     /// # Errors
     /// [`WriteError`].
-    pub fn create(
+    pub fn create(path: &Path, force: bool, header: &Header) -> Result<Self, WriteError> {
+        ReservedFile::new(path, force)?.begin(header)
+    }
+
+    /// Writes the header to `target`; `path` is what error texts call it.
+    ///
+    /// # Errors
+    /// [`WriteError::NotCreated`].
+    pub fn on(
+        mut target: Box<dyn Target>,
         path: &Path,
-        force: bool,
         header: &Header,
-        servo: ServoScale,
-        sensor: SensorScale,
     ) -> Result<Self, WriteError> {
         let not_created = |reason| WriteError::NotCreated {
             path: path.to_owned(),
@@ -106,16 +204,13 @@ impl RecordingWriter {
             .map_err(|e| not_created(std::io::Error::other(e)))?;
         text.push_str(&COLUMNS.join(","));
         text.push('\n');
-        let mut file = create(path, force)?;
-        file.write_all(text.as_bytes()).map_err(not_created)?;
-        let (path, bytes) = (path.to_owned(), text.len() as u64);
+        target.write_all(text.as_bytes()).map_err(not_created)?;
         Ok(Self {
-            file,
-            path,
-            servo,
-            sensor,
+            target,
+            path: path.to_owned(),
+            format: RowFormat::new(header),
             rows: 0,
-            bytes,
+            bytes: text.len() as u64,
             digest: CRC.digest(),
         })
     }
@@ -139,21 +234,12 @@ impl RecordingWriter {
     /// [`WriteError::Stopped`]; the rows before this frame are kept.
     pub fn append(&mut self, frame: &Frame) -> Result<(), WriteError> {
         let mut text = String::with_capacity(SAMPLES_PER_FRAME * 40);
-        let reference = self.servo.degrees(frame.pulse).0;
         let first = u64::from(frame.index) * SAMPLES_PER_FRAME as u64;
         for (sample, counts) in (first..).zip(frame.samples) {
-            // Whole microseconds, so that no row's time carries a rounding of its own.
-            let time_us = sample * u64::from(SAMPLE_US);
-            let position = self.sensor.degrees(counts).0;
-            let _infallible = writeln!(
-                text,
-                "{sample},{}.{:03},{reference},{position:.4},{}",
-                time_us / 1_000_000,
-                time_us % 1_000_000 / 1000,
-                counts.0
-            );
+            self.format.write(&mut text, sample, frame.pulse, counts);
         }
-        self.file
+        // In one piece, so that a program that dies leaves whole frames.
+        self.target
             .write_all(text.as_bytes())
             .map_err(|reason| self.stopped(reason))?;
         self.bytes += text.len() as u64;
@@ -191,20 +277,109 @@ impl RecordingWriter {
             }
         };
         let written = self
-            .file
+            .target
             .write_all(line.as_bytes())
-            .and_then(|()| self.file.sync_all());
+            .and_then(|()| self.target.settle());
         written.map_err(|reason| self.stopped(reason))
     }
 
-    fn stopped(&self, reason: std::io::Error) -> WriteError {
+    fn stopped(&mut self, reason: std::io::Error) -> WriteError {
         // Part of a frame may have got through; if the system cannot take it back, the reader
         // passes over a last line that has no end.
-        let _best_effort = self.file.set_len(self.bytes);
+        let _best_effort = self.target.cut_to(self.bytes);
         WriteError::Stopped {
             path: self.path.clone(),
             rows: self.rows,
             reason,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{Completeness, Recording};
+    use servoid_protocol::{Counts, PulseWidth};
+    use std::cell::RefCell;
+    use std::io::{Error, ErrorKind, Result as IoResult};
+    use std::rc::Rc;
+
+    /// A disk with room for so many bytes, which takes part of what does not fit.
+    #[derive(Clone)]
+    struct SmallDisk {
+        bytes: Rc<RefCell<Vec<u8>>>,
+        room: usize,
+        can_cut: bool,
+    }
+
+    impl Write for SmallDisk {
+        fn write(&mut self, bytes: &[u8]) -> IoResult<usize> {
+            let mut disk = self.bytes.borrow_mut();
+            let count = bytes.len().min(self.room - disk.len());
+            disk.extend(&bytes[..count]);
+            if count == 0 {
+                return Err(ErrorKind::StorageFull.into());
+            }
+            Ok(count)
+        }
+
+        fn flush(&mut self) -> IoResult<()> {
+            Ok(())
+        }
+    }
+
+    impl Target for SmallDisk {
+        fn cut_to(&mut self, length: u64) -> IoResult<()> {
+            if !self.can_cut {
+                return Err(Error::other("no"));
+            }
+            self.bytes.borrow_mut().truncate(length as usize);
+            Ok(())
+        }
+
+        fn settle(&mut self) -> IoResult<()> {
+            Ok(())
+        }
+    }
+
+    /// Wherever the disk ends, in a row, in a frame or in the last line: what is on it is whole
+    /// frames, and the error says how many rows they are.
+    #[test]
+    fn a_full_disk_keeps_every_whole_frame() {
+        for can_cut in [true, false] {
+            for room in 800..2_600 {
+                let disk = SmallDisk {
+                    bytes: Rc::default(),
+                    room,
+                    can_cut,
+                };
+                let path = Path::new("x.csv");
+                let begun = RecordingWriter::on(Box::new(disk.clone()), path, &Header::default());
+                let Ok(mut writer) = begun else { continue };
+                let mut index = 0;
+                let stopped = loop {
+                    let frame = Frame {
+                        run: 1,
+                        index,
+                        pulse: PulseWidth(1_500),
+                        samples: [Counts(8_000 + index); SAMPLES_PER_FRAME],
+                    };
+                    match writer.append(&frame) {
+                        Ok(()) => index += 1,
+                        Err(error) => break error,
+                    }
+                };
+                let closed = writer.finish(&Ending::Complete);
+                let recording = Recording::parse(&disk.bytes.borrow(), path).unwrap();
+                let rows = recording.samples.len() as u64;
+                assert_eq!(rows, u64::from(index) * 10, "{room}");
+                let said = matches!(stopped, WriteError::Stopped { rows: r, .. } if r == rows);
+                assert!(said, "{stopped}");
+                // The room that the frame did not need may be enough for the last line.
+                if closed.is_err() || !can_cut {
+                    assert!(matches!(recording.completeness, Completeness::Partial(_)));
+                }
+            }
         }
     }
 }

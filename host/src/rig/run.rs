@@ -34,12 +34,11 @@ impl RunAssembly {
         }
     }
 
-    /// Takes a frame in. Frames of other runs and frames that are here already are passed over.
-    pub fn take_in(&mut self, frame: Frame) {
+    /// Takes a frame in; says whether it is a new one. Frames of other runs and frames that are here
+    /// already are passed over.
+    pub fn take_in(&mut self, frame: Frame) -> bool {
         let index = u32::from(frame.index);
-        if frame.run == self.run && index >= self.next {
-            self.waiting.insert(index, frame);
-        }
+        frame.run == self.run && index >= self.next && self.waiting.insert(index, frame).is_none()
     }
 
     /// Lets the next frame out, if it is here.
@@ -94,6 +93,25 @@ impl RunAssembly {
     #[must_use]
     pub fn lost(&self) -> &[Range<u32>] {
         &self.lost
+    }
+
+    /// Whether everything that the board caught is here: then what is missing was lost on the board,
+    /// and asking for it again brings nothing.
+    #[must_use]
+    pub fn lacks_only_what_the_board_lost(&self, ended: &Ended) -> bool {
+        let given_up: u32 = self
+            .lost
+            .iter()
+            .map(ExactSizeIterator::len)
+            .map(|n| n as u32)
+            .sum();
+        let missing_ahead = u32::from(ended.frames)
+            .saturating_sub(self.next)
+            .saturating_sub(self.waiting.len() as u32);
+        let mut check = self.check.clone();
+        self.waiting.values().for_each(|frame| check.update(frame));
+        given_up + missing_ahead == u32::from(ended.frames_lost_on_board)
+            && check.value() == ended.check
     }
 
     /// Whether what was let out is, frame by frame, the run that the rig made.

@@ -1,7 +1,9 @@
 //! The program as a user meets it.
 
 mod capture;
+mod chaos;
 mod demo;
 mod errors;
+mod files;
 mod identify;
 mod support;

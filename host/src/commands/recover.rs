@@ -1,0 +1,63 @@
+//! `servoid recover`
+
+use super::Talk;
+use crate::recording::{Completeness, Recording, RecordingWriter, recover};
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Save what is sound of a damaged recording
+///
+/// Keeps every frame of ten rows that is consistent in itself and names the others as lost. Nothing
+/// is guessed. The result is a partial recording.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  servoid recover damaged.csv -o saved.csv")]
+pub(super) struct Recover {
+    /// The recording
+    #[arg(value_name = "REC.csv")]
+    recording: PathBuf,
+    /// The recording to write
+    #[arg(long, short, value_name = "FILE.csv")]
+    out: PathBuf,
+    /// Replace the file if it exists
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+impl Recover {
+    pub(super) fn run(self) -> Result<String> {
+        let path = &self.recording;
+        let bytes = std::fs::read(path).with_context(|| format!("{path:?} cannot be read"))?;
+        if let Ok(sound) = Recording::parse(&bytes, path) {
+            let state = match sound.completeness {
+                Completeness::Complete => "complete".to_owned(),
+                Completeness::Partial(why) => format!("partial: {why}"),
+            };
+            bail!("{path:?} reads well as it is ({state}): there is nothing to recover");
+        }
+        let saved = recover(&bytes, path)?;
+        let writer = RecordingWriter::create(&self.out, self.force, &saved.header)?;
+        saved.write(writer)?;
+        for finding in &saved.findings {
+            self.talk.say(finding);
+        }
+        let lost: u32 = saved.lost_frames.iter().map(|f| f.end - f.start).sum();
+        let text = format!(
+            "{}: partial, {} samples, {lost} frames lost\n",
+            self.out.display(),
+            saved.rows()
+        );
+        self.talk.result(
+            text,
+            &serde_json::json!({
+                "file": self.out,
+                "rows": saved.rows(),
+                "lost_frames": saved.lost_frames.iter().map(|f| [f.start, f.end]).collect::<Vec<_>>(),
+                "findings": saved.findings,
+            }),
+        )
+    }
+}

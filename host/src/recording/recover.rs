@@ -1,0 +1,141 @@
+//! Saving what is sound of a recording that is not readable as it is.
+//!
+//! Nothing is guessed. A frame is kept when all of its ten rows say the same thing twice: the time
+//! that of the sample number, the position that of the counts, the pulse one for the whole frame. A
+//! frame with a damaged row is dropped whole and named as lost.
+
+use super::reader::{ReadError, judge};
+use super::row::Row;
+use super::scan::{LastLine, Newer, scan};
+use super::{Completeness, Ending, FORMAT, Header, RecordingWriter, WriteError};
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use servoid_protocol::{Counts, Frame};
+use std::ops::Range;
+use std::path::Path;
+
+/// What could be saved.
+#[derive(Clone, Debug)]
+pub struct Recovered {
+    /// Where it comes from, and in `recovered` what was wrong.
+    pub header: Header,
+    /// The sound frames, in order.
+    pub frames: Vec<Frame>,
+    /// Frames between them of which nothing sound is left.
+    pub lost_frames: Vec<Range<u32>>,
+    /// What was wrong, one sentence each.
+    pub findings: Vec<String>,
+}
+
+/// Finds the sound frames of a file; `path` is what error texts call it.
+///
+/// # Errors
+/// [`ReadError::Newer`] for a file of a later version, [`ReadError::NothingSound`] where no frame is
+/// left.
+pub fn recover(bytes: &[u8], path: &Path) -> Result<Recovered, ReadError> {
+    let scanned = scan(bytes).map_err(|Newer(format)| ReadError::Newer {
+        path: path.to_owned(),
+        format,
+    })?;
+    let frames: Vec<Frame> = scanned
+        .rows
+        .chunk_by(same_frame)
+        .filter_map(frame)
+        .collect();
+    if frames.is_empty() {
+        return Err(ReadError::NothingSound {
+            path: path.to_owned(),
+        });
+    }
+    let mut findings: Vec<String> = scanned
+        .damages
+        .iter()
+        .map(|damage| format!("line {}: {}", damage.line, damage.reason))
+        .collect();
+    match judge(&scanned) {
+        Ok((Completeness::Complete, _)) => {}
+        Ok((Completeness::Partial(why), _)) => findings.push(why),
+        Err(what) if scanned.damages.is_empty() => {
+            findings.push(format!("its rows do not match its last line: {what}"));
+        }
+        Err(_) => {}
+    }
+    let end = match &scanned.last_line {
+        LastLine::Read(_) => judge(&scanned).map_or_else(|_| Vec::new(), |(_, lost)| lost),
+        _ => Vec::new(),
+    };
+    let mut header = scanned.header;
+    header.format = FORMAT;
+    header.recovered = findings.join("; ");
+    Ok(Recovered {
+        lost_frames: lost_frames(&frames, &end),
+        header,
+        frames,
+        findings,
+    })
+}
+
+impl Recovered {
+    /// Rows that were saved.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.frames.len() * SAMPLES_PER_FRAME
+    }
+
+    /// Writes a partial recording of what was saved.
+    ///
+    /// # Errors
+    /// [`WriteError`].
+    pub fn write(&self, mut writer: RecordingWriter) -> Result<(), WriteError> {
+        for frame in &self.frames {
+            writer.append(frame)?;
+        }
+        writer.finish(&Ending::Partial {
+            reason: format!("recovered: {}", self.header.recovered),
+            lost_frames: self.lost_frames.clone(),
+        })
+    }
+}
+
+fn index(row: &Row) -> u64 {
+    row.sample / SAMPLES_PER_FRAME as u64
+}
+
+fn same_frame(a: &Row, b: &Row) -> bool {
+    index(a) == index(b)
+}
+
+fn frame(rows: &[Row]) -> Option<Frame> {
+    let first = rows.first()?;
+    let counts: Vec<Counts> = rows.iter().map(|row| row.counts).collect();
+    // Format 1 does not promise whole frames of one pulse.
+    rows.iter()
+        .all(|row| row.pulse == first.pulse)
+        .then_some(())?;
+    Some(Frame {
+        run: 0,
+        index: u16::try_from(index(first)).ok()?,
+        pulse: first.pulse?,
+        samples: counts.try_into().ok()?,
+    })
+}
+
+/// The stretches between the frames, and what the file itself named as lost behind them.
+fn lost_frames(frames: &[Frame], named: &[Range<u64>]) -> Vec<Range<u32>> {
+    let mut lost = Vec::new();
+    let mut next = 0;
+    for frame in frames {
+        let index = u32::from(frame.index);
+        if next < index {
+            lost.push(next..index);
+        }
+        next = index + 1;
+    }
+    let samples = SAMPLES_PER_FRAME as u64;
+    let behind = named.iter().filter_map(|range| {
+        let start = u32::try_from(range.start / samples).ok()?;
+        let end = u32::try_from(range.end / samples).ok()?;
+        (start >= next && start < end).then_some(start..end)
+    });
+    lost.extend(behind);
+    lost
+}

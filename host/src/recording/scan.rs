@@ -1,0 +1,345 @@
+//! A file's lines, taken apart; what is wrong is noted, and reading goes on.
+
+use super::header::{FIRST_LINE, HEADER_CRC};
+use super::row::{Row, RowFormat};
+use super::{COLUMNS, FORMAT, Header};
+use servoid_protocol::framing::CRC;
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use toml::{Table, Value};
+
+/// Something that is not as it was written.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Damage {
+    /// Row, from 1; `None` for the lines above the rows.
+    pub(super) row: Option<usize>,
+    /// Line, from 1.
+    pub(super) line: usize,
+    /// What is wrong.
+    pub(super) reason: String,
+}
+
+/// The last line.
+#[derive(Debug)]
+pub(super) enum LastLine {
+    /// There is none, or only a part of one.
+    Missing,
+    /// Something else is in its place.
+    Damaged,
+    /// There is one.
+    Read(Table),
+}
+
+/// A file, taken apart.
+#[derive(Debug)]
+pub(super) struct Scan {
+    pub(super) header: Header,
+    /// Sound rows, in order.
+    pub(super) rows: Vec<Row>,
+    /// Rows that are there, sound or not.
+    pub(super) rows_seen: usize,
+    pub(super) last_line: LastLine,
+    /// The file does not end with a line end.
+    pub(super) cut: bool,
+    /// Rows of the last frame that were passed over, because the rest of it is missing.
+    pub(super) cut_rows: usize,
+    /// CRC-32 over the rows.
+    pub(super) crc32: u32,
+    pub(super) damages: Vec<Damage>,
+}
+
+/// A format that is higher than [`FORMAT`].
+#[derive(Debug)]
+pub(super) struct Newer(pub(super) u32);
+
+/// Whether `bytes` look like a recording of this program rather than any other CSV file.
+#[must_use]
+pub fn is_recording(bytes: &[u8]) -> bool {
+    bytes.starts_with(FIRST_LINE.as_bytes())
+        || bytes
+            .split(|&b| b == b'\n')
+            .find(|line| !line.starts_with(b"#"))
+            .is_some_and(is_column_row)
+}
+
+fn is_column_row(line: &[u8]) -> bool {
+    line.trim_ascii_end() == COLUMNS.join(",").as_bytes()
+}
+
+/// Takes a file apart.
+pub(super) fn scan(bytes: &[u8]) -> Result<Scan, Newer> {
+    // What comes after the last line end was being written when the writer died.
+    let whole = bytes
+        .iter()
+        .rposition(|&b| b == b'\n')
+        .map_or(0, |end| end + 1);
+    let body = bytes.get(..whole).unwrap_or_default();
+    let mut lines = (1..).zip(body.split_inclusive(|&b| b == b'\n'));
+    let mut damages = Vec::new();
+    let header = read_header(&mut lines, &mut damages)?;
+    let mut rows = Rows::new(&header, damages);
+    for (number, line) in lines {
+        rows.take(number, line);
+    }
+    let last = rows.last_line_number;
+    if rows.frames_are_whole {
+        rows.check_frame();
+    }
+    if let Some((number, reason)) = rows.strange_comment.take() {
+        // In its last place a comment that cannot be read is the last line, damaged.
+        if number == last {
+            rows.last_line = LastLine::Damaged;
+        } else {
+            rows.damaged(number, reason);
+        }
+    }
+    rows.damages.sort_by_key(|damage| damage.line);
+    Ok(Scan {
+        header,
+        rows: rows.sound,
+        rows_seen: rows.seen,
+        last_line: rows.last_line,
+        cut: whole < bytes.len(),
+        cut_rows: rows.cut_rows,
+        crc32: rows.digest.finalize(),
+        damages: rows.damages,
+    })
+}
+
+/// Reads up to the row of column names.
+fn read_header<'a>(
+    lines: &mut impl Iterator<Item = (usize, &'a [u8])>,
+    damages: &mut Vec<Damage>,
+) -> Result<Header, Newer> {
+    let (mut table, mut digest, mut sealed) = (Table::new(), CRC.digest(), None);
+    let mut damage = |line, reason: &str| {
+        damages.push(Damage {
+            row: None,
+            line,
+            reason: reason.to_owned(),
+        });
+    };
+    let (mut last, mut rows_follow) = (0, false);
+    for (number, line) in lines {
+        last = number;
+        let text = line.trim_ascii_end();
+        let Some(comment) = text.strip_prefix(b"#") else {
+            if !is_column_row(text) {
+                damage(number, "the column names are wrong");
+            }
+            rows_follow = true;
+            break;
+        };
+        match comment_table(comment) {
+            Ok(entry) => {
+                if let Some(crc32) = entry.get(HEADER_CRC).and_then(Value::as_str) {
+                    let found = format!("{:08x}", digest.clone().finalize());
+                    sealed = Some(found == crc32);
+                }
+                table.extend(entry);
+            }
+            Err(reason) => damage(number, reason),
+        }
+        digest.update(line);
+    }
+    let format = table.get("format").and_then(Value::as_integer);
+    let format = format.unwrap_or(FORMAT.into());
+    if format > i64::from(FORMAT) {
+        // A flipped digit is not a newer version: only a sound header says so.
+        if sealed != Some(false) {
+            return Err(Newer(u32::try_from(format).unwrap_or(u32::MAX)));
+        }
+    }
+    if sealed == Some(false) || (sealed.is_none() && rows_follow && format > 1) {
+        damage(last, "the lines above the rows do not match their CRC");
+    }
+    Ok(table.try_into().unwrap_or_else(|error: toml::de::Error| {
+        damage(last, error.message());
+        Header::default()
+    }))
+}
+
+/// A comment is the inside of a TOML inline table: `key = value, key = value`.
+fn comment_table(comment: &[u8]) -> Result<Table, &'static str> {
+    const FORM: &str = "it is not of the form '# key = value'";
+    let text = std::str::from_utf8(comment).map_err(|_| "it is not UTF-8 text")?;
+    let table: Result<Table, _> = toml::from_str(&format!("line = {{ {} }}", text.trim()));
+    match table.map(|mut table| (table.remove("line"), table.is_empty())) {
+        Ok((Some(Value::Table(inner)), true)) => Ok(inner),
+        _ => Err(FORM),
+    }
+}
+
+/// The rows, as they are read.
+struct Rows {
+    format: RowFormat,
+    /// From format 2 on rows come in whole frames and are held against themselves.
+    frames_are_whole: bool,
+    sound: Vec<Row>,
+    /// The frame that is being read: line, row number and what came of it.
+    frame: Vec<(usize, usize, Result<Row, &'static str>)>,
+    seen: usize,
+    newest_sample: Option<u64>,
+    digest: crc::Digest<'static, u32, crc::Table<1>>,
+    last_line: LastLine,
+    last_line_number: usize,
+    strange_comment: Option<(usize, &'static str)>,
+    cut_rows: usize,
+    damages: Vec<Damage>,
+}
+
+impl Rows {
+    fn new(header: &Header, damages: Vec<Damage>) -> Self {
+        Self {
+            format: RowFormat::new(header),
+            frames_are_whole: header.format > 1,
+            sound: Vec::new(),
+            frame: Vec::new(),
+            seen: 0,
+            newest_sample: None,
+            digest: CRC.digest(),
+            last_line: LastLine::Missing,
+            last_line_number: 0,
+            strange_comment: None,
+            cut_rows: 0,
+            damages,
+        }
+    }
+
+    fn damaged(&mut self, line: usize, reason: &str) {
+        self.damages.push(Damage {
+            row: Some(self.seen + 1),
+            line,
+            reason: reason.to_owned(),
+        });
+    }
+
+    fn take(&mut self, number: usize, line: &[u8]) {
+        self.last_line_number = number;
+        if let Some((number, reason)) = self.strange_comment.take() {
+            self.damaged(number, reason);
+        }
+        if matches!(self.last_line, LastLine::Read(_)) {
+            self.damaged(number, "something follows the last line");
+            return;
+        }
+        let text = line.trim_ascii_end();
+        if let Some(comment) = text.strip_prefix(b"#") {
+            match comment_table(comment) {
+                Ok(end) if end.contains_key("end") => self.last_line = LastLine::Read(end),
+                Ok(_) if !self.frames_are_whole => {}
+                Ok(_) => self.strange_comment = Some((number, "no comment belongs here")),
+                Err(reason) => self.strange_comment = Some((number, reason)),
+            }
+            return;
+        }
+        self.digest.update(line);
+        self.seen += 1;
+        if self.frames_are_whole {
+            self.take_exactly(number, text);
+        } else {
+            self.take_loosely(number, text);
+        }
+    }
+
+    fn take_loosely(&mut self, line: usize, text: &[u8]) {
+        let row = self.format.read(text).and_then(|row| self.rising(row));
+        match row {
+            Ok(row) => self.sound.push(row),
+            Err(reason) => self.damages.push(Damage {
+                row: Some(self.seen),
+                line,
+                reason: reason.to_owned(),
+            }),
+        }
+    }
+
+    fn rising(&mut self, row: Row) -> Result<Row, &'static str> {
+        if self
+            .newest_sample
+            .is_some_and(|newest| row.sample <= newest)
+        {
+            return Err("the sample number does not rise");
+        }
+        self.newest_sample = Some(row.sample);
+        Ok(row)
+    }
+
+    fn take_exactly(&mut self, line: usize, text: &[u8]) {
+        let row = self.format.read_exactly(text);
+        let row = row.and_then(|row| self.rising(row));
+        let frame_of = |row: &Row| row.sample / SAMPLES_PER_FRAME as u64;
+        let of_this_frame = self.frame.iter().find_map(|(_, _, r)| r.as_ref().ok());
+        let another = match (of_this_frame, &row) {
+            (Some(first), Ok(row)) => frame_of(first) != frame_of(row),
+            _ => false,
+        };
+        // A line that was broken in two makes eleven of ten: only sound rows fill a frame.
+        let sound = self.frame.iter().filter(|(_, _, row)| row.is_ok()).count();
+        if another || sound == SAMPLES_PER_FRAME {
+            self.check_frame();
+        }
+        self.frame.push((line, self.seen, row));
+    }
+
+    /// Judges the frame that has been read: ten sound rows in order, all of one pulse.
+    fn check_frame(&mut self) {
+        let frame = std::mem::take(&mut self.frame);
+        let rows: Vec<Row> = frame.iter().filter_map(|(_, _, row)| row.ok()).collect();
+        let before = self.damages.len();
+        let mut note = |line: usize, row: usize, reason: &str| {
+            self.damages.push(Damage {
+                row: Some(row),
+                line,
+                reason: reason.to_owned(),
+            });
+        };
+        let most = most_common(rows.iter().map(|row| row.pulse));
+        for (line, number, row) in &frame {
+            match row {
+                Err(reason) => note(*line, *number, reason),
+                Ok(row) if Some(row.pulse) != most => {
+                    note(*line, *number, "its reference is not that of its frame");
+                }
+                Ok(_) => {}
+            }
+        }
+        if self.damages.len() > before {
+            return;
+        }
+        let first = rows.first().map_or(0, |row| row.sample);
+        let whole = rows.len() == SAMPLES_PER_FRAME
+            && first.is_multiple_of(SAMPLES_PER_FRAME as u64)
+            && (first..)
+                .zip(&rows)
+                .all(|(sample, row)| row.sample == sample);
+        if whole {
+            self.sound.extend(rows);
+        } else if matches!(self.last_line, LastLine::Missing)
+            && frame
+                .last()
+                .is_some_and(|(line, ..)| *line == self.last_line_number)
+            && first.is_multiple_of(SAMPLES_PER_FRAME as u64)
+            && (first..)
+                .zip(&rows)
+                .all(|(sample, row)| row.sample == sample)
+        {
+            self.cut_rows = rows.len();
+        } else if let Some((line, number, _)) = frame.last() {
+            note_incomplete(&mut self.damages, *line, *number);
+        }
+    }
+}
+
+fn note_incomplete(damages: &mut Vec<Damage>, line: usize, row: usize) {
+    damages.push(Damage {
+        row: Some(row),
+        line,
+        reason: "rows of its frame are missing".to_owned(),
+    });
+}
+
+/// The value that is there most often; of equals the one that comes last.
+fn most_common<T: PartialEq + Copy>(values: impl Iterator<Item = T> + Clone) -> Option<T> {
+    let count = |value: &T| values.clone().filter(|other| other == value).count();
+    values.clone().max_by_key(count)
+}

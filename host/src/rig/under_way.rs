@@ -1,0 +1,446 @@
+//! Following a run: every frame that the board still has is got, whatever the line does.
+//!
+//! Nothing here waits for an answer. Requests go out, and what comes in is looked at as it comes, so
+//! that a frame is written when it arrives and not when a lost request has been said often enough.
+//!
+//! | what happens                      | what is done                                                   |
+//! |-----------------------------------|----------------------------------------------------------------|
+//! | a gap                             | asked for again from the board's memory until it is filled or the board has forgotten it |
+//! | a request or its answer is lost   | the request is said again; a repeated request has no second effect |
+//! | no frame for a while              | the rig is asked what it is doing: it may be over              |
+//! | the rig says that it knows nothing of the run | asked once more, because the answer may be an old one |
+//! | nothing at all for a long time    | the end, with everything that came                             |
+
+use super::capture::{CaptureError, Progress};
+use super::client::{Answer, Asked, RigClient, TalkError};
+use super::run::RunAssembly;
+use crate::recording::{Ending, RecordingWriter};
+use servoid_protocol::message::{
+    Activity, Command, EndReason, Ended, Refusal, RigMessage, Start, Status,
+};
+use servoid_protocol::timing::FRAME_US;
+use std::ops::Range;
+use std::time::Duration;
+
+/// A frame waits for so long at most before it is written. A short wait costs next to nothing: a
+/// port returns as soon as bytes come.
+const LISTEN: Duration = Duration::from_millis(5);
+
+/// A sign of life is given four times in a lease, which is two seconds.
+const KEEP_ALIVE_EVERY: Duration = Duration::from_millis(500);
+
+/// Without a frame for this long, the rig is asked whether the run is over, and again every time.
+const QUIET: Duration = Duration::from_millis(200);
+
+/// A gap is asked for again when the answer has had this long to come.
+const RESEND_EVERY: Duration = Duration::from_millis(100);
+
+/// Frames asked for at once: at 115200 baud and 36 bytes a frame they take a fifth of a second.
+const RESEND_FRAMES: u32 = 64;
+
+/// A gap that the rig has answered for so often without its first frame coming is given up once the
+/// run is over. On a line that loses one frame in ten that is one gap in 10^12.
+const FRUITLESS: u32 = 12;
+
+/// Nothing readable for this long, and the rig is taken for gone. The board's memory is five seconds
+/// long: waiting twice that lets a plug that was pulled be put back without losing anything.
+const SILENT: Duration = Duration::from_secs(10);
+
+/// The rig answers, and no frame has come that was not there already.
+const STANDS_STILL: Duration = Duration::from_secs(20);
+
+/// Answers in a row by which a rig does not know the run before that is believed.
+const DENIALS: u32 = 3;
+
+/// A run under way.
+pub(super) struct RunUnderWay<'a> {
+    client: &'a mut RigClient,
+    start: Start,
+    assembly: RunAssembly,
+    ended: Option<Ended>,
+    /// The one request that waits for its answer.
+    asked: Option<Asked>,
+    stop: Stop,
+    denials: u32,
+    asked_again: u32,
+    resend: Option<Resend>,
+    heard_at: Duration,
+    frame_at: Duration,
+    progress_at: Duration,
+    sign_of_life_at: Duration,
+    status_at: Duration,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stop {
+    NotWanted,
+    Wanted,
+    Done,
+}
+
+/// A gap that was asked for.
+struct Resend {
+    gap: Range<u32>,
+    /// Answers to it without its first frame coming.
+    answers: u32,
+    answered_at: Option<Duration>,
+}
+
+impl<'a> RunUnderWay<'a> {
+    pub(super) fn new(client: &'a mut RigClient, start: Start) -> Self {
+        let now = client.now();
+        Self {
+            client,
+            start,
+            assembly: RunAssembly::new(start.run),
+            ended: None,
+            asked: None,
+            stop: Stop::NotWanted,
+            denials: 0,
+            asked_again: 0,
+            resend: None,
+            heard_at: now,
+            frame_at: now,
+            progress_at: now,
+            sign_of_life_at: now,
+            status_at: now,
+        }
+    }
+
+    pub(super) fn rejects(&self) -> u32 {
+        self.client.rejects().total()
+    }
+
+    pub(super) fn asked_again(&self) -> u32 {
+        self.asked_again
+    }
+
+    /// The number that was to be the run's is that of the run before.
+    pub(super) fn take_another_number(&mut self) {
+        self.start.run = self.start.run.wrapping_add(1);
+        self.assembly = RunAssembly::new(self.start.run);
+    }
+
+    /// Has the rig begin the run.
+    pub(super) fn begin(&mut self) -> Result<(), TalkError> {
+        self.client.request(Command::Start(self.start))?;
+        let now = self.client.now();
+        (self.heard_at, self.frame_at, self.progress_at) = (now, now, now);
+        (self.sign_of_life_at, self.status_at) = (now, now);
+        Ok(())
+    }
+
+    /// Writes the run's frames until it is over and every frame is here or given up.
+    pub(super) fn follow(
+        &mut self,
+        writer: &mut RecordingWriter,
+        should_stop: &dyn Fn() -> bool,
+        on_progress: &mut dyn FnMut(Progress<'_>),
+    ) -> Result<(), CaptureError> {
+        loop {
+            if should_stop() && self.stop == Stop::NotWanted {
+                self.stop = Stop::Wanted;
+            }
+            self.listen()?;
+            self.write_out(writer, on_progress)?;
+            if self.everything_is_here() {
+                return self.write_out_over_gaps(writer, on_progress);
+            }
+            self.forget_what_cannot_come();
+            self.require_life()?;
+            self.talk()?;
+        }
+    }
+
+    /// Takes in what comes within a moment.
+    fn listen(&mut self) -> Result<(), TalkError> {
+        let mut message = self.client.receive(LISTEN)?;
+        while let Some(current) = message {
+            self.heard_at = self.client.now();
+            self.take_in(&current)?;
+            message = self.client.receive(Duration::ZERO)?;
+        }
+        Ok(())
+    }
+
+    fn take_in(&mut self, message: &RigMessage) -> Result<(), TalkError> {
+        match message {
+            RigMessage::Frame(frame) => {
+                self.frame_at = self.heard_at;
+                if self.assembly.take_in(*frame) {
+                    self.progress_at = self.heard_at;
+                }
+            }
+            RigMessage::Ended(ended) => self.note_end(ended),
+            _ => {
+                if let Some(asked) = self.asked
+                    && let Some(answer) = asked.answer_in(message)
+                {
+                    self.asked = None;
+                    return self.on_answer(asked.command(), &answer);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn note_end(&mut self, ended: &Ended) {
+        if ended.run == self.start.run && self.ended.is_none() {
+            self.ended = Some(*ended);
+            self.progress_at = self.client.now();
+        }
+    }
+
+    fn on_answer(&mut self, command: &Command, answer: &Answer) -> Result<(), TalkError> {
+        match (command, answer) {
+            (_, Answer::Status(status)) => return self.on_status(status),
+            (Command::Stop { .. }, Answer::Done) => self.stop = Stop::Done,
+            (Command::Resend { .. }, Answer::Done) => {
+                if let Some(resend) = &mut self.resend {
+                    resend.answers += 1;
+                    resend.answered_at = Some(self.heard_at);
+                }
+            }
+            // The session is another's, or the rig has been reset and has none.
+            (_, Answer::Refused(Refusal::UnknownSession | Refusal::UnknownRun)) => {
+                return Err(TalkError::RunForgotten);
+            }
+            _ => {}
+        }
+        self.denials = 0;
+        Ok(())
+    }
+
+    fn on_status(&mut self, status: &Status) -> Result<(), TalkError> {
+        match status.activity {
+            Activity::Ended(ended) if ended.run == self.start.run => self.note_end(&ended),
+            Activity::Running { run, .. } if run == self.start.run => {}
+            _ => {
+                self.denials += 1;
+                return if self.denials >= DENIALS {
+                    Err(TalkError::RunForgotten)
+                } else {
+                    Ok(())
+                };
+            }
+        }
+        self.denials = 0;
+        Ok(())
+    }
+
+    /// Writes what is next in order.
+    pub(super) fn write_out(
+        &mut self,
+        writer: &mut RecordingWriter,
+        on_progress: &mut dyn FnMut(Progress<'_>),
+    ) -> Result<(), CaptureError> {
+        while let Some(frame) = self.assembly.let_out() {
+            writer.append(&frame)?;
+            on_progress(Progress {
+                frame: &frame,
+                frames_total: self.start.frames(),
+                rejects: self.rejects(),
+                asked_again: self.asked_again,
+            });
+        }
+        Ok(())
+    }
+
+    /// Writes all that has come; what is missing before it is given up.
+    pub(super) fn write_out_over_gaps(
+        &mut self,
+        writer: &mut RecordingWriter,
+        on_progress: &mut dyn FnMut(Progress<'_>),
+    ) -> Result<(), CaptureError> {
+        loop {
+            self.write_out(writer, on_progress)?;
+            match self.assembly.first_gap(self.end_so_far()) {
+                Some(gap) => self.assembly.give_up_before(gap.end),
+                None => return Ok(()),
+            }
+        }
+    }
+
+    /// Whether the run is over and nothing of it can still be got.
+    fn everything_is_here(&self) -> bool {
+        self.ended.is_some_and(|ended| {
+            self.assembly.position() >= u32::from(ended.frames)
+                || self.assembly.lacks_only_what_the_board_lost(&ended)
+        })
+    }
+
+    /// Gives up gaps that the board cannot fill any more.
+    fn forget_what_cannot_come(&mut self) {
+        let end = self.end_so_far();
+        let history = u32::from(self.client.hello().history_frames);
+        self.assembly.give_up_before(end.saturating_sub(history));
+        if self.ended.is_some()
+            && let Some(gap) = self.assembly.first_gap(end)
+            && let Some(resend) = &self.resend
+            && resend.gap.start == gap.start
+            && resend.answers >= FRUITLESS
+        {
+            self.assembly.give_up_before(resend.gap.end);
+        }
+    }
+
+    /// One past the last frame that there must have been.
+    fn end_so_far(&self) -> u32 {
+        self.ended
+            .map_or(self.assembly.newest(), |ended| ended.frames.into())
+    }
+
+    fn require_life(&self) -> Result<(), TalkError> {
+        let now = self.client.now();
+        if now.saturating_sub(self.heard_at) > SILENT {
+            return Err(TalkError::FellSilent {
+                seconds: SILENT.as_secs(),
+            });
+        }
+        if now.saturating_sub(self.progress_at) > STANDS_STILL {
+            return Err(TalkError::NoFrames {
+                seconds: STANDS_STILL.as_secs(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Says what is due, the most urgent first; a request that waits for its answer is said again.
+    fn talk(&mut self) -> Result<(), TalkError> {
+        let now = self.client.now();
+        if self.stop == Stop::Wanted && self.ended.is_none() {
+            let stopping =
+                matches!(self.asked, Some(a) if matches!(a.command(), Command::Stop { .. }));
+            if !stopping {
+                return self.say(Command::Stop {
+                    run: self.start.run,
+                });
+            }
+        }
+        if let Some(asked) = &mut self.asked {
+            if !self.client.insist(asked)? {
+                self.asked = None;
+            }
+            return Ok(());
+        }
+        let running = self.ended.is_none();
+        let quiet_since = self.frame_at.max(self.status_at);
+        if running && now.saturating_sub(quiet_since) > QUIET {
+            self.status_at = now;
+            return self.say(Command::Status);
+        }
+        if let Some(resend) = self.resend_due(now) {
+            return self.say(resend);
+        }
+        if running && now.saturating_sub(self.sign_of_life_at) > KEEP_ALIVE_EVERY {
+            return self.say(Command::KeepAlive);
+        }
+        Ok(())
+    }
+
+    /// Every request is a sign of life.
+    fn say(&mut self, command: Command) -> Result<(), TalkError> {
+        self.asked = Some(self.client.say(command)?);
+        self.sign_of_life_at = self.client.now();
+        Ok(())
+    }
+
+    /// The request for the first gap, if it is time for it.
+    fn resend_due(&mut self, now: Duration) -> Option<Command> {
+        let gap = self.assembly.first_gap(self.end_so_far())?;
+        let at_the_end = gap.end == self.end_so_far();
+        if at_the_end && now.saturating_sub(self.frame_at) < RESEND_EVERY {
+            return None; // the last frames are still coming by themselves
+        }
+        let gap = gap.start..gap.end.min(gap.start + RESEND_FRAMES);
+        let answers = match &self.resend {
+            Some(before) if before.gap.start == gap.start => {
+                let patience = RESEND_EVERY + line_time(&before.gap);
+                if before
+                    .answered_at
+                    .is_some_and(|at| now.saturating_sub(at) < patience)
+                {
+                    return None;
+                }
+                before.answers
+            }
+            _ => 0,
+        };
+        let first = u16::try_from(gap.start).ok()?;
+        let count = u16::try_from(gap.len()).ok()?;
+        self.asked_again += u32::from(count);
+        self.resend = Some(Resend {
+            gap,
+            answers,
+            answered_at: None,
+        });
+        Some(Command::Resend {
+            run: self.start.run,
+            first,
+            count,
+        })
+    }
+
+    /// Brings the servo to neutral after something went wrong on this side. Where the line is gone
+    /// there is nobody to tell, and the lease does it.
+    pub(super) fn stop_after(&mut self, error: &CaptureError) {
+        if !matches!(error, CaptureError::Talk(TalkError::Broken(_))) {
+            let run = self.start.run;
+            let _nobody_there = self.client.request(Command::Stop { run });
+        }
+    }
+
+    /// How a run ended that was followed to its end.
+    pub(super) fn ending(&self) -> Ending {
+        let Some(ended) = &self.ended else {
+            return self.partial("stopped by the user before the run began".to_owned());
+        };
+        if ended.reason == EndReason::Complete && self.assembly.is_whole(ended) {
+            return Ending::Complete;
+        }
+        let mut reason = match ended.reason {
+            EndReason::Complete => String::new(),
+            EndReason::Stopped => "stopped by the user".to_owned(),
+            EndReason::Disarmed => "the rig was disarmed".to_owned(),
+            EndReason::LeaseLapsed => {
+                "the rig heard nothing from the host for two seconds".to_owned()
+            }
+            EndReason::SensorOutOfRange => {
+                "the sensor read outside its healthy range: check its wiring".to_owned()
+            }
+        };
+        let missing = if self.assembly.lacks_only_what_the_board_lost(ended) {
+            (ended.frames_lost_on_board > 0)
+                .then_some("the board could not keep up and lost frames")
+        } else if self.assembly.lost().is_empty() {
+            Some("the rig's check over the run differs from what arrived: do not trust the rows")
+        } else {
+            Some("frames were lost on the line, and the board no longer had them when asked again")
+        };
+        if let Some(missing) = missing {
+            if !reason.is_empty() {
+                reason.push_str("; ");
+            }
+            reason.push_str(missing);
+        }
+        self.partial(reason)
+    }
+
+    /// How a run ended of which the end is not known.
+    pub(super) fn broken_off(&self, error: &CaptureError) -> Ending {
+        self.partial(error.to_string())
+    }
+
+    fn partial(&self, reason: String) -> Ending {
+        Ending::Partial {
+            reason,
+            lost_frames: self.assembly.lost().to_vec(),
+        }
+    }
+}
+
+/// How long the line takes for that many frames beside the live ones.
+fn line_time(frames: &Range<u32>) -> Duration {
+    // 40 bytes at 11 520 bytes/s are 3.5 ms; a fifth of a frame's time is a little more.
+    Duration::from_micros(u64::from(FRAME_US) / 5 * frames.len() as u64)
+}

@@ -1,0 +1,232 @@
+//! Captures over bad lines: complete or labelled, never silently wrong.
+
+#[path = "../trials/chaos.rs"]
+mod trials;
+
+use servoid::port::Port;
+use servoid::port::chaos::Faults;
+use servoid::recording::Ending;
+use servoid::rig::TalkError;
+use servoid::rig::capture::CaptureError;
+use servoid_protocol::message::Start;
+use servoid_protocol::{Command, PulseWidth, Request, framing};
+use servoid_simulator::InProcessRig;
+use std::time::Duration;
+use trials::{Outcome, capture, check, rig, short_run, trial};
+
+fn tally(seeds: std::ops::Range<u64>, faults: Faults) -> (usize, usize) {
+    let results: Vec<Outcome> = seeds
+        .map(|seed| trial(seed, faults, faults).unwrap_or_else(|how| panic!("seed {seed}: {how}")))
+        .collect();
+    let complete = results.iter().filter(|r| **r == Outcome::Complete).count();
+    (complete, results.len())
+}
+
+#[test]
+fn a_line_that_loses_and_corrupts_one_in_a_hundred_costs_nothing() {
+    let (complete, all) = tally(0..1_000, Faults::of_rate(0.01));
+    // 99.9 % are promised.
+    assert!(complete * 1_000 >= all * 999, "{complete} of {all}");
+}
+
+#[test]
+fn a_line_that_loses_and_corrupts_five_in_a_hundred_is_never_silently_wrong() {
+    let (complete, all) = tally(0..1_000, Faults::of_rate(0.05));
+    assert!(complete * 10 >= all * 9, "{complete} of {all}");
+}
+
+#[test]
+fn a_hopeless_line_is_never_silently_wrong() {
+    tally(0..200, Faults::of_rate(0.3));
+}
+
+/// Does something to the line between the host and a rig at one moment.
+struct Meddled<F> {
+    rig: InProcessRig,
+    at: Duration,
+    meddle: Option<F>,
+    cut_for: Duration,
+}
+
+impl<F: FnOnce(&mut InProcessRig)> Port for Meddled<F> {
+    fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> std::io::Result<usize> {
+        if self.rig.now() >= self.at
+            && let Some(meddle) = self.meddle.take()
+        {
+            meddle(&mut self.rig);
+        }
+        let count = Port::read(&mut self.rig, buffer, timeout)?;
+        Ok(if self.is_cut() { 0 } else { count })
+    }
+
+    fn write_all(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        if !self.is_cut() {
+            self.rig.write(bytes);
+        }
+        Ok(())
+    }
+
+    fn now(&self) -> Duration {
+        Port::now(&self.rig)
+    }
+}
+
+impl<F> Meddled<F> {
+    fn is_cut(&self) -> bool {
+        (self.at..self.at + self.cut_for).contains(&self.rig.now())
+    }
+}
+
+const IN_MID_RUN: Duration = Duration::from_millis(600);
+const NO_TIME: Duration = Duration::ZERO;
+
+fn reason(ending: &Ending) -> &str {
+    match ending {
+        Ending::Complete => panic!("it is not complete"),
+        Ending::Partial { reason, .. } => reason,
+    }
+}
+
+#[test]
+fn a_rig_that_is_reset_in_mid_run_leaves_what_came_and_no_pulse() {
+    let (old, log) = rig("linear?noise=white");
+    let (new, log_after) = rig("linear?noise=white");
+    let port = Meddled {
+        rig: old,
+        at: IN_MID_RUN,
+        meddle: Some(|rig: &mut InProcessRig| *rig = new),
+        cut_for: NO_TIME,
+    };
+    let (end, bytes) = capture(Box::new(port), short_run(), &|| false);
+    assert!(
+        matches!(end, Err(CaptureError::Talk(TalkError::RunForgotten))),
+        "{end:?}"
+    );
+    let bytes = bytes.unwrap();
+    assert_eq!(check(&bytes, None, &log.borrow()), Ok(Outcome::Partial));
+    assert!(bytes.iter().filter(|b| **b == b'\n').count() > 150);
+    assert!(log_after.borrow().iter().all(|frame| frame.pulse.is_none()));
+}
+
+#[test]
+fn a_rig_that_another_host_takes_over_leaves_what_came() {
+    let (rig, log) = rig("linear?noise=white");
+    let port = Meddled {
+        rig,
+        at: IN_MID_RUN,
+        meddle: Some(|rig: &mut InProcessRig| {
+            let request = Request {
+                session: 1,
+                id: 1,
+                command: Command::Hello,
+            };
+            rig.write(framing::encode(&request, &mut [0; framing::MAX_WIRE]).unwrap());
+        }),
+        cut_for: NO_TIME,
+    };
+    let (end, bytes) = capture(Box::new(port), short_run(), &|| false);
+    assert!(
+        matches!(end, Err(CaptureError::Talk(TalkError::RunForgotten))),
+        "{end:?}"
+    );
+    let bytes = bytes.unwrap();
+    assert_eq!(check(&bytes, None, &log.borrow()), Ok(Outcome::Partial));
+}
+
+#[test]
+fn a_cable_that_is_out_for_a_second_costs_nothing() {
+    let (rig, log) = rig("linear?noise=white");
+    let port = Meddled {
+        rig,
+        at: IN_MID_RUN,
+        meddle: Some(|_: &mut InProcessRig| ()),
+        cut_for: Duration::from_millis(1_200),
+    };
+    let (end, bytes) = capture(Box::new(port), short_run(), &|| false);
+    let end = end.unwrap();
+    let result = check(&bytes.unwrap(), Some(&end), &log.borrow());
+    assert_eq!(result, Ok(Outcome::Complete), "{end:?}");
+}
+
+#[test]
+fn a_cable_that_is_out_for_longer_than_the_lease_costs_only_what_was_not_made() {
+    let (rig, log) = rig("linear?noise=white");
+    let port = Meddled {
+        rig,
+        at: IN_MID_RUN,
+        meddle: Some(|_: &mut InProcessRig| ()),
+        cut_for: Duration::from_secs(4),
+    };
+    let long = Start {
+        post_roll_frames: 400,
+        ..short_run()
+    };
+    let (end, bytes) = capture(Box::new(port), long, &|| false);
+    let end = end.unwrap();
+    assert!(reason(&end).contains("two seconds"), "{end:?}");
+    let bytes = bytes.unwrap();
+    assert_eq!(
+        check(&bytes, Some(&end), &log.borrow()),
+        Ok(Outcome::Partial)
+    );
+    // Everything from the start of the run to two seconds after the cut, without a gap.
+    let rows = bytes
+        .split(|b| *b == b'\n')
+        .filter(|l| l.first() != Some(&b'#'))
+        .count();
+    // The start was heard as well, so the lease gave 100 frames, less the one or two before the first.
+    assert!(rows >= 970, "{rows}");
+    assert!(matches!(end, Ending::Partial { lost_frames, .. } if lost_frames.is_empty()));
+}
+
+#[test]
+fn a_cable_that_stays_out_ends_with_a_sentence_and_the_servo_at_neutral() {
+    let (rig, log) = rig("linear?noise=white");
+    let port = Meddled {
+        rig,
+        at: IN_MID_RUN,
+        meddle: Some(|_: &mut InProcessRig| ()),
+        cut_for: Duration::from_secs(1_000),
+    };
+    let (end, bytes) = capture(Box::new(port), short_run(), &|| false);
+    assert!(
+        matches!(end, Err(CaptureError::Talk(TalkError::FellSilent { .. }))),
+        "{end:?}"
+    );
+    assert_eq!(
+        check(&bytes.unwrap(), None, &log.borrow()),
+        Ok(Outcome::Partial)
+    );
+    let last = log.borrow().last().and_then(|frame| frame.pulse);
+    assert_eq!(last, Some(PulseWidth::NEUTRAL));
+}
+
+#[test]
+fn a_user_who_stops_before_the_run_begins_moves_nothing() {
+    let (rig, log) = rig("linear?noise=white");
+    let (end, bytes) = capture(Box::new(rig), short_run(), &|| true);
+    let end = end.unwrap();
+    assert!(reason(&end).contains("before the run"), "{end:?}");
+    assert_eq!(
+        check(&bytes.unwrap(), Some(&end), &log.borrow()),
+        Ok(Outcome::Partial)
+    );
+    let neutral = Some(PulseWidth::NEUTRAL);
+    assert!(
+        log.borrow()
+            .iter()
+            .all(|f| f.pulse.is_none() || f.pulse == neutral)
+    );
+}
+
+#[test]
+fn the_check_of_the_trials_sees_one_wrong_count() {
+    let (rig, log) = rig("linear?noise=white");
+    let (end, bytes) = capture(Box::new(rig), short_run(), &|| false);
+    let (end, bytes) = (end.unwrap(), bytes.unwrap());
+    let mut log = log.borrow().clone();
+    assert_eq!(check(&bytes, Some(&end), &log), Ok(Outcome::Complete));
+    let moved = log.iter().position(|f| f.pulse == Some(PulseWidth(1_550)));
+    log[moved.unwrap() + 3].samples[4].0 ^= 1;
+    assert!(check(&bytes, Some(&end), &log).is_err());
+}

@@ -1,0 +1,319 @@
+//! Recordings under adverse conditions: cut, changed, killed, and disks that are full.
+
+#[path = "../trials/kill.rs"]
+mod kill;
+
+use crate::support::{arg, data, refusal, run};
+use servoid::recording::{
+    Completeness, Ending, FORMAT, Header, ReadError, Recording, RecordingWriter, recover,
+};
+use servoid_protocol::{Counts, Frame, PulseWidth};
+use std::path::Path;
+use std::time::Duration;
+
+const FRAMES: u16 = 4;
+
+/// Every frame another pulse, and every sample other counts.
+fn frame(index: u16) -> Frame {
+    let count = |k: u16| Counts(8_000 + 97 * index + 13 * k);
+    Frame {
+        run: 9,
+        index,
+        pulse: PulseWidth(1_500 + 25 * index),
+        samples: std::array::from_fn(|k| count(k as u16)),
+    }
+}
+
+/// A recording of four frames in which nothing depends on the clock.
+fn small(path: &Path, ending: Option<&Ending>) {
+    let header = Header {
+        servoid: "0.1.0".to_owned(),
+        started: "2026-01-02T03:04:05Z".to_owned(),
+        condition: "bench".to_owned(),
+        notes: "a \"quoted\" remark, # and all".to_owned(),
+        ..Header::default()
+    };
+    let mut writer = RecordingWriter::create(path, false, &header).unwrap();
+    (0..FRAMES).for_each(|index| writer.append(&frame(index)).unwrap());
+    if let Some(ending) = ending {
+        writer.finish(ending).unwrap();
+    }
+}
+
+fn small_bytes(ending: Option<&Ending>) -> Vec<u8> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("small.csv");
+    small(&path, ending);
+    std::fs::read(&path).unwrap()
+}
+
+fn parse(bytes: &[u8]) -> Result<Recording, ReadError> {
+    Recording::parse(bytes, Path::new("x.csv"))
+}
+
+/// The rows that are there are rows of the original, each with its own numbers.
+fn require_rows_of(found: &Recording, original: &Recording, what: &str) {
+    for (i, &sample) in found.samples.iter().enumerate() {
+        let k = original.samples.iter().position(|s| *s == sample);
+        let k = k.unwrap_or_else(|| panic!("{what}: sample {sample} is new"));
+        let same = found.reference_deg[i] == original.reference_deg[k]
+            && found.position_deg[i] == original.position_deg[k];
+        assert!(same, "{what}: sample {sample} has other numbers");
+    }
+}
+
+#[test]
+fn todays_format_is_what_it_was() {
+    let golden = std::fs::read(data("recording-format-2.csv")).unwrap();
+    assert_eq!(
+        FORMAT, 2,
+        "a new format needs a golden file of its own, and this one stays"
+    );
+    let text = String::from_utf8(small_bytes(Some(&Ending::Complete))).unwrap();
+    assert_eq!(text, String::from_utf8(golden).unwrap());
+}
+
+#[test]
+fn recordings_of_earlier_formats_are_read() {
+    for (name, format) in [("recording-format-1.csv", 1), ("recording-format-2.csv", 2)] {
+        let recording = Recording::read(&data(name)).unwrap();
+        assert_eq!(recording.completeness, Completeness::Complete, "{name}");
+        assert_eq!(recording.header.format, format);
+        assert_eq!(recording.header.condition, "bench");
+        assert_eq!(recording.samples, (0..40).collect::<Vec<u64>>());
+        assert_eq!(recording.reference_deg[39], 7.5);
+        assert_eq!(recording.position_deg[0], -1.7399);
+    }
+}
+
+#[test]
+fn a_recording_of_a_later_format_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("x.csv");
+    std::fs::write(
+        &path,
+        "# format = 3\n# new = \"thing\"\nsample,angle\n0,1\n",
+    )
+    .unwrap();
+    let said = refusal(&["identify", arg(&path)]);
+    assert!(said.contains("made by a newer servoid"), "{said}");
+}
+
+#[test]
+fn every_prefix_is_read_as_what_it_is() {
+    let bytes = small_bytes(Some(&Ending::Complete));
+    let original = parse(&bytes).unwrap();
+    assert_eq!(original.completeness, Completeness::Complete);
+    let text = String::from_utf8(bytes.clone()).unwrap();
+    let first_row = text.find("\n0,").unwrap() + 1;
+    for cut in 0..bytes.len() {
+        let found = parse(&bytes[..cut]).unwrap_or_else(|e| panic!("cut at {cut}: {e}"));
+        assert!(
+            matches!(found.completeness, Completeness::Partial(_)),
+            "cut at {cut}"
+        );
+        // Whole frames whose last line end is there.
+        let rows = text[..cut].get(first_row..).unwrap_or_default();
+        let rows = rows.matches('\n').count();
+        assert_eq!(
+            found.samples.len(),
+            (rows / 10 * 10).min(40),
+            "cut at {cut}"
+        );
+        require_rows_of(&found, &original, &format!("cut at {cut}"));
+    }
+}
+
+/// Every bit, and some bytes that mean something in such a file.
+fn changes(byte: u8) -> impl Iterator<Item = u8> {
+    let flips = (0..8).map(move |bit| byte ^ (1 << bit));
+    let others = [b'\n', b',', b'#', b'"', b'0', b'9', b'-', b' ', 0, 0xff];
+    flips.chain(others).filter(move |changed| *changed != byte)
+}
+
+#[test]
+fn every_changed_byte_is_seen_where_it_is_and_what_is_sound_is_saved() {
+    for ending in [Some(&Ending::Complete), None] {
+        let bytes = small_bytes(ending);
+        let original = parse(&bytes).unwrap();
+        let text = String::from_utf8(bytes.clone()).unwrap();
+        let first_row = text.find("\n0,").unwrap() + 1;
+        for at in 0..bytes.len() {
+            let row_hit = text[..at]
+                .get(first_row..)
+                .map(|rows| rows.matches('\n').count() + 1);
+            for byte in changes(bytes[at]) {
+                let mut changed = bytes.clone();
+                changed[at] = byte;
+                let what = format!("byte {at} {:?} to {:?}", bytes[at] as char, byte as char);
+                let found = match parse(&changed) {
+                    Ok(found) => {
+                        assert_eq!(found.header, original.header, "{what}");
+                        if found.completeness == Completeness::Complete {
+                            assert_eq!(found.samples, original.samples, "{what}");
+                        }
+                        Some(found)
+                    }
+                    Err(ReadError::DamagedRow { row, .. }) => {
+                        let hit = row_hit.unwrap_or_else(|| panic!("{what}: no row was hit"));
+                        assert!(row.abs_diff(hit) <= 1, "{what}: row {hit}, said {row}");
+                        None
+                    }
+                    Err(ReadError::DamagedHeader { .. }) => {
+                        assert!(row_hit.is_none(), "{what}: a row was hit");
+                        None
+                    }
+                    Err(ReadError::Changed { .. }) => {
+                        assert!(row_hit > Some(40), "{what}: not the last line");
+                        None
+                    }
+                    Err(other) => panic!("{what}: {other}"),
+                };
+                if let Some(found) = found {
+                    require_rows_of(&found, &original, &what);
+                } else {
+                    require_saved(&changed, &original, row_hit, &what);
+                }
+            }
+        }
+    }
+}
+
+/// All but the frame that was hit is saved, and nothing else. The end of a row is hit for two rows,
+/// and between two frames for both.
+fn require_saved(changed: &[u8], original: &Recording, row_hit: Option<usize>, what: &str) {
+    // Where the scale above the rows was hit, no row fits to it any more.
+    let Ok(saved) = recover(changed, Path::new("x.csv")) else {
+        assert!(row_hit.is_none(), "{what}: nothing was saved");
+        return;
+    };
+    assert!(!saved.findings.is_empty(), "{what}");
+    let dir = tempfile_in_memory();
+    let path = dir.path().join("saved.csv");
+    let writer = RecordingWriter::create(&path, false, &saved.header).unwrap();
+    saved.write(writer).unwrap();
+    let found = Recording::read(&path).unwrap_or_else(|e| panic!("{what}: {e}"));
+    assert!(
+        matches!(found.completeness, Completeness::Partial(_)),
+        "{what}"
+    );
+    if let Some(row) = row_hit {
+        let least = if row % 10 == 0 { 20 } else { 30 };
+        let rows = found.samples.len();
+        assert!(rows >= least, "{what}: {rows} rows");
+        require_rows_of(&found, original, what);
+    }
+}
+
+/// A folder that is not on a disk where there is one: thousands of files are written and synced.
+fn tempfile_in_memory() -> tempfile::TempDir {
+    tempfile::tempdir_in("/dev/shm")
+        .or_else(|_| tempfile::tempdir())
+        .unwrap()
+}
+
+#[test]
+fn recover_keeps_what_is_sound_and_names_what_is_not() {
+    let dir = tempfile::tempdir().unwrap();
+    let (damaged, saved) = (dir.path().join("x.csv"), dir.path().join("y.csv"));
+    let text = String::from_utf8(small_bytes(Some(&Ending::Complete))).unwrap();
+    std::fs::write(&damaged, &text).unwrap();
+    assert!(refusal(&["recover", arg(&damaged), "-o", arg(&saved)]).contains("reads well"));
+    std::fs::write(&damaged, text.replace("\n15,0.030,", "\n15,0.031,")).unwrap();
+    let said = refusal(&["validate", "m.json", arg(&damaged)]);
+    assert!(!said.is_empty());
+    let printed = run(&["recover", arg(&damaged), "-o", arg(&saved), "--json"]);
+    let printed: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(printed["rows"], 30);
+    assert_eq!(printed["lost_frames"], serde_json::json!([[1, 2]]));
+    let recording = Recording::read(&saved).unwrap();
+    assert_eq!(recording.lost_samples, [10..20]);
+    assert!(
+        recording.header.recovered.contains("its time"),
+        "{:?}",
+        recording.header
+    );
+    std::fs::write(&damaged, "# format = 2\nnothing of use\n").unwrap();
+    std::fs::remove_file(&saved).unwrap();
+    assert!(refusal(&["recover", arg(&damaged), "-o", arg(&saved)]).contains("no sound frame"));
+    assert!(!saved.exists());
+}
+
+#[test]
+fn a_target_that_cannot_be_written_is_found_before_the_servo_moves() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("a-file");
+    std::fs::write(&file, "").unwrap();
+    for target in [file.join("x.csv"), dir.path().join("no/folder/x.csv")] {
+        // The port does not exist: had it been opened first, that would be the complaint.
+        let args = ["capture", "--port", "/dev/nowhere", "-o", arg(&target)];
+        assert!(refusal(&args).contains("cannot be written"));
+    }
+}
+
+#[test]
+fn a_capture_that_does_not_take_place_leaves_no_file_and_replaces_none() {
+    let dir = tempfile::tempdir().unwrap();
+    let (new, old) = (dir.path().join("new.csv"), dir.path().join("old.csv"));
+    std::fs::write(&old, "precious").unwrap();
+    refusal(&["capture", "--port", "/dev/nowhere", "-o", arg(&new)]);
+    refusal(&[
+        "capture",
+        "--port",
+        "/dev/nowhere",
+        "--force",
+        "-o",
+        arg(&old),
+    ]);
+    assert!(!new.exists());
+    assert_eq!(std::fs::read_to_string(&old).unwrap(), "precious");
+}
+
+/// A capture that is killed leaves a file with all but its last 40 ms. A machine under load may not
+/// run a program for longer than that: by how much this test itself was late is not held against it.
+#[test]
+fn a_capture_that_is_killed_keeps_all_but_the_last_moment() {
+    let dir = tempfile::tempdir().unwrap();
+    let servoid = Path::new(env!("CARGO_BIN_EXE_servoid"));
+    for at in [350, 777, 1_234] {
+        let cost = kill::trial(servoid, dir.path(), Duration::from_millis(at)).unwrap();
+        let allowed = Duration::from_millis(40) + cost.lateness;
+        assert!(cost.missing <= allowed, "{cost:?}");
+    }
+}
+
+/// A disk of 64 kB, where the system lets a user have one.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_ends_with_a_sentence_and_keeps_the_rows() {
+    let dir = tempfile::tempdir().unwrap();
+    let script = format!(
+        "mount -t tmpfs -o size=64k tmpfs {0} && {1} capture --port sim:bench -o {0}/x.csv; \
+         status=$?; cp {0}/x.csv {0}.kept; exit $status",
+        arg(dir.path()),
+        env!("CARGO_BIN_EXE_servoid")
+    );
+    let output = std::process::Command::new("unshare")
+        .args(["--user", "--map-root-user", "--mount", "sh", "-c", &script])
+        .output();
+    let kept = dir.path().with_extension("kept");
+    let output = match output {
+        Ok(output) if kept.exists() => output,
+        other => {
+            eprintln!("no disk of one's own here, so nothing was tested: {other:?}");
+            return;
+        }
+    };
+    let recording = Recording::read(&kept);
+    std::fs::remove_file(&kept).unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("keeps what was captured"), "{said}");
+    let recording = recording.unwrap();
+    assert!(matches!(recording.completeness, Completeness::Partial(_)));
+    assert!(
+        recording.samples.len() > 1_000,
+        "{}",
+        recording.samples.len()
+    );
+}
