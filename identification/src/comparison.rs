@@ -408,10 +408,8 @@ fn advice(comparison: &Comparison, sides: &[&Identified<'_>]) -> Vec<Advice> {
         ));
     }
     let two_levels = |side: &&&Identified<'_>| {
-        let memory = side.model.structure.settling_samples;
-        let mut levels: Vec<f64> = Limits::level_table(side.record, memory, comparison.level)
-            .map(|cells| cells.iter().map(|cell| cell.command).collect())
-            .unwrap_or_default();
+        let cells = Limits::level_table(side.record, &side.model);
+        let mut levels: Vec<f64> = cells.iter().map(|cell| cell.command).collect();
         levels.dedup();
         levels.len() < 4
     };

@@ -12,7 +12,7 @@
 //! downwards by -a g_down(m). δ fades within N samples, so both settle on one static line: a record
 //! in which the gain itself differs between levels needs the level table of [`crate::limits`].
 //!
-//! A servo is called asymmetric when δ leaves its simultaneous band around zero.
+//! A servo is called asymmetric when δ leaves its simultaneous 99.9 % band around zero.
 
 pub(crate) mod two_inputs;
 
@@ -39,6 +39,10 @@ use two_inputs::{TwoInputFit, TwoInputMoments};
 /// is not there.
 pub const FREQUENCIES: usize = 31;
 
+/// Probability of calling a symmetric servo asymmetric, lower than that of the bands: a real
+/// asymmetry stands tens of standard deviations clear.
+const FALSE_ALARM: f64 = 0.001;
+
 /// Directions of the covariance of less than this share of the largest are rounding.
 const ROUNDING: f64 = 1e-10;
 
@@ -50,7 +54,7 @@ pub struct Symmetry {
     pub p: f64,
     /// Largest |δ_m| in standard deviations.
     pub largest_deviation: f64,
-    /// What `largest_deviation` exceeds with probability 1 - level if the servo is symmetric.
+    /// What `largest_deviation` exceeds with probability 0.001 if the servo is symmetric.
     pub critical_value: f64,
     /// `largest_deviation` exceeds `critical_value`.
     pub asymmetric: bool,
@@ -222,7 +226,7 @@ fn build(
         let value = times(&map, &split.parameters);
         StepResponse::new(timing.sample_period_s, value, &spread, level, 0.0)
     };
-    let symmetry = symmetry(&split, n..n + n2, timing, level);
+    let symmetry = symmetry(&split, n..n + n2, timing);
     DirectionModel {
         settling_samples: settling,
         noise_order: fit.ar.len(),
@@ -235,12 +239,7 @@ fn build(
     }
 }
 
-fn symmetry(
-    split: &SplitFit,
-    parameters: std::ops::Range<usize>,
-    timing: Timing,
-    level: f64,
-) -> Symmetry {
+fn symmetry(split: &SplitFit, parameters: std::ops::Range<usize>, timing: Timing) -> Symmetry {
     let spread = spread_of(
         &split.split_map,
         &split.covariance,
@@ -255,7 +254,7 @@ fn symmetry(
         }
     };
     let largest_deviation = (0..delta.len()).map(deviation).fold(0.0, f64::max);
-    let normal = simultaneous_critical(&spread.neighbour_correlation, level);
+    let normal = simultaneous_critical(&spread.neighbour_correlation, 1.0 - FALSE_ALARM);
     let critical_value = student_critical(normal, &[split.degrees_of_freedom])[0];
     let at = (0..delta.len())
         .max_by(|&a, &b| delta[a].abs().total_cmp(&delta[b].abs()))

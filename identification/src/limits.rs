@@ -14,9 +14,8 @@ mod rate;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
 use crate::model::Model;
-use crate::record::Record;
+use crate::record::{Record, Run};
 use crate::structure::MARGIN;
 
 pub use levels::{Cell, Hysteresis, RangeEnd, Side};
@@ -57,14 +56,12 @@ impl Limits {
     /// ```
     #[must_use]
     pub fn of(record: &Record, model: &Model) -> Self {
-        let memory = model.structure.settling_samples;
-        // N is a margin longer than the response takes to settle visibly.
-        let settling = (memory as f64 / MARGIN).ceil() as usize;
+        let settling = settling(model);
         let level = model.step.pointwise.level;
         let strokes = holds::strokes(record, settling);
         let (up, down): (Vec<_>, Vec<_>) =
             strokes.into_iter().partition(|stroke| stroke.size > 0.0);
-        let table = levels::Table::new(record, memory, level);
+        let table = levels::Table::new(&at_rest(record, model), settling, level);
         Self {
             rate_up: Rate::new("up", &up, level),
             rate_down: Rate::new("down", &down, level),
@@ -74,17 +71,12 @@ impl Limits {
         }
     }
 
-    /// The level table of a record by itself, from the holds that outlast `memory` samples of
-    /// response.
-    ///
-    /// # Errors
-    /// No hold is long enough.
-    pub fn level_table(record: &Record, memory: usize, level: f64) -> Result<Vec<Cell>, Error> {
-        let cells = levels::Table::new(record, memory, level).cells;
-        if cells.is_empty() {
-            return Err(Error::NoHistory { history: memory });
-        }
-        Ok(cells)
+    /// The level table by itself: where the servo rests, by level and side. Empty when no hold is
+    /// long enough.
+    #[must_use]
+    pub fn level_table(record: &Record, model: &Model) -> Vec<Cell> {
+        let level = model.step.pointwise.level;
+        levels::Table::new(&at_rest(record, model), settling(model), level).cells
     }
 
     /// All findings as sentences.
@@ -100,4 +92,27 @@ impl Limits {
         .chain(ends)
         .collect()
     }
+}
+
+/// Samples that the response takes to settle: N is a margin longer.
+fn settling(model: &Model) -> usize {
+    (model.structure.settling_samples as f64 / MARGIN).ceil() as usize
+}
+
+/// The runs without what the linear model says is still moving, so that ringing is not taken for
+/// rest: y(k) - (ŷ(k) - c - G0 u(k)). Missing where the model has no full history.
+fn at_rest(record: &Record, model: &Model) -> Vec<Run> {
+    let still = |run: &Run| {
+        let moving = model.simulate(run);
+        let output: Vec<f64> = (0..run.len())
+            .map(|k| run.output()[k] - (moving[k] - model.offset - model.theta[0] * run.input()[k]))
+            .collect();
+        let still = Run::new(run.input(), output).ok()?;
+        Some(match run.input_at_rest() {
+            Some(input) => still.with_input_at_rest(input),
+            None => still,
+        })
+    };
+    // Finite inputs and outputs of equal length stay so.
+    record.runs().iter().filter_map(still).collect()
 }

@@ -21,9 +21,8 @@
 //! ```
 //!
 //!   The upper ends need no more than z_1, because only one sample can make them wrong: the true
-//!   peak, and the last sample truly outside. Where the bracket is less than three times as wide as
-//!   the interval of a single crossing, only that crossing can be the last one, and draws are the
-//!   sharper answer.
+//!   peak, and the last sample truly outside. Where the response closes in on its final value over
+//!   the whole bracket, only one crossing can be the last, and draws are the sharper answer.
 //!
 //! The bound of what left-out frequencies may hide is added to all of them.
 

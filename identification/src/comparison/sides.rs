@@ -50,9 +50,7 @@ impl<'a> Identified<'a> {
     /// static line of one with two.
     pub(super) fn levels(&self) -> Levels {
         let (low, high) = scatter::ends(self.record);
-        let memory = self.model.structure.settling_samples;
-        let level = self.model.step.pointwise.level;
-        let cells = Limits::level_table(self.record, memory, level).unwrap_or_default();
+        let cells = Limits::level_table(self.record, &self.model);
         let mut commands: Vec<f64> = cells.iter().map(|cell| cell.command).collect();
         commands.dedup();
         let rest = |command: f64| {

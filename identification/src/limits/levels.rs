@@ -1,6 +1,7 @@
 //! Where the servo comes to rest, level by level and by the side it came from.
 //!
-//! Each hold long enough for the response to be over gives one figure, the mean of its last quarter.
+//! Each hold long enough for the response to settle gives one figure, the mean of its last quarter, freed
+//! of what the linear model says is still moving there.
 //! Holds at one level, reached from one side, form a cell; their scatter within cells is the only
 //! measure of uncertainty, so that it includes whatever differs from visit to visit.
 //!
@@ -15,7 +16,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::holds::{holds, last_quarter, mean_output};
 use crate::metrics::Interval;
-use crate::record::Record;
+use crate::record::Run;
 
 /// Probability of calling out a hysteresis that is not there.
 const FALSE_ALARM: f64 = 0.001;
@@ -97,15 +98,15 @@ struct Level {
 }
 
 impl Table {
-    /// Collects holds whose last quarter begins when the response of `memory` samples is over.
-    pub(crate) fn new(record: &Record, memory: usize, level: f64) -> Self {
+    /// Collects holds whose last quarter begins at least `settling` samples after the edge.
+    pub(crate) fn new(runs: &[Run], settling: usize, level: f64) -> Self {
         let mut visits: Vec<(f64, Side, f64)> = Vec::new();
-        for run in record.runs() {
+        for run in runs {
             for hold in holds(run) {
                 let rest = last_quarter(&hold.samples);
                 let Some(before) = hold
                     .before
-                    .filter(|_| rest.start >= hold.samples.start + memory)
+                    .filter(|_| rest.start >= hold.samples.start + settling)
                 else {
                     continue;
                 };
@@ -125,7 +126,7 @@ impl Table {
             variance: 0.0,
             degrees: 0,
             level,
-            needed: memory + memory.div_ceil(3) + 1,
+            needed: settling + settling.div_ceil(3) + 1,
         };
         table.fill(&visits);
         table

@@ -25,12 +25,6 @@ const BEYOND: f64 = 25.0;
 /// distribution's, for the number of draws would grow without limit.
 const DRAWN_LEVEL: f64 = 0.99;
 
-/// How many times wider than a single crossing's interval a bracket of the settling time may be for
-/// draws to be believed: near a place where it jumps, the bracket holds both sides and is far
-/// wider. Brackets are in whole samples, which adds up to two.
-const PLAUSIBLE: f64 = 3.0;
-const ROUNDED: f64 = 2.0;
-
 /// Pairs of draws for a level.
 pub(crate) fn pairs(level: f64) -> usize {
     (BEYOND / (1.0 - level.min(DRAWN_LEVEL))).ceil() as usize
@@ -231,25 +225,17 @@ impl MetricDraws {
             Some(m) if m + 2 >= last => f64::INFINITY,
             Some(m) => (m + 1) as f64,
         };
-        let plain = PLAUSIBLE * 2.0 * critical.one * self.sd_of_settling() + ROUNDED;
-        if bias == 0.0 && upper - lower <= plain {
+        // Draws are smooth only where a single crossing can be the last one: the response closes in
+        // on its final value over the whole bracket.
+        let closes_in = || {
+            let away = |m: usize| (self.curve[m] - gain).abs();
+            (lower as usize..upper as usize).all(|m| away(m + 1) < away(m))
+        };
+        if bias == 0.0 && upper.is_finite() && closes_in() {
             interval_of(value, &mut self.figure(|shape| shape.settling), level)
         } else {
             Interval::new(value, lower, upper)
         }
-    }
-
-    /// Standard deviation of the crossing at which the response settles, by its slope there, in
-    /// samples: right unless another crossing may be the last one.
-    fn sd_of_settling(&self) -> f64 {
-        let last = self.curve.len() - 1;
-        let at = self.nominal.settling;
-        if at >= (last - 1) as f64 {
-            return 0.0;
-        }
-        let m = at as usize;
-        let side = (self.curve[m] - self.curve[last]).signum();
-        self.sd_over(m, 1.0 + side * SETTLED) / (self.curve[m + 1] - self.curve[m]).abs()
     }
 
     /// Standard deviation of a sample minus `share` of the final value.
