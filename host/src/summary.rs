@@ -1,7 +1,9 @@
 //! Results as text for a terminal.
 
+mod beyond;
 mod comparison;
 
+pub use beyond::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
 
 use servoid_identification::metrics::{Interval, Metrics};

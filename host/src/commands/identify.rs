@@ -7,9 +7,14 @@ use crate::{dataset, explain, output, summary};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
+use servoid_identification::direction::{self, DirectionModel};
+use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
+use servoid_identification::limits::Limits;
+use servoid_identification::step::StepResponse;
 use servoid_identification::{
     Explanation, Frequencies, Model, NoiseOrder, Options, Settling, identify_explained,
 };
+use servoid_protocol::timing::FRAME_US;
 use std::path::PathBuf;
 
 /// Find the servo's step and frequency response, with bounds
@@ -39,6 +44,13 @@ pub(super) struct Identify {
     /// Show how the structure came about: what was considered, and why this was chosen
     #[arg(long)]
     explain: bool,
+    /// Also fit a model of low order for a flight simulation: gain, delay, one to three poles
+    #[arg(long)]
+    flight_model: bool,
+    /// Also look for what no linear model shows: up and down strokes that differ, rate limits, a
+    /// rest position that depends on the direction of approach, ends of the travel
+    #[arg(long)]
+    limits: bool,
     /// The model to write
     #[arg(long, short, value_name = "MODEL.json")]
     out: Option<PathBuf>,
@@ -89,15 +101,71 @@ impl Identify {
         }
         let mut text = summary::of_model(&listed(&self.files), model, data.about.unit);
         text.extend(explanation.map(|e| explain::as_text(e, &model.structure)));
-        self.talk.result(text, &Explained { model, explanation })
+        let mut result = Identified {
+            model,
+            explanation,
+            flight_model: None,
+            limits: None,
+            directions: None,
+        };
+        if self.flight_model {
+            let options = FlightModelOptions {
+                // A recording of servoid was commanded by pulses, which change with the frame only.
+                frame_period_s: data.about.unit.map(|_| f64::from(FRAME_US) * 1e-6),
+                ..FlightModelOptions::default()
+            };
+            let fitted = flight_model::fit(&data.record, model, &options)
+                .with_context(|| format!("{}: no low-order model", listed(&self.files)))?;
+            text += &summary::of_flight_model(&fitted);
+            result.flight_model = Some(fitted);
+        }
+        if self.limits {
+            let limits = Limits::of(&data.record, model);
+            // A recording with strokes of one direction only has no split; the summary says so.
+            let split = direction::split(&data.record, model).ok();
+            text += &summary::of_limits(&limits, split.as_ref());
+            result.directions = split.map(Directions::from);
+            result.limits = Some(limits);
+        }
+        self.talk.result(text, &result)
     }
 }
 
-/// The model as `--json` prints it, with the explanation beside it where that was asked for.
+/// The model as `--json` prints it, and beside it what else was asked for.
 #[derive(Serialize)]
-struct Explained<'a> {
+struct Identified<'a> {
     #[serde(flatten)]
     model: &'a Model,
     #[serde(skip_serializing_if = "Option::is_none")]
     explanation: Option<&'a Explanation>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    flight_model: Option<FlightModel>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limits: Option<Limits>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    directions: Option<Directions>,
+}
+
+/// Up and down strokes apart.
+#[derive(Serialize)]
+struct Directions {
+    asymmetric: bool,
+    p: f64,
+    largest_difference_percent: f64,
+    at_s: f64,
+    up: StepResponse,
+    down: StepResponse,
+}
+
+impl From<DirectionModel> for Directions {
+    fn from(split: DirectionModel) -> Self {
+        Self {
+            asymmetric: split.symmetry.asymmetric,
+            p: split.symmetry.p,
+            largest_difference_percent: 100.0 * split.symmetry.largest_difference,
+            at_s: split.symmetry.at_s,
+            up: split.up,
+            down: split.down,
+        }
+    }
 }
