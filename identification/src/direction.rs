@@ -129,7 +129,7 @@ impl SplitFit {
 /// ```
 /// use servoid_identification::{direction::split, identify, Options, Record, Settling};
 /// // Up quickly, down slowly.
-/// let u: Vec<f64> = (0..3000).map(|k| if k * k / 9000 % 2 == 0 { 5.0 } else { -5.0 }).collect();
+/// let u: Vec<f64> = (0..3000).map(|k| if k / 120 % 2 == 0 { 5.0 } else { -5.0 }).collect();
 /// let y: Vec<f64> = u.iter().enumerate().scan(5.0, |y, (k, u)| {
 ///     *y += if u > y { 0.3 } else { 0.1 } * (u - *y);
 ///     Some(*y + 0.01 * ((k * 7919 % 101) as f64 - 50.0) / 50.0)

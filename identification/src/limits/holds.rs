@@ -84,7 +84,9 @@ pub(crate) fn strokes(record: &Record, settling: usize) -> Vec<Stroke> {
 fn measure(run: &Run, before: &Hold, after: &Hold, period: f64) -> Option<Stroke> {
     let start = mean_output(run, last_quarter(&before.samples))?;
     let travel = mean_output(run, last_quarter(&after.samples))? - start;
-    let relative: Vec<f64> = run.output()[after.samples.clone()]
+    // From rest: a fast servo has left it by the first sample after the edge.
+    let first = after.samples.start - before.samples.len().min(3);
+    let relative: Vec<f64> = run.output()[first..after.samples.end]
         .windows(3)
         .map(|w| (w.iter().sum::<f64>() / 3.0 - start) / travel)
         .collect();
