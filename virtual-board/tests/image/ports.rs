@@ -12,11 +12,12 @@ use virtual_board::server::{HostEnd, Pace, TcpServer, serve};
 
 /// Runs a board behind `end` while `host` talks to it, for 30 s at most.
 fn with_board(mut end: impl HostEnd + Send, host: impl FnOnce()) {
+    // Not in the thread: building the image may take longer than a host waits.
+    let mut board = VirtualBoard::new(image(), &options("linear?seed=1", &[])).unwrap();
     let done = AtomicBool::new(false);
     let deadline = Instant::now() + Duration::from_secs(30);
     std::thread::scope(|scope| {
         scope.spawn(|| {
-            let mut board = VirtualBoard::new(image(), &options("linear?seed=1", &[])).unwrap();
             let should_stop = || done.load(Ordering::Relaxed) || Instant::now() > deadline;
             serve(
                 &mut board,
