@@ -214,13 +214,21 @@ fn from_recording(
     } else {
         recording.reference_samples()
     };
-    let (input, output) = recording.columns(range);
+    let (input, mut output) = recording.columns(range);
+    let healthy = recording.header.healthy_degrees();
+    let broken = healthy.map_or(0, |range| drop_unhealthy(&mut output, range));
     let run = run(input, output, path, options.at_rest)?;
     let mut remarks = Vec::new();
     if let Completeness::Partial(reason) = &recording.completeness {
         let rows = recording.samples.len();
         remarks.push(format!(
             "{} is partial ({reason}): it has {rows} rows",
+            path.display()
+        ));
+    }
+    if broken > 0 {
+        remarks.push(format!(
+            "{}: in {broken} samples the sensor read outside its healthy range; they count as missing",
             path.display()
         ));
     }
@@ -256,6 +264,17 @@ fn from_recording(
         phase_s,
         about,
     })
+}
+
+/// Marks readings that no healthy sensor gives as missing; returns how many.
+fn drop_unhealthy(output: &mut [f64], (lowest, highest): (f64, f64)) -> usize {
+    // Positions are written with four decimals, so the range's own ends may seem to be beyond it.
+    let slack = 1e-3;
+    let healthy = (lowest - slack)..=(highest + slack);
+    let broken = output
+        .iter_mut()
+        .filter(|y| !y.is_nan() && !healthy.contains(*y));
+    broken.map(|y| *y = f64::NAN).count()
 }
 
 fn from_table(table: &Table, options: &DatasetOptions) -> Result<Loaded, DatasetError> {

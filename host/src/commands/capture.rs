@@ -34,12 +34,18 @@ pub(super) struct CaptureArgs {
     #[arg(long, value_enum, default_value_t = ReferenceKind::Staircase)]
     reference: ReferenceKind,
     /// How far the reference goes to each side (degrees)
-    #[arg(long, default_value_t = 5.0, value_name = "DEGREES")]
+    #[arg(
+        long,
+        default_value_t = 5.0,
+        value_name = "DEGREES",
+        allow_negative_numbers = true
+    )]
     amplitude: f64,
     /// Under what condition: bench, aircraft, or a word of your own
     #[arg(long, default_value = "")]
     condition: String,
-    /// I have read the safety rules, and nobody is near the rotor (needed for --condition aircraft)
+    /// I have read the safety rules, and nobody is near the rotor (needed for every condition but
+    /// bench)
     #[arg(long)]
     arm: bool,
     /// A remark that the recording keeps
@@ -98,10 +104,14 @@ impl CaptureArgs {
                 "say where the rig is, with --port or with 'port' in the rig file: 'servoid ports' lists the serial ports, and sim:bench needs none"
             );
         };
-        let dangerous = self.condition == "aircraft" && !port::is_simulated(&address);
+        // Any condition that is not plainly the bench may be a loaded servo.
+        let condition = self.condition.trim().to_lowercase();
+        let on_the_bench = condition.is_empty() || condition.starts_with("bench");
+        let dangerous = !on_the_bench && !port::is_simulated(&address);
         if dangerous && !self.arm {
             bail!(
-                "the aircraft condition moves a loaded servo: read the safety rules in the README, clear the rotor, then add --arm"
+                "the condition {:?} may move a loaded servo: read the safety rules in the README, clear the rotor, then add --arm",
+                self.condition
             );
         }
         let ReferenceKind::Staircase = self.reference;
@@ -127,11 +137,14 @@ impl CaptureArgs {
             Ending::Complete => (true, None),
             Ending::Partial { reason, .. } => (false, Some(reason.as_str())),
         };
-        if !complete && !interrupt::asked() {
-            self.talk.say(format_args!(
-                "the recording is partial: {}",
-                reason.unwrap_or_default()
-            ));
+        if let Some(reason) = reason
+            && !interrupt::asked()
+        {
+            bail!(
+                "{} is partial, {} samples: {reason}",
+                self.out.display(),
+                end.rows
+            );
         }
         let result = CaptureResult {
             file: &self.out,
@@ -149,13 +162,21 @@ impl CaptureArgs {
     }
 }
 
+/// Below this, rounding to whole microseconds alone is more than 5 % of the step (µs).
+const SMALL_AMPLITUDE_US: f64 = 10.0;
+
 /// The paper's staircase at this amplitude.
-fn staircase(rig: &RigFile, amplitude_deg: f64) -> Result<Reference> {
+fn staircase(rig: &RigFile, amplitude_deg: f64, talk: Talk) -> Result<Reference> {
     let microseconds = (amplitude_deg * rig.servo.us_per_degree).abs().round();
     if !(1.0..=1000.0).contains(&microseconds) {
         bail!(
             "an amplitude of {amplitude_deg} degrees is {microseconds} µs of pulse: choose one between 1 and 1000 µs"
         );
+    }
+    if microseconds < SMALL_AMPLITUDE_US {
+        talk.say(format_args!(
+            "an amplitude of {amplitude_deg} degrees is only {microseconds} µs of pulse: the step is sent in whole microseconds, and friction and dead band may swallow much of it"
+        ));
     }
     let staircase = Staircase {
         amplitude_us: microseconds as u16,
@@ -166,7 +187,10 @@ fn staircase(rig: &RigFile, amplitude_deg: f64) -> Result<Reference> {
 
 /// Captures one run.
 pub(super) fn capture(job: &Job<'_>, talk: Talk) -> Result<CaptureEnd> {
-    let capture = Capture::new(job.rig.clone(), staircase(&job.rig, job.amplitude_deg)?);
+    let capture = Capture::new(
+        job.rig.clone(),
+        staircase(&job.rig, job.amplitude_deg, talk)?,
+    );
     // Before the servo moves, not after: a run may be expensive.
     let file = ReservedFile::new(job.out, job.force)?;
     let mut client = RigClient::connect(port::open(job.address)?, job.address)?;

@@ -5,7 +5,7 @@ use crate::rig::RigFile;
 use serde::{Deserialize, Serialize};
 use servoid_protocol::framing::CRC;
 use servoid_protocol::message::Start;
-use servoid_protocol::{Hello, PulseWidth, Reference, SensorScale, ServoScale};
+use servoid_protocol::{Counts, Hello, PulseWidth, Reference, SensorScale, ServoScale};
 use toml::{Table, Value};
 
 /// How every recording begins.
@@ -74,6 +74,8 @@ pub struct Header {
     pub zero_sd_deg: f64,
     /// Standard deviation of the sensor's scale (percent of it).
     pub scale_sd_percent: f64,
+    /// Smallest and largest reading of a healthy sensor (counts), where they were written down.
+    pub healthy_counts: Option<[u16; 2]>,
 }
 
 impl Default for Header {
@@ -106,6 +108,7 @@ impl Default for Header {
             degrees_per_count: rig.sensor.degrees_per_count,
             zero_sd_deg: rig.sensor.zero_sd_deg,
             scale_sd_percent: rig.sensor.scale_sd_percent,
+            healthy_counts: None,
         }
     }
 }
@@ -141,6 +144,7 @@ impl Header {
             degrees_per_count: rig.sensor.degrees_per_count,
             zero_sd_deg: rig.sensor.zero_sd_deg,
             scale_sd_percent: rig.sensor.scale_sd_percent,
+            healthy_counts: Some(rig.sensor.healthy_counts),
             ..Self::default()
         }
     }
@@ -169,10 +173,9 @@ impl Header {
     pub fn to_lines(&self) -> Result<String, toml::ser::Error> {
         let value = Value::try_from(self)?;
         let fields = value.as_table().into_iter().flatten();
-        // A value is written on one line: TOML's inline form escapes line ends in texts.
         let lines: String = fields
             .filter(|(key, _)| *key != "format")
-            .map(|(key, value)| format!("# {key} = {value}\n"))
+            .map(|(key, value)| format!("# {key} = {}\n", on_one_line(value)))
             .collect();
         let lines = format!("{FIRST_LINE}{}\n{lines}", self.format);
         let crc32 = CRC.checksum(lines.as_bytes());
@@ -188,6 +191,17 @@ impl Header {
         }
     }
 
+    /// The smallest and the largest angle that a healthy sensor can report (deg), where that was
+    /// written down.
+    #[must_use]
+    pub fn healthy_degrees(&self) -> Option<(f64, f64)> {
+        let sensor = self.sensor_scale();
+        let [a, b] = self
+            .healthy_counts?
+            .map(|counts| sensor.degrees(Counts(counts)).0);
+        Some((a.min(b), a.max(b)))
+    }
+
     /// How counts become degrees.
     #[must_use]
     pub fn sensor_scale(&self) -> SensorScale {
@@ -196,6 +210,21 @@ impl Header {
             degrees_per_count: self.degrees_per_count,
         }
     }
+}
+
+/// A value in TOML, on one line whatever texts are in it: TOML would write a text with a line end over
+/// several lines, which would then be no comments any more.
+pub(super) fn on_one_line(value: &Value) -> String {
+    let Value::String(text) = value else {
+        return value.to_string();
+    };
+    let escaped = |letter: char| match letter {
+        '"' => "\\\"".to_owned(),
+        '\\' => "\\\\".to_owned(),
+        control if control.is_control() => format!("\\u{:04X}", u32::from(control)),
+        other => other.to_string(),
+    };
+    format!("\"{}\"", text.chars().map(escaped).collect::<String>())
 }
 
 /// A reference as a flat table: its kind, then its numbers.

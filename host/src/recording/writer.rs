@@ -1,5 +1,6 @@
 //! Writing a recording so that what has been captured survives whatever comes next.
 
+use super::header::on_one_line;
 use super::row::RowFormat;
 use super::{COLUMNS, Header};
 use servoid_protocol::Frame;
@@ -264,7 +265,7 @@ impl RecordingWriter {
                 reason,
                 lost_frames,
             } => {
-                let reason = toml::Value::from(reason.as_str());
+                let reason = on_one_line(&toml::Value::from(reason.as_str()));
                 let samples = SAMPLES_PER_FRAME as u32;
                 let lost: Vec<_> = lost_frames
                     .iter()

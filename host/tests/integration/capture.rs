@@ -1,6 +1,7 @@
 //! Captures through the byte link, on simulated servos.
 
 use crate::support::{arg, refusal, run};
+use servoid::dataset::{DatasetOptions, load};
 use servoid::recording::{Completeness, Recording};
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
@@ -72,14 +73,18 @@ fn an_existing_file_is_kept_unless_forced() {
 fn a_sensor_that_breaks_ends_the_run_and_keeps_the_rows() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("x.csv");
-    let text = run(&[
+    let args = [
         "capture",
         "--port",
         "sim:bench?fault=open@3",
         "-o",
         arg(&file),
-    ]);
-    assert!(text.contains("partial"), "{text}");
+    ];
+    let said = refusal(&args);
+    assert!(
+        said.contains("partial") && said.contains("sensor"),
+        "{said}"
+    );
     let recording = Recording::read(&file).unwrap();
     let Completeness::Partial(reason) = &recording.completeness else {
         panic!("it is partial")
@@ -90,6 +95,35 @@ fn a_sensor_that_breaks_ends_the_run_and_keeps_the_rows() {
         "{}",
         recording.samples.len()
     );
+    // What the broken sensor said is not taken for motion.
+    let data = load(&[file], &DatasetOptions::default()).unwrap();
+    assert!(data.record.missing() >= 5, "{:?}", data.about.remarks);
+    assert!(
+        data.record.runs()[0]
+            .output()
+            .iter()
+            .all(|y| !(y.abs() > 20.0))
+    );
+}
+
+#[test]
+fn remarks_with_line_ends_and_quotes_survive() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("x.csv");
+    let notes = "a\nb \"q\" # x \\ \u{7f}\t ü";
+    let args = [
+        "capture",
+        "--port",
+        "sim:linear",
+        "--notes",
+        notes,
+        "-o",
+        arg(&file),
+    ];
+    run(&args);
+    let recording = Recording::read(&file).unwrap();
+    assert_eq!(recording.completeness, Completeness::Complete);
+    assert_eq!(recording.header.notes, notes);
 }
 
 #[cfg(unix)]

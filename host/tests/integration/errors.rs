@@ -159,14 +159,26 @@ fn a_port_that_another_servoid_has_is_busy() {
 fn the_aircraft_is_not_moved_by_accident() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("x.csv");
+    for condition in ["aircraft", " Aircraft", "heli"] {
+        let args = [
+            "capture",
+            "--port",
+            "/dev/nowhere",
+            "--condition",
+            condition,
+            "-o",
+            arg(&file),
+        ];
+        assert!(refusal(&args).contains("--arm"), "{condition}");
+    }
     let args = [
         "capture",
         "--port",
         "/dev/nowhere",
         "--condition",
-        "aircraft",
+        "Bench 2",
         "-o",
         arg(&file),
     ];
-    assert!(refusal(&args).contains("--arm"));
+    assert!(refusal(&args).contains("there is no port"));
 }
