@@ -2,12 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::model::Model;
 use crate::model_error::ModelErrors;
 use crate::nested::BankCandidate;
 use crate::noise::OrderCandidate;
 use crate::normal::Path;
 use crate::runs::RunComparison;
-use crate::structure::Choice;
+use crate::structure::{Choice, MARGIN};
 
 /// The way to a model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,4 +31,111 @@ pub struct Explanation {
     pub model_errors: Option<ModelErrors>,
     /// How the runs compare; `None` with fewer than two.
     pub runs: Option<RunComparison>,
+}
+
+impl Explanation {
+    /// The choice of the structure of `model` in words, one sentence for each decision.
+    #[must_use]
+    pub fn sentences(&self, model: &Model) -> Vec<String> {
+        let structure = &model.structure;
+        let period = model.sample_period_s;
+        let mut sentences = Vec::new();
+        if let Some(choice) = &self.settling {
+            sentences.push(choice_in_words(choice, period));
+        }
+        if let (Some(narrowest), Some(all)) = (self.narrowest_bank(), self.frequencies.last()) {
+            sentences.push(format!(
+                "Frequencies: {} of {} that the input excites; the band of noise and truncation \
+                 would be narrowest with {} (mean half width {:.2e}), and is {:.2e} with all.",
+                structure.frequencies,
+                all.frequencies,
+                narrowest.frequencies,
+                narrowest.half_width(),
+                all.half_width()
+            ));
+        }
+        if let Some(white) = self.noise_orders.first() {
+            let best = self
+                .noise_orders
+                .iter()
+                .map(|order| order.bic)
+                .fold(white.bic, f64::min);
+            sentences.push(format!(
+                "Noise: order {} by Bayes' criterion, which prefers it to white noise by {:.1}.",
+                structure.noise_order,
+                white.bic - best
+            ));
+        }
+        if let Some(errors) = &self.model_errors {
+            let tried = errors.candidates.len();
+            sentences.push(format!(
+                "The errors are not noise; of {tried} structures and estimators the simplest was \
+                 taken that predicts unseen parts within half a point of the best."
+            ));
+        }
+        let path = match self.path {
+            Path::Moments => "lagged moments",
+            Path::Qr => "a triangular factor of the rows (QR)",
+        };
+        sentences.push(format!(
+            "Arithmetic: {} rows through {path}, condition number {:.1e}.",
+            self.rows, self.condition
+        ));
+        sentences
+    }
+
+    fn narrowest_bank(&self) -> Option<&BankCandidate> {
+        self.frequencies
+            .iter()
+            .min_by(|a, b| a.half_width().total_cmp(&b.half_width()))
+    }
+}
+
+fn choice_in_words(choice: &Choice, period: f64) -> String {
+    let seconds = |samples: usize| samples as f64 * period;
+    let outcome = if choice.settled {
+        format!(
+            "is the shortest tried that is at least {MARGIN} times the {:.3} s after which the \
+             response rests, and that a fit of {:.3} s does not contradict",
+            seconds(choice.detected),
+            seconds(choice.longest)
+        )
+    } else {
+        format!(
+            "is the longest that the record allows; the response still moves at {:.3} s",
+            seconds(choice.detected)
+        )
+    };
+    let settling = seconds(choice.settling);
+    format!(
+        "Settling time: {settling:.3} s ({} samples) {outcome}.",
+        choice.settling
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Options, Record, identify_explained};
+
+    #[test]
+    fn every_decision_has_its_sentence() {
+        let u: Vec<f64> = (0..900).map(|k| f64::from(k * k / 900 % 2)).collect();
+        let y: Vec<f64> = u
+            .iter()
+            .enumerate()
+            .scan(0.0, |y, (k, u)| {
+                *y += 0.3 * (u - *y);
+                Some(*y + 0.01 * ((k * 7919 % 101) as f64 / 50.0 - 1.0))
+            })
+            .collect();
+        let record = Record::from_slices(0.01, &u, &y).unwrap();
+        let found = identify_explained(&record, &Options::default()).unwrap();
+        let sentences = found.explanation.sentences(&found.model);
+        for (beginning, sentence) in ["Settling time:", "Frequencies:", "Noise:", "Arithmetic:"]
+            .iter()
+            .zip(&sentences)
+        {
+            assert!(sentence.starts_with(beginning), "{sentence}");
+        }
+    }
 }

@@ -6,7 +6,7 @@
 //!
 //! Residuals of a fit are smaller than the noise, because the response has followed part of it.
 //! Their moments are therefore corrected by what the covariance of the fit says was lost,
-//! E[i,j] += σ² tr(R_ij (Z'Z)^-1), before the final D is taken; this is the restricted likelihood's
+//! E\[i,j\] += σ² tr(R_ij (Z'Z)^-1), before the final D is taken; this is the restricted likelihood's
 //! idea, and it keeps bands from shrinking when there are many parameters.
 
 use faer::Mat;

@@ -148,7 +148,7 @@ impl Metrics {
         MetricDraws::new(measured, draws::SEED).metrics(measured, dc_gain)
     }
 
-    /// The figures of a model, as [`crate::identify`] has already put them into it.
+    /// The figures of a model, as [`crate::identify()`] has already put them into it.
     ///
     /// # Errors
     /// The structure of a hand-made document does not describe a filter bank.

@@ -1,7 +1,7 @@
 //! The noise model v = ε/D(z), D(z) = 1 + d_1 z^-1 + ... + d_d z^-d.
 //!
 //! D is fitted by least squares to the residuals of the response model, from their lagged moments
-//! E[i,j] = sum v(k-i) v(k-j) over the same rows (the covariance method), so that both half steps of
+//! E\[i,j\] = sum v(k-i) v(k-j) over the same rows (the covariance method), so that both half steps of
 //! generalised least squares lower the same sum of squares.
 
 use faer::Mat;

@@ -6,7 +6,7 @@
 //! A = sum_ij d_i d_j T' R[i:i+N, j:j+N] T     b = sum_ij d_i d_j T' r[i:i+N, j]     c = d' Y d
 //! ```
 //!
-//! and the residuals v of a solution h = Tθ, c have the moments E[i,j] that the noise model needs.
+//! and the residuals v of a solution h = Tθ, c have the moments E\[i,j\] that the noise model needs.
 //! Two forms of the same information are kept apart:
 //!
 //! * **moments** (the fast path): inner products of the rows, solved by an equilibrated Cholesky
@@ -220,7 +220,7 @@ impl Information {
         Factored::new(&equations).map(|factored| factored.refined(&equations))
     }
 
-    /// E[i,j] = sum v(k-i) v(k-j), i, j = 0..=order, for v = y - h*u - offset (all relative to
+    /// E\[i,j\] = sum v(k-i) v(k-j), i, j = 0..=order, for v = y - h*u - offset (all relative to
     /// the centre).
     #[must_use]
     pub fn residual_moments(&self, impulse: &[f64], offset: f64, order: usize) -> Mat<f64> {
