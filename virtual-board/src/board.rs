@@ -189,7 +189,6 @@ impl<C: Core> VirtualBoard<C> {
     }
 
     /// The chip, with the record of what happened.
-    #[must_use]
     pub fn chip(&self) -> MutexGuard<'_, Chip> {
         self.chip.lock()
     }

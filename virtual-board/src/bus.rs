@@ -30,8 +30,11 @@ enum Unit {
     Dbgmcu,
 }
 
+/// A bit in the enable register of a domain; none where the clock is always on.
+type Enable = Option<(Domain, u32)>;
+
 /// Each unit: its base address, and its enable bit unless its clock is always on (7.3.6-7.3.8).
-const UNITS: [(u32, Unit, Option<(Domain, u32)>); 15] = [
+const UNITS: [(u32, Unit, Enable); 15] = [
     (0x4000_0000, Unit::Tim2, Some((Domain::Apb1, 0))),
     (0x4000_0400, Unit::Tim3, Some((Domain::Apb1, 1))),
     (0x4000_3000, Unit::Iwdg, None),
@@ -53,7 +56,7 @@ const UNIT_BYTES: u32 = 0x400;
 /// The electronic signature (30.1, 30.2).
 const SIGNATURE: u32 = 0x1fff_f7e0;
 
-fn locate(address: u32) -> Option<(Unit, Option<(Domain, u32)>, u32)> {
+fn locate(address: u32) -> Option<(Unit, Enable, u32)> {
     UNITS.iter().find_map(|&(base, unit, clock)| {
         let offset = address.checked_sub(base)?;
         (offset < UNIT_BYTES).then_some((unit, clock, offset))
@@ -167,7 +170,7 @@ impl Chip {
         }
     }
 
-    fn is_clocked(&mut self, clock: Option<(Domain, u32)>, address: u32, now: Ticks) -> bool {
+    fn is_clocked(&mut self, clock: Enable, address: u32, now: Ticks) -> bool {
         let clocked = clock.is_none_or(|(domain, bit)| self.rcc.is_enabled(domain, bit));
         let what = Irregularity::Unclocked { address };
         self.moment(now).report_if(!clocked, what);
