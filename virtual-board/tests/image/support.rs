@@ -134,8 +134,7 @@ pub fn capture(
 ) -> (Result<CaptureEnd, CaptureError>, Vec<Frame>) {
     capture.arm(client).unwrap();
     let header = Header::of_run(client.hello(), &capture.rig, &capture.start);
-    let (servo, sensor) = (capture.rig.servo_scale(), capture.rig.sensor_scale());
-    let writer = RecordingWriter::create(file, true, &header, servo, sensor).unwrap();
+    let writer = RecordingWriter::create(file, true, &header).unwrap();
     let mut frames = Vec::new();
     let end = capture.record(client, writer, &|| false, &mut |progress| {
         frames.push(*progress.frame);
