@@ -1,9 +1,9 @@
 //! Why a model has the structure that it has, as text and as a picture.
 
 use crate::plots::figure::{Curve, Figure, Ink, Panel};
-use servoid_identification::Explanation;
 use servoid_identification::model::Structure;
 use servoid_identification::normal::Path;
+use servoid_identification::{Explanation, Model};
 use std::fmt::Write;
 
 /// Lines of a table that are printed; a long search is thinned out to about so many.
@@ -11,10 +11,13 @@ const MOST_LINES: usize = 16;
 
 /// The way to the structure, as tables.
 #[must_use]
-pub fn as_text(explanation: &Explanation, structure: &Structure) -> String {
+pub fn as_text(explanation: &Explanation, model: &Model) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
-    let _infallible = write_text(&mut text, explanation, structure);
+    let _infallible = write_text(&mut text, explanation, &model.structure);
+    for sentence in explanation.sentences(model) {
+        let _infallible = writeln!(text, "\n  {sentence}");
+    }
     text
 }
 

@@ -104,6 +104,15 @@ impl Row {
     }
 }
 
+/// The level of a model's bounds, as text: none where they have not earned one.
+#[must_use]
+pub fn level_text(model: &Model) -> String {
+    match model.bounds_hold() {
+        true => format!("{} %", 100.0 * model.step.pointwise.level),
+        false => "no level".to_owned(),
+    }
+}
+
 /// What was found by one identification.
 #[must_use]
 pub fn of_model(source: &str, model: &Model, unit: Option<&str>) -> String {
@@ -122,8 +131,14 @@ fn write_model(
     let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
     let (structure, fit, period) = (&model.structure, &model.fit, model.sample_period_s);
     let (each, whole) = model.step.mean_half_widths();
-    let level = 100.0 * model.step.pointwise.level;
+    let level = level_text(model);
     writeln!(text, "{source}")?;
+    if !model.bounds_hold() {
+        writeln!(
+            text,
+            "  ! THE BOUNDS BELOW DO NOT HOLD: the errors are not noise (see the advice)"
+        )?;
+    }
     writeln!(
         text,
         "  samples     {} used, {} missing, every {} ms",
@@ -153,7 +168,7 @@ fn write_model(
     )?;
     writeln!(
         text,
-        "  step band   +-{each:.4} each point, +-{whole:.4} whole curve ({level} %, of a unit step, mean)",
+        "  step band   +-{each:.4} each point, +-{whole:.4} whole curve ({level}, of a unit step, mean)",
     )?;
     writeln!(text, "  offset      {:.4}{unit}", model.offset)?;
     writeln!(
@@ -162,11 +177,7 @@ fn write_model(
         probability(model.residuals.whiteness_p),
         probability(model.residuals.input_correlation_p)
     )?;
-    writeln!(
-        text,
-        "\n  {:22} {:>10}       {level} % interval",
-        "", "value"
-    )?;
+    writeln!(text, "\n  {:22} {:>10}       {level} interval", "", "value")?;
     for row in &ROWS {
         let interval = (row.of)(&model.metrics);
         writeln!(

@@ -100,7 +100,7 @@ impl Identify {
             self.talk.say(format_args!("plots: {}", listed(&files)));
         }
         let mut text = summary::of_model(&listed(&self.files), model, data.about.unit);
-        text.extend(explanation.map(|e| explain::as_text(e, &model.structure)));
+        text.extend(explanation.map(|e| explain::as_text(e, model)));
         let mut result = Identified {
             model,
             explanation,

@@ -1,6 +1,7 @@
 //! The paper's figures, made from recordings and models.
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Panel};
+use crate::summary::level_text;
 use servoid_identification::frequency::FrequencyResponse;
 use servoid_identification::{Model, Record, Run};
 
@@ -84,7 +85,7 @@ pub fn step_response(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     for (Named { name, model }, ink) in models.iter().zip(INKS) {
         let step = &model.step;
         let timing = model.timing();
-        let percent = 100.0 * step.simultaneous.level;
+        let level = level_text(model);
         let line = |values: &[f64]| -> Vec<(f64, f64)> {
             let place = |(m, &value)| (timing.seconds(m as f64), value);
             values.iter().enumerate().map(place).collect()
@@ -93,7 +94,7 @@ pub fn step_response(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
             .into_iter()
             .zip(&step.simultaneous.upper);
         panel.bands.push(Band {
-            name: format!("{name}: the whole curve, {percent} %"),
+            name: format!("{name}: the whole curve, {level}"),
             ink,
             points: bounds
                 .map(|((t, lower), &upper)| (t, lower, upper))
@@ -102,7 +103,7 @@ pub fn step_response(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
         panel
             .curves
             .push(Curve::solid(*name, ink, line(&step.value)));
-        let each = format!("{name}: each point, {} %", 100.0 * step.pointwise.level);
+        let each = format!("{name}: each point, {level}");
         panel
             .curves
             .push(Curve::dashed(each, ink, line(&step.pointwise.lower)));
@@ -135,7 +136,7 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
         let own = model.servo_response(&model.frequency.omega_rad_s);
         let f = &own.unwrap_or_else(|_| model.frequency.clone());
         let shown = shown_frequencies(f);
-        let level = format!("{name}: {} %", 100.0 * model.step.pointwise.level);
+        let level = format!("{name}: {}", level_text(model));
         let points = |values: &[f64]| {
             let points = f.omega_rad_s.iter().copied().zip(values.iter().copied());
             points

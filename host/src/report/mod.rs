@@ -105,9 +105,9 @@ fn write_numbers(body: &mut String, parts: &[&Part<'_>]) -> std::fmt::Result {
     let heads: String = parts
         .iter()
         .map(|part| {
-            let level = 100.0 * part.subject.model.step.pointwise.level;
+            let level = summary::level_text(part.subject.model);
             let name = escape(part.subject.name);
-            format!("<th class=\"number\">{name}</th><th>{level} % interval</th>")
+            format!("<th class=\"number\">{name}</th><th>{level} interval</th>")
         })
         .collect();
     write!(

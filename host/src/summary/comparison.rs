@@ -61,9 +61,9 @@ fn write_comparison(text: &mut String, a: &str, b: &str, found: &Comparison) -> 
             writeln!(
                 text,
                 "  {name} rests at                    {} when told {:+}, {} when told {:+}",
-                level_text(&side.plus),
+                rest_text(&side.plus),
                 side.command_plus,
-                level_text(&side.minus),
+                rest_text(&side.minus),
                 side.command_minus
             )?;
         }
@@ -99,7 +99,7 @@ fn write_comparison(text: &mut String, a: &str, b: &str, found: &Comparison) -> 
     write_advice(text, &found.advice)
 }
 
-fn level_text(level: &Interval) -> String {
+fn rest_text(level: &Interval) -> String {
     match (level.value, level.lower, level.upper) {
         (Some(value), Some(low), Some(high)) => format!("{value:.3} ({low:.3} .. {high:.3})"),
         _ => "-".to_owned(),
