@@ -242,7 +242,8 @@ impl<C: Core> VirtualBoard<C> {
         let cycles = self.core.step();
         self.now += cycles * self.hclk;
         self.awake_cycles += cycles;
-        if self.core.is_asleep() {
+        // A core that sleeps says one cycle, and asking it costs as much as a step.
+        if cycles == 1 && self.core.is_asleep() {
             self.look_around();
             if self.interrupts == 0 && !self.nmi {
                 self.sleep(end);

@@ -50,7 +50,7 @@ pub trait HostEnd {
 const SLICE: Ticks = milliseconds(1);
 
 /// How long to sleep when there is nothing to do: no answer comes later by more than this.
-const NAP: Duration = Duration::from_micros(500);
+const NAP: Duration = Duration::from_millis(1);
 
 /// Runs `board` behind `end` until `should_stop` says so. `after_slice` sees the board after each bit
 /// of its time.

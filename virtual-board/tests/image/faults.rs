@@ -85,12 +85,13 @@ fn status(board: &SharedBoard) -> Status {
 
 #[test]
 fn disturbed_bytes_cost_repeats_and_nothing_else() {
-    // A frame of 36 bytes and a request of 10: at 0.3 % for each byte, one message in ten.
+    // A frame has 36 bytes: at 0.3 % for each, one in ten is hit. Requests are few, so each of their
+    // bytes is hit more often; all eight attempts at one of 12 bytes fail once in 10^7.
     for faults in [
         ["to-host-flip:0.003"],
-        ["to-board-flip:0.003"],
+        ["to-board-flip:0.01"],
         ["to-host-drop:0.003"],
-        ["to-board-drop:0.003"],
+        ["to-board-drop:0.01"],
         ["inject:0.003"],
     ] {
         let board = SharedBoard::new(&options("linear?seed=1", &faults));
@@ -99,13 +100,19 @@ fn disturbed_bytes_cost_repeats_and_nothing_else() {
         let (end, frames) = capture(&mut client, &staircase(), &folder.path().join("run.csv"));
         let end = end.unwrap();
         // The rig's check over the run agrees: not a bit of it is wrong.
-        assert_eq!(end.ending, Ending::Complete, "{faults:?}");
-        assert_eq!(frames.len() as u32, staircase().start.frames());
-        let refused = end.rejects + client.status().unwrap().rejects;
-        assert!(
-            refused > 0 || end.asked_again > 0,
-            "{faults:?} disturbed nothing"
+        let status = client.status().unwrap();
+        assert_eq!(
+            end.ending,
+            Ending::Complete,
+            "{faults:?}: {status:?}, {:?}",
+            board.violations()
         );
+        assert_eq!(frames.len() as u32, staircase().start.frames());
+        // Which bytes are hit depends on the session's number, which is by chance: ask until one was.
+        let hit = end.rejects > 0
+            || end.asked_again > 1
+            || (0..200).any(|_| client.status().unwrap().rejects > 0);
+        assert!(hit, "{faults:?} disturbed nothing");
         assert_eq!(board.violations(), [""; 0], "{faults:?}");
     }
 }
