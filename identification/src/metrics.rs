@@ -9,6 +9,7 @@
 //! * **Gain and phase**: the bound of the response itself (Student's, Fieller's).
 //! * **Crossing times, bandwidth, -90 degrees**: quantiles over seeded draws of the response from
 //!   the covariance of its fit. Each point of a draw is widened by Student's t as the band is.
+//!   What interpolation between samples may be wrong by is added to the crossing times.
 //! * **Overshoot**, which cannot be negative and is a maximum over noisy samples, and **settling**,
 //!   which jumps when a peak enters its band, are not smooth: draws miss the truth there. A bracket
 //!   takes their place. With z_1 the critical value of one sample and z_k that of all k samples that

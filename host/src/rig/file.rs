@@ -11,8 +11,8 @@
 //!
 //! [sensor]
 //! name = "Honeywell RTY120"
-//! zero_counts = 8190.0        # reading at 0 degrees
-//! degrees_per_count = 0.009157509157509158   # negative when it is mounted the other way round
+//! zero_counts = 8192.0        # reading at 0 degrees
+//! degrees_per_count = 0.0091552734375   # negative when it is mounted the other way round
 //! zero_sd_deg = 0.1           # how well the zero is known (standard deviation)
 //! scale_sd_percent = 0.5      # how well the scale is known (standard deviation)
 //! healthy_counts = [1000, 15380]
@@ -91,8 +91,8 @@ pub struct SensorSection {
 const RTY_VOLTS: [f64; 2] = [0.5, 4.5];
 const RTY_DEGREES: f64 = 120.0;
 const FULL_SCALE_VOLTS: f64 = 5.0;
-/// Four conversions of 12 bits, summed.
-const FULL_SCALE_COUNTS: f64 = 4.0 * 4095.0;
+/// Four conversions of 12 bits, summed: 4096 steps each, of which the last reads 4095.
+const FULL_SCALE_COUNTS: f64 = 4.0 * 4096.0;
 
 impl Default for SensorSection {
     /// The paper's sensor behind the divider of the wiring guide, from its data sheet: nobody has
@@ -251,8 +251,10 @@ mod tests {
             Some(PulseWidth(1550))
         );
         // 0.5 V of 5 V at -60 degrees: the data sheet's lower end.
-        let low = Counts((0.5 / 5.0 * 4.0 * 4095.0) as u16);
-        assert!((rig.sensor_scale().degrees(low).0 + 60.0).abs() < 1e-9);
+        let low = Counts((0.5 / 5.0 * 4.0 * 4096.0) as u16);
+        // Whole counts: to within one of them.
+        let one_count = rig.sensor.degrees_per_count;
+        assert!((rig.sensor_scale().degrees(low).0 + 60.0).abs() < one_count);
     }
 
     #[test]

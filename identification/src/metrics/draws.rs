@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::bands::{Crossing, bandwidth, quarter_turn};
-use super::shape::{SETTLED, Shape, Windows, bump};
+use super::shape::{Interpolation, SETTLED, Shape, Windows, bump};
 use super::{Interval, Measured, Metrics};
 use crate::band::{normal_upper_quantile, pointwise_critical};
 use crate::basis::dot;
@@ -139,18 +139,23 @@ impl MetricDraws {
             widened(interval, bias)
         };
         let time = |interval: Interval| in_seconds(interval, |samples| timing.seconds(samples));
-        let crossing = |of: fn(&Shape) -> f64| time(smooth(of, bias.of(of)));
+        let between = Interpolation::new(&self.curve, &self.nominal);
+        let crossing = |of: fn(&Shape) -> f64, error: f64| {
+            time(widened(smooth(of, bias.of(of)), (-error, error)))
+        };
         let rise = {
             let (early, late) = (bias.of(|s| s.tenth), bias.of(|s| s.ninety));
-            smooth(Shape::rise, (late.0 - early.1, late.1 - early.0))
+            let error = between.tenth + between.ninety;
+            let noise = smooth(Shape::rise, (late.0 - early.1, late.1 - early.0));
+            widened(noise, (-error, error))
         };
         Metrics {
             dc_gain,
             rise_time_s: in_seconds(rise, |samples| samples * timing.sample_period_s),
             settling_time_s: time(self.settling(measured, level)),
             overshoot_percent: percent(self.overshoot(measured, level)),
-            delay_s: crossing(|shape| shape.delay),
-            t50_s: crossing(|shape| shape.half),
+            delay_s: crossing(|shape| shape.delay, between.delay),
+            t50_s: crossing(|shape| shape.half, between.half),
             bandwidth_rad_s: self.bandwidth.interval(level),
             phase_minus_90_rad_s: self.quarter_turn.interval(level),
         }

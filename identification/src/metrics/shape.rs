@@ -194,48 +194,145 @@ pub(crate) fn bump(curve: &[f64], m: usize, last: usize) -> f64 {
 }
 
 /// Where the curve passes `level` between sample `m`-1 and sample `m`, which lie on different
-/// sides of it: by a cubic through the two and their neighbours. Before sample 0 the curve is zero.
-/// The last sample, which gathers all that comes later, is not used as a neighbour.
+/// sides of it: by a cubic through the two and their neighbours.
 fn crossing_before(curve: &[f64], m: usize, level: f64) -> f64 {
-    if m == 0 {
-        return 0.0;
+    match m {
+        0 => 0.0,
+        m => (m - 1) as f64 + Crossing::new(curve, m, level).cubic(),
     }
-    let last = curve.len() - 1;
-    let (p1, p2) = (curve[m - 1] - level, curve[m] - level);
-    let p0 = if m >= 2 { curve[m - 2] } else { 0.0 } - level;
-    let p3 = if m + 1 < last {
-        curve[m + 1] - level
-    } else {
-        2.0 * p2 - p1
-    };
-    // Newton's form on the nodes 0, 1, -1, 2.
-    let slope = p2 - p1;
-    let second = (p0 - 2.0 * p1 + p2) / 2.0;
-    let third = (p3 - p0 - 3.0 * slope) / 6.0;
-    let cubic = |t: f64| p1 + t * (slope + (t - 1.0) * (second + (t + 1.0) * third));
-    let (mut low, mut high) = (0.0, 1.0);
-    let mut t = (p1 / (p1 - p2)).clamp(0.0, 1.0);
-    // Each step at least keeps the crossing enclosed; the secant through a nearly straight piece
-    // of curve leaves less than a millionth of a sample after a few.
-    for _ in 0..8 {
-        let value = cubic(t);
-        if value.abs() < 1e-9 * slope.abs() {
-            break;
-        }
-        if (value > 0.0) == (p2 > p1) {
-            high = t;
+}
+
+/// Four neighbouring values less the level that the curve passes between the second and the third,
+/// at the places -1, 0, 1 and 2.
+struct Crossing([f64; 4]);
+
+impl Crossing {
+    /// Before sample 0 the curve is zero. The last sample, which gathers all that comes later, is
+    /// not used as a neighbour.
+    fn new(curve: &[f64], m: usize, level: f64) -> Self {
+        let (p1, p2) = (curve[m - 1] - level, curve[m] - level);
+        let p0 = if m >= 2 { curve[m - 2] } else { 0.0 } - level;
+        let p3 = if m + 1 < curve.len() - 1 {
+            curve[m + 1] - level
         } else {
-            low = t;
-        }
-        let derivative = slope + (2.0 * t - 1.0) * second + (3.0 * t * t - 1.0) * third;
-        let newton = t - value / derivative;
-        t = if newton > low && newton < high {
-            newton
-        } else {
-            f64::midpoint(low, high)
+            2.0 * p2 - p1
         };
+        Self([p0, p1, p2, p3])
     }
-    (m - 1) as f64 + t
+
+    fn slope(&self) -> f64 {
+        self.0[2] - self.0[1]
+    }
+
+    /// The crossing of a straight line through the two inner values.
+    fn linear(&self) -> f64 {
+        (-self.0[1] / self.slope()).clamp(0.0, 1.0)
+    }
+
+    /// The crossing of the cubic through all four.
+    fn cubic(&self) -> f64 {
+        let [p0, p1, p2, p3] = self.0;
+        self.root(
+            (p0 - 2.0 * p1 + p2) / 2.0,
+            (p3 - p0 - 3.0 * self.slope()) / 6.0,
+        )
+    }
+
+    /// The crossings of the parabolas through the first three and the last three.
+    fn parabolas(&self) -> [f64; 2] {
+        let [p0, p1, p2, p3] = self.0;
+        [p0 - 2.0 * p1 + p2, p3 - 2.0 * p2 + p1].map(|curvature| self.root(curvature / 2.0, 0.0))
+    }
+
+    /// The root between the inner two of Newton's form on the nodes 0, 1, -1, 2.
+    fn root(&self, second: f64, third: f64) -> f64 {
+        let (p1, p2, slope) = (self.0[1], self.0[2], self.slope());
+        let value_at = |t: f64| p1 + t * (slope + (t - 1.0) * (second + (t + 1.0) * third));
+        let (mut low, mut high) = (0.0, 1.0);
+        let mut t = self.linear();
+        // Each step at least keeps the crossing enclosed; Newton on a nearly straight piece of
+        // curve leaves less than a millionth of a sample after a few.
+        for _ in 0..8 {
+            let value = value_at(t);
+            if value.abs() < 1e-9 * slope.abs() {
+                break;
+            }
+            if (value > 0.0) == (p2 > p1) {
+                high = t;
+            } else {
+                low = t;
+            }
+            let derivative = slope + (2.0 * t - 1.0) * second + (3.0 * t * t - 1.0) * third;
+            let newton = t - value / derivative;
+            t = if newton > low && newton < high {
+                newton
+            } else {
+                f64::midpoint(low, high)
+            };
+        }
+        t
+    }
+}
+
+/// Samples in the rise below which a cubic through four samples no longer follows the curve between
+/// them.
+const COARSE: f64 = 4.0;
+
+/// Share of the gain below which a response may not have begun.
+const BEGUN: f64 = 0.02;
+
+/// What interpolation may be wrong by \[samples\], at each crossing of a curve.
+///
+/// Nothing is known of the curve between its samples; what different interpolations disagree by says
+/// how much that may matter. With x the crossing of the cubic, x1 that of the straight line, x2 and
+/// x3 those of the two parabolas, and r samples from 10 to 90 %,
+///
+/// ```text
+/// e = 3 min(1, (4/r)²) |x - x1| + 2 max(|x - x2|, |x - x3|)
+/// ```
+///
+/// Over 6000 second-order servos (damping 0.3 to 1.5, rise of 1.5 to 60 samples, any dead time) the
+/// true crossings lay within e in 98 to 100 %, by level and length of the rise. With 20 samples in the
+/// rise e is about a hundredth of a sample. Where the response had not begun at the sample before, a
+/// dead time may end anywhere up to the crossing's other neighbour: then e reaches to the farther of
+/// the two, again by the share min(1, (4/r)²).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Interpolation {
+    pub(crate) delay: f64,
+    pub(crate) tenth: f64,
+    pub(crate) half: f64,
+    pub(crate) ninety: f64,
+}
+
+impl Interpolation {
+    /// Of `curve`, whose crossings are those of `shape`.
+    pub(crate) fn new(curve: &[f64], shape: &Shape) -> Self {
+        let coarseness = (COARSE / shape.rise()).powi(2).min(1.0);
+        let error = |crossing: f64, share: f64| {
+            // The sample that follows the crossing; none where there is no crossing.
+            let m = crossing.floor() as usize + 1;
+            if !crossing.is_finite() || m >= curve.len() {
+                return 0.0;
+            }
+            let around = Crossing::new(curve, m, share * shape.gain);
+            let at = crossing - (m - 1) as f64;
+            let line = (at - around.linear()).abs();
+            let parabola = around.parabolas().map(|x| (at - x).abs());
+            let error = 3.0 * coarseness * line + 2.0 * parabola[0].max(parabola[1]);
+            let begun = curve[m - 1] > BEGUN * shape.gain;
+            if begun {
+                error
+            } else {
+                error.max(coarseness * at.max(1.0 - at))
+            }
+        };
+        Self {
+            delay: error(shape.delay, EARLY[0]),
+            tenth: error(shape.tenth, EARLY[1]),
+            half: error(shape.half, 0.5),
+            ninety: error(shape.ninety, LATE),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -304,6 +401,36 @@ mod tests {
             assert_eq!(windows.read(&disturbed), all.read(&disturbed));
         }
         assert!(windows.points.len() < curve.len() / 2);
+    }
+
+    /// A first-order lag whose dead time ends between samples: the delay lies where no cubic can
+    /// find it, and the error says so; sampled finely, there is no error to speak of.
+    #[test]
+    fn crossings_between_coarse_samples_are_as_uncertain_as_they_are() {
+        let read = |lag: f64, dead: f64, samples: usize| {
+            let response = |m: usize| 1.0 - (-(m as f64 - dead).max(0.0) / lag).exp();
+            let curve: Vec<f64> = (0..samples).map(response).chain([1.0]).collect();
+            let shape = Windows::new(&curve, &vec![1e-9; curve.len()]).read(&curve);
+            let error = Interpolation::new(&curve, &shape);
+            let truth = |share: f64| dead - lag * (1.0 - share).ln();
+            for (x, e, share) in [
+                (shape.delay, error.delay, 0.05),
+                (shape.half, error.half, 0.5),
+                (shape.ninety, error.ninety, 0.9),
+            ] {
+                assert!(
+                    (x - truth(share)).abs() <= e,
+                    "{share}: {x} +- {e}, truth {}",
+                    truth(share)
+                );
+            }
+            error
+        };
+        for tenth in 0..10 {
+            let dead = 3.0 + 0.1 * f64::from(tenth);
+            assert!(read(1.0, dead, 30).delay > 0.05);
+            assert!(read(20.0, dead, 300).half < 0.01);
+        }
     }
 
     #[test]
