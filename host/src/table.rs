@@ -1,5 +1,17 @@
 //! Any CSV file with a header row, as columns of numbers.
 
+// What files and lines bring meets no panic here.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::unwrap_used
+    )
+)]
+
 use std::path::{Path, PathBuf};
 
 /// Why a table could not be read. The text says what to do.

@@ -3,6 +3,7 @@
 use super::Talk;
 use crate::port;
 use crate::rig::RigClient;
+use crate::rig::mismatch::{Mismatch, mismatches};
 use anyhow::Result;
 use clap::Args;
 use servoid_protocol::hello::{ClockSource, PROTOCOL_VERSION, ResetCause, SCHEMA_HASH};
@@ -27,6 +28,7 @@ pub(super) struct Info {
 struct Answer<'a> {
     hello: &'a Hello,
     schema_equal: bool,
+    mismatches: &'a [Mismatch],
     status: Option<Status>,
 }
 
@@ -41,12 +43,15 @@ impl Info {
         } else {
             None
         };
-        let text = describe(&hello, status.as_ref(), client.rejects())?;
+        let mismatches = mismatches(&hello);
+        let mut text = describe(&hello, status.as_ref(), client.rejects())?;
+        text.push_str(&explain(&mismatches)?);
         self.talk.result(
             text,
             &Answer {
                 hello: &hello,
                 schema_equal,
+                mismatches: &mismatches,
                 status,
             },
         )
@@ -72,11 +77,9 @@ fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> Result<
         "schema           {:016x} ({})",
         hello.schema_hash,
         if hello.schema_hash == SCHEMA_HASH {
-            "equal".to_owned()
+            "equal"
         } else {
-            format!(
-                "this servoid's is {SCHEMA_HASH:016x}: flash this version's firmware to capture"
-            )
+            "differs"
         }
     )?;
     writeln!(text, "clock            {}", clock(hello.clock))?;
@@ -116,6 +119,23 @@ fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> Result<
             "link             unreadable messages: {} to the rig, {} from it",
             status.rejects,
             rejects.total()
+        )?;
+    }
+    Ok(text)
+}
+
+/// A mismatch, field by field.
+fn explain(mismatches: &[Mismatch]) -> Result<String> {
+    let mut text = String::new();
+    if mismatches.is_empty() {
+        return Ok(text);
+    }
+    writeln!(text, "\nThis rig cannot be used with this servoid:")?;
+    for m in mismatches {
+        writeln!(
+            text,
+            "  {:16} {} (this servoid: {}): {}",
+            m.field, m.rig, m.servoid, m.meaning
         )?;
     }
     Ok(text)

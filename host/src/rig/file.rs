@@ -166,12 +166,20 @@ impl RigFile {
             path: path.to_owned(),
             reason,
         })?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads and checks the text of a rig file; `path` is what error texts call it.
+    ///
+    /// # Errors
+    /// [`RigFileError::Malformed`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, RigFileError> {
         let malformed = |reason| RigFileError::Malformed {
             path: path.to_owned(),
             reason,
         };
         let file: Self =
-            toml::from_str(&text).map_err(|e| malformed(e.to_string().trim_end().to_owned()))?;
+            toml::from_str(text).map_err(|e| malformed(e.to_string().trim_end().to_owned()))?;
         file.check()
             .map_err(|reason| malformed(reason.to_owned()))?;
         Ok(file)

@@ -1,12 +1,26 @@
 //! Talking to a rig.
 //!
-//! [`client`] asks and hears; [`file`] is what the user knows of their servo and sensor; [`run`] puts
+//! [`client`] asks and hears; [`mismatch`] says why a rig cannot be used with this
+//! program; [`file`] is what the user knows of their servo and sensor; [`run`] puts
 //! the frames of a run in order and knows which are missing; `under_way` follows a run over a line
 //! that loses some; [`capture`] records it.
+
+// What files and lines bring meets no panic here.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::unwrap_used
+    )
+)]
 
 pub mod capture;
 pub mod client;
 pub mod file;
+pub mod mismatch;
 pub mod run;
 mod under_way;
 

@@ -142,6 +142,66 @@ fn a_port_that_never_answers_and_one_that_talks_nonsense() {
     assert!(refusal(&["info", "--port", &gone]).contains("connection"));
 }
 
+/// A rig of another version, which can only say who it is.
+fn foreign_rig(mut stream: std::net::TcpStream) {
+    use servoid_protocol::hello::{ClockSource, ResetCause, SCHEMA_HASH, Text16};
+    use servoid_protocol::{Decoder, Hello, Request, RigMessage, framing};
+    use std::io::{Read, Write};
+    let hello = Hello {
+        protocol_version: 2,
+        schema_hash: !SCHEMA_HASH,
+        board: Text16::new("STM32F103C8"),
+        build: Text16::new("9.9.9"),
+        unique_id: [1; 12],
+        clock: ClockSource::Crystal,
+        reset_cause: ResetCause::PowerOn,
+        frame_us: 3_000,
+        sample_us: 2_000,
+        first_sample_us: 500,
+        aperture_us: 84,
+        oversampling: 4,
+        full_scale_counts: 16_380,
+        shortest_pulse_us: 800,
+        longest_pulse_us: 2_200,
+        history_frames: 256,
+    };
+    let (mut decoder, mut byte) = (Decoder::new(), [0]);
+    while stream.read(&mut byte).is_ok_and(|n| n > 0) {
+        if let Some(Request { .. }) = decoder.push::<Request>(byte[0]) {
+            let mut wire = [0; framing::MAX_WIRE];
+            let wire = framing::encode(&RigMessage::Hello(hello), &mut wire).unwrap();
+            if stream.write_all(wire).is_err() {
+                return;
+            }
+        }
+    }
+}
+
+#[test]
+fn a_rig_of_another_version_is_explained_field_by_field_and_not_armed() {
+    let port = listener(foreign_rig);
+    let text = crate::support::run(&["info", "--port", &port]);
+    for words in [
+        "protocol_version 2 (this servoid: 1): the rig is the newer one",
+        "schema_hash",
+        "frame_us         3000 (this servoid: 20000)",
+    ] {
+        assert!(text.contains(words), "{words:?} is not in\n{text}");
+    }
+    assert!(!text.contains("sample_us"), "{text}");
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("x.csv");
+    let said = refusal(&[
+        "capture",
+        "--port",
+        &listener(foreign_rig),
+        "-o",
+        arg(&file),
+    ]);
+    assert!(said.contains("another protocol"), "{said}");
+    assert!(!file.exists());
+}
+
 #[cfg(unix)]
 #[test]
 fn a_port_that_another_servoid_has_is_busy() {

@@ -5,5 +5,6 @@ mod chaos;
 mod demo;
 mod errors;
 mod files;
+mod hostile;
 mod identify;
 mod support;

@@ -1,0 +1,89 @@
+//! Input from elsewhere: whatever the bytes are, nothing panics and nothing is believed that is not so.
+//!
+//! The same properties as the fuzz targets in `fuzz/`, on fewer inputs and without their tools.
+
+use crate::support::data;
+use proptest::prelude::*;
+use servoid::recording::{Recording, recover};
+use servoid::rig::RigFile;
+use servoid::table::Table;
+use servoid_protocol::{Degrees, PulseWidth};
+use std::path::Path;
+
+/// Bytes that are nearly a file: some of it replaced, cut out or doubled.
+fn nearly(original: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
+    let len = original.len();
+    let change = (
+        0..len,
+        0..200_usize,
+        prop::collection::vec(any::<u8>(), 0..40),
+    );
+    prop::collection::vec(change, 1..6).prop_map(move |changes| {
+        let mut bytes = original.clone();
+        for (at, length, new) in changes {
+            let at = at.min(bytes.len());
+            let end = (at + length).min(bytes.len());
+            bytes.splice(at..end, new);
+        }
+        bytes
+    })
+}
+
+fn golden() -> Vec<u8> {
+    std::fs::read(data("recording-format-2.csv")).unwrap()
+}
+
+fn read_as_a_recording(bytes: &[u8]) {
+    let path = Path::new("x.csv");
+    if let Ok(recording) = Recording::parse(bytes, path) {
+        assert!(recording.samples.is_sorted_by(|a, b| a < b));
+        let (input, output) = recording.columns(recording.reference_samples());
+        assert_eq!(input.len(), output.len());
+    }
+    if let Ok(saved) = recover(bytes, path) {
+        assert!(saved.frames.is_sorted_by(|a, b| a.index < b.index));
+        assert!(saved.rows() > 0);
+    }
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_as_a_recording(bytes in prop::collection::vec(any::<u8>(), 0..2_000)) {
+        read_as_a_recording(&bytes);
+    }
+
+    #[test]
+    fn nearly_a_recording(bytes in nearly(golden())) {
+        read_as_a_recording(&bytes);
+    }
+
+    #[test]
+    fn any_text_as_a_rig_file(text in "(\\[?[a-z_]{0,12}\\]? ?=? ?[-0-9.\"a-z\\[\\], ]{0,12}\n){0,12}") {
+        let _ = RigFile::parse(&text, Path::new("rig.toml"));
+    }
+
+    #[test]
+    fn a_rig_file_with_any_numbers_is_refused_or_works(
+        neutral: u16, us_per_degree: f64, zero: f64, scale: f64, limits: [u16; 2],
+    ) {
+        let text = format!(
+            "[servo]\nneutral_us = {neutral}\nus_per_degree = {us_per_degree:e}\n[sensor]\nzero_counts = {zero:e}\n\
+             degrees_per_count = {scale:e}\n[limits]\nshortest_us = {}\nlongest_us = {}\n", limits[0], limits[1],
+        );
+        if let Ok(rig) = RigFile::parse(&text, Path::new("rig.toml")) {
+            prop_assert!(limits[0] <= neutral && neutral <= limits[1]);
+            let pulse = rig.servo_scale().pulse(Degrees(0.0));
+            prop_assert_eq!(pulse, Some(PulseWidth(neutral)));
+        }
+    }
+
+    #[test]
+    fn any_bytes_as_a_table(bytes in prop::collection::vec(prop_oneof![Just(b','), Just(b'\n'), Just(b'"'), any::<u8>()], 0..500)) {
+        if let Ok(table) = Table::parse(Path::new("x.csv"), bytes)
+            && let [first, .., last] = table.columns().to_vec().as_slice()
+            && let Ok([a, b]) = table.numbers([first, last])
+        {
+            prop_assert_eq!(a.len(), b.len());
+        }
+    }
+}
