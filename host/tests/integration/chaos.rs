@@ -12,7 +12,7 @@ use servoid_protocol::message::Start;
 use servoid_protocol::{Command, PulseWidth, Request, framing};
 use servoid_simulator::InProcessRig;
 use std::time::Duration;
-use trials::{Outcome, capture, check, rig, short_run, trial};
+use trials::{Outcome, capture, capture_to_disk, check, rig, short_run, trial};
 
 fn tally(seeds: std::ops::Range<u64>, faults: Faults) -> (usize, usize) {
     let results: Vec<Outcome> = seeds
@@ -229,4 +229,19 @@ fn the_check_of_the_trials_sees_one_wrong_count() {
     let moved = log.iter().position(|f| f.pulse == Some(PulseWidth(1_550)));
     log[moved.unwrap() + 3].samples[4].0 ^= 1;
     assert!(check(&bytes, Some(&end), &log).is_err());
+}
+
+#[test]
+fn a_disk_that_fills_up_in_mid_run_leaves_the_servo_at_neutral_and_the_rows() {
+    let (rig, log) = rig("linear?noise=white");
+    let (end, bytes) = capture_to_disk(Box::new(rig), short_run(), &|| false, 8_000);
+    assert!(matches!(end, Err(CaptureError::Write(_))), "{end:?}");
+    let bytes = bytes.unwrap();
+    assert_eq!(check(&bytes, None, &log.borrow()), Ok(Outcome::Partial));
+    assert!(bytes.len() > 7_000, "{}", bytes.len());
+    let log = log.borrow();
+    let moved = log.iter().any(|f| f.pulse == Some(PulseWidth(1_550)));
+    let last = log.last().and_then(|frame| frame.pulse);
+    assert!(moved, "the run was under way");
+    assert_eq!(last, Some(PulseWidth::NEUTRAL));
 }

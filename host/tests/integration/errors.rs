@@ -208,10 +208,8 @@ fn a_port_that_another_servoid_has_is_busy() {
     let (_near, far) = serialport::TTYPort::pair().unwrap();
     let name = serialport::SerialPort::name(&far).unwrap();
     drop(far);
-    let _held = servoid::port::open(&name)
-        .map_err(|e| e.to_string())
-        .map(|_port| _port);
-    assert!(_held.is_ok(), "the first one gets it");
+    let held = servoid::port::open(&name);
+    assert!(held.is_ok(), "the first one gets it");
     assert!(refusal(&["info", "--port", &name]).contains("busy"));
 }
 

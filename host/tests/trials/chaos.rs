@@ -45,14 +45,22 @@ pub fn short_run() -> Start {
     }
 }
 
-/// A file in memory, of which the test keeps the other end.
-#[derive(Clone, Default)]
-pub struct Memory(pub Rc<RefCell<Vec<u8>>>);
+/// A file in memory, of which the test keeps the other end, on a disk that has room for so much.
+#[derive(Clone)]
+pub struct Memory {
+    bytes: Rc<RefCell<Vec<u8>>>,
+    room: usize,
+}
 
 impl Write for Memory {
     fn write(&mut self, bytes: &[u8]) -> IoResult<usize> {
-        self.0.borrow_mut().extend(bytes);
-        Ok(bytes.len())
+        let mut disk = self.bytes.borrow_mut();
+        let count = bytes.len().min(self.room - disk.len());
+        disk.extend(bytes.iter().take(count));
+        if count == 0 {
+            return Err(std::io::ErrorKind::StorageFull.into());
+        }
+        Ok(count)
     }
 
     fn flush(&mut self) -> IoResult<()> {
@@ -62,7 +70,7 @@ impl Write for Memory {
 
 impl Target for Memory {
     fn cut_to(&mut self, length: u64) -> IoResult<()> {
-        self.0.borrow_mut().truncate(length as usize);
+        self.bytes.borrow_mut().truncate(length as usize);
         Ok(())
     }
 
@@ -89,7 +97,18 @@ pub fn capture(
     start: Start,
     should_stop: &dyn Fn() -> bool,
 ) -> (Result<Ending, CaptureError>, Option<Vec<u8>>) {
-    let memory = Memory::default();
+    capture_to_disk(port, start, should_stop, 1 << 20)
+}
+
+/// [`capture`] to a disk with room for so many bytes.
+pub fn capture_to_disk(
+    port: Box<dyn Port>,
+    start: Start,
+    should_stop: &dyn Fn() -> bool,
+    room: usize,
+) -> (Result<Ending, CaptureError>, Option<Vec<u8>>) {
+    let bytes = Rc::default();
+    let memory = Memory { bytes, room };
     let rig = RigFile::default();
     let capture = Capture { rig, start };
     let prepared = RigClient::connect_as(port, "the line", 77).and_then(|mut client| {
@@ -105,9 +124,9 @@ pub fn capture(
         ..Header::of_run(client.hello(), &capture.rig, &start)
     };
     let writer = RecordingWriter::on(Box::new(memory.clone()), Path::new("x.csv"), &header)
-        .expect("memory takes all");
+        .expect("there is room for the header");
     let end = capture.record(&mut client, writer, should_stop, &mut |_| ());
-    let bytes = memory.0.borrow().clone();
+    let bytes = memory.bytes.borrow().clone();
     (end.map(|end| end.ending), Some(bytes))
 }
 
@@ -193,7 +212,7 @@ fn frames(recording: &Recording, bytes: &[u8]) -> Result<Vec<Read>, String> {
         .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()))
         .filter_map(|line| line.rsplit(',').next()?.parse().ok())
         .collect();
-    if counts.len() != recording.samples.len() || counts.len() % SAMPLES_PER_FRAME != 0 {
+    if counts.len() != recording.samples.len() || !counts.len().is_multiple_of(SAMPLES_PER_FRAME) {
         return Err("the rows are no whole frames".to_owned());
     }
     let read = counts.chunks(SAMPLES_PER_FRAME).enumerate();
