@@ -231,10 +231,37 @@ fn the_check_of_the_trials_sees_one_wrong_count() {
     assert!(check(&bytes, Some(&end), &log).is_err());
 }
 
+/// A rig that goes on for three frames after the capture has let go of it: pulses change at frame
+/// edges.
+struct GoesOn(InProcessRig);
+
+impl Port for GoesOn {
+    fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> std::io::Result<usize> {
+        Port::read(&mut self.0, buffer, timeout)
+    }
+
+    fn write_all(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        self.0.write_all(bytes)
+    }
+
+    fn now(&self) -> Duration {
+        Port::now(&self.0)
+    }
+}
+
+impl Drop for GoesOn {
+    fn drop(&mut self) {
+        let until = Port::now(self) + Duration::from_millis(60);
+        while Port::now(self) < until {
+            self.0.read(&mut [0; 64], Duration::from_millis(10));
+        }
+    }
+}
+
 #[test]
 fn a_disk_that_fills_up_in_mid_run_leaves_the_servo_at_neutral_and_the_rows() {
     let (rig, log) = rig("linear?noise=white");
-    let (end, bytes) = capture_to_disk(Box::new(rig), short_run(), &|| false, 8_000);
+    let (end, bytes) = capture_to_disk(Box::new(GoesOn(rig)), short_run(), &|| false, 8_000);
     assert!(matches!(end, Err(CaptureError::Write(_))), "{end:?}");
     let bytes = bytes.unwrap();
     assert_eq!(check(&bytes, None, &log.borrow()), Ok(Outcome::Partial));
