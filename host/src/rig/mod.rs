@@ -1,7 +1,7 @@
 //! Talking to a rig.
 //!
 //! [`client`] asks and hears; [`mismatch`] says why a rig cannot be used with this
-//! program; [`file`] is what the user knows of their servo and sensor; [`run`] puts
+//! program; [`mod@file`] is what the user knows of their servo and sensor; [`run`] puts
 //! the frames of a run in order and knows which are missing; `under_way` follows a run over a line
 //! that loses some; [`capture`] records it.
 
