@@ -3,6 +3,11 @@
 //! What it lacks, and why that is no harm here: flash wait states (its cycles are a lower bound), and
 //! an event register that exceptions set, which matters only to programs that wait for events
 //! without sending one (Armv7-M ARM, B1.5.18).
+//!
+//! What it does wrong, and what is done about it: on entry to an exception it stacks the program status
+//! without the state of an IT block (B1.5.6 stacks all of it), so that after the return the rest of
+//! the block runs whatever its condition. Therefore a line that rises within an IT block is raised
+//! behind it, at most four instructions later.
 
 use super::{Bus, Core, Registers};
 use crate::memory::{FLASH_START, RAM_START, Ram};
@@ -28,7 +33,19 @@ pub struct RsemuCore {
     /// Refused accesses, and whether the core was in its fault handler or locked up, when last
     /// asked.
     seen: (u64, bool),
+    /// Lines that rose within an IT block, and are raised behind it.
+    waiting: Vec<Line>,
 }
+
+/// A request line of the core.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Line {
+    Irq(u32),
+    Nmi,
+}
+
+/// The state of an IT block in the program status register: bits 26:25 and 15:10 (B1.4.2).
+const IT_STATE: u32 = 3 << 25 | 0x3f << 10;
 
 impl RsemuCore {
     /// A core that runs `flash` out of reset.
@@ -63,6 +80,23 @@ impl RsemuCore {
             core: core(&space),
             space,
             seen: (0, false),
+            waiting: Vec::new(),
+        }
+    }
+
+    fn in_it_block(&self) -> bool {
+        self.core.regs().xpsr & IT_STATE != 0
+    }
+
+    fn set_line(&mut self, line: Line, level: bool) {
+        self.waiting.retain(|other| *other != line);
+        if level && self.in_it_block() {
+            self.waiting.push(line);
+            return;
+        }
+        match line {
+            Line::Irq(number) => self.core.set_irq(number as u16, level),
+            Line::Nmi => self.core.set_nmi(level),
         }
     }
 }
@@ -75,15 +109,20 @@ fn core(space: &Arc<AddressSpace>) -> ArmV7m {
 
 impl Core for RsemuCore {
     fn step(&mut self) -> u64 {
+        if !self.waiting.is_empty() && !self.in_it_block() {
+            for line in std::mem::take(&mut self.waiting) {
+                self.set_line(line, true);
+            }
+        }
         self.core.step()
     }
 
     fn set_irq(&mut self, number: u32, level: bool) {
-        self.core.set_irq(number as u16, level);
+        self.set_line(Line::Irq(number), level);
     }
 
     fn set_nmi(&mut self, level: bool) {
-        self.core.set_nmi(level);
+        self.set_line(Line::Nmi, level);
     }
 
     fn is_asleep(&self) -> bool {
@@ -129,6 +168,7 @@ impl Core for RsemuCore {
     fn reset(&mut self) {
         self.core = core(&self.space);
         self.seen = (0, false);
+        self.waiting.clear();
     }
 }
 
@@ -165,5 +205,73 @@ impl MemOps for Window {
                 .write(self.base + offset as u32, bytes.len() as u32, value);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug)]
+    struct NoPeripherals;
+
+    impl Bus for NoPeripherals {
+        fn read(&self, _: u32, _: u32) -> u32 {
+            0
+        }
+        fn write(&self, _: u32, _: u32, _: u32) {}
+    }
+
+    /// `itt eq` with a false condition, interrupted at every place: neither instruction of the block
+    /// may run, and the handler has to.
+    #[test]
+    fn an_interrupt_in_an_it_block_does_not_change_what_the_block_does() {
+        const HANDLER: u32 = 0x0800_0080;
+        let program: [u16; 12] = [
+            0x4804, // ldr r0, [pc, #16]: NVIC_ISER0
+            0x2101, // movs r1, #1
+            0x6001, // str r1, [r0]
+            0x2200, // movs r2, #0
+            0x2a01, // cmp r2, #1
+            0xbf04, // itt eq
+            0x2301, // moveq r3, #1
+            0x2401, // moveq r4, #1
+            0xe7fe, // b .
+            0xbf00, // nop
+            0xe100, 0xe000, // the address of NVIC_ISER0
+        ];
+        let mut flash = vec![0xff; 0x100];
+        let mut put = |at: usize, bytes: &[u8]| flash[at..at + bytes.len()].copy_from_slice(bytes);
+        put(0, &(RAM_START + 0x1000).to_le_bytes());
+        put(4, &0x0800_0061u32.to_le_bytes());
+        put(16 * 4, &(HANDLER | 1).to_le_bytes());
+        for (i, half_word) in program.iter().enumerate() {
+            put(0x60 + 2 * i, &half_word.to_le_bytes());
+        }
+        put(0x80, &0x2501u16.to_le_bytes()); // movs r5, #1
+        put(0x82, &0x4770u16.to_le_bytes()); // bx lr
+        for steps_before in 0..12 {
+            let bus: Arc<dyn Bus> = Arc::new(NoPeripherals);
+            let mut core = RsemuCore::new(&flash, &Ram::default(), &bus);
+            for step in 0..40 {
+                if step == steps_before {
+                    core.set_irq(0, true);
+                }
+                core.step();
+                if core.registers().r[5] == 1 {
+                    core.set_irq(0, false);
+                }
+            }
+            let registers = core.registers();
+            assert_eq!(
+                registers.r[5], 1,
+                "raised after {steps_before} steps, never taken"
+            );
+            assert_eq!(
+                registers.r[3..5],
+                [0, 0],
+                "raised after {steps_before} steps"
+            );
+        }
     }
 }
