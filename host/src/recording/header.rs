@@ -58,7 +58,7 @@ pub struct Header {
     pub post_roll_frames: u16,
     /// Time between samples (s).
     pub sample_period_s: f64,
-    /// From a change of the reference to the first sample that carries it (s).
+    /// From a change of the reference to the moment that the first sample after it stands for (s).
     pub sample_phase_s: f64,
     /// The pulse that commands 0 degrees (µs).
     pub neutral_us: u16,
@@ -136,7 +136,7 @@ impl Header {
             reference_frames: start.reference.frames(),
             post_roll_frames: start.post_roll_frames,
             sample_period_s: f64::from(hello.sample_us) * 1e-6,
-            sample_phase_s: f64::from(hello.first_sample_us) * 1e-6,
+            sample_phase_s: sample_phase_s(hello),
             neutral_us: rig.servo.neutral_us,
             us_per_degree: rig.servo.us_per_degree,
             sensor: rig.sensor.name.clone(),
@@ -210,6 +210,15 @@ impl Header {
             degrees_per_count: self.degrees_per_count,
         }
     }
+}
+
+/// From an edge to the moment that a sample stands for (s): the mean of the ends of its conversions.
+/// (The converter holds the voltage about a microsecond before each end, which is below what any
+/// result resolves.)
+fn sample_phase_s(hello: &Hello) -> f64 {
+    let conversions = f64::from(hello.oversampling.max(1));
+    let mean_end = f64::from(hello.aperture_us) * (conversions + 1.0) / (2.0 * conversions);
+    (f64::from(hello.first_sample_us) + mean_end) * 1e-6
 }
 
 /// A value in TOML, on one line whatever texts are in it: TOML would write a text with a line end over

@@ -34,9 +34,9 @@ pub fn page(title: &str, first: &Part<'_>, second: Option<&Part<'_>>) -> Result<
         write_advice(&mut body, part)?;
     }
     for Figure { name, title, .. } in &figures {
-        write!(
+        writeln!(
             body,
-            "<section><h2>{}</h2><div class=\"figure\" id=\"{}\"></div></section>\n",
+            "<section><h2>{}</h2><div class=\"figure\" id=\"{}\"></div></section>",
             escape(title),
             escape(name)
         )?;
@@ -110,9 +110,9 @@ fn write_numbers(body: &mut String, parts: &[&Part<'_>]) -> std::fmt::Result {
             format!("<th class=\"number\">{name}</th><th>{level} interval</th>")
         })
         .collect();
-    write!(
+    writeln!(
         body,
-        "<h2>What was found</h2>\n<div class=\"wide\"><table><tr><th></th>{heads}</tr>\n"
+        "<h2>What was found</h2>\n<div class=\"wide\"><table><tr><th></th>{heads}</tr>"
     )?;
     let metrics: Vec<_> = parts
         .iter()
@@ -130,13 +130,13 @@ fn write_numbers(body: &mut String, parts: &[&Part<'_>]) -> std::fmt::Result {
                 )
             })
             .collect();
-        write!(body, "<tr><th>{}</th>{cells}</tr>\n", escape(&row.label))?;
+        writeln!(body, "<tr><th>{}</th>{cells}</tr>", escape(&row.label))?;
     }
     body.push_str("</table></div>\n");
     for part in parts {
-        write!(
+        writeln!(
             body,
-            "<p>{}: {}</p>\n",
+            "<p>{}: {}</p>",
             escape(part.subject.name),
             escape(&summary::one_line(part.subject.model, part.subject.unit))
         )?;
@@ -149,15 +149,15 @@ fn write_advice(body: &mut String, part: &Part<'_>) -> std::fmt::Result {
     if advice.is_empty() {
         return Ok(());
     }
-    write!(
+    writeln!(
         body,
-        "<h2>Advice: {}</h2>\n<ul class=\"advice\">\n",
+        "<h2>Advice: {}</h2>\n<ul class=\"advice\">",
         escape(part.subject.name)
     )?;
     for item in advice {
-        write!(
+        writeln!(
             body,
-            "<li><b>{}</b><br>{}</li>\n",
+            "<li><b>{}</b><br>{}</li>",
             escape(&item.finding),
             escape(&item.remedy)
         )?;
@@ -170,15 +170,15 @@ fn write_provenance(body: &mut String, part: &Part<'_>) -> std::fmt::Result {
     if part.provenance.is_empty() {
         return Ok(());
     }
-    write!(
+    writeln!(
         body,
-        "<h2>Where it comes from: {}</h2>\n<div class=\"wide\"><table>\n",
+        "<h2>Where it comes from: {}</h2>\n<div class=\"wide\"><table>",
         escape(part.subject.name)
     )?;
     for (name, value) in part.provenance {
-        write!(
+        writeln!(
             body,
-            "<tr><th>{}</th><td>{}</td></tr>\n",
+            "<tr><th>{}</th><td>{}</td></tr>",
             escape(name),
             escape(value)
         )?;

@@ -15,7 +15,8 @@ const FRAMES: u32 = 5;
 pub struct Watchdog(IndependentWatchdog);
 
 impl Watchdog {
-    /// Starts it. The first frame has to come within its time as well.
+    /// Starts it. Until it is fed for the first time it counts from its reset value (19.3): the first
+    /// frame has 0.41 s, at the oscillator's nominal rate. There are no pulses before that frame.
     pub fn start(iwdg: IWDG) -> Self {
         let mut watchdog = IndependentWatchdog::new(iwdg);
         watchdog.start((FRAMES * FRAME_US / 1_000).millis());
