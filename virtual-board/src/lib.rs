@@ -17,7 +17,7 @@
 //! | [`chip`]        | the peripherals and the wires between them                          |
 //! | [`peripherals`] | one model each, written from the reference manual                   |
 //! | [`plant`]       | servo and sensor on the board's pins                                |
-//! | [`line`]        | the serial line                                                     |
+//! | [`mod@line`]      | the serial line                                                     |
 //! | [`fault`]       | what may go wrong on purpose                                        |
 //! | [`image`], [`rtt`] | the program, and its log                                         |
 //! | [`record`]      | what happened, and what should not have happened                    |

@@ -2,7 +2,7 @@
 //!
 //! Section numbers stand beside the rules. A model knows registers and times and nothing of the
 //! other models; what goes from one to the other goes through the [`chip`](crate::chip). What a model
-//! does not do it reports, see [`Irregularity`](crate::record::Irregularity).
+//! does not do it reports, see [`Irregularity`].
 
 pub mod adc;
 pub mod afio;
