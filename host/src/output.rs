@@ -71,6 +71,11 @@ pub fn read_model(path: &Path) -> Result<Model> {
     }
     let model: Model = serde_json::from_str(&text)
         .map_err(|e| anyhow::anyhow!("{path:?} is no model of 'servoid identify': {e}"))?;
+    if !model.is_consistent() {
+        bail!(
+            "the model {path:?} contradicts itself: its lists do not have the lengths that its structure says; identify again"
+        );
+    }
     Ok(model)
 }
 

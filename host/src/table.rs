@@ -32,7 +32,7 @@ pub enum TableError {
         path: PathBuf,
     },
     /// It is no CSV file.
-    #[error("{path:?} is no CSV file with one header row: {reason}")]
+    #[error("{path:?} is not a CSV file with a header row and even rows: {reason}")]
     NotCsv {
         /// Which.
         path: PathBuf,
@@ -98,7 +98,7 @@ impl Table {
             Err(error) => {
                 return Err(TableError::NotCsv {
                     path,
-                    reason: error.to_string(),
+                    reason: in_words(&error),
                 });
             }
         };
@@ -150,7 +150,7 @@ impl Table {
                     let path = self.path.clone();
                     return Err(TableError::NotCsv {
                         path,
-                        reason: error.to_string(),
+                        reason: in_words(&error),
                     });
                 }
             }
@@ -184,6 +184,22 @@ fn csv_reader(bytes: &[u8]) -> csv::Reader<&[u8]> {
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(bytes)
+}
+
+/// What is wrong with a CSV file, in words of a user.
+fn in_words(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths {
+            pos,
+            expected_len,
+            len,
+        } => format!(
+            "line {} has {len} cells where the header row has {expected_len}; it may be cut off there",
+            pos.as_ref().map_or(0, csv::Position::line)
+        ),
+        csv::ErrorKind::Utf8 { .. } => "it is not text in UTF-8".to_owned(),
+        _ => error.to_string(),
+    }
 }
 
 /// A cell's number; NaN where it is empty, `None` where it is neither.
@@ -231,7 +247,7 @@ mod tests {
             "line 2, column \"y\": \"nan\"",
             "line 3",
             "columns are u, y",
-            "line: 3",
+            "line 3 has 1 cells",
         ]) {
             let text = error.to_string();
             assert!(text.contains(words) && !text.contains('\n'), "{text}");

@@ -20,8 +20,8 @@ pub enum Error {
     },
     /// A value is infinite.
     #[error(
-        "the {column} is infinite at sample {sample} of run {run}: repair that value, or mark it \
-         as missing with NaN"
+        "the {column} is infinite, or too large to compute with, at sample {sample} of run {run}: \
+         repair that value, or mark it as missing"
     )]
     Infinite {
         /// `"input"` or `"output"`.
@@ -82,7 +82,10 @@ pub enum Error {
         needed: usize,
     },
     /// The settling time is not a usable number of samples.
-    #[error("a settling time of {0} samples is too short: state at least 3")]
+    #[error(
+        "a settling time of {0} samples is not possible: state 3 to {longest} samples",
+        longest = crate::options::LONGEST_SETTLING_BY_HAND
+    )]
     Settling(usize),
     /// The number of frequencies is even, zero or larger than the settling time.
     #[error(

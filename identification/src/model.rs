@@ -13,6 +13,7 @@ use crate::error::Error;
 use crate::frequency::FrequencyResponse;
 use crate::metrics::Metrics;
 use crate::noise::Noise;
+use crate::options::LONGEST_SETTLING_BY_HAND;
 use crate::record::{Record, Run};
 use crate::residual::Residuals;
 use crate::step::StepResponse;
@@ -108,6 +109,38 @@ fn is_zero(value: &f64) -> bool {
 }
 
 impl Model {
+    /// Whether the parts of a document fit together: lengths, and finite numbers. A model that was
+    /// identified always does; one that was read from elsewhere has to be asked.
+    #[must_use]
+    pub fn is_consistent(&self) -> bool {
+        let n = self.structure.frequencies;
+        let settling = self.structure.settling_samples;
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let sized = |values: &[f64], length: usize| values.len() == length && finite(values);
+        let (step, f) = (&self.step, &self.frequency);
+        let points = f.omega_rad_s.len();
+        settling <= LONGEST_SETTLING_BY_HAND
+            && self.basis().is_ok()
+            && self.sample_period_s > 0.0
+            && self.sample_period_s.is_finite()
+            && self.sample_phase_s >= 0.0
+            && self.offset.is_finite()
+            && sized(&self.theta, n)
+            && self.covariance.len() == n
+            && self.covariance.iter().all(|row| sized(row, n))
+            && finite(&self.noise.ar)
+            && [&step.time_s, &step.value, &step.sd]
+                .into_iter()
+                .chain([&step.pointwise.lower, &step.pointwise.upper])
+                .chain([&step.simultaneous.lower, &step.simultaneous.upper])
+                .all(|values| sized(values, settling))
+            && [&f.omega_rad_s, &f.re, &f.im, &f.magnitude_db, &f.phase_deg]
+                .into_iter()
+                .chain([&f.magnitude_db_lower, &f.magnitude_db_upper])
+                .chain([&f.phase_deg_lower, &f.phase_deg_upper])
+                .all(|values| sized(values, points))
+    }
+
     /// The filter bank of the model.
     ///
     /// # Errors

@@ -8,6 +8,10 @@ use crate::error::Error;
 /// Largest order of the noise model that can be asked for.
 pub const MAX_NOISE_ORDER: usize = 24;
 
+/// Longest settling time that can be asked for \[samples\]: its matrices have the square of it as
+/// entries, 200 MB each.
+pub const LONGEST_SETTLING_BY_HAND: usize = 5000;
+
 /// Settling time N: the number of samples after which the response to an input is over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Settling {
@@ -80,11 +84,11 @@ impl Options {
     /// Checks what can be checked without data.
     ///
     /// # Errors
-    /// A settling time below 3 samples, an even or too large number of frequencies, a noise order
+    /// A settling time below 3 or above [`LONGEST_SETTLING_BY_HAND`] samples, an even or too large number of frequencies, a noise order
     /// above [`MAX_NOISE_ORDER`], a level outside 0.5..0.99999.
     pub fn check(&self) -> Result<(), Error> {
         if let Settling::Samples(settling) = self.settling {
-            if settling < 3 {
+            if !(3..=LONGEST_SETTLING_BY_HAND).contains(&settling) {
                 return Err(Error::Settling(settling));
             }
             if let Frequencies::Count(frequencies) = self.frequencies

@@ -9,6 +9,9 @@ use std::ops::Range;
 
 use crate::error::Error;
 
+/// Largest magnitude of a sample: sums of products of many such are still finite.
+const LARGEST: f64 = 1e100;
+
 /// One uninterrupted experiment: input and output side by side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
@@ -21,7 +24,7 @@ impl Run {
     /// Pairs input u and output y, one value of each per sample, NaN where a sample is missing.
     ///
     /// # Errors
-    /// The two differ in length, or a value is infinite (the run is then called run 1).
+    /// The two differ in length, or a value is infinite or beyond 1e100 (the run is then called run 1).
     pub fn new(input: impl Into<Vec<f64>>, output: impl Into<Vec<f64>>) -> Result<Self, Error> {
         let (input, output) = (input.into(), output.into());
         if input.len() != output.len() {
@@ -31,7 +34,7 @@ impl Run {
             });
         }
         for (column, values) in [("input", &input), ("output", &output)] {
-            if let Some(sample) = values.iter().position(|value| value.is_infinite()) {
+            if let Some(sample) = values.iter().position(|value| value.abs() > LARGEST) {
                 return Err(Error::Infinite {
                     column,
                     run: 1,
@@ -268,7 +271,7 @@ fn check_column(
             .enumerate()
             .filter(|(_, value)| !value.is_nan())
         {
-            if value.is_infinite() {
+            if value.abs() > LARGEST {
                 return Err(Error::Infinite {
                     column,
                     run: index + 1,

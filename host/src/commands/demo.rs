@@ -23,12 +23,30 @@ use std::path::PathBuf;
 #[command(after_help = "Example:
   servoid demo --out demo")]
 pub(super) struct Demo {
-    /// Folder for everything that it writes; files in it are replaced
+    /// Folder for everything that it writes; the files of an earlier demo in it are replaced
     #[arg(long, short, default_value = "demo", value_name = "DIR")]
     out: PathBuf,
+    /// Replace files of the same names that no demo has made
+    #[arg(long)]
+    force: bool,
     #[command(flatten)]
     talk: Talk,
 }
+
+/// What it writes beside the plots.
+const FILES: [&str; 7] = [
+    "bench.csv",
+    "aircraft.csv",
+    "bench.json",
+    "aircraft.json",
+    "comparison.json",
+    "summary.json",
+    REPORT,
+];
+
+/// What its recordings carry, and its summary: how they are known again.
+const NOTES: &str = "simulated by servoid demo";
+const PAPER_KEY: &str = "\"paper\"";
 
 /// The page with everything.
 const REPORT: &str = "report.html";
@@ -45,6 +63,7 @@ impl Demo {
     pub(super) fn run(self) -> Result<String> {
         std::fs::create_dir_all(&self.out)
             .with_context(|| format!("the folder {:?} cannot be made", self.out))?;
+        self.check_folder()?;
         interrupt::listen()?;
         let (bench_data, bench) = self.measure("bench")?;
         let (aircraft_data, aircraft) = self.measure("aircraft")?;
@@ -84,6 +103,23 @@ impl Demo {
         self.talk.result(text, &summary)
     }
 
+    /// Fails if a file would be replaced that no demo has made: people call recordings "bench.csv".
+    fn check_folder(&self) -> Result<()> {
+        let made_by_demo = |name: &str, mark: &str| {
+            let text = std::fs::read_to_string(self.out.join(name));
+            text.is_ok_and(|text| text.contains(mark))
+        };
+        let demo_was_here = made_by_demo("summary.json", PAPER_KEY);
+        for name in FILES {
+            let recording = name.ends_with(".csv");
+            let own = demo_was_here && (!recording || made_by_demo(name, NOTES));
+            if !own {
+                output::check_free(&self.out.join(name), self.force)?;
+            }
+        }
+        Ok(())
+    }
+
     /// The paper's figures, one by one and on a page; returns how many.
     fn draw(&self, bench: Subject<'_>, aircraft: Subject<'_>) -> Result<usize> {
         let figures = figures::paper(&bench, Some(&aircraft));
@@ -115,7 +151,7 @@ impl Demo {
                 rig: RigFile::default(),
                 amplitude_deg: 5.0,
                 condition,
-                notes: "simulated",
+                notes: NOTES,
                 release: false,
                 out: &file,
                 force: true,

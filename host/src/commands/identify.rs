@@ -1,7 +1,7 @@
 //! `servoid identify`
 
 use super::table_args::TableArgs;
-use super::{Talk, listed, stem};
+use super::{Talk, listed, stem, wrong_usage};
 use crate::plots::figures;
 use crate::{dataset, explain, output, summary};
 use anyhow::{Context, Result};
@@ -68,6 +68,16 @@ pub(super) struct Identify {
 
 impl Identify {
     pub(super) fn run(self) -> Result<String> {
+        let options = Options {
+            settling: self.settling,
+            frequencies: self.frequencies,
+            noise_order: self.noise_order,
+            level: self.level,
+            ..Options::default()
+        };
+        if let Err(error) = options.check() {
+            wrong_usage(error);
+        }
         if let Some(out) = &self.out {
             output::check_free(out, self.force)?;
         }
@@ -76,13 +86,6 @@ impl Identify {
             .remarks
             .iter()
             .for_each(|remark| self.talk.say(remark));
-        let options = Options {
-            settling: self.settling,
-            frequencies: self.frequencies,
-            noise_order: self.noise_order,
-            level: self.level,
-            ..Options::default()
-        };
         let found =
             identify_explained(&data.record, &options).with_context(|| listed(&self.files))?;
         let model = &found.model;

@@ -17,7 +17,8 @@ mod table_args;
 mod validate;
 
 use anyhow::Result;
-use clap::{Args, Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
 /// Measures how an R/C servo really moves, and says how sure it is.
@@ -102,6 +103,13 @@ impl Talk {
             Ok(text)
         }
     }
+}
+
+/// Wrong usage that only shows once options are taken together: says so, and ends with exit code 2.
+fn wrong_usage(error: impl std::fmt::Display) -> ! {
+    Cli::command()
+        .error(ErrorKind::ValueValidation, error)
+        .exit()
 }
 
 /// What a file is called in plots and on the terminal: its name without folder and ending.

@@ -20,7 +20,7 @@ pub(super) struct TableArgs {
     run: Option<String>,
     /// The input had this value for a settling time before each run: then no row is left out. State
     /// it only where it is true, as a wrong one is far worse than none
-    #[arg(long, value_name = "INPUT", allow_negative_numbers = true)]
+    #[arg(long, value_name = "INPUT", allow_negative_numbers = true, value_parser = finite)]
     at_rest: Option<f64>,
     /// Of recordings of servoid, use the rest at neutral before and after the reference too: its
     /// strokes are half as long, which a real servo does not answer in proportion
@@ -30,8 +30,18 @@ pub(super) struct TableArgs {
 
 fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        Ok(number) if PERIODS_S.contains(&number) => Ok(number),
         _ => Err("a number of seconds above 0 is needed".to_owned()),
+    }
+}
+
+/// From a nanosecond to a day between samples: beyond, it is a slip.
+const PERIODS_S: std::ops::RangeInclusive<f64> = 1e-9..=86_400.0;
+
+fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err("a number is needed".to_owned()),
     }
 }
 

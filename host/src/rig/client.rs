@@ -92,7 +92,7 @@ pub enum TalkError {
         refusal: Refusal,
     },
     /// The stream broke.
-    #[error("the connection broke: {0}")]
+    #[error("the connection broke: check the cable and the rig's power")]
     Broken(#[from] std::io::Error),
 }
 

@@ -178,19 +178,18 @@ impl RigFile {
             path: path.to_owned(),
             reason,
         };
-        let file: Self =
-            toml::from_str(text).map_err(|e| malformed(e.to_string().trim_end().to_owned()))?;
+        let file: Self = toml::from_str(text).map_err(|e| malformed(in_one_line(text, &e)))?;
         file.check()
             .map_err(|reason| malformed(reason.to_owned()))?;
         Ok(file)
     }
 
     fn check(&self) -> Result<(), &'static str> {
-        let usable = |scale: f64| scale.is_finite() && scale != 0.0;
+        let usable = |scale: f64| (1e-6..1e6).contains(&scale.abs());
         let spread = |sd: f64| sd.is_finite() && sd >= 0.0;
         let (servo, sensor, limits) = (&self.servo, &self.sensor, &self.limits);
         if !usable(servo.us_per_degree) {
-            return Err("servo.us_per_degree must be a number other than 0");
+            return Err("servo.us_per_degree must be a number other than 0, at most a million");
         }
         if !usable(sensor.degrees_per_count) || !sensor.zero_counts.is_finite() {
             return Err(
@@ -236,6 +235,17 @@ impl RigFile {
     pub fn healthy_counts(&self) -> [Counts; 2] {
         self.sensor.healthy_counts.map(Counts)
     }
+}
+
+/// What is wrong, and in which line, without the parser's drawing of it.
+fn in_one_line(text: &str, error: &toml::de::Error) -> String {
+    let what = error.message().lines().next().unwrap_or_default();
+    let Some(before) = error.span().and_then(|span| text.get(..span.start)) else {
+        return what.to_owned();
+    };
+    let number = before.matches('\n').count();
+    let line = text.lines().nth(number).unwrap_or_default().trim();
+    format!("line {} ({line:?}): {what}", number + 1)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The whole paper on simulated rigs.
 
-use crate::support::{arg, json, run};
+use crate::support::{arg, json, refusal, run};
 
 #[test]
 fn the_demo_leaves_everything_and_finds_the_papers_facts() {
@@ -44,4 +44,16 @@ fn the_demo_leaves_everything_and_finds_the_papers_facts() {
             "{fact}: paper {paper}, here {here}"
         );
     }
+}
+
+#[test]
+fn the_demo_replaces_its_own_files_and_nobody_elses() {
+    let dir = tempfile::tempdir().unwrap();
+    let precious = dir.path().join("bench.csv");
+    std::fs::write(&precious, "my recording").unwrap();
+    let args = ["demo", "--out", arg(dir.path())];
+    assert!(refusal(&args).contains("--force"));
+    assert_eq!(std::fs::read_to_string(&precious).unwrap(), "my recording");
+    run(&[&args[..], &["--force"]].concat());
+    run(&args);
 }

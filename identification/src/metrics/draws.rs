@@ -138,7 +138,9 @@ impl MetricDraws {
             let interval = interval_of(of(&self.nominal), &mut self.figure(of), level);
             widened(interval, bias)
         };
-        let time = |interval: Interval| in_seconds(interval, |samples| timing.seconds(samples));
+        // No response comes before its edge, whatever a wide interval says.
+        let seconds = |samples: f64| timing.seconds(samples).max(0.0);
+        let time = |interval: Interval| in_seconds(interval, seconds);
         let between = Interpolation::new(&self.curve, &self.nominal);
         let crossing = |of: fn(&Shape) -> f64, error: f64| {
             time(widened(smooth(of, bias.of(of)), (-error, error)))
