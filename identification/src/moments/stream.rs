@@ -1,0 +1,280 @@
+//! Collecting moments while samples arrive.
+
+use faer::Mat;
+
+use super::{Moments, rank_one};
+use crate::lagged_sums::LaggedSums;
+use crate::record::Run;
+
+/// Collects [`Moments`] while samples arrive, in pieces of any size.
+///
+/// ```
+/// use servoid_identification::moments::MomentStream;
+/// let mut stream = MomentStream::new(0.002, 3, 1);
+/// stream.push(&[0.0, 1.0], &[0.0, 0.0]);
+/// stream.push(&[1.0, 0.0], &[0.5, 1.0]);
+/// assert_eq!(stream.moments().rows(), 2);
+/// ```
+#[derive(Clone)]
+pub struct MomentStream {
+    sample_period_s: f64,
+    input_lags: usize,
+    output_lags: usize,
+    centre: (Option<f64>, Option<f64>),
+    /// Recent centred samples: at least input_lags of history, then those not yet summed.
+    u: Vec<f64>,
+    y: Vec<f64>,
+    summed: usize,
+    /// Samples present in a row, up to `summed`.
+    present: (usize, usize),
+    /// Whether the row before `summed` was complete.
+    open: bool,
+    sums: LaggedSums,
+    /// sum u(k) y(k-j) and sum y(k) y(k-j).
+    uy: Vec<f64>,
+    yy: Vec<f64>,
+    total: (f64, f64),
+    edges: Edges,
+    rows: usize,
+    samples: usize,
+    missing: usize,
+}
+
+impl MomentStream {
+    /// An empty collection (see [`Moments::of_record`] for the lags).
+    ///
+    /// # Panics
+    /// When a number of lags is zero, or there are more lags of the output than of the input.
+    #[must_use]
+    pub fn new(sample_period_s: f64, input_lags: usize, output_lags: usize) -> Self {
+        assert!(
+            (1..=input_lags).contains(&output_lags),
+            "{output_lags} output lags do not fit {input_lags} input lags"
+        );
+        Self {
+            sample_period_s,
+            input_lags,
+            output_lags,
+            centre: (None, None),
+            u: Vec::new(),
+            y: Vec::new(),
+            summed: 0,
+            present: (0, 0),
+            open: false,
+            sums: LaggedSums::new(input_lags),
+            uy: vec![0.0; output_lags],
+            yy: vec![0.0; output_lags],
+            total: (0.0, 0.0),
+            edges: Edges::new(input_lags, output_lags),
+            rows: 0,
+            samples: 0,
+            missing: 0,
+        }
+    }
+
+    /// Adds consecutive samples of the current run, NaN where one is missing.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn push(&mut self, input: &[f64], output: &[f64]) {
+        assert_eq!(input.len(), output.len(), "one output per input");
+        let block = self.sums.block_rows();
+        let pieces = input.chunks(block).zip(output.chunks(block));
+        for (input, output) in pieces {
+            self.append(input, output);
+            if self.u.len() - self.summed >= block {
+                self.sum_pending();
+            }
+        }
+    }
+
+    /// Adds a whole run.
+    pub fn push_run(&mut self, run: &Run) {
+        self.begin_run(run.input_at_rest());
+        self.push(run.input(), run.output());
+    }
+
+    /// Begins another run: samples pushed from here on have no history, or that of an input that
+    /// has been `at_rest` all along.
+    pub fn begin_run(&mut self, at_rest: Option<f64>) {
+        self.sum_pending();
+        self.close(self.u.len());
+        self.u.clear();
+        self.y.clear();
+        self.summed = 0;
+        self.present = (0, 0);
+        if let Some(input) = at_rest {
+            let history = self.input_lags - 1;
+            let centre = *self.centre.0.get_or_insert(input);
+            self.u.resize(history, input - centre);
+            self.y.resize(history, f64::NAN);
+            self.summed = history;
+            self.present.0 = history;
+        }
+    }
+
+    /// The moments of all samples so far.
+    #[must_use]
+    pub fn moments(&self) -> Moments {
+        let mut done = self.clone();
+        done.sum_pending();
+        done.close(done.u.len());
+        let (uu, yu) = done.sums.sums();
+        let edges = &done.edges;
+        let square = |first_row: &[f64], first_column: &[f64], edge: &Mat<f64>| {
+            let mut matrix = Mat::zeros(first_column.len(), first_row.len());
+            for b in 0..first_row.len() {
+                matrix[(0, b)] = first_row[b];
+                for a in 1..first_column.len() {
+                    matrix[(a, b)] = match b {
+                        0 => first_column[a],
+                        _ => matrix[(a - 1, b - 1)] + edge[(a - 1, b - 1)],
+                    };
+                }
+            }
+            matrix
+        };
+        let shifted = |total: f64, edge: &[f64]| {
+            let mut sums = vec![total];
+            sums.extend(edge.iter().scan(total, |sum, edge| {
+                *sum += edge;
+                Some(*sum)
+            }));
+            sums
+        };
+        Moments {
+            sample_period_s: done.sample_period_s,
+            centre: (done.centre.0.unwrap_or(0.0), done.centre.1.unwrap_or(0.0)),
+            rows: done.rows,
+            samples: done.samples,
+            missing: done.missing,
+            uu: square(&uu, &uu, &edges.uu),
+            uy: square(&done.uy, &yu, &edges.uy),
+            yy: square(&done.yy, &done.yy, &edges.yy),
+            u: shifted(done.total.0, &edges.u),
+            y: shifted(done.total.1, &edges.y),
+        }
+    }
+
+    fn append(&mut self, input: &[f64], output: &[f64]) {
+        self.samples += input.len();
+        self.missing += input
+            .iter()
+            .zip(output)
+            .filter(|(u, y)| u.is_nan() || y.is_nan())
+            .count();
+        let centre = |known: &mut Option<f64>, values: &[f64]| {
+            *known = known.or_else(|| values.iter().copied().find(|value| !value.is_nan()));
+            known.unwrap_or(0.0) // Nothing but missing values so far.
+        };
+        let centre = (
+            centre(&mut self.centre.0, input),
+            centre(&mut self.centre.1, output),
+        );
+        self.u.extend(input.iter().map(|u| u - centre.0));
+        self.y.extend(output.iter().map(|y| y - centre.1));
+    }
+
+    /// Sums the complete rows among the pending samples and forgets what no later row needs.
+    fn sum_pending(&mut self) {
+        let (mut span, mut k) = (self.summed, self.summed);
+        while k < self.u.len() {
+            let (u, y) = (&self.u[k], &self.y[k]);
+            self.present.0 = if u.is_nan() { 0 } else { self.present.0 + 1 };
+            self.present.1 = if y.is_nan() { 0 } else { self.present.1 + 1 };
+            let complete = self.present.0 >= self.input_lags && self.present.1 >= self.output_lags;
+            if complete && !self.open {
+                self.edges.add(&self.u, &self.y, k, 1.0);
+                self.open = true;
+                span = k;
+            } else if !complete {
+                if self.open {
+                    self.add_rows(span, k);
+                }
+                self.close(k);
+            }
+            k += 1;
+        }
+        if self.open {
+            self.add_rows(span, k);
+        }
+        let keep = self.u.len().saturating_sub(self.input_lags);
+        self.u.drain(..keep);
+        self.y.drain(..keep);
+        self.summed = self.u.len();
+    }
+
+    /// Ends the stretch of complete rows, if one is open, before row `k`.
+    fn close(&mut self, k: usize) {
+        if self.open {
+            self.edges.add(&self.u, &self.y, k, -1.0);
+            self.open = false;
+        }
+    }
+
+    fn add_rows(&mut self, from: usize, to: usize) {
+        let history = self.input_lags - 1;
+        for start in (from..to).step_by(self.sums.block_rows()) {
+            let end = (start + self.sums.block_rows()).min(to);
+            let (u, y) = (&self.u[start..end], &self.y[start..end]);
+            self.sums.add(&self.u[start - history..end], y);
+            for j in 0..self.output_lags {
+                let earlier = &self.y[start - j..end - j];
+                self.uy[j] += wide_dot(u, earlier);
+                self.yy[j] += wide_dot(y, earlier);
+            }
+            self.total.0 += u.iter().sum::<f64>();
+            self.total.1 += y.iter().sum::<f64>();
+        }
+        self.rows += to - from;
+    }
+}
+
+/// What the ends of stretches contribute to the recursion over lags.
+#[derive(Clone)]
+struct Edges {
+    uu: Mat<f64>,
+    uy: Mat<f64>,
+    yy: Mat<f64>,
+    u: Vec<f64>,
+    y: Vec<f64>,
+}
+
+impl Edges {
+    fn new(input_lags: usize, output_lags: usize) -> Self {
+        let (l, j) = (input_lags - 1, output_lags - 1);
+        Self {
+            uu: Mat::zeros(l, l),
+            uy: Mat::zeros(l, j),
+            yy: Mat::zeros(j, j),
+            u: vec![0.0; l],
+            y: vec![0.0; j],
+        }
+    }
+
+    /// Adds (sign 1: a stretch begins at row k) or subtracts (sign -1: it ends before row k) the
+    /// products of the samples before row k.
+    fn add(&mut self, u: &[f64], y: &[f64], k: usize, sign: f64) {
+        let u: Vec<f64> = u[k - self.u.len()..k].iter().rev().copied().collect();
+        let y: Vec<f64> = y[k - self.y.len()..k].iter().rev().copied().collect();
+        rank_one(&mut self.uu, &u, &u, sign);
+        rank_one(&mut self.uy, &u, &y, sign);
+        rank_one(&mut self.yy, &y, &y, sign);
+        for (sum, value) in self.u.iter_mut().zip(&u).chain(self.y.iter_mut().zip(&y)) {
+            *sum += sign * value;
+        }
+    }
+}
+
+/// Inner product in eight independent sums, so that it can be done in vector registers.
+fn wide_dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (a_wide, b_wide) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest = crate::basis::dot(a_wide.remainder(), b_wide.remainder());
+    for (a, b) in a_wide.zip(b_wide) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}
