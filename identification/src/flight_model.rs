@@ -226,23 +226,30 @@ impl Fitter {
                 minimise(&residuals, &x, &increments)
             })
             .min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares))?;
-        let count = minimum.parameters.len();
-        let rank = self.projection.rank();
-        let degrees_of_freedom = rank.checked_sub(count).filter(|degrees| *degrees > 0)?;
         let transfer = from_parameters(order, &minimum.parameters);
         let error = self.projection.largest_error(&self.impulse(&transfer));
         Some(Fit {
             order,
             transfer,
-            tried: OrderTried {
-                order,
-                chi_square: minimum.sum_of_squares,
-                degrees_of_freedom,
-                p: upper_tail(minimum.sum_of_squares, degrees_of_freedom),
-                bic: minimum.sum_of_squares + count as f64 * (rank as f64).ln(),
-                largest_error_percent: 100.0 * error,
-            },
+            tried: OrderTried::new(order, &minimum, self.projection.rank(), error)?,
             minimum,
+        })
+    }
+}
+
+impl OrderTried {
+    /// The order's fit to `rank` independent values, with its largest error relative to the step.
+    /// `None` when no degree of freedom is left.
+    fn new(order: usize, minimum: &Minimum, rank: usize, error: f64) -> Option<Self> {
+        let count = minimum.parameters.len();
+        let degrees_of_freedom = rank.checked_sub(count).filter(|degrees| *degrees > 0)?;
+        Some(Self {
+            order,
+            chi_square: minimum.sum_of_squares,
+            degrees_of_freedom,
+            p: upper_tail(minimum.sum_of_squares, degrees_of_freedom),
+            bic: minimum.sum_of_squares + count as f64 * (rank as f64).ln(),
+            largest_error_percent: 100.0 * error,
         })
     }
 }

@@ -1,10 +1,10 @@
 //! Servo, sensor and ADC together: a pulse in, a frame of samples out.
 
 use crate::noise::Noise;
-use crate::options::{OptionsError, ServoKind, SimulationOptions};
+use crate::options::{OptionsError, SimulationOptions};
+use crate::parts::Parts;
 use crate::sensor::{HallSensor, OVERSAMPLING, SENSOR_SCALE, sum};
 use crate::servo::Servo;
-use crate::{aircraft, bench, linear};
 use servoid_protocol::timing::{FRAME_US, SAMPLE_US, SAMPLES_PER_FRAME};
 use servoid_protocol::{Counts, PulseWidth};
 use std::time::Duration;
@@ -47,7 +47,7 @@ pub struct Sample {
 /// [`frame`](Self::frame) keeps the rig's timing; with [`command`](Self::command) and
 /// [`sample`](Self::sample) a caller keeps its own, forward only.
 pub struct Apparatus {
-    servo: Box<dyn Servo>,
+    servo: Box<dyn Servo + Send>,
     sensor: HallSensor,
     noise: Noise,
     first_sample: Duration,
@@ -60,20 +60,15 @@ impl Apparatus {
     /// # Errors
     /// [`OptionsError`] where an option has a value that makes no sense.
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
-        options.check()?;
-        let conditions = options.conditions.scattered(options.scatter, options.seed);
-        let servo: Box<dyn Servo> = match options.servo {
-            ServoKind::Bench => Box::new(bench::servo(&conditions)),
-            ServoKind::Aircraft => Box::new(aircraft::servo(&conditions)),
-            ServoKind::Linear(mut parameters) => {
-                parameters.delay += conditions.clock_phase;
-                Box::new(linear::LinearServo::new(parameters))
-            }
-        };
+        let Parts {
+            servo,
+            sensor,
+            noise,
+        } = Parts::new(options)?;
         Ok(Self {
             servo,
-            sensor: HallSensor::new(conditions.sensor_gain, options.fault),
-            noise: Noise::new(options.noise, options.seed),
+            sensor,
+            noise,
             first_sample: Duration::from_micros(options.first_sample_us.into()),
             number: 0,
         })

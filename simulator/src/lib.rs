@@ -30,6 +30,7 @@
 
 mod apparatus;
 mod delay_line;
+mod parts;
 mod random;
 mod serial_line;
 mod simulate;
@@ -52,6 +53,7 @@ pub use board::{FrameClock, SimulatedBoard};
 pub use conditions::{Conditions, Scatter};
 pub use in_process::InProcessRig;
 pub use options::{LineSpeed, OptionsError, ServoKind, SimulationOptions};
+pub use parts::Parts;
 pub use sensor::SENSOR_SCALE;
 pub use servo::{SERVO_SCALE, Servo};
 pub use simulate::simulate;

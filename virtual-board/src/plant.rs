@@ -5,9 +5,7 @@ use crate::time::{TICKS_PER_MICROSECOND, Ticks, milliseconds, to_duration};
 use servoid_protocol::PulseWidth;
 use servoid_simulator::noise::{Noise, SampleNoise};
 use servoid_simulator::sensor::{HallSensor, OVERSAMPLING};
-use servoid_simulator::{
-    Apparatus, OptionsError, Servo, ServoKind, SimulationOptions, aircraft, bench, linear,
-};
+use servoid_simulator::{OptionsError, Parts, Servo, SimulationOptions};
 
 /// Period of the pulses that a servo expects.
 const FRAME: Ticks = milliseconds(20);
@@ -17,7 +15,7 @@ const PATIENCE: Ticks = milliseconds(10);
 
 /// Servo, sensor and divider, with the voltage at PA4 as codes of the ADC.
 ///
-/// Unlike the [`Apparatus`] of the in-process rig, each conversion sees the angle at the instant at
+/// Unlike the [apparatus](servoid_simulator::Apparatus) of the in-process rig, each conversion sees the angle at the instant at
 /// which the ADC holds its input.
 pub struct Plant {
     servo: Box<dyn Servo + Send>,
@@ -33,21 +31,15 @@ impl Plant {
     /// # Errors
     /// [`OptionsError`] where an option has a value that makes no sense.
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
-        // It has the check of the options.
-        Apparatus::new(options)?;
-        let conditions = options.conditions.scattered(options.scatter, options.seed);
-        let servo: Box<dyn Servo + Send> = match options.servo {
-            ServoKind::Bench => Box::new(bench::servo(&conditions)),
-            ServoKind::Aircraft => Box::new(aircraft::servo(&conditions)),
-            ServoKind::Linear(mut parameters) => {
-                parameters.delay += conditions.clock_phase;
-                Box::new(linear::LinearServo::new(parameters))
-            }
-        };
+        let Parts {
+            servo,
+            sensor,
+            noise,
+        } = Parts::new(options)?;
         Ok(Self {
             servo,
-            sensor: HallSensor::new(conditions.sensor_gain, options.fault),
-            noise: Noise::new(options.noise, options.seed),
+            sensor,
+            noise,
             sample: SampleNoise::default(),
             last_rise: None,
         })

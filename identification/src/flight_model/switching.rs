@@ -18,7 +18,7 @@ use super::{FlightModelOptions, Guess, LowOrder, OrderTried, REJECT};
 use crate::band::pointwise_critical;
 use crate::basis::Basis;
 use crate::direction::two_inputs::{self, TwoInputMoments};
-use crate::direction::{DirectionModel, FREQUENCIES, upper_tail};
+use crate::direction::{DirectionModel, FREQUENCIES};
 use crate::error::Error;
 use crate::linear::times;
 use crate::matrix_serde::to_rows;
@@ -221,8 +221,6 @@ impl Fitter {
                 minimise(&residuals, &x, &increments)
             })
             .min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares))?;
-        let (count, rank) = (minimum.parameters.len(), self.estimate.len());
-        let degrees_of_freedom = rank.checked_sub(count).filter(|degrees| *degrees > 0)?;
         let transfers = from_parameters(order, &minimum.parameters);
         let projected = times(&self.curves_map, &self.responses(&transfers));
         let error = self
@@ -234,14 +232,7 @@ impl Fitter {
         Some(Fit {
             order,
             transfers,
-            tried: OrderTried {
-                order,
-                chi_square: minimum.sum_of_squares,
-                degrees_of_freedom,
-                p: upper_tail(minimum.sum_of_squares, degrees_of_freedom),
-                bic: minimum.sum_of_squares + count as f64 * (rank as f64).ln(),
-                largest_error_percent: 100.0 * error,
-            },
+            tried: OrderTried::new(order, &minimum, self.estimate.len(), error)?,
             minimum,
         })
     }
