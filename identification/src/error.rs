@@ -135,6 +135,17 @@ pub enum Error {
         /// Period of the record at hand \[s\].
         found: f64,
     },
+    /// Two sets of moments differ in when their samples are taken.
+    #[error(
+        "samples are taken {found} s after the edges of the input where {expected} s is needed: \
+         identify the two apart"
+    )]
+    PhaseMismatch {
+        /// Phase of the first \[s\].
+        expected: f64,
+        /// Phase of the other \[s\].
+        found: f64,
+    },
     /// No sample of a record has the history that the model needs.
     #[error(
         "no sample has the {history} samples of input history that the model needs: give a longer \

@@ -321,7 +321,7 @@ impl Pipeline<'_> {
         );
         let timing = Timing {
             sample_period_s: period,
-            sample_phase_s: self.record.map_or(0.0, Record::sample_phase_s),
+            sample_phase_s: self.moments.sample_phase_s(),
         };
         let metrics = Metrics::new(&Measured {
             basis: &self.plan.basis,

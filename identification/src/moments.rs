@@ -33,6 +33,8 @@ use crate::record::{Record, Run};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
     sample_period_s: f64,
+    #[serde(default)]
+    sample_phase_s: f64,
     /// Values are relative to this input and output.
     pub(crate) centre: (f64, f64),
     pub(crate) rows: usize,
@@ -54,7 +56,8 @@ impl Moments {
     /// and d+1.
     #[must_use]
     pub fn of_record(record: &Record, input_lags: usize, output_lags: usize) -> Self {
-        let mut stream = MomentStream::new(record.sample_period_s(), input_lags, output_lags);
+        let mut stream = MomentStream::new(record.sample_period_s(), input_lags, output_lags)
+            .with_sample_phase(record.sample_phase_s());
         for run in record.runs() {
             stream.push_run(run);
         }
@@ -97,6 +100,12 @@ impl Moments {
         self.sample_period_s
     }
 
+    /// Time from an edge of the input to the first sample that counts as after it \[s\].
+    #[must_use]
+    pub fn sample_phase_s(&self) -> f64 {
+        self.sample_phase_s
+    }
+
     /// Sum of squares of the output about its mean.
     #[must_use]
     pub fn output_spread(&self) -> f64 {
@@ -106,7 +115,7 @@ impl Moments {
     /// Adds the rows behind `other`, as if both had been collected together.
     ///
     /// # Errors
-    /// The two have different lags or sample periods.
+    /// The two have different lags, sample periods or sample phases.
     pub fn merge(&mut self, other: &Self) -> Result<(), Error> {
         if (self.input_lags(), self.output_lags()) != (other.input_lags(), other.output_lags()) {
             return Err(Error::LagMismatch {
@@ -118,6 +127,12 @@ impl Moments {
             return Err(Error::PeriodMismatch {
                 expected: self.sample_period_s,
                 found: other.sample_period_s,
+            });
+        }
+        if self.sample_phase_s != other.sample_phase_s {
+            return Err(Error::PhaseMismatch {
+                expected: self.sample_phase_s,
+                found: other.sample_phase_s,
             });
         }
         let mut other = other.clone();

@@ -26,8 +26,10 @@ fn fixed() -> Options {
 fn a_live_collection_ends_with_the_model_of_the_record() {
     let input = staircase();
     let output = simulate(Plant::A, Noise::Ar2, &input, 1.0, &mut random(8));
-    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
-    let mut stream = MomentStream::new(PERIOD, 102, 3);
+    let record = Record::from_slices(PERIOD, &input, &output)
+        .unwrap()
+        .with_sample_phase(0.0005);
+    let mut stream = MomentStream::new(PERIOD, 102, 3).with_sample_phase(0.0005);
     let mut looked = 0;
     for (u, y) in input.chunks(10).zip(output.chunks(10)) {
         stream.push(u, y);
@@ -47,10 +49,30 @@ fn a_live_collection_ends_with_the_model_of_the_record() {
     for (a, b) in live.step.sd.iter().zip(&whole.step.sd) {
         assert_relative_eq!(a, b, max_relative = 1e-6);
     }
+    assert_eq!(live.sample_phase_s, 0.0005);
+    assert_relative_eq!(
+        live.metrics.t50_s.value.unwrap(),
+        whole.metrics.t50_s.value.unwrap(),
+        epsilon = 1e-9
+    );
     assert_eq!(
         live.residuals.whiteness_p, None,
         "moments do not hold single errors"
     );
+}
+
+#[test]
+fn recordings_whose_samples_are_taken_at_another_phase_are_not_merged() {
+    let moments = |phase: f64| {
+        let mut stream = MomentStream::new(PERIOD, 3, 1).with_sample_phase(phase);
+        stream.push(&[0.0, 1.0, 0.0, 1.0], &[0.0, 0.0, 0.5, 0.3]);
+        stream.moments()
+    };
+    let mut first = moments(0.0005);
+    assert!(first.merge(&moments(0.0005)).is_ok());
+    let error = first.merge(&moments(0.0)).unwrap_err().to_string();
+    assert!(error.contains("0.0005 s"), "{error}");
+    assert_eq!(first.rows(), 4);
 }
 
 #[test]

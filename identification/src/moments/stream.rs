@@ -1,4 +1,7 @@
 //! Collecting moments while samples arrive.
+//!
+//! Nothing is kept of the samples but their sums and the last L of them, so a collection may go on for
+//! hours, and looking at it costs the same whenever it is done: a few milliseconds.
 
 use faer::Mat;
 
@@ -8,16 +11,40 @@ use crate::record::Run;
 
 /// Collects [`Moments`] while samples arrive, in pieces of any size.
 ///
+/// A live display pushes each frame as it comes, and asks for a model whenever it wants to draw one.
+/// Lags are N + d of the input and d + 1 of the output for a settling time of N samples and a noise
+/// order of d; [`INPUT_LAGS`](crate::residual::INPUT_LAGS) more of the input let the test of the
+/// input's independence be done too. Fix N, once known, and a look takes a few milliseconds; an
+/// automatic choice from L lags costs a multiple that grows with L³.
+///
 /// ```
 /// use servoid_identification::moments::MomentStream;
-/// let mut stream = MomentStream::new(0.002, 3, 1);
-/// stream.push(&[0.0, 1.0], &[0.0, 0.0]);
-/// stream.push(&[1.0, 0.0], &[0.5, 1.0]);
-/// assert_eq!(stream.moments().rows(), 2);
+/// use servoid_identification::{identify_moments, Options, Settling};
+/// # let u: Vec<f64> = (0..1200).map(|k| if (k * k / 900) % 2 == 0 { 5.0 } else { -5.0 }).collect();
+/// # let y: Vec<f64> = u.iter().enumerate().scan(0.0, |y, (k, u)| {
+/// #     *y += 0.2 * (u - *y); Some(*y + 0.01 * ((k * 7919 % 101) as f64 - 50.0) / 50.0)
+/// # }).collect();
+/// # let frames = u.chunks(10).zip(y.chunks(10));
+///
+/// let options = Options { settling: Settling::Samples(61), ..Options::default() };
+/// // N = 61, noise of order 0 to 8; the sensor is read 0.5 ms after an edge, every 2 ms.
+/// let mut stream = MomentStream::new(0.002, 61 + 8, 8 + 1).with_sample_phase(0.0005);
+/// let mut shown = 0;
+/// for (number, (input, output)) in frames.enumerate() {
+///     stream.push(input, output); // Ten samples; NaN where one was lost.
+///     if number % 25 == 24 {
+///         match identify_moments(&stream.moments(), &options) {
+///             Ok(found) => shown += found.model.step.simultaneous.lower.len(),
+///             Err(not_yet) => println!("{not_yet}"), // Too few samples so far: go on.
+///         }
+///     }
+/// }
+/// assert_eq!(shown, 4 * 61);
 /// ```
 #[derive(Clone)]
 pub struct MomentStream {
     sample_period_s: f64,
+    sample_phase_s: f64,
     input_lags: usize,
     output_lags: usize,
     centre: (Option<f64>, Option<f64>),
@@ -53,6 +80,7 @@ impl MomentStream {
         );
         Self {
             sample_period_s,
+            sample_phase_s: 0.0,
             input_lags,
             output_lags,
             centre: (None, None),
@@ -70,6 +98,21 @@ impl MomentStream {
             samples: 0,
             missing: 0,
         }
+    }
+
+    /// States when samples are taken: `seconds` after the edge of the input that they are counted
+    /// from (see [`Record::with_sample_phase`](crate::Record::with_sample_phase)).
+    ///
+    /// # Panics
+    /// When `seconds` is negative or not finite.
+    #[must_use]
+    pub fn with_sample_phase(mut self, seconds: f64) -> Self {
+        assert!(
+            seconds >= 0.0 && seconds.is_finite(),
+            "a sample phase of {seconds} s is no time after an edge"
+        );
+        self.sample_phase_s = seconds;
+        self
     }
 
     /// Adds consecutive samples of the current run, NaN where one is missing.
@@ -144,6 +187,7 @@ impl MomentStream {
         };
         Moments {
             sample_period_s: done.sample_period_s,
+            sample_phase_s: done.sample_phase_s,
             centre: (done.centre.0.unwrap_or(0.0), done.centre.1.unwrap_or(0.0)),
             rows: done.rows,
             samples: done.samples,
