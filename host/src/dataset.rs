@@ -219,12 +219,15 @@ fn from_recording(
     let broken = healthy.map_or(0, |range| drop_unhealthy(&mut output, range));
     let run = run(input, output, path, options.at_rest)?;
     let mut remarks = Vec::new();
-    if let Completeness::Partial(reason) = &recording.completeness {
-        let rows = recording.samples.len();
-        remarks.push(format!(
-            "{} is partial ({reason}): it has {rows} rows",
-            path.display()
-        ));
+    let (shown, rows) = (path.display(), recording.samples.len());
+    match &recording.completeness {
+        Completeness::Complete => {}
+        Completeness::Early(reason) => remarks.push(format!(
+            "{shown} was ended on purpose ({reason}): it has {rows} rows"
+        )),
+        Completeness::Partial(reason) => {
+            remarks.push(format!("{shown} is partial ({reason}): it has {rows} rows"))
+        }
     }
     if broken > 0 {
         remarks.push(format!(

@@ -30,6 +30,7 @@
 pub mod commands;
 pub mod dataset;
 pub mod explain;
+pub mod live;
 pub mod output;
 pub mod paper;
 pub mod plots;
@@ -37,6 +38,7 @@ pub mod port;
 pub mod recording;
 pub mod report;
 pub mod rig;
+pub mod scope;
 pub mod summary;
 pub mod table;
 pub mod timeline;

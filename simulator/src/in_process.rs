@@ -87,6 +87,12 @@ impl InProcessRig {
         self.now
     }
 
+    /// Whether simulated time follows the clock on the wall, whoever reads.
+    #[must_use]
+    pub fn is_realtime(&self) -> bool {
+        self.started.is_some()
+    }
+
     /// Hands `bytes` to the line. They reach the rig in the time that the line takes, which passes
     /// in [`read`](Self::read).
     pub fn write(&mut self, bytes: &[u8]) {

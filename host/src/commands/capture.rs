@@ -1,6 +1,6 @@
 //! `servoid capture`
 
-use super::progress::CaptureProgress;
+use super::watch::{BandReached, Watch, WatchArgs};
 use super::{Talk, interrupt};
 use crate::port;
 use crate::recording::{Ending, Header, ReservedFile};
@@ -16,11 +16,14 @@ use std::path::{Path, PathBuf};
 ///
 /// The run is: 0.8 s at neutral, the reference, 0.8 s at neutral. Rows are on the disk as they come
 /// in; Ctrl-C brings the servo to neutral, closes the file and keeps the data. Afterwards the servo
-/// is held at neutral, unless --release is given.
+/// is held at neutral, unless --release is given. In a terminal a live scope shows the motion, the
+/// link and, from the second cycle on, the step response with its band; q ends the run.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
   servoid capture --port /dev/ttyUSB0 --condition bench -o bench.csv
-  servoid capture --port sim:aircraft -o aircraft.csv       (no hardware needed)")]
+  servoid capture --port sim:aircraft -o aircraft.csv       (no hardware needed)
+  servoid capture --port 'sim:bench?realtime' -o live.csv   (at real pace, to look at)
+  servoid capture --port /dev/ttyUSB0 --until-band 1 -o bench.csv")]
 pub(super) struct CaptureArgs {
     /// Where the rig is: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
     /// (sim:bench?realtime&seed=7 for real pace and another noise)
@@ -61,6 +64,8 @@ pub(super) struct CaptureArgs {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
+    watch: WatchArgs,
+    #[command(flatten)]
     talk: Talk,
 }
 
@@ -87,10 +92,13 @@ pub(super) struct Job<'a> {
 struct CaptureResult<'a> {
     file: &'a Path,
     complete: bool,
+    ended_early: bool,
     reason: Option<&'a str>,
     rows: u64,
     unreadable_messages: u32,
     frames_asked_again: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    until_band: Option<BandReached>,
 }
 
 impl CaptureArgs {
@@ -116,6 +124,7 @@ impl CaptureArgs {
         }
         let ReferenceKind::Staircase = self.reference;
         interrupt::listen()?;
+        let watch = self.watch.watch(self.talk);
         let end = capture(
             &Job {
                 address: &address,
@@ -127,17 +136,21 @@ impl CaptureArgs {
                 out: &self.out,
                 force: self.force,
             },
+            &watch,
             self.talk,
         )?;
-        self.report(&end)
+        self.report(&end, watch.band_reached())
     }
 
-    fn report(&self, end: &CaptureEnd) -> Result<String> {
-        let (complete, reason) = match &end.ending {
-            Ending::Complete => (true, None),
-            Ending::Partial { reason, .. } => (false, Some(reason.as_str())),
+    fn report(&self, end: &CaptureEnd, until_band: Option<BandReached>) -> Result<String> {
+        let (state, reason) = match &end.ending {
+            Ending::Complete => ("complete", None),
+            Ending::Early { reason } => ("ended early", Some(reason.as_str())),
+            Ending::Partial { reason, .. } => ("partial", Some(reason.as_str())),
         };
-        if let Some(reason) = reason
+        let advice = until_band.as_ref().and_then(BandReached::advice);
+        if state == "partial"
+            && let Some(reason) = reason
             && !interrupt::asked()
         {
             bail!(
@@ -148,15 +161,19 @@ impl CaptureArgs {
         }
         let result = CaptureResult {
             file: &self.out,
-            complete,
+            complete: state == "complete",
+            ended_early: state == "ended early",
             reason,
             rows: end.rows,
             unreadable_messages: end.rejects,
             frames_asked_again: end.asked_again,
+            until_band,
         };
-        let state = if complete { "complete" } else { "partial" };
+        let why = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
+        let advice = advice.map_or_else(String::new, |advice| advice + "\n");
+        let (file, rows) = (self.out.display(), end.rows);
         self.talk.result(
-            format!("{}: {state}, {} samples\n", self.out.display(), end.rows),
+            format!("{file}: {state}{why}, {rows} samples\n{advice}"),
             &result,
         )
     }
@@ -186,7 +203,7 @@ fn staircase(rig: &RigFile, amplitude_deg: f64, talk: Talk) -> Result<Reference>
 }
 
 /// Captures one run.
-pub(super) fn capture(job: &Job<'_>, talk: Talk) -> Result<CaptureEnd> {
+pub(super) fn capture(job: &Job<'_>, watch: &Watch, talk: Talk) -> Result<CaptureEnd> {
     let capture = Capture::new(
         job.rig.clone(),
         staircase(&job.rig, job.amplitude_deg, talk)?,
@@ -209,13 +226,13 @@ pub(super) fn capture(job: &Job<'_>, talk: Talk) -> Result<CaptureEnd> {
         port: job.address.to_owned(),
         ..Header::of_run(&hello, &job.rig, &capture.start)
     };
-    let (servo, sensor) = (job.rig.servo_scale(), job.rig.sensor_scale());
     let writer = file.begin(&header)?;
-    let progress = CaptureProgress::new(talk, capture.start.frames(), servo, sensor);
-    let end = capture.record(&mut client, writer, &interrupt::asked, &mut |p| {
-        progress.update(p)
+    let title = format!("{}  to {}", job.address, job.out.display());
+    let watched = watch.begin(title, &capture, client.is_paced_by_reader())?;
+    let end = capture.record(&mut client, writer, &|| watched.stop(), &mut |p| {
+        watched.update(p)
     });
-    progress.finish();
+    watched.finish();
     let released = if job.release {
         client.request(Command::Disarm)
     } else {

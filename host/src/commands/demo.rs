@@ -1,6 +1,7 @@
 //! `servoid demo`
 
 use super::capture::{Job, capture};
+use super::watch::Watch;
 use super::{Talk, interrupt};
 use crate::dataset::{self, Dataset, DatasetOptions};
 use crate::plots::figures::{self, Subject};
@@ -156,6 +157,7 @@ impl Demo {
                 out: &file,
                 force: true,
             },
+            &Watch::plainly(self.talk),
             self.talk,
         )?;
         let data = dataset::load(std::slice::from_ref(&file), &DatasetOptions::default())?;

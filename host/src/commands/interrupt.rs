@@ -1,23 +1,27 @@
-//! Ctrl-C.
+//! Ctrl-C, and the signals that a system sends to end a program.
 
+use crate::scope::terminal;
 use anyhow::{Context, Result};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From now on the first Ctrl-C is a request that [`asked`] reports, and the second one ends the
-/// program at once.
+/// From now on the first Ctrl-C, SIGTERM or SIGHUP is a request that [`asked`] reports, and the second
+/// one ends the program at once.
 pub(super) fn listen() -> Result<()> {
-    ctrlc::set_handler(|| {
-        if ASKED.swap(true, Ordering::SeqCst) {
-            // 128 + SIGINT: what shells report of a program that Ctrl-C has ended.
-            std::process::exit(130);
-        }
-    })
-    .context("Ctrl-C cannot be watched for")
+    ctrlc::set_handler(ask).context("Ctrl-C cannot be watched for")
 }
 
-/// Whether Ctrl-C has been pressed.
+/// What a signal does, or a key that stands for one.
+pub(super) fn ask() {
+    if ASKED.swap(true, Ordering::SeqCst) {
+        terminal::give_back();
+        // 128 + SIGINT: what shells report of a program that Ctrl-C has ended.
+        std::process::exit(130);
+    }
+}
+
+/// Whether the program has been asked to end.
 pub(super) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }

@@ -15,6 +15,7 @@ mod report;
 mod simulate;
 mod table_args;
 mod validate;
+mod watch;
 
 use anyhow::Result;
 use clap::error::ErrorKind;

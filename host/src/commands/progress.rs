@@ -35,7 +35,8 @@ impl CaptureProgress {
         }
     }
 
-    pub(super) fn update(&self, progress: Progress<'_>) {
+    /// `band_percent` is half the width of the step response's band, where there is one.
+    pub(super) fn update(&self, progress: Progress<'_>, band_percent: Option<f64>) {
         let frame = progress.frame;
         let done = u64::from(frame.index) + 1;
         let reference = self.servo.degrees(frame.pulse).0;
@@ -43,9 +44,11 @@ impl CaptureProgress {
             .samples
             .last()
             .map_or(f64::NAN, |&c| self.sensor.degrees(c).0);
+        let band = band_percent.map_or_else(String::new, |p| format!("; band +-{p:.2} %"));
         let message = format!(
-            "reference {reference:+.1} deg, position {position:+.2} deg; link: {} unreadable, {} asked again",
-            progress.rejects, progress.asked_again
+            "reference {reference:+.1} deg, position {position:+.2} deg; link: {} unreadable, {} asked again{band}",
+            progress.rejects.total(),
+            progress.asked_again
         );
         if !self.bar.is_hidden() {
             self.bar.set_position(done);

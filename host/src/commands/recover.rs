@@ -34,6 +34,7 @@ impl Recover {
         if let Ok(sound) = Recording::parse(&bytes, path) {
             let state = match sound.completeness {
                 Completeness::Complete => "complete".to_owned(),
+                Completeness::Early(why) => format!("ended on purpose: {why}"),
                 Completeness::Partial(why) => format!("partial: {why}"),
             };
             bail!("{path:?} reads well as it is ({state}): there is nothing to recover");

@@ -2,6 +2,7 @@
 
 use super::Talk;
 use super::capture::{Job, capture};
+use super::watch::Watch;
 use crate::rig::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
@@ -55,6 +56,7 @@ impl Simulate {
                 out: &self.out,
                 force: self.force,
             },
+            &Watch::plainly(self.talk),
             self.talk,
         )?;
         let text = format!("{}: {} samples\n", self.out.display(), end.rows);

@@ -46,6 +46,12 @@ pub trait Port {
     /// Time since the port was opened. A simulated rig has simulated time, so that waiting for it
     /// costs no more than its computation.
     fn now(&self) -> Duration;
+
+    /// Whether the rig's time stands still while nobody reads, as that of a simulated rig may: then
+    /// pausing between reads delays nothing and loses nothing.
+    fn is_paced_by_reader(&self) -> bool {
+        false
+    }
 }
 
 /// Why a port could not be opened. The text says what to do.
@@ -59,6 +65,9 @@ pub enum OpenError {
         "port {0:?} is busy or not permitted: close the program that uses it, or join the group that owns it (on Linux usually 'dialout')"
     )]
     Busy(String),
+    /// There is something of that name, and it is no serial port.
+    #[error("{0:?} is no serial port: 'servoid ports' lists those that are there")]
+    NoSerialPort(String),
     /// Nobody listens there.
     #[error("nobody answers at {address}: {reason}")]
     Unreachable {

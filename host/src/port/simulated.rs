@@ -25,4 +25,8 @@ impl Port for InProcessRig {
     fn now(&self) -> Duration {
         InProcessRig::now(self)
     }
+
+    fn is_paced_by_reader(&self) -> bool {
+        !self.is_realtime()
+    }
 }

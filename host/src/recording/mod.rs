@@ -21,6 +21,9 @@
 //! | `time_s`   | `sample` times the period; `position_deg` is `counts` on the header's scale. Said twice, so that a changed digit shows where it is |
 //! | last line  | how it ended, the number of rows, and the CRC-32 of their bytes, line ends included       |
 //!
+//! The end is `"complete"`, `"early"` (ended on purpose, with the reason: every sample until then is
+//! there) or `"partial"` (with the reason and the lost samples).
+//!
 //! Without its last line a recording is partial, and is read as such. pandas
 //! (`read_csv(path, comment="#")`) and MATLAB (`readtable(path, CommentStyle="#")`) read it as it is.
 //!

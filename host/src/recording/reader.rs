@@ -14,6 +14,8 @@ use toml::{Table, Value};
 pub enum Completeness {
     /// Every sample, proved by row count and CRC.
     Complete,
+    /// Every sample until the run was ended on purpose, proved as well, and what had been reached.
+    Early(String),
     /// Samples are missing, and why.
     Partial(String),
 }
@@ -211,9 +213,11 @@ pub(super) fn judge(scanned: &Scan) -> Result<(Completeness, Vec<Range<u64>>), &
     if text("crc32") != Some(format!("{:08x}", scanned.crc32).as_str()) {
         return Err("the CRC differs");
     }
+    let reason = text("reason").unwrap_or("it says so").to_owned();
     let completeness = match text("end") {
         Some("complete") => Completeness::Complete,
-        _ => Completeness::Partial(text("reason").unwrap_or("it says so").to_owned()),
+        Some("early") => Completeness::Early(reason),
+        _ => Completeness::Partial(reason),
     };
     Ok((completeness, lost_samples(end)))
 }

@@ -52,7 +52,7 @@ pub fn recover(bytes: &[u8], path: &Path) -> Result<Recovered, ReadError> {
         .map(|damage| format!("line {}: {}", damage.line, damage.reason))
         .collect();
     match judge(&scanned) {
-        Ok((Completeness::Complete, _)) => {}
+        Ok((Completeness::Complete | Completeness::Early(_), _)) => {}
         Ok((Completeness::Partial(why), _)) => findings.push(why),
         Err(what) if scanned.damages.is_empty() => {
             findings.push(format!("its rows do not match its last line: {what}"));

@@ -45,6 +45,12 @@ pub enum WriteError {
 pub enum Ending {
     /// Every sample of the run is in it, proved by the rig's own check.
     Complete,
+    /// Ended on purpose before the reference was over: every sample until then is in it, proved by
+    /// the rig's own check.
+    Early {
+        /// What had been reached, in plain words.
+        reason: String,
+    },
     /// Something is missing, or the run was cut short.
     Partial {
         /// Why, in plain words.
@@ -260,6 +266,12 @@ impl RecordingWriter {
         let line = match ending {
             Ending::Complete => {
                 format!("# end = \"complete\", rows = {rows}, crc32 = \"{crc32:08x}\"\n")
+            }
+            Ending::Early { reason } => {
+                let reason = on_one_line(&toml::Value::from(reason.as_str()));
+                format!(
+                    "# end = \"early\", rows = {rows}, crc32 = \"{crc32:08x}\", reason = {reason}\n"
+                )
             }
             Ending::Partial {
                 reason,

@@ -7,9 +7,9 @@ use super::file::RigFile;
 use super::under_way::RunUnderWay;
 use crate::recording::{Ending, RecordingWriter, WriteError};
 use servoid_protocol::hello::SCHEMA_HASH;
-use servoid_protocol::message::{Arm, Command, Frame, Refusal, Start};
+use servoid_protocol::message::{Arm, Command, Frame, Refusal, Start, Status};
 use servoid_protocol::timing::FRAMES_PER_SECOND;
-use servoid_protocol::{PulseWidth, Reference};
+use servoid_protocol::{PulseWidth, Reference, Rejects};
 use std::time::Duration;
 
 /// Rest before and after the reference: as long as the paper's longest hold, 0.8 s, so that what
@@ -43,10 +43,24 @@ pub struct Progress<'a> {
     pub frame: &'a Frame,
     /// Frames that the run will have.
     pub frames_total: u32,
-    /// Messages from the rig that could not be read.
-    pub rejects: u32,
+    /// Messages from the rig that could not be read, by class.
+    pub rejects: Rejects,
     /// Frames that had to be asked for again.
     pub asked_again: u32,
+    /// Frames that have been given up.
+    pub lost: u32,
+    /// What the rig last said of itself, about twice a second.
+    pub status: Option<&'a Status>,
+}
+
+/// Why a run is to end before its reference does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StopReason {
+    /// The user wants it: the recording is partial.
+    User,
+    /// What the run was made for has been reached, in plain words: the recording is whole as far as
+    /// it goes.
+    Enough(String),
 }
 
 /// How a capture ended.
@@ -116,8 +130,8 @@ impl Capture {
         client.request(arm)
     }
 
-    /// Records the run. `should_stop` is asked often; when it says yes, the servo goes to neutral
-    /// and the recording is closed.
+    /// Records the run. `should_stop` is asked often; when it gives a reason, the servo goes to
+    /// neutral and the recording is closed.
     ///
     /// # Errors
     /// [`CaptureError`]. The servo is at neutral then unless nobody answers, in which case the lease
@@ -127,7 +141,7 @@ impl Capture {
         &self,
         client: &mut RigClient,
         mut writer: RecordingWriter,
-        should_stop: &dyn Fn() -> bool,
+        should_stop: &dyn Fn() -> Option<StopReason>,
         on_progress: &mut dyn FnMut(Progress<'_>),
     ) -> Result<CaptureEnd, CaptureError> {
         let mut run = RunUnderWay::new(client, self.start);
@@ -160,11 +174,11 @@ impl Capture {
         &self,
         run: &mut RunUnderWay<'_>,
         writer: &mut RecordingWriter,
-        should_stop: &dyn Fn() -> bool,
+        should_stop: &dyn Fn() -> Option<StopReason>,
         on_progress: &mut dyn FnMut(Progress<'_>),
     ) -> Result<(), CaptureError> {
         for _ in 0..RUN_NUMBERS {
-            if should_stop() {
+            if should_stop().is_some() {
                 return Ok(());
             }
             match run.begin() {

@@ -286,6 +286,12 @@ impl RigClient {
         self.talk.port.now()
     }
 
+    /// Whether the rig's time stands still while nobody listens to it.
+    #[must_use]
+    pub fn is_paced_by_reader(&self) -> bool {
+        self.talk.port.is_paced_by_reader()
+    }
+
     /// Refuses to go on with a rig that was built for other messages.
     ///
     /// # Errors

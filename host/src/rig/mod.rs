@@ -24,6 +24,6 @@ pub mod mismatch;
 pub mod run;
 mod under_way;
 
-pub use capture::{Capture, CaptureEnd, Progress};
+pub use capture::{Capture, CaptureEnd, Progress, StopReason};
 pub use client::{RigClient, TalkError};
 pub use file::RigFile;

@@ -95,22 +95,22 @@ impl RunAssembly {
         &self.lost
     }
 
+    /// How many frames have been given up.
+    #[must_use]
+    pub fn given_up(&self) -> u32 {
+        self.lost.iter().map(|gap| gap.end - gap.start).sum()
+    }
+
     /// Whether everything that the board caught is here: then what is missing was lost on the board,
     /// and asking for it again brings nothing.
     #[must_use]
     pub fn lacks_only_what_the_board_lost(&self, ended: &Ended) -> bool {
-        let given_up: u32 = self
-            .lost
-            .iter()
-            .map(ExactSizeIterator::len)
-            .map(|n| n as u32)
-            .sum();
         let missing_ahead = u32::from(ended.frames)
             .saturating_sub(self.next)
             .saturating_sub(self.waiting.len() as u32);
         let mut check = self.check.clone();
         self.waiting.values().for_each(|frame| check.update(frame));
-        given_up + missing_ahead == u32::from(ended.frames_lost_on_board)
+        self.given_up() + missing_ahead == u32::from(ended.frames_lost_on_board)
             && check.value() == ended.check
     }
 

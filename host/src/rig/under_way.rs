@@ -11,7 +11,7 @@
 //! | the rig says that it knows nothing of the run | asked once more, because the answer may be an old one |
 //! | nothing at all for a long time    | the end, with everything that came                             |
 
-use super::capture::{CaptureError, Progress};
+use super::capture::{CaptureError, Progress, StopReason};
 use super::client::{Answer, Asked, RigClient, TalkError};
 use super::run::RunAssembly;
 use crate::recording::{Ending, RecordingWriter};
@@ -26,8 +26,9 @@ use std::time::Duration;
 /// port returns as soon as bytes come.
 const LISTEN: Duration = Duration::from_millis(5);
 
-/// A sign of life is given four times in a lease, which is two seconds.
-const KEEP_ALIVE_EVERY: Duration = Duration::from_millis(500);
+/// A sign of life is given four times in a lease, which is two seconds: by asking the rig how it is,
+/// which says at the same time how full its memory for frames was.
+const SIGN_OF_LIFE_EVERY: Duration = Duration::from_millis(500);
 
 /// Without a frame for this long, the rig is asked whether the run is over, and again every time.
 const QUIET: Duration = Duration::from_millis(200);
@@ -61,6 +62,8 @@ pub(super) struct RunUnderWay<'a> {
     /// The one request that waits for its answer.
     asked: Option<Asked>,
     stop: Stop,
+    /// What the rig last said of itself.
+    status: Option<Status>,
     denials: u32,
     asked_again: u32,
     resend: Option<Resend>,
@@ -71,11 +74,11 @@ pub(super) struct RunUnderWay<'a> {
     status_at: Duration,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Stop {
     NotWanted,
-    Wanted,
-    Done,
+    Wanted(StopReason),
+    Done(StopReason),
 }
 
 /// A gap that was asked for.
@@ -96,6 +99,7 @@ impl<'a> RunUnderWay<'a> {
             ended: None,
             asked: None,
             stop: Stop::NotWanted,
+            status: None,
             denials: 0,
             asked_again: 0,
             resend: None,
@@ -134,12 +138,14 @@ impl<'a> RunUnderWay<'a> {
     pub(super) fn follow(
         &mut self,
         writer: &mut RecordingWriter,
-        should_stop: &dyn Fn() -> bool,
+        should_stop: &dyn Fn() -> Option<StopReason>,
         on_progress: &mut dyn FnMut(Progress<'_>),
     ) -> Result<(), CaptureError> {
         loop {
-            if should_stop() && self.stop == Stop::NotWanted {
-                self.stop = Stop::Wanted;
+            if self.stop == Stop::NotWanted
+                && let Some(reason) = should_stop()
+            {
+                self.stop = Stop::Wanted(reason);
             }
             self.listen()?;
             self.write_out(writer, on_progress)?;
@@ -194,7 +200,11 @@ impl<'a> RunUnderWay<'a> {
     fn on_answer(&mut self, command: &Command, answer: &Answer) -> Result<(), TalkError> {
         match (command, answer) {
             (_, Answer::Status(status)) => return self.on_status(status),
-            (Command::Stop { .. }, Answer::Done) => self.stop = Stop::Done,
+            (Command::Stop { .. }, Answer::Done) => {
+                if let Stop::Wanted(reason) = &self.stop {
+                    self.stop = Stop::Done(reason.clone());
+                }
+            }
             (Command::Resend { .. }, Answer::Done) => {
                 if let Some(resend) = &mut self.resend {
                     resend.answers += 1;
@@ -212,6 +222,7 @@ impl<'a> RunUnderWay<'a> {
     }
 
     fn on_status(&mut self, status: &Status) -> Result<(), TalkError> {
+        self.status = Some(*status);
         match status.activity {
             Activity::Ended(ended) if ended.run == self.start.run => self.note_end(&ended),
             Activity::Running { run, .. } if run == self.start.run => {}
@@ -239,8 +250,10 @@ impl<'a> RunUnderWay<'a> {
             on_progress(Progress {
                 frame: &frame,
                 frames_total: self.start.frames(),
-                rejects: self.rejects(),
+                rejects: self.client.rejects(),
                 asked_again: self.asked_again,
+                lost: self.assembly.given_up(),
+                status: self.status.as_ref(),
             });
         }
         Ok(())
@@ -308,7 +321,7 @@ impl<'a> RunUnderWay<'a> {
     /// Says what is due, the most urgent first; a request that waits for its answer is said again.
     fn talk(&mut self) -> Result<(), TalkError> {
         let now = self.client.now();
-        if self.stop == Stop::Wanted && self.ended.is_none() {
+        if matches!(self.stop, Stop::Wanted(_)) && self.ended.is_none() {
             let stopping =
                 matches!(self.asked, Some(a) if matches!(a.command(), Command::Stop { .. }));
             if !stopping {
@@ -332,8 +345,8 @@ impl<'a> RunUnderWay<'a> {
         if let Some(resend) = self.resend_due(now) {
             return self.say(resend);
         }
-        if running && now.saturating_sub(self.sign_of_life_at) > KEEP_ALIVE_EVERY {
-            return self.say(Command::KeepAlive);
+        if running && now.saturating_sub(self.sign_of_life_at) > SIGN_OF_LIFE_EVERY {
+            return self.say(Command::Status);
         }
         Ok(())
     }
@@ -398,9 +411,17 @@ impl<'a> RunUnderWay<'a> {
         if ended.reason == EndReason::Complete && self.assembly.is_whole(ended) {
             return Ending::Complete;
         }
+        if let Some(reason) = self.enough()
+            && ended.reason == EndReason::Stopped
+            && self.assembly.is_whole(ended)
+        {
+            return Ending::Early {
+                reason: reason.to_owned(),
+            };
+        }
         let mut reason = match ended.reason {
             EndReason::Complete => String::new(),
-            EndReason::Stopped => "stopped by the user".to_owned(),
+            EndReason::Stopped => self.enough().unwrap_or("stopped by the user").to_owned(),
             EndReason::Disarmed => "the rig was disarmed".to_owned(),
             EndReason::LeaseLapsed => {
                 "the rig heard nothing from the host for two seconds".to_owned()
@@ -424,6 +445,16 @@ impl<'a> RunUnderWay<'a> {
             reason.push_str(missing);
         }
         self.partial(reason)
+    }
+
+    /// What has been reached, if the run was ended for that.
+    fn enough(&self) -> Option<&str> {
+        match &self.stop {
+            Stop::Wanted(StopReason::Enough(reason)) | Stop::Done(StopReason::Enough(reason)) => {
+                Some(reason)
+            }
+            _ => None,
+        }
     }
 
     /// How a run ended of which the end is not known.

@@ -4,7 +4,7 @@ use servoid::port::Port;
 use servoid::port::chaos::{ChaosPort, Faults};
 use servoid::recording::{Completeness, Ending, Header, Recording, RecordingWriter, Target};
 use servoid::rig::capture::CaptureError;
-use servoid::rig::{Capture, RigClient, RigFile, TalkError};
+use servoid::rig::{Capture, RigClient, RigFile, StopReason, TalkError};
 use servoid_protocol::message::Start;
 use servoid_protocol::reference::{Reference, Staircase};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
@@ -125,7 +125,12 @@ pub fn capture_to_disk(
     };
     let writer = RecordingWriter::on(Box::new(memory.clone()), Path::new("x.csv"), &header)
         .expect("there is room for the header");
-    let end = capture.record(&mut client, writer, should_stop, &mut |_| ());
+    let end = capture.record(
+        &mut client,
+        writer,
+        &|| should_stop().then_some(StopReason::User),
+        &mut |_| (),
+    );
     let bytes = memory.bytes.borrow().clone();
     (end.map(|end| end.ending), Some(bytes))
 }

@@ -136,7 +136,7 @@ pub fn capture(
     let header = Header::of_run(client.hello(), &capture.rig, &capture.start);
     let writer = RecordingWriter::create(file, true, &header).unwrap();
     let mut frames = Vec::new();
-    let end = capture.record(client, writer, &|| false, &mut |progress| {
+    let end = capture.record(client, writer, &|| None, &mut |progress| {
         frames.push(*progress.frame);
     });
     (end, frames)

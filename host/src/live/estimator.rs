@@ -1,0 +1,246 @@
+//! A step response of the samples so far.
+
+use servoid_identification::moments::MomentStream;
+use servoid_identification::options::Settling;
+use servoid_identification::{Error, Model, Options, Record, Run, identify, identify_moments};
+
+/// The settling time is chosen anew when there are so many times the samples of the last choice: then
+/// all choices together cost no more than a few times the last one, however long the run.
+const CHOOSE_AGAIN: f64 = 1.25;
+
+/// The largest order of noise that is looked for, as lags that the moments need beyond N.
+const NOISE_LAGS: usize = 8;
+
+/// A step response that was found in the middle of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveStep {
+    /// Samples that it is made of.
+    pub samples: usize,
+    /// 0, Ts, ... \[s\].
+    pub time_s: Vec<f64>,
+    /// Response to a unit step.
+    pub value: Vec<f64>,
+    /// Lower end of the band for the whole curve.
+    pub lower: Vec<f64>,
+    /// Upper end of the band for the whole curve.
+    pub upper: Vec<f64>,
+    /// Confidence of that band.
+    pub level: f64,
+    /// Whether the band deserves that level: the errors are noise.
+    pub bounds_hold: bool,
+}
+
+impl LiveStep {
+    fn of(model: &Model, samples: usize) -> Self {
+        let step = &model.step;
+        Self {
+            samples,
+            time_s: step.time_s.clone(),
+            value: step.value.clone(),
+            lower: step.simultaneous.lower.clone(),
+            upper: step.simultaneous.upper.clone(),
+            level: step.simultaneous.level,
+            bounds_hold: model.bounds_hold(),
+        }
+    }
+
+    /// Half of the band's width where it is widest, in percent of the commanded step.
+    #[must_use]
+    pub fn half_width_percent(&self) -> f64 {
+        let widths = self.upper.iter().zip(&self.lower).map(|(u, l)| u - l);
+        widths.fold(0.0, f64::max) * 50.0
+    }
+
+    /// Whether the whole band is within ±`percent` of the commanded step, and deserves its level.
+    #[must_use]
+    pub fn is_within(&self, percent: f64) -> bool {
+        self.bounds_hold && self.half_width_percent() <= percent
+    }
+}
+
+/// Samples of one run or more, and step responses of them.
+///
+/// Choosing the settling time N costs a pass over all samples; with N fixed, moments that are kept up
+/// to date give the step response at a cost that does not grow with the run.
+///
+/// ```
+/// use servoid::live::Estimator;
+/// use servoid_identification::Options;
+/// let mut estimator = Estimator::new(0.002, Options::default());
+/// assert!(estimator.estimate().is_err()); // no samples yet
+/// # let (mut y, mut noise) = (0.0, 1u32);
+/// for k in 0..1600 {
+///     let u = if (k / 300) % 2 == 0 { 5.0 } else { -5.0 };
+/// #   noise = noise.wrapping_mul(1664525).wrapping_add(1013904223);
+/// #   y += 0.1 * (u - y);
+/// #   let measured = y + 0.02 * (f64::from(noise >> 8) / f64::from(1 << 24) - 0.5);
+///     estimator.push(&[u], &[measured]);
+/// }
+/// let step = estimator.estimate()?;
+/// assert!(step.is_within(1.0), "{}", step.half_width_percent());
+/// # Ok::<(), servoid_identification::Error>(())
+/// ```
+pub struct Estimator {
+    period_s: f64,
+    options: Options,
+    runs: Vec<(Vec<f64>, Vec<f64>)>,
+    samples: usize,
+    /// Samples that there were when N was chosen.
+    chosen_at: usize,
+    /// N, and the moments for it.
+    chosen: Option<(usize, MomentStream)>,
+}
+
+impl Estimator {
+    /// Without samples; they will be `period_s` seconds apart.
+    #[must_use]
+    pub fn new(period_s: f64, options: Options) -> Self {
+        Self {
+            period_s,
+            options,
+            runs: Vec::new(),
+            samples: 0,
+            chosen_at: 0,
+            chosen: None,
+        }
+    }
+
+    /// Another run begins: what was before has nothing to do with what comes.
+    pub fn begin_run(&mut self) {
+        self.runs.push((Vec::new(), Vec::new()));
+        if let Some((_, stream)) = &mut self.chosen {
+            stream.begin_run(None);
+        }
+    }
+
+    /// Adds consecutive samples of the run, NaN where one is missing.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn push(&mut self, input: &[f64], output: &[f64]) {
+        assert_eq!(input.len(), output.len(), "one output per input");
+        if self.runs.is_empty() {
+            self.begin_run();
+        }
+        if let Some((u, y)) = self.runs.last_mut() {
+            u.extend(input);
+            y.extend(output);
+        }
+        self.samples += input.len();
+        if let Some((_, stream)) = &mut self.chosen {
+            stream.push(input, output);
+        }
+    }
+
+    /// The step response of the samples so far.
+    ///
+    /// # Errors
+    /// One sentence that says what the samples lack; more of them may mend it.
+    pub fn estimate(&mut self) -> Result<LiveStep, Error> {
+        let again = self.samples as f64 >= CHOOSE_AGAIN * self.chosen_at as f64;
+        match &self.chosen {
+            Some((settling, stream)) if !again => {
+                let options = Options {
+                    settling: Settling::Samples(*settling),
+                    ..self.options
+                };
+                let found = identify_moments(&stream.moments(), &options)?;
+                Ok(LiveStep::of(&found.model, self.samples))
+            }
+            _ => self.estimate_anew(),
+        }
+    }
+
+    /// The step response that `servoid identify` gives of these samples: nothing is carried over from
+    /// earlier estimates.
+    ///
+    /// # Errors
+    /// As [`Estimator::estimate`].
+    pub fn estimate_anew(&mut self) -> Result<LiveStep, Error> {
+        let runs = self.runs.iter().filter(|(u, _)| !u.is_empty());
+        let runs: Result<Vec<Run>, Error> =
+            runs.map(|(u, y)| Run::new(u.clone(), y.clone())).collect();
+        let record = Record::new(self.period_s, runs?)?;
+        let model = identify(&record, &self.options)?;
+        let settling = model.structure.settling_samples;
+        if self.chosen.as_ref().is_none_or(|(n, _)| *n != settling) {
+            let (inputs, outputs) = (settling + NOISE_LAGS, NOISE_LAGS + 1);
+            let mut stream = MomentStream::new(self.period_s, inputs, outputs);
+            for (u, y) in &self.runs {
+                stream.begin_run(None);
+                stream.push(u, y);
+            }
+            self.chosen = Some((settling, stream));
+        }
+        self.chosen_at = self.samples;
+        Ok(LiveStep::of(&model, self.samples))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A servo of first order (time constant 10 samples) with white noise of 0.05, between ±5.
+    fn measure(samples: usize, seed: u64) -> (Vec<f64>, Vec<f64>) {
+        use rand::{RngExt, SeedableRng};
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        let mut y = 0.0;
+        (0..samples)
+            .map(|k| {
+                let u = if (k / 200) % 2 == 0 { 5.0 } else { -5.0 };
+                y += 0.095 * (u - y);
+                // A uniform number has a variance of 1/12 of its width squared.
+                let noise = 0.05 * 12f64.sqrt() * (random.random::<f64>() - 0.5);
+                (u, y + noise)
+            })
+            .unzip()
+    }
+
+    /// With an equal settling time moments and rows give the same; pieces do not matter.
+    #[test]
+    fn the_live_estimate_is_that_of_the_whole_record() {
+        let (u, y) = measure(2400, 3);
+        let mut live = Estimator::new(0.002, Options::default());
+        for (u, y) in u[..2000].chunks(7).zip(y[..2000].chunks(7)) {
+            live.push(u, y);
+        }
+        let first = live.estimate().unwrap();
+        live.push(&u[2000..], &y[2000..]);
+        let second = live.estimate().unwrap();
+        assert_eq!((first.samples, second.samples), (2000, 2400));
+        assert!(second.half_width_percent() < first.half_width_percent());
+        let record = Record::from_slices(0.002, &u, &y).unwrap();
+        let options = Options {
+            settling: Settling::Samples(first.value.len()),
+            ..Options::default()
+        };
+        let whole = identify(&record, &options).unwrap();
+        for (live, whole) in second.upper.iter().zip(&whole.step.simultaneous.upper) {
+            // The alternation rests within 1e-3 of a standard deviation of its noise model, and may
+            // come to rest from elsewhere.
+            assert!((live - whole).abs() < 1e-4, "{live} {whole}");
+        }
+        let anew = live.estimate_anew().unwrap();
+        let whole = identify(&record, &Options::default()).unwrap();
+        assert_eq!(anew.upper, whole.step.simultaneous.upper);
+    }
+
+    #[test]
+    fn runs_add_up_and_are_not_joined() {
+        let mut one = Estimator::new(0.002, Options::default());
+        let mut three = Estimator::new(0.002, Options::default());
+        for seed in 1..=3 {
+            let (u, y) = measure(1500, seed);
+            if seed == 1 {
+                one.push(&u, &y);
+            }
+            three.begin_run();
+            three.push(&u, &y);
+        }
+        let ratio = three.estimate().unwrap().half_width_percent()
+            / one.estimate().unwrap().half_width_percent();
+        // Three times the rows: 1/√3 = 0.58, a little off as another N may be chosen.
+        assert!((0.45..0.75).contains(&ratio), "{ratio}");
+    }
+}
