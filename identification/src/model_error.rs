@@ -80,7 +80,7 @@ impl BothEstimators {
         // plain least squares may bring its own bank.
         let settling = coordinates.basis.settling();
         let own = NestedBanks::scan(&information.moments, settling, &[], FIRST_ORDER)
-            .map(|banks| banks.best_predictor().frequencies)
+            .map(|banks| banks.best_predictor())
             .filter(|frequencies| *frequencies != coordinates.basis.frequencies());
         if !coordinates.basis.is_complete()
             && let Some(basis) = own.and_then(|own| Basis::new(settling, own).ok())
@@ -180,7 +180,7 @@ fn banks(total: &Moments, settling: usize, frequencies: Option<usize>) -> Vec<Ba
     }
     let mut banks: Vec<Basis> = Basis::full(settling).into_iter().collect();
     if let Some(scan) = NestedBanks::scan(total, settling, &[], FIRST_ORDER) {
-        banks.extend(Basis::new(settling, scan.best_predictor().frequencies));
+        banks.extend(Basis::new(settling, scan.best_predictor()));
     }
     banks
 }

@@ -173,7 +173,7 @@ pub fn choose(moments: &Moments, longest: usize, order: NoiseOrder) -> Result<Ch
 /// Whether the complete bank of a settling time is undetermined or useless beside the best one.
 pub(crate) fn is_low_passed(banks: &NestedBanks, settling: usize) -> bool {
     let complete = settling - usize::from(settling.is_multiple_of(2));
-    banks.largest().frequencies < complete
+    banks.excited() < complete
         || banks.largest().half_width() > LOW_PASSED_RATIO * banks.narrowest().half_width()
 }
 
