@@ -11,6 +11,7 @@
 //! | module        | what it does                                                             |
 //! |---------------|--------------------------------------------------------------------------|
 //! | [`port`]      | a byte stream to a rig: serial, network, or simulated in this process      |
+//! | [`mod@reference`] | what the servo is told, from degrees, seconds and Hertz                |
 //! | [`rig`]       | talks to a rig, and captures runs                                          |
 //! | [`recording`] | recordings on disk, written as they come in and read as what they are      |
 //! | [`table`]     | any other CSV file                                                         |
@@ -35,6 +36,7 @@ pub mod paper;
 pub mod plots;
 pub mod port;
 pub mod recording;
+pub mod reference;
 pub mod report;
 pub mod rig;
 pub mod summary;

@@ -13,6 +13,7 @@ use serde::Serialize;
 use servoid_identification::comparison::{ComparisonOptions, compare};
 use servoid_identification::metrics::Metrics;
 use servoid_identification::{Model, Options, identify};
+use servoid_protocol::reference::{Reference, Staircase};
 use std::path::PathBuf;
 
 /// Run the whole paper on simulated rigs: capture, identify, compare bench and aircraft
@@ -149,11 +150,11 @@ impl Demo {
             &Job {
                 address: &address,
                 rig: RigFile::default(),
-                amplitude_deg: 5.0,
+                reference: Reference::Staircase(Staircase::PAPER),
                 condition,
                 notes: NOTES,
                 release: false,
-                out: &file,
+                files: std::slice::from_ref(&file),
                 force: true,
             },
             self.talk,

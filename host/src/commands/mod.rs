@@ -11,6 +11,7 @@ mod interrupt;
 mod ports;
 mod progress;
 mod recover;
+mod reference_args;
 mod report;
 mod simulate;
 mod table_args;

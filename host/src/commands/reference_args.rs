@@ -1,7 +1,7 @@
 //! The options that say what the servo is told.
 
 use super::{Talk, wrong_usage};
-use crate::reference::{AMPLITUDE_DEG, Band, Kind, Wish, WishError};
+use crate::reference::{Band, Kind, Wish, WishError};
 use anyhow::Result;
 use clap::Args;
 use servoid_protocol::Reference;

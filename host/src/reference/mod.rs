@@ -9,8 +9,8 @@ pub use steps_file::COLUMNS;
 
 use crate::table::TableError;
 use servoid_protocol::reference::{
-    HIGHEST_MILLIHERTZ, MAX_LEVELS, MAX_STEPS, MAX_TONES, Multisine, Prbs, Reference, Stairs,
-    Staircase, Sweep,
+    HIGHEST_MILLIHERTZ, MAX_LEVELS, MAX_STEPS, MAX_TONES, Multisine, Prbs, Reference, Staircase,
+    Stairs, Sweep,
 };
 use servoid_protocol::timing::{FRAME_US, FRAMES_PER_SECOND};
 use std::fmt;
@@ -238,14 +238,21 @@ impl Wish {
                 self.levels.is_some() && !matches!(kind, Stairs),
                 "stairs",
             ),
-            ("--seed", self.seed.is_some() && !matches!(kind, Prbs), "prbs"),
+            (
+                "--seed",
+                self.seed.is_some() && !matches!(kind, Prbs),
+                "prbs",
+            ),
             (
                 "--frequencies",
                 self.frequencies_hz.is_some() && !matches!(kind, Sweep | Multisine),
                 "sweep and multisine",
             ),
         ];
-        match wished.into_iter().find(|(_, does_not_apply, _)| *does_not_apply) {
+        match wished
+            .into_iter()
+            .find(|(_, does_not_apply, _)| *does_not_apply)
+        {
             Some((option, _, instead)) => Err(WishError::NotFor {
                 option,
                 kind: kind.clone(),

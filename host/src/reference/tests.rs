@@ -189,7 +189,11 @@ fn a_table_of_steps_is_read_with_its_signs() {
     };
     let held: Vec<_> = steps.held().map(|s| (s.offset_us, s.hold_frames)).collect();
     assert_eq!((held, steps.repeats), (vec![(-50, 20), (25, 16)], 7));
-    assert!(granted.remarks[0].contains("row 2"), "{:?}", granted.remarks);
+    assert!(
+        granted.remarks[0].contains("row 2"),
+        "{:?}",
+        granted.remarks
+    );
     for (text, advice) in [
         ("angle_deg,hold_s\n5,0\n", "row 1"),
         ("angle_deg,hold_s\n5,\n", "seconds"),
@@ -212,12 +216,13 @@ fn a_header_names_the_reference_with_every_number() {
         text(granted(&wish("stairs"))),
         "kind = \"stairs\"\namplitude_us = 50\ncycles = 2\nhold_frames = 15\nlevels = 5\n"
     );
-    let steps = [(50, 20), (-50, 10)].map(|(offset_us, hold_frames)| {
-        servoid_protocol::reference::Step {
-            offset_us,
-            hold_frames,
-        }
-    });
+    let steps =
+        [(50, 20), (-50, 10)].map(
+            |(offset_us, hold_frames)| servoid_protocol::reference::Step {
+                offset_us,
+                hold_frames,
+            },
+        );
     assert_eq!(
         text(Reference::Steps(Steps::new(2, &steps).unwrap())),
         "kind = \"steps\"\nrepeats = 2\nsteps = [[50, 20], [-50, 10]]\n"

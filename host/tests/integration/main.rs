@@ -7,4 +7,5 @@ mod errors;
 mod files;
 mod hostile;
 mod identify;
+mod references;
 mod support;

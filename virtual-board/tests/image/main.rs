@@ -11,4 +11,5 @@ mod judge;
 mod lockstep;
 mod ports;
 mod soak;
+mod references;
 mod support;
