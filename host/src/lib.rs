@@ -17,6 +17,7 @@
 //! | [`table`]     | any other CSV file                                                         |
 //! | [`timeline`]  | where the rows of such a file lie in time                                 |
 //! | [`dataset`]   | from files to a record that can be identified                              |
+//! | [`plan`]      | before a run: how wide the band will be, and what it cannot answer          |
 //! | [`plots`]     | pictures                                                                   |
 //! | [`summary`]   | results as text for a terminal                                             |
 //! | [`explain`]   | why a model has the structure that it has                                  |
@@ -33,6 +34,7 @@ pub mod dataset;
 pub mod explain;
 pub mod output;
 pub mod paper;
+pub mod plan;
 pub mod plots;
 pub mod port;
 pub mod recording;

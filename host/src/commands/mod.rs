@@ -8,6 +8,7 @@ mod demo;
 mod identify;
 mod info;
 mod interrupt;
+mod plan;
 mod ports;
 mod progress;
 mod recover;
@@ -47,6 +48,7 @@ enum Command {
     Demo(demo::Demo),
     Ports(ports::Ports),
     Info(info::Info),
+    Plan(plan::PlanArgs),
     Capture(capture::CaptureArgs),
     Identify(identify::Identify),
     Validate(validate::Validate),
@@ -66,6 +68,7 @@ impl Cli {
             Command::Demo(command) => command.run(),
             Command::Ports(command) => command.run(),
             Command::Info(command) => command.run(),
+            Command::Plan(command) => command.run(),
             Command::Capture(command) => command.run(),
             Command::Identify(command) => command.run(),
             Command::Validate(command) => command.run(),
