@@ -192,6 +192,7 @@ fn runs_before(results: &[CaptureResult<'_>]) -> String {
 
 /// Captures the runs one after the other, up to the first one that is not complete.
 pub(super) fn capture(job: &Job<'_>, talk: Talk) -> Result<Vec<CaptureEnd>> {
+    require_within_limits(job)?;
     // Before the servo moves, not after: a run may be expensive.
     let reserve = |path: &PathBuf| ReservedFile::new(path, job.force);
     let files: Vec<_> = job.files.iter().map(reserve).collect::<Result<_, _>>()?;
@@ -225,6 +226,21 @@ pub(super) fn capture(job: &Job<'_>, talk: Talk) -> Result<Vec<CaptureEnd>> {
     outcome?;
     released.context("the pulses could not be ended")?;
     Ok(ends)
+}
+
+/// The board refuses what leaves the limits; said here, it leaves no file behind and names the numbers.
+fn require_within_limits(job: &Job<'_>) -> Result<()> {
+    let (low, high) = job.reference.extremes_us();
+    let neutral = i32::from(job.rig.servo.neutral_us);
+    let [lowest, highest] = [low, high].map(|offset| neutral + i32::from(offset));
+    let limits = &job.rig.limits;
+    let [shortest, longest] = [limits.shortest_us, limits.longest_us];
+    if lowest < i32::from(shortest) || highest > i32::from(longest) {
+        bail!(
+            "the reference goes from {lowest} to {highest} µs, beyond the rig's limits of {shortest} to {longest} µs: make --amplitude smaller, or widen the limits in the rig file if the servo can take it"
+        );
+    }
+    Ok(())
 }
 
 /// Captures one run.

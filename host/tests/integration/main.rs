@@ -7,5 +7,6 @@ mod errors;
 mod files;
 mod hostile;
 mod identify;
+mod plan;
 mod references;
 mod support;

@@ -10,6 +10,6 @@ mod identification;
 mod judge;
 mod lockstep;
 mod ports;
-mod soak;
 mod references;
+mod soak;
 mod support;
