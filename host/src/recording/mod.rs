@@ -38,6 +38,7 @@
     )
 )]
 
+mod exact;
 mod header;
 mod reader;
 mod recover;

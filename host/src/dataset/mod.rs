@@ -5,10 +5,27 @@
 //! answer half a stroke with half the motion. On the simulated bench servo the rest made the model's
 //! error 2.6 times larger (0.128 against 0.050 degrees rms).
 
-use crate::recording::{self, Completeness, ReadError, Recording};
+// What files and lines bring meets no panic here.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::unwrap_used
+    )
+)]
+
+mod error;
+mod foreign;
+mod own;
+
+pub use error::DatasetError;
+
+use crate::recording::{self, Recording};
 use crate::table::{Table, TableError};
-use crate::timeline::{self, Stretch, TimeColumn};
-use servoid_identification::{Error as DataError, Record, Run};
+use servoid_identification::{Record, Run};
 use std::path::{Path, PathBuf};
 
 /// How to read files that are not recordings of this program.
@@ -26,67 +43,6 @@ pub struct DatasetOptions {
     pub at_rest: Option<f64>,
     /// Use the rest around the reference too.
     pub with_rest: bool,
-}
-
-/// Why files did not become a record. The text says what to do.
-#[derive(Debug, thiserror::Error)]
-pub enum DatasetError {
-    /// A recording.
-    #[error(transparent)]
-    Recording(#[from] ReadError),
-    /// A table.
-    #[error(transparent)]
-    Table(#[from] TableError),
-    /// The numbers themselves.
-    #[error("{files}: {error}")]
-    Data {
-        /// Which files.
-        files: String,
-        /// What is wrong with them.
-        error: DataError,
-    },
-    /// Columns are not named.
-    #[error(
-        "{path:?} is no recording of servoid, so say what its columns are: --input COLUMN --output COLUMN --period SECONDS, where the columns are {columns}"
-    )]
-    Unnamed {
-        /// Which file.
-        path: PathBuf,
-        /// What there is.
-        columns: String,
-    },
-    /// The sampling period is not known.
-    #[error(
-        "{path:?} has no column of time ('t', 'time' or 'time_s') with even steps: say how far apart its rows are with --period SECONDS"
-    )]
-    NoPeriod {
-        /// Which file.
-        path: PathBuf,
-    },
-    /// Files that do not go together.
-    #[error(
-        "{path:?} was sampled every {found} s and the file before it every {expected} s: identify them apart"
-    )]
-    MixedPeriods {
-        /// Which file.
-        path: PathBuf,
-        /// Its period (s).
-        found: f64,
-        /// The other's period (s).
-        expected: f64,
-    },
-    /// Files that do not go together.
-    #[error(
-        "{path:?} was sampled {found} s after the edges of its reference and the file before it {expected} s: identify them apart"
-    )]
-    MixedPhases {
-        /// Which file.
-        path: PathBuf,
-        /// Its phase (s).
-        found: f64,
-        /// The other's phase (s).
-        expected: f64,
-    },
 }
 
 /// A record, and what is known of where it comes from.
@@ -198,150 +154,10 @@ fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded, DatasetErro
     })?;
     let named = options.input.is_some() || options.output.is_some();
     if !named && recording::is_recording(&bytes) {
-        from_recording(&Recording::parse(&bytes, path)?, path, options)
+        own::from_recording(&Recording::parse(&bytes, path)?, path, options)
     } else {
-        from_table(&Table::parse(path, bytes)?, options)
+        foreign::from_table(&Table::parse(path, bytes)?, options)
     }
-}
-
-fn from_recording(
-    recording: &Recording,
-    path: &Path,
-    options: &DatasetOptions,
-) -> Result<Loaded, DatasetError> {
-    let range = if options.with_rest {
-        0..u64::MAX
-    } else {
-        recording.reference_samples()
-    };
-    let (input, mut output) = recording.columns(range);
-    let healthy = recording.header.healthy_degrees();
-    let broken = healthy.map_or(0, |range| drop_unhealthy(&mut output, range));
-    let run = run(input, output, path, options.at_rest)?;
-    let mut remarks = Vec::new();
-    if let Completeness::Partial(reason) = &recording.completeness {
-        let rows = recording.samples.len();
-        remarks.push(format!(
-            "{} is partial ({reason}): it has {rows} rows",
-            path.display()
-        ));
-    }
-    if broken > 0 {
-        remarks.push(format!(
-            "{}: in {broken} samples the sensor read outside its healthy range; they count as missing",
-            path.display()
-        ));
-    }
-    let period_s = recording.header.sample_period_s;
-    if options.period_s.is_some() {
-        remarks.push(format!(
-            "{} is a recording and says itself that its samples are {period_s} s apart; --period is not used for it",
-            path.display()
-        ));
-    }
-    let condition = Some(recording.header.condition.clone()).filter(|c| !c.is_empty());
-    let mut provenance = vec![("file".to_owned(), path.display().to_string())];
-    provenance.extend(recording.header.facts());
-    let about = About {
-        unit: Some("deg"),
-        condition,
-        provenance,
-        remarks,
-    };
-    let phase_s = recording.header.sample_phase_s;
-    if !(phase_s >= 0.0 && phase_s.is_finite()) {
-        let reason = "sample_phase_s is no time after an edge".to_owned();
-        return Err(ReadError::DamagedHeader {
-            path: path.to_owned(),
-            line: 1,
-            reason,
-        }
-        .into());
-    }
-    Ok(Loaded {
-        runs: vec![run],
-        period_s,
-        phase_s,
-        about,
-    })
-}
-
-/// Marks readings that no healthy sensor gives as missing; returns how many.
-fn drop_unhealthy(output: &mut [f64], (lowest, highest): (f64, f64)) -> usize {
-    // Positions are written with four decimals, so the range's own ends may seem to be beyond it.
-    let slack = 1e-3;
-    let healthy = (lowest - slack)..=(highest + slack);
-    let broken = output
-        .iter_mut()
-        .filter(|y| !y.is_nan() && !healthy.contains(*y));
-    broken.map(|y| *y = f64::NAN).count()
-}
-
-fn from_table(table: &Table, options: &DatasetOptions) -> Result<Loaded, DatasetError> {
-    let path = table.path();
-    let (Some(input), Some(output)) = (&options.input, &options.output) else {
-        let columns = table.columns_listed();
-        return Err(DatasetError::Unnamed {
-            path: path.to_owned(),
-            columns,
-        });
-    };
-    let [u, y] = table.numbers([input.as_str(), output.as_str()])?;
-    if u.len() < 2 {
-        return Err(TableError::Empty {
-            path: path.to_owned(),
-        }
-        .into());
-    }
-    let mut remarks = Vec::new();
-    let time = time_column(table)?;
-    let period_s = match (options.period_s, &time) {
-        (Some(period_s), _) => period_s,
-        (None, Some((column, time))) => {
-            remarks.push(format!(
-                "{}: rows are {} s apart by column {column:?}; --period says otherwise",
-                path.display(),
-                time.step()
-            ));
-            time.step()
-        }
-        (None, None) => {
-            return Err(DatasetError::NoPeriod {
-                path: path.to_owned(),
-            });
-        }
-    };
-    let labels = match &options.run {
-        Some(column) => table.numbers([column.as_str()])?.into_iter().next(),
-        None => None,
-    };
-    let found = timeline::stretches(u.len(), time.as_ref().map(|(_, t)| t), labels.as_deref());
-    if let Some((column, _)) = &time {
-        remarks.extend(remark_on_time(path, column, &found, labels.is_some()));
-    }
-    let mut runs = Vec::new();
-    for stretch in &found {
-        let at_rest = options.at_rest.filter(|_| !stretch.continues);
-        runs.push(run(stretch.place(&u), stretch.place(&y), path, at_rest)?);
-    }
-    let provenance = vec![
-        ("file".to_owned(), path.display().to_string()),
-        (
-            "columns".to_owned(),
-            format!("input {input}, output {output}"),
-        ),
-    ];
-    let about = About {
-        provenance,
-        remarks,
-        ..About::default()
-    };
-    Ok(Loaded {
-        runs,
-        period_s,
-        phase_s: 0.0,
-        about,
-    })
 }
 
 fn run(
@@ -356,36 +172,6 @@ fn run(
         Some(input) => run.with_input_at_rest(input),
         None => run,
     })
-}
-
-/// The column of time and its name, where there is one with even steps.
-fn time_column(table: &Table) -> Result<Option<(String, TimeColumn)>, TableError> {
-    let names = ["t", "time", "time_s"];
-    let Some(name) = table.columns().iter().find(|c| names.contains(&c.as_str())) else {
-        return Ok(None);
-    };
-    let [times] = table.numbers([name.as_str()])?;
-    Ok(TimeColumn::new(times).map(|column| (name.clone(), column)))
-}
-
-/// What a column of time has shown: gaps, and runs that the user has not named.
-fn remark_on_time(path: &Path, column: &str, found: &[Stretch], labelled: bool) -> Vec<String> {
-    let mut remarks = Vec::new();
-    let missing: usize = found.iter().map(Stretch::missing).sum();
-    if missing > 0 {
-        remarks.push(format!(
-            "{}: column {column:?} has gaps; {missing} samples count as missing",
-            path.display()
-        ));
-    }
-    if found.len() > 1 && !labelled {
-        remarks.push(format!(
-            "{}: column {column:?} goes back or far ahead {} times; a new run begins at each (--run COLUMN names runs)",
-            path.display(),
-            found.len() - 1
-        ));
-    }
-    remarks
 }
 
 #[cfg(test)]
