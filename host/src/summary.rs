@@ -197,8 +197,15 @@ fn write_model(
 pub fn of_validation(validation: &Validation, unit: Option<&str>) -> String {
     let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
     format!(
-        "fit {:.2} %, error {:.4}{unit} rms, bias {:+.4}{unit}, {} samples\n",
-        validation.fit_percent, validation.rmse, validation.bias, validation.samples_used
+        "fit {:.2} %, error {:.4}{unit} rms, bias {:+.4}{unit}, {} samples{}\n",
+        validation.fit_percent,
+        validation.rmse,
+        validation.bias,
+        validation.samples_used,
+        match validation.runs_from_rest {
+            0 => "",
+            _ => ", the first ones too, as the runs begin at rest by the look of them",
+        }
     )
 }
 

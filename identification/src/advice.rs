@@ -6,7 +6,7 @@ use crate::explanation::Explanation;
 use crate::gls::MAX_AUTO_ORDER;
 use crate::identify::WELL_CONDITIONED;
 use crate::model::{Model, SelectedBy};
-use crate::model_error::TOLERATED;
+use crate::model_error::{DISAGREEMENT, TOLERATED};
 use crate::noise::largest_root;
 use crate::normal::Path;
 use crate::options::{Frequencies, NoiseOrder, Options};
@@ -81,6 +81,8 @@ const LARGE_SHARE: f64 = 0.25;
 pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
     [
         model_error(evidence),
+        excitation(evidence),
+        figures(evidence),
         settled(evidence),
         responds(evidence),
         truncated(evidence),
@@ -328,6 +330,44 @@ fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         "Record longer holds, smaller steps and lower frequencies; use the model for prediction, not \
          for comparison by its bounds.",
     ))
+}
+
+fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
+    let errors = evidence.explanation.model_errors.as_ref()?;
+    let untold = errors.untold_from_hz?;
+    let asked = 0.5 / evidence.model.sample_period_s;
+    Some(Advice::new(
+        "excitation",
+        format!(
+            "The input is smooth: from {untold:.1} Hz upwards it has too little power to tell the \
+             response, and a step has much of its detail there."
+        ),
+        untold,
+        asked,
+        format!(
+            "Use a reference with sharp edges, such as a staircase or random steps, which has power up \
+             to {asked:.0} Hz."
+        ),
+    ))
+}
+
+fn figures(evidence: &Evidence<'_>) -> Option<Advice> {
+    let errors = evidence.explanation.model_errors.as_ref()?;
+    let apart = errors.disagreement(&evidence.model.step.value);
+    (apart > DISAGREEMENT).then(|| {
+        Advice::new(
+            "metrics",
+            format!(
+                "Delay, rise time, overshoot and the like cannot be told from this recording: the step \
+                 responses of plain and generalised least squares differ by up to {:.0} % of the largest \
+                 value. They are left out.",
+                100.0 * apart.min(9.99)
+            ),
+            apart,
+            DISAGREEMENT,
+            "Record steps that are held until the servo rests.",
+        )
+    })
 }
 
 fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {

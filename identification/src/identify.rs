@@ -112,6 +112,9 @@ impl Pipeline<'_> {
         let responses = Responses::new(&estimate);
         let mut model = self.describe(&estimate, &responses);
         model.residuals = self.residuals(&model, &estimate);
+        if let Some(errors) = &model_errors {
+            model.metrics = errors.told(model.metrics, &model.step.value);
+        }
         let degrees_of_freedom = responses.step.degrees_of_freedom;
         let explanation = self.explain(&model, &estimate, degrees_of_freedom, model_errors);
         model.advice = advice::gather(&Evidence {

@@ -151,16 +151,7 @@ impl Metrics {
         );
         // Everything else is relative to a gain, and there is none if it may be zero.
         if dc_gain.contains(0.0) {
-            return Self {
-                dc_gain,
-                rise_time_s: Interval::default(),
-                settling_time_s: Interval::default(),
-                overshoot_percent: Interval::default(),
-                delay_s: Interval::default(),
-                t50_s: Interval::default(),
-                bandwidth_rad_s: Interval::default(),
-                phase_minus_90_rad_s: Interval::default(),
-            };
+            return Self::gain_alone(dc_gain);
         }
         let spread = Spread::new(measured);
         let figures = Figures::new(measured, &spread);
@@ -180,6 +171,20 @@ impl Metrics {
             t50_s: rise.half.map(since_edge),
             bandwidth_rad_s,
             phase_minus_90_rad_s,
+        }
+    }
+
+    /// Nothing but the gain is determined.
+    pub(crate) fn gain_alone(dc_gain: Interval) -> Self {
+        Self {
+            dc_gain,
+            rise_time_s: Interval::default(),
+            settling_time_s: Interval::default(),
+            overshoot_percent: Interval::default(),
+            delay_s: Interval::default(),
+            t50_s: Interval::default(),
+            bandwidth_rad_s: Interval::default(),
+            phase_minus_90_rad_s: Interval::default(),
         }
     }
 

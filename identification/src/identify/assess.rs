@@ -33,11 +33,12 @@ impl Pipeline<'_> {
         let information = Information::from_moments(self.collected.extended.clone());
         Residuals {
             input_correlation_p: residual::input_independence(&information, coordinates, &fit.ar),
-            whiteness_p: self.whiteness(model, &fit.ar),
+            whiteness_p: self.whiteness(model, estimate),
         }
     }
 
-    fn whiteness(&self, model: &Model, ar: &[f64]) -> Option<f64> {
+    fn whiteness(&self, model: &Model, estimate: &Estimate) -> Option<f64> {
+        let ar = &estimate.fit.ar;
         let mut left = WHITENESS_SAMPLES;
         let mut errors = Vec::new();
         for run in self.record?.runs() {
@@ -45,7 +46,9 @@ impl Pipeline<'_> {
             left -= run.len();
             errors.push(one_step_errors(run.output(), &model.simulate(&run), ar));
         }
-        residual::whiteness(&errors, ar.len())
+        let parameters = (estimate.coordinates.len() + 1) as f64;
+        let share = parameters / estimate.information.rows() as f64;
+        residual::whiteness(&errors, ar.len(), share)
     }
 }
 

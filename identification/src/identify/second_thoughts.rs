@@ -10,6 +10,7 @@ use crate::model_error::{self, BothEstimators, ModelErrors, Prediction};
 use crate::moments::Moments;
 use crate::normal::Information;
 use crate::options::{Frequencies, NoiseOrder};
+use crate::structure;
 
 impl Pipeline<'_> {
     /// The estimate, after what its errors have to say; and what that was, if it was anything.
@@ -40,10 +41,9 @@ impl Pipeline<'_> {
         let settlings = match &self.plan.choice {
             None => vec![settling],
             Some(choice) => {
-                let between = (settling as f64 * choice.longest as f64).sqrt() as usize | 1;
-                let mut settlings = vec![settling, between, choice.longest];
-                settlings.dedup();
-                settlings
+                let cap = self.options.longest_settling;
+                let longest = structure::longest_for_prediction(record, cap);
+                model_error::settlings(settling, longest.max(choice.longest))
             }
         };
         let frequencies = match self.options.frequencies {
@@ -98,6 +98,7 @@ impl Pipeline<'_> {
             other_step: other.map_or_else(Vec::new, |fit| {
                 coordinates.basis.step_response(&fit.theta())
             }),
+            untold_from_hz: model_error::untold_from_hz(&adopted.information.moments, coordinates),
         }
     }
 }
