@@ -137,6 +137,21 @@ impl<'a> Export<'a> {
         })
     }
 
+    /// Largest distance of the low-order model's step response from the identified one at any sample
+    /// but the last, which gathers what comes later \[% of the step\]; at least what its own fit says.
+    pub(crate) fn largest_error_percent(&self, flight: &FlightModel) -> f64 {
+        let step = &self.model.step.value;
+        let count = step.len().saturating_sub(1);
+        let discrete = flight.transfer.discrete(self.model.timing());
+        let gain = step.last().copied().unwrap_or(f64::NAN).abs();
+        let response = discrete.simulate(&vec![1.0; count], 0.0);
+        let errors = response
+            .iter()
+            .zip(step)
+            .map(|(a, b)| 100.0 * (a - b).abs() / gain);
+        errors.fold(flight.largest_error_percent, f64::max)
+    }
+
     /// The name as text within a language, with what has a meaning there escaped: `signs` get a
     /// backslash before them, as the backslash itself does.
     fn quoted_name(&self, signs: &[char]) -> String {

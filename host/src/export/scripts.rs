@@ -52,6 +52,8 @@ impl Export<'_> {
         };
         let mut values = more;
         values.extend(low_order_values(flight, style));
+        let largest_error = self.largest_error_percent(flight);
+        values.push(("largest_error", number(largest_error)));
         let discrete = flight.transfer.discrete(self.model.timing());
         let (numerator, denominator) = discrete.transfer_function();
         let id = identifier(self.name);
@@ -77,7 +79,6 @@ fn low_order_values(flight: &FlightModel, style: &Style) -> Values {
         ("gain", number(flight.transfer.gain)),
         ("delay", number(flight.transfer.delay_s.max(0.0))),
         ("denominator", style.short(&flight.transfer.denominator())),
-        ("largest_error", number(flight.largest_error_percent)),
         ("covariance_of", parameters_of(flight).to_owned()),
         ("covariance", style.matrix(&flight.covariance)),
         ("parameter_count", flight.covariance.len().to_string()),

@@ -39,7 +39,7 @@ impl Export<'_> {
         match &self.low_order {
             Ok(flight) if flight.approximation => found.push(format!(
                 "the low-order model is an approximation: it is wrong by up to {:.2} % of the step",
-                flight.largest_error_percent
+                self.largest_error_percent(flight)
             )),
             Ok(_) => {}
             Err(reason) => found.push(format!("there is no low-order model: {reason}")),
@@ -72,7 +72,9 @@ impl Export<'_> {
             self.bounds(),
             self.covariance(),
         ]);
-        paragraphs.extend(self.low_order.as_ref().ok().map(low_order));
+        let flight = self.low_order.as_ref().ok();
+        paragraphs
+            .extend(flight.map(|flight| low_order(flight, self.largest_error_percent(flight))));
         paragraphs
     }
 
@@ -112,12 +114,18 @@ impl Export<'_> {
     fn bounds(&self) -> String {
         let step = &self.model.step;
         format!(
-            "Bounds: {}. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them, saturation and what changes from run to run are not. A bound of {} for left-out high frequencies is part of them.",
+            "Bounds: {}. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them, saturation and what changes from run to run are not.{}",
             match self.model.bounds_hold() {
                 true => format!("level {}", summary::level_text(self.model)),
                 false => "no level (see the warning)".to_owned(),
             },
-            number(step.truncation_bias),
+            match step.truncation_bias {
+                0.0 => String::new(),
+                bias => format!(
+                    " {} of their half width is a bound of what left-out high frequencies may hide.",
+                    number(bias)
+                ),
+            },
         )
     }
 
@@ -141,7 +149,7 @@ pub(super) fn parameters_of(flight: &FlightModel) -> &'static str {
     }
 }
 
-fn low_order(flight: &FlightModel) -> String {
+fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
     let form = match flight.order {
         1 => "K exp(-L s) / (1 + T s)",
         2 => "K exp(-L s) / (1 + 2 zeta s/w + s^2/w^2)",
@@ -171,9 +179,8 @@ fn low_order(flight: &FlightModel) -> String {
         );
     }
     format!(
-        "{text} intervals of {} %. Largest error of its step response: {:.3} % of the step. {}",
+        "{text} intervals of {} %. Largest error of its step response: {largest_error_percent:.3} % of the step. {}",
         100.0 * flight.level,
-        flight.largest_error_percent,
         flight.statement
     )
 }
