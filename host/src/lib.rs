@@ -22,7 +22,9 @@
 //! | [`summary`]   | results as text for a terminal                                             |
 //! | [`explain`]   | why a model has the structure that it has                                  |
 //! | [`report`]    | one page with everything, to open in a browser                             |
+//! | [`export`]    | models as scripts, headers and fragments for other programs                |
 //! | [`paper`]     | the paper's facts beside ours                                              |
+//! | [`template`]  | texts with gaps                                                           |
 //! | [`output`]    | files that a command leaves behind                                         |
 //! | [`commands`]  | the command line, thin                                                     |
 //!
@@ -32,6 +34,7 @@
 pub mod commands;
 pub mod dataset;
 pub mod explain;
+pub mod export;
 pub mod output;
 pub mod paper;
 pub mod plan;
@@ -43,4 +46,5 @@ pub mod report;
 pub mod rig;
 pub mod summary;
 pub mod table;
+pub mod template;
 pub mod timeline;

@@ -4,10 +4,13 @@
 
 mod capture;
 mod compare;
+mod completions;
 mod demo;
+mod export;
 mod identify;
 mod info;
 mod interrupt;
+mod man;
 mod plan;
 mod ports;
 mod progress;
@@ -54,8 +57,11 @@ enum Command {
     Validate(validate::Validate),
     Compare(compare::Compare),
     Report(report::Report),
+    Export(export::ExportArgs),
     Simulate(simulate::Simulate),
     Recover(recover::Recover),
+    Completions(completions::Completions),
+    Man(man::ManArgs),
 }
 
 impl Cli {
@@ -74,8 +80,11 @@ impl Cli {
             Command::Validate(command) => command.run(),
             Command::Compare(command) => command.run(),
             Command::Report(command) => command.run(),
+            Command::Export(command) => command.run(),
             Command::Simulate(command) => command.run(),
             Command::Recover(command) => command.run(),
+            Command::Completions(command) => command.run(),
+            Command::Man(command) => command.run(),
         }
     }
 }

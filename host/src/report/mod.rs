@@ -6,6 +6,7 @@ mod interactive;
 use crate::plots::Figure;
 use crate::plots::figures::{self, Subject};
 use crate::summary;
+use crate::template::fill;
 use anyhow::Result;
 use std::fmt::Write;
 
@@ -50,34 +51,15 @@ pub fn page(title: &str, first: &Part<'_>, second: Option<&Part<'_>>) -> Result<
         "servoid {}. Bounds are those of a linear servo: they cover noise, not a servo that changes from run to run or saturates.",
         env!("CARGO_PKG_VERSION")
     );
-    Ok(fill(&[
+    let values: [(&str, &str); 6] = [
         ("title", &escape(title)),
         ("made_by", &escape(&made_by)),
         ("body", &body),
         ("figures", &json_in_page(&drawn)?),
         ("models", &json_in_page(&models)?),
         ("library", &interactive::library()),
-    ]))
-}
-
-/// Puts the values into the page, each once and none into another.
-fn fill(values: &[(&str, &str)]) -> String {
-    let mut page = String::new();
-    let mut rest = PAGE;
-    while let Some((before, after)) = rest.split_once("{{") {
-        page.push_str(before);
-        let Some((name, after)) = after.split_once("}}") else {
-            break;
-        };
-        page.extend(
-            values
-                .iter()
-                .find(|(key, _)| *key == name)
-                .map(|(_, value)| *value),
-        );
-        rest = after;
-    }
-    page + rest
+    ];
+    Ok(fill(PAGE, &values))
 }
 
 /// Text for a page: what has a meaning in HTML loses it.
@@ -196,7 +178,11 @@ mod tests {
         let hostile = "</script><script>alert('x')</script>\"&{{library}}";
         assert!(!escape(hostile).contains('<'));
         assert!(!json_in_page(&[hostile]).unwrap().contains('<'));
-        let page = fill(&[("title", &escape(hostile)), ("library", "THE LIBRARY")]);
+        let values = [
+            ("title", escape(hostile)),
+            ("library", "THE LIBRARY".into()),
+        ];
+        let page = fill(PAGE, &values);
         assert_eq!(
             page.matches("THE LIBRARY").count(),
             1,
