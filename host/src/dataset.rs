@@ -5,6 +5,8 @@
 //! answer half a stroke with half the motion. On the simulated bench servo the rest made the model's
 //! error 2.6 times larger (0.128 against 0.050 degrees rms).
 
+pub(crate) mod suggestion;
+
 use crate::recording::{self, Completeness, ReadError, Recording};
 use crate::table::{Table, TableError};
 use crate::timeline::{self, Stretch, TimeColumn};
@@ -47,13 +49,15 @@ pub enum DatasetError {
     },
     /// Columns are not named.
     #[error(
-        "{path:?} is no recording of servoid, so say what its columns are: --input COLUMN --output COLUMN --period SECONDS, where the columns are {columns}"
+        "{path:?} is no recording of servoid, so say which of its columns is what; its columns are {columns}, so perhaps add: {options}"
     )]
     Unnamed {
         /// Which file.
         path: PathBuf,
         /// What there is.
         columns: String,
+        /// What to add to the command, as far as the names of the columns tell.
+        options: String,
     },
     /// The sampling period is not known.
     #[error(
@@ -105,8 +109,8 @@ pub struct About {
     pub unit: Option<&'static str>,
     /// Under what condition it was recorded, where the files say it and agree.
     pub condition: Option<String>,
-    /// Where the data come from: name and value of each thing that is known.
-    pub provenance: Vec<(String, String)>,
+    /// Where the data come from, file by file: name and value of each thing that is known.
+    pub provenance: Vec<Vec<(String, String)>>,
     /// What a user should know about the files: partial recordings, guessed periods.
     pub remarks: Vec<String>,
 }
@@ -240,12 +244,19 @@ fn from_recording(
         ));
     }
     let condition = Some(recording.header.condition.clone()).filter(|c| !c.is_empty());
-    let mut provenance = vec![("file".to_owned(), path.display().to_string())];
+    let end = match &recording.completeness {
+        Completeness::Partial(reason) => format!("partial ({reason})"),
+        Completeness::Complete => "complete".to_owned(),
+    };
+    let mut provenance = vec![
+        ("file".to_owned(), path.display().to_string()),
+        ("end".to_owned(), end),
+    ];
     provenance.extend(recording.header.facts());
     let about = About {
         unit: Some("deg"),
         condition,
-        provenance,
+        provenance: vec![provenance],
         remarks,
     };
     let phase_s = recording.header.sample_phase_s;
@@ -280,10 +291,10 @@ fn drop_unhealthy(output: &mut [f64], (lowest, highest): (f64, f64)) -> usize {
 fn from_table(table: &Table, options: &DatasetOptions) -> Result<Loaded, DatasetError> {
     let path = table.path();
     let (Some(input), Some(output)) = (&options.input, &options.output) else {
-        let columns = table.columns_listed();
         return Err(DatasetError::Unnamed {
             path: path.to_owned(),
-            columns,
+            columns: table.columns_listed(),
+            options: suggestion::options(table.columns()),
         });
     };
     let [u, y] = table.numbers([input.as_str(), output.as_str()])?;
@@ -330,9 +341,10 @@ fn from_table(table: &Table, options: &DatasetOptions) -> Result<Loaded, Dataset
             "columns".to_owned(),
             format!("input {input}, output {output}"),
         ),
+        ("sample period s".to_owned(), period_s.to_string()),
     ];
     let about = About {
-        provenance,
+        provenance: vec![provenance],
         remarks,
         ..About::default()
     };
@@ -360,8 +372,8 @@ fn run(
 
 /// The column of time and its name, where there is one with even steps.
 fn time_column(table: &Table) -> Result<Option<(String, TimeColumn)>, TableError> {
-    let names = ["t", "time", "time_s"];
-    let Some(name) = table.columns().iter().find(|c| names.contains(&c.as_str())) else {
+    let mut columns = table.columns().iter();
+    let Some(name) = columns.find(|c| suggestion::TIMES.contains(&c.as_str())) else {
         return Ok(None);
     };
     let [times] = table.numbers([name.as_str()])?;

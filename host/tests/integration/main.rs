@@ -1,5 +1,6 @@
 //! The program as a user meets it.
 
+mod browser;
 mod capture;
 mod chaos;
 mod demo;
@@ -7,4 +8,6 @@ mod errors;
 mod files;
 mod hostile;
 mod identify;
+mod report;
 mod support;
+mod verdicts;
