@@ -24,6 +24,7 @@ pub mod band;
 pub mod basis;
 pub mod comparison;
 pub mod convolution;
+pub mod correlogram;
 pub mod curve;
 pub mod direction;
 pub mod error;

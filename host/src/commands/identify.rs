@@ -2,7 +2,8 @@
 
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem, wrong_usage};
-use crate::plots::figures;
+use crate::dataset::suggestion::quoted;
+use crate::plots::{figures, structure};
 use crate::{dataset, explain, output, summary};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -82,6 +83,7 @@ impl Identify {
         if let Some(out) = &self.out {
             output::check_free(out, self.force)?;
         }
+        let next = self.next();
         let data = dataset::load(&self.files, &self.table.into())?;
         data.about
             .remarks
@@ -110,8 +112,15 @@ impl Identify {
         if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
             let name = stem(first);
             let mut figures = figures::identification(&name, &data.record, model, data.about.unit);
-            figures
-                .extend(explanation.map(|e| explain::as_figure(&format!("{name}-structure"), e)));
+            let structure = |e| {
+                structure::structure(
+                    &format!("{name}-structure"),
+                    "Choice of structure",
+                    e,
+                    model,
+                )
+            };
+            figures.extend(explanation.map(structure));
             let files = output::write_figures(folder, self.force, &figures)?;
             self.talk.say(format_args!("plots: {}", listed(&files)));
         }
@@ -136,7 +145,28 @@ impl Identify {
             result.directions = split.map(Directions::from);
             result.limits = Some(limits);
         }
+        self.talk.say(next);
         self.talk.result(text, &result)
+    }
+
+    /// The command that shows all of this.
+    fn next(&self) -> String {
+        let files: Vec<String> = self
+            .files
+            .iter()
+            .map(|file| quoted(&file.display().to_string()))
+            .collect();
+        let several = if files.len() > 1 { "--a " } else { "" };
+        let page = self
+            .files
+            .first()
+            .map_or_else(String::new, |file| format!("{}.html", stem(file)));
+        format!(
+            "to look at it: servoid report {several}{}{} -o {}",
+            files.join(" "),
+            self.table.as_typed(),
+            quoted(&page)
+        )
     }
 }
 

@@ -125,6 +125,14 @@ fn wrong_usage(error: impl std::fmt::Display) -> ! {
         .exit()
 }
 
+/// A margin that a difference is held against (percent).
+fn margin(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(percent) if percent >= 0.0 && percent.is_finite() => Ok(percent),
+        _ => Err("a number of percent, 0 or above, is needed".to_owned()),
+    }
+}
+
 /// What a file is called in plots and on the terminal: its name without folder and ending.
 fn stem(path: &Path) -> String {
     path.file_stem()

@@ -24,13 +24,15 @@ pub enum DatasetError {
     },
     /// Columns are not named.
     #[error(
-        "{path:?} is no recording of servoid, so say what its columns are: --input COLUMN --output COLUMN --period SECONDS, where the columns are {columns}"
+        "{path:?} is no recording of servoid, so say which of its columns is what; its columns are {columns}, so perhaps add: {options}"
     )]
     Unnamed {
         /// Which file.
         path: PathBuf,
         /// What there is.
         columns: String,
+        /// What to add to the command, as far as the names of the columns tell.
+        options: String,
     },
     /// The sampling period is not known.
     #[error(

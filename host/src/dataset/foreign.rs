@@ -1,21 +1,18 @@
 //! Any CSV file with its columns named.
 
-use super::{About, DatasetError, DatasetOptions, Loaded, run};
+use super::{About, DatasetError, DatasetOptions, Loaded, run, suggestion};
 use crate::table::{Table, TableError};
 use crate::timeline::{self, Stretch, TimeColumn};
 use std::path::Path;
-
-/// Names of a column of time.
-const TIME: [&str; 3] = ["t", "time", "time_s"];
 
 /// The runs of a table.
 pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Loaded, DatasetError> {
     let path = table.path();
     let (Some(input), Some(output)) = (&options.input, &options.output) else {
-        let columns = table.columns_listed();
         return Err(DatasetError::Unnamed {
             path: path.to_owned(),
-            columns,
+            columns: table.columns_listed(),
+            options: suggestion::options(table.columns()),
         });
     };
     let Columns { u, y, time, labels } =
@@ -58,9 +55,10 @@ pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Load
             "columns".to_owned(),
             format!("input {input}, output {output}"),
         ),
+        ("sample period s".to_owned(), period_s.to_string()),
     ];
     let about = About {
-        provenance,
+        provenance: vec![provenance],
         remarks,
         ..About::default()
     };
@@ -91,7 +89,7 @@ impl Columns {
         run: Option<&str>,
     ) -> Result<Self, TableError> {
         let mut columns = table.columns().iter();
-        let time = columns.find(|column| TIME.contains(&column.as_str()));
+        let time = columns.find(|column| suggestion::TIMES.contains(&column.as_str()));
         let mut wanted = vec![input, output];
         wanted.extend(time.map(String::as_str));
         wanted.extend(run);

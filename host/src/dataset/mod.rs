@@ -20,6 +20,7 @@
 mod error;
 mod foreign;
 mod own;
+pub(crate) mod suggestion;
 
 pub use error::DatasetError;
 
@@ -61,8 +62,8 @@ pub struct About {
     pub unit: Option<&'static str>,
     /// Under what condition it was recorded, where the files say it and agree.
     pub condition: Option<String>,
-    /// Where the data come from: name and value of each thing that is known.
-    pub provenance: Vec<(String, String)>,
+    /// Where the data come from, file by file: name and value of each thing that is known.
+    pub provenance: Vec<Vec<(String, String)>>,
     /// What a user should know about the files: partial recordings, guessed periods.
     pub remarks: Vec<String>,
 }

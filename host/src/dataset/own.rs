@@ -41,12 +41,19 @@ pub(super) fn from_recording(
         ));
     }
     let condition = Some(recording.header.condition.clone()).filter(|c| !c.is_empty());
-    let mut provenance = vec![("file".to_owned(), path.display().to_string())];
+    let end = match &recording.completeness {
+        Completeness::Partial(reason) => format!("partial ({reason})"),
+        Completeness::Complete => "complete".to_owned(),
+    };
+    let mut provenance = vec![
+        ("file".to_owned(), path.display().to_string()),
+        ("end".to_owned(), end),
+    ];
     provenance.extend(recording.header.facts());
     let about = About {
         unit: Some("deg"),
         condition,
-        provenance,
+        provenance: vec![provenance],
         remarks,
     };
     let phase_s = recording.header.sample_phase_s;

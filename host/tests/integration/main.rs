@@ -1,5 +1,6 @@
 //! The program as a user meets it.
 
+mod browser;
 mod capture;
 mod chaos;
 mod demo;
@@ -11,4 +12,6 @@ mod hostile;
 mod identify;
 mod plan;
 mod references;
+mod report;
 mod support;
+mod verdicts;
