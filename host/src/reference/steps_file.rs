@@ -15,7 +15,9 @@ pub(super) fn read(
     length_s: Option<f64>,
     remarks: &mut Vec<String>,
 ) -> Result<Steps, WishError> {
-    let [angles, holds] = Table::read(path)?.numbers(COLUMNS)?;
+    let mut columns = Table::read(path)?.numbers(&COLUMNS)?.into_iter();
+    let mut column = || columns.next().unwrap_or_default();
+    let (angles, holds) = (column(), column());
     let wrong = |row: usize, what: String| {
         WishError::OutOfRange(format!("{}, row {}: {what}", path.display(), row + 1))
     };
