@@ -55,6 +55,8 @@ pub struct Widths {
     pub mean_percent: f64,
     /// The bounds of single points, on average.
     pub mean_pointwise_percent: f64,
+    /// The part of each that more runs do not narrow: what frequencies without power may hide.
+    pub bias_percent: f64,
 }
 
 impl Widths {
@@ -70,7 +72,25 @@ impl Widths {
             widest_percent: 100.0 * widest,
             mean_percent: 100.0 * whole,
             mean_pointwise_percent: 100.0 * pointwise,
+            bias_percent: 100.0 * step.truncation_bias,
         }
+    }
+
+    /// The mean of several, which are of one level; of none, nothing is known.
+    pub(crate) fn mean(all: &[Self]) -> Self {
+        let mean = |of: fn(&Self) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
+        Self {
+            level: all.first().map_or(f64::NAN, |w| w.level),
+            widest_percent: mean(|w| w.widest_percent),
+            mean_percent: mean(|w| w.mean_percent),
+            mean_pointwise_percent: mean(|w| w.mean_pointwise_percent),
+            bias_percent: mean(|w| w.bias_percent),
+        }
+    }
+
+    /// Where it is widest, after so many times the data: the noise's part shrinks with the root.
+    fn widest_after(&self, times: f64) -> f64 {
+        (self.widest_percent - self.bias_percent) / times.sqrt() + self.bias_percent
     }
 }
 
@@ -152,7 +172,7 @@ impl Plan {
     pub fn of(question: &Question) -> Result<Self, Error> {
         let expected = Expected::of(question)?;
         let reference = &question.reference;
-        let band = Widths::of(&expected.model.step);
+        let band = expected.band;
         let Model { noise, .. } = &question.assumed.model;
         Ok(Self {
             reference: as_toml(reference),
@@ -181,12 +201,15 @@ fn run_s(reference: &Reference) -> f64 {
     seconds(reference.frames() + 2 * u32::from(ROLL_FRAMES))
 }
 
-/// K times the runs narrow the band by the square root of K: their information adds up.
+/// K times the runs narrow the noise's part of the band by the square root of K: their information adds
+/// up. (A longer N, chosen where more data show more of the response, costs some of that.) `None` where no
+/// width is wanted, or where what frequencies without power may hide is wider already.
 fn needed(question: &Question, band: &Widths) -> Option<Needed> {
     let band_percent = question.wanted_percent?;
-    let times = (band.widest_percent / band_percent).powi(2);
+    let room = band_percent - band.bias_percent;
+    let times = ((band.widest_percent - band.bias_percent) / room).powi(2);
     let runs = (times * question.runs as f64).ceil().max(1.0);
-    Some(Needed {
+    (room > 0.0).then_some(Needed {
         band_percent,
         runs: runs as u64,
         seconds: runs * run_s(&question.reference),
@@ -228,13 +251,13 @@ fn alternative(question: &Question) -> Alternative {
     const MINUTE_S: f64 = 60.0;
     let run_s = run_s(&question.reference);
     let expected = Expected::of(question).ok();
-    let band = expected.as_ref().map(|e| Widths::of(&e.model.step));
+    let band = expected.as_ref().map(|e| e.band);
     let answers = expected.map_or_else(Vec::new, |e| answers::of(&e.pilot, &e.record));
     Alternative {
         reference: question.reference.name(),
         run_s,
         widest_percent: band.map(|b| b.widest_percent),
-        widest_percent_in_a_minute: band.map(|b| b.widest_percent / (MINUTE_S / run_s).sqrt()),
+        widest_percent_in_a_minute: band.map(|b| b.widest_after(MINUTE_S / run_s)),
         needed: band.and_then(|b| needed(question, &b)),
         answers: answers
             .into_iter()

@@ -1,6 +1,6 @@
 //! Simulated runs for the structure, and the covariance that they will have.
 
-use super::Question;
+use super::{Question, Widths};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -12,14 +12,17 @@ use servoid_identification::step::StepResponse;
 use servoid_identification::{Error, Model, NoiseOrder, Options, Record, Run, identify};
 use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
 
-/// Simulated identifications; the one with the middle settling time is taken for typical.
-const PILOTS: u64 = 3;
+/// Simulated identifications. Each may choose another N: widths are the mean over them, and the one with
+/// the middle N is shown.
+const PILOTS: u64 = 5;
 
 /// Samples of noise that pass before the first one that is used: its start is forgotten.
 const RUN_UP: usize = 2_000;
 
 /// What is to be expected of a run.
 pub(super) struct Expected {
+    /// How wide the bands will be.
+    pub band: Widths,
     /// A model as it will be, but for its noise being known: the response of the assumed servo with the
     /// covariance that generalised least squares has at the assumed noise.
     pub model: Model,
@@ -38,13 +41,15 @@ impl Expected {
         let mut pilots = Vec::new();
         for seed in 1..=PILOTS {
             let record = simulated(question, seed)?;
-            let model = identify(&record, &options)?;
-            pilots.push((model, record));
+            let pilot = identify(&record, &options)?;
+            let model = with_known_noise(question, &pilot, &record)?;
+            pilots.push((model, pilot, record));
         }
-        pilots.sort_by_key(|(model, _)| model.structure.settling_samples);
-        let (pilot, record) = pilots.swap_remove(pilots.len() / 2);
-        let model = with_known_noise(question, &pilot, &record)?;
+        pilots.sort_by_key(|(model, ..)| model.structure.settling_samples);
+        let widths: Vec<_> = pilots.iter().map(|(m, ..)| Widths::of(&m.step)).collect();
+        let (model, pilot, record) = pilots.swap_remove(pilots.len() / 2);
         Ok(Self {
+            band: Widths::mean(&widths),
             model,
             pilot,
             record,

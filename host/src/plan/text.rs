@@ -49,6 +49,13 @@ fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
         "  step band   +-{:.2} % whole curve where it is widest, +-{:.2} % on average; +-{:.2} % each point ({level} %, of the step)",
         band.widest_percent, band.mean_percent, band.mean_pointwise_percent
     )?;
+    if band.bias_percent > 0.0 {
+        writeln!(
+            text,
+            "              of which +-{:.2} % is what frequencies without power may hide: more runs do not narrow it",
+            band.bias_percent
+        )?;
+    }
     if let Some(needed) = &plan.needed {
         writeln!(
             text,

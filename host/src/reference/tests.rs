@@ -83,7 +83,10 @@ fn a_long_multisine_has_its_tones_spread_over_its_frequencies() {
             .collect();
         assert!(tones[0] >= 0.5 && tones[0] < 0.5 + 1.0 / period_s);
         let last = tones[tones.len() - 1];
-        assert!(last < 25.0 && last > 24.0, "{length_s} s: up to {last} Hz");
+        assert!(
+            (24.0..25.0).contains(&last),
+            "{length_s} s: up to {last} Hz"
+        );
     }
 }
 
@@ -214,7 +217,7 @@ fn a_header_names_the_reference_with_every_number() {
     let text = |reference| toml::to_string(&as_toml(&reference)).unwrap();
     assert_eq!(
         text(granted(&wish("stairs"))),
-        "kind = \"stairs\"\namplitude_us = 50\ncycles = 2\nhold_frames = 15\nlevels = 5\n"
+        "amplitude_us = 50\ncycles = 2\nhold_frames = 15\nkind = \"stairs\"\nlevels = 5\n"
     );
     let steps =
         [(50, 20), (-50, 10)].map(
