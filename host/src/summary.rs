@@ -184,7 +184,7 @@ fn write_model(
     writeln!(text, "  offset      {:.4}{unit}", model.offset)?;
     writeln!(
         text,
-        "  residuals   white: p = {}, independent of the input: p = {}",
+        "  residuals   white: {}, independent of the input: {}",
         probability(model.residuals.whiteness_p),
         probability(model.residuals.input_correlation_p)
     )?;
@@ -305,7 +305,7 @@ pub fn one_line(model: &Model, unit: Option<&str>) -> String {
     let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
     let (structure, fit) = (&model.structure, &model.fit);
     format!(
-        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.4}{unit} rms; residuals white: p = {}, independent of the input: p = {}",
+        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.4}{unit} rms; residuals white: {}, independent of the input: {}",
         fit.samples_used,
         fit.samples_missing,
         rounded(model.sample_period_s * 1e3),
@@ -319,12 +319,12 @@ pub fn one_line(model: &Model, unit: Option<&str>) -> String {
     )
 }
 
-/// A p-value; a test that could not be made has none.
+/// "p = 0.021"; a test that could not be made has none.
 pub(crate) fn probability(p: Option<f64>) -> String {
     match p {
-        None => "-".to_owned(),
-        Some(p) if p < 0.001 => "below 0.001".to_owned(),
-        Some(p) => format!("{p:.3}"),
+        None => "p = -".to_owned(),
+        Some(p) if p < 0.001 => "p < 0.001".to_owned(),
+        Some(p) => format!("p = {p:.3}"),
     }
 }
 

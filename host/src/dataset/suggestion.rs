@@ -68,8 +68,8 @@ fn named<'a>(columns: &'a [String], names: &[&str], taken: Option<&String>) -> O
     };
     names
         .iter()
-        .find_map(|name| whole(&name))
-        .or_else(|| names.iter().find_map(|name| part(&name)))
+        .find_map(whole)
+        .or_else(|| names.iter().find_map(part))
 }
 
 /// A name for a command line.

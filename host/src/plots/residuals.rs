@@ -15,7 +15,7 @@ const AROUND: isize = 25;
 pub fn residuals(name: &str, title: &str, model: &Model, record: &Record) -> Figure {
     let level = model.step.pointwise.level;
     let beyond = model.structure.settling_samples as isize + AROUND;
-    let p = |p: Option<f64>| format!(", p = {}", probability(p));
+    let p = |p: Option<f64>| format!(", {}", probability(p));
     let tests = &model.residuals;
     let own = correlogram::of_errors(model, record, 2 * WHITENESS_LAGS, level);
     let input = correlogram::with_input(model, record, -AROUND..=beyond, level);

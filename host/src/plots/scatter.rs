@@ -21,7 +21,7 @@ pub fn run_scatter(
     let mut panels = Vec::new();
     panels.extend(curves(alone, level));
     let offset = unit.map_or_else(|| "offset".to_owned(), |unit| format!("offset ({unit})"));
-    let numbers: [(&str, f64, f64, fn(&RunDifference) -> Difference); 3] = [
+    let numbers: [(&str, f64, f64, Number); 3] = [
         ("gain (%)", 1.0, compared.gain_percent.p, |run| {
             run.gain_percent
         }),
@@ -40,6 +40,9 @@ pub fn run_scatter(
         panels,
     }
 }
+
+/// How to read a number of a run.
+type Number = fn(&RunDifference) -> Difference;
 
 fn number(
     what: &str,
@@ -66,7 +69,7 @@ fn number(
         curves: vec![Curve::dashed("", Ink::Reference, zero)],
         marks: vec![Marks {
             name: format!(
-                "{} % for noise alone; no scatter: p = {}",
+                "{} % for noise alone; no scatter: {}",
                 100.0 * level,
                 probability(Some(p))
             ),
@@ -106,7 +109,7 @@ fn curves(alone: &[Model], level: f64) -> Option<Panel> {
     };
     Some(Panel {
         x_label: "time since the edge of the command (s)".into(),
-        y_label: "run - mean of runs (% of the step)".into(),
+        y_label: "run - mean (% of the step)".into(),
         legend: Legend::Above,
         bands: vec![Band {
             name: format!("noise alone, the whole curve, {} %", 100.0 * level),

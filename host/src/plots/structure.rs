@@ -95,7 +95,7 @@ fn tail(model: &Model) -> Option<Panel> {
     let points: Vec<(f64, [f64; 3])> = points.collect();
     Some(Panel {
         x_label: "time since the edge of the command (s)".into(),
-        y_label: "distance from the final value (% of the step)".into(),
+        y_label: "still to go (% of the step)".into(),
         legend: Legend::UpperRight,
         bands: vec![Band {
             name: "each point, no motion left where 0 is inside".into(),
@@ -152,7 +152,7 @@ fn frequencies(explanation: &Explanation, model: &Model) -> Panel {
         .find(|c| c.frequencies == model.structure.frequencies);
     Panel {
         x_label: "number of frequencies n".into(),
-        y_label: "half width of the step band".into(),
+        y_label: "half width of the band".into(),
         legend: Legend::UpperRight,
         curves: vec![
             Curve::solid(

@@ -42,7 +42,7 @@ pub(super) fn plotly_json(figure: &Figure) -> Value {
             "type": if panel.x_logarithmic { "log" } else { "linear" },
             "anchor": format!("y{suffix}"),
             // The last tick and the value under the pointer carry the unit.
-            "dtick": panel.x_logarithmic.then_some("D2"),
+            "dtick": ticks(panel),
             "ticksuffix": unit(&panel.x_label),
             "showticksuffix": "last",
             "hoverformat": ".4~g",
@@ -59,6 +59,29 @@ pub(super) fn plotly_json(figure: &Figure) -> Value {
     let panels = figure.panels.len();
     json!({ "data": traces, "layout": layout, "name": figure.name, "panels": panels })
 }
+
+/// Where ticks lie, unless the plotting library is to choose: at 2, 5 and 10 of a decade, and at each of a
+/// few whole numbers.
+fn ticks(panel: &Panel) -> Option<Value> {
+    if panel.x_logarithmic {
+        return Some(json!("D2"));
+    }
+    let ((low, high), _) = panel.extent()?;
+    let curves = panel
+        .curves
+        .iter()
+        .flat_map(|curve| curve.points.iter().map(|p| p.0));
+    let mut x = curves.chain(
+        panel
+            .marks
+            .iter()
+            .flat_map(|marks| marks.points.iter().map(|p| p.x)),
+    );
+    (high - low <= FEW && x.all(|x| x.fract() == 0.0)).then(|| json!(1))
+}
+
+/// So many ticks have room on a telephone.
+const FEW: f64 = 12.0;
 
 /// "" for the first panel, "2" for the second.
 fn axis_suffix(index: usize) -> String {

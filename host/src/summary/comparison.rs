@@ -75,9 +75,11 @@ pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String,
         (
             "chance, scatter of runs".to_owned(),
             match found.p_value {
-                Some(p) => format!(
-                    "p = {p:.3} with {} and {} runs",
-                    found.runs[0], found.runs[1]
+                Some(_) => format!(
+                    "{} with {} and {} runs",
+                    probability(found.p_value),
+                    found.runs[0],
+                    found.runs[1]
                 ),
                 None => format!(
                     "not tested: needs three runs a side (here {} and {})",
@@ -139,7 +141,7 @@ fn asymmetry(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
     sides
         .filter_map(|(name, side)| {
             let text = format!(
-                "p = {}, differ by up to {:.1} % of the stroke",
+                "{}, differ by up to {:.1} % of the stroke",
                 probability(side.p),
                 side.largest_percent?.abs()
             );

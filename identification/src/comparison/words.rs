@@ -58,9 +58,14 @@ fn feel(found: &Comparison) -> String {
         Some(p) if p > CHANCE => {
             format!("what differs from run to run is counted, and may be all there is (p = {p:.3})")
         }
-        Some(p) => {
-            format!("what differs from run to run is counted, and is not enough (p = {p:.3})")
-        }
+        Some(p) => format!(
+            "what differs from run to run is counted, and does not explain it (p {})",
+            if p < 0.001 {
+                "< 0.001".to_owned()
+            } else {
+                format!("= {p:.3}")
+            }
+        ),
         None => {
             "what differs from run to run is not included, which takes three runs a side".to_owned()
         }
