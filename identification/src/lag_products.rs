@@ -83,12 +83,17 @@ impl LagProducts {
         self.basis == *basis
     }
 
+    /// P_ij.
+    pub(crate) fn at(&self, i: usize, j: usize) -> &Mat<f64> {
+        &self.products[j * (self.order + 1) + i]
+    }
+
     /// sum_j d_j P_ij: n x n.
     pub(crate) fn filtered(&self, i: usize, d: &[f64]) -> Mat<f64> {
         let n = self.basis.frequencies();
         let mut sum = Mat::zeros(n, n);
         for (j, d) in d.iter().enumerate() {
-            sum += Scale(*d) * &self.products[j * (self.order + 1) + i];
+            sum += Scale(*d) * self.at(i, j);
         }
         sum
     }
