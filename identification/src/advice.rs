@@ -10,7 +10,7 @@ use crate::model_error::{DISAGREEMENT, TOLERATED};
 use crate::noise::largest_root;
 use crate::normal::Path;
 use crate::options::{Frequencies, NoiseOrder, Options};
-use crate::structure::{Choice, MARGIN};
+use crate::structure::{Choice, DETECTION, MARGIN};
 
 /// One finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -84,6 +84,7 @@ pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
         excitation(evidence),
         figures(evidence),
         settled(evidence),
+        hidden_tail(evidence),
         responds(evidence),
         truncated(evidence),
         parameters(evidence),
@@ -130,6 +131,34 @@ fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
             7.0 * MARGIN * longest
         ),
     ))
+}
+
+/// What may go on below the noise after the settling time, in standard deviations, without spoiling
+/// bounds.
+const HIDDEN: f64 = 0.5;
+
+/// Of an exponential tail of the size A of the response, seen down to c standard deviations s, the share
+/// (c s / A)^κ is left after κ times as long: c (c s / A)^(κ-1) standard deviations.
+fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
+    trusted_choice(evidence).filter(|choice| choice.settled && choice.detected > 1)?;
+    let step = &evidence.model.step;
+    let size = step.value.last()?.abs();
+    let sd = step.sd.iter().copied().fold(0.0, f64::max);
+    let hidden = DETECTION * (DETECTION * sd / size).powf(MARGIN - 1.0);
+    (hidden > HIDDEN).then(|| {
+        Advice::new(
+            "hidden_tail",
+            format!(
+                "The noise is large: a slow end or a ringing of the response below {:.0} % of the final \
+                 value cannot be seen, and what is left of it after the settling time may be {hidden:.1} \
+                 standard deviations. The bounds may hold less often than they say.",
+                100.0 * DETECTION * sd / size
+            ),
+            hidden,
+            HIDDEN,
+            "Record longer, or use larger steps.",
+        )
+    })
 }
 
 fn responds(evidence: &Evidence<'_>) -> Option<Advice> {

@@ -112,7 +112,10 @@ fn beginning_from_rest(model: &Model, run: &Run) -> Option<Vec<(f64, f64)>> {
     let count = (model.structure.settling_samples - 1).min(run.len());
     let beginning = run.part(0..count);
     let gain = *model.step.value.last()?;
-    let at_rest = (beginning.output().first()? - model.offset) / gain;
+    // At the first sample the response is that to one step from rest: y = c + G0 r + g_0 (u - r).
+    let (input, output) = (beginning.input().first()?, beginning.output().first()?);
+    let at_once = *model.step.value.first()?;
+    let at_rest = (output - model.offset - at_once * input) / (gain - at_once);
     at_rest.is_finite().then(|| {
         let simulated = model.simulate_input(beginning.input(), Some(at_rest));
         beginning.output().iter().copied().zip(simulated).collect()
