@@ -138,8 +138,8 @@ mod tests {
     use crate::{NoiseOrder, Options, Settling, identify};
     use rand::{RngExt, SeedableRng};
 
-    /// A lag of 8 samples behind random levels of 5 samples each, `before` samples of which are
-    /// not recorded; a little noise.
+    /// Two lags of 5 samples behind random levels of 5 samples each, 200 samples of which are not
+    /// recorded; a little noise. With one lag the first sample would tell the whole state.
     fn run(seed: u64, rest: bool, samples: usize) -> Run {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         let before = 200;
@@ -151,12 +151,13 @@ mod tests {
         if rest {
             input[..before].fill(0.4);
         }
-        let mut state = input[0];
+        let mut lags = [input[0]; 2];
         let output: Vec<f64> = input
             .iter()
             .map(|u| {
-                state += (u - state) / 8.0;
-                2.0 * state + 0.3 + 0.01 * random.random_range(-1.0..1.0)
+                lags[0] += (u - lags[0]) / 5.0;
+                lags[1] += (lags[0] - lags[1]) / 5.0;
+                2.0 * lags[1] + 0.3 + 0.005 * random.random_range(-1.0..1.0)
             })
             .collect();
         Run::new(
