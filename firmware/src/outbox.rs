@@ -33,8 +33,9 @@ pub(crate) enum Item {
     Live(Frame),
 }
 
-/// Answers first, because a host waits for them; then ends; then frames to be sent again; then the
-/// run's frames in order, which wait in the history.
+/// Answers first, because a host waits for them; then frames to be sent again; then the run's
+/// frames in order, which wait in the history; then its end, so that a host that has heard of the
+/// end has been told everything.
 #[derive(Debug, Default)]
 #[cfg_attr(test, derive(Clone))]
 pub(crate) struct Outbox {
@@ -53,9 +54,11 @@ impl Outbox {
         self.resends.clear();
     }
 
-    /// A run begins: the frames of the one before are gone.
+    /// A run begins: the frames of the one before are gone, and whoever began it knows that that one
+    /// is over.
     pub(crate) fn new_run(&mut self) {
         self.resends.clear();
+        self.ended = None;
         self.live = 0;
     }
 
@@ -91,9 +94,6 @@ impl Outbox {
         if let Some(&answer) = self.answers.front() {
             return Some(Item::Answer(answer));
         }
-        if let Some(ended) = self.ended {
-            return Some(Item::Ended(ended));
-        }
         while let Some(wanted) = self.resends.front() {
             if let Some(frame) = history.first_of(wanted) {
                 return Some(Item::Again(frame));
@@ -101,7 +101,8 @@ impl Outbox {
             self.resends.pop_front();
         }
         let waiting = self.live..history.indices().end;
-        history.first_of(&waiting).map(Item::Live)
+        let live = history.first_of(&waiting).map(Item::Live);
+        live.or(self.ended.map(Item::Ended))
     }
 
     /// The link has taken `item`, which [`Self::next`] gave.

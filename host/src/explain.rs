@@ -1,6 +1,5 @@
-//! Why a model has the structure that it has, as text and as a picture.
+//! Why a model has the structure that it has, as text.
 
-use crate::plots::figure::{Curve, Figure, Ink, Panel};
 use servoid_identification::model::Structure;
 use servoid_identification::normal::Path;
 use servoid_identification::{Explanation, Model};
@@ -102,68 +101,4 @@ fn write_text(text: &mut String, e: &Explanation, structure: &Structure) -> std:
         }
     }
     Ok(())
-}
-
-/// The same as a picture: a panel for each choice that was made from the data.
-#[must_use]
-pub fn as_figure(name: &str, explanation: &Explanation) -> Figure {
-    let panel = |x: &str, y: &str, curves: Vec<Curve>| Panel {
-        x_label: x.into(),
-        y_label: y.into(),
-        curves,
-        ..Panel::default()
-    };
-    let mut panels = Vec::new();
-    if let Some(choice) = &explanation.settling {
-        let each = |of: &dyn Fn(usize, usize) -> f64| -> Vec<(f64, f64)> {
-            let points = choice.candidates.iter();
-            points
-                .map(|c| (c.settling as f64, of(c.settling, c.detected)))
-                .collect()
-        };
-        panels.push(panel(
-            "settling time N considered (samples)",
-            "samples",
-            vec![
-                Curve::solid(
-                    "1.75 x the settling found with it",
-                    Ink::Model,
-                    each(&|_, d| 1.75 * d as f64),
-                ),
-                Curve::dashed("N itself", Ink::Reference, each(&|n, _| n as f64)),
-            ],
-        ));
-    }
-    if !explanation.noise_orders.is_empty() {
-        let points = explanation
-            .noise_orders
-            .iter()
-            .map(|c| (c.order as f64, c.bic));
-        panels.push(panel(
-            "noise order d",
-            "BIC",
-            vec![Curve::solid("BIC", Ink::Model, points)],
-        ));
-    }
-    if !explanation.frequencies.is_empty() {
-        let each = |of: fn(&servoid_identification::nested::BankCandidate) -> f64| {
-            explanation
-                .frequencies
-                .iter()
-                .map(move |c| (c.frequencies as f64, of(c)))
-        };
-        panels.push(panel(
-            "number of frequencies n",
-            "half width of the step band",
-            vec![
-                Curve::solid("noise and bias", Ink::Model, each(|c| c.half_width())),
-                Curve::dashed("noise alone", Ink::Measured, each(|c| c.noise_half_width)),
-            ],
-        ));
-    }
-    Figure {
-        name: name.into(),
-        title: "Choice of structure".into(),
-        panels,
-    }
 }

@@ -11,16 +11,20 @@
 //! | module        | what it does                                                             |
 //! |---------------|--------------------------------------------------------------------------|
 //! | [`port`]      | a byte stream to a rig: serial, network, or simulated in this process      |
+//! | [`mod@reference`] | what the servo is told, from degrees, seconds and Hertz                |
 //! | [`rig`]       | talks to a rig, and captures runs                                          |
 //! | [`recording`] | recordings on disk, written as they come in and read as what they are      |
 //! | [`table`]     | any other CSV file                                                         |
 //! | [`timeline`]  | where the rows of such a file lie in time                                 |
 //! | [`dataset`]   | from files to a record that can be identified                              |
+//! | [`plan`]      | before a run: how wide the band will be, and what it cannot answer          |
 //! | [`plots`]     | pictures                                                                   |
 //! | [`summary`]   | results as text for a terminal                                             |
 //! | [`explain`]   | why a model has the structure that it has                                  |
 //! | [`report`]    | one page with everything, to open in a browser                             |
+//! | [`export`]    | models as scripts, headers and fragments for other programs                |
 //! | [`paper`]     | the paper's facts beside ours                                              |
+//! | [`template`]  | texts with gaps                                                           |
 //! | [`output`]    | files that a command leaves behind                                         |
 //! | [`commands`]  | the command line, thin                                                     |
 //!
@@ -30,15 +34,19 @@
 pub mod commands;
 pub mod dataset;
 pub mod explain;
+pub mod export;
 pub mod live;
 pub mod output;
 pub mod paper;
+pub mod plan;
 pub mod plots;
 pub mod port;
 pub mod recording;
+pub mod reference;
 pub mod report;
 pub mod rig;
 pub mod scope;
 pub mod summary;
 pub mod table;
+pub mod template;
 pub mod timeline;

@@ -4,6 +4,7 @@ use crate::plots::{Figure, svg};
 use crate::recording::WriteError;
 use anyhow::{Context, Result, bail};
 use servoid_identification::Model;
+use servoid_identification::flight_model::FlightModel;
 use servoid_identification::model::SCHEMA;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -77,6 +78,31 @@ pub fn read_model(path: &Path) -> Result<Model> {
         );
     }
     Ok(model)
+}
+
+/// Reads the model of low order that a model's file may carry beside the model.
+///
+/// # Errors
+/// One sentence: it cannot be read, or it contradicts itself.
+pub fn read_flight_model(path: &Path) -> Result<Option<FlightModel>> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|reason| anyhow::anyhow!("the model {path:?} cannot be read: {reason}"))?;
+    let beside: Beside = serde_json::from_str(&text)
+        .map_err(|e| anyhow::anyhow!("the low-order model in {path:?} cannot be read: {e}"))?;
+    if beside
+        .flight_model
+        .as_ref()
+        .is_some_and(|flight| !flight.is_consistent())
+    {
+        bail!("the low-order model in {path:?} contradicts itself: identify again");
+    }
+    Ok(beside.flight_model)
+}
+
+/// What may stand beside a model in its file.
+#[derive(serde::Deserialize)]
+struct Beside {
+    flight_model: Option<FlightModel>,
 }
 
 /// The one field that every version of the model has.

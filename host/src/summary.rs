@@ -4,8 +4,9 @@ mod beyond;
 mod comparison;
 
 pub use beyond::{of_flight_model, of_limits};
-pub use comparison::of_comparison;
+pub use comparison::{facts_of_comparison, of_comparison};
 
+use servoid_identification::comparison::Comparison;
 use servoid_identification::metrics::{Interval, Metrics};
 use servoid_identification::model::SelectedBy;
 use servoid_identification::{Advice, Model, Validation};
@@ -13,6 +14,8 @@ use std::fmt::Write;
 
 /// One line of a table of metrics.
 struct Row {
+    /// As the model's document calls it.
+    key: &'static str,
     name: &'static str,
     unit: &'static str,
     /// From the model's unit to the printed one.
@@ -23,6 +26,7 @@ struct Row {
 
 const ROWS: [Row; 8] = [
     Row {
+        key: "dc_gain",
         name: "DC gain",
         unit: "",
         scale: 1.0,
@@ -30,6 +34,7 @@ const ROWS: [Row; 8] = [
         of: |m| m.dc_gain,
     },
     Row {
+        key: "delay_s",
         name: "delay (5 %)",
         unit: "ms",
         scale: 1e3,
@@ -37,6 +42,7 @@ const ROWS: [Row; 8] = [
         of: |m| m.delay_s,
     },
     Row {
+        key: "t50_s",
         name: "time to 50 %",
         unit: "ms",
         scale: 1e3,
@@ -44,6 +50,7 @@ const ROWS: [Row; 8] = [
         of: |m| m.t50_s,
     },
     Row {
+        key: "rise_time_s",
         name: "rise time (10-90 %)",
         unit: "ms",
         scale: 1e3,
@@ -51,6 +58,7 @@ const ROWS: [Row; 8] = [
         of: |m| m.rise_time_s,
     },
     Row {
+        key: "overshoot_percent",
         name: "overshoot",
         unit: "%",
         scale: 1.0,
@@ -58,6 +66,7 @@ const ROWS: [Row; 8] = [
         of: |m| m.overshoot_percent,
     },
     Row {
+        key: "settling_time_s",
         name: "settling time (2 %)",
         unit: "ms",
         scale: 1e3,
@@ -65,6 +74,7 @@ const ROWS: [Row; 8] = [
         of: |m| m.settling_time_s,
     },
     Row {
+        key: "bandwidth_rad_s",
         name: "bandwidth (-3 dB)",
         unit: "rad/s",
         scale: 1.0,
@@ -72,6 +82,7 @@ const ROWS: [Row; 8] = [
         of: |m| m.bandwidth_rad_s,
     },
     Row {
+        key: "phase_minus_90_rad_s",
         name: "-90 deg of phase at",
         unit: "rad/s",
         scale: 1.0,
@@ -173,7 +184,7 @@ fn write_model(
     writeln!(text, "  offset      {:.4}{unit}", model.offset)?;
     writeln!(
         text,
-        "  residuals   white: p = {}, independent of the input: p = {}",
+        "  residuals   white: {}, independent of the input: {}",
         probability(model.residuals.whiteness_p),
         probability(model.residuals.input_correlation_p)
     )?;
@@ -197,8 +208,15 @@ fn write_model(
 pub fn of_validation(validation: &Validation, unit: Option<&str>) -> String {
     let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
     format!(
-        "fit {:.2} %, error {:.4}{unit} rms, bias {:+.4}{unit}, {} samples\n",
-        validation.fit_percent, validation.rmse, validation.bias, validation.samples_used
+        "fit {:.2} %, error {:.4}{unit} rms, bias {:+.4}{unit}, {} samples{}\n",
+        validation.fit_percent,
+        validation.rmse,
+        validation.bias,
+        validation.samples_used,
+        match validation.runs_from_rest {
+            0 => "",
+            _ => ", the first ones too, as the runs begin at rest by the look of them",
+        }
     )
 }
 
@@ -223,6 +241,33 @@ pub fn metric_rows(models: &[&Metrics]) -> Vec<MetricRow> {
             .collect(),
     };
     ROWS.iter().map(row).collect()
+}
+
+/// The metrics of both sides of a comparison and the second less the first, with bounds, as text.
+#[must_use]
+pub fn difference_rows(found: &Comparison) -> Vec<MetricRow> {
+    let of = |row: &Row| {
+        let difference = found.differences.iter().find(|d| d.metric == row.key)?;
+        let side = |bounds: Option<[f64; 2]>| {
+            bounds.map_or_else(String::new, |[lower, upper]| {
+                row.bounds(&Interval::new(lower, lower, upper))
+            })
+        };
+        let bounds = Interval {
+            value: difference.difference,
+            lower: difference.lower,
+            upper: difference.upper,
+        };
+        Some(MetricRow {
+            label: row.label(),
+            cells: vec![
+                (row.number(difference.a), side(difference.a_bounds)),
+                (row.number(difference.b), side(difference.b_bounds)),
+                (row.number(bounds.value), row.bounds(&bounds)),
+            ],
+        })
+    };
+    ROWS.iter().filter_map(of).collect()
 }
 
 /// Two models side by side, with their difference.
@@ -260,7 +305,7 @@ pub fn one_line(model: &Model, unit: Option<&str>) -> String {
     let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
     let (structure, fit) = (&model.structure, &model.fit);
     format!(
-        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.4}{unit} rms; residuals white: p = {}, independent of the input: p = {}",
+        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.4}{unit} rms; residuals white: {}, independent of the input: {}",
         fit.samples_used,
         fit.samples_missing,
         rounded(model.sample_period_s * 1e3),
@@ -274,9 +319,13 @@ pub fn one_line(model: &Model, unit: Option<&str>) -> String {
     )
 }
 
-/// A p-value; a test that could not be made has none.
-fn probability(p: Option<f64>) -> String {
-    p.map_or_else(|| "-".to_owned(), |p| format!("{p:.3}"))
+/// "p = 0.021"; a test that could not be made has none.
+pub(crate) fn probability(p: Option<f64>) -> String {
+    match p {
+        None => "p = -".to_owned(),
+        Some(p) if p < 0.001 => "p < 0.001".to_owned(),
+        Some(p) => format!("p = {p:.3}"),
+    }
 }
 
 /// 2 rather than 2.0000000000000004.

@@ -130,22 +130,22 @@ impl Table {
         self.columns.join(", ")
     }
 
-    /// The named columns, all of one length; NaN where a cell is empty.
+    /// The named columns, all of one length; NaN where a cell is empty. One pass over the file
+    /// serves all of them.
     ///
     /// # Errors
     /// [`TableError::NoColumn`], [`TableError::NotANumber`] or [`TableError::NotCsv`].
-    pub fn numbers<const K: usize>(&self, names: [&str; K]) -> Result<[Vec<f64>; K], TableError> {
-        let mut places = [0; K];
-        for (place, name) in places.iter_mut().zip(names) {
-            *place = self.place_of(name)?;
+    pub fn numbers(&self, names: &[&str]) -> Result<Vec<Vec<f64>>, TableError> {
+        let mut columns = Vec::with_capacity(names.len());
+        for name in names {
+            columns.push((self.place_of(name)?, Vec::new()));
         }
-        let mut columns = [const { Vec::new() }; K];
         let mut reader = csv_reader(&self.bytes);
         let mut record = csv::ByteRecord::new();
         loop {
             match reader.read_byte_record(&mut record) {
                 Ok(true) => {}
-                Ok(false) => return Ok(columns),
+                Ok(false) => return Ok(columns.into_iter().map(|(_, numbers)| numbers).collect()),
                 Err(error) => {
                     let path = self.path.clone();
                     return Err(TableError::NotCsv {
@@ -154,15 +154,15 @@ impl Table {
                     });
                 }
             }
-            for ((column, &place), name) in columns.iter_mut().zip(&places).zip(names) {
-                let cell = record.get(place).unwrap_or_default();
+            for ((place, numbers), name) in columns.iter_mut().zip(names) {
+                let cell = record.get(*place).unwrap_or_default().trim_ascii();
                 let number = number(cell).ok_or_else(|| TableError::NotANumber {
                     path: self.path.clone(),
-                    column: name.to_owned(),
+                    column: (*name).to_owned(),
                     line: record.position().map_or(0, csv::Position::line),
                     text: String::from_utf8_lossy(cell).chars().take(40).collect(),
                 })?;
-                column.push(number);
+                numbers.push(number);
             }
         }
     }
@@ -182,7 +182,8 @@ impl Table {
 fn csv_reader(bytes: &[u8]) -> csv::Reader<&[u8]> {
     csv::ReaderBuilder::new()
         .comment(Some(b'#'))
-        .trim(csv::Trim::All)
+        // Cells are trimmed where they are read: trimming whole rows would copy each of them.
+        .trim(csv::Trim::Headers)
         .from_reader(bytes)
 }
 
@@ -222,9 +223,17 @@ mod tests {
     #[test]
     fn columns_are_found_by_name_and_empty_cells_are_missing_samples() {
         let table = table("# remark\n t , u,y\n0,1,2\n# another\n1,,4e-1\n").unwrap();
-        let [y, u] = table.numbers(["y", "u"]).unwrap();
-        assert_eq!(y, [2.0, 0.4]);
-        assert!(u[0] == 1.0 && u[1].is_nan());
+        let columns = table.numbers(&["y", "u"]).unwrap();
+        assert_eq!(columns[0], [2.0, 0.4]);
+        assert!(columns[1][0] == 1.0 && columns[1][1].is_nan());
+    }
+
+    #[test]
+    fn spaces_around_cells_and_line_ends_of_windows_do_not_matter() {
+        let table = table("u, y\r\n 1 ,\t2\r\n  , 3 \r\n").unwrap();
+        let columns = table.numbers(&["u", "y"]).unwrap();
+        assert_eq!(columns[1], [2.0, 3.0]);
+        assert!(columns[0][0] == 1.0 && columns[0][1].is_nan());
     }
 
     #[test]
@@ -233,14 +242,14 @@ mod tests {
             table("").unwrap_err(),
             table("u,y\n1,nan\n")
                 .unwrap()
-                .numbers(["u", "y"])
+                .numbers(&["u", "y"])
                 .unwrap_err(),
             table("u,y\n1,2\n1,inf\n")
                 .unwrap()
-                .numbers(["y"])
+                .numbers(&["y"])
                 .unwrap_err(),
-            table("u,y\n1,2\n").unwrap().numbers(["z"]).unwrap_err(),
-            table("u,y\n1,2\n1\n").unwrap().numbers(["u"]).unwrap_err(),
+            table("u,y\n1,2\n").unwrap().numbers(&["z"]).unwrap_err(),
+            table("u,y\n1,2\n1\n").unwrap().numbers(&["u"]).unwrap_err(),
         ];
         for (error, words) in errors.iter().zip([
             "empty",

@@ -39,8 +39,11 @@ impl TimeColumn {
             .map(|w| w[1] - w[0])
             .filter(|step| *step > 0.0)
             .collect();
-        steps.sort_by(f64::total_cmp);
-        let step = *steps.get(steps.len() / 2)?;
+        if steps.is_empty() {
+            return None;
+        }
+        let middle = steps.len() / 2;
+        let step = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
         let even = steps
             .iter()
             .filter(|&&s| (s / step - 1.0).abs() < 0.05)

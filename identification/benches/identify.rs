@@ -1,31 +1,89 @@
-//! What identification costs: moments are linear in the length of the record, everything after
-//! them does not depend on it.
+//! What identification costs. Names say what is required, on one core that has nothing else to do.
 
 use std::hint::black_box;
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use rand::{RngExt, SeedableRng};
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use servoid_identification::moments::Moments;
+use rand_distr::{Distribution, StandardNormal};
+use servoid_identification::moments::{MomentStream, Moments};
 use servoid_identification::{
     Frequencies, NoiseOrder, Options, Record, Settling, identify, identify_moments,
 };
 
-/// A first-order servo with white noise, driven by random frames of ten samples.
-fn record(samples: usize) -> Record {
-    let mut random = ChaCha8Rng::seed_from_u64(samples as u64);
-    let mut input = 0.0;
-    let mut state = 0.0;
-    let (mut u, mut y) = (Vec::new(), Vec::new());
-    for k in 0..samples {
-        if k % 10 == 0 {
-            input = if random.random::<bool>() { 5.0 } else { -5.0 };
+const PERIOD: f64 = 0.002;
+
+/// Lags for N = 100 and d = 2.
+const LAGS: (usize, usize) = (102, 3);
+
+/// A servo of second order (60 rad/s, damping 0.5, 8 ms of dead time) under autoregressive noise, and
+/// the staircase that drives it: holds of 800, 700, ... 100 ms up and down, over and over.
+struct Servo {
+    random: ChaCha8Rng,
+    /// The newest inputs, one for each sample of dead time.
+    late: [f64; 4],
+    position: f64,
+    speed: f64,
+    noise: (f64, f64),
+    sample: usize,
+}
+
+impl Servo {
+    fn new() -> Self {
+        Self {
+            random: ChaCha8Rng::seed_from_u64(20),
+            late: [-5.0; 4],
+            position: -5.0,
+            speed: 0.0,
+            noise: (0.0, 0.0),
+            sample: 0,
         }
-        state += 0.06 * (input - state);
-        u.push(input);
-        y.push(state + 0.1 * (random.random::<f64>() - 0.5));
     }
-    Record::from_slices(0.002, &u, &y).expect("a simulated record is sound")
+
+    fn staircase(sample: usize) -> f64 {
+        let mut left = sample % 3600;
+        for hold in (1..=8).rev().map(|tenths| 50 * tenths) {
+            if left < 2 * hold {
+                return if left < hold { 5.0 } else { -5.0 };
+            }
+            left -= 2 * hold;
+        }
+        unreachable!("the holds add up to 3600 samples")
+    }
+}
+
+impl Iterator for Servo {
+    type Item = (f64, f64);
+
+    fn next(&mut self) -> Option<(f64, f64)> {
+        const STEPS: u32 = 4;
+        let input = Self::staircase(self.sample);
+        self.sample += 1;
+        let white: f64 = StandardNormal.sample(&mut self.random);
+        self.noise = (
+            1.5 * self.noise.0 - 0.7 * self.noise.1 + 0.02 * white,
+            self.noise.0,
+        );
+        let output = self.position + self.noise.0;
+        let target = self.late[3];
+        self.late.rotate_right(1);
+        self.late[0] = input;
+        for _ in 0..STEPS {
+            let step = PERIOD / f64::from(STEPS);
+            self.speed += step * (3600.0 * (target - self.position) - 60.0 * self.speed);
+            self.position += step * self.speed;
+        }
+        Some((input, output))
+    }
+}
+
+fn slices(samples: usize) -> (Vec<f64>, Vec<f64>) {
+    Servo::new().take(samples).unzip()
+}
+
+fn record(samples: usize) -> Record {
+    let (u, y) = slices(samples);
+    Record::from_slices(PERIOD, &u, &y).expect("a simulated record is sound")
 }
 
 fn fixed() -> Options {
@@ -37,33 +95,93 @@ fn fixed() -> Options {
     }
 }
 
-fn benches(criterion: &mut Criterion) {
-    for samples in [3_600, 100_000, 1_000_000] {
+fn whole(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("from slices to model, N=100 n=31 d=2");
+    group.sample_size(20);
+    for (samples, limit) in [(3_600, "2 ms"), (1_000_000, "60 ms")] {
+        let (u, y) = slices(samples);
+        group.throughput(Throughput::Elements(samples as u64));
+        group.bench_function(format!("{samples} samples in at most {limit}"), |bencher| {
+            bencher.iter(|| {
+                let record = Record::from_slices(PERIOD, black_box(&u), &y).unwrap();
+                identify(&record, &fixed()).unwrap()
+            });
+        });
+    }
+    group.finish();
+}
+
+fn linear(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("moments, cost linear in the samples");
+    group.sample_size(10);
+    for samples in [10_000, 100_000, 1_000_000] {
         let record = record(samples);
-        let mut group = criterion.benchmark_group(format!("{samples} samples"));
-        group
-            .throughput(Throughput::Elements(samples as u64))
-            .sample_size(10);
-        group.bench_function("identify N=100 n=31 d=2", |bencher| {
-            bencher.iter(|| identify(black_box(&record), &fixed()).unwrap());
+        group.throughput(Throughput::Elements(samples as u64));
+        group.bench_function(format!("{samples} samples"), |bencher| {
+            bencher.iter(|| Moments::of_record(black_box(&record), LAGS.0, LAGS.1));
         });
-        group.bench_function("moments N=100 d=2", |bencher| {
-            bencher.iter(|| Moments::of_record(black_box(&record), 102, 3));
-        });
-        let moments = Moments::of_record(&record, 102, 3);
-        group.bench_function("from moments N=100 n=31 d=2", |bencher| {
+    }
+    group.finish();
+}
+
+fn independent(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("from moments to model, whatever the samples");
+    group.sample_size(20);
+    for samples in [3_600, 100_000, 1_000_000] {
+        let moments = Moments::of_record(&record(samples), LAGS.0, LAGS.1);
+        group.bench_function(format!("moments of {samples} samples"), |bencher| {
             bencher.iter(|| identify_moments(black_box(&moments), &fixed()).unwrap());
         });
-        group.finish();
     }
-    let record = record(4_200);
-    let mut group = criterion.benchmark_group("4200 samples");
+    group.finish();
+}
+
+/// Samples are made as they are needed and not kept: the memory is that of the stream alone.
+fn live(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("live, frames of ten samples in constant memory");
     group.sample_size(10);
-    group.bench_function("identify, all automatic", |bencher| {
-        bencher.iter(|| identify(black_box(&record), &Options::default()).unwrap());
+    let settling = 151;
+    let empty = || MomentStream::new(PERIOD, settling + 8, 9);
+    let (u, y) = slices(3_600);
+    group.throughput(Throughput::Elements(1_000_000));
+    group.bench_function("1e6 samples pushed", |bencher| {
+        bencher.iter(|| {
+            let mut stream = empty();
+            let frames = u.chunks(10).zip(y.chunks(10)).cycle();
+            for (input, output) in frames.take(100_000) {
+                stream.push(black_box(input), output);
+            }
+            stream
+        });
+    });
+    let mut stream = empty();
+    stream.push(&u, &y);
+    let options = Options {
+        settling: Settling::Samples(settling),
+        ..Options::default()
+    };
+    group.throughput(Throughput::Elements(1));
+    group.bench_function("one look, N=n=151, in at most 20 ms", |bencher| {
+        bencher.iter_batched(
+            || stream.clone(),
+            |stream| identify_moments(&stream.moments(), &options).unwrap(),
+            BatchSize::SmallInput,
+        );
     });
     group.finish();
 }
 
-criterion_group!(identification, benches);
+fn automatic(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("from slices to model, all automatic");
+    group.sample_size(10);
+    for samples in [3_600, 1_000_000] {
+        let record = record(samples);
+        group.bench_function(format!("{samples} samples"), |bencher| {
+            bencher.iter(|| identify(black_box(&record), &Options::default()).unwrap());
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(identification, whole, linear, independent, live, automatic);
 criterion_main!(identification);

@@ -1,15 +1,16 @@
 //! Measures by simulation how often the bands hold what they should, and prints the table of the
 //! documentation as markdown.
 //!
-//! `cargo run --release -p servoid-identification --example coverage -- [RUNS] [FILTER]` with 300
-//! runs a case by default; FILTER keeps the lines that contain it, such as `Staircase | A`.
+//! `cargo run --release -p servoid-identification --example coverage -- [RUNS] [FILTER] [narrow]`
+//! with 300 runs a case by default; FILTER keeps the lines that contain it, such as `Staircase | A`;
+//! `narrow` takes the narrow number of frequencies.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
 
 use common::coverage::{Case, Line, Reference, measure};
 use common::{Noise, Plant};
-use servoid_identification::Options;
+use servoid_identification::{Frequencies, Options};
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
@@ -17,9 +18,30 @@ fn main() {
         .next()
         .map_or(300, |runs| runs.parse().expect("RUNS is a number"));
     let filter = arguments.next().unwrap_or_default();
+    let options = Options {
+        frequencies: arguments.next().map_or(Frequencies::Auto, |word| {
+            word.parse().expect("auto, narrow or an odd number")
+        }),
+        ..Options::default()
+    };
+    println!("{}", Line::HEADING);
+    for case in cases() {
+        let Case {
+            reference,
+            plant,
+            noise,
+            scale,
+        } = case;
+        if format!("| {reference:?} | {plant:?} | {noise:?} | {scale} |").contains(&filter) {
+            println!("{}", measure(case, runs, &options));
+        }
+    }
+}
+
+fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for scale in [1.0, 5.0] {
-        for reference in [Reference::Staircase, Reference::Prbs] {
+        for reference in [Reference::Staircase, Reference::Prbs, Reference::LowPassed] {
             for plant in [Plant::A, Plant::B, Plant::C, Plant::D, Plant::E] {
                 for noise in [Noise::White, Noise::Ar1, Noise::Ar2] {
                     cases.push(Case {
@@ -32,16 +54,5 @@ fn main() {
             }
         }
     }
-    println!("{}", Line::HEADING);
-    for case in cases {
-        let Case {
-            reference,
-            plant,
-            noise,
-            scale,
-        } = case;
-        if format!("| {reference:?} | {plant:?} | {noise:?} | {scale} |").contains(&filter) {
-            println!("{}", measure(case, runs, &Options::default()));
-        }
-    }
+    cases
 }

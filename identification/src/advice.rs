@@ -6,11 +6,11 @@ use crate::explanation::Explanation;
 use crate::gls::MAX_AUTO_ORDER;
 use crate::identify::WELL_CONDITIONED;
 use crate::model::{Model, SelectedBy};
-use crate::model_error::TOLERATED;
+use crate::model_error::{DISAGREEMENT, TOLERATED};
 use crate::noise::largest_root;
 use crate::normal::Path;
 use crate::options::{Frequencies, NoiseOrder, Options};
-use crate::structure::{Choice, MARGIN};
+use crate::structure::{Choice, DETECTION, MARGIN};
 
 /// One finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -81,7 +81,10 @@ const LARGE_SHARE: f64 = 0.25;
 pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
     [
         model_error(evidence),
+        excitation(evidence),
+        figures(evidence),
         settled(evidence),
+        hidden_tail(evidence),
         responds(evidence),
         truncated(evidence),
         parameters(evidence),
@@ -128,6 +131,34 @@ fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
             7.0 * MARGIN * longest
         ),
     ))
+}
+
+/// What may go on below the noise after the settling time, in standard deviations, without spoiling
+/// bounds.
+const HIDDEN: f64 = 0.5;
+
+/// Of an exponential tail of the size A of the response, seen down to c standard deviations s, the share
+/// (c s / A)^κ is left after κ times as long: c (c s / A)^(κ-1) standard deviations.
+fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
+    trusted_choice(evidence).filter(|choice| choice.settled && choice.detected > 1)?;
+    let step = &evidence.model.step;
+    let size = step.value.last()?.abs();
+    let sd = step.sd.iter().copied().fold(0.0, f64::max);
+    let hidden = DETECTION * (DETECTION * sd / size).powf(MARGIN - 1.0);
+    (hidden > HIDDEN).then(|| {
+        Advice::new(
+            "hidden_tail",
+            format!(
+                "The noise is large: a slow end or a ringing of the response below {:.0} % of the final \
+                 value cannot be seen, and what is left of it after the settling time may be {hidden:.1} \
+                 standard deviations. The bounds may hold less often than they say.",
+                100.0 * DETECTION * sd / size
+            ),
+            hidden,
+            HIDDEN,
+            "Record longer, or use larger steps.",
+        )
+    })
 }
 
 fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
@@ -328,6 +359,44 @@ fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         "Record longer holds, smaller steps and lower frequencies; use the model for prediction, not \
          for comparison by its bounds.",
     ))
+}
+
+fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
+    let errors = evidence.explanation.model_errors.as_ref()?;
+    let untold = errors.untold_from_hz?;
+    let asked = 0.5 / evidence.model.sample_period_s;
+    Some(Advice::new(
+        "excitation",
+        format!(
+            "The input is smooth: from {untold:.1} Hz upwards it has too little power to tell the \
+             response, and a step has much of its detail there."
+        ),
+        untold,
+        asked,
+        format!(
+            "Use a reference with sharp edges, such as a staircase or random steps, which has power up \
+             to {asked:.0} Hz."
+        ),
+    ))
+}
+
+fn figures(evidence: &Evidence<'_>) -> Option<Advice> {
+    let errors = evidence.explanation.model_errors.as_ref()?;
+    let apart = errors.disagreement(&evidence.model.step.value);
+    (apart > DISAGREEMENT).then(|| {
+        Advice::new(
+            "metrics",
+            format!(
+                "Delay, rise time, overshoot and the like cannot be told from this recording: the step \
+                 responses of plain and generalised least squares differ by up to {:.0} % of the largest \
+                 value. They are left out.",
+                100.0 * apart.min(9.99)
+            ),
+            apart,
+            DISAGREEMENT,
+            "Record steps that are held until the servo rests.",
+        )
+    })
 }
 
 fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {

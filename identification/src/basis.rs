@@ -133,6 +133,34 @@ impl Basis {
         map
     }
 
+    /// Columns Q(m) of eq. (5) for the samples `points` alone: n x points.
+    ///
+    /// ```
+    /// use servoid_identification::basis::Basis;
+    /// let basis = Basis::new(40, 15)?;
+    /// let (rows, map) = (basis.step_rows(&[3, 39]), basis.step_map());
+    /// assert!((0..15).all(|j| (rows[(j, 0)] - map[(3, j)]).abs() < 1e-14));
+    /// assert!((0..15).all(|j| (rows[(j, 1)] - map[(39, j)]).abs() < 1e-14));
+    /// # Ok::<(), servoid_identification::Error>(())
+    /// ```
+    #[must_use]
+    pub fn step_rows(&self, points: &[usize]) -> Mat<f64> {
+        let n = self.settling;
+        // Angles πk/N, of which S(l,m) = sin(lΩ(m+1)/2) e^{jlΩm/2} / (N sin(lΩ/2)) has multiples.
+        let half = Circle::new(2 * n);
+        Mat::from_fn(self.frequencies, points.len(), |j, k| {
+            let (l, m) = (j.div_ceil(2), points[k]);
+            if l == 0 {
+                return (m + 1) as f64 / n as f64;
+            }
+            let size = 2.0 * half.sin(l * (m + 1)) / (n as f64 * half.sin(l));
+            match j % 2 {
+                1 => size * half.cos(l * m),
+                _ => -size * half.sin(l * m),
+            }
+        })
+    }
+
     /// The impulse response T θ (N samples).
     #[must_use]
     pub fn impulse_response(&self, theta: &[f64]) -> Vec<f64> {
@@ -214,6 +242,34 @@ impl Basis {
         (re, im)
     }
 
+    /// G at each of `omegas` \[rad/sample\] as (real, imaginary), by the sum of eq. (1) over the
+    /// impulse response: for many frequencies at once.
+    #[must_use]
+    pub fn frequency_responses(&self, theta: &[f64], omegas: &[f64]) -> Vec<(f64, f64)> {
+        const TOGETHER: usize = 8;
+        let impulse = self.impulse_response(theta);
+        let mut responses = Vec::with_capacity(omegas.len());
+        for omegas in omegas.chunks(TOGETHER) {
+            // e^{jωi} turned on step by step, several frequencies side by side: after N steps the
+            // error is N roundings.
+            let (mut c, mut s) = ([1.0; TOGETHER], [0.0; TOGETHER]);
+            let (mut re, mut im) = ([0.0; TOGETHER], [0.0; TOGETHER]);
+            let (mut cos, mut sin) = ([1.0; TOGETHER], [0.0; TOGETHER]);
+            for ((sin, cos), omega) in sin.iter_mut().zip(&mut cos).zip(omegas) {
+                (*sin, *cos) = omega.sin_cos();
+            }
+            for h in &impulse {
+                for k in 0..TOGETHER {
+                    re[k] += h * c[k];
+                    im[k] -= h * s[k];
+                    (c[k], s[k]) = (c[k] * cos[k] - s[k] * sin[k], c[k] * sin[k] + s[k] * cos[k]);
+                }
+            }
+            responses.extend(re.into_iter().zip(im).take(omegas.len()));
+        }
+        responses
+    }
+
     /// G at `omega` \[rad/sample\] as (real, imaginary).
     #[must_use]
     pub fn frequency_response(&self, theta: &[f64], omega: f64) -> (f64, f64) {
@@ -269,10 +325,21 @@ pub fn running_sum(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Inner product over the common length.
+/// Inner product over the common length, in eight independent sums, so that it can be done in vector
+/// registers.
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+    let length = a.len().min(b.len());
+    let (a, b) = (a[..length].chunks_exact(8), b[..length].chunks_exact(8));
+    let rest = a.remainder().iter().zip(b.remainder());
+    let rest: f64 = rest.map(|(x, y)| x * y).sum();
+    let mut sums = [0.0; 8];
+    for (a, b) in a.zip(b) {
+        for ((sum, x), y) in sums.iter_mut().zip(a).zip(b) {
+            *sum += x * y;
+        }
+    }
+    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]
@@ -340,6 +407,10 @@ mod tests {
             let (re, im) = basis.frequency_response(&theta, omega);
             assert_abs_diff_eq!(re, direct.0, epsilon = 1e-13);
             assert_abs_diff_eq!(im, direct.1, epsilon = 1e-13);
+            let together = basis.frequency_responses(&theta, &[omega; 11]);
+            assert_eq!(together.len(), 11);
+            assert_abs_diff_eq!(together[10].0, direct.0, epsilon = 1e-13);
+            assert_abs_diff_eq!(together[10].1, direct.1, epsilon = 1e-13);
         }
     }
 

@@ -24,11 +24,11 @@
 //! ```
 
 mod difference;
+mod outcome;
 mod over_prediction;
 mod scatter;
 mod sides;
-
-use serde::{Deserialize, Serialize};
+mod words;
 
 use crate::advice::Advice;
 use crate::error::Error;
@@ -38,9 +38,14 @@ use crate::model::{Model, SCHEMA};
 use crate::options::Options;
 use crate::record::Record;
 use crate::structure::MARGIN;
-use difference::{Curves, LargestDifference, equivalent_shift, largest_difference};
+use crate::timing::Timing;
+use difference::{Curves, Differences, equivalent_shift};
 use sides::{Identified, identified, same_period};
 
+pub use outcome::{
+    Asymmetry, Comparison, DifferenceCurve, DifferencePercent, Levels, MetricDifference, Sides,
+    Stroke, Verdict,
+};
 pub use over_prediction::OverPrediction;
 
 /// Probability of a difference by chance below which scatter between runs does not explain it.
@@ -69,114 +74,6 @@ impl Default for ComparisonOptions {
             zero_sd: 0.0,
         }
     }
-}
-
-/// The answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Verdict {
-    /// By more than the margin.
-    Different,
-    /// Within the margin.
-    Same,
-    /// The recordings allow both.
-    Undecided,
-}
-
-/// Simultaneous bounds of the largest difference.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct DifferencePercent {
-    /// \[% of the step\], zero when there may be none.
-    pub at_least: f64,
-    /// \[% of the step\].
-    pub at_most: f64,
-    /// When the difference is surest, after the edge \[s\].
-    pub at_s: f64,
-}
-
-/// Where one side comes to rest.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Levels {
-    /// Largest command.
-    pub command_plus: f64,
-    /// Rest at the largest command.
-    pub plus: Interval,
-    /// Smallest command.
-    pub command_minus: f64,
-    /// Rest at the smallest command.
-    pub minus: Interval,
-}
-
-/// Whether one side answers up and down strokes differently.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Asymmetry {
-    /// Probability of the difference seen if it does not; `None` when the record cannot tell.
-    pub p: Option<f64>,
-    /// Largest difference between up and down \[% of the stroke\].
-    pub largest_percent: Option<f64>,
-}
-
-/// One item for each side.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Sides<T> {
-    /// The first side.
-    pub a: T,
-    /// The second side.
-    pub b: T,
-}
-
-/// One figure of both sides.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct MetricDifference {
-    /// Name of the figure, as in the model.
-    pub metric: String,
-    /// Of the first side.
-    pub a: Option<f64>,
-    /// Of the second side.
-    pub b: Option<f64>,
-    /// b - a.
-    pub difference: Option<f64>,
-    /// Lower bound of the difference.
-    pub lower: Option<f64>,
-    /// Upper bound of the difference.
-    pub upper: Option<f64>,
-}
-
-/// Two servos, or one servo under two conditions, side by side.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Comparison {
-    /// Version of this document.
-    pub schema: u32,
-    /// The answer.
-    pub verdict: Verdict,
-    /// The margin it is held against \[% of the step\].
-    pub margin_percent: f64,
-    /// Bounds of the largest difference between the responses.
-    pub difference_percent: DifferencePercent,
-    /// Level of every bound.
-    pub level: f64,
-    /// Runs on each side.
-    pub runs: [usize; 2],
-    /// Probability of the difference by scatter between runs of one servo; `None` with fewer than
-    /// three runs on a side.
-    pub p_value: Option<f64>,
-    /// Delay that brings the first response closest to the second \[s\].
-    pub delay_shift_s: f64,
-    /// Whether up and down strokes are compared apart.
-    pub split: bool,
-    /// By how much the first, driven like the second, goes farther; `None` without plateaus at two
-    /// levels.
-    pub over_prediction: Option<OverPrediction>,
-    /// Where each side comes to rest at the ends of the command; `None` without records.
-    pub levels: Option<Sides<Levels>>,
-    /// Up against down strokes on each side; `None` without records.
-    pub asymmetry: Option<Sides<Asymmetry>>,
-    /// Figures of both sides.
-    pub differences: Vec<MetricDifference>,
-    /// The answer in two sentences.
-    pub summary: String,
-    /// What the recordings cannot answer, and what would.
-    pub advice: Vec<Advice>,
 }
 
 /// Compares two sides, each a record of one or more runs.
@@ -245,6 +142,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         a: a.asymmetry(),
         b: b.asymmetry(),
     });
+    comparison.summary = words::summary(&comparison);
     comparison.advice = advice(&comparison, &[&a, &b]);
     Ok(comparison)
 }
@@ -265,6 +163,7 @@ pub fn compare_models(
         .max(b.structure.settling_samples);
     let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
     let mut comparison = of_curves(a, b, &curves, None, [1, 1], options);
+    comparison.summary = words::summary(&comparison);
     comparison.advice = advice(&comparison, &[]);
     Ok(comparison)
 }
@@ -278,7 +177,8 @@ fn of_curves(
     options: &ComparisonOptions,
 ) -> Comparison {
     let level = options.identification.level;
-    let found = largest_difference(&curves[0], &curves[1], level);
+    let differences = Differences::of(&curves[0], &curves[1], level);
+    let found = differences.largest();
     let margin = options.margin_percent / 100.0;
     let by_margin = if found.at_least > margin {
         Verdict::Different
@@ -287,16 +187,17 @@ fn of_curves(
     } else {
         Verdict::Undecided
     };
-    let by_chance = p_value.is_some_and(|p| p > CHANCE);
     let verdict = match by_margin {
-        Verdict::Different if by_chance => Verdict::Undecided,
+        Verdict::Different if explained_by_chance(p_value) => Verdict::Undecided,
         other => other,
     };
     let timing = a.timing();
+    let curves_of_difference = difference_curves(&differences, timing);
     let difference_percent = DifferencePercent {
         at_least: 100.0 * found.at_least.max(0.0),
         at_most: 100.0 * found.at_most,
         at_s: timing.seconds(found.sample as f64),
+        stroke: curves_of_difference[found.curve].stroke,
     };
     let delay_shift_s = equivalent_shift(&curves[0], &curves[1]) * timing.sample_period_s
         + b.sample_phase_s
@@ -315,45 +216,37 @@ fn of_curves(
         levels: None,
         asymmetry: None,
         differences: metric_differences(&a.metrics, &b.metrics),
-        summary: summary(verdict, &found, by_chance, p_value, options),
+        curves: curves_of_difference,
+        summary: String::new(),
         advice: Vec::new(),
     }
 }
 
-fn summary(
-    verdict: Verdict,
-    found: &LargestDifference,
-    by_chance: bool,
-    p_value: Option<f64>,
-    options: &ComparisonOptions,
-) -> String {
-    let (least, most) = (100.0 * found.at_least.max(0.0), 100.0 * found.at_most);
-    let margin = options.margin_percent;
-    let answer = match verdict {
-        Verdict::Different => format!(
-            "The two servos differ by more than the margin of {margin} %: at least {least:.1} % and at most \
-             {most:.1} % of the step."
-        ),
-        Verdict::Same => format!(
-            "The two servos are the same within the margin of {margin} %: they differ by at most {most:.1} % \
-             of the step."
-        ),
-        Verdict::Undecided if by_chance && 100.0 * found.at_least > margin => format!(
-            "The recordings differ by at least {least:.1} % of the step, but no more than runs of one \
-             servo differ among themselves."
-        ),
-        Verdict::Undecided => format!(
-            "The recordings do not decide: the servos differ by {least:.1} to {most:.1} % of the step, and \
-             the margin of {margin} % lies between."
-        ),
+/// Whether runs of one servo differ as much among themselves.
+fn explained_by_chance(p_value: Option<f64>) -> bool {
+    p_value.is_some_and(|p| p > CHANCE)
+}
+
+fn difference_curves(differences: &Differences, timing: Timing) -> Vec<DifferenceCurve> {
+    let strokes: &[Stroke] = match differences.curves() {
+        1 => &[Stroke::Both],
+        _ => &[Stroke::Up, Stroke::Down],
     };
-    let chance = match p_value {
-        Some(p) => format!("Differences between runs are counted (p = {p:.3})."),
-        None => {
-            "Differences from run to run are not included: that takes three runs a side.".to_owned()
+    let curve = |(index, &stroke): (usize, &Stroke)| {
+        let (value, half) = differences.curve(index);
+        let percent = |sign: f64| {
+            let bound = |(d, h): (&f64, &f64)| 100.0 * (d + sign * h);
+            value.iter().zip(half).map(bound).collect()
+        };
+        DifferenceCurve {
+            stroke,
+            time_s: (0..value.len()).map(|m| timing.seconds(m as f64)).collect(),
+            percent: percent(0.0),
+            lower: percent(-1.0),
+            upper: percent(1.0),
         }
     };
-    format!("{answer} {chance}")
+    strokes.iter().enumerate().map(curve).collect()
 }
 
 /// How to read a figure.
@@ -370,6 +263,7 @@ fn metric_differences(a: &Metrics, b: &Metrics) -> Vec<MetricDifference> {
         ("bandwidth_rad_s", |m| m.bandwidth_rad_s),
         ("phase_minus_90_rad_s", |m| m.phase_minus_90_rad_s),
     ];
+    let bounds = |of: &Interval| of.lower.zip(of.upper).map(<[f64; 2]>::from);
     figures
         .iter()
         .map(|(name, of)| {
@@ -385,7 +279,9 @@ fn metric_differences(a: &Metrics, b: &Metrics) -> Vec<MetricDifference> {
             MetricDifference {
                 metric: (*name).to_owned(),
                 a: a.value,
+                a_bounds: bounds(&a),
                 b: b.value,
+                b_bounds: bounds(&b),
                 difference,
                 lower: difference.zip(below).map(|(d, below)| d - below),
                 upper: difference.zip(above).map(|(d, above)| d + above),

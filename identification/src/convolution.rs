@@ -1,6 +1,6 @@
 //! Passing a record through a finite impulse response.
 
-use realfft::RealFftPlanner;
+use crate::fft;
 
 /// Below this many products the direct sum is faster than setting up transforms.
 const DIRECT_PRODUCTS: usize = 1 << 16;
@@ -46,11 +46,7 @@ pub fn causal_filter(impulse: &[f64], input: &[f64], at_rest: Option<f64>) -> Ve
 fn overlap_save(impulse: &[f64], padded: &[f64]) -> Vec<f64> {
     let history = impulse.len() - 1;
     let size = (8 * impulse.len()).next_power_of_two().max(1024);
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (
-        planner.plan_fft_forward(size),
-        planner.plan_fft_inverse(size),
-    );
+    let (forward, inverse) = (fft::forward(size), fft::inverse(size));
     let mut block = forward.make_input_vec();
     let mut response = forward.make_output_vec();
     block[..impulse.len()].copy_from_slice(impulse);

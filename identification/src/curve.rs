@@ -12,8 +12,9 @@
 
 use faer::Mat;
 
+use crate::basis::dot;
 use crate::gls::GlsFit;
-use crate::normal::Information;
+use crate::normal::{Information, with_one};
 
 /// Standard deviations of linear functions of the response.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,10 +32,11 @@ pub struct CurveSpread {
 pub fn spread(information: &Information, fit: &GlsFit, functions: &Mat<f64>) -> CurveSpread {
     let (f, p) = (functions.nrows(), fit.coordinates.len());
     let inverse = &fit.solution.inverse;
-    // Rows of the weights: functions * (Z'Z)^-1, the offset's column included.
-    let weights = functions * inverse.as_ref().submatrix(0, 0, p, p + 1);
-    let product =
-        |i: usize, k: usize| -> f64 { (0..p).map(|j| weights[(i, j)] * functions[(k, j)]).sum() };
+    // One function in each column, for contiguous inner products; its weights (Z'Z)^-1 w, that of
+    // the offset last.
+    let functions = functions.transpose().to_owned();
+    let weights = inverse.as_ref().submatrix(0, 0, p + 1, p) * &functions;
+    let product = |i: usize, k: usize| dot(weights.col_as_slice(i), functions.col_as_slice(k));
     let variance: Vec<f64> = (0..f).map(|i| product(i, i).max(0.0)).collect();
     let neighbour_correlation = (1..f)
         .map(|i| {
@@ -73,7 +75,7 @@ pub fn spread(information: &Information, fit: &GlsFit, functions: &Mat<f64>) -> 
 }
 
 /// d ln(w'(Z_D'Z_D)^-1 w) / dD_k = -2 v' (dZ_D/dD_k)' Z_D v / (w'(Z_D'Z_D)^-1 w) for the weights
-/// v = (Z_D'Z_D)^-1 w: d x f.
+/// v = (Z_D'Z_D)^-1 w, one in each column of `weights`: d x f.
 fn log_variance_gradients(
     information: &Information,
     fit: &GlsFit,
@@ -81,32 +83,22 @@ fn log_variance_gradients(
     variance: &[f64],
 ) -> Mat<f64> {
     let order = fit.ar.len();
-    let f = weights.nrows();
+    let f = weights.ncols();
     if order == 0 {
         return Mat::zeros(0, f);
     }
     let moments = &information.moments;
     let (n, p) = (fit.coordinates.basis.settling(), fit.coordinates.len());
-    let d: Vec<f64> = std::iter::once(1.0).chain(fit.ar.iter().copied()).collect();
+    let d = with_one(&fit.ar);
     let gain: f64 = d.iter().sum();
     let rows = moments.rows as f64;
+    let response = weights.as_ref().submatrix(0, 0, p, f);
     // Weights as impulse responses, one per column: N x f.
-    let response = weights.as_ref().submatrix(0, 0, f, p).transpose();
     let lags = match fit.coordinates.impulse_map() {
         Some(map) => map * response,
         None => response.to_owned(),
     };
-    // R with one side filtered: (N+d) x N.
-    let mut filtered = Mat::<f64>::zeros(n + order, n);
-    for b in 0..n {
-        for (j, dj) in d.iter().enumerate() {
-            let source = moments.uu.col_as_slice(b + j);
-            for (target, source) in filtered.col_as_slice_mut(b).iter_mut().zip(source) {
-                *target += dj * source;
-            }
-        }
-    }
-    let input = filtered * &lags;
+    let shifted = ShiftedProducts::new(information, fit, &d, &response.to_owned(), &lags);
     let sum: Vec<f64> = (0..n)
         .map(|a| {
             d.iter()
@@ -116,11 +108,10 @@ fn log_variance_gradients(
         })
         .collect();
     Mat::from_fn(order, f, |k, i| {
-        let (v, offset) = (lags.col_as_slice(i), weights[(i, p)]);
+        let (v, offset) = (lags.col_as_slice(i), weights[(p, i)]);
         let shift = k + 1;
-        let response = crate::basis::dot(v, &input.col_as_slice(i)[shift..]);
-        let edges = offset
-            * (crate::basis::dot(v, &sum) + gain * crate::basis::dot(v, &moments.u[shift..]));
+        let response = shifted.of(i, shift);
+        let edges = offset * (dot(v, &sum) + gain * dot(v, &moments.u[shift..]));
         let constant = offset * offset * gain * rows;
         if variance[i] > 0.0 {
             -2.0 * (response + edges + constant) / variance[i]
@@ -128,4 +119,51 @@ fn log_variance_gradients(
             0.0
         }
     })
+}
+
+/// v' (R moved on by some lags, its other side filtered) v for each column v of the weights.
+enum ShiftedProducts {
+    /// In the coordinates of a bank: [k](c, i) for the lag k, coordinate c and column i.
+    InCoordinates(Mat<f64>, Vec<Mat<f64>>),
+    /// By lags: R with one side filtered times the impulse responses, (N+d) x f.
+    ByLags(Mat<f64>, Mat<f64>),
+}
+
+impl ShiftedProducts {
+    /// For the weights `response` in coordinates, which are `lags` as impulse responses.
+    fn new(
+        information: &Information,
+        fit: &GlsFit,
+        d: &[f64],
+        response: &Mat<f64>,
+        lags: &Mat<f64>,
+    ) -> Self {
+        if let Some(products) = information.lag_products(&fit.coordinates) {
+            let with_weights = |k: usize| products.filtered(k, d) * response;
+            return Self::InCoordinates(response.clone(), (0..d.len()).map(with_weights).collect());
+        }
+        let n = fit.coordinates.basis.settling();
+        let mut filtered = Mat::<f64>::zeros(n + d.len() - 1, n);
+        for b in 0..n {
+            for (j, dj) in d.iter().enumerate() {
+                let source = information.moments.uu.col_as_slice(b + j);
+                for (target, source) in filtered.col_as_slice_mut(b).iter_mut().zip(source) {
+                    *target += dj * source;
+                }
+            }
+        }
+        Self::ByLags(lags.clone(), filtered * lags)
+    }
+
+    /// For column `i`, moved on by `shift` lags.
+    fn of(&self, i: usize, shift: usize) -> f64 {
+        match self {
+            Self::InCoordinates(weights, products) => {
+                dot(weights.col_as_slice(i), products[shift].col_as_slice(i))
+            }
+            Self::ByLags(lags, products) => {
+                dot(lags.col_as_slice(i), &products.col_as_slice(i)[shift..])
+            }
+        }
+    }
 }

@@ -16,6 +16,8 @@
 //! at frame edges: a simulation is [sample and hold at the frame period] -> [this model]. Without the
 //! hold it must add half a frame of delay, and it misses the jitter of a frame's length.
 
+mod discrete;
+mod guess;
 mod low_order;
 mod projection;
 mod search;
@@ -31,9 +33,11 @@ use crate::metrics::Interval;
 use crate::model::Model;
 use crate::record::Record;
 use crate::timing::Timing;
+use guess::Guess;
 use projection::Projection;
 use search::{Minimum, minimise};
 
+pub use discrete::Discrete;
 pub use low_order::{LowOrder, Oscillator};
 pub use switching::{Stroke, SwitchingModel, fit_switching};
 
@@ -110,6 +114,24 @@ pub struct FlightModel {
     pub statement: String,
 }
 
+impl FlightModel {
+    /// Whether the parts of a document fit together: the order, and poles that let a response end. A
+    /// model that was fitted always does; one that was read from elsewhere has to be asked.
+    #[must_use]
+    pub fn is_consistent(&self) -> bool {
+        let transfer = &self.transfer;
+        let oscillates = transfer.oscillator.is_some();
+        let order = 2 * usize::from(oscillates) + usize::from(transfer.lag_s.is_some());
+        let parameters = to_parameters(transfer);
+        order == self.order
+            && (1..=3).contains(&order)
+            // The logarithm of what must be above zero is no number otherwise.
+            && parameters.iter().all(|x| x.is_finite())
+            && self.covariance.len() == parameters.len()
+            && self.covariance.iter().all(|row| row.len() == parameters.len())
+    }
+}
+
 /// Fits `model`, identified from `record`, by a transfer function of low order.
 ///
 /// ```
@@ -140,12 +162,46 @@ pub fn fit(
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
+    choose(Projection::new(record, model)?, model, options)
+}
+
+/// [`fit`] where the record is not at hand, from θ and its covariance alone.
+///
+/// Without the record it is not known what the estimator makes of a response that is longer than N
+/// samples or has more detail than n frequencies; the bank is then taken for what it stands for, a
+/// response that is over after N samples. With the structure chosen from the data (n = N, and N 1.75
+/// times the settling) the two agree; with a short or small bank [`fit`] is right and this is not.
+///
+/// ```
+/// # use servoid_identification::{identify, Options, Record, Settling};
+/// # let u: Vec<f64> = (0..3000).map(|k| if k * k / 9000 % 2 == 0 { 5.0 } else { -5.0 }).collect();
+/// # let y: Vec<f64> = u.iter().enumerate().scan(0.0, |y, (k, u)| {
+/// #     *y += 0.1 * (u - *y); Some(*y + 0.01 * ((k * 7919 % 101) as f64 - 50.0) / 50.0)
+/// # }).collect();
+/// # let options = Options { settling: Settling::Samples(101), ..Options::default() };
+/// use servoid_identification::flight_model::{self, FlightModelOptions};
+/// let model = identify(&Record::from_slices(0.002, &u, &y)?, &options)?;
+/// let flight = flight_model::of_model(&model, &FlightModelOptions::default())?;
+/// // A tenth of the way in each sample: a lag of 2 ms / -ln 0.9.
+/// assert!((flight.transfer.lag_s.unwrap() - 0.019).abs() < 2e-4);
+/// # Ok::<(), servoid_identification::Error>(())
+/// ```
+///
+/// # Errors
+/// The model has no response to speak of, or no covariance.
+pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
+    choose(Projection::of_model(model)?, model, options)
+}
+
+/// Fits every order and takes the one that the rule above says.
+fn choose(
+    projection: Projection,
+    model: &Model,
+    options: &FlightModelOptions,
+) -> Result<FlightModel, Error> {
     let fitter = Fitter {
-        projection: Projection::new(record, model)?,
-        timing: Timing {
-            sample_period_s: record.sample_period_s(),
-            sample_phase_s: record.sample_phase_s(),
-        },
+        projection,
+        timing: model.timing(),
     };
     let guess = Guess::new(model).ok_or(Error::NoResponse)?;
     let mut fits: Vec<Fit> = Vec::new();
@@ -322,102 +378,5 @@ impl Fit {
             },
         );
         format!("Order {}: {quality}; {hold}.", self.order)
-    }
-}
-
-/// Where to start from, by the figures of the response.
-struct Guess {
-    gain: f64,
-    t50_s: f64,
-    rise_s: f64,
-}
-
-impl Guess {
-    fn new(model: &Model) -> Option<Self> {
-        let metrics = &model.metrics;
-        Some(Self {
-            gain: metrics.dc_gain.value?,
-            t50_s: metrics.t50_s.value?,
-            rise_s: metrics.rise_time_s.value?.max(model.sample_period_s / 2.0),
-        })
-    }
-
-    /// From a response curve alone.
-    fn of_curve(curve: &[f64], timing: Timing) -> Option<Self> {
-        let gain = *curve.last()?;
-        let reach = |level: f64| {
-            let m = curve.iter().position(|g| g / gain >= level)?;
-            let before = m.checked_sub(1).map_or(0.0, |k| curve[k] / gain);
-            let part = (level - before) / (curve[m] / gain - before);
-            Some(timing.seconds(m as f64 - 1.0 + part))
-        };
-        Some(Self {
-            gain,
-            t50_s: reach(0.5)?,
-            rise_s: (reach(0.9)? - reach(0.1)?).max(timing.sample_period_s / 2.0),
-        })
-    }
-
-    fn starts(&self, order: usize, second: Option<LowOrder>) -> Vec<LowOrder> {
-        let plain = LowOrder {
-            gain: self.gain,
-            delay_s: 0.0,
-            oscillator: None,
-            lag_s: None,
-        };
-        match order {
-            1 => {
-                // 10 to 90 % takes ln 9 time constants, half takes ln 2.
-                let lag = self.rise_s / 9f64.ln();
-                vec![LowOrder {
-                    delay_s: (self.t50_s - lag * 2f64.ln()).max(0.0),
-                    lag_s: Some(lag),
-                    ..plain
-                }]
-            }
-            2 => [0.4, 0.7, 0.95, 1.5]
-                .iter()
-                .map(|&damping| {
-                    let oscillator = |omega_rad_s| {
-                        Some(Oscillator {
-                            omega_rad_s,
-                            damping,
-                        })
-                    };
-                    // Rise and half time of this shape at ω = 1 set ω and the delay.
-                    let unit = LowOrder {
-                        gain: 1.0,
-                        oscillator: oscillator(1.0),
-                        ..plain
-                    };
-                    let reach = |level: f64| {
-                        (1..4000)
-                            .map(|k| 0.005 * f64::from(k))
-                            .find(|&t| unit.step(t) >= level)
-                            .unwrap_or(20.0)
-                    };
-                    let omega = (reach(0.9) - reach(0.1)) / self.rise_s;
-                    LowOrder {
-                        delay_s: (self.t50_s - reach(0.5) / omega).max(0.0),
-                        oscillator: oscillator(omega),
-                        ..plain
-                    }
-                })
-                .collect(),
-            _ => second
-                .into_iter()
-                .flat_map(|start| {
-                    let omega = start
-                        .oscillator
-                        .map_or(1.0 / self.rise_s, |o| o.omega_rad_s);
-                    [0.2, 0.7].map(|share| LowOrder {
-                        // A lag delays by its time constant.
-                        delay_s: (start.delay_s - share / omega).max(0.0),
-                        lag_s: Some(share / omega),
-                        ..start
-                    })
-                })
-                .collect(),
-        }
     }
 }

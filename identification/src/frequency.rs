@@ -8,6 +8,7 @@
 //! ellipse is the larger one of both parts jointly, and the lower bound is zero.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -147,6 +148,10 @@ fn decibels(magnitude: f64) -> f64 {
     (20.0 * magnitude.log10()).max(ZERO_DB)
 }
 
+/// Sines and cosines of [`STEPS`] angles around the circle.
+static COARSE: LazyLock<[(f64, f64); STEPS]> =
+    LazyLock::new(|| std::array::from_fn(|k| (TAU * k as f64 / STEPS as f64).sin_cos()));
+
 /// The uncertainty of a complex number.
 struct Ellipse {
     centre: (f64, f64),
@@ -192,12 +197,13 @@ impl Ellipse {
         let (a, b) = (radius * self.axes.0, radius * self.axes.1);
         let square = |(sin, cos): (f64, f64)| (x + a * cos).powi(2) + (y + b * sin).powi(2);
         let extreme = |sign: f64| {
-            let mut angle = (0..STEPS)
-                .map(|k| TAU * k as f64 / STEPS as f64)
-                .min_by(|s, t| {
-                    (sign * square(s.sin_cos())).total_cmp(&(sign * square(t.sin_cos())))
-                })
-                .unwrap_or(0.0);
+            let (mut angle, mut best) = (0.0, f64::INFINITY);
+            for (k, point) in COARSE.iter().enumerate() {
+                let distance = sign * square(*point);
+                if distance < best {
+                    (angle, best) = (TAU * k as f64 / STEPS as f64, distance);
+                }
+            }
             // Newton's rule on the derivative of the squared distance, from the best of the
             // coarse angles; a step against the curvature or beyond the next angle is not taken.
             for _ in 0..6 {

@@ -9,9 +9,12 @@
 //! E\[i,j\] += σ² tr(R_ij (Z'Z)^-1), before the final D is taken; this is the restricted likelihood's
 //! idea, and it keeps bands from shrinking when there are many parameters.
 
+use std::sync::Arc;
+
 use faer::Mat;
 
 use crate::basis::dot;
+use crate::lag_products::LagProducts;
 use crate::linear::times;
 use crate::noise::{NoiseFit, OrderCandidate, best_order};
 use crate::normal::{Coordinates, Information, Solution};
@@ -241,21 +244,14 @@ fn fitted_noise(
 ) -> Mat<f64> {
     let moments = &information.moments;
     let p = coordinates.len();
-    let n = coordinates.basis.settling();
     let block = inverse.as_ref().submatrix(0, 0, p, p).to_owned();
     let border: Vec<f64> = (0..p).map(|k| inverse[(k, p)]).collect();
-    let (covariance, border) = (coordinates.expand(block), coordinates.impulse(&border));
+    let border = coordinates.impulse(&border);
+    let traces = Traces::new(information, coordinates, block);
     let mut lost = Mat::zeros(order + 1, order + 1);
     for i in 0..=order {
         for j in 0..=i {
-            let response: f64 = (0..n)
-                .map(|b| {
-                    dot(
-                        covariance.col_as_slice(b),
-                        &moments.uu.col_as_slice(b + j)[i..i + n],
-                    )
-                })
-                .sum();
+            let response = traces.of(i, j);
             let edges = dot(&border, &moments.u[i..]) + dot(&border, &moments.u[j..]);
             let value = response + edges + moments.rows as f64 * inverse[(p, p)];
             lost[(i, j)] = value;
@@ -263,6 +259,37 @@ fn fitted_noise(
         }
     }
     lost
+}
+
+/// tr(R_ij T C T') for a covariance C of the coordinates.
+enum Traces<'a> {
+    /// As tr(T'R_ij T C).
+    InCoordinates(Arc<LagProducts>, Mat<f64>),
+    /// With the covariance of the impulse response.
+    ByLags(&'a Mat<f64>, Mat<f64>),
+}
+
+impl<'a> Traces<'a> {
+    fn new(information: &'a Information, coordinates: &Coordinates, covariance: Mat<f64>) -> Self {
+        match information.lag_products(coordinates) {
+            Some(products) => Self::InCoordinates(products, covariance),
+            None => Self::ByLags(&information.moments.uu, coordinates.expand(covariance)),
+        }
+    }
+
+    fn of(&self, i: usize, j: usize) -> f64 {
+        match self {
+            Self::InCoordinates(products, covariance) => {
+                let product = products.at(i, j);
+                (0..covariance.ncols())
+                    .map(|k| dot(covariance.col_as_slice(k), product.col_as_slice(k)))
+                    .sum()
+            }
+            Self::ByLags(uu, covariance) => (0..covariance.ncols())
+                .map(|b| dot(covariance.col_as_slice(b), &uu.col_as_slice(b + j)[i..]))
+                .sum(),
+        }
+    }
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {

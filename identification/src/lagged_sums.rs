@@ -6,8 +6,10 @@
 
 use std::sync::Arc;
 
+use realfft::RealToComplex;
 use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
+
+use crate::fft;
 
 /// Stretches of fewer rows than this are summed directly: three transforms cost more.
 const DIRECT_ROWS: usize = 64;
@@ -104,7 +106,7 @@ impl LaggedSums {
 
 impl Spectra {
     fn new(size: usize) -> Self {
-        let forward = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+        let forward = fft::forward(size);
         let zeros = forward.make_output_vec();
         Self {
             uu: zeros.clone(),
@@ -124,7 +126,7 @@ fn transform(forward: &Arc<dyn RealToComplex<f64>>, block: &mut [f64], out: &mut
 }
 
 fn add_inverse(spectrum: &[Complex<f64>], size: usize, sums: &mut [f64]) {
-    let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(size);
+    let inverse = fft::inverse(size);
     let mut spectrum = spectrum.to_vec();
     let mut lags = inverse.make_output_vec();
     inverse

@@ -1,22 +1,4 @@
-//! Step and frequency responses of a servo from recorded input and output, with bounds that hold
-//! as often as they say.
-//!
-//! A [`Record`] goes in, a [`Model`] comes out; nothing here touches files, ports or plots.
-//!
-//! ```
-//! use servoid_identification::{identify, Options, Record};
-//! # let u: Vec<f64> = (0..1200).map(|k| if (k * k / 900) % 2 == 0 { 5.0 } else { -5.0 }).collect();
-//! # let y: Vec<f64> = u.iter().enumerate().scan(0.0, |y, (k, u)| {
-//! #     *y += 0.2 * (u - *y); Some(*y + 0.01 * ((k * 7919 % 101) as f64 - 50.0) / 50.0)
-//! # }).collect();
-//! let record = Record::from_slices(0.002, &u, &y)?;
-//! let step = identify(&record, &Options::default())?.step;
-//! for (m, g) in step.value.iter().enumerate() {
-//!     println!("{} s: {g}, in {}..{}", step.time_s[m], step.simultaneous.lower[m], step.simultaneous.upper[m]);
-//! }
-//! # assert!((step.value.last().unwrap() - 1.0).abs() < 0.01);
-//! # Ok::<(), servoid_identification::Error>(())
-//! ```
+#![doc = include_str!("../README.md")]
 //!
 //! # The method
 //!
@@ -42,15 +24,18 @@ pub mod band;
 pub mod basis;
 pub mod comparison;
 pub mod convolution;
+pub mod correlogram;
 pub mod curve;
 pub mod direction;
 pub mod error;
 pub mod explanation;
 pub mod factor;
+mod fft;
 pub mod flight_model;
 pub mod frequency;
 pub mod gls;
 pub mod identify;
+mod lag_products;
 mod lagged_sums;
 pub mod limits;
 mod linear;

@@ -7,9 +7,11 @@
 //! # Intervals
 //!
 //! * **Gain and phase**: the bound of the response itself (Student's, Fieller's).
-//! * **Crossing times, bandwidth, -90 degrees**: quantiles over seeded draws of the response from
-//!   the covariance of its fit. Each point of a draw is widened by Student's t as the band is.
-//!   What interpolation between samples may be wrong by is added to the crossing times.
+//! * **Crossing times, bandwidth, -90 degrees**: the places at which the response may be passing its
+//!   level, Student's t included (Fieller 1954). Where the response does not surely rise through the
+//!   level, so that several samples may be the one, quantiles over seeded draws of the response from
+//!   the covariance of its fit; they are the same where both can be had. What interpolation between
+//!   samples may be wrong by is added to the crossing times.
 //! * **Overshoot**, which cannot be negative and is a maximum over noisy samples, and **settling**,
 //!   which jumps when a peak enters its band, are not smooth: draws miss the truth there. A bracket
 //!   takes their place. With z_1 the critical value of one sample and z_k that of all k samples that
@@ -23,13 +25,17 @@
 //!
 //!   The upper ends need no more than z_1, because only one sample can make them wrong: the true
 //!   peak, and the last sample truly outside. Where the response closes in on its final value over
-//!   the whole bracket, only one crossing can be the last, and draws are the sharper answer.
+//!   the whole bracket, only one crossing can be the last, and its interval is the sharper answer.
 //!
 //! The bound of what left-out frequencies may hide is added to all of them.
 
 mod bands;
 mod draws;
+mod figures;
+mod interpolation;
+mod inversion;
 mod shape;
+mod spread;
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -41,7 +47,8 @@ use crate::model::Model;
 use crate::step::StepResponse;
 use crate::timing::Timing;
 
-use draws::MetricDraws;
+use figures::Figures;
+use spread::Spread;
 
 /// A value with its bounds; `None` where the responses do not determine it.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -63,6 +70,15 @@ impl Interval {
             value: finite(value),
             lower: finite(lower),
             upper: finite(upper),
+        }
+    }
+
+    /// The same interval in another unit: a rising function of value and bounds.
+    fn map(self, of: impl Fn(f64) -> f64) -> Self {
+        Self {
+            value: self.value.map(&of),
+            lower: self.lower.map(&of),
+            upper: self.upper.map(&of),
         }
     }
 
@@ -135,18 +151,41 @@ impl Metrics {
         );
         // Everything else is relative to a gain, and there is none if it may be zero.
         if dc_gain.contains(0.0) {
-            return Self {
-                dc_gain,
-                rise_time_s: Interval::default(),
-                settling_time_s: Interval::default(),
-                overshoot_percent: Interval::default(),
-                delay_s: Interval::default(),
-                t50_s: Interval::default(),
-                bandwidth_rad_s: Interval::default(),
-                phase_minus_90_rad_s: Interval::default(),
-            };
+            return Self::gain_alone(dc_gain);
         }
-        MetricDraws::new(measured, draws::SEED).metrics(measured, dc_gain)
+        let spread = Spread::new(measured);
+        let figures = Figures::new(measured, &spread);
+        let rise = figures.rise();
+        let [bandwidth_rad_s, phase_minus_90_rad_s] =
+            bands::bandwidth_and_quarter_turn(measured, spread.widest());
+        // No response comes before its edge, whatever a wide interval says.
+        let since_edge = |samples: f64| measured.timing.seconds(samples).max(0.0);
+        Self {
+            dc_gain,
+            rise_time_s: rise
+                .rise
+                .map(|samples| samples * measured.timing.sample_period_s),
+            settling_time_s: figures.settling().map(since_edge),
+            overshoot_percent: figures.overshoot().map(|share| 100.0 * share),
+            delay_s: rise.delay.map(since_edge),
+            t50_s: rise.half.map(since_edge),
+            bandwidth_rad_s,
+            phase_minus_90_rad_s,
+        }
+    }
+
+    /// Nothing but the gain is determined.
+    pub(crate) fn gain_alone(dc_gain: Interval) -> Self {
+        Self {
+            dc_gain,
+            rise_time_s: Interval::default(),
+            settling_time_s: Interval::default(),
+            overshoot_percent: Interval::default(),
+            delay_s: Interval::default(),
+            t50_s: Interval::default(),
+            bandwidth_rad_s: Interval::default(),
+            phase_minus_90_rad_s: Interval::default(),
+        }
     }
 
     /// The figures of a model, as [`crate::identify()`] has already put them into it.

@@ -12,11 +12,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::basis::Basis;
 use crate::gls::{self, GlsOptions};
+use crate::metrics::{Interval, Metrics};
 use crate::moments::{MomentStream, Moments};
 use crate::nested::NestedBanks;
 use crate::normal::{Coordinates, Information};
 use crate::options::NoiseOrder;
 use crate::record::Record;
+use crate::structure;
 use crate::truncation::FIRST_ORDER;
 use crate::validation::fit_percent;
 
@@ -24,12 +26,19 @@ use crate::validation::fit_percent;
 /// can represent it costs less than a tenth of one.
 pub const TOLERATED: f64 = 1.0;
 
+/// Difference between the step responses of the two estimators, as a share of the largest value,
+/// beyond which neither's figures are findings.
+pub const DISAGREEMENT: f64 = 0.1;
+
 /// Points of fit within which predictions count as equal.
 const TIE: f64 = 0.5;
 
 /// Condition number beyond which a bank is not determined by the parts at hand. Far below it
 /// rounding is already visible, but small beside what the noise leaves open.
 const DETERMINED: f64 = 1e9;
+
+/// Steps in which the settling time is lengthened.
+const LENGTHENINGS: usize = 3;
 
 /// Parts of the record that are left out in turn.
 const PARTS: usize = 4;
@@ -58,6 +67,52 @@ pub struct ModelErrors {
     pub candidates: Vec<Prediction>,
     /// Step response of the estimator that was not taken, at the same N and n.
     pub other_step: Vec<f64>,
+    /// The lowest frequency of which the input does not tell the response \[Hz\], when it lacks high
+    /// ones.
+    #[serde(default)]
+    pub untold_from_hz: Option<f64>,
+}
+
+impl ModelErrors {
+    /// Largest difference between the step responses of the two estimators, as a share of the
+    /// largest value of `taken`. Infinite when there is no other.
+    #[must_use]
+    pub fn disagreement(&self, taken: &[f64]) -> f64 {
+        let largest = taken.iter().fold(0.0f64, |a, g| a.max(g.abs()));
+        let apart = taken
+            .iter()
+            .zip(&self.other_step)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
+        if self.other_step.len() == taken.len() && largest > 0.0 {
+            apart / largest
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// What of the figures of the step response `taken` can be told: where estimators disagree,
+    /// neither's times are findings, and where they disagree about the final value nothing is.
+    pub(crate) fn told(&self, metrics: Metrics, taken: &[f64]) -> Metrics {
+        if self.disagreement(taken) <= DISAGREEMENT {
+            return metrics;
+        }
+        let final_values = (taken.last(), self.other_step.last());
+        let gain = match final_values {
+            (Some(a), Some(b)) if (a - b).abs() <= DISAGREEMENT * a.abs() => metrics.dc_gain,
+            _ => Interval::default(),
+        };
+        Metrics::gain_alone(gain)
+    }
+}
+
+/// The lowest frequency of which an input without high ones does not tell the response \[Hz\].
+pub(crate) fn untold_from_hz(moments: &Moments, coordinates: &Coordinates) -> Option<f64> {
+    let settling = coordinates.basis.settling();
+    let banks = NestedBanks::scan(moments, settling, &[], FIRST_ORDER)?;
+    let told = banks.narrowest().frequencies / 2;
+    structure::is_low_passed(&banks, settling)
+        .then(|| (told + 1) as f64 / (settling as f64 * moments.sample_period_s()))
 }
 
 /// Simulation fits of plain and of generalised least squares with one bank \[%\].
@@ -80,7 +135,7 @@ impl BothEstimators {
         // plain least squares may bring its own bank.
         let settling = coordinates.basis.settling();
         let own = NestedBanks::scan(&information.moments, settling, &[], FIRST_ORDER)
-            .map(|banks| banks.best_predictor().frequencies)
+            .map(|banks| banks.best_predictor())
             .filter(|frequencies| *frequencies != coordinates.basis.frequencies());
         if !coordinates.basis.is_complete()
             && let Some(basis) = own.and_then(|own| Basis::new(settling, own).ok())
@@ -111,6 +166,17 @@ fn plain() -> GlsOptions {
 /// Sum of squares of the simulation error.
 fn simulation_error(information: &Information, fit: &gls::GlsFit) -> f64 {
     information.residual_moments(&fit.impulse(), fit.solution.offset(), 0)[(0, 0)].max(0.0)
+}
+
+/// Settling times to be tried, from the one chosen for noise up to `longest`: about evenly spaced in
+/// their logarithm.
+pub(crate) fn settlings(chosen: usize, longest: usize) -> Vec<usize> {
+    let ratio = (longest.max(chosen) as f64 / chosen as f64).powf(1.0 / LENGTHENINGS as f64);
+    let mut settlings: Vec<usize> = (0..=LENGTHENINGS)
+        .map(|k| (chosen as f64 * ratio.powi(k as i32)) as usize | 1)
+        .collect();
+    settlings.dedup();
+    settlings
 }
 
 /// Ranks estimators by cross-validation, best first. `settlings` are the N to be tried.
@@ -180,7 +246,7 @@ fn banks(total: &Moments, settling: usize, frequencies: Option<usize>) -> Vec<Ba
     }
     let mut banks: Vec<Basis> = Basis::full(settling).into_iter().collect();
     if let Some(scan) = NestedBanks::scan(total, settling, &[], FIRST_ORDER) {
-        banks.extend(Basis::new(settling, scan.best_predictor().frequencies));
+        banks.extend(Basis::new(settling, scan.best_predictor()));
     }
     banks
 }

@@ -4,9 +4,11 @@
 //! contains that of every smaller one, so the residual sum of squares, the standard deviations and
 //! the uppermost frequencies of all banks cost no more than those of one.
 
+use std::cell::OnceCell;
+
 use faer::Mat;
 
-use crate::basis::Basis;
+use crate::basis::{Basis, dot};
 use crate::linear::inverse_of_lower;
 use crate::moments::Moments;
 use crate::normal::{Coordinates, NormalEquations};
@@ -39,7 +41,13 @@ impl BankCandidate {
 
 /// Every bank of one settling time that the input excites.
 pub(crate) struct NestedBanks {
-    pub(crate) candidates: Vec<BankCandidate>,
+    settling: usize,
+    roll_off: i32,
+    rows: f64,
+    noise_order: usize,
+    factor: PivotedPrefix,
+    /// Found when first asked for: most of the work is in the widths of the bands.
+    candidates: OnceCell<Vec<BankCandidate>>,
 }
 
 impl NestedBanks {
@@ -53,15 +61,44 @@ impl NestedBanks {
     ) -> Option<Self> {
         let basis = Basis::full(settling).ok()?;
         let in_theta = Coordinates::in_theta(basis);
-        let factor = PivotedPrefix::new(&NormalEquations::new(moments, &in_theta, ar));
-        let excited = factor.excited();
-        if excited == 0 {
-            return None;
-        }
+        let factor = PivotedPrefix::new(basis, &NormalEquations::new(moments, &in_theta, ar));
+        (factor.excited() > 0).then(|| Self {
+            settling,
+            roll_off,
+            rows: moments.rows as f64,
+            noise_order: ar.len(),
+            factor,
+            candidates: OnceCell::new(),
+        })
+    }
+
+    /// Each bank, smallest first.
+    pub(crate) fn candidates(&self) -> &[BankCandidate] {
+        self.candidates.get_or_init(|| self.widths())
+    }
+
+    /// Residual sum of squares of each bank n = 1, 3, 5, ...
+    fn residual_squares(&self) -> impl Iterator<Item = (usize, f64)> {
+        let z = &self.factor.projected;
+        let without_offset = self.factor.total - z[0].powi(2);
+        let left = z[1..].iter().scan(without_offset, |left, z| {
+            *left -= z * z;
+            Some(left.max(0.0))
+        });
+        (1..).zip(left).step_by(2)
+    }
+
+    /// Generalised cross-validation of the bank of `n` frequencies.
+    fn gcv(&self, n: usize, rss: f64) -> f64 {
+        self.rows * rss / (self.rows - (n + 1) as f64).max(1.0).powi(2)
+    }
+
+    fn widths(&self) -> Vec<BankCandidate> {
+        let (factor, settling) = (&self.factor, self.settling);
         let inverse = inverse_of_lower(&factor.lower);
         // F = Q L^-T for the step response, columns: offset first.
-        let step = in_theta.step_map();
-        let size = excited + 1;
+        let step = factor.basis.step_map();
+        let size = factor.excited() + 1;
         let scaled = Mat::from_fn(size, settling, |k, m| {
             if k == 0 {
                 0.0
@@ -69,60 +106,65 @@ impl NestedBanks {
                 step[(m, k - 1)] * factor.scale[k]
             }
         });
-        let spread = &inverse * scaled; // F', size x N
-        let biases = unit_biases(settling, roll_off);
-        let rows = moments.rows as f64;
+        // F, one bank's share of the response in each column: N x size.
+        let spread = scaled.transpose() * inverse.transpose();
+        let biases = unit_biases(settling, self.roll_off);
         let critical = crate::band::pointwise_critical(0.99);
-        let mut rss = factor.total - factor.projected[0].powi(2);
         let mut variances = vec![0.0; settling];
-        let mut candidates = Vec::new();
-        for k in 1..size {
-            rss -= factor.projected[k].powi(2);
-            for (m, variance) in variances.iter_mut().enumerate() {
-                *variance += spread[(k, m)].powi(2);
-            }
-            if k % 2 == 0 {
-                continue;
-            }
-            let dof = (rows - (k + 1 + ar.len()) as f64).max(1.0);
-            let sigma = (rss.max(0.0) / dof).sqrt();
-            let mean_sd = sigma * variances.iter().map(|v| v.sqrt()).sum::<f64>() / settling as f64;
-            candidates.push(BankCandidate {
-                frequencies: k,
-                gcv: rows * rss.max(0.0) / (rows - (k + 1) as f64).max(1.0).powi(2),
-                noise_half_width: critical * mean_sd,
-                truncation_bias: factor.edge_magnitude(&inverse, k, sigma) * biases[k / 2],
-            });
-        }
-        Some(Self { candidates })
+        let mut added = 0;
+        self.residual_squares()
+            .map(|(n, rss)| {
+                for k in added + 1..=n {
+                    for (variance, share) in variances.iter_mut().zip(spread.col_as_slice(k)) {
+                        *variance += share * share;
+                    }
+                }
+                added = n;
+                let dof = (self.rows - (n + 1 + self.noise_order) as f64).max(1.0);
+                let sigma = (rss / dof).sqrt();
+                let sd: f64 = variances.iter().map(|v| v.sqrt()).sum();
+                BankCandidate {
+                    frequencies: n,
+                    gcv: self.gcv(n, rss),
+                    noise_half_width: critical * sigma * sd / settling as f64,
+                    truncation_bias: factor.edge_magnitude(&inverse, n, sigma) * biases[n / 2],
+                }
+            })
+            .collect()
     }
 
     /// The bank with the narrowest honest band.
     pub(crate) fn narrowest(&self) -> BankCandidate {
-        self.best(BankCandidate::half_width)
-    }
-
-    /// The bank that predicts best.
-    pub(crate) fn best_predictor(&self) -> BankCandidate {
-        self.best(|candidate| candidate.gcv)
-    }
-
-    fn best(&self, merit: impl Fn(&BankCandidate) -> f64) -> BankCandidate {
         *self
-            .candidates
+            .candidates()
             .iter()
-            .min_by(|a, b| merit(a).total_cmp(&merit(b)))
+            .min_by(|a, b| a.half_width().total_cmp(&b.half_width()))
             .expect("a scan has at least the bank of the gain")
+    }
+
+    /// Frequencies of the bank that predicts best.
+    pub(crate) fn best_predictor(&self) -> usize {
+        self.residual_squares()
+            .map(|(n, rss)| (n, self.gcv(n, rss)))
+            .min_by(|(_, a), (_, b)| a.total_cmp(b))
+            .map_or(1, |(n, _)| n)
     }
 
     /// The largest bank that the input excites.
     pub(crate) fn largest(&self) -> BankCandidate {
-        self.candidates[self.candidates.len() - 1]
+        let candidates = self.candidates();
+        candidates[candidates.len() - 1]
+    }
+
+    /// Frequencies of the largest bank that the input excites.
+    pub(crate) fn excited(&self) -> usize {
+        self.factor.excited()
     }
 }
 
 /// The Cholesky factor of the equilibrated equations, offset first, as far as pivots are sound.
 struct PivotedPrefix {
+    basis: Basis,
     lower: Mat<f64>,
     scale: Vec<f64>,
     /// L^-1 b.
@@ -132,7 +174,7 @@ struct PivotedPrefix {
 }
 
 impl PivotedPrefix {
-    fn new(equations: &NormalEquations) -> Self {
+    fn new(basis: Basis, equations: &NormalEquations) -> Self {
         let (a, scale) = equations.equilibrated();
         let p = scale.len();
         // The offset is last in the equations and first here.
@@ -143,7 +185,7 @@ impl PivotedPrefix {
             let mut pivot = a[(original(k), original(k))];
             for j in 0..k {
                 // Row k of L: earlier rows are known.
-                let known: f64 = (0..j).map(|i| lower[(i, k)] * lower[(i, j)]).sum();
+                let known = dot(&lower.col_as_slice(k)[..j], &lower.col_as_slice(j)[..j]);
                 let entry = (a[(original(k), original(j))] - known) / lower[(j, j)];
                 lower[(j, k)] = entry;
                 pivot -= entry * entry;
@@ -152,7 +194,7 @@ impl PivotedPrefix {
                 break;
             }
             lower[(k, k)] = pivot.sqrt();
-            let known: f64 = (0..k).map(|i| lower[(i, k)] * projected[i]).sum();
+            let known = dot(&lower.col_as_slice(k)[..k], &projected);
             let b = equations.b[original(k)] * scale[original(k)];
             projected.push((b - known) / lower[(k, k)]);
         }
@@ -166,6 +208,7 @@ impl PivotedPrefix {
         let size = sound + 1;
         projected.truncate(size);
         Self {
+            basis,
             // Built as rows of L in columns, for contiguous inner products.
             lower: Mat::from_fn(size, size, |i, j| if j <= i { lower[(j, i)] } else { 0.0 }),
             scale: (0..size).map(|k| scale[original(k)]).collect(),

@@ -14,9 +14,17 @@
 //! * **factor** (the fallback): the triangular factor of the rows themselves by blocked QR. Its
 //!   error grows with the square root of that, at the price of a slower pass over the data.
 
+mod coordinates;
+
+pub use coordinates::Coordinates;
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
 use faer::Mat;
 
-use crate::basis::{Basis, dot};
+use crate::basis::dot;
+use crate::lag_products::LagProducts;
 use crate::linear::{backward_solve, cholesky, condition, forward_solve, inverse_of_lower, times};
 use crate::moments::Moments;
 
@@ -30,98 +38,6 @@ pub enum Path {
     Qr,
 }
 
-/// The coordinates in which a bank is solved: a complete bank directly in its impulse response
-/// (T only rotates it), a smaller one in θ.
-#[derive(Clone)]
-pub struct Coordinates {
-    /// The bank.
-    pub basis: Basis,
-    /// T, unless the bank is complete.
-    map: Option<Mat<f64>>,
-}
-
-impl Coordinates {
-    /// Coordinates for `basis`.
-    #[must_use]
-    pub fn new(basis: Basis) -> Self {
-        Self {
-            basis,
-            map: (!basis.is_complete()).then(|| basis.impulse_map()),
-        }
-    }
-
-    /// Coordinates θ, also for a complete bank.
-    #[must_use]
-    pub fn in_theta(basis: Basis) -> Self {
-        Self {
-            basis,
-            map: Some(basis.impulse_map()),
-        }
-    }
-
-    /// Number of parameters without the offset.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.basis.frequencies()
-    }
-
-    /// Never: a bank has at least one frequency.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        false
-    }
-
-    /// The impulse response of a vector of coordinates.
-    #[must_use]
-    pub fn impulse(&self, coordinates: &[f64]) -> Vec<f64> {
-        match self.map {
-            Some(_) => self.basis.impulse_response(coordinates),
-            None => coordinates.to_vec(),
-        }
-    }
-
-    /// From coordinates to step response: N x n.
-    #[must_use]
-    pub fn step_map(&self) -> Mat<f64> {
-        match self.map {
-            Some(_) => self.basis.step_map(),
-            None => {
-                let n = self.basis.settling();
-                Mat::from_fn(n, n, |m, i| f64::from(u8::from(i <= m)))
-            }
-        }
-    }
-
-    /// From coordinates to θ: n x n, `None` when they are θ.
-    #[must_use]
-    pub fn theta_map(&self) -> Option<Mat<f64>> {
-        self.map.is_none().then(|| self.basis.analysis_map())
-    }
-
-    /// T C T': the covariance of the impulse response from that of the coordinates.
-    #[must_use]
-    pub fn expand(&self, covariance: Mat<f64>) -> Mat<f64> {
-        match &self.map {
-            Some(map) => map * (covariance * map.transpose()),
-            None => covariance,
-        }
-    }
-
-    /// From coordinates to impulse response, `None` when they are the impulse response.
-    #[must_use]
-    pub fn impulse_map(&self) -> Option<&Mat<f64>> {
-        self.map.as_ref()
-    }
-
-    /// T'M.
-    fn compress(&self, matrix: Mat<f64>) -> Mat<f64> {
-        match &self.map {
-            Some(map) => map.transpose() * matrix,
-            None => matrix,
-        }
-    }
-}
-
 /// The rows of a record in compressed form.
 #[derive(Clone)]
 pub struct Information {
@@ -129,6 +45,8 @@ pub struct Information {
     pub moments: Moments,
     /// Triangular factor of Z = [u lags | 1 | y lags], when the moments are not accurate enough.
     factor: Option<Mat<f64>>,
+    /// Those of the bank that was solved for last.
+    lag_products: RefCell<Option<Arc<LagProducts>>>,
 }
 
 /// A least-squares solution.
@@ -164,6 +82,7 @@ impl Information {
         Self {
             moments,
             factor: None,
+            lag_products: RefCell::default(),
         }
     }
 
@@ -175,6 +94,7 @@ impl Information {
         Self {
             moments,
             factor: Some(factor),
+            lag_products: RefCell::default(),
         }
     }
 
@@ -199,7 +119,7 @@ impl Information {
     #[must_use]
     pub fn solve(&self, coordinates: &Coordinates, ar: &[f64]) -> Option<Solution> {
         match &self.factor {
-            None => solve_moments(&NormalEquations::new(&self.moments, coordinates, ar)),
+            None => solve_moments(&self.equations(coordinates, ar)),
             Some(factor) => solve_factor(factor, &self.moments, coordinates, ar),
         }
     }
@@ -216,8 +136,28 @@ impl Information {
                 .solve(coordinates, ar)
                 .map(|solution| solution.coordinates);
         }
-        let equations = NormalEquations::new(&self.moments, coordinates, ar);
+        let equations = self.equations(coordinates, ar);
         Factored::new(&equations).map(|factored| factored.refined(&equations))
+    }
+
+    fn equations(&self, coordinates: &Coordinates, ar: &[f64]) -> NormalEquations {
+        match self.lag_products(coordinates) {
+            Some(products) => {
+                let square = products.twice_filtered(&with_one(ar));
+                NormalEquations::with_square(&self.moments, coordinates, ar, square)
+            }
+            None => NormalEquations::new(&self.moments, coordinates, ar),
+        }
+    }
+
+    /// The cross moments of the bank's filters, kept for the next noise filter; `None` for a
+    /// complete bank, whose coordinates are its impulse response, and for one that is too large.
+    pub(crate) fn lag_products(&self, coordinates: &Coordinates) -> Option<Arc<LagProducts>> {
+        let map = coordinates.map.as_ref()?;
+        let mut kept = self.lag_products.borrow_mut();
+        let known = kept.take().filter(|known| known.are_of(&coordinates.basis));
+        *kept = known.or_else(|| LagProducts::new(&self.moments, coordinates.basis, map));
+        kept.clone()
     }
 
     /// E\[i,j\] = sum v(k-i) v(k-j), i, j = 0..=order, for v = y - h*u - offset (all relative to
@@ -241,6 +181,11 @@ impl Information {
     }
 }
 
+/// 1, d_1, ..., d_d.
+pub(crate) fn with_one(ar: &[f64]) -> Vec<f64> {
+    std::iter::once(1.0).chain(ar.iter().copied()).collect()
+}
+
 /// D-filtered normal equations A x = b with the offset as last parameter.
 pub(crate) struct NormalEquations {
     pub(crate) a: Mat<f64>,
@@ -251,10 +196,24 @@ pub(crate) struct NormalEquations {
 
 impl NormalEquations {
     pub(crate) fn new(moments: &Moments, coordinates: &Coordinates, ar: &[f64]) -> Self {
+        let uu = filtered_input_moments(&moments.uu, coordinates.basis.settling(), &with_one(ar));
+        let square = match &coordinates.map {
+            Some(map) => map.transpose() * (uu * map),
+            None => uu,
+        };
+        Self::with_square(moments, coordinates, ar, square)
+    }
+
+    /// With the coordinates' part of A known.
+    fn with_square(
+        moments: &Moments,
+        coordinates: &Coordinates,
+        ar: &[f64],
+        square: Mat<f64>,
+    ) -> Self {
         let n = coordinates.basis.settling();
-        let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+        let d = with_one(ar);
         let gain: f64 = d.iter().sum();
-        let uu = filtered_input_moments(&moments.uu, n, &d);
         // Columns: cross moments with the filtered output, and with the filtered offset.
         let mut edge = Mat::zeros(n, 2);
         for (i, di) in d.iter().enumerate() {
@@ -269,10 +228,6 @@ impl NormalEquations {
             }
         }
         let edge = coordinates.compress(edge);
-        let square = match &coordinates.map {
-            Some(map) => map.transpose() * (uu * map),
-            None => uu,
-        };
         let p = coordinates.len();
         let mut a = Mat::zeros(p + 1, p + 1);
         a.as_mut().submatrix_mut(0, 0, p, p).copy_from(&square);
@@ -412,7 +367,7 @@ fn solve_factor(
         coordinates.basis.settling(),
         coordinates.len(),
     );
-    let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+    let d = with_one(ar);
     let mut impulse = Mat::zeros(lags, n);
     for a in 0..n {
         for (i, di) in d.iter().enumerate() {

@@ -50,6 +50,12 @@ const SHORTEST_LONGEST: usize = 41;
 /// Rows needed per sample of settling time.
 const ROWS_PER_SAMPLE: usize = 6;
 
+/// Rows needed per sample of settling time where bounds are not at stake.
+const ROWS_FOR_PREDICTION: usize = 2;
+
+/// Share of the samples that must then be left as rows.
+const ROWS_KEPT: f64 = 0.74;
+
 /// The input counts as low-passed when the complete bank's band is this much wider than the best.
 const LOW_PASSED_RATIO: f64 = 3.0;
 
@@ -119,11 +125,24 @@ pub fn longest_settling(record: &Record, cap: Option<usize>) -> Result<usize, Er
     Ok(longest)
 }
 
+/// The longest settling time that can be tried when only prediction counts \[samples, odd\]: there
+/// are rows for estimating it from three quarters of them, and histories do not eat up the record.
+pub(crate) fn longest_for_prediction(record: &Record, cap: Option<usize>) -> usize {
+    let rows = ((record.samples() - record.missing()) as f64 * ROWS_KEPT) as usize;
+    longest_where(record, cap.unwrap_or(LONGEST_SETTLING), |settling| {
+        rows.max(ROWS_FOR_PREDICTION * settling)
+    })
+}
+
 /// The longest odd settling time that leaves `rows_per_sample` rows for each of its samples.
 fn longest_with(record: &Record, cap: usize, rows_per_sample: usize) -> usize {
+    longest_where(record, cap, |settling| rows_per_sample * settling)
+}
+
+/// The longest odd settling time with as many rows as `needed` for it.
+fn longest_where(record: &Record, cap: usize, needed: impl Fn(usize) -> usize) -> usize {
     let supported = |settling: usize| {
-        record.count_rows(settling + MAX_AUTO_ORDER, MAX_AUTO_ORDER + 1)
-            >= rows_per_sample * settling
+        record.count_rows(settling + MAX_AUTO_ORDER, MAX_AUTO_ORDER + 1) >= needed(settling)
     };
     // Rows fall as the settling time grows, so the limit can be bisected.
     let (mut low, mut high) = (0, cap + 1);
@@ -173,7 +192,7 @@ pub fn choose(moments: &Moments, longest: usize, order: NoiseOrder) -> Result<Ch
 /// Whether the complete bank of a settling time is undetermined or useless beside the best one.
 pub(crate) fn is_low_passed(banks: &NestedBanks, settling: usize) -> bool {
     let complete = settling - usize::from(settling.is_multiple_of(2));
-    banks.largest().frequencies < complete
+    banks.excited() < complete
         || banks.largest().half_width() > LOW_PASSED_RATIO * banks.narrowest().half_width()
 }
 

@@ -4,25 +4,89 @@
 //! code, [`Reference::offset_us`], to one pulse offset per PWM frame. Offsets are whole
 //! microseconds from neutral, holds are whole frames: so the edge of every step lies on a frame
 //! edge, and what the host puts into its regressor is what the servo was told.
+//!
+//! | reference     | crest factor | where its power is (f in Hz)                       | what it is for              |
+//! |---------------|--------------|----------------------------------------------------|-----------------------------|
+//! | [`Staircase`] | 1            | falls as 1/f², no gaps                             | the paper's: step response  |
+//! | [`Stairs`]    | 1.2 - 1.7    | falls as 1/f², gaps at multiples of 1/hold         | limits, levels, asymmetry   |
+//! | [`Prbs`]      | 1            | even up to 0.44/chip, gap at 1/chip                | the linear response, fast   |
+//! | [`Sweep`]     | 1.41         | even from its lowest to its highest frequency      | resonances, seen by eye     |
+//! | [`Multisine`] | about 1.7    | on its tones and nowhere else, all alike           | the frequency response      |
+//! | [`Steps`]     | its table's  | its table's                                        | whatever else               |
+//!
+//! The crest factor is the largest offset over the root mean square. What changes once per frame
+//! carries the frame's hold too: power times (sin πx/πx)², x = f·20 ms, which is -0.6 dB at 10 Hz and
+//! -3.9 dB at 25 Hz.
+//!
+//! Every expansion is a function of the frame's number alone, in whole numbers, and takes a bounded
+//! number of steps: the board has no floating point unit, may lose a frame, and knows the next pulse
+//! all the same.
 
+mod multisine;
+mod prbs;
+mod sine;
+mod staircase;
+mod stairs;
+mod steps;
+mod sweep;
+
+pub use multisine::{MAX_TONES, Multisine};
+pub use prbs::Prbs;
+pub use staircase::Staircase;
+pub use stairs::{MAX_LEVELS, Stairs};
+pub use steps::{MAX_STEPS, Step, Steps};
+pub use sweep::Sweep;
+
+use crate::timing::FRAMES_PER_SECOND;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
+
+/// Half the frame rate (mHz): what changes once per frame can carry no higher frequency.
+pub const HIGHEST_MILLIHERTZ: u16 = (FRAMES_PER_SECOND * 1_000 / 2) as u16;
 
 /// A reference signal, in frames and microseconds from neutral.
 ///
 /// New kinds are added at the end; the order of the variants is the wire format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Reference {
-    /// The paper's signal.
+    /// The paper's signal: two levels, holds that get shorter.
     Staircase(Staircase),
+    /// Many levels, each reached from all others.
+    Stairs(Stairs),
+    /// A pseudo-random binary sequence of maximal length.
+    Prbs(Prbs),
+    /// A sine whose frequency moves evenly.
+    Sweep(Sweep),
+    /// Many sines at once, repeated.
+    Multisine(Multisine),
+    /// A table.
+    Steps(Steps),
 }
 
 impl Reference {
+    /// What it is called: on the command line and in recordings.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Staircase(_) => "staircase",
+            Self::Stairs(_) => "stairs",
+            Self::Prbs(_) => "prbs",
+            Self::Sweep(_) => "sweep",
+            Self::Multisine(_) => "multisine",
+            Self::Steps(_) => "steps",
+        }
+    }
+
     /// Length (frames).
     #[must_use]
     pub fn frames(&self) -> u32 {
         match self {
             Self::Staircase(staircase) => staircase.frames(),
+            Self::Stairs(stairs) => stairs.frames(),
+            Self::Prbs(prbs) => prbs.frames(),
+            Self::Sweep(sweep) => sweep.frames(),
+            Self::Multisine(multisine) => multisine.frames(),
+            Self::Steps(steps) => steps.frames(),
         }
     }
 
@@ -31,17 +95,37 @@ impl Reference {
     pub fn offset_us(&self, frame: u32) -> Option<i16> {
         match self {
             Self::Staircase(staircase) => staircase.offset_us(frame),
+            Self::Stairs(stairs) => stairs.offset_us(frame),
+            Self::Prbs(prbs) => prbs.offset_us(frame),
+            Self::Sweep(sweep) => sweep.offset_us(frame),
+            Self::Multisine(multisine) => multisine.offset_us(frame),
+            Self::Steps(steps) => steps.offset_us(frame),
         }
     }
 
-    /// The smallest and the largest offset from neutral (µs): what travel limits are checked against.
+    /// Every offset in turn (µs).
+    ///
+    /// ```
+    /// use servoid_protocol::reference::{Reference, Staircase};
+    /// let paper = Reference::Staircase(Staircase::PAPER);
+    /// assert_eq!(paper.offsets_us().filter(|offset| *offset == 50).count(), 180);
+    /// ```
+    pub fn offsets_us(self) -> impl Iterator<Item = i16> {
+        (0..self.frames()).map_while(move |frame| self.offset_us(frame))
+    }
+
+    /// The smallest and the largest offset from neutral that it may take (µs): what travel limits
+    /// are checked against.
     #[must_use]
     pub fn extremes_us(&self) -> (i16, i16) {
+        let to_both_sides = |amplitude_us| (-amplitude(amplitude_us), amplitude(amplitude_us));
         match self {
-            Self::Staircase(s) => {
-                let amplitude = s.amplitude_us.min(i16::MAX as u16) as i16;
-                (-amplitude, amplitude)
-            }
+            Self::Staircase(staircase) => to_both_sides(staircase.amplitude_us),
+            Self::Stairs(stairs) => to_both_sides(stairs.amplitude_us),
+            Self::Prbs(prbs) => to_both_sides(prbs.amplitude_us),
+            Self::Sweep(sweep) => to_both_sides(sweep.amplitude_us),
+            Self::Multisine(multisine) => to_both_sides(multisine.amplitude_us),
+            Self::Steps(steps) => steps.extremes_us(),
         }
     }
 
@@ -49,138 +133,25 @@ impl Reference {
     #[must_use]
     pub fn is_well_formed(&self) -> bool {
         match self {
-            Self::Staircase(s) => {
-                (1..=i16::MAX as u16).contains(&s.amplitude_us)
-                    && s.hold_step_frames > 0
-                    && s.shortest_hold_frames > 0
-                    && s.shortest_hold_frames <= s.longest_hold_frames
-            }
+            Self::Staircase(staircase) => staircase.is_well_formed(),
+            Self::Stairs(stairs) => stairs.is_well_formed(),
+            Self::Prbs(prbs) => prbs.is_well_formed(),
+            Self::Sweep(sweep) => sweep.is_well_formed(),
+            Self::Multisine(multisine) => multisine.is_well_formed(),
+            Self::Steps(steps) => steps.is_well_formed(),
         }
     }
 }
 
-/// A square wave between +amplitude and -amplitude whose holds get shorter each cycle (paper §4).
-///
-/// Cycle `c` holds +amplitude, then -amplitude, for `longest - c·step` frames each, down to
-/// `shortest`.
-///
-/// ```
-/// use servoid_protocol::reference::Staircase;
-/// let paper = Staircase::PAPER;
-/// assert_eq!(paper.frames(), 360); // 7.2 s
-/// assert_eq!(paper.offset_us(0), Some(50)); // +5 degrees at 10 µs per degree
-/// assert_eq!(paper.offset_us(40), Some(-50)); // 800 ms later
-/// assert_eq!(paper.offset_us(360), None);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
-pub struct Staircase {
-    /// Offset of both levels from neutral (µs); the first level is `+amplitude_us`.
-    pub amplitude_us: u16,
-    /// Hold of the first cycle (frames).
-    pub longest_hold_frames: u16,
-    /// Hold below which no further cycle follows (frames).
-    pub shortest_hold_frames: u16,
-    /// What each cycle is shorter by (frames).
-    pub hold_step_frames: u16,
+/// An amplitude as an offset (µs). One that does not fit is not well formed; what is made of it here
+/// is beyond every limit.
+fn amplitude(amplitude_us: u16) -> i16 {
+    i16::try_from(amplitude_us).unwrap_or(i16::MAX)
 }
 
-impl Staircase {
-    /// Paper §4: ±5 degrees (at 10 µs per degree), 800 ms down to 100 ms by 100 ms.
-    pub const PAPER: Self = Self {
-        amplitude_us: 50,
-        longest_hold_frames: 40,
-        shortest_hold_frames: 5,
-        hold_step_frames: 5,
-    };
-
-    /// The holds (frames), longest first; each is held once at + and once at -.
-    pub fn holds(&self) -> impl Iterator<Item = u32> + use<> {
-        let (first, last) = (
-            u32::from(self.longest_hold_frames),
-            self.shortest_hold_frames,
-        );
-        let step = u32::from(self.hold_step_frames).max(1);
-        // A hold of 0 frames is no hold, however the fields are set.
-        let last = u32::from(last).max(1);
-        let count = if first < last {
-            0
-        } else {
-            (first - last) / step + 1
-        };
-        (0..count).map(move |cycle| first - cycle * step)
-    }
-
-    /// Length (frames).
-    #[must_use]
-    pub fn frames(&self) -> u32 {
-        // Closed form of 2·Σ hold; u64, because 65 535 holds of 65 535 frames do not fit 32 bits.
-        let count = self.holds().size_hint().0 as u64;
-        let first = u64::from(self.longest_hold_frames);
-        let step = u64::from(self.hold_step_frames.max(1));
-        let total = 2 * count * first - step * count * count.saturating_sub(1);
-        u32::try_from(total).unwrap_or(u32::MAX)
-    }
-
-    /// Offset from neutral in frame `frame` (µs), or `None` past the end.
-    #[must_use]
-    pub fn offset_us(&self, frame: u32) -> Option<i16> {
-        let amplitude = i16::try_from(self.amplitude_us).unwrap_or(i16::MAX);
-        let mut start = 0;
-        for hold in self.holds() {
-            let since = frame - start;
-            if since < hold {
-                return Some(amplitude);
-            }
-            if since < 2 * hold {
-                return Some(-amplitude);
-            }
-            start += 2 * hold;
-        }
-        None
-    }
+fn is_amplitude(amplitude_us: u16) -> bool {
+    (1..=i16::MAX as u16).contains(&amplitude_us)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    /// The paper's sentence, spelled out frame by frame.
-    fn paper_by_hand() -> Vec<i16> {
-        let mut offsets = Vec::new();
-        for hold_ms in [800, 700, 600, 500, 400, 300, 200, 100] {
-            for sign in [1, -1] {
-                offsets.extend(std::iter::repeat_n(sign * 50, hold_ms / 20));
-            }
-        }
-        offsets
-    }
-
-    #[test]
-    fn the_paper_staircase_is_the_papers() {
-        let reference = Reference::Staircase(Staircase::PAPER);
-        let expanded: Vec<i16> = (0..).map_while(|f| reference.offset_us(f)).collect();
-        assert_eq!(expanded, paper_by_hand());
-        assert_eq!(reference.frames(), 360);
-        assert_eq!(reference.extremes_us(), (-50, 50));
-    }
-
-    proptest! {
-        #[test]
-        fn length_and_expansion_agree(
-            amplitude_us in 1u16..500,
-            longest_hold_frames in 0u16..60,
-            shortest_hold_frames in 0u16..60,
-            hold_step_frames in 0u16..9,
-        ) {
-            let reference = Reference::Staircase(Staircase {
-                amplitude_us, longest_hold_frames, shortest_hold_frames, hold_step_frames,
-            });
-            let expanded: Vec<i16> = (0..).map_while(|f| reference.offset_us(f)).collect();
-            prop_assert_eq!(expanded.len() as u32, reference.frames());
-            let (low, high) = reference.extremes_us();
-            prop_assert!(expanded.iter().all(|o| (low..=high).contains(o)));
-            prop_assert_eq!(expanded.is_empty(), reference.frames() == 0);
-        }
-    }
-}
+mod tests;

@@ -4,8 +4,9 @@
 //! its definition). If one of these tests fails, hosts and rigs in the field no longer understand each
 //! other: new messages go at the end of their enum.
 
+use servoid_protocol::framing::CRC;
 use servoid_protocol::message::{Arm, Ended, Start};
-use servoid_protocol::reference::Staircase;
+use servoid_protocol::reference::{Multisine, Prbs, Staircase, Stairs, Step, Steps, Sweep};
 use servoid_protocol::{
     Command, Counts, Decoder, EndReason, Frame, Outcome, PulseWidth, Reference, Refusal, Request,
     RigMessage, framing,
@@ -130,4 +131,98 @@ fn messages() {
             0xa4, 0xd6, 0xc4, 0x00,
         ],
     );
+}
+
+/// One of each, with what goes over the wire for it and the CRC-32 over its offsets (each as two bytes,
+/// little endian). The offsets were made by the other implementation too: of the circuit of the levels,
+/// the register, and the sine by its table.
+fn references() -> [(Reference, u32, &'static [u8]); 5] {
+    let step = |(offset_us, hold_frames)| Step {
+        offset_us,
+        hold_frames,
+    };
+    let doublet = [(50, 20), (-50, 20), (0, 40)].map(step);
+    [
+        (
+            Reference::Stairs(Stairs {
+                amplitude_us: 50,
+                levels: 5,
+                hold_frames: 15,
+                cycles: 2,
+            }),
+            0xfc5c_7134,
+            &[
+                0x00, 0x10, 0x01, 0x05, 0x05, 0x07, 0x28, 0x01, 0x32, 0x05, 0x0f, 0x02, 0x28, 0xf1,
+                0xdb, 0x9c, 0xdb, 0x00,
+            ],
+        ),
+        (
+            Reference::Prbs(Prbs {
+                amplitude_us: 50,
+                register: 9,
+                seed: 511,
+                chip_frames: 1,
+                chips: 511,
+            }),
+            0xd6bb_764a,
+            &[
+                0x00, 0x13, 0x01, 0x05, 0x05, 0x07, 0x28, 0x02, 0x32, 0x09, 0xff, 0x03, 0x01, 0xff,
+                0x03, 0x28, 0xed, 0x4a, 0xd7, 0x7b, 0x00,
+            ],
+        ),
+        (
+            Reference::Sweep(Sweep {
+                amplitude_us: 50,
+                first_millihertz: 200,
+                last_millihertz: 15_000,
+                frames: 512,
+            }),
+            0xd051_c869,
+            &[
+                0x00, 0x13, 0x01, 0x05, 0x05, 0x07, 0x28, 0x03, 0x32, 0xc8, 0x01, 0x98, 0x75, 0x80,
+                0x04, 0x28, 0x98, 0x2a, 0x39, 0x7b, 0x00,
+            ],
+        ),
+        (
+            Reference::Multisine(Multisine {
+                amplitude_us: 50,
+                tone_64ths_us: 300,
+                period_frames: 256,
+                first: 2,
+                spacing: 1,
+                tones: 75,
+                periods: 2,
+            }),
+            0xc60a_4f17,
+            &[
+                0x00, 0x15, 0x01, 0x05, 0x05, 0x07, 0x28, 0x04, 0x32, 0xac, 0x02, 0x80, 0x02, 0x02,
+                0x01, 0x4b, 0x02, 0x28, 0xdb, 0x21, 0x3d, 0x76, 0x00,
+            ],
+        ),
+        (
+            Reference::Steps(Steps::new(3, &doublet).unwrap()),
+            0xb2e1_9e99,
+            &[
+                0x00, 0x0c, 0x01, 0x05, 0x05, 0x07, 0x28, 0x05, 0x03, 0x64, 0x14, 0x63, 0x14, 0x02,
+                0x28, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01,
+                0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01,
+                0x01, 0x01, 0x06, 0x28, 0x2e, 0xae, 0xc9, 0xb5, 0x00,
+            ],
+        ),
+    ]
+}
+
+#[test]
+fn every_other_reference() {
+    for (reference, crc, golden) in references() {
+        let start = Start {
+            run: 7,
+            pre_roll_frames: 40,
+            reference,
+            post_roll_frames: 40,
+        };
+        require_request(1, 5, Command::Start(start), golden);
+        let bytes: Vec<u8> = reference.offsets_us().flat_map(i16::to_le_bytes).collect();
+        assert_eq!(CRC.checksum(&bytes), crc, "{}", reference.name());
+    }
 }

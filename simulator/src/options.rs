@@ -57,7 +57,7 @@ pub enum LineSpeed {
 /// | `noise`             | `full`, `white` or `none`                          | `full` | all             |
 /// | `scatter`           | none or `all`, or some of `clock,supply,friction,sensor,rotor`: what differs from seed to seed | off | all, as far as it has the part |
 /// | `baud`              | speed of the serial line, or `unlimited`           | 115200 | all             |
-/// | `fault`             | `open` or `short`, `@` and seconds: the sensor breaks then | none | all      |
+/// | `fault`             | `open` or `short`, `@` and seconds: the sensor breaks then; `open@3-5`: it is repaired at 5 s; a comma between several | none | all |
 /// | `first-sample-us`   | 0-1999: from a pulse's edge to the first sample    | 500    | all             |
 /// | `clock-phase-ms`    | what the servo's own clock adds to its latency     | 0      | all             |
 /// | `sensor-gain`       | relative to the calibration                        | 1      | all             |
@@ -95,7 +95,7 @@ pub struct SimulationOptions {
     /// The line between rig and host.
     pub line: LineSpeed,
     /// Whether and when the sensor breaks.
-    pub fault: Option<SensorFault>,
+    pub faults: Vec<SensorFault>,
     /// From a pulse's rising edge to the frame's first sample (µs); less than 2000.
     pub first_sample_us: u16,
     /// The run's conditions.
@@ -114,7 +114,7 @@ impl SimulationOptions {
             realtime: false,
             noise: NoiseKind::Full,
             line: LineSpeed::Baud(115_200),
-            fault: None,
+            faults: Vec::new(),
             first_sample_us: 500,
             conditions: Conditions::default(),
             scatter: Scatter::default(),

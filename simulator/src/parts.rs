@@ -34,7 +34,7 @@ impl Parts {
         };
         Ok(Self {
             servo,
-            sensor: HallSensor::new(conditions.sensor_gain, options.fault),
+            sensor: HallSensor::new(conditions.sensor_gain, options.faults.clone()),
             noise: Noise::new(options.noise, options.seed),
         })
     }

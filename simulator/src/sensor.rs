@@ -10,6 +10,7 @@
 
 use crate::noise::SampleNoise;
 use servoid_protocol::{Counts, SensorScale};
+use std::str::FromStr;
 use std::time::Duration;
 
 /// Conversions K summed into one sample, as on the board.
@@ -61,27 +62,70 @@ pub enum FaultKind {
     Short,
 }
 
-/// A fault, and since when.
+/// A fault, and for how long.
+///
+/// As text, `open@3.5` is a wire that is off from 3.5 s on, and `short@3.5-6` one that touches the
+/// supply from 3.5 s to 6 s.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SensorFault {
     /// What breaks.
     pub kind: FaultKind,
     /// When, counted from the start of the simulation.
     pub from: Duration,
+    /// When it is repaired; never, where there is none.
+    pub until: Option<Duration>,
+}
+
+impl SensorFault {
+    fn is_there(&self, at: Duration) -> bool {
+        at >= self.from && self.until.is_none_or(|until| at < until)
+    }
+}
+
+/// A text that names no fault of a sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "write open or short, @ and the second from which on, such as open@3.5, or open@3.5-6 if it is repaired at 6 s"
+)]
+pub struct SensorFaultError;
+
+impl FromStr for SensorFault {
+    type Err = SensorFaultError;
+
+    fn from_str(text: &str) -> Result<Self, SensorFaultError> {
+        let seconds = |text: &str| {
+            let seconds = text.parse().map_err(|_| SensorFaultError)?;
+            Duration::try_from_secs_f64(seconds).map_err(|_| SensorFaultError)
+        };
+        let (kind, when) = text.split_once('@').unwrap_or((text, "0"));
+        let kind = match kind {
+            "open" => FaultKind::Open,
+            "short" => FaultKind::Short,
+            _ => return Err(SensorFaultError),
+        };
+        let (from, until) = match when.split_once('-') {
+            Some((from, until)) => (seconds(from)?, Some(seconds(until)?)),
+            None => (seconds(when)?, None),
+        };
+        if until.is_some_and(|until| until <= from) {
+            return Err(SensorFaultError);
+        }
+        Ok(Self { kind, from, until })
+    }
 }
 
 /// A sensor, its divider and the ADC.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct HallSensor {
     gain: f64,
-    fault: Option<SensorFault>,
+    faults: Vec<SensorFault>,
 }
 
 impl HallSensor {
-    /// A sensor with `gain` relative to [`SENSOR_SCALE`], which breaks as `fault` says.
+    /// A sensor with `gain` relative to [`SENSOR_SCALE`], which breaks as `faults` say.
     #[must_use]
-    pub fn new(gain: f64, fault: Option<SensorFault>) -> Self {
-        Self { gain, fault }
+    pub fn new(gain: f64, faults: Vec<SensorFault>) -> Self {
+        Self { gain, faults }
     }
 
     /// The conversions of one sample of `angle` (deg) at `at`.
@@ -95,12 +139,12 @@ impl HallSensor {
 
     /// What the sensor puts on its wire (V).
     fn volts(&self, at: Duration, angle: f64) -> f64 {
-        match self.fault {
-            Some(fault) if at >= fault.from => match fault.kind {
+        match self.faults.iter().find(|fault| fault.is_there(at)) {
+            Some(fault) => match fault.kind {
                 FaultKind::Open => 0.0,
                 FaultKind::Short => 5.0,
             },
-            _ => (MIDDLE + self.gain * angle * VOLTS_PER_DEGREE).clamp(LIMITS.0, LIMITS.1),
+            None => (MIDDLE + self.gain * angle * VOLTS_PER_DEGREE).clamp(LIMITS.0, LIMITS.1),
         }
     }
 }
@@ -122,7 +166,7 @@ mod tests {
         conversions: [0.0; OVERSAMPLING],
     };
 
-    fn sample(sensor: HallSensor, angle: f64, noise: &SampleNoise) -> Counts {
+    fn sample(sensor: &HallSensor, angle: f64, noise: &SampleNoise) -> Counts {
         sum(sensor.convert(Duration::from_secs(2), angle, noise))
     }
 
@@ -132,12 +176,12 @@ mod tests {
 
     #[test]
     fn without_noise_the_error_is_at_most_half_a_step() {
-        let sensor = HallSensor::new(1.0, None);
+        let sensor = HallSensor::new(1.0, Vec::new());
         let step = 5.0 / 4096.0 / (4.0 / 120.0);
         let mut worst = 0f64;
         for k in -59_000..=59_000 {
             let angle = f64::from(k) * 1e-3;
-            let error = degrees(sample(sensor, angle, &QUIET)) - angle;
+            let error = degrees(sample(&sensor, angle, &QUIET)) - angle;
             worst = worst.max(error.abs());
         }
         // Half a step, and angles 0.001 deg apart come that close to it; 1e-9 for rounding.
@@ -149,13 +193,13 @@ mod tests {
 
     #[test]
     fn the_noise_of_conversions_dithers_the_adc() {
-        let sensor = HallSensor::new(1.0, None);
+        let sensor = HallSensor::new(1.0, Vec::new());
         let mut noise = Noise::new(NoiseKind::White, 5);
         // Half-way between two steps, where a quiet ADC errs most.
         let angle = 0.5 * 5.0 / 4096.0 / (4.0 / 120.0);
         const N: usize = 100_000;
         let errors: Vec<f64> = (0..N)
-            .map(|_| degrees(sample(sensor, angle, &noise.next_sample())) - angle)
+            .map(|_| degrees(sample(&sensor, angle, &noise.next_sample())) - angle)
             .collect();
         let mean = errors.iter().sum::<f64>() / N as f64;
         let variance = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / N as f64;
@@ -172,18 +216,27 @@ mod tests {
 
     #[test]
     fn it_saturates_and_breaks_where_it_should() {
-        let sample = |fault, angle| sample(HallSensor::new(1.0, fault), angle, &QUIET);
-        let broken = |kind, from| {
-            Some(SensorFault {
-                kind,
-                from: Duration::from_secs(from),
-            })
+        let sample = |faults: &[&str], angle| {
+            let faults = faults.iter().map(|text| text.parse().unwrap()).collect();
+            sample(&HallSensor::new(1.0, faults), angle, &QUIET)
         };
-        assert!((degrees(sample(None, 90.0)) - 60.0).abs() < 0.02);
-        assert!((degrees(sample(None, -90.0)) + 60.0).abs() < 0.02);
-        assert_eq!(sample(broken(FaultKind::Open, 2), 0.0), Counts(0));
-        assert_eq!(sample(broken(FaultKind::Short, 2), 0.0), FULL_SCALE);
-        assert_eq!(sample(broken(FaultKind::Open, 3), 0.0), Counts(8192));
+        assert!((degrees(sample(&[], 90.0)) - 60.0).abs() < 0.02);
+        assert!((degrees(sample(&[], -90.0)) + 60.0).abs() < 0.02);
+        // Sampled at 2 s.
+        assert_eq!(sample(&["open@2"], 0.0), Counts(0));
+        assert_eq!(sample(&["short@2"], 0.0), FULL_SCALE);
+        assert_eq!(sample(&["open@3"], 0.0), Counts(8192));
+        assert_eq!(sample(&["open@1-2"], 0.0), Counts(8192));
+        assert_eq!(sample(&["open@1-2", "short@2-3"], 0.0), FULL_SCALE);
         assert!(FULL_SCALE <= Counts::MAX_TWO_BYTES);
+    }
+
+    #[test]
+    fn texts_that_name_no_fault() {
+        for text in [
+            "", "melt@1", "open@", "open@-1", "open@2-", "open@3-2", "open@inf",
+        ] {
+            assert_eq!(text.parse::<SensorFault>(), Err(SensorFaultError), "{text}");
+        }
     }
 }

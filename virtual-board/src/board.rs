@@ -121,7 +121,7 @@ impl<C: Core> VirtualBoard<C> {
         let mut plans = vec![(POWER_ON_DELAY, Plan::SwitchOn)];
         for fault in &options.faults {
             match *fault {
-                Fault::Sensor(fault) => simulation.fault = Some(fault),
+                Fault::Sensor(fault) => simulation.faults.push(fault),
                 Fault::CrystalStops { at } => plans.push((at, Plan::StopCrystal)),
                 Fault::CpuStuck { at } => plans.push((at, Plan::Stick)),
                 Fault::BrownOut { at } => {
@@ -208,10 +208,14 @@ impl<C: Core> VirtualBoard<C> {
         self.chip.lock().surroundings.line.host_reads(buffer)
     }
 
-    /// Waits until bytes have come and copies them to `buffer`; returns how many, or 0 when `timeout`
-    /// of simulated time has passed without any.
+    /// Waits until bytes have come and copies them to `buffer`; returns how many, or 0 when at least
+    /// `timeout` of simulated time has passed without any.
     pub fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> usize {
-        let deadline = self.now.saturating_add(from_duration(timeout));
+        // Durations are rounded down here and where the host looks at the time. A tick for each, and
+        // who waits for a moment until it is there does get there.
+        let roundings = if timeout.is_zero() { 0 } else { 2 };
+        let wait = from_duration(timeout).saturating_add(roundings);
+        let deadline = self.now.saturating_add(wait);
         loop {
             let count = self.take(buffer);
             if count > 0 || self.now >= deadline {

@@ -1,7 +1,7 @@
 //! Faults on purpose.
 
 use crate::time::{Ticks, from_duration};
-use servoid_simulator::sensor::{FaultKind, SensorFault};
+use servoid_simulator::sensor::SensorFault;
 use std::str::FromStr;
 use std::time::Duration;
 use thiserror::Error;
@@ -35,6 +35,7 @@ pub enum Disturbance {
 /// | `no-crystal`                     | the crystal never starts                                   |
 /// | `crystal-stops@S`                | the crystal stops at second S, for ever                    |
 /// | `sensor-open@S`, `sensor-short@S` | the sensor's wire is off, or touches the supply, from second S on |
+/// | `sensor-open@S-T`, …             | the same, repaired at second T                             |
 /// | `host-silent@S`                  | nothing of what the host sends arrives from second S on    |
 /// | `cpu-stuck@S`                    | the processor stops at second S, until the next reset      |
 /// | `brown-out@S`                    | the supply is gone for 0.1 s                               |
@@ -92,7 +93,7 @@ pub const BROWN_OUT: Duration = Duration::from_millis(100);
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
     "there is no fault '{0}': choose no-crystal, crystal-stops@S, sensor-open@S, sensor-short@S, host-silent@S, \
-     cpu-stuck@S or brown-out@S with S in seconds, or flip:P, drop:P or inject:P with P from 0 to 1, \
+     cpu-stuck@S or brown-out@S with S in seconds (sensor-open@S-T if it is repaired at T), or flip:P, drop:P or inject:P with P from 0 to 1, \
      each with to-board- or to-host- before it if it is one direction only"
 )]
 pub struct FaultError(String);
@@ -101,7 +102,9 @@ impl FromStr for Fault {
     type Err = FaultError;
 
     fn from_str(text: &str) -> Result<Self, FaultError> {
-        let fault = if let Some((name, at)) = text.split_once('@') {
+        let fault = if let Some(sensor) = text.strip_prefix("sensor-") {
+            sensor.parse().ok().map(Self::Sensor)
+        } else if let Some((name, at)) = text.split_once('@') {
             timed(name, at)
         } else if let Some((name, probability)) = text.split_once(':') {
             on_the_line(name, probability)
@@ -114,11 +117,8 @@ impl FromStr for Fault {
 
 fn timed(name: &str, at: &str) -> Option<Fault> {
     let from = Duration::try_from_secs_f64(at.parse().ok()?).ok()?;
-    let sensor = |kind| Fault::Sensor(SensorFault { kind, from });
     let at = from_duration(from);
     Some(match name {
-        "sensor-open" => sensor(FaultKind::Open),
-        "sensor-short" => sensor(FaultKind::Short),
         "crystal-stops" => Fault::CrystalStops { at },
         "host-silent" => Fault::HostSilent { from: at },
         "cpu-stuck" => Fault::CpuStuck { at },

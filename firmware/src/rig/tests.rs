@@ -6,6 +6,7 @@ mod everything;
 mod link;
 mod losses;
 mod model;
+mod references;
 mod runs;
 mod sessions;
 

@@ -1,15 +1,16 @@
 //! `servoid capture`
 
+use super::reference_args::ReferenceArgs;
 use super::watch::{BandReached, Watch, WatchArgs};
 use super::{Talk, interrupt};
 use crate::port;
 use crate::recording::{Ending, Header, ReservedFile};
 use crate::rig::{Capture, CaptureEnd, RigClient, RigFile};
 use anyhow::{Context, Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 use servoid_protocol::message::Command;
-use servoid_protocol::reference::{Reference, Staircase};
+use servoid_protocol::reference::Reference;
 use std::path::{Path, PathBuf};
 
 /// Drive the servo with a reference and record how it moves
@@ -23,7 +24,10 @@ use std::path::{Path, PathBuf};
   servoid capture --port /dev/ttyUSB0 --condition bench -o bench.csv
   servoid capture --port sim:aircraft -o aircraft.csv       (no hardware needed)
   servoid capture --port 'sim:bench?realtime' -o live.csv   (at real pace, to look at)
-  servoid capture --port /dev/ttyUSB0 --until-band 1 -o bench.csv")]
+  servoid capture --port /dev/ttyUSB0 --until-band 1 -o bench.csv
+  servoid capture --port sim:bench --reference stairs --levels 7 -o stairs.csv
+  servoid capture --port sim:bench --reference prbs --repeat 3 -o prbs.csv
+                                            (prbs-1.csv, prbs-2.csv, prbs-3.csv)")]
 pub(super) struct CaptureArgs {
     /// Where the rig is: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
     /// (sim:bench?realtime&seed=7 for real pace and another noise)
@@ -33,17 +37,6 @@ pub(super) struct CaptureArgs {
     /// RTY sensor of 120 degrees
     #[arg(long, value_name = "RIG.toml")]
     rig: Option<PathBuf>,
-    /// What the servo is told
-    #[arg(long, value_enum, default_value_t = ReferenceKind::Staircase)]
-    reference: ReferenceKind,
-    /// How far the reference goes to each side (degrees)
-    #[arg(
-        long,
-        default_value_t = 5.0,
-        value_name = "DEGREES",
-        allow_negative_numbers = true
-    )]
-    amplitude: f64,
     /// Under what condition: bench, aircraft, or a word of your own
     #[arg(long, default_value = "")]
     condition: String,
@@ -57,9 +50,13 @@ pub(super) struct CaptureArgs {
     /// End the pulses after the run: the servo goes limp
     #[arg(long)]
     release: bool,
-    /// The recording to write
+    /// The recording to write; with --repeat, -1, -2, ... are put before its ending
     #[arg(long, short, value_name = "FILE.csv")]
     out: PathBuf,
+    /// So many runs one after the other, each a recording of its own: 'servoid identify' and 'compare'
+    /// take them as several runs. The first one that is not complete is the last one
+    #[arg(long, default_value_t = 1, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=MOST_RUNS))]
+    repeat: u16,
     /// Replace the file if it exists
     #[arg(long)]
     force: bool,
@@ -67,23 +64,23 @@ pub(super) struct CaptureArgs {
     watch: WatchArgs,
     #[command(flatten)]
     talk: Talk,
+    #[command(flatten)]
+    reference: ReferenceArgs,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum ReferenceKind {
-    /// The paper's: holds of 800 ms down to 100 ms by 100 ms, each at + and at - (7.2 s)
-    Staircase,
-}
+/// Beyond this a slip is more likely than an intention.
+const MOST_RUNS: i64 = 999;
 
 /// What is captured, from where, and what is done to the rig afterwards.
 pub(super) struct Job<'a> {
     pub address: &'a str,
     pub rig: RigFile,
-    pub amplitude_deg: f64,
+    pub reference: Reference,
     pub condition: &'a str,
     pub notes: &'a str,
     pub release: bool,
-    pub out: &'a Path,
+    /// One for each run.
+    pub files: &'a [PathBuf],
     pub force: bool,
 }
 
@@ -122,45 +119,75 @@ impl CaptureArgs {
                 self.condition
             );
         }
-        let ReferenceKind::Staircase = self.reference;
+        let reference = self.reference.grant(rig.servo.us_per_degree, self.talk)?;
+        let files = run_files(&self.out, self.repeat);
         interrupt::listen()?;
         let watch = self.watch.watch(self.talk);
-        let end = capture(
+        let ends = capture(
             &Job {
                 address: &address,
                 rig,
-                amplitude_deg: self.amplitude,
+                reference,
                 condition: &self.condition,
                 notes: &self.notes,
                 release: self.release,
-                out: &self.out,
+                files: &files,
                 force: self.force,
             },
             &watch,
             self.talk,
         )?;
-        self.report(&end, watch.band_reached())
+        report(&files, &ends, watch.band_reached(), self.talk)
     }
+}
 
-    fn report(&self, end: &CaptureEnd, until_band: Option<BandReached>) -> Result<String> {
+/// Where each run goes: `out` itself, or for several `out` with -1, -2, ... before its ending.
+fn run_files(out: &Path, runs: u16) -> Vec<PathBuf> {
+    if runs == 1 {
+        return vec![out.to_owned()];
+    }
+    let name = |run: u16| {
+        let mut name = out.file_stem().unwrap_or_default().to_owned();
+        name.push(format!("-{run}"));
+        if let Some(ending) = out.extension() {
+            name.push(".");
+            name.push(ending);
+        }
+        out.with_file_name(name)
+    };
+    (1..=runs).map(name).collect()
+}
+
+/// The result: one object for one run, a list of them for several. The band is that of all of them
+/// together.
+fn report(
+    files: &[PathBuf],
+    ends: &[CaptureEnd],
+    until_band: Option<BandReached>,
+    talk: Talk,
+) -> Result<String> {
+    let (mut text, mut results) = (String::new(), Vec::new());
+    for (file, end) in files.iter().zip(ends) {
         let (state, reason) = match &end.ending {
             Ending::Complete => ("complete", None),
             Ending::Early { reason } => ("ended early", Some(reason.as_str())),
             Ending::Partial { reason, .. } => ("partial", Some(reason.as_str())),
         };
-        let advice = until_band.as_ref().and_then(BandReached::advice);
         if state == "partial"
             && let Some(reason) = reason
             && !interrupt::asked()
         {
             bail!(
-                "{} is partial, {} samples: {reason}",
-                self.out.display(),
-                end.rows
+                "{} is partial, {} samples: {reason}{}",
+                file.display(),
+                end.rows,
+                runs_before(&results)
             );
         }
-        let result = CaptureResult {
-            file: &self.out,
+        let why = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
+        text += &format!("{}: {state}{why}, {} samples\n", file.display(), end.rows);
+        results.push(CaptureResult {
+            file,
             complete: state == "complete",
             ended_early: state == "ended early",
             reason,
@@ -168,50 +195,32 @@ impl CaptureArgs {
             unreadable_messages: end.rejects,
             frames_asked_again: end.asked_again,
             until_band,
-        };
-        let why = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
-        let advice = advice.map_or_else(String::new, |advice| advice + "\n");
-        let (file, rows) = (self.out.display(), end.rows);
-        self.talk.result(
-            format!("{file}: {state}{why}, {rows} samples\n{advice}"),
-            &result,
-        )
+        });
+    }
+    if let Some(advice) = until_band.as_ref().and_then(BandReached::advice) {
+        text += &(advice + "\n");
+    }
+    match (files.len(), results.first()) {
+        (1, Some(result)) => talk.result(text, result),
+        _ => talk.result(text, &serde_json::json!({ "runs": results })),
     }
 }
 
-/// Below this, rounding to whole microseconds alone is more than 5 % of the step (µs).
-const SMALL_AMPLITUDE_US: f64 = 10.0;
-
-/// The paper's staircase at this amplitude.
-fn staircase(rig: &RigFile, amplitude_deg: f64, talk: Talk) -> Result<Reference> {
-    let microseconds = (amplitude_deg * rig.servo.us_per_degree).abs().round();
-    if !(1.0..=1000.0).contains(&microseconds) {
-        bail!(
-            "an amplitude of {amplitude_deg} degrees is {microseconds} µs of pulse: choose one between 1 and 1000 µs"
-        );
+fn runs_before(results: &[CaptureResult<'_>]) -> String {
+    match results.len() {
+        0 => String::new(),
+        count => format!(" ({count} complete before it)"),
     }
-    if microseconds < SMALL_AMPLITUDE_US {
-        talk.say(format_args!(
-            "an amplitude of {amplitude_deg} degrees is only {microseconds} µs of pulse: the step is sent in whole microseconds, and friction and dead band may swallow much of it"
-        ));
-    }
-    let staircase = Staircase {
-        amplitude_us: microseconds as u16,
-        ..Staircase::PAPER
-    };
-    Ok(Reference::Staircase(staircase))
 }
 
-/// Captures one run.
-pub(super) fn capture(job: &Job<'_>, watch: &Watch, talk: Talk) -> Result<CaptureEnd> {
-    let capture = Capture::new(
-        job.rig.clone(),
-        staircase(&job.rig, job.amplitude_deg, talk)?,
-    );
+/// Captures the runs one after the other, up to the first one that is not complete.
+pub(super) fn capture(job: &Job<'_>, watch: &Watch, talk: Talk) -> Result<Vec<CaptureEnd>> {
+    require_within_limits(job)?;
     // Before the servo moves, not after: a run may be expensive.
-    let file = ReservedFile::new(job.out, job.force)?;
+    let reserve = |path: &PathBuf| ReservedFile::new(path, job.force);
+    let files: Vec<_> = job.files.iter().map(reserve).collect::<Result<_, _>>()?;
     let mut client = RigClient::connect(port::open(job.address)?, job.address)?;
-    let hello = *client.hello();
+    let hello = client.hello();
     talk.say(format_args!(
         "{}: {}, firmware {}, {} clock",
         job.address,
@@ -219,28 +228,80 @@ pub(super) fn capture(job: &Job<'_>, watch: &Watch, talk: Talk) -> Result<Captur
         hello.build.as_str(),
         format!("{:?}", hello.clock).to_lowercase()
     ));
-    capture.arm(&mut client)?;
-    let header = Header {
-        condition: job.condition.to_owned(),
-        notes: job.notes.to_owned(),
-        port: job.address.to_owned(),
-        ..Header::of_run(&hello, &job.rig, &capture.start)
-    };
-    let writer = file.begin(&header)?;
-    let title = format!("{}  to {}", job.address, job.out.display());
-    let watched = watch.begin(title, &capture, client.is_paced_by_reader())?;
-    let end = capture.record(&mut client, writer, &|| watched.stop(), &mut |p| {
-        watched.update(p)
-    });
-    watched.finish();
+    let mut ends = Vec::new();
+    let mut outcome = Ok(());
+    for (file, path) in files.into_iter().zip(job.files) {
+        match capture_run(job, &mut client, file, path, watch) {
+            Ok(end) => ends.push(end),
+            Err(error) => outcome = Err(error),
+        }
+        let complete = ends.last().map(|end| &end.ending) == Some(&Ending::Complete);
+        if outcome.is_err() || !complete || interrupt::asked() {
+            break;
+        }
+    }
     let released = if job.release {
         client.request(Command::Disarm)
     } else {
         Ok(())
     };
     // What went wrong first is what the user has to know.
-    let end =
-        end.with_context(|| format!("{} keeps what was captured before this", job.out.display()))?;
+    outcome?;
     released.context("the pulses could not be ended")?;
-    Ok(end)
+    Ok(ends)
+}
+
+/// The board refuses what leaves the limits; said here, it leaves no file behind and names the numbers.
+fn require_within_limits(job: &Job<'_>) -> Result<()> {
+    let (low, high) = job.reference.extremes_us();
+    let neutral = i32::from(job.rig.servo.neutral_us);
+    let [lowest, highest] = [low, high].map(|offset| neutral + i32::from(offset));
+    let limits = &job.rig.limits;
+    let [shortest, longest] = [limits.shortest_us, limits.longest_us];
+    if lowest < i32::from(shortest) || highest > i32::from(longest) {
+        bail!(
+            "the reference goes from {lowest} to {highest} µs, beyond the rig's limits of {shortest} to {longest} µs: make --amplitude smaller, or widen the limits in the rig file if the servo can take it"
+        );
+    }
+    Ok(())
+}
+
+/// Captures one run.
+fn capture_run(
+    job: &Job<'_>,
+    client: &mut RigClient,
+    file: ReservedFile,
+    path: &Path,
+    watch: &Watch,
+) -> Result<CaptureEnd> {
+    let capture = Capture::new(job.rig.clone(), job.reference);
+    capture.arm(client)?;
+    let header = Header {
+        condition: job.condition.to_owned(),
+        notes: job.notes.to_owned(),
+        port: job.address.to_owned(),
+        ..Header::of_run(client.hello(), &job.rig, &capture.start)
+    };
+    let writer = file.begin(&header)?;
+    let title = format!("{}  to {}", job.address, path.display());
+    let watched = watch.begin(title, &capture, client.is_paced_by_reader())?;
+    let end = capture.record(client, writer, &|| watched.stop(), &mut |p| {
+        watched.update(p)
+    });
+    watched.finish();
+    end.with_context(|| format!("{} keeps what was captured before this", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_runs_are_numbered_before_the_ending() {
+        let names = |out: &str, runs| run_files(Path::new(out), runs);
+        assert_eq!(names("a/rec.csv", 1), [PathBuf::from("a/rec.csv")]);
+        let expected = ["a/rec-1.csv", "a/rec-2.csv"].map(PathBuf::from);
+        assert_eq!(names("a/rec.csv", 2), expected);
+        assert_eq!(names("a.b/rec", 2)[1], PathBuf::from("a.b/rec-2"));
+    }
 }

@@ -30,7 +30,7 @@ pub(super) struct Compare {
     #[arg(long, num_args = 1.., value_name = "FILE", conflicts_with = "sides", requires = "a")]
     b: Vec<PathBuf>,
     /// The largest difference that still counts as the same (percent of the step)
-    #[arg(long, default_value_t = 5.0, value_name = "PERCENT")]
+    #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::margin)]
     margin: f64,
     /// Confidence level of every bound
     #[arg(long, default_value_t = 0.99)]
@@ -53,8 +53,8 @@ pub(super) struct Compare {
 
 impl Compare {
     pub(super) fn run(self) -> Result<String> {
-        if !(self.margin >= 0.0 && self.zero_sd >= 0.0) {
-            bail!("--margin and --zero-sd must be 0 or more");
+        if self.zero_sd.is_nan() || self.zero_sd < 0.0 {
+            bail!("--zero-sd must be 0 or more");
         }
         if let Some(out) = &self.out {
             output::check_free(out, self.force)?;

@@ -3,17 +3,18 @@
 use super::capture::{Job, capture};
 use super::watch::Watch;
 use super::{Talk, interrupt};
-use crate::dataset::{self, Dataset, DatasetOptions};
-use crate::plots::figures::{self, Subject};
-use crate::report::{self, Part};
+use crate::dataset::{self, DatasetOptions};
+use crate::plots::figures;
+use crate::report::{self, Page, Servo};
 use crate::rig::RigFile;
 use crate::{output, paper, summary};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
-use servoid_identification::comparison::{ComparisonOptions, compare};
+use servoid_identification::comparison::{Comparison, ComparisonOptions, compare};
 use servoid_identification::metrics::Metrics;
-use servoid_identification::{Model, Options, identify};
+use servoid_identification::{Options, Record, identify_explained};
+use servoid_protocol::reference::{Reference, Staircase};
 use std::path::PathBuf;
 
 /// Run the whole paper on simulated rigs: capture, identify, compare bench and aircraft
@@ -66,33 +67,21 @@ impl Demo {
             .with_context(|| format!("the folder {:?} cannot be made", self.out))?;
         self.check_folder()?;
         interrupt::listen()?;
-        let (bench_data, bench) = self.measure("bench")?;
-        let (aircraft_data, aircraft) = self.measure("aircraft")?;
+        let (bench, bench_record) = self.measure("bench")?;
+        let (aircraft, aircraft_record) = self.measure("aircraft")?;
         let options = ComparisonOptions {
             wait_samples: Some(paper::WAIT_SAMPLES),
             ..ComparisonOptions::default()
         };
-        let comparison = compare(&bench_data.record, &aircraft_data.record, &options)?;
+        let comparison = compare(&bench_record, &aircraft_record, &options)?;
         self.write("comparison.json", &output::to_json(&comparison)?)?;
         let summary = Summary {
-            bench: bench.metrics,
-            aircraft: aircraft.metrics,
-            paper: paper::facts(&bench, &aircraft, &comparison),
+            bench: bench.model.metrics,
+            aircraft: aircraft.model.metrics,
+            paper: paper::facts(&bench.model, &aircraft.model, &comparison),
         };
         self.write("summary.json", &output::to_json(&summary)?)?;
-        let bench_data = Subject {
-            name: "bench",
-            model: &bench,
-            record: Some(&bench_data.record),
-            unit: bench_data.about.unit,
-        };
-        let aircraft_data = Subject {
-            name: "aircraft",
-            model: &aircraft,
-            record: Some(&aircraft_data.record),
-            unit: aircraft_data.about.unit,
-        };
-        let plots = self.draw(bench_data, aircraft_data)?;
+        let plots = self.draw(&bench, &aircraft, &comparison, &summary.paper)?;
         let text = format!(
             "{}\n{}\n{}\n\nrecordings, models, comparison.json, summary.json and {plots} plots are in {}\nopen {} in a browser to look around\n",
             summary::side_by_side(&summary.bench, &summary.aircraft),
@@ -122,18 +111,23 @@ impl Demo {
     }
 
     /// The paper's figures, one by one and on a page; returns how many.
-    fn draw(&self, bench: Subject<'_>, aircraft: Subject<'_>) -> Result<usize> {
-        let figures = figures::paper(&bench, Some(&aircraft));
+    fn draw(
+        &self,
+        bench: &Servo,
+        aircraft: &Servo,
+        comparison: &Comparison,
+        paper: &[paper::Fact],
+    ) -> Result<usize> {
+        let (first, second) = (bench.part(), aircraft.part());
+        let figures = figures::paper(&first.subject, Some(&second.subject));
         let plots = output::write_figures(&self.out.join("plots"), true, &figures)?;
-        let [bench, aircraft] = [bench, aircraft].map(|subject| Part {
-            subject,
-            provenance: &[],
-        });
-        let page = report::page(
-            "A servo on the bench and on the aircraft, simulated",
-            &bench,
-            Some(&aircraft),
-        )?;
+        let page = report::page(&Page {
+            title: "A servo on the bench and on the aircraft, simulated",
+            first,
+            second: Some(second),
+            comparison: Some(comparison),
+            paper,
+        })?;
         self.write(REPORT, &page)?;
         Ok(plots.len())
     }
@@ -143,32 +137,34 @@ impl Demo {
     }
 
     /// Captures a simulated servo and identifies it.
-    fn measure(&self, condition: &str) -> Result<(Dataset, Model)> {
+    fn measure(&self, condition: &str) -> Result<(Servo, Record)> {
         let file = self.out.join(format!("{condition}.csv"));
         let address = format!("sim:{condition}?seed=1");
         capture(
             &Job {
                 address: &address,
                 rig: RigFile::default(),
-                amplitude_deg: 5.0,
+                reference: Reference::Staircase(Staircase::PAPER),
                 condition,
                 notes: NOTES,
                 release: false,
-                out: &file,
+                files: std::slice::from_ref(&file),
                 force: true,
             },
             &Watch::plainly(self.talk),
             self.talk,
         )?;
         let data = dataset::load(std::slice::from_ref(&file), &DatasetOptions::default())?;
-        let model = identify(&data.record, &Options::default())
+        let found = identify_explained(&data.record, &Options::default())
             .with_context(|| file.display().to_string())?;
-        self.write(&format!("{condition}.json"), &output::to_json(&model)?)?;
+        let model = &found.model;
+        self.write(&format!("{condition}.json"), &output::to_json(model)?)?;
         self.talk.say(summary::of_model(
             &file.display().to_string(),
-            &model,
+            model,
             data.about.unit,
         ));
-        Ok((data, model))
+        let record = data.record.clone();
+        Ok((Servo::of_data(condition.to_owned(), data, found), record))
     }
 }

@@ -2,7 +2,8 @@
 
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem, wrong_usage};
-use crate::plots::figures;
+use crate::dataset::suggestion::quoted;
+use crate::plots::{figures, structure};
 use crate::{dataset, explain, output, summary};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -44,7 +45,8 @@ pub(super) struct Identify {
     /// Show how the structure came about: what was considered, and why this was chosen
     #[arg(long)]
     explain: bool,
-    /// Also fit a model of low order for a flight simulation: gain, delay, one to three poles
+    /// Also fit a model of low order for a flight simulation: gain, delay, one to three poles. It is
+    /// kept in the model's file, where 'servoid export' finds it
     #[arg(long)]
     flight_model: bool,
     /// Also look for what no linear model shows: up and down strokes that differ, rate limits, a
@@ -81,6 +83,7 @@ impl Identify {
         if let Some(out) = &self.out {
             output::check_free(out, self.force)?;
         }
+        let next = self.next();
         let data = dataset::load(&self.files, &self.table.into())?;
         data.about
             .remarks
@@ -90,36 +93,48 @@ impl Identify {
             identify_explained(&data.record, &options).with_context(|| listed(&self.files))?;
         let model = &found.model;
         let explanation = self.explain.then_some(&found.explanation);
+        let flight = self.flight_model.then(|| {
+            let options = FlightModelOptions {
+                // A recording of servoid was commanded by pulses, which change with the frame only.
+                frame_period_s: data.about.unit.map(|_| f64::from(FRAME_US) * 1e-6),
+                ..FlightModelOptions::default()
+            };
+            flight_model::fit(&data.record, model, &options)
+        });
         if let Some(out) = &self.out {
-            output::write_file(out, self.force, &output::to_json(model)?)?;
+            let beside = Identified {
+                flight_model: flight.as_ref().and_then(|fitted| fitted.as_ref().ok()),
+                ..Identified::of(model)
+            };
+            output::write_file(out, self.force, &output::to_json(&beside)?)?;
             self.talk.say(format_args!("model: {}", out.display()));
         }
         if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
             let name = stem(first);
             let mut figures = figures::identification(&name, &data.record, model, data.about.unit);
-            figures
-                .extend(explanation.map(|e| explain::as_figure(&format!("{name}-structure"), e)));
+            let structure = |e| {
+                structure::structure(
+                    &format!("{name}-structure"),
+                    "Choice of structure",
+                    e,
+                    model,
+                )
+            };
+            figures.extend(explanation.map(structure));
             let files = output::write_figures(folder, self.force, &figures)?;
             self.talk.say(format_args!("plots: {}", listed(&files)));
         }
         let mut text = summary::of_model(&listed(&self.files), model, data.about.unit);
         text.extend(explanation.map(|e| explain::as_text(e, model)));
         let mut result = Identified {
-            model,
             explanation,
-            flight_model: None,
-            limits: None,
-            directions: None,
+            ..Identified::of(model)
         };
-        if self.flight_model {
-            let options = FlightModelOptions {
-                // A recording of servoid was commanded by pulses, which change with the frame only.
-                frame_period_s: data.about.unit.map(|_| f64::from(FRAME_US) * 1e-6),
-                ..FlightModelOptions::default()
-            };
-            let fitted = flight_model::fit(&data.record, model, &options)
-                .with_context(|| format!("{}: no low-order model", listed(&self.files)))?;
-            text += &summary::of_flight_model(&fitted);
+        if let Some(fitted) = &flight {
+            let fitted = fitted.as_ref().map_err(|error| {
+                anyhow::anyhow!("{}: no low-order model: {error}", listed(&self.files))
+            })?;
+            text += &summary::of_flight_model(fitted);
             result.flight_model = Some(fitted);
         }
         if self.limits {
@@ -130,7 +145,28 @@ impl Identify {
             result.directions = split.map(Directions::from);
             result.limits = Some(limits);
         }
+        self.talk.say(next);
         self.talk.result(text, &result)
+    }
+
+    /// The command that shows all of this.
+    fn next(&self) -> String {
+        let files: Vec<String> = self
+            .files
+            .iter()
+            .map(|file| quoted(&file.display().to_string()))
+            .collect();
+        let several = if files.len() > 1 { "--a " } else { "" };
+        let page = self
+            .files
+            .first()
+            .map_or_else(String::new, |file| format!("{}.html", stem(file)));
+        format!(
+            "to look at it: servoid report {several}{}{} -o {}",
+            files.join(" "),
+            self.table.as_typed(),
+            quoted(&page)
+        )
     }
 }
 
@@ -142,11 +178,23 @@ struct Identified<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     explanation: Option<&'a Explanation>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    flight_model: Option<FlightModel>,
+    flight_model: Option<&'a FlightModel>,
     #[serde(skip_serializing_if = "Option::is_none")]
     limits: Option<Limits>,
     #[serde(skip_serializing_if = "Option::is_none")]
     directions: Option<Directions>,
+}
+
+impl<'a> Identified<'a> {
+    fn of(model: &'a Model) -> Self {
+        Self {
+            model,
+            explanation: None,
+            flight_model: None,
+            limits: None,
+            directions: None,
+        }
+    }
 }
 
 /// Up and down strokes apart.

@@ -4,13 +4,18 @@
 
 mod capture;
 mod compare;
+mod completions;
 mod demo;
+mod export;
 mod identify;
 mod info;
 mod interrupt;
+mod man;
+mod plan;
 mod ports;
 mod progress;
 mod recover;
+mod reference_args;
 mod report;
 mod simulate;
 mod table_args;
@@ -47,13 +52,17 @@ enum Command {
     Demo(demo::Demo),
     Ports(ports::Ports),
     Info(info::Info),
+    Plan(plan::PlanArgs),
     Capture(capture::CaptureArgs),
     Identify(identify::Identify),
     Validate(validate::Validate),
     Compare(compare::Compare),
     Report(report::Report),
+    Export(export::ExportArgs),
     Simulate(simulate::Simulate),
     Recover(recover::Recover),
+    Completions(completions::Completions),
+    Man(man::ManArgs),
 }
 
 impl Cli {
@@ -66,13 +75,17 @@ impl Cli {
             Command::Demo(command) => command.run(),
             Command::Ports(command) => command.run(),
             Command::Info(command) => command.run(),
+            Command::Plan(command) => command.run(),
             Command::Capture(command) => command.run(),
             Command::Identify(command) => command.run(),
             Command::Validate(command) => command.run(),
             Command::Compare(command) => command.run(),
             Command::Report(command) => command.run(),
+            Command::Export(command) => command.run(),
             Command::Simulate(command) => command.run(),
             Command::Recover(command) => command.run(),
+            Command::Completions(command) => command.run(),
+            Command::Man(command) => command.run(),
         }
     }
 }
@@ -111,6 +124,14 @@ fn wrong_usage(error: impl std::fmt::Display) -> ! {
     Cli::command()
         .error(ErrorKind::ValueValidation, error)
         .exit()
+}
+
+/// A margin that a difference is held against (percent).
+fn margin(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(percent) if percent >= 0.0 && percent.is_finite() => Ok(percent),
+        _ => Err("a number of percent, 0 or above, is needed".to_owned()),
+    }
 }
 
 /// What a file is called in plots and on the terminal: its name without folder and ending.

@@ -2,33 +2,43 @@
 
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem};
-use crate::dataset::{self, Dataset, DatasetOptions};
+use crate::dataset::{self, DatasetOptions};
 use crate::output;
-use crate::plots::figures::Subject;
-use crate::report::{self, Part};
+use crate::report::{self, Page, Servo};
 use anyhow::{Context, Result};
 use clap::Args;
-use servoid_identification::{Model, Options, identify};
-use std::path::{Path, PathBuf};
+use servoid_identification::comparison::{Comparison, ComparisonOptions, compare, compare_models};
+use servoid_identification::{Options, identify_explained};
+use std::path::PathBuf;
 
-/// Put one servo, or two side by side, on one page with figures to zoom in
+/// Put one servo, or two held against each other, on one page with figures to zoom in
 ///
-/// Takes recordings (identified with everything chosen from the data) or models, one or two. The
-/// page is a single file that opens in any browser, without a network.
+/// Takes recordings (identified with everything chosen from the data) or models, one or two, or
+/// several runs a side. The page is a single file that opens in any browser, without a network.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
   servoid report bench.csv aircraft.csv -o report.html
+  servoid report --a bench1.csv bench2.csv bench3.csv --b air1.csv air2.csv air3.csv -o report.html
   servoid report mine.csv --input u --output y --period 0.02 -o report.html")]
 pub(super) struct Report {
-    /// Recordings or models, the reference condition first
-    #[arg(required = true, num_args = 1..=2, value_name = "FILE")]
+    /// A recording or a model, or two, the reference condition first
+    #[arg(required_unless_present = "a", num_args = 1..=2, value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// Recordings of the servo, or of the reference condition, several runs
+    #[arg(long, num_args = 1.., value_name = "FILE", conflicts_with = "files")]
+    a: Vec<PathBuf>,
+    /// Recordings of the other condition, several runs
+    #[arg(long, num_args = 1.., value_name = "FILE", requires = "a")]
+    b: Vec<PathBuf>,
     /// The page to write
     #[arg(long, short, value_name = "FILE.html")]
     out: PathBuf,
     /// What the page is called
     #[arg(long, default_value = "How the servo moves")]
     title: String,
+    /// The largest difference that still counts as the same (percent of the step)
+    #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::margin)]
+    margin: f64,
     /// Replace the file if it exists
     #[arg(long)]
     force: bool,
@@ -38,26 +48,33 @@ pub(super) struct Report {
     table: TableArgs,
 }
 
-/// A file, read and identified.
-struct Read {
-    name: String,
-    model: Model,
-    data: Option<Dataset>,
-    provenance: Vec<(String, String)>,
-}
-
 impl Report {
     pub(super) fn run(self) -> Result<String> {
         output::check_free(&self.out, self.force)?;
         let options: DatasetOptions = self.table.into();
-        let mut read = Vec::new();
-        for file in &self.files {
-            read.push(read_file(file, &options, self.talk)?);
+        let sides: Vec<&[PathBuf]> = match &self.files[..] {
+            [] => [&self.a[..], &self.b[..]]
+                .into_iter()
+                .filter(|side| !side.is_empty())
+                .collect(),
+            files => files.chunks(1).collect(),
+        };
+        let mut servos = Vec::new();
+        for side in sides {
+            servos.push(read(side, &options, self.talk)?);
         }
-        name_apart(&mut read);
-        let parts: Vec<Part<'_>> = read.iter().map(Read::part).collect();
-        let (first, second) = (&parts[0], parts.get(1));
-        let page = report::page(&self.title, first, second)?;
+        name_apart(&mut servos);
+        let comparison = match &servos[..] {
+            [a, b] => comparison(a, b, self.margin, self.talk)?,
+            _ => None,
+        };
+        let page = report::page(&Page {
+            title: &self.title,
+            first: servos[0].part(),
+            second: servos.get(1).map(Servo::part),
+            comparison: comparison.as_ref(),
+            paper: &[],
+        })?;
         output::write_file(&self.out, self.force, &page)?;
         let result = serde_json::json!({ "file": self.out });
         self.talk.result(
@@ -67,52 +84,46 @@ impl Report {
     }
 }
 
-impl Read {
-    fn part(&self) -> Part<'_> {
-        let data = self.data.as_ref();
-        let subject = Subject {
-            name: &self.name,
-            model: &self.model,
-            record: data.map(|data| &data.record),
-            unit: data.and_then(|data| data.about.unit),
-        };
-        Part {
-            subject,
-            provenance: &self.provenance,
-        }
+fn read(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Servo> {
+    if let [file] = files
+        && file.extension().is_some_and(|ending| ending == "json")
+    {
+        return Ok(Servo::of_model(stem(file), output::read_model(file)?));
     }
-}
-
-fn read_file(file: &Path, options: &DatasetOptions, talk: Talk) -> Result<Read> {
-    if file.extension().is_some_and(|ending| ending == "json") {
-        let (model, data) = (output::read_model(file)?, None);
-        return Ok(Read {
-            name: stem(file),
-            model,
-            data,
-            provenance: Vec::new(),
-        });
-    }
-    let files = [file.to_owned()];
-    let data = dataset::load(&files, options)?;
+    let data = dataset::load(files, options)?;
     data.about
         .remarks
         .iter()
         .for_each(|remark| talk.say(remark));
-    let model = identify(&data.record, &Options::default()).with_context(|| listed(&files))?;
-    let provenance = data.about.provenance.clone();
-    let name = data.about.condition.clone().unwrap_or_else(|| stem(file));
-    Ok(Read {
-        name,
-        model,
-        data: Some(data),
-        provenance,
-    })
+    let found =
+        identify_explained(&data.record, &Options::default()).with_context(|| listed(files))?;
+    let name = data.about.condition.clone();
+    let name = name.unwrap_or_else(|| files.first().map_or_else(String::new, |file| stem(file)));
+    Ok(Servo::of_data(name, data, found))
+}
+
+/// What lies between the two; `None` for a recording beside a model, which are shown all the same.
+fn comparison(a: &Servo, b: &Servo, margin: f64, talk: Talk) -> Result<Option<Comparison>> {
+    let options = ComparisonOptions {
+        margin_percent: margin,
+        ..ComparisonOptions::default()
+    };
+    let found = match (&a.data, &b.data) {
+        (Some(a), Some(b)) => compare(&a.record, &b.record, &options),
+        (None, None) => compare_models(&a.model, &b.model, &options),
+        _ => {
+            talk.say("a recording and a model are shown side by side, but without a verdict: that takes two recordings, or two models");
+            return Ok(None);
+        }
+    };
+    found
+        .map(Some)
+        .with_context(|| format!("{} against {}", a.name, b.name))
 }
 
 /// Two curves of one name could not be told apart.
-fn name_apart(read: &mut [Read]) {
-    if let [first, second] = read
+fn name_apart(servos: &mut [Servo]) {
+    if let [first, second] = servos
         && first.name == second.name
     {
         first.name.push_str(" 1");

@@ -6,11 +6,12 @@ use super::watch::Watch;
 use crate::rig::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
+use servoid_protocol::reference::{Reference, Staircase};
 use std::path::PathBuf;
 
-/// Record a simulated servo, as fast as the machine allows
+/// Record a simulated servo on the paper's staircase, as fast as the machine allows
 ///
-/// The same as 'servoid capture' with --port sim:SERVO?seed=S.
+/// The same as 'servoid capture' with --port sim:SERVO?seed=S, which takes other references too.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
   servoid simulate --servo aircraft --seed 3 -o aircraft.csv")]
@@ -45,24 +46,23 @@ impl Simulate {
             Servo::Aircraft => "aircraft",
             Servo::Linear => "linear",
         };
-        let end = capture(
+        let ends = capture(
             &Job {
                 address: &format!("sim:{servo}?seed={}", self.seed),
                 rig: RigFile::default(),
-                amplitude_deg: 5.0,
+                reference: Reference::Staircase(Staircase::PAPER),
                 condition: servo,
                 notes: "",
                 release: false,
-                out: &self.out,
+                files: std::slice::from_ref(&self.out),
                 force: self.force,
             },
             &Watch::plainly(self.talk),
             self.talk,
         )?;
-        let text = format!("{}: {} samples\n", self.out.display(), end.rows);
-        self.talk.result(
-            text,
-            &serde_json::json!({ "file": self.out, "rows": end.rows }),
-        )
+        let rows: u64 = ends.iter().map(|end| end.rows).sum();
+        let text = format!("{}: {rows} samples\n", self.out.display());
+        self.talk
+            .result(text, &serde_json::json!({ "file": self.out, "rows": rows }))
     }
 }

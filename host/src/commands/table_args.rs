@@ -1,6 +1,7 @@
 //! The options that say how to read files.
 
 use crate::dataset::DatasetOptions;
+use crate::dataset::suggestion::quoted;
 use clap::Args;
 
 #[derive(Clone, Debug, Args)]
@@ -26,6 +27,29 @@ pub(super) struct TableArgs {
     /// strokes are half as long, which a real servo does not answer in proportion
     #[arg(long)]
     with_rest: bool,
+}
+
+impl TableArgs {
+    /// These options as they would be typed again, each with a space before it.
+    pub(super) fn as_typed(&self) -> String {
+        let texts = [
+            ("--input", self.input.clone()),
+            ("--output", self.output.clone()),
+            ("--period", self.period.map(|period| period.to_string())),
+            ("--run", self.run.clone()),
+            ("--at-rest", self.at_rest.map(|input| input.to_string())),
+        ];
+        let given = texts
+            .into_iter()
+            .filter_map(|(key, value)| Some((key, value?)));
+        let mut typed: String = given
+            .map(|(key, value)| format!(" {key} {}", quoted(&value)))
+            .collect();
+        if self.with_rest {
+            typed.push_str(" --with-rest");
+        }
+        typed
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {

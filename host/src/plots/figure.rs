@@ -26,6 +26,8 @@ pub struct Panel {
     pub bands: Vec<Band>,
     /// Lines.
     pub curves: Vec<Curve>,
+    /// Points, drawn last.
+    pub marks: Vec<Marks>,
 }
 
 /// Where the curves of a panel leave room.
@@ -64,6 +66,28 @@ pub struct Band {
     pub points: Vec<(f64, f64, f64)>,
 }
 
+/// Points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marks {
+    /// What the legend calls them; empty for none.
+    pub name: String,
+    /// How they are drawn.
+    pub ink: Ink,
+    /// The points.
+    pub points: Vec<Mark>,
+}
+
+/// One point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// Where.
+    pub x: f64,
+    /// Where.
+    pub y: f64,
+    /// The ends of a vertical line through it: an interval, or the foot of a stem.
+    pub line: Option<(f64, f64)>,
+}
+
 /// What a line stands for decides its colour, the same in every picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
@@ -75,6 +99,25 @@ pub enum Ink {
     Model,
     /// The second model.
     SecondModel,
+    /// Further lines, where runs have to be told apart.
+    Third,
+    /// And one more.
+    Fourth,
+}
+
+impl Ink {
+    /// Runs beside each other; from the sixth on the colours come again.
+    #[must_use]
+    pub fn of_run(index: usize) -> Self {
+        const RUNS: [Ink; 5] = [
+            Ink::Measured,
+            Ink::Model,
+            Ink::SecondModel,
+            Ink::Third,
+            Ink::Fourth,
+        ];
+        RUNS[index % RUNS.len()]
+    }
 }
 
 impl Panel {
@@ -86,8 +129,13 @@ impl Panel {
         let bands = self.bands.iter().flat_map(|b| &b.points);
         let edges = bands.flat_map(|&(x, lower, upper)| [(x, lower), (x, upper)]);
         let mut extent: Option<((f64, f64), (f64, f64))> = None;
+        let marks = self.marks.iter().flat_map(|m| &m.points).flat_map(|mark| {
+            let (low, high) = mark.line.unwrap_or((mark.y, mark.y));
+            [(mark.x, mark.y), (mark.x, low), (mark.x, high)]
+        });
         for (x, y) in curves
             .chain(edges)
+            .chain(marks)
             .filter(|(x, y)| x.is_finite() && y.is_finite())
         {
             let ((x0, x1), (y0, y1)) = extent.get_or_insert(((x, x), (y, y)));

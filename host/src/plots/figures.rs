@@ -25,7 +25,7 @@ fn with_unit(quantity: &str, unit: Option<&str>) -> String {
 }
 
 /// Points of a long record that are still drawn one by one.
-const MOST_POINTS: usize = 12_000;
+const MOST_POINTS: usize = 6_000;
 
 /// A signal over time. Of a long one, each stretch of samples is drawn as its smallest and its
 /// largest value: at the width of a page that looks the same, and the file stays small.
@@ -53,11 +53,15 @@ fn signal(period_s: f64, values: &[f64]) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// Runs of a record that are drawn; of more, these are the first.
+pub const MOST_RUNS: usize = 3;
+
 /// Figs 4 and 8: the reference and the measurement, one panel per run.
 #[must_use]
 pub fn input_output(name: &str, title: &str, record: &Record, unit: Option<&str>) -> Figure {
     let period = record.sample_period_s();
-    let panels = record.runs().iter().map(|run| Panel {
+    let runs = record.runs().iter().take(MOST_RUNS);
+    let panels = runs.map(|run| Panel {
         x_label: "time (s)".into(),
         y_label: with_unit("position", unit),
         legend: Legend::Above,

@@ -1,6 +1,6 @@
 //! Figures as SVG files.
 
-use super::figure::{Band, Curve, Figure, Ink, Legend, Panel};
+use super::figure::{Band, Curve, Figure, Ink, Legend, Marks, Panel};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::ValueFormatter;
 use plotters::coord::types::RangedCoordf64;
@@ -44,6 +44,8 @@ fn colour(ink: Ink) -> RGBColor {
         Ink::Measured => RGBColor(0, 114, 178),
         Ink::Model => RGBColor(213, 94, 0),
         Ink::SecondModel => RGBColor(0, 158, 115),
+        Ink::Third => RGBColor(204, 121, 167),
+        Ink::Fourth => RGBColor(146, 112, 0),
     }
 }
 
@@ -53,7 +55,9 @@ fn draw_panel<'a>(figure: &Figure, panel: &Panel, area: &Area<'a>) -> DrawResult
     };
     // Room above the highest and below the lowest point, and an axis even for a flat line.
     let margin = if y1 > y0 { (y1 - y0) * 0.06 } else { 1.0 };
-    let lines = panel.bands.len() + panel.curves.iter().filter(|c| !c.name.is_empty()).count();
+    let lines = panel.bands.len()
+        + panel.curves.iter().filter(|c| !c.name.is_empty()).count()
+        + panel.marks.iter().filter(|m| !m.name.is_empty()).count();
     let legend = if panel.legend == Legend::Above {
         (y1 - y0) * lines as f64 * LEGEND_LINE / f64::from(PANEL_HEIGHT)
     } else {
@@ -133,6 +137,26 @@ where
             }
         }
     }
+    for Marks { name, ink, points } in &panel.marks {
+        let colour = colour(*ink);
+        let stems = points.iter().filter_map(|mark| {
+            let (low, high) = mark.line?;
+            Some(PathElement::new(
+                [(mark.x, low), (mark.x, high)],
+                colour.stroke_width(1),
+            ))
+        });
+        chart.draw_series(stems)?;
+        let dots = points
+            .iter()
+            .map(|mark| Circle::new((mark.x, mark.y), 4, colour.filled()));
+        let drawn = chart.draw_series(dots)?;
+        if !name.is_empty() {
+            drawn
+                .label(name)
+                .legend(move |(x, y)| Circle::new((x + 11, y), 4, colour.filled()));
+        }
+    }
     chart
         .configure_series_labels()
         .position(match panel.legend {
@@ -149,6 +173,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plots::figure::Mark;
 
     #[test]
     fn a_figure_with_gaps_and_odd_panels_is_drawn() {
@@ -166,6 +191,15 @@ mod tests {
             x_logarithmic: true,
             curves: vec![curve],
             bands: vec![band],
+            marks: vec![Marks {
+                name: "marks".into(),
+                ink: Ink::Measured,
+                points: vec![Mark {
+                    x: 2.0,
+                    y: 1.0,
+                    line: Some((0.5, 2.5)),
+                }],
+            }],
             ..Panel::default()
         };
         let flat = Curve::dashed("flat", Ink::Reference, [(0.0, 5.0)]);

@@ -1,11 +1,12 @@
 //! The comment lines above the rows: where a recording comes from.
 
 use super::FORMAT;
+use crate::reference::as_toml;
 use crate::rig::RigFile;
 use serde::{Deserialize, Serialize};
 use servoid_protocol::framing::CRC;
 use servoid_protocol::message::Start;
-use servoid_protocol::{Counts, Hello, PulseWidth, Reference, SensorScale, ServoScale};
+use servoid_protocol::{Counts, Hello, PulseWidth, SensorScale, ServoScale};
 use toml::{Table, Value};
 
 /// How every recording begins.
@@ -131,7 +132,7 @@ impl Header {
                 .collect(),
             firmware: hello.build.as_str().to_owned(),
             clock: format!("{:?}", hello.clock),
-            reference: Some(reference_table(&start.reference)),
+            reference: Some(as_toml(&start.reference)),
             pre_roll_frames: start.pre_roll_frames,
             reference_frames: start.reference.frames(),
             post_roll_frames: start.post_roll_frames,
@@ -234,20 +235,4 @@ pub(super) fn on_one_line(value: &Value) -> String {
         other => other.to_string(),
     };
     format!("\"{}\"", text.chars().map(escaped).collect::<String>())
-}
-
-/// A reference as a flat table: its kind, then its numbers.
-fn reference_table(reference: &Reference) -> Table {
-    let Reference::Staircase(s) = reference;
-    let mut table = Table::new();
-    table.insert("kind".into(), "staircase".into());
-    for (key, number) in [
-        ("amplitude_us", s.amplitude_us),
-        ("longest_hold_frames", s.longest_hold_frames),
-        ("shortest_hold_frames", s.shortest_hold_frames),
-        ("hold_step_frames", s.hold_step_frames),
-    ] {
-        table.insert(key.into(), i64::from(number).into());
-    }
-    table
 }

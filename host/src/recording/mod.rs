@@ -41,6 +41,7 @@
     )
 )]
 
+mod exact;
 mod header;
 mod reader;
 mod recover;

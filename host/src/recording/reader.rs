@@ -157,27 +157,28 @@ impl Recording {
     /// last that is there, NaN where one is lost in between.
     #[must_use]
     pub fn columns(&self, range: Range<u64>) -> (Vec<f64>, Vec<f64>) {
-        let rows = self
-            .samples
-            .iter()
-            .zip(&self.reference_deg)
-            .zip(&self.position_deg);
-        let rows: Vec<_> = rows
-            .filter(|((sample, _), _)| range.contains(sample))
-            .collect();
-        let (Some(&((&first, _), _)), Some(&((&last, _), _))) = (rows.first(), rows.last()) else {
+        // Sample numbers rise.
+        let at = |sample: u64| self.samples.partition_point(|&there| there < sample);
+        let rows = at(range.start)..at(range.end);
+        let samples = self.samples.get(rows.clone()).unwrap_or_default();
+        let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
             return (Vec::new(), Vec::new());
         };
         // A file cannot make this allocate more than a long run takes: see `row::MOST_SAMPLES`.
         let length = (last - first) as usize + 1;
-        let (mut input, mut output) = (vec![f64::NAN; length], vec![f64::NAN; length]);
-        for ((&sample, &reference), &position) in rows {
-            let place = (sample - first) as usize;
-            if let (Some(u), Some(y)) = (input.get_mut(place), output.get_mut(place)) {
-                (*u, *y) = (reference, position);
+        let placed = |column: &[f64]| {
+            let mut placed = vec![f64::NAN; length];
+            for (sample, &value) in samples
+                .iter()
+                .zip(column.get(rows.clone()).unwrap_or_default())
+            {
+                if let Some(place) = placed.get_mut((sample - first) as usize) {
+                    *place = value;
+                }
             }
-        }
-        (input, output)
+            placed
+        };
+        (placed(&self.reference_deg), placed(&self.position_deg))
     }
 }
 

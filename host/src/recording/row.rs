@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 /// The longest run that the wire can number: 65 536 frames of 10 samples. A sample number beyond
 /// it is damage, and must not decide how much memory is taken.
-const MOST_SAMPLES: u64 = 65_536 * SAMPLES_PER_FRAME as u64;
+pub(super) const MOST_SAMPLES: u64 = 65_536 * SAMPLES_PER_FRAME as u64;
 
 /// How numbers become a row.
 #[derive(Clone, Copy, Debug)]

@@ -1,11 +1,20 @@
 //! A file's lines, taken apart; what is wrong is noted, and reading goes on.
 
+use super::exact::ExactReader;
 use super::header::{FIRST_LINE, HEADER_CRC};
-use super::row::{Row, RowFormat};
+use super::row::{MOST_SAMPLES, Row, RowFormat};
 use super::{COLUMNS, FORMAT, Header};
+use crc::{CRC_32_ISO_HDLC, Crc};
 use servoid_protocol::framing::CRC;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use std::ops::Range;
 use toml::{Table, Value};
+
+/// The CRC of rows: [`CRC`], by a table that takes sixteen bytes at a time.
+static ROWS_CRC: Crc<u32, crc::Table<16>> = Crc::<u32, crc::Table<16>>::new(&CRC_32_ISO_HDLC);
+
+/// Bytes of the shortest row that can be written.
+const SHORTEST_ROW: usize = "0,0.000,0,0.0000,0\n".len();
 
 /// Something that is not as it was written.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,13 +82,14 @@ pub(super) fn scan(bytes: &[u8]) -> Result<Scan, Newer> {
         .rposition(|&b| b == b'\n')
         .map_or(0, |end| end + 1);
     let body = bytes.get(..whole).unwrap_or_default();
-    let mut lines = (1..).zip(body.split_inclusive(|&b| b == b'\n'));
+    let mut lines = Lines::new(body);
     let mut damages = Vec::new();
     let header = read_header(&mut lines, &mut damages)?;
-    let mut rows = Rows::new(&header, damages);
-    for (number, line) in lines {
-        rows.take(number, line);
+    let mut rows = Rows::new(body, &header, damages);
+    for line in lines {
+        rows.take(&line);
     }
+    rows.sum();
     let last = rows.last_line_number;
     if rows.frames_are_whole {
         rows.check_frame();
@@ -105,11 +115,51 @@ pub(super) fn scan(bytes: &[u8]) -> Result<Scan, Newer> {
     })
 }
 
+/// A line, its line end included.
+struct Line<'a> {
+    /// From 1.
+    number: usize,
+    /// Where it is among the bytes.
+    place: Range<usize>,
+    bytes: &'a [u8],
+}
+
+/// The lines of a file that ends with a line end.
+struct Lines<'a> {
+    body: &'a [u8],
+    ends: memchr::Memchr<'a>,
+    start: usize,
+    number: usize,
+}
+
+impl<'a> Lines<'a> {
+    fn new(body: &'a [u8]) -> Self {
+        Self {
+            body,
+            ends: memchr::memchr_iter(b'\n', body),
+            start: 0,
+            number: 0,
+        }
+    }
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = Line<'a>;
+
+    fn next(&mut self) -> Option<Line<'a>> {
+        let place = self.start..self.ends.next()? + 1;
+        self.start = place.end;
+        self.number += 1;
+        Some(Line {
+            number: self.number,
+            bytes: self.body.get(place.clone())?,
+            place,
+        })
+    }
+}
+
 /// Reads up to the row of column names.
-fn read_header<'a>(
-    lines: &mut impl Iterator<Item = (usize, &'a [u8])>,
-    damages: &mut Vec<Damage>,
-) -> Result<Header, Newer> {
+fn read_header(lines: &mut Lines<'_>, damages: &mut Vec<Damage>) -> Result<Header, Newer> {
     let (mut table, mut digest, mut sealed) = (Table::new(), CRC.digest(), None);
     let mut damage = |line, reason: &str| {
         damages.push(Damage {
@@ -119,9 +169,9 @@ fn read_header<'a>(
         });
     };
     let (mut last, mut rows_follow) = (0, false);
-    for (number, line) in lines {
+    for Line { number, bytes, .. } in lines {
         last = number;
-        let text = line.trim_ascii_end();
+        let text = bytes.trim_ascii_end();
         let Some(comment) = text.strip_prefix(b"#") else {
             if !is_column_row(text) {
                 damage(number, "the column names are wrong");
@@ -139,7 +189,7 @@ fn read_header<'a>(
             }
             Err(reason) => damage(number, reason),
         }
-        digest.update(line);
+        digest.update(bytes);
     }
     let format = table.get("format").and_then(Value::as_integer);
     let format = format.unwrap_or(FORMAT.into());
@@ -170,16 +220,20 @@ fn comment_table(comment: &[u8]) -> Result<Table, &'static str> {
 }
 
 /// The rows, as they are read.
-struct Rows {
+struct Rows<'a> {
+    body: &'a [u8],
     format: RowFormat,
+    exact: ExactReader,
     /// From format 2 on rows come in whole frames and are held against themselves.
     frames_are_whole: bool,
     sound: Vec<Row>,
-    /// The frame that is being read: line, row number and what came of it.
-    frame: Vec<(usize, usize, Result<Row, &'static str>)>,
+    /// The frame that is being read.
+    frame: Vec<FrameRow>,
     seen: usize,
     newest_sample: Option<u64>,
-    digest: crc::Digest<'static, u32, crc::Table<1>>,
+    digest: crc::Digest<'static, u32, crc::Table<16>>,
+    /// Rows that are not in the digest yet: one piece of the body.
+    not_summed: Range<usize>,
     last_line: LastLine,
     last_line_number: usize,
     strange_comment: Option<(usize, &'static str)>,
@@ -187,16 +241,20 @@ struct Rows {
     damages: Vec<Damage>,
 }
 
-impl Rows {
-    fn new(header: &Header, damages: Vec<Damage>) -> Self {
+impl<'a> Rows<'a> {
+    fn new(body: &'a [u8], header: &Header, damages: Vec<Damage>) -> Self {
+        let format = RowFormat::new(header);
         Self {
-            format: RowFormat::new(header),
+            body,
+            format,
+            exact: ExactReader::new(format),
             frames_are_whole: header.format > 1,
-            sound: Vec::new(),
+            sound: Vec::with_capacity((body.len() / SHORTEST_ROW).min(MOST_SAMPLES as usize)),
             frame: Vec::new(),
             seen: 0,
             newest_sample: None,
-            digest: CRC.digest(),
+            digest: ROWS_CRC.digest(),
+            not_summed: 0..0,
             last_line: LastLine::Missing,
             last_line_number: 0,
             strange_comment: None,
@@ -213,7 +271,14 @@ impl Rows {
         });
     }
 
-    fn take(&mut self, number: usize, line: &[u8]) {
+    /// Brings the digest up to the newest row.
+    fn sum(&mut self) {
+        let rows = std::mem::take(&mut self.not_summed);
+        self.digest.update(self.body.get(rows).unwrap_or_default());
+    }
+
+    fn take(&mut self, line: &Line<'_>) {
+        let number = line.number;
         self.last_line_number = number;
         if let Some((number, reason)) = self.strange_comment.take() {
             self.damaged(number, reason);
@@ -222,7 +287,7 @@ impl Rows {
             self.damaged(number, "something follows the last line");
             return;
         }
-        let text = line.trim_ascii_end();
+        let text = line.bytes.trim_ascii_end();
         if let Some(comment) = text.strip_prefix(b"#") {
             match comment_table(comment) {
                 Ok(end) if end.contains_key("end") => self.last_line = LastLine::Read(end),
@@ -232,7 +297,11 @@ impl Rows {
             }
             return;
         }
-        self.digest.update(line);
+        if line.place.start != self.not_summed.end {
+            self.sum();
+            self.not_summed.start = line.place.start;
+        }
+        self.not_summed.end = line.place.end;
         self.seen += 1;
         if self.frames_are_whole {
             self.take_exactly(number, text);
@@ -265,7 +334,7 @@ impl Rows {
     }
 
     fn take_exactly(&mut self, line: usize, text: &[u8]) {
-        let row = self.format.read_exactly(text);
+        let row = self.exact.read(text);
         let row = row.and_then(|row| self.rising(row));
         let frame_of = |row: &Row| row.sample / SAMPLES_PER_FRAME as u64;
         let of_this_frame = self.frame.iter().find_map(|(_, _, r)| r.as_ref().ok());
@@ -283,7 +352,19 @@ impl Rows {
 
     /// Judges the frame that has been read: ten sound rows in order, all of one pulse.
     fn check_frame(&mut self) {
-        let frame = std::mem::take(&mut self.frame);
+        let mut frame = std::mem::take(&mut self.frame);
+        if is_perfect(&frame) {
+            self.sound
+                .extend(frame.iter().filter_map(|(_, _, row)| row.ok()));
+        } else {
+            self.judge(&frame);
+        }
+        frame.clear();
+        self.frame = frame;
+    }
+
+    /// Finds what is wrong with a frame, or with the end of the file in it.
+    fn judge(&mut self, frame: &[FrameRow]) {
         let rows: Vec<Row> = frame.iter().filter_map(|(_, _, row)| row.ok()).collect();
         let before = self.damages.len();
         let mut note = |line: usize, row: usize, reason: &str| {
@@ -294,7 +375,7 @@ impl Rows {
             });
         };
         let most = most_common(rows.iter().map(|row| row.pulse));
-        for (line, number, row) in &frame {
+        for (line, number, row) in frame {
             match row {
                 Err(reason) => note(*line, *number, reason),
                 Ok(row) if Some(row.pulse) != most => {
@@ -328,6 +409,22 @@ impl Rows {
             note_incomplete(&mut self.damages, *line, *number);
         }
     }
+}
+
+/// Line, row number and what came of it.
+type FrameRow = (usize, usize, Result<Row, &'static str>);
+
+/// Whether these are the ten rows of a frame, all sound.
+fn is_perfect(frame: &[FrameRow]) -> bool {
+    let Some((_, _, Ok(first))) = frame.first() else {
+        return false;
+    };
+    let fits = |(sample, (_, _, row)): (u64, &FrameRow)| {
+        row.is_ok_and(|row| row.sample == sample && row.pulse == first.pulse)
+    };
+    frame.len() == SAMPLES_PER_FRAME
+        && first.sample.is_multiple_of(SAMPLES_PER_FRAME as u64)
+        && (first.sample..).zip(frame).all(fits)
 }
 
 fn note_incomplete(damages: &mut Vec<Damage>, line: usize, row: usize) {

@@ -1,13 +1,10 @@
 //! Figures for plotly.js: zoom, values under the pointer, saving as a picture.
+//!
+//! Colours are names here ("ink-model", "area-model"): the page gives them a value for light, dark
+//! and paper.
 
-use crate::plots::figure::{Band, Curve, Figure, Ink, Panel};
+use crate::plots::figure::{Band, Curve, Figure, Ink, Marks, Panel};
 use serde_json::{Value, json};
-
-/// Room for one panel in the page (pixels).
-const PANEL_HEIGHT: usize = 340;
-
-/// Share of the height that lies between two panels.
-const GAP: f64 = 0.12;
 
 /// The plotting library itself, as a `<script>` element: it travels inside the report, so that the
 /// report needs no network.
@@ -20,27 +17,17 @@ pub(super) fn library() -> String {
     scripts.get(..end).unwrap_or_default().to_owned()
 }
 
-/// Data and layout of a figure, as plotly.js wants them.
+/// Data and layout of a figure, as plotly.js wants them; `panels` is their number. Where panels and
+/// their legends lie depends on the width of the page, so the page's script says that.
 pub(super) fn plotly_json(figure: &Figure) -> Value {
-    let count = figure.panels.len().max(1);
     let mut traces = Vec::new();
     let mut layout = json!({
-        "height": PANEL_HEIGHT * count + 60,
-        "margin": { "l": 70, "r": 20, "t": 20, "b": 60 },
         "hovermode": "x unified",
-        "legend": { "orientation": "h", "y": -0.18 / count as f64, "x": 0 },
         "paper_bgcolor": "rgba(0,0,0,0)",
         "plot_bgcolor": "rgba(0,0,0,0)",
-        "modebar": { "bgcolor": "rgba(0,0,0,0)", "color": "rgba(128,128,128,.8)" },
     });
     for (index, panel) in figure.panels.iter().enumerate() {
-        let suffix = if index == 0 {
-            String::new()
-        } else {
-            (index + 1).to_string()
-        };
-        let height = (1.0 - GAP * (count - 1) as f64) / count as f64;
-        let top = 1.0 - index as f64 * (height + GAP);
+        let suffix = axis_suffix(index);
         // Panels over the same quantity are zoomed together.
         let like = figure
             .panels
@@ -48,53 +35,121 @@ pub(super) fn plotly_json(figure: &Figure) -> Value {
             .position(|other| other.x_label == panel.x_label);
         let matches = like
             .filter(|&first| first < index)
-            .map(|first| match first {
-                0 => "x".to_owned(),
-                first => format!("x{}", first + 1),
-            });
+            .map(|first| format!("x{}", axis_suffix(first)));
         layout[format!("xaxis{suffix}")] = json!({
             "matches": matches,
-            "title": { "text": panel.x_label },
+            "title": { "text": text(&panel.x_label), "standoff": 8 },
             "type": if panel.x_logarithmic { "log" } else { "linear" },
             "anchor": format!("y{suffix}"),
+            // The last tick and the value under the pointer carry the unit.
+            "dtick": ticks(panel),
+            "ticksuffix": unit(&panel.x_label),
+            "showticksuffix": "last",
+            "hoverformat": ".4~g",
         });
         layout[format!("yaxis{suffix}")] = json!({
-            "title": { "text": panel.y_label },
-            "domain": [(top - height).max(0.0), top],
+            "title": { "text": text(&panel.y_label), "standoff": 8 },
             "anchor": format!("x{suffix}"),
+            "automargin": true,
         });
-        traces.extend(panel_traces(panel, &suffix, index == 0));
+        // The legend names what the panels above have not named.
+        let named: Vec<&str> = figure.panels[..index].iter().flat_map(names).collect();
+        traces.extend(panel_traces(panel, &suffix, &named));
     }
-    json!({ "data": traces, "layout": layout, "name": figure.name })
+    let panels = figure.panels.len();
+    json!({ "data": traces, "layout": layout, "name": figure.name, "panels": panels })
 }
 
-/// The traces of one panel; the legend names those of the first panel, as the others share them.
-fn panel_traces(panel: &Panel, suffix: &str, in_legend: bool) -> Vec<Value> {
-    let axes = |mut trace: Value| {
+/// Where ticks lie, unless the plotting library is to choose: at 2, 5 and 10 of a decade, and at each of a
+/// few whole numbers.
+fn ticks(panel: &Panel) -> Option<Value> {
+    if panel.x_logarithmic {
+        return Some(json!("D2"));
+    }
+    let ((low, high), _) = panel.extent()?;
+    let curves = panel
+        .curves
+        .iter()
+        .flat_map(|curve| curve.points.iter().map(|p| p.0));
+    let mut x = curves.chain(
+        panel
+            .marks
+            .iter()
+            .flat_map(|marks| marks.points.iter().map(|p| p.x)),
+    );
+    (high - low <= FEW && x.all(|x| x.fract() == 0.0)).then(|| json!(1))
+}
+
+/// So many ticks have room on a telephone.
+const FEW: f64 = 12.0;
+
+/// "" for the first panel, "2" for the second.
+fn axis_suffix(index: usize) -> String {
+    match index {
+        0 => String::new(),
+        _ => (index + 1).to_string(),
+    }
+}
+
+fn names(panel: &Panel) -> impl Iterator<Item = &str> {
+    let bands = panel.bands.iter().map(|band| band.name.as_str());
+    let curves = panel.curves.iter().map(|curve| curve.name.as_str());
+    let marks = panel.marks.iter().map(|marks| marks.name.as_str());
+    bands.chain(curves).chain(marks)
+}
+
+/// " deg" of "position (deg)", "" where there is none.
+fn unit(label: &str) -> String {
+    let unit = label
+        .rsplit_once('(')
+        .and_then(|(_, rest)| rest.strip_suffix(')'));
+    unit.map_or_else(String::new, |unit| {
+        format!(" {}", text(unit.trim_end_matches(" of the step")))
+    })
+}
+
+/// The plotting library reads texts as a small markup, in which names from files have no part.
+fn text(plain: &str) -> String {
+    plain
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
+
+/// The traces of one panel; `named` has been in the legend before.
+fn panel_traces(panel: &Panel, suffix: &str, named: &[&str]) -> Vec<Value> {
+    let hover = format!("%{{y:.4~g}}{}", unit(&panel.y_label));
+    let complete = |mut trace: Value, name: &str, in_legend: bool| {
         trace["xaxis"] = format!("x{suffix}").into();
         trace["yaxis"] = format!("y{suffix}").into();
+        trace["name"] = text(name).into();
+        trace["legend"] = format!("legend{suffix}").into();
+        trace["legendgroup"] = text(name).into();
+        trace["showlegend"] = (in_legend && !name.is_empty() && !named.contains(&name)).into();
+        // What has no name is the other edge of something that has, or a line to guide the eye.
+        if name.is_empty() {
+            trace["hoverinfo"] = "skip".into();
+        } else {
+            trace["hovertemplate"] = hover.clone().into();
+        }
         trace
     };
     let mut traces = Vec::new();
     for Band { name, ink, points } in &panel.bands {
-        let edge = |of: fn(&(f64, f64, f64)) -> f64, fill: bool| {
-            axes(json!({
-                "x": points.iter().map(|p| p.0).collect::<Vec<_>>(),
-                "y": points.iter().map(of).collect::<Vec<_>>(),
+        for upper in [false, true] {
+            let y = points
+                .iter()
+                .map(|&(_, low, high)| if upper { high } else { low });
+            let mut trace = json!({
+                "y": y.map(rounded).collect::<Vec<_>>(),
                 "mode": "lines",
-                "line": { "width": 0, "color": rgba(*ink, 0.0) },
-                "fill": if fill { "tonexty" } else { "none" },
-                "fillcolor": rgba(*ink, 0.18),
-                "name": if fill { name.clone() } else { format!("{name}, lower") },
-                "legendgroup": name,
-                "showlegend": false,
-                "hovertemplate": "%{y:.5g}",
-            }))
-        };
-        traces.push(edge(|p| p.1, false));
-        let mut area = edge(|p| p.2, true);
-        area["showlegend"] = in_legend.into();
-        traces.push(area);
+                "line": { "width": 0, "color": colour(*ink) },
+                "fill": if upper { "tonexty" } else { "none" },
+                "fillcolor": format!("area-{}", ink_name(*ink)),
+            });
+            place(&mut trace, points.iter().map(|p| p.0), panel.x_logarithmic);
+            traces.push(complete(trace, name, upper));
+        }
     }
     for Curve {
         name,
@@ -103,40 +158,128 @@ fn panel_traces(panel: &Panel, suffix: &str, in_legend: bool) -> Vec<Value> {
         points,
     } in &panel.curves
     {
-        // JSON has no NaN; null breaks the line where a sample is missing.
-        let number = |value: f64| {
-            if value.is_finite() {
-                json!(value)
-            } else {
-                Value::Null
-            }
-        };
-        traces.push(axes(json!({
-            "x": points.iter().map(|p| number(p.0)).collect::<Vec<_>>(),
-            "y": points.iter().map(|p| number(p.1)).collect::<Vec<_>>(),
+        let mut trace = json!({
+            "y": points.iter().map(|p| rounded(p.1)).collect::<Vec<_>>(),
             "mode": "lines",
             "line": {
                 "width": if *dashed { 1.2 } else { 1.8 },
-                "color": rgba(*ink, 1.0),
+                "color": colour(*ink),
                 "dash": if *dashed { "dash" } else { "solid" },
             },
-            "name": name,
-            "legendgroup": name,
-            "showlegend": in_legend && !name.is_empty(),
-            "hovertemplate": "%{y:.5g}",
-        })));
+        });
+        place(&mut trace, points.iter().map(|p| p.0), panel.x_logarithmic);
+        traces.push(complete(trace, name, true));
+    }
+    for Marks { name, ink, points } in &panel.marks {
+        let away = |of: fn(f64, (f64, f64)) -> f64| -> Vec<Value> {
+            let length = points
+                .iter()
+                .map(|p| p.line.map_or(0.0, |line| of(p.y, line)));
+            length.map(rounded).collect()
+        };
+        let mut trace = json!({
+            "y": points.iter().map(|p| rounded(p.y)).collect::<Vec<_>>(),
+            "mode": "markers",
+            "marker": { "size": 6, "color": colour(*ink) },
+            "error_y": {
+                "type": "data",
+                "array": away(|y, (_, high)| high - y),
+                "arrayminus": away(|y, (low, _)| y - low),
+                "width": 0,
+                "thickness": 1.2,
+                "color": colour(*ink),
+            },
+        });
+        place(&mut trace, points.iter().map(|p| p.x), panel.x_logarithmic);
+        traces.push(complete(trace, name, true));
     }
     traces
 }
 
-/// The colours of the static plots; what is black there follows the page's text colour, which the
-/// page's script puts in, because black cannot be read on a dark page.
-fn rgba(ink: Ink, opacity: f64) -> String {
-    let (r, g, b) = match ink {
-        Ink::Reference => return "currentColor".to_owned(),
-        Ink::Measured => (0, 114, 178),
-        Ink::Model => (213, 94, 0),
-        Ink::SecondModel => (0, 158, 115),
-    };
-    format!("rgba({r},{g},{b},{opacity})")
+/// Where points lie along x: as a start and a step where they are evenly spaced, which is most of the
+/// file otherwise.
+fn place(trace: &mut Value, x: impl Iterator<Item = f64>, logarithmic: bool) {
+    let x: Vec<f64> = x.collect();
+    if let [first, second, ..] = x[..] {
+        let step = second - first;
+        let even = x
+            .iter()
+            .enumerate()
+            .all(|(k, x)| (x - first - k as f64 * step).abs() <= 1e-6 * step.abs());
+        if even && !logarithmic && step > 0.0 {
+            // The step counts as often as there are points, so it is not rounded.
+            (trace["x0"], trace["dx"]) = (json!(first), json!(step));
+            return;
+        }
+    }
+    trace["x"] = x.into_iter().map(rounded).collect();
+}
+
+/// Six digits, more than any screen shows; JSON has no NaN, and null breaks a line where a sample is
+/// missing.
+fn rounded(value: f64) -> Value {
+    if !value.is_finite() {
+        return Value::Null;
+    }
+    format!("{value:.5e}")
+        .parse::<f64>()
+        .map_or(Value::Null, |value| json!(value))
+}
+
+fn colour(ink: Ink) -> String {
+    format!("ink-{}", ink_name(ink))
+}
+
+fn ink_name(ink: Ink) -> &'static str {
+    match ink {
+        Ink::Reference => "reference",
+        Ink::Measured => "measured",
+        Ink::Model => "model",
+        Ink::SecondModel => "second",
+        Ink::Third => "third",
+        Ink::Fourth => "fourth",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_library_is_one_script() {
+        let library = library();
+        assert!(library.starts_with("<script") && library.ends_with("</script>"));
+        assert_eq!(library.matches("</script>").count(), 1);
+    }
+
+    #[test]
+    fn units_even_steps_and_gaps_survive() {
+        let hostile = "<b>%{x}";
+        let panel = Panel {
+            x_label: "time (s)".into(),
+            y_label: "way (% of the step)".into(),
+            curves: vec![
+                Curve::solid(
+                    hostile,
+                    Ink::Model,
+                    [(0.5, 1.0 / 3.0), (1.0, f64::NAN), (1.5, 2.0)],
+                ),
+                Curve::solid("", Ink::Model, [(0.0, 1.0), (1.0, 1.0), (1.5, 1.0)]),
+            ],
+            ..Panel::default()
+        };
+        let figure = Figure {
+            name: "x".into(),
+            title: "x".into(),
+            panels: vec![panel],
+        };
+        let drawn = plotly_json(&figure);
+        let even = &drawn["data"][0];
+        assert_eq!((&even["x0"], &even["dx"]), (&json!(0.5), &json!(0.5)));
+        assert_eq!(even["y"], json!([0.333333, null, 2.0]));
+        assert_eq!(even["name"], "&lt;b&gt;%{x}");
+        assert!(even["hovertemplate"].as_str().unwrap().ends_with(" %"));
+        assert_eq!(drawn["data"][1]["x"], json!([0.0, 1.0, 1.5]));
+        assert_eq!(drawn["layout"]["xaxis"]["ticksuffix"], " s");
+    }
 }

@@ -1,190 +1,150 @@
-//! One page that holds everything: what was measured, the numbers with their intervals, the advice,
-//! and the paper's figures to zoom in. It needs no network, no server and no other file.
+//! One page that holds everything: what was measured, the numbers with their intervals, the verdict,
+//! the advice, and the paper's figures to zoom in. It needs no network, no server and no other file.
+//!
+//! A page has at most 8 MB: 4.7 for the plotting library, up to 1 for models, the rest for figures,
+//! whose long signals are thinned out and of whose runs only the first are drawn.
 
+mod figures;
 mod interactive;
+mod servo;
+mod text;
 
-use crate::plots::Figure;
-use crate::plots::figures::{self, Subject};
-use crate::summary;
+pub use servo::Servo;
+
+use crate::paper::Fact;
+use crate::plots::figures::Subject;
+use crate::template::fill;
 use anyhow::Result;
+use servoid_identification::comparison::Comparison;
+use servoid_identification::{
+    Explanation, Identification, Model, Options, Record, Settling, identify,
+};
 use std::fmt::Write;
+use text::{escape, json_in_page};
 
 /// The page around it all; `{{name}}` stands for what is put in.
 const PAGE: &str = include_str!("page.html");
+
+/// Name and value of each thing that is known about one file.
+pub type Facts = Vec<(String, String)>;
 
 /// One servo in the report.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
     /// Model, and record where there is one.
     pub subject: Subject<'a>,
-    /// Where the data come from, a line each: name and value.
-    pub provenance: &'a [(String, String)],
+    /// How the model came about, where that is known.
+    pub explanation: Option<&'a Explanation>,
+    /// Models of its runs, each identified on its own, where there are several.
+    pub runs: &'a [Model],
+    /// Where the data come from, file by file.
+    pub provenance: &'a [Facts],
 }
 
-/// Makes the page for one servo, or for two to be held against each other.
+/// What a page shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Page<'a> {
+    /// What it is called.
+    pub title: &'a str,
+    /// The servo, or the reference condition.
+    pub first: Part<'a>,
+    /// What it is held against.
+    pub second: Option<Part<'a>>,
+    /// The outcome of holding the two against each other.
+    pub comparison: Option<&'a Comparison>,
+    /// The paper's facts beside ours, where the servos are those of the paper.
+    pub paper: &'a [Fact],
+}
+
+impl<'a> Page<'a> {
+    fn parts(&self) -> impl Iterator<Item = &Part<'a>> {
+        std::iter::once(&self.first).chain(&self.second)
+    }
+}
+
+/// Most runs that are identified one by one.
+const MOST_RUNS_ALONE: usize = 10;
+
+/// Each run of a record identified on its own, with the settling time that all of them have together.
+/// Nothing where there is one run, or one is too short for a model.
+#[must_use]
+fn runs_alone(record: &Record, found: &Identification) -> Vec<Model> {
+    let runs = record.runs();
+    if !(2..=MOST_RUNS_ALONE).contains(&runs.len()) {
+        return Vec::new();
+    }
+    let options = Options {
+        settling: Settling::Samples(found.model.structure.settling_samples),
+        level: found.model.step.pointwise.level,
+        ..Options::default()
+    };
+    let alone = |run: &servoid_identification::Run| {
+        let record = Record::new(record.sample_period_s(), vec![run.clone()])?;
+        identify(
+            &record.with_sample_phase(found.model.sample_phase_s),
+            &options,
+        )
+    };
+    let models: Result<Vec<Model>, _> = runs.iter().map(alone).collect();
+    models.unwrap_or_default()
+}
+
+/// Makes the page.
 ///
 /// # Errors
 /// When a number has no form in JSON.
-pub fn page(title: &str, first: &Part<'_>, second: Option<&Part<'_>>) -> Result<String> {
-    let parts: Vec<&Part<'_>> = std::iter::once(first).chain(second).collect();
-    let figures = figures::paper(&first.subject, second.map(|part| &part.subject));
+pub fn page(page: &Page<'_>) -> Result<String> {
+    let figures = figures::all(page);
     let mut body = String::new();
-    write_numbers(&mut body, &parts)?;
-    for part in &parts {
-        write_advice(&mut body, part)?;
-    }
-    for Figure { name, title, .. } in &figures {
-        writeln!(
-            body,
-            "<section><h2>{}</h2><div class=\"figure\" id=\"{}\"></div></section>",
-            escape(title),
-            escape(name)
-        )?;
-    }
-    for part in &parts {
-        write_provenance(&mut body, part)?;
-    }
-    let drawn: Vec<_> = figures.iter().map(interactive::plotly_json).collect();
-    let models: Vec<_> = parts.iter().map(|part| part.subject.model).collect();
+    text::write_verdict(&mut body, page)?;
+    text::write_numbers(&mut body, page)?;
+    text::write_advice(&mut body, page)?;
+    figures::write_places(&mut body, &figures)?;
+    text::write_structure(&mut body, page)?;
+    text::write_provenance(&mut body, page)?;
+    let drawn: Vec<_> = figures
+        .iter()
+        .map(|shown| interactive::plotly_json(&shown.figure))
+        .collect();
+    let (models, remark) = models_in_page(page)?;
+    writeln!(body, "<p class=\"faint\">{remark}</p>")?;
     let made_by = format!(
         "servoid {}. Bounds are those of a linear servo: they cover noise, not a servo that changes from run to run or saturates.",
         env!("CARGO_PKG_VERSION")
     );
-    Ok(fill(&[
-        ("title", &escape(title)),
+    let values: [(&str, &str); 6] = [
+        ("title", &escape(page.title)),
         ("made_by", &escape(&made_by)),
         ("body", &body),
         ("figures", &json_in_page(&drawn)?),
-        ("models", &json_in_page(&models)?),
+        ("models", &models),
         ("library", &interactive::library()),
-    ]))
+    ];
+    Ok(fill(PAGE, &values))
 }
 
-/// Puts the values into the page, each once and none into another.
-fn fill(values: &[(&str, &str)]) -> String {
-    let mut page = String::new();
-    let mut rest = PAGE;
-    while let Some((before, after)) = rest.split_once("{{") {
-        page.push_str(before);
-        let Some((name, after)) = after.split_once("}}") else {
-            break;
-        };
-        page.extend(
-            values
-                .iter()
-                .find(|(key, _)| *key == name)
-                .map(|(_, value)| *value),
-        );
-        rest = after;
-    }
-    page + rest
-}
+/// Room for the models in the page, of the 8 MB that it may have (bytes).
+const MODELS_BYTES: usize = 1_000_000;
 
-/// Text for a page: what has a meaning in HTML loses it.
-fn escape(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            '\'' => safe.push_str("&#39;"),
-            other => safe.push(other),
-        }
+/// The models as JSON, and what the page says of them. Covariances of very long responses, which grow
+/// with the square of their length, are left out.
+fn models_in_page(page: &Page<'_>) -> Result<(String, &'static str)> {
+    let models: Vec<&Model> = page.parts().map(|part| part.subject.model).collect();
+    let whole = json_in_page(&models)?;
+    if whole.len() <= MODELS_BYTES {
+        return Ok((
+            whole,
+            "The models are in this page as JSON, as 'servoid identify' writes them, in the element 'models'.",
+        ));
     }
-    safe
-}
-
-/// JSON for a `<script>` element, which the text `</script>` in a file's name would otherwise end.
-fn json_in_page(value: &impl serde::Serialize) -> Result<String> {
-    Ok(serde_json::to_string(value)?.replace('<', "\\u003c"))
-}
-
-fn write_numbers(body: &mut String, parts: &[&Part<'_>]) -> std::fmt::Result {
-    let heads: String = parts
-        .iter()
-        .map(|part| {
-            let level = summary::level_text(part.subject.model);
-            let name = escape(part.subject.name);
-            format!("<th class=\"number\">{name}</th><th>{level} interval</th>")
-        })
-        .collect();
-    writeln!(
-        body,
-        "<h2>What was found</h2>\n<div class=\"wide\"><table><tr><th></th>{heads}</tr>"
-    )?;
-    let metrics: Vec<_> = parts
-        .iter()
-        .map(|part| &part.subject.model.metrics)
-        .collect();
-    for row in summary::metric_rows(&metrics) {
-        let cells: String = row
-            .cells
-            .iter()
-            .map(|(value, bounds)| {
-                format!(
-                    "<td class=\"number\">{}</td><td class=\"faint\">{}</td>",
-                    escape(value),
-                    escape(bounds)
-                )
-            })
-            .collect();
-        writeln!(body, "<tr><th>{}</th>{cells}</tr>", escape(&row.label))?;
+    let mut values = serde_json::to_value(&models)?;
+    for model in values.as_array_mut().into_iter().flatten() {
+        model["covariance"] = serde_json::Value::Null;
     }
-    body.push_str("</table></div>\n");
-    for part in parts {
-        writeln!(
-            body,
-            "<p>{}: {}</p>",
-            escape(part.subject.name),
-            escape(&summary::one_line(part.subject.model, part.subject.unit))
-        )?;
-    }
-    Ok(())
-}
-
-fn write_advice(body: &mut String, part: &Part<'_>) -> std::fmt::Result {
-    let advice = &part.subject.model.advice;
-    if advice.is_empty() {
-        return Ok(());
-    }
-    writeln!(
-        body,
-        "<h2>Advice: {}</h2>\n<ul class=\"advice\">",
-        escape(part.subject.name)
-    )?;
-    for item in advice {
-        writeln!(
-            body,
-            "<li><b>{}</b><br>{}</li>",
-            escape(&item.finding),
-            escape(&item.remedy)
-        )?;
-    }
-    body.push_str("</ul>\n");
-    Ok(())
-}
-
-fn write_provenance(body: &mut String, part: &Part<'_>) -> std::fmt::Result {
-    if part.provenance.is_empty() {
-        return Ok(());
-    }
-    writeln!(
-        body,
-        "<h2>Where it comes from: {}</h2>\n<div class=\"wide\"><table>",
-        escape(part.subject.name)
-    )?;
-    for (name, value) in part.provenance {
-        writeln!(
-            body,
-            "<tr><th>{}</th><td>{}</td></tr>",
-            escape(name),
-            escape(value)
-        )?;
-    }
-    body.push_str("</table></div>\n");
-    Ok(())
+    Ok((
+        json_in_page(&values)?,
+        "The models are in this page as JSON in the element 'models', without their covariance, which is too long here: 'servoid identify -o' writes it.",
+    ))
 }
 
 #[cfg(test)]
@@ -193,22 +153,19 @@ mod tests {
 
     #[test]
     fn texts_from_elsewhere_stay_texts() {
-        let hostile = "</script><script>alert('x')</script>\"&{{library}}";
+        let hostile = "</script><script>alert('x')</script>\"&{{library}}<!--<script>";
         assert!(!escape(hostile).contains('<'));
         assert!(!json_in_page(&[hostile]).unwrap().contains('<'));
-        let page = fill(&[("title", &escape(hostile)), ("library", "THE LIBRARY")]);
+        let values = [
+            ("title", escape(hostile)),
+            ("library", "THE LIBRARY".into()),
+        ];
+        let page = fill(PAGE, &values);
         assert_eq!(
             page.matches("THE LIBRARY").count(),
             1,
             "a value is never filled in again"
         );
         assert!(!page.contains("alert('x')"));
-    }
-
-    #[test]
-    fn the_library_is_one_script() {
-        let library = interactive::library();
-        assert!(library.starts_with("<script") && library.ends_with("</script>"));
-        assert_eq!(library.matches("</script>").count(), 1);
     }
 }

@@ -71,7 +71,7 @@ pub fn of_limits(limits: &Limits, directions: Option<&DirectionModel>) -> String
             let finding = if symmetry.asymmetric {
                 "differ"
             } else {
-                "show no difference"
+                "show no clear difference"
             };
             let _infallible = writeln!(
                 text,

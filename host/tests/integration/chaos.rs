@@ -1,8 +1,11 @@
 //! Captures over bad lines: complete or labelled, never silently wrong.
 
+#[path = "../trials/judge.rs"]
+mod judge;
 #[path = "../trials/chaos.rs"]
 mod trials;
 
+use judge::{Outcome, capture_to_disk};
 use servoid::port::Port;
 use servoid::port::chaos::Faults;
 use servoid::recording::Ending;
@@ -11,8 +14,14 @@ use servoid::rig::capture::CaptureError;
 use servoid_protocol::message::Start;
 use servoid_protocol::{Command, PulseWidth, Request, framing};
 use servoid_simulator::InProcessRig;
+use servoid_simulator::SimulatedFrame;
 use std::time::Duration;
-use trials::{Outcome, capture, capture_to_disk, check, rig, short_run, trial};
+use trials::{capture, rig, short_run, trial};
+
+/// What a capture of the short run is.
+fn check(bytes: &[u8], ending: Option<&Ending>, log: &[SimulatedFrame]) -> Result<Outcome, String> {
+    judge::check(bytes, short_run().frames(), ending, log)
+}
 
 fn tally(seeds: std::ops::Range<u64>, faults: Faults) -> (usize, usize) {
     let results: Vec<Outcome> = seeds
@@ -82,7 +91,7 @@ const NO_TIME: Duration = Duration::ZERO;
 
 fn reason(ending: &Ending) -> &str {
     match ending {
-        Ending::Complete => panic!("it is not complete"),
+        Ending::Complete | Ending::Early { .. } => panic!("it is not partial"),
         Ending::Partial { reason, .. } => reason,
     }
 }

@@ -54,7 +54,9 @@ fn files_that_are_not_what_they_should_be() {
     let missing = dir.path().join("nowhere.csv");
     assert!(refusal(&["identify", arg(&missing)]).contains("cannot be read"));
     let unnamed = write(dir.path(), "u.csv", &format!("u,y\n{rows}"));
-    assert!(refusal(&["identify", &unnamed]).contains("--input COLUMN"));
+    assert!(
+        refusal(&["identify", &unnamed]).contains("add: --input u --output y --period SECONDS")
+    );
     let named = [
         "identify",
         unnamed.as_str(),

@@ -1,10 +1,17 @@
 //! The program as a user meets it.
 
+mod browser;
 mod capture;
 mod chaos;
 mod demo;
 mod errors;
+mod export;
 mod files;
+mod help;
 mod hostile;
 mod identify;
+mod plan;
+mod references;
+mod report;
 mod support;
+mod verdicts;

@@ -94,41 +94,74 @@ pub(crate) struct LargestDifference {
     /// The largest difference is at least this; negative when there may be none.
     pub(crate) at_least: f64,
     pub(crate) at_most: f64,
-    /// Point at which the difference is surest \[samples\], within its curve.
+    /// Curve and point \[samples\] at which the difference is surest.
+    pub(crate) curve: usize,
     pub(crate) sample: usize,
 }
 
-/// All differences lie within q of their standard deviations of their estimates at once with
-/// probability `level`, and so does the largest.
-pub(crate) fn largest_difference(a: &Curves, b: &Curves, level: f64) -> LargestDifference {
-    let count = a.value.len();
-    let sd: Vec<f64> = (0..count)
-        .map(|m| (a.variance[m] + b.variance[m]).sqrt())
-        .collect();
-    let correlation: Vec<f64> = (1..count)
-        .map(|m| {
-            let scale = sd[m - 1] * sd[m];
-            if scale > 0.0 {
-                ((a.neighbour[m - 1] + b.neighbour[m - 1]) / scale).clamp(-1.0, 1.0)
-            } else {
-                1.0
-            }
-        })
-        .collect();
-    let degrees = a.degrees_of_freedom.min(b.degrees_of_freedom);
-    let q = student_critical(simultaneous_critical(&correlation, level), &[degrees])[0];
-    let (bias, gain) = (a.bias + b.bias, a.gain().abs());
-    let difference = |m: usize| (a.value[m] - b.value[m]).abs();
-    let sample = (0..count)
-        .max_by(|&i, &j| (difference(i) - q * sd[i]).total_cmp(&(difference(j) - q * sd[j])))
-        .unwrap_or(0);
-    let largest = (0..count)
-        .map(|m| difference(m) + q * sd[m])
-        .fold(0.0, f64::max);
-    LargestDifference {
-        at_least: (difference(sample) - q * sd[sample] - bias) / gain,
-        at_most: (largest + bias) / gain,
-        sample: sample % a.points,
+/// Second curves minus the first, relative to the gain of the first: all of them lie within their half
+/// widths of these estimates at once with probability `level`, and so does the largest.
+#[derive(Debug, Clone)]
+pub(crate) struct Differences {
+    value: Vec<f64>,
+    half: Vec<f64>,
+    points: usize,
+}
+
+impl Differences {
+    pub(crate) fn of(a: &Curves, b: &Curves, level: f64) -> Self {
+        let count = a.value.len();
+        let sd: Vec<f64> = (0..count)
+            .map(|m| (a.variance[m] + b.variance[m]).sqrt())
+            .collect();
+        let correlation: Vec<f64> = (1..count)
+            .map(|m| {
+                let scale = sd[m - 1] * sd[m];
+                if scale > 0.0 {
+                    ((a.neighbour[m - 1] + b.neighbour[m - 1]) / scale).clamp(-1.0, 1.0)
+                } else {
+                    1.0
+                }
+            })
+            .collect();
+        let degrees = a.degrees_of_freedom.min(b.degrees_of_freedom);
+        let q = student_critical(simultaneous_critical(&correlation, level), &[degrees])[0];
+        let (bias, gain) = (a.bias + b.bias, a.gain().abs());
+        let both = a.value.iter().zip(&b.value);
+        Self {
+            value: both.map(|(a, b)| (b - a) / gain).collect(),
+            half: sd.iter().map(|sd| (q * sd + bias) / gain).collect(),
+            points: a.points,
+        }
+    }
+
+    pub(crate) fn curves(&self) -> usize {
+        self.value.len() / self.points
+    }
+
+    /// Differences and half widths of one curve.
+    pub(crate) fn curve(&self, index: usize) -> (&[f64], &[f64]) {
+        let range = index * self.points..(index + 1) * self.points;
+        (&self.value[range.clone()], &self.half[range])
+    }
+
+    pub(crate) fn largest(&self) -> LargestDifference {
+        let least = |m: usize| self.value[m].abs() - self.half[m];
+        let surest = (0..self.value.len())
+            .max_by(|&i, &j| least(i).total_cmp(&least(j)))
+            .unwrap_or(0);
+        let most = |(d, half): (&f64, &f64)| d.abs() + half;
+        LargestDifference {
+            at_least: least(surest),
+            at_most: self
+                .value
+                .iter()
+                .zip(&self.half)
+                .map(most)
+                .fold(0.0, f64::max),
+            curve: surest / self.points,
+            sample: surest % self.points,
+        }
     }
 }
 

@@ -104,9 +104,17 @@ pub(crate) fn over_prediction(record: &Record, basis: &Basis<'_>) -> Option<Over
         ),
         wait_samples: basis.wait,
         definition: format!(
-            "(predicted - measured) / predicted of the plateaus at {high} (plus) and {low} (minus), \
-             from {} samples after the edge; {} and {} plateaus; zero of the sensor known to {zero}",
-            basis.wait, plus.plateaus, minus.plateaus
+            "(predicted - measured) / predicted of the plateaus at {high} (plus) and {low} (minus), from \
+             {} samples after the edge; predicted by the first model from the second's own input; {} and {} \
+             plateaus; zero of the sensor {}",
+            basis.wait,
+            plus.plateaus,
+            minus.plateaus,
+            if zero > 0.0 {
+                format!("known to {zero} (standard deviation)")
+            } else {
+                "taken as exact".to_owned()
+            }
         ),
     })
 }

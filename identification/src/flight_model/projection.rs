@@ -16,6 +16,7 @@ use faer::{Mat, Side};
 use crate::basis::dot;
 use crate::error::Error;
 use crate::linear::times;
+use crate::metrics::covariance_of;
 use crate::model::Model;
 use crate::moments::Moments;
 use crate::normal::{Coordinates, Information, filtered_input_moments};
@@ -84,6 +85,23 @@ impl Projection {
             map: &whitening * &projection,
             step: times(&step, solution.response()),
             step_map: step * projection,
+        })
+    }
+
+    /// What the bank of `model` makes of a servo that is at rest again after N samples. What it does
+    /// later is gathered in the last of them, as the model's own step response has it.
+    pub(crate) fn of_model(model: &Model) -> Result<Self, Error> {
+        let basis = model.basis()?;
+        let (analysis, last) = (basis.analysis_map(), basis.settling() - 1);
+        let projection = Mat::from_fn(analysis.nrows(), LENGTH * basis.settling(), |k, i| {
+            analysis[(k, i.min(last))]
+        });
+        let whitening = whitening(&covariance_of(model)).ok_or(Error::NoResponse)?;
+        Ok(Self {
+            estimate: times(&whitening, &model.theta),
+            map: whitening * &projection,
+            step: model.step.value.clone(),
+            step_map: basis.step_map() * projection,
         })
     }
 

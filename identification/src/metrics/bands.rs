@@ -1,165 +1,210 @@
 //! Figures of the frequency response, freed of the hold and phase of the samples.
+//!
+//! Each is a frequency at which a function of the response comes down to zero, and has the interval of
+//! the frequencies at which that function is not surely on one side of zero (Fieller 1954).
 
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 
 use faer::Mat;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
-use super::draws::{interval_of, pairs, semidefinite_factor};
 use super::{Interval, Measured};
+use crate::band::pointwise_critical;
 use crate::basis::dot;
 use crate::curve::CurveSpread;
 use crate::frequency::{FrequencyResponse, ZERO_DB};
+use crate::linear::times;
 
 /// Points at which a crossing is looked for, evenly over the logarithm of frequency.
 const SCAN: usize = 200;
 
-/// Half width of the parabola around a crossing, in standard deviations of the crossing: draws
-/// seldom go beyond.
-const REACH: f64 = 4.0;
+/// Bounds are looked for in steps of this many times the distance at which the slope at the crossing
+/// puts them, each twice as far as the one before.
+const FIRST_STEP: f64 = 1.25;
 
-/// Smallest and largest half width relative to the frequency: the parabola needs a base, and
-/// beyond the largest it no longer describes the response.
-const BASE: (f64, f64) = (0.01, 0.3);
+/// Steps after which a bound counts as not there.
+const STEPS: usize = 12;
 
-/// A frequency at which something is reached, and its draws \[rad/s\].
-pub(crate) struct Crossing {
-    pub(crate) value: f64,
-    pub(crate) draws: Vec<f64>,
+/// Where the magnitude is 3 dB (half the power) below that at rest, and where the phase is -90
+/// degrees \[rad/s\]. Deviations count `widest` times.
+pub(crate) fn bandwidth_and_quarter_turn(measured: &Measured<'_>, widest: f64) -> [Interval; 2] {
+    let scan = Scan::new(measured);
+    [Figure::Bandwidth, Figure::QuarterTurn].map(|figure| {
+        Falling {
+            measured,
+            figure,
+            critical: widest * pointwise_critical(measured.step.pointwise.level),
+        }
+        .interval(&scan)
+    })
 }
 
-impl Crossing {
-    pub(crate) fn interval(&self, level: f64) -> Interval {
-        interval_of(self.value, &mut self.draws.clone(), level)
-    }
+/// The response from the lowest frequency of interest to the highest of the bank.
+struct Scan {
+    omegas: Vec<f64>,
+    responses: Vec<(f64, f64)>,
 }
 
-/// Where the magnitude is 3 dB (half the power) below that at rest.
-pub(crate) fn bandwidth(measured: &Measured<'_>, widest: f64, random: &mut ChaCha8Rng) -> Crossing {
-    let timing = measured.timing;
-    crossing(
-        measured,
-        widest,
-        random,
-        &move |omega, (re, im), gain, _| {
-            (re.hypot(im) * timing.magnitude_factor(omega) * SQRT_2 / gain.abs()).ln()
-        },
-    )
-}
-
-/// Where the phase is -90 degrees.
-pub(crate) fn quarter_turn(
-    measured: &Measured<'_>,
-    widest: f64,
-    random: &mut ChaCha8Rng,
-) -> Crossing {
-    let timing = measured.timing;
-    crossing(
-        measured,
-        widest,
-        random,
-        &move |omega, (re, im), gain, near| {
-            let (re, im) = (re * gain.signum(), im * gain.signum());
-            let phase = im.atan2(re) + timing.phase_lead(omega) + FRAC_PI_2;
-            // The branch next to the phase one is near to.
-            phase - 2.0 * PI * ((phase - near) / (2.0 * PI)).round()
-        },
-    )
-}
-
-/// (ω, G, gain, value nearby) to what crosses zero downwards.
-type Indicator<'a> = &'a dyn Fn(f64, (f64, f64), f64, f64) -> f64;
-
-fn crossing(
-    measured: &Measured<'_>,
-    widest: f64,
-    random: &mut ChaCha8Rng,
-    indicator: Indicator<'_>,
-) -> Crossing {
-    let none = Crossing {
-        value: f64::INFINITY,
-        draws: Vec::new(),
-    };
-    let period = measured.timing.sample_period_s;
-    let gain = measured.theta[0];
-    let at = |omega: f64, near: f64| {
-        let response = measured
-            .basis
-            .frequency_response(measured.theta, omega * period);
-        indicator(omega, response, gain, near)
-    };
-    let Some(omega) = first_zero(measured, &at) else {
-        return none;
-    };
-    // Slope and standard deviation at the crossing give the base of the parabola.
-    let h = 1e-3 * omega;
-    let slope = (at(omega + h, 0.0) - at(omega - h, 0.0)) / (2.0 * h);
-    let rows = Rows::new(measured, &[omega]);
-    let sd = widest * rows.sd_of(|(g, gain)| indicator(omega, g[0], gain, 0.0));
-    let (smallest, largest) = BASE;
-    let half = (REACH * sd / slope.abs()).clamp(smallest * omega, largest * omega);
-    let omegas = [omega - half, omega, omega + half];
-    let rows = Rows::new(measured, &omegas);
-    let factor = semidefinite_factor(&rows.covariance);
-    let size = factor.nrows();
-    let count = pairs(measured.step.pointwise.level);
-    let mut draws = Vec::with_capacity(2 * count);
-    let nominal = [at(omegas[0], 0.0), at(omega, 0.0), at(omegas[2], 0.0)];
-    for _ in 0..count {
-        let z: Vec<f64> = (0..size).map(|_| StandardNormal.sample(random)).collect();
-        let deviation = crate::linear::times(&factor, &z);
-        for side in [widest, -widest] {
-            let (g, gain) = rows.moved(&deviation, side);
-            let f: [f64; 3] = std::array::from_fn(|k| indicator(omegas[k], g[k], gain, nominal[k]));
-            draws.push(omega + half * parabola_zero(f));
+impl Scan {
+    fn new(measured: &Measured<'_>) -> Self {
+        let (basis, period) = (measured.basis, measured.timing.sample_period_s);
+        let low = 0.02 * basis.fundamental() / period;
+        let high = basis.highest().max(1) as f64 * basis.fundamental() / period;
+        let ratio = (high / low).ln() / (SCAN - 1) as f64;
+        let omegas: Vec<f64> = (0..SCAN).map(|k| low * (ratio * k as f64).exp()).collect();
+        let turns: Vec<f64> = omegas.iter().map(|omega| omega * period).collect();
+        Self {
+            responses: basis.frequency_responses(measured.theta, &turns),
+            omegas,
         }
     }
-    Crossing {
-        value: omega,
-        draws,
-    }
 }
 
-/// The lowest frequency, from the lowest of interest to the highest of the bank, where `at` has
-/// come down to zero.
-fn first_zero(measured: &Measured<'_>, at: &dyn Fn(f64, f64) -> f64) -> Option<f64> {
-    let basis = measured.basis;
-    let period = measured.timing.sample_period_s;
-    let low = 0.02 * basis.fundamental() / period;
-    let high = basis.highest().max(1) as f64 * basis.fundamental() / period;
-    let ratio = (high / low).ln() / (SCAN - 1) as f64;
-    let mut before = (low, at(low, FRAC_PI_2));
-    for k in 1..SCAN {
-        let omega = low * (ratio * k as f64).exp();
-        let value = at(omega, before.1);
-        if before.1 > 0.0 && value <= 0.0 {
-            let (mut inside, mut outside) = (before.0, omega);
-            for _ in 0..50 {
-                let middle = f64::midpoint(inside, outside);
-                if at(middle, 0.0) > 0.0 {
-                    inside = middle;
-                } else {
-                    outside = middle;
+#[derive(Clone, Copy)]
+enum Figure {
+    Bandwidth,
+    QuarterTurn,
+}
+
+/// Something that comes down to zero at the frequency that is sought.
+struct Falling<'a> {
+    measured: &'a Measured<'a>,
+    figure: Figure,
+    /// Standard deviations to each side.
+    critical: f64,
+}
+
+impl Falling<'_> {
+    fn interval(&self, scan: &Scan) -> Interval {
+        let Some(omega) = self.first_zero(scan) else {
+            return Interval::new(f64::INFINITY, f64::INFINITY, f64::INFINITY);
+        };
+        // Slope and standard deviation at the crossing say where the bounds are about.
+        let h = 1e-3 * omega;
+        let at = |omega: f64| self.value_and_sd(omega);
+        let (value, sd) = at(omega);
+        let slope = (at(omega + h).0 - at(omega - h).0) / (2.0 * h);
+        let reach = self.critical * sd / slope.abs();
+        // Highest frequency that samples show \[rad/s\].
+        let highest = PI / self.measured.timing.sample_period_s;
+        // `side` is -1 for the lower bound, where the value is still surely above zero.
+        let bound = |side: f64| {
+            let excess = |omega: f64| {
+                let (value, sd) = at(omega);
+                -side * value - self.critical * sd
+            };
+            let mut near = (omega, -side * value - self.critical * sd);
+            let mut step = FIRST_STEP * reach;
+            for _ in 0..STEPS {
+                let place = (omega + side * step).clamp(0.0, highest);
+                let far = (place, excess(place));
+                if far.1 > 0.0 {
+                    return zero_between(near, far, excess);
                 }
+                if place <= 0.0 || place >= highest {
+                    break;
+                }
+                near = far;
+                step *= 2.0;
             }
-            return Some(outside);
+            f64::INFINITY
+        };
+        if reach == 0.0 {
+            return Interval::new(omega, omega, omega);
         }
-        before = (omega, value);
+        Interval::new(omega, bound(-1.0), bound(1.0))
     }
-    None
+
+    /// What comes down to zero, linear in the response, and its standard deviation: how far the
+    /// magnitude is above 3 dB below the gain, or the part of the response that has the phase of the
+    /// gain.
+    fn value_and_sd(&self, omega: f64) -> (f64, f64) {
+        let Measured {
+            basis,
+            theta,
+            timing,
+            ..
+        } = *self.measured;
+        let (re_row, im_row) = basis.frequency_rows(omega * timing.sample_period_s);
+        let gain = theta[0];
+        let (re, im, constant) = match self.figure {
+            Figure::Bandwidth => {
+                let (re, im) = (dot(&re_row, theta), dot(&im_row, theta));
+                let factor = SQRT_2 * timing.magnitude_factor(omega) / re.hypot(im);
+                (factor * re, factor * im, -gain.signum())
+            }
+            Figure::QuarterTurn => {
+                let (sin, cos) = timing.phase_lead(omega).sin_cos();
+                (gain.signum() * cos, -gain.signum() * sin, 0.0)
+            }
+        };
+        let mut weights: Vec<f64> = re_row
+            .iter()
+            .zip(&im_row)
+            .map(|(re_k, im_k)| re * re_k + im * im_k)
+            .collect();
+        weights[0] += constant;
+        let variance = dot(&weights, &times(self.measured.covariance, &weights));
+        (dot(&weights, theta), variance.max(0.0).sqrt())
+    }
+
+    /// The lowest frequency of the scan where the value has come down to zero.
+    fn first_zero(&self, scan: &Scan) -> Option<f64> {
+        let indicator = self.indicator();
+        let points = scan.omegas.iter().zip(&scan.responses);
+        let mut before: Option<(f64, f64)> = None;
+        for (&omega, &response) in points {
+            let value = indicator(
+                omega,
+                response,
+                before.map_or(FRAC_PI_2, |(_, value)| value),
+            );
+            if let Some(inside) = before.filter(|(_, before)| *before > 0.0 && value <= 0.0) {
+                let (basis, theta) = (self.measured.basis, self.measured.theta);
+                let period = self.measured.timing.sample_period_s;
+                let at = |omega: f64| {
+                    indicator(omega, basis.frequency_response(theta, omega * period), 0.0)
+                };
+                return Some(zero_between(inside, (omega, value), at));
+            }
+            before = Some((omega, value));
+        }
+        None
+    }
+
+    /// (ω, G, value nearby) to what the scan follows: the logarithm of the magnitude over 3 dB below
+    /// the gain, or the phase over -90 degrees on the branch next to the one nearby.
+    fn indicator(&self) -> impl Fn(f64, (f64, f64), f64) -> f64 {
+        let (timing, gain, figure) = (self.measured.timing, self.measured.theta[0], self.figure);
+        move |omega, (re, im), near| match figure {
+            Figure::Bandwidth => {
+                (re.hypot(im) * timing.magnitude_factor(omega) * SQRT_2 / gain.abs()).ln()
+            }
+            Figure::QuarterTurn => {
+                let (re, im) = (re * gain.signum(), im * gain.signum());
+                let phase = im.atan2(re) + timing.phase_lead(omega) + FRAC_PI_2;
+                phase - 2.0 * PI * ((phase - near) / (2.0 * PI)).round()
+            }
+        }
+    }
 }
 
-/// Zero of the parabola through (-1, f0), (0, f1), (1, f2), the one nearest to 0; infinite when
-/// there is none within twice the base.
-fn parabola_zero([before, here, after]: [f64; 3]) -> f64 {
-    let (slope, bend) = ((after - before) / 2.0, (after + before) / 2.0 - here);
-    let root = slope * slope - 4.0 * bend * here;
-    if root < 0.0 {
-        return f64::INFINITY;
+/// Where a function is zero between two places at which its values have different signs: regula falsi
+/// that halves the value of an end that stays (the Illinois rule), so both ends close in.
+fn zero_between(mut a: (f64, f64), mut b: (f64, f64), value: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..60 {
+        if (b.0 - a.0).abs() <= 1e-12 * b.0.abs() || b.1 == 0.0 {
+            break;
+        }
+        let place = (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
+        let found = (place, value(place));
+        if (found.1 > 0.0) == (b.1 > 0.0) {
+            a.1 /= 2.0;
+        } else {
+            a = b;
+        }
+        b = found;
     }
-    let x = -2.0 * here / (slope + slope.signum() * root.sqrt());
-    if x.abs() <= 2.0 { x } else { f64::INFINITY }
+    b.0
 }
 
 /// Re G, Im G at some frequencies and the gain, with their covariance.
@@ -183,36 +228,6 @@ impl Rows {
             value: rows.iter().map(|row| dot(row, measured.theta)).collect(),
             covariance: map.transpose() * (measured.covariance * &map),
         }
-    }
-
-    /// Values moved by `side` times `deviation`.
-    fn moved(&self, deviation: &[f64], side: f64) -> (Vec<(f64, f64)>, f64) {
-        let at = |k: usize| self.value[k] + side * deviation[k];
-        let last = self.value.len() - 1;
-        let pairs = (0..last / 2).map(|k| (at(2 * k), at(2 * k + 1))).collect();
-        (pairs, at(last))
-    }
-
-    /// Standard deviation of a function of the values, by its differences.
-    fn sd_of(&self, function: impl Fn((Vec<(f64, f64)>, f64)) -> f64) -> f64 {
-        let size = self.value.len();
-        let gradient: Vec<f64> = (0..size)
-            .map(|k| {
-                let sd = self.covariance[(k, k)].max(0.0).sqrt();
-                let unit: Vec<f64> = (0..size).map(|j| f64::from(u8::from(j == k))).collect();
-                let h = 1e-3 * sd;
-                if h == 0.0 {
-                    return 0.0;
-                }
-                (function(self.moved(&unit, h)) - function(self.moved(&unit, -h))) / (2.0 * h)
-            })
-            .collect();
-        dot(
-            &gradient,
-            &crate::linear::times(&self.covariance, &gradient),
-        )
-        .max(0.0)
-        .sqrt()
     }
 }
 
@@ -312,18 +327,14 @@ mod tests {
     use approx::assert_abs_diff_eq;
 
     #[test]
-    fn the_nearest_zero_of_a_parabola_is_found_whether_bent_or_straight() {
-        let f = |zero: f64, other: f64, x: f64| (x - zero) * (x - other);
-        let at = |zero, other| {
-            [
-                f(zero, other, -1.0),
-                f(zero, other, 0.0),
-                f(zero, other, 1.0),
-            ]
-        };
-        assert_abs_diff_eq!(parabola_zero(at(0.3, 7.0)), 0.3, epsilon = 1e-12);
-        assert_abs_diff_eq!(parabola_zero(at(-0.2, -9.0)), -0.2, epsilon = 1e-12);
-        assert_abs_diff_eq!(parabola_zero([1.5, 0.5, -0.5]), 0.5, epsilon = 1e-12);
-        assert_eq!(parabola_zero([1.0, 0.5, 1.0]), f64::INFINITY);
+    fn zeros_of_straight_bent_and_steep_functions_are_found() {
+        let zero = |f: &dyn Fn(f64) -> f64| zero_between((0.0, f(0.0)), (3.0, f(3.0)), f);
+        assert_abs_diff_eq!(zero(&|x| x - 0.3), 0.3, epsilon = 1e-12);
+        assert_abs_diff_eq!(zero(&|x| 2.0 - x * x), SQRT_2, epsilon = 1e-12);
+        assert_abs_diff_eq!(
+            zero(&|x| 1.0 - (5.0 * (x - 2.0)).exp()),
+            2.0,
+            epsilon = 1e-12
+        );
     }
 }

@@ -6,6 +6,7 @@
 use faer::Mat;
 
 use super::{Moments, rank_one};
+use crate::basis::dot;
 use crate::lagged_sums::LaggedSums;
 use crate::record::Run;
 
@@ -264,8 +265,8 @@ impl MomentStream {
             self.sums.add(&self.u[start - history..end], y);
             for j in 0..self.output_lags {
                 let earlier = &self.y[start - j..end - j];
-                self.uy[j] += wide_dot(u, earlier);
-                self.yy[j] += wide_dot(y, earlier);
+                self.uy[j] += dot(u, earlier);
+                self.yy[j] += dot(y, earlier);
             }
             self.total.0 += u.iter().sum::<f64>();
             self.total.1 += y.iter().sum::<f64>();
@@ -310,15 +311,21 @@ impl Edges {
     }
 }
 
-/// Inner product in eight independent sums, so that it can be done in vector registers.
-fn wide_dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a_wide, b_wide) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest = crate::basis::dot(a_wide.remainder(), b_wide.remainder());
-    for (a, b) in a_wide.zip(b_wide) {
-        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += a * b;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_does_not_grow_with_the_samples() {
+        let mut stream = MomentStream::new(0.002, 60, 3);
+        let mut most = 0;
+        for k in 0..200_000u32 {
+            stream.push(&[f64::from(k % 7)], &[f64::from(k % 5)]);
+            most = most.max(stream.u.capacity()).max(stream.y.capacity());
         }
+        // The history of a row and a block that is not summed yet; a vector may double to get there.
+        let needed = stream.input_lags + 2 * stream.sums.block_rows();
+        assert!(most <= 2 * needed, "{most} samples kept");
+        assert_eq!(stream.moments().samples(), 200_000);
     }
-    sums.iter().sum::<f64>() + rest
 }

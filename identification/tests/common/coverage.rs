@@ -1,15 +1,19 @@
 //! How often the bands of automatically structured models hold the exact response.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use servoid_identification::{Options, Record, identify_explained};
 
-use super::{Noise, PERIOD, Plant, prbs, random, simulate, staircase};
+use super::{Noise, PERIOD, Plant, low_passed, prbs, random, simulate, staircase};
 
 /// The reference that drives the servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reference {
     Staircase,
     Prbs,
+    /// The staircase behind four lags of 20 Hz: without high frequencies.
+    LowPassed,
 }
 
 /// One line of the table.
@@ -38,9 +42,12 @@ pub struct Line {
     pub order: usize,
     /// Mean half widths.
     pub half_widths: (f64, f64),
-    /// Share of runs that settled, and share that carried advice.
-    pub settled: f64,
+    /// Share of runs that carried advice.
     pub advised: f64,
+    /// Share of runs with each piece of advice, by its check.
+    pub checks: BTreeMap<String, f64>,
+    /// Shares of runs in which whiteness, and independence of the input, had p < 1 %.
+    pub rejected: (f64, f64),
     /// Most frequent n.
     pub frequencies: usize,
 }
@@ -52,13 +59,14 @@ struct Outcome {
     frequencies: usize,
     order: usize,
     half_widths: (f64, f64),
-    settled: bool,
-    advised: bool,
+    checks: Vec<String>,
+    rejected: (bool, bool),
 }
 
 /// The seed of a run: cases and runs never share one.
 fn seed(case: &Case, run: usize) -> u64 {
-    let case = (case.reference as u64) << 8 | (case.plant as u64) << 4 | case.noise as u64;
+    let (reference, plant, noise) = (case.reference as u64, case.plant as u64, case.noise as u64);
+    let case = (case.scale as u64) << 12 | reference << 8 | plant << 4 | noise;
     (case << 32) | run as u64
 }
 
@@ -100,8 +108,9 @@ pub fn measure(case: Case, runs: usize, options: &Options) -> Line {
         order: mode(outcomes.iter().map(|o| o.order)),
         frequencies: mode(outcomes.iter().map(|o| o.frequencies)),
         half_widths: (mean(|o| o.half_widths.0), mean(|o| o.half_widths.1)),
-        settled: share(|o| o.settled),
-        advised: share(|o| o.advised),
+        advised: share(|o| !o.checks.is_empty()),
+        checks: shares(outcomes.iter().flat_map(|o| &o.checks), runs),
+        rejected: (share(|o| o.rejected.0), share(|o| o.rejected.1)),
     }
 }
 
@@ -110,6 +119,7 @@ fn outcome(case: &Case, run: usize, options: &Options) -> Outcome {
     let input = match case.reference {
         Reference::Staircase => staircase(),
         Reference::Prbs => prbs(&mut random),
+        Reference::LowPassed => low_passed(&low_passed(&staircase(), 20.0), 20.0),
     };
     let output = simulate(case.plant, case.noise, &input, case.scale, &mut random);
     let record = Record::from_slices(PERIOD, &input, &output).expect("a simulated record is sound");
@@ -133,17 +143,28 @@ fn outcome(case: &Case, run: usize, options: &Options) -> Outcome {
         frequencies: found.model.structure.frequencies,
         order: found.model.structure.noise_order,
         half_widths: step.mean_half_widths(),
-        settled: found
-            .explanation
-            .settling
-            .as_ref()
-            .is_none_or(|choice| choice.settled),
-        advised: !found.model.advice.is_empty(),
+        checks: found.model.advice.iter().map(|a| a.check.clone()).collect(),
+        rejected: (
+            found.model.residuals.whiteness_p.is_some_and(|p| p < 0.01),
+            found
+                .model
+                .residuals
+                .input_correlation_p
+                .is_some_and(|p| p < 0.01),
+        ),
     }
 }
 
+fn shares<'a>(values: impl Iterator<Item = &'a String>, runs: usize) -> BTreeMap<String, f64> {
+    let mut shares = BTreeMap::new();
+    for value in values {
+        *shares.entry(value.clone()).or_insert(0.0) += 1.0 / runs as f64;
+    }
+    shares
+}
+
 fn mode(values: impl Iterator<Item = usize>) -> usize {
-    let mut counts = std::collections::BTreeMap::new();
+    let mut counts = BTreeMap::new();
     for value in values {
         *counts.entry(value).or_insert(0usize) += 1;
     }
@@ -155,7 +176,12 @@ fn mode(values: impl Iterator<Item = usize>) -> usize {
 
 impl Line {
     /// The heading of the table.
-    pub const HEADING: &str = "| reference | plant | noise | x | runs | mean % | worst % | whole % | N median (min-max) | n | d | half width point / whole | settled % | advised % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
+    pub const HEADING: &str = "| reference | plant | noise | x | runs | mean % | worst % | whole % | N median (min-max) | n | d | half width point / whole | whiteness / independence rejected % | advised % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
+
+    /// Share of runs with the advice of `check`.
+    pub fn share_of(&self, check: &str) -> f64 {
+        self.checks.get(check).copied().unwrap_or(0.0)
+    }
 }
 
 impl std::fmt::Display for Line {
@@ -167,19 +193,25 @@ impl std::fmt::Display for Line {
             scale,
         } = self.case;
         let (low, median, high) = self.settling;
+        let percent = |share: f64| 100.0 * share;
         write!(
             f,
-            "| {reference:?} | {plant:?} | {noise:?} | {scale} | {} | {:.2} | {:.1} | {:.1} | {median} ({low}-{high}) | {} | {} | {:.4} / {:.4} | {:.0} | {:.0} |",
+            "| {reference:?} | {plant:?} | {noise:?} | {scale} | {} | {:.2} | {:.1} | {:.1} | {median} ({low}-{high}) | {} | {} | {:.4} / {:.4} | {:.1} / {:.1} | {:.1}",
             self.runs,
-            100.0 * self.mean,
-            100.0 * self.worst,
-            100.0 * self.whole,
+            percent(self.mean),
+            percent(self.worst),
+            percent(self.whole),
             self.frequencies,
             self.order,
             self.half_widths.0,
             self.half_widths.1,
-            100.0 * self.settled,
-            100.0 * self.advised,
-        )
+            percent(self.rejected.0),
+            percent(self.rejected.1),
+            percent(self.advised),
+        )?;
+        for (check, share) in &self.checks {
+            write!(f, ", {check} {:.1}", percent(*share))?;
+        }
+        write!(f, " |")
     }
 }

@@ -2,7 +2,9 @@
 
 use rayon::prelude::*;
 use servoid_identification::direction::split;
-use servoid_identification::flight_model::{FlightModel, FlightModelOptions, fit, fit_switching};
+use servoid_identification::flight_model::{
+    FlightModel, FlightModelOptions, fit, fit_switching, of_model,
+};
 use servoid_identification::{Frequencies, Options, Record, Settling, identify};
 
 use crate::plants::{Limit, Linear, PERIOD, limited, measured, respond_by_stroke, staircase};
@@ -61,6 +63,32 @@ fn parameters_are_held_by_their_intervals_even_where_the_bank_is_small_and_short
             // 30 runs at 90 %: three standard deviations of 5.5 % below.
             assert!(share > 0.73, "{name}, N = {settling}: {share}");
         }
+    }
+}
+
+#[test]
+fn without_the_record_a_complete_bank_gives_the_same_model() {
+    let servo = Linear::second_order(0.97, 0.0255, 0.5, 60.0);
+    let clean = servo.respond(&staircase(), -5.0, 0.0005);
+    let record = Record::from_slices(PERIOD, &staircase(), &measured(&clean, 1.0, 7))
+        .unwrap()
+        .with_sample_phase(0.0005);
+    let model = identify(&record, &Options::default()).unwrap();
+    let options = FlightModelOptions::default();
+    let with = fit(&record, &model, &options).unwrap();
+    let without = of_model(&model, &options).unwrap();
+    assert_eq!((with.order, without.order), (2, 2));
+    assert!(without.is_consistent());
+    for (a, b) in [
+        (with.gain, without.gain),
+        (with.delay_s, without.delay_s),
+        (with.omega_rad_s.unwrap(), without.omega_rad_s.unwrap()),
+        (with.damping.unwrap(), without.damping.unwrap()),
+    ] {
+        // What is left of the response after N samples is less than a tenth of what noise does.
+        let width = a.upper.unwrap() - a.lower.unwrap();
+        let difference = (a.value.unwrap() - b.value.unwrap()).abs();
+        assert!(difference < 0.1 * width, "{a:?} {b:?}");
     }
 }
 

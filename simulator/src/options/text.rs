@@ -7,14 +7,14 @@ use super::{
 use crate::conditions::Scatter;
 use crate::linear::LinearParameters;
 use crate::noise::NoiseKind;
-use crate::sensor::{FaultKind, SensorFault};
+use crate::sensor::SensorFault;
 use std::str::FromStr;
 use std::time::Duration;
 
 const WHOLE: &str = "a whole number, 0 or above";
 const NOISE: &str = "full, white or none";
 const SCATTER: &str = "all, or a list of clock, supply, friction, sensor and rotor";
-const FAULT: &str = "open or short, @ and seconds, such as open@3.5";
+const FAULT: &str = "open or short, @ and seconds, such as open@3.5, or open@3.5-6 if it is repaired, with a comma between several";
 
 impl FromStr for SimulationOptions {
     type Err = OptionsError;
@@ -94,7 +94,7 @@ impl SimulationOptions {
                 };
             }
             ("baud", _) => self.line = setting.read(BAUD, line_speed)?,
-            ("fault", _) => self.fault = Some(setting.read(FAULT, fault)?),
+            ("fault", _) => self.faults = setting.read(FAULT, faults)?,
             ("first-sample-us", _) => self.first_sample_us = setting.parse(FIRST_SAMPLE)?,
             ("clock-phase-ms", _) => self.conditions.clock_phase = setting.milliseconds()?,
             ("sensor-gain", _) => self.conditions.sensor_gain = setting.parse(POSITIVE)?,
@@ -158,15 +158,8 @@ fn line_speed(text: &str) -> Option<LineSpeed> {
     }
 }
 
-fn fault(text: &str) -> Option<SensorFault> {
-    let (kind, from) = text.split_once('@').unwrap_or((text, "0"));
-    let kind = match kind {
-        "open" => FaultKind::Open,
-        "short" => FaultKind::Short,
-        _ => return None,
-    };
-    let from = Duration::try_from_secs_f64(from.parse().ok()?).ok()?;
-    Some(SensorFault { kind, from })
+fn faults(text: &str) -> Option<Vec<SensorFault>> {
+    text.split(',').map(|fault| fault.parse().ok()).collect()
 }
 
 #[cfg(test)]
@@ -185,7 +178,7 @@ mod tests {
         assert_eq!(parse("bench"), Ok(bench.clone()));
         assert_eq!(parse("bench?"), Ok(bench));
         let all = "aircraft?seed=18446744073709551615&realtime&noise=white&scatter=clock,rotor\
-            &baud=9600&fault=short@3.5&first-sample-us=700&clock-phase-ms=1.25&sensor-gain=1.01\
+            &baud=9600&fault=short@3.5,open@4-4.5&first-sample-us=700&clock-phase-ms=1.25&sensor-gain=1.01\
             &supply=0.9&friction=1.2&rotor-phase-deg=180";
         let expected = SimulationOptions {
             seed: u64::MAX,
@@ -197,10 +190,7 @@ mod tests {
                 ..Scatter::default()
             },
             line: LineSpeed::Baud(9600),
-            fault: Some(SensorFault {
-                kind: FaultKind::Short,
-                from: Duration::from_millis(3500),
-            }),
+            faults: vec!["short@3.5".parse().unwrap(), "open@4-4.5".parse().unwrap()],
             first_sample_us: 700,
             conditions: Conditions {
                 supply: 0.9,

@@ -10,7 +10,7 @@
 //! | processor stuck  | no pulses, within 6.7 frames    | the image's `watchdog`                             |
 //! | brown-out        | no pulses, at once              | reset state of the chip                            |
 
-use crate::support::{SharedBoard, arm, capture, options, staircase};
+use crate::support::{FRAME, SharedBoard, arm, capture, options, staircase};
 use servoid::recording::Ending;
 use servoid::rig::RigClient;
 use servoid_protocol::hello::{ClockSource, ResetCause};
@@ -20,7 +20,6 @@ use virtual_board::Fault;
 use virtual_board::record::{Irregularity, Pulse, ResetReason, Violation};
 use virtual_board::time::{Ticks, from_duration, microseconds, milliseconds, to_duration};
 
-const FRAME: Ticks = milliseconds(20);
 const NEUTRAL: Ticks = microseconds(1_500);
 
 /// When the fault happens, some seconds into the staircase.
@@ -192,6 +191,17 @@ fn a_broken_sensor_ends_the_run_at_neutral() {
         assert!(refused.to_string().contains("sensor"), "{refused}");
         assert_eq!(board.violations(), [""; 0], "{fault}");
     }
+}
+
+#[test]
+fn a_sensor_that_is_repaired_makes_the_next_run() {
+    let board = SharedBoard::new(&options("linear?seed=1", &["sensor-open@3-5"]));
+    start_and_watch(&board, LONG_LEASE, FAULT + Duration::from_secs(1));
+    let refused = staircase().arm(&mut board.connect()).unwrap_err();
+    assert!(refused.to_string().contains("sensor"), "{refused}");
+    board.pass(Duration::from_secs(2));
+    next_run_works(&board);
+    assert_eq!(board.violations(), [""; 0]);
 }
 
 #[test]

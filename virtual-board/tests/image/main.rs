@@ -5,6 +5,11 @@
 mod chain;
 mod faults;
 mod identification;
+// The same judge as for captures from the simulated rig.
+#[path = "../../../host/tests/trials/judge.rs"]
+mod judge;
 mod lockstep;
 mod ports;
+mod references;
+mod soak;
 mod support;

@@ -1,6 +1,7 @@
 //! The board as a port of this machine, with the host's own ports on the other side.
 
-use crate::support::{capture, image, options, staircase};
+use crate::support::{SharedBoard, capture, image, options, staircase};
+use servoid::port::Port as _;
 use servoid::recording::Ending;
 use servoid::rig::RigClient;
 use servoid::rig::capture::Capture;
@@ -82,4 +83,18 @@ fn over_a_pseudo_terminal() {
         capture_at(&address);
         capture_at(&address);
     });
+}
+
+/// A host that waits until a moment, by its own clock in nanoseconds, gets there.
+#[test]
+fn the_shortest_wait_takes_time() {
+    let board = SharedBoard::new(&options("linear?seed=1", &[]));
+    let mut port = board.port();
+    let shortest = Duration::from_nanos(1);
+    for _ in 0..1_000 {
+        let before = port.now();
+        if port.read(&mut [0; 16], shortest).unwrap() == 0 {
+            assert!(port.now() >= before + shortest);
+        }
+    }
 }

@@ -15,7 +15,7 @@ use std::rc::Rc;
 use std::time::Duration;
 use virtual_board::cpu::Core;
 use virtual_board::cpu::rsemu::RsemuCore;
-use virtual_board::time::{Ticks, milliseconds, to_duration};
+use virtual_board::time::{Ticks, microseconds, milliseconds, to_duration};
 use virtual_board::{BoardOptions, Image, VirtualBoard};
 
 /// The image, built if it has to be.
@@ -29,6 +29,13 @@ pub fn options(servo: &str, faults: &[&str]) -> BoardOptions {
     options.faults = faults.iter().map(|fault| fault.parse().unwrap()).collect();
     options
 }
+
+/// Conversions summed into one sample.
+pub const OVERSAMPLING: usize = 4;
+/// From the beginning of a frame to its first conversion.
+pub const FIRST_SAMPLE: Ticks = microseconds(500);
+/// Period of the pulses.
+pub const FRAME: Ticks = milliseconds(20);
 
 /// Without a crystal the board waits for one for 50 ms; then comes a frame of 20 ms.
 const BOOT: Ticks = milliseconds(150);
@@ -63,9 +70,18 @@ impl<C: Core + 'static> SharedBoard<C> {
         });
     }
 
+    /// Simulated time since the board was switched on.
+    pub fn time(&self) -> Ticks {
+        self.with(|board| board.now())
+    }
+
+    /// Another hand on the board's line.
+    pub fn port(&self) -> Self {
+        Self(self.0.clone())
+    }
+
     pub fn connect(&self) -> RigClient {
-        let port = Self(self.0.clone());
-        RigClient::connect(Box::new(port), "the virtual board").unwrap()
+        RigClient::connect(Box::new(self.port()), "the virtual board").unwrap()
     }
 
     /// Whatever the program did that a real chip would take amiss, as text.

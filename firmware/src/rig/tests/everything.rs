@@ -2,6 +2,7 @@
 
 use super::*;
 use proptest::prelude::*;
+use servoid_protocol::reference::{Multisine, Prbs, Stairs, Step, Steps, Sweep};
 
 fn any_command() -> impl Strategy<Value = Command> {
     prop_oneof![
@@ -27,21 +28,78 @@ fn any_command() -> impl Strategy<Value = Command> {
                 })
             }
         ),
-        (0u16..3, 0u16..700, 0u16..4, 0u16..4, 0u16..4).prop_map(
-            |(run, amplitude_us, pre_roll_frames, longest_hold_frames, shortest_hold_frames)| {
-                Command::Start(Start {
-                    run,
-                    pre_roll_frames,
-                    reference: Reference::Staircase(Staircase {
-                        amplitude_us,
-                        longest_hold_frames,
-                        shortest_hold_frames,
-                        hold_step_frames: 1,
-                    }),
-                    post_roll_frames: 1,
+        (0u16..3, 0u16..4, any_reference()).prop_map(|(run, pre_roll_frames, reference)| {
+            Command::Start(Start {
+                run,
+                pre_roll_frames,
+                reference,
+                post_roll_frames: 1,
+            })
+        }),
+    ]
+}
+
+/// Every kind, short ones, sensible or not, within the limits and beyond.
+fn any_reference() -> impl Strategy<Value = Reference> {
+    let amplitude = || prop_oneof![0u16..700, any::<u16>()];
+    let step = (-700i16..700, 0u16..4).prop_map(|(offset_us, hold_frames)| Step {
+        offset_us,
+        hold_frames,
+    });
+    prop_oneof![
+        (amplitude(), 0u16..4, 0u16..4).prop_map(|(amplitude_us, longest, shortest)| {
+            Reference::Staircase(Staircase {
+                amplitude_us,
+                longest_hold_frames: longest,
+                shortest_hold_frames: shortest,
+                hold_step_frames: 1,
+            })
+        }),
+        (amplitude(), 0u16..18, 0u16..3).prop_map(|(amplitude_us, levels, hold_frames)| {
+            Reference::Stairs(Stairs {
+                amplitude_us,
+                levels,
+                hold_frames,
+                cycles: 1,
+            })
+        }),
+        (amplitude(), 0u16..18, any::<u16>(), 0u16..40).prop_map(
+            |(amplitude_us, register, seed, chips)| {
+                Reference::Prbs(Prbs {
+                    amplitude_us,
+                    register,
+                    seed,
+                    chip_frames: 1,
+                    chips,
                 })
             }
         ),
+        (amplitude(), 0u16..30_000, 0u16..30_000, 0u16..40).prop_map(
+            |(amplitude_us, first_millihertz, last_millihertz, frames)| {
+                Reference::Sweep(Sweep {
+                    amplitude_us,
+                    first_millihertz,
+                    last_millihertz,
+                    frames,
+                })
+            }
+        ),
+        (amplitude(), any::<u16>(), 0u16..40, 0u16..4, 0u16..20).prop_map(
+            |(amplitude_us, tone_64ths_us, period_frames, first, tones)| {
+                Reference::Multisine(Multisine {
+                    amplitude_us,
+                    tone_64ths_us,
+                    period_frames,
+                    first,
+                    spacing: 1,
+                    tones,
+                    periods: 1,
+                })
+            }
+        ),
+        (0u16..3, proptest::collection::vec(step, 0..6)).prop_map(|(repeats, steps)| {
+            Reference::Steps(Steps::new(repeats, &steps).expect("it is a short table"))
+        }),
     ]
 }
 

@@ -29,7 +29,7 @@ fn a_message_waits_until_the_link_takes_it() {
 }
 
 #[test]
-fn answers_come_before_ends_before_resends_before_live_frames() {
+fn answers_come_before_resends_before_live_frames_before_the_end() {
     let mut bench = Bench::running(short_run(1));
     bench.frames(3);
     bench.sent.clear();
@@ -53,7 +53,7 @@ fn answers_come_before_ends_before_resends_before_live_frames() {
     assert_eq!(
         kinds,
         [
-            "reply", "ended", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10"
+            "reply", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "ended"
         ]
     );
     assert_eq!(bench.status().backlog_high_water, 8);

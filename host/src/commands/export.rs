@@ -1,0 +1,95 @@
+//! `servoid export`
+
+use super::{Talk, stem, wrong_usage};
+use crate::export::{Export, Target};
+use crate::output;
+use anyhow::Result;
+use clap::builder::PossibleValue;
+use clap::{Args, ValueEnum};
+use servoid_protocol::timing::FRAME_US;
+use std::path::PathBuf;
+
+/// Write a model for another program: MATLAB, Python, Julia, C, a table, or JSBSim
+///
+/// The finite impulse response is the identified model itself. Where a ratio of polynomials is needed,
+/// a model of low order is fitted to it, and the file says how far the two are apart. Every file says
+/// how its samples lie, its units and signs, and where its bounds do not hold.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  servoid export bench.json --to c -o servo_bench.h
+  servoid export bench.json --to python --name \"DS610 on the bench\" > servo_bench.py")]
+pub(super) struct ExportArgs {
+    /// The model, as 'servoid identify -o' writes it
+    #[arg(value_name = "MODEL.json")]
+    model: PathBuf,
+    /// What to write
+    #[arg(long, value_enum, value_name = "TARGET")]
+    to: Target,
+    /// The file to write; without it, standard output
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// What the servo is called in it; without it, what the model's file is called
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+    /// How long a pulse frame holds a command (ms); 0 where commands take effect at once
+    #[arg(long, default_value_t = f64::from(FRAME_US) * 1e-3, value_name = "MS")]
+    frame_ms: f64,
+    /// Replace the file if it exists
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+impl ValueEnum for Target {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let value = PossibleValue::new(self.name());
+        Some(match self {
+            Self::Matlab => value.help("A script with tf and frd, which Octave runs too"),
+            Self::Python => value.help("A module with numpy, and python-control where it is there"),
+            Self::Julia => value.help("A module without packages; objects of ControlSystems.jl"),
+            Self::C => value.help("A C99 header: impulse response and state space, no allocation"),
+            Self::Csv => value
+                .help("A table: step and frequency response with bounds")
+                .alias("simulink-csv"),
+            Self::Jsbsim => value.help("A system with the actuator: hold, delay and poles"),
+        })
+    }
+}
+
+/// Frames of commands: beyond a second it is a slip.
+const FRAMES_MS: std::ops::RangeInclusive<f64> = 0.0..=1000.0;
+
+impl ExportArgs {
+    pub(super) fn run(self) -> Result<String> {
+        if !FRAMES_MS.contains(&self.frame_ms) {
+            wrong_usage("--frame-ms must be a number of milliseconds from 0 to 1000");
+        }
+        if let Some(out) = &self.out {
+            output::check_free(out, self.force)?;
+        }
+        let model = output::read_model(&self.model)?;
+        let fitted = output::read_flight_model(&self.model)?;
+        let source = self.model.file_name().unwrap_or_default().to_string_lossy();
+        let name = self.name.clone().unwrap_or_else(|| stem(&self.model));
+        let export = Export::new(&name, &source, &model, fitted, 1e-3 * self.frame_ms);
+        let text = export.write(self.to)?;
+        let warnings = export.warnings();
+        for warning in &warnings {
+            self.talk.say(format_args!("warning: {warning}"));
+        }
+        let Some(out) = &self.out else {
+            let result =
+                serde_json::json!({ "target": self.to.name(), "warnings": warnings, "text": text });
+            return self.talk.result(text, &result);
+        };
+        output::write_file(out, self.force, &text)?;
+        let result =
+            serde_json::json!({ "target": self.to.name(), "warnings": warnings, "file": out });
+        self.talk.result(format!("{}\n", out.display()), &result)
+    }
+}

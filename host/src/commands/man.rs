@@ -1,0 +1,56 @@
+//! `servoid man`
+
+use super::Cli;
+use crate::output;
+use anyhow::{Context, Result};
+use clap::{Args, Command, CommandFactory};
+use clap_mangen::Man;
+use std::path::PathBuf;
+
+/// Print the manual page, or write the pages of all commands into a folder
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  servoid man > servoid.1
+  servoid man --out ~/.local/share/man/man1")]
+pub(super) struct ManArgs {
+    /// Folder for the pages of all commands: servoid.1, servoid-capture.1 and so on
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace files that exist
+    #[arg(long)]
+    force: bool,
+}
+
+impl ManArgs {
+    pub(super) fn run(self) -> Result<String> {
+        let mut whole = Cli::command();
+        // Gives the subcommands their full names and what they inherit.
+        whole.build();
+        let Some(folder) = &self.out else {
+            return page(whole);
+        };
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("the folder {folder:?} cannot be made"))?;
+        let commands: Vec<Command> = std::iter::once(&whole)
+            .chain(whole.get_subcommands().filter(|c| c.get_name() != "help"))
+            .cloned()
+            .collect();
+        let mut files = String::new();
+        for command in commands {
+            let name = command.get_display_name().unwrap_or(command.get_name());
+            let path = folder.join(format!("{name}.1"));
+            output::write_file(&path, self.force, &page(command)?)?;
+            files += &format!("{}\n", path.display());
+        }
+        Ok(files)
+    }
+}
+
+fn page(command: Command) -> Result<String> {
+    let mut text = Vec::new();
+    Man::new(command)
+        .manual("servoid")
+        .render(&mut text)
+        .context("the manual page cannot be made")?;
+    String::from_utf8(text).context("the manual page is no text")
+}

@@ -1,0 +1,69 @@
+//! Why files did not become a record.
+
+use crate::recording::ReadError;
+use crate::table::TableError;
+use servoid_identification::Error as DataError;
+use std::path::PathBuf;
+
+/// Why files did not become a record. The text says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum DatasetError {
+    /// A recording.
+    #[error(transparent)]
+    Recording(#[from] ReadError),
+    /// A table.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// The numbers themselves.
+    #[error("{files}: {error}")]
+    Data {
+        /// Which files.
+        files: String,
+        /// What is wrong with them.
+        error: DataError,
+    },
+    /// Columns are not named.
+    #[error(
+        "{path:?} is no recording of servoid, so say which of its columns is what; its columns are {columns}, so perhaps add: {options}"
+    )]
+    Unnamed {
+        /// Which file.
+        path: PathBuf,
+        /// What there is.
+        columns: String,
+        /// What to add to the command, as far as the names of the columns tell.
+        options: String,
+    },
+    /// The sampling period is not known.
+    #[error(
+        "{path:?} has no column of time ('t', 'time' or 'time_s') with even steps: say how far apart its rows are with --period SECONDS"
+    )]
+    NoPeriod {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// Files that do not go together.
+    #[error(
+        "{path:?} was sampled every {found} s and the file before it every {expected} s: identify them apart"
+    )]
+    MixedPeriods {
+        /// Which file.
+        path: PathBuf,
+        /// Its period (s).
+        found: f64,
+        /// The other's period (s).
+        expected: f64,
+    },
+    /// Files that do not go together.
+    #[error(
+        "{path:?} was sampled {found} s after the edges of its reference and the file before it {expected} s: identify them apart"
+    )]
+    MixedPhases {
+        /// Which file.
+        path: PathBuf,
+        /// Its phase (s).
+        found: f64,
+        /// The other's phase (s).
+        expected: f64,
+    },
+}

@@ -1,0 +1,266 @@
+//! From files to a record: recordings of this program, or any CSV file with its columns named.
+//!
+//! Of a recording of this program only the reference is used, not the rest at neutral around it: the
+//! strokes from and to neutral are half as long as those of the reference, and a servo does not
+//! answer half a stroke with half the motion. On the simulated bench servo the rest made the model's
+//! error 2.6 times larger (0.128 against 0.050 degrees rms).
+
+// What files and lines bring meets no panic here.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::unwrap_used
+    )
+)]
+
+mod error;
+mod foreign;
+mod own;
+pub(crate) mod suggestion;
+
+pub use error::DatasetError;
+
+use crate::recording::{self, Recording};
+use crate::table::{Table, TableError};
+use servoid_identification::{Record, Run};
+use std::path::{Path, PathBuf};
+
+/// How to read files that are not recordings of this program.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DatasetOptions {
+    /// The column with the input.
+    pub input: Option<String>,
+    /// The column with the output.
+    pub output: Option<String>,
+    /// Time between rows (s).
+    pub period_s: Option<f64>,
+    /// The column whose value changes where a new run begins.
+    pub run: Option<String>,
+    /// The input before the first row of each run.
+    pub at_rest: Option<f64>,
+    /// Use the rest around the reference too.
+    pub with_rest: bool,
+}
+
+/// A record, and what is known of where it comes from.
+#[derive(Clone, Debug)]
+pub struct Dataset {
+    /// The runs.
+    pub record: Record,
+    /// What the files say of themselves.
+    pub about: About,
+}
+
+/// What files say of themselves.
+#[derive(Clone, Debug, Default)]
+pub struct About {
+    /// The unit of input and output, where the files say it and agree.
+    pub unit: Option<&'static str>,
+    /// Under what condition it was recorded, where the files say it and agree.
+    pub condition: Option<String>,
+    /// Where the data come from, file by file: name and value of each thing that is known.
+    pub provenance: Vec<Vec<(String, String)>>,
+    /// What a user should know about the files: partial recordings, guessed periods.
+    pub remarks: Vec<String>,
+}
+
+impl About {
+    fn merge(&mut self, other: Self) {
+        self.unit = self.unit.filter(|unit| Some(*unit) == other.unit);
+        self.condition = self
+            .condition
+            .take()
+            .filter(|c| Some(c) == other.condition.as_ref());
+        self.provenance.extend(other.provenance);
+        self.remarks.extend(other.remarks);
+    }
+}
+
+struct Loaded {
+    runs: Vec<Run>,
+    period_s: f64,
+    /// From a change of the input to the first sample that carries it (s).
+    phase_s: f64,
+    about: About,
+}
+
+/// Reads files, each one run or more, into one record.
+///
+/// # Errors
+/// [`DatasetError`].
+pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, DatasetError> {
+    let mut all: Option<Loaded> = None;
+    for path in paths {
+        let next = load_one(path, options)?;
+        let Some(all) = &mut all else {
+            all = Some(next);
+            continue;
+        };
+        if (next.period_s / all.period_s - 1.0).abs() > PERIOD_TOLERANCE {
+            let (found, expected) = (next.period_s, all.period_s);
+            return Err(DatasetError::MixedPeriods {
+                path: path.clone(),
+                found,
+                expected,
+            });
+        }
+        if next.phase_s != all.phase_s {
+            let (found, expected) = (next.phase_s, all.phase_s);
+            return Err(DatasetError::MixedPhases {
+                path: path.clone(),
+                found,
+                expected,
+            });
+        }
+        all.runs.extend(next.runs);
+        all.about.merge(next.about);
+    }
+    let files = || {
+        let names: Vec<_> = paths.iter().map(|p| format!("{}", p.display())).collect();
+        names.join(", ")
+    };
+    let Loaded {
+        runs,
+        period_s,
+        phase_s,
+        about,
+    } = all.unwrap_or(Loaded {
+        runs: Vec::new(),
+        period_s: f64::NAN,
+        phase_s: 0.0,
+        about: About::default(),
+    });
+    let record = Record::new(period_s, runs).map_err(|error| DatasetError::Data {
+        files: files(),
+        error,
+    })?;
+    Ok(Dataset {
+        record: record.with_sample_phase(phase_s),
+        about,
+    })
+}
+
+/// Periods that differ by less are the same: it is far below what any result resolves, and above
+/// the rounding of times that are written with a few decimals.
+const PERIOD_TOLERANCE: f64 = 1e-3;
+
+fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded, DatasetError> {
+    let bytes = std::fs::read(path).map_err(|reason| TableError::Unreadable {
+        path: path.to_owned(),
+        reason,
+    })?;
+    let named = options.input.is_some() || options.output.is_some();
+    if !named && recording::is_recording(&bytes) {
+        own::from_recording(&Recording::parse(&bytes, path)?, path, options)
+    } else {
+        foreign::from_table(&Table::parse(path, bytes)?, options)
+    }
+}
+
+fn run(
+    input: Vec<f64>,
+    output: Vec<f64>,
+    path: &Path,
+    at_rest: Option<f64>,
+) -> Result<Run, DatasetError> {
+    let files = path.display().to_string();
+    let run = Run::new(input, output).map_err(|error| DatasetError::Data { files, error })?;
+    Ok(match at_rest {
+        Some(input) => run.with_input_at_rest(input),
+        None => run,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write(dir: &Path, name: &str, text: &str) -> PathBuf {
+        let path = dir.join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+
+    fn named() -> DatasetOptions {
+        DatasetOptions {
+            input: Some("u".into()),
+            output: Some("y".into()),
+            ..DatasetOptions::default()
+        }
+    }
+
+    #[test]
+    fn runs_are_kept_apart_and_the_period_is_found() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = write(
+            dir.path(),
+            "a.csv",
+            "t,u,y,run\n0,1,2,1\n.02,2,3,1\n.04,1,,1\n0,5,6,2\n.02,7,8,2\n",
+        );
+        let options = DatasetOptions {
+            run: Some("run".into()),
+            at_rest: Some(0.0),
+            ..named()
+        };
+        // One of four steps is the restart: not even enough for a column of time.
+        assert!(matches!(
+            load(std::slice::from_ref(&path), &options),
+            Err(DatasetError::NoPeriod { .. })
+        ));
+        let options = DatasetOptions {
+            period_s: Some(0.02),
+            ..options
+        };
+        let set = load(&[path.clone(), path], &options).unwrap();
+        let lengths: Vec<_> = set.record.runs().iter().map(Run::len).collect();
+        assert_eq!(lengths, [3, 2, 3, 2]);
+        assert_eq!(set.record.missing(), 2);
+        assert_eq!(set.record.runs()[1].input_at_rest(), Some(0.0));
+    }
+
+    #[test]
+    fn an_even_column_of_time_gives_the_period() {
+        let dir = tempfile::tempdir().unwrap();
+        let rows: String = (0..100)
+            .map(|k| format!("{:.2},{},{}\n", 0.02 * f64::from(k), k % 7, k % 5))
+            .collect();
+        let path = write(dir.path(), "a.csv", &format!("t,u,y\n{rows}"));
+        let set = load(&[path], &named()).unwrap();
+        assert_eq!(set.record.sample_period_s(), 0.02);
+        assert_eq!(set.about.remarks.len(), 1);
+    }
+
+    #[test]
+    fn rows_that_are_missing_are_not_closed_up() {
+        let dir = tempfile::tempdir().unwrap();
+        let rows: String = (0..200)
+            .filter(|k| !(50..70).contains(k))
+            .map(|k| format!("{:.2},{},{}\n", 0.02 * f64::from(k), k % 7, k % 5))
+            .collect();
+        let path = write(dir.path(), "a.csv", &format!("t,u,y\n{rows}"));
+        let set = load(&[path], &named()).unwrap();
+        assert_eq!((set.record.samples(), set.record.missing()), (200, 20));
+        assert!(
+            set.about.remarks.iter().any(|r| r.contains("20 samples")),
+            "{:?}",
+            set.about.remarks
+        );
+    }
+
+    #[test]
+    fn columns_that_are_not_named_are_asked_for() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = write(dir.path(), "a.csv", "t,u,y\n0,1,2\n");
+        let error = load(&[path], &DatasetOptions::default())
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("--input") && error.contains("t, u, y"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,186 @@
+//! What every export says of itself.
+
+use super::Export;
+use super::text::number;
+use crate::summary;
+use servoid_identification::flight_model::FlightModel;
+use servoid_identification::metrics::Interval;
+use servoid_identification::model::SelectedBy;
+
+impl Export<'_> {
+    /// Why the numbers, or their bounds, should not be trusted as they stand; a sentence each.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let model = self.model;
+        let mut found = Vec::new();
+        if !model.bounds_hold() {
+            found.push(
+                "the bounds do not hold: what the model cannot explain is not noise, so they have no level"
+                    .to_owned(),
+            );
+        }
+        if !model.is_consistent() {
+            found.push("the model contradicts itself: identify again".to_owned());
+        }
+        if model.structure.selected_by == SelectedBy::Narrow {
+            found.push(
+                "the bounds are narrow: they hold only if the response falls by at least 40 dB/decade above the highest frequency"
+                    .to_owned(),
+            );
+        }
+        if !model.converged {
+            found.push(
+                "the noise model did not come to rest: the bounds are approximate".to_owned(),
+            );
+        }
+        if model.metrics.dc_gain.contains(0.0) {
+            found.push("the gain may be zero: the model has no response to speak of".to_owned());
+        }
+        match &self.low_order {
+            Ok(flight) if flight.approximation => found.push(format!(
+                "the low-order model is an approximation: it is wrong by up to {:.2} % of the step",
+                self.largest_error_percent(flight)
+            )),
+            Ok(_) => {}
+            Err(reason) => found.push(format!("there is no low-order model: {reason}")),
+        }
+        found
+    }
+
+    /// Everything that someone who reads the file has to know, a paragraph each. `held` says that the
+    /// frame hold is part of the file.
+    pub(super) fn statement(&self, held: bool) -> Vec<String> {
+        let mut paragraphs = vec![format!(
+            "{}: servo model, exported by servoid {} from {}.",
+            self.name,
+            env!("CARGO_PKG_VERSION"),
+            self.source
+        )];
+        let warnings = self.warnings();
+        paragraphs.extend(
+            warnings
+                .iter()
+                .map(|warning| format!("WARNING: {warning}.")),
+        );
+        let advice = self.model.advice.iter();
+        paragraphs
+            .extend(advice.map(|advice| format!("Advice: {} {}", advice.finding, advice.remedy)));
+        paragraphs.extend([
+            UNITS.to_owned(),
+            self.sampling(),
+            self.hold(held),
+            self.bounds(),
+            self.covariance(),
+        ]);
+        let flight = self.low_order.as_ref().ok();
+        paragraphs
+            .extend(flight.map(|flight| low_order(flight, self.largest_error_percent(flight))));
+        paragraphs
+    }
+
+    fn sampling(&self) -> String {
+        let model = self.model;
+        format!(
+            "Sampling: every {period} s. The command u(k) is held from {period} k to {period} (k+1) s, and y(k) is the position at {period} k + {phase} s. The model is y(k) = h(0) u(k) + ... + h(N-1) u(k-N+1) + offset with N = {taps}: after N samples a response is over, and what comes later is in the last of them. The offset of {offset} is left out of every response: add it to have the position itself.",
+            period = number(model.sample_period_s),
+            phase = number(model.sample_phase_s),
+            taps = model.structure.settling_samples,
+            offset = number(model.offset),
+        )
+    }
+
+    fn hold(&self, held: bool) -> String {
+        let milliseconds = |seconds: f64| number((seconds * 1e7).round() / 1e4);
+        let begin = "Delay: all of the servo's own delay, counted from the edge of the command as it was applied, is in the model.";
+        if self.frame_s == 0.0 {
+            return format!(
+                "{begin} No frame hold is assumed: the command may change at any sample."
+            );
+        }
+        let frame = milliseconds(self.frame_s);
+        if held {
+            return format!(
+                "{begin} The hold of the command for a pulse frame of {frame} ms is part of this file."
+            );
+        }
+        // A uniform delay between 0 and T has the mean T/2 and the standard deviation T/sqrt(12).
+        format!(
+            "{begin} The frame hold is not: a servo gets a new pulse once in {frame} ms only. Put a sample and hold of {frame} ms before the model; a simulation without one must add {} ms of delay, and lacks a jitter of {} ms rms.",
+            milliseconds(self.frame_s / 2.0),
+            milliseconds(self.frame_s / 12f64.sqrt()),
+        )
+    }
+
+    fn bounds(&self) -> String {
+        let step = &self.model.step;
+        format!(
+            "Bounds: {}. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them, saturation and what changes from run to run are not.{}",
+            match self.model.bounds_hold() {
+                true => format!("level {}", summary::level_text(self.model)),
+                false => "no level (see the warning)".to_owned(),
+            },
+            match step.truncation_bias {
+                0.0 => String::new(),
+                bias => format!(
+                    " {} of their half width is a bound of what left-out high frequencies may hide.",
+                    number(bias)
+                ),
+            },
+        )
+    }
+
+    fn covariance(&self) -> String {
+        let structure = &self.model.structure;
+        format!(
+            "Parameters: theta = [G0, Re G1, Im G1, ...], {n} values, where Gl is the frequency response of the samples at l * 2 pi / (N Ts) rad/s; its covariance is {n} x {n}. The hold of the samples is part of that response: at w rad/s the servo alone has a phase that is greater by w (Ts/2 - p), where p is the time by which samples follow the edges of the command.",
+            n = structure.frequencies
+        )
+    }
+}
+
+const UNITS: &str = "Units and signs: command and position have the units of the recording (degrees in recordings of servoid), the gain is position per command, times are in seconds, frequencies in rad/s. A response has the sign of the gain times that of the command; frequency responses are for exp(+jwt), so that a lag has a negative phase.";
+
+/// The parameters of a low-order model in the order of its covariance.
+pub(super) fn parameters_of(flight: &FlightModel) -> &'static str {
+    match flight.order {
+        1 => "[K, L, ln T]",
+        2 => "[K, L, ln w, ln zeta]",
+        _ => "[K, L, ln w, ln zeta, ln T]",
+    }
+}
+
+fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
+    let form = match flight.order {
+        1 => "K exp(-L s) / (1 + T s)",
+        2 => "K exp(-L s) / (1 + 2 zeta s/w + s^2/w^2)",
+        _ => "K exp(-L s) / ((1 + 2 zeta s/w + s^2/w^2) (1 + T s))",
+    };
+    let mut text = format!("Low-order model, continuous: {form} with");
+    for (name, unit, interval) in [
+        ("K", "", Some(flight.gain)),
+        ("L", " s", Some(flight.delay_s)),
+        ("w", " rad/s", flight.omega_rad_s),
+        ("zeta", "", flight.damping),
+        ("T", " s", flight.lag_s),
+    ] {
+        let Some(Interval {
+            value: Some(value),
+            lower,
+            upper,
+        }) = interval
+        else {
+            continue;
+        };
+        let bound = |bound: Option<f64>| bound.map_or("-".to_owned(), |b| format!("{b:.6}"));
+        text += &format!(
+            " {name} = {value:.6}{unit} ({} to {}),",
+            bound(lower),
+            bound(upper)
+        );
+    }
+    format!(
+        "{text} intervals of {} %. Largest error of its step response: {largest_error_percent:.3} % of the step. {}",
+        100.0 * flight.level,
+        flight.statement
+    )
+}

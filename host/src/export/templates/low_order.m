@@ -1,0 +1,27 @@
+% Low-order model: K exp(-L s) / denominator(s)
+{{id}}.order = {{order}};
+{{id}}.gain = {{gain}};
+{{id}}.delay_s = {{delay}};
+{{id}}.denominator = [{{denominator}}]; % falling powers of s
+{{id}}.largest_error_percent = {{largest_error}}; % of the step
+% Covariance of {{covariance_of}}
+{{id}}.low_order_covariance = [ ...
+{{covariance}} ...
+];
+
+% The same by samples, exactly: x(k+1) = A x(k) + B u(k-m), y(k) = C x(k) + D u(k-m)
+{{id}}.A = [ ...
+{{a}} ...
+];
+{{id}}.B = [{{b}}]';
+{{id}}.C = [{{c}}];
+{{id}}.D = {{d}};
+{{id}}.delay_samples = {{delay_samples}};
+{{id}}.low_order = tf([{{numerator_z}}], [{{denominator_z}}, zeros(1, {{delay_samples}})], ...
+    {{id}}.sample_period_s);
+if exist('OCTAVE_VERSION', 'builtin')
+    % Octave's tf has no delay: add delay_s yourself.
+    {{id}}.continuous = tf({{id}}.gain, {{id}}.denominator);
+else
+    {{id}}.continuous = tf({{id}}.gain, {{id}}.denominator, 'InputDelay', {{id}}.delay_s);
+end

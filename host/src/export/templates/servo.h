@@ -1,0 +1,86 @@
+/*
+{{about}}
+ *
+ * C99, no allocation, no other header. {{id}}_real is float unless {{ID}}_REAL says otherwise, for
+ * example -D{{ID}}_REAL=double.
+ */
+#ifndef {{ID}}_H
+#define {{ID}}_H
+
+#ifndef {{ID}}_REAL
+#define {{ID}}_REAL float
+#endif
+typedef {{ID}}_REAL {{id}}_real;
+
+#define {{ID}}_NAME "{{name}}"
+#define {{ID}}_BOUNDS_HOLD {{bounds_hold}} /* 0: the bounds have no level */
+#define {{ID}}_LEVEL {{level}}
+#define {{ID}}_SAMPLE_PERIOD_S {{period}}
+#define {{ID}}_SAMPLE_PHASE_S {{phase}}
+#define {{ID}}_FRAME_S {{frame}}
+#define {{ID}}_OFFSET {{offset}}
+
+/* ---- Finite impulse response: the identified model itself ---- */
+
+#define {{ID}}_TAPS {{taps}}
+
+/* h(i), i = 0 .. N-1 */
+static const {{id}}_real {{id}}_impulse[{{ID}}_TAPS] = {
+{{impulse}}
+};
+
+/* The answer to a unit step: h summed up, its standard deviation, and its bounds for each point and
+ * for the whole curve. The last element is the gain. */
+static const {{id}}_real {{id}}_step_response[{{ID}}_TAPS] = {
+{{step}}
+};
+static const {{id}}_real {{id}}_step_sd[{{ID}}_TAPS] = {
+{{sd}}
+};
+static const {{id}}_real {{id}}_step_lower[{{ID}}_TAPS] = {
+{{lower}}
+};
+static const {{id}}_real {{id}}_step_upper[{{ID}}_TAPS] = {
+{{upper}}
+};
+static const {{id}}_real {{id}}_step_lower_simultaneous[{{ID}}_TAPS] = {
+{{lower_all}}
+};
+static const {{id}}_real {{id}}_step_upper_simultaneous[{{ID}}_TAPS] = {
+{{upper_all}}
+};
+
+typedef struct {
+    {{id}}_real past[{{ID}}_TAPS]; /* a ring of commands */
+    unsigned newest;
+} {{id}}_fir;
+
+/* At rest at this command. */
+static inline void {{id}}_fir_reset({{id}}_fir *servo, {{id}}_real command)
+{
+    for (unsigned i = 0; i < {{ID}}_TAPS; i++) {
+        servo->past[i] = command;
+    }
+    servo->newest = 0;
+}
+
+/* Call once each sample period with the command that is applied from now on; returns the position
+ * {{ID}}_SAMPLE_PHASE_S later, without the offset. */
+static inline {{id}}_real {{id}}_fir_step({{id}}_fir *servo, {{id}}_real command)
+{
+    {{id}}_real position = 0;
+    unsigned at = servo->newest + 1;
+    if (at == {{ID}}_TAPS) {
+        at = 0;
+    }
+    servo->newest = at;
+    servo->past[at] = command;
+    for (unsigned i = 0; i < {{ID}}_TAPS; i++) {
+        position += {{id}}_impulse[i] * servo->past[at];
+        at = (at == 0 ? {{ID}}_TAPS : at) - 1;
+    }
+    return position;
+}
+
+{{low_order}}
+#endif

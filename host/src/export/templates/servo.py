@@ -1,0 +1,90 @@
+{{about}}
+#
+# Needs numpy. With python-control installed there are also transfer functions of it:
+# finite_response, measured_frequency_response, and low_order where there is a low-order model.
+
+import numpy as np
+
+try:
+    import control
+except ImportError:
+    control = None
+
+NAME = "{{name}}"
+BOUNDS_HOLD = {{bounds_hold}}  # False: the bounds have no level
+LEVEL = {{level}}
+SAMPLE_PERIOD_S = {{period}}
+SAMPLE_PHASE_S = {{phase}}
+FRAME_S = {{frame}}
+OFFSET = {{offset}}
+
+# theta = [G0, Re G1, Im G1, ...] and its covariance
+THETA = np.array([
+{{theta}}
+])
+COVARIANCE = np.array([
+{{theta_covariance}}
+])
+
+# Step response: answers a unit step at sample 0; bounds for each point and for the whole curve
+STEP_TIME_S = SAMPLE_PERIOD_S * np.arange({{taps}}) + SAMPLE_PHASE_S
+STEP = np.array([
+{{step}}
+])
+STEP_SD = np.array([
+{{sd}}
+])
+STEP_LOWER = np.array([
+{{lower}}
+])
+STEP_UPPER = np.array([
+{{upper}}
+])
+STEP_LOWER_SIMULTANEOUS = np.array([
+{{lower_all}}
+])
+STEP_UPPER_SIMULTANEOUS = np.array([
+{{upper_all}}
+])
+IMPULSE = np.diff(STEP, prepend=0.0)
+
+# Frequency response of the samples, with bounds for each frequency
+OMEGA_RAD_S = np.array([
+{{omega}}
+])
+RESPONSE = np.array([
+{{re}}
+]) + 1j * np.array([
+{{im}}
+])
+MAGNITUDE_DB_LOWER = np.array([
+{{magnitude_lower}}
+])
+MAGNITUDE_DB_UPPER = np.array([
+{{magnitude_upper}}
+])
+PHASE_DEG_LOWER = np.array([
+{{phase_lower}}
+])
+PHASE_DEG_UPPER = np.array([
+{{phase_upper}}
+])
+
+
+def simulate(command, before=0.0):
+    """Position for a command sampled every SAMPLE_PERIOD_S, without the offset.
+
+    The servo is at rest at the command `before` until the first sample.
+    """
+    change = np.asarray(command, dtype=float) - before
+    return np.convolve(change, IMPULSE)[: len(change)] + before * STEP[-1]
+
+
+if control is not None:
+    # By samples: z^-1 is one sample period.
+    finite_response = control.tf(
+        IMPULSE, np.concatenate([[1.0], np.zeros(len(IMPULSE) - 1)]), SAMPLE_PERIOD_S
+    )
+    measured_frequency_response = control.frd(RESPONSE, OMEGA_RAD_S, SAMPLE_PERIOD_S)
+
+{{low_order}}

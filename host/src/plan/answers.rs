@@ -1,0 +1,83 @@
+//! What a reference answers beside the linear response: what the detectors themselves say of a
+//! simulated run of it.
+
+use serde::Serialize;
+use servoid_identification::direction;
+use servoid_identification::limits::{Limits, RateVerdict};
+use servoid_identification::{Model, Record};
+
+/// One question.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// What is asked.
+    pub question: &'static str,
+    /// Whether a recording of this reference answers it.
+    pub answered: bool,
+    /// Where it does not: why, and what to record instead.
+    pub why: Option<String>,
+}
+
+impl Answer {
+    fn new(question: &'static str, answered: bool, why: impl Into<String>) -> Self {
+        Self {
+            question,
+            answered,
+            why: (!answered).then(|| why.into()),
+        }
+    }
+}
+
+/// The smallest number of levels of which a curve can be told from a straight line.
+const LEVELS: usize = 3;
+
+/// Every question.
+pub(super) fn of(pilot: &Model, record: &Record) -> Vec<Answer> {
+    let limits = Limits::of(record, pilot);
+    let split = direction::split(record, pilot);
+    let rates = [&limits.rate_up, &limits.rate_down];
+    let silent = rates
+        .into_iter()
+        .find(|rate| rate.verdict == RateVerdict::CannotTell);
+    let ends = limits.ends.as_ref();
+    let silent_end = ends.and_then(|ends| ends.iter().find(|end| end.softens.is_none()));
+    let mut levels: Vec<f64> = limits.levels.iter().map(|cell| cell.command).collect();
+    levels.dedup();
+    let why_not = |statement: Option<&str>| statement.unwrap_or_default().to_owned();
+    vec![
+        Answer::new(
+            "do strokes up and down differ",
+            split.is_ok(),
+            split
+                .as_ref()
+                .err()
+                .map(ToString::to_string)
+                .unwrap_or_default(),
+        ),
+        Answer::new(
+            "is the speed limited",
+            silent.is_none(),
+            why_not(silent.map(|rate| rate.statement.as_str())),
+        ),
+        Answer::new(
+            "does the rest position depend on the direction of approach (hysteresis)",
+            limits.hysteresis.found.is_some(),
+            limits.hysteresis.statement.clone(),
+        ),
+        Answer::new(
+            "does the travel end within the range",
+            ends.is_some() && silent_end.is_none(),
+            silent_end.map_or_else(
+                || "No level is held long enough to see where the servo rests.".to_owned(),
+                |end| end.statement.clone(),
+            ),
+        ),
+        Answer::new(
+            "which level is reached at which command",
+            levels.len() >= LEVELS,
+            format!(
+                "The servo comes to rest at {} levels; a bend shows from {LEVELS} on.",
+                levels.len()
+            ),
+        ),
+    ]
+}

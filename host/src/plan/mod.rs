@@ -1,0 +1,271 @@
+//! What a run will tell before it is made: how wide the band of the step response will be, where the
+//! reference has its power, and what it cannot answer at all.
+//!
+//! The width of a band depends on the reference, on the noise, and on how long the response lasts; the
+//! response itself does not enter. So it can be computed beforehand from the covariance that generalised
+//! least squares will have, σ² (Z_D'Z_D)^-1, for this reference's own regressor Z under a stated noise
+//! σ, D. Only the structure (N, n) is not known before the data are: it is what identification itself
+//! chooses on simulated runs of the assumed servo.
+
+mod answers;
+mod assumed;
+mod pilot;
+mod spectrum;
+mod text;
+
+pub use answers::Answer;
+pub use assumed::{Assumed, AssumedError, noise_rms};
+pub use spectrum::{Line, Octave, Spectrum};
+pub use text::{figure, of_plan};
+
+use crate::reference::{Kind, Wish, as_toml, in_words, seconds};
+use crate::rig::capture::ROLL_FRAMES;
+use pilot::Expected;
+use serde::Serialize;
+use servoid_identification::metrics::Metrics;
+use servoid_identification::step::StepResponse;
+use servoid_identification::{Error, Model};
+use servoid_protocol::Reference;
+
+/// What is asked.
+#[derive(Clone, Debug)]
+pub struct Question {
+    /// What the servo will be told.
+    pub reference: Reference,
+    /// Change of the pulse for one degree (µs/deg).
+    pub us_per_degree: f64,
+    /// How often it will be told.
+    pub runs: usize,
+    /// The servo and the noise that are assumed.
+    pub assumed: Assumed,
+    /// Confidence level of the bounds.
+    pub level: f64,
+    /// Half width of the whole curve's band that is wanted, where it is widest (percent of the step).
+    pub wanted_percent: Option<f64>,
+}
+
+/// How wide the bands are (percent of the step, half of the width).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Widths {
+    /// Confidence level.
+    pub level: f64,
+    /// The whole curve's band, where it is widest.
+    pub widest_percent: f64,
+    /// The whole curve's band, on average.
+    pub mean_percent: f64,
+    /// The bounds of single points, on average.
+    pub mean_pointwise_percent: f64,
+    /// The part of each that more runs do not narrow: what frequencies without power may hide.
+    pub bias_percent: f64,
+}
+
+impl Widths {
+    /// Of a step response.
+    #[must_use]
+    pub fn of(step: &StepResponse) -> Self {
+        let (pointwise, whole) = step.mean_half_widths();
+        let band = &step.simultaneous;
+        let widest = band.upper.iter().zip(&band.lower);
+        let widest = widest.map(|(u, l)| (u - l) / 2.0).fold(0.0, f64::max);
+        Self {
+            level: band.level,
+            widest_percent: 100.0 * widest,
+            mean_percent: 100.0 * whole,
+            mean_pointwise_percent: 100.0 * pointwise,
+            bias_percent: 100.0 * step.truncation_bias,
+        }
+    }
+
+    /// The mean of several, which are of one level; of none, nothing is known.
+    pub(crate) fn mean(all: &[Self]) -> Self {
+        let mean = |of: fn(&Self) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
+        Self {
+            level: all.first().map_or(f64::NAN, |w| w.level),
+            widest_percent: mean(|w| w.widest_percent),
+            mean_percent: mean(|w| w.mean_percent),
+            mean_pointwise_percent: mean(|w| w.mean_pointwise_percent),
+            bias_percent: mean(|w| w.bias_percent),
+        }
+    }
+
+    /// Where it is widest, after so many times the data: the noise's part shrinks with the root.
+    fn widest_after(&self, times: f64) -> f64 {
+        (self.widest_percent - self.bias_percent) / times.sqrt() + self.bias_percent
+    }
+}
+
+/// What it takes to make the band as narrow as is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Needed {
+    /// Half width where it is widest (percent of the step).
+    pub band_percent: f64,
+    /// Runs.
+    pub runs: u64,
+    /// How long they take, the rest before and after each reference included (s).
+    pub seconds: f64,
+}
+
+/// One reference beside the others, each as it is without options, at the same amplitude.
+#[derive(Clone, Debug, Serialize)]
+pub struct Alternative {
+    /// Its name.
+    pub reference: &'static str,
+    /// How long one run takes, with its rest (s).
+    pub run_s: f64,
+    /// Half width of the whole curve's band, where it is widest (percent of the step); `None` where it
+    /// cannot be identified.
+    pub widest_percent: Option<f64>,
+    /// What the band would be after one minute of such runs: what makes references of different length
+    /// comparable.
+    pub widest_percent_in_a_minute: Option<f64>,
+    /// What is needed for the wanted band.
+    pub needed: Option<Needed>,
+    /// What it answers beside the linear response.
+    pub answers: Vec<&'static str>,
+}
+
+/// What a run will tell.
+#[derive(Clone, Debug, Serialize)]
+pub struct Plan {
+    /// The reference as a recording's header says it.
+    pub reference: toml::Table,
+    /// The reference in words.
+    pub description: String,
+    /// How long the reference takes (s).
+    pub reference_s: f64,
+    /// How long one run takes, with its rest (s).
+    pub run_s: f64,
+    /// Runs.
+    pub runs: usize,
+    /// The servo that is assumed, in words.
+    pub servo: String,
+    /// Standard deviation of the noise that is assumed (deg).
+    pub noise_deg: f64,
+    /// Coefficients of the noise that is assumed, d_1..d_d of 1/D(z).
+    pub noise_ar: Vec<f64>,
+    /// N and n that identification will probably choose.
+    pub settling_samples: usize,
+    /// Number of frequencies.
+    pub frequencies: usize,
+    /// The band of the step response.
+    pub band: Widths,
+    /// The metrics with the intervals that they will have, if the servo is the assumed one.
+    pub metrics: Metrics,
+    /// Where the reference has its power.
+    pub spectrum: Spectrum,
+    /// What it answers, and what it cannot.
+    pub answers: Vec<Answer>,
+    /// What is needed for the wanted band.
+    pub needed: Option<Needed>,
+    /// All references beside each other.
+    pub alternatives: Vec<Alternative>,
+    /// The assumed servo's response with the bounds that are to be expected.
+    #[serde(skip)]
+    pub step: StepResponse,
+}
+
+impl Plan {
+    /// Plans a run.
+    ///
+    /// # Errors
+    /// What identification would say after the run: the reference is too short, or excites too little.
+    pub fn of(question: &Question) -> Result<Self, Error> {
+        let expected = Expected::of(question)?;
+        let reference = &question.reference;
+        let band = expected.band;
+        let Model { noise, .. } = &question.assumed.model;
+        Ok(Self {
+            reference: as_toml(reference),
+            description: in_words(reference, question.us_per_degree),
+            reference_s: seconds(reference.frames()),
+            run_s: run_s(reference),
+            runs: question.runs,
+            servo: question.assumed.name.clone(),
+            noise_deg: noise_rms(noise),
+            noise_ar: noise.ar.clone(),
+            settling_samples: expected.model.structure.settling_samples,
+            frequencies: expected.model.structure.frequencies,
+            band,
+            metrics: Metrics::of_model(&expected.model)?,
+            spectrum: Spectrum::of(question),
+            answers: answers::of(&expected.pilot, &expected.record),
+            needed: needed(question, &band),
+            alternatives: alternatives(question),
+            step: expected.model.step,
+        })
+    }
+}
+
+/// How long one run takes (s).
+fn run_s(reference: &Reference) -> f64 {
+    seconds(reference.frames() + 2 * u32::from(ROLL_FRAMES))
+}
+
+/// K times the runs narrow the noise's part of the band by the square root of K: their information adds
+/// up. (A longer N, chosen where more data show more of the response, costs some of that.) `None` where no
+/// width is wanted, or where what frequencies without power may hide is wider already.
+fn needed(question: &Question, band: &Widths) -> Option<Needed> {
+    let band_percent = question.wanted_percent?;
+    let room = band_percent - band.bias_percent;
+    let times = ((band.widest_percent - band.bias_percent) / room).powi(2);
+    let runs = (times * question.runs as f64).ceil().max(1.0);
+    (room > 0.0).then_some(Needed {
+        band_percent,
+        runs: runs as u64,
+        seconds: runs * run_s(&question.reference),
+    })
+}
+
+/// Every reference as it is without options, at the same amplitude.
+fn alternatives(question: &Question) -> Vec<Alternative> {
+    let (low, high) = question.reference.extremes_us();
+    let amplitude_us = f64::from(high.max(low.saturating_neg()));
+    let kinds = [
+        Kind::Staircase,
+        Kind::Stairs,
+        Kind::Prbs,
+        Kind::Sweep,
+        Kind::Multisine,
+    ];
+    let wishes = kinds.map(|kind| Wish {
+        kind,
+        amplitude_deg: Some(amplitude_us / question.us_per_degree.abs()),
+        ..Wish::default()
+    });
+    // At an amplitude at which one of them cannot be, it is no alternative.
+    let granted = wishes
+        .iter()
+        .filter_map(|wish| wish.grant(question.us_per_degree).ok());
+    granted
+        .map(|granted| {
+            alternative(&Question {
+                reference: granted.reference,
+                runs: 1,
+                ..question.clone()
+            })
+        })
+        .collect()
+}
+
+fn alternative(question: &Question) -> Alternative {
+    const MINUTE_S: f64 = 60.0;
+    let run_s = run_s(&question.reference);
+    let expected = Expected::of(question).ok();
+    let band = expected.as_ref().map(|e| e.band);
+    let answers = expected.map_or_else(Vec::new, |e| answers::of(&e.pilot, &e.record));
+    Alternative {
+        reference: question.reference.name(),
+        run_s,
+        widest_percent: band.map(|b| b.widest_percent),
+        widest_percent_in_a_minute: band.map(|b| b.widest_after(MINUTE_S / run_s)),
+        needed: band.and_then(|b| needed(question, &b)),
+        answers: answers
+            .into_iter()
+            .filter(|answer| answer.answered)
+            .map(|answer| answer.question)
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,154 @@
+//! Simulated runs for the structure, and the covariance that they will have.
+
+use super::{Question, Widths};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use servoid_identification::curve::{self, CurveSpread};
+use servoid_identification::gls::{self, GlsOptions};
+use servoid_identification::moments::Moments;
+use servoid_identification::normal::{Coordinates, Information};
+use servoid_identification::step::StepResponse;
+use servoid_identification::{Error, Model, NoiseOrder, Options, Record, Run, identify};
+use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
+
+/// Simulated identifications. Each may choose another N: widths are the mean over them, and the one with
+/// the middle N is shown.
+const PILOTS: u64 = 5;
+
+/// Samples of noise that pass before the first one that is used: its start is forgotten.
+const RUN_UP: usize = 2_000;
+
+/// What is to be expected of a run.
+pub(super) struct Expected {
+    /// How wide the bands will be.
+    pub band: Widths,
+    /// A model as it will be, but for its noise being known: the response of the assumed servo with the
+    /// covariance that generalised least squares has at the assumed noise.
+    pub model: Model,
+    /// One identification of a simulated run.
+    pub pilot: Model,
+    /// The record that the pilot is from.
+    pub record: Record,
+}
+
+impl Expected {
+    pub(super) fn of(question: &Question) -> Result<Self, Error> {
+        let options = Options {
+            level: question.level,
+            ..Options::default()
+        };
+        let mut pilots = Vec::new();
+        for seed in 1..=PILOTS {
+            let record = simulated(question, seed)?;
+            let pilot = identify(&record, &options)?;
+            let model = with_known_noise(question, &pilot, &record)?;
+            pilots.push((model, pilot, record));
+        }
+        pilots.sort_by_key(|(model, ..)| model.structure.settling_samples);
+        let widths: Vec<_> = pilots.iter().map(|(m, ..)| Widths::of(&m.step)).collect();
+        let (model, pilot, record) = pilots.swap_remove(pilots.len() / 2);
+        Ok(Self {
+            band: Widths::mean(&widths),
+            model,
+            pilot,
+            record,
+        })
+    }
+}
+
+/// The input of one run at the times of its samples (deg).
+pub(super) fn input(question: &Question) -> Vec<f64> {
+    let offsets = question.reference.offsets_us();
+    let degrees = offsets.map(|offset| f64::from(offset) / question.us_per_degree);
+    degrees
+        .flat_map(|angle| [angle; SAMPLES_PER_FRAME])
+        .collect()
+}
+
+/// Runs of the assumed servo, which comes from rest at neutral.
+pub(super) fn simulated(question: &Question, seed: u64) -> Result<Record, Error> {
+    let model = &question.assumed.model;
+    let input = input(question);
+    let undisturbed = model.simulate_input(&input, Some(0.0));
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let runs: Result<Vec<Run>, Error> = (0..question.runs)
+        .map(|_| {
+            let noise = noise(&mut random, model, input.len());
+            let output: Vec<f64> = undisturbed.iter().zip(noise).map(|(y, v)| y + v).collect();
+            Run::new(input.clone(), output)
+        })
+        .collect();
+    Record::new(f64::from(SAMPLE_US) * 1e-6, runs?)
+}
+
+/// v = ε/D(z).
+fn noise(random: &mut ChaCha8Rng, model: &Model, count: usize) -> Vec<f64> {
+    let (ar, sigma) = (&model.noise.ar, model.noise.sigma);
+    let mut noise: Vec<f64> = Vec::with_capacity(RUN_UP + count);
+    for _ in 0..RUN_UP + count {
+        let white: f64 = StandardNormal.sample(random);
+        let past = ar.iter().zip(noise.iter().rev());
+        noise.push(sigma * white - past.map(|(d, v)| d * v).sum::<f64>());
+    }
+    noise.split_off(RUN_UP)
+}
+
+/// The pilot's model with the assumed servo's response and the covariance of the assumed noise.
+fn with_known_noise(question: &Question, pilot: &Model, record: &Record) -> Result<Model, Error> {
+    let truth = &question.assumed.model;
+    let basis = pilot.basis()?;
+    let (settling, order) = (basis.settling(), truth.noise.ar.len());
+    let information =
+        Information::from_moments(Moments::of_record(record, settling + order, order + 1));
+    let coordinates = Coordinates::new(basis);
+    let options = GlsOptions {
+        order: NoiseOrder::Order(order),
+        start: truth.noise.ar.clone(),
+        ..GlsOptions::default()
+    };
+    let not_excited = || Error::NotExcited {
+        asked: basis.frequencies(),
+        excited: 1,
+        highest_hz: 0.0,
+    };
+    let mut fit = gls::fit(&information, &coordinates, &options).ok_or_else(not_excited)?;
+    // How well D itself will be known is the fit's; D and σ are the assumed ones.
+    fit.ar.clone_from(&truth.noise.ar);
+    fit.variance = truth.noise.sigma.powi(2);
+    fit.solution = information
+        .solve(&coordinates, &fit.ar)
+        .ok_or_else(not_excited)?;
+    let spread: CurveSpread = curve::spread(&information, &fit, &coordinates.step_map());
+    let last = truth.step.value.last().copied().unwrap_or(0.0);
+    let mut value: Vec<f64> = truth.step.value.iter().copied().take(settling).collect();
+    value.resize(settling, last);
+    // The last one is the final value, whatever the response is at that time.
+    if let Some(final_value) = value.last_mut() {
+        *final_value = last;
+    }
+    let covariance = fit.covariance();
+    let n = basis.frequencies();
+    let rows = (0..n).map(|i| (0..n).map(|j| covariance[(i, j)]).collect());
+    let mut impulse = value.clone();
+    for m in (1..impulse.len()).rev() {
+        impulse[m] -= value[m - 1];
+    }
+    let analysis = basis.analysis_map();
+    let theta = (0..n)
+        .map(|l| (0..settling).map(|k| analysis[(l, k)] * impulse[k]).sum())
+        .collect();
+    Ok(Model {
+        theta,
+        covariance: rows.collect(),
+        noise: truth.noise.clone(),
+        step: StepResponse::new(
+            pilot.sample_period_s,
+            value,
+            &spread,
+            question.level,
+            pilot.step.truncation_bias,
+        ),
+        ..pilot.clone()
+    })
+}

@@ -1,0 +1,217 @@
+//! Where a reference has its power.
+
+use super::{Question, pilot};
+use realfft::RealFftPlanner;
+use serde::Serialize;
+use servoid_identification::Model;
+use servoid_protocol::Reference;
+use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
+use std::f64::consts::TAU;
+
+/// The power between two frequencies.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Octave {
+    /// From here (Hz).
+    pub from_hz: f64,
+    /// Up to here (Hz).
+    pub to_hz: f64,
+    /// Root mean square of the reference within it (deg).
+    pub rms_deg: f64,
+    /// Its share of the reference's power, the mean left out (percent).
+    pub share_percent: f64,
+    /// Power that the servo makes of it over the power of the noise (dB).
+    pub signal_to_noise_db: f64,
+}
+
+/// A density at one frequency.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Line {
+    /// Frequency (Hz).
+    pub hz: f64,
+    /// Density of the reference (dB over 1 deg²/Hz).
+    pub reference_db: f64,
+    /// Density of what the servo makes of it.
+    pub response_db: f64,
+    /// Density of the noise.
+    pub noise_db: f64,
+}
+
+/// Where a reference has its power.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Spectrum {
+    /// Largest offset over the root mean square.
+    pub crest_factor: f64,
+    /// Root mean square about the mean (deg).
+    pub rms_deg: f64,
+    /// Below this lies 99 % of the power (Hz).
+    pub most_below_hz: f64,
+    /// Up to here the servo's answer stands above the noise, octave by octave (Hz).
+    pub above_noise_up_to_hz: f64,
+    /// Where the reference has its first gap, if it has one by its making (Hz).
+    pub first_gap_hz: Option<f64>,
+    /// The power by octaves.
+    pub octaves: Vec<Octave>,
+    /// Densities on a logarithmic grid, for a picture.
+    pub lines: Vec<Line>,
+}
+
+/// The lowest edge of the octaves (Hz), and how many there are: up to 128 Hz.
+const LOWEST_EDGE_HZ: f64 = 0.25;
+const OCTAVES: i32 = 9;
+
+/// Densities in each octave of the picture.
+const PER_OCTAVE: i32 = 6;
+
+/// A line of the discrete spectrum: frequency (Hz), mean square of the reference (deg²), of the answer.
+struct Power {
+    hz: f64,
+    reference: f64,
+    response: f64,
+}
+
+impl Spectrum {
+    pub(super) fn of(question: &Question) -> Self {
+        let model = &question.assumed.model;
+        let input = pilot::input(question);
+        let mean = input.iter().sum::<f64>() / input.len() as f64;
+        let rms =
+            (input.iter().map(|u| (u - mean).powi(2)).sum::<f64>() / input.len() as f64).sqrt();
+        let peak = input
+            .iter()
+            .fold(0.0, |peak: f64, u| peak.max((u - mean).abs()));
+        let lines = periodogram(&input, mean, model);
+        let total: f64 = lines.iter().map(|line| line.reference).sum();
+        let octaves = octaves(&lines, model, total);
+        let (mut sum, mut most_below_hz) = (0.0, 0.0);
+        for line in &lines {
+            if sum < 0.99 * total {
+                most_below_hz = line.hz;
+            }
+            sum += line.reference;
+        }
+        let above = octaves.iter().take_while(|o| o.signal_to_noise_db > 0.0);
+        Self {
+            crest_factor: peak / rms,
+            rms_deg: rms,
+            most_below_hz,
+            above_noise_up_to_hz: above.last().map_or(0.0, |octave| octave.to_hz),
+            first_gap_hz: first_gap_hz(&question.reference),
+            octaves,
+            lines: densities(&lines, model),
+        }
+    }
+}
+
+/// Mean squares of every line but the mean, of one run as it is.
+fn periodogram(input: &[f64], mean: f64, model: &Model) -> Vec<Power> {
+    let mut signal: Vec<f64> = input.iter().map(|u| u - mean).collect();
+    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(signal.len());
+    let mut spectrum = transform.make_output_vec();
+    // The buffers were made for it.
+    if transform.process(&mut signal, &mut spectrum).is_err() {
+        return Vec::new();
+    }
+    let count = input.len() as f64;
+    let impulse = model.impulse_response();
+    let lines = spectrum.iter().enumerate().skip(1);
+    lines
+        .map(|(l, value)| {
+            // Half of the power of a line is at its negative frequency, but for the very last one.
+            let both = if 2 * l == input.len() { 1.0 } else { 2.0 };
+            let hz = l as f64 / count / sample_period_s();
+            let reference = both * value.norm_sqr() / (count * count);
+            Power {
+                hz,
+                reference,
+                response: reference * squared_size(&impulse, hz),
+            }
+        })
+        .collect()
+}
+
+fn sample_period_s() -> f64 {
+    f64::from(SAMPLE_US) * 1e-6
+}
+
+/// |Σ h_k e^(-jωk)|².
+fn squared_size(h: &[f64], hz: f64) -> f64 {
+    let step = TAU * hz * sample_period_s();
+    let (sin, cos) = step.sin_cos();
+    // e^(-jωk) by turning: one sine for all of them.
+    let ((mut c, mut s), (mut re, mut im)) = ((1.0, 0.0), (0.0, 0.0));
+    for h in h {
+        re += h * c;
+        im -= h * s;
+        (c, s) = (c * cos - s * sin, s * cos + c * sin);
+    }
+    re * re + im * im
+}
+
+/// Density of the noise (deg²/Hz): 2 Ts σ²/|D|².
+fn noise_density(model: &Model, hz: f64) -> f64 {
+    let d: Vec<f64> = std::iter::once(1.0)
+        .chain(model.noise.ar.iter().copied())
+        .collect();
+    2.0 * sample_period_s() * model.noise.sigma.powi(2) / squared_size(&d, hz)
+}
+
+fn db(power: f64) -> f64 {
+    10.0 * power.log10()
+}
+
+fn within(lines: &[Power], from_hz: f64, to_hz: f64) -> (f64, f64) {
+    let lines = lines.iter().filter(|l| (from_hz..to_hz).contains(&l.hz));
+    lines.fold((0.0, 0.0), |(u, y), l| (u + l.reference, y + l.response))
+}
+
+fn octaves(lines: &[Power], model: &Model, total: f64) -> Vec<Octave> {
+    let edge = |octave: i32| LOWEST_EDGE_HZ * 2f64.powi(octave);
+    // The lowest one takes in whatever is below it.
+    (0..OCTAVES)
+        .map(|octave| {
+            let from_hz = if octave == 0 { 0.0 } else { edge(octave) };
+            let to_hz = edge(octave + 1);
+            let (reference, response) = within(lines, from_hz, to_hz);
+            let middle = (from_hz.max(LOWEST_EDGE_HZ) * to_hz).sqrt();
+            let noise = noise_density(model, middle) * (to_hz - from_hz);
+            Octave {
+                from_hz,
+                to_hz,
+                rms_deg: reference.sqrt(),
+                share_percent: 100.0 * reference / total,
+                // An octave without any power is as far below as can be said.
+                signal_to_noise_db: db((response / noise).max(1e-20)),
+            }
+        })
+        .collect()
+}
+
+fn densities(lines: &[Power], model: &Model) -> Vec<Line> {
+    let edge = |k: i32| LOWEST_EDGE_HZ * 2f64.powf(f64::from(k) / f64::from(PER_OCTAVE));
+    (0..OCTAVES * PER_OCTAVE)
+        .filter_map(|k| {
+            let (from, to) = (edge(k), edge(k + 1));
+            let (reference, response) = within(lines, from, to);
+            let hz = (from * to).sqrt();
+            // Between the lines of a short run there is nothing to draw.
+            (reference > 0.0).then(|| Line {
+                hz,
+                reference_db: db(reference / (to - from)),
+                response_db: db(response / (to - from)),
+                noise_db: db(noise_density(model, hz)),
+            })
+        })
+        .collect()
+}
+
+/// A value held for a time T has no power at 1/T.
+fn first_gap_hz(reference: &Reference) -> Option<f64> {
+    let hold_frames = match reference {
+        Reference::Stairs(stairs) => stairs.hold_frames,
+        Reference::Prbs(prbs) => prbs.chip_frames,
+        Reference::Sweep(_) | Reference::Multisine(_) => 1,
+        Reference::Staircase(_) | Reference::Steps(_) => return None,
+    };
+    let hold_s = f64::from(hold_frames) * SAMPLES_PER_FRAME as f64 * sample_period_s();
+    Some(1.0 / hold_s)
+}

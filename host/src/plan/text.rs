@@ -1,0 +1,241 @@
+//! A plan as text and as a picture.
+
+use super::{Alternative, Needed, Plan};
+use crate::plots::figure::{Band, Curve, Figure, Ink, Legend, Panel};
+use crate::summary;
+use std::fmt::Write;
+
+/// A plan for a terminal.
+#[must_use]
+pub fn of_plan(plan: &Plan) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _infallible = write_plan(&mut text, plan);
+    text
+}
+
+fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
+    let (band, spectrum) = (&plan.band, &plan.spectrum);
+    let level = 100.0 * band.level;
+    writeln!(text, "{}", plan.description)?;
+    writeln!(
+        text,
+        "  assumed     {}, noise {:.4} deg rms, {}",
+        plan.servo,
+        plan.noise_deg,
+        match plan.noise_ar.len() {
+            0 => "white".to_owned(),
+            order => format!("coloured (order {order})"),
+        }
+    )?;
+    writeln!(
+        text,
+        "  takes       {} of {:.1} s, {:.1} s of rest included: {:.1} s",
+        match plan.runs {
+            1 => "1 run".to_owned(),
+            runs => format!("{runs} runs"),
+        },
+        plan.run_s,
+        plan.run_s - plan.reference_s,
+        plan.run_s * plan.runs as f64
+    )?;
+    writeln!(
+        text,
+        "  structure   settling N = {} samples, n = {} frequencies, as a simulated run has chosen",
+        plan.settling_samples, plan.frequencies
+    )?;
+    writeln!(
+        text,
+        "  step band   +-{:.2} % whole curve where it is widest, +-{:.2} % on average; +-{:.2} % each point ({level} %, of the step)",
+        band.widest_percent, band.mean_percent, band.mean_pointwise_percent
+    )?;
+    if band.bias_percent > 0.0 {
+        writeln!(
+            text,
+            "              of which +-{:.2} % is what frequencies without power may hide: more runs do not narrow it",
+            band.bias_percent
+        )?;
+    }
+    if let Some(needed) = &plan.needed {
+        writeln!(
+            text,
+            "  for +-{} %  {}",
+            needed.band_percent,
+            in_words(needed)
+        )?;
+    }
+    writeln!(text, "\n  {:36} expected interval, {level} %", "")?;
+    for row in summary::metric_rows(&[&plan.metrics]) {
+        for (value, bounds) in &row.cells {
+            writeln!(text, "  {:26} {value:>9} {bounds}", row.label)?;
+        }
+    }
+    write_spectrum(text, plan)?;
+    writeln!(text, "\nWhat it answers beside the linear response")?;
+    for answer in &plan.answers {
+        let sign = if answer.answered { "yes" } else { "no " };
+        writeln!(text, "  {sign}  {}?", answer.question)?;
+        if let Some(why) = &answer.why {
+            writeln!(text, "       {why}")?;
+        }
+    }
+    write_alternatives(text, &plan.alternatives)?;
+    if spectrum.above_noise_up_to_hz == 0.0 {
+        writeln!(
+            text,
+            "\nNowhere does the servo's answer stand above the noise: raise --amplitude, or average many runs"
+        )?;
+    }
+    Ok(())
+}
+
+fn write_spectrum(text: &mut String, plan: &Plan) -> std::fmt::Result {
+    let spectrum = &plan.spectrum;
+    writeln!(
+        text,
+        "\nWhere its power is: {:.2} deg rms, crest factor {:.2}, 99 % below {:.1} Hz; the answer is above the noise up to {} Hz{}",
+        spectrum.rms_deg,
+        spectrum.crest_factor,
+        spectrum.most_below_hz,
+        spectrum.above_noise_up_to_hz,
+        match spectrum.first_gap_hz {
+            Some(hz) => format!("; no power at multiples of {hz:.2} Hz"),
+            None => String::new(),
+        }
+    )?;
+    writeln!(
+        text,
+        "  {:>6} - {:<6} {:>9} {:>9} {:>16}",
+        "from", "to Hz", "rms deg", "share %", "above noise dB"
+    )?;
+    for octave in &spectrum.octaves {
+        writeln!(
+            text,
+            "  {:>6} - {:<6} {:>9.4} {:>9.3} {:>16.1}",
+            octave.from_hz,
+            octave.to_hz,
+            octave.rms_deg,
+            octave.share_percent,
+            octave.signal_to_noise_db
+        )?;
+    }
+    Ok(())
+}
+
+fn write_alternatives(text: &mut String, alternatives: &[Alternative]) -> std::fmt::Result {
+    writeln!(
+        text,
+        "\nAll references at this amplitude, without further options (the band where it is widest)"
+    )?;
+    writeln!(
+        text,
+        "  {:10} {:>8} {:>9} {:>13}  further answers",
+        "", "run, s", "band, %", "in a minute"
+    )?;
+    for alternative in alternatives {
+        let percent = |p: Option<f64>| p.map_or_else(|| "-".to_owned(), |p| format!("{p:.2}"));
+        let needed = alternative.needed.as_ref();
+        writeln!(
+            text,
+            "  {:10} {:>8.1} {:>9} {:>13}  {}{}",
+            alternative.reference,
+            alternative.run_s,
+            percent(alternative.widest_percent),
+            percent(alternative.widest_percent_in_a_minute),
+            alternative.answers.len(),
+            needed.map_or_else(String::new, |n| format!(
+                "; +-{} % needs {}",
+                n.band_percent,
+                in_words(n)
+            ))
+        )?;
+    }
+    writeln!(text, "{}", advice(alternatives))
+}
+
+/// Which does best at what.
+fn advice(alternatives: &[Alternative]) -> String {
+    let narrowest = alternatives
+        .iter()
+        .filter_map(|a| Some((a.reference, a.widest_percent_in_a_minute?)))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    // Of equals the first: max_by_key would take the last.
+    let most = alternatives
+        .iter()
+        .rev()
+        .max_by_key(|alternative| alternative.answers.len());
+    let narrowest = narrowest.map_or_else(
+        || "no reference identifies this servo at this noise".to_owned(),
+        |(name, percent)| format!("the narrowest band per minute is {name}'s (+-{percent:.2} %)"),
+    );
+    match most {
+        Some(most) => format!(
+            "  {narrowest}; {} answers the most questions ({})",
+            most.reference,
+            most.answers.len()
+        ),
+        None => format!("  {narrowest}"),
+    }
+}
+
+fn in_words(needed: &Needed) -> String {
+    let runs = match needed.runs {
+        1 => "1 run".to_owned(),
+        runs => format!("{runs} runs"),
+    };
+    format!("{runs}, {:.0} s", needed.seconds)
+}
+
+/// The spectrum over the noise, and the step response with the band that is to be expected.
+#[must_use]
+pub fn figure(plan: &Plan, name: &str) -> Figure {
+    let curve = |label: &str, ink, of: fn(&super::Line) -> f64| {
+        Curve::solid(
+            label,
+            ink,
+            plan.spectrum.lines.iter().map(|line| (line.hz, of(line))),
+        )
+    };
+    let noise = Curve {
+        dashed: true,
+        ..curve("noise", Ink::Model, |line| line.noise_db)
+    };
+    let spectrum = Panel {
+        x_label: "frequency (Hz)".into(),
+        x_logarithmic: true,
+        y_label: "density (dB over 1 deg²/Hz)".into(),
+        legend: Legend::Above,
+        curves: vec![
+            curve("reference", Ink::Reference, |line| line.reference_db),
+            curve("the servo's answer", Ink::Measured, |line| line.response_db),
+            noise,
+        ],
+        ..Panel::default()
+    };
+    let step = &plan.step;
+    let bounds = step.simultaneous.lower.iter().zip(&step.simultaneous.upper);
+    let times = || step.time_s.iter().copied();
+    let response = Panel {
+        x_label: "time since the edge of the command (s)".into(),
+        y_label: "response to a unit step".into(),
+        bands: vec![Band {
+            name: format!("expected, the whole curve, {} %", 100.0 * plan.band.level),
+            ink: Ink::Model,
+            points: times()
+                .zip(bounds)
+                .map(|(t, (&lower, &upper))| (t, lower, upper))
+                .collect(),
+        }],
+        curves: vec![Curve::solid(
+            plan.servo.as_str(),
+            Ink::Model,
+            times().zip(step.value.iter().copied()),
+        )],
+        ..Panel::default()
+    };
+    Figure {
+        name: name.into(),
+        title: plan.description.clone(),
+        panels: vec![spectrum, response],
+    }
+}

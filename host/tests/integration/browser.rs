@@ -1,0 +1,251 @@
+//! The report in a real browser: everything is drawn, nothing complains, nothing asks for the network.
+//!
+//! Runs where there is a Chromium and says so where there is none. The page forbids itself all network
+//! access (its Content-Security-Policy), so that a wish for it is an error in the browser's console.
+
+use crate::report::embedded;
+use crate::support::{arg, run};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A page of this size takes two seconds; a loaded machine ten times that.
+const LIMIT: Duration = Duration::from_secs(90);
+
+/// A page around the page, as wide as is asked for: a browser's window is never as narrow as a telephone.
+/// It asks what only a running page knows, once all is drawn, and tells it in its own attributes.
+const PROBE: &str = r#"<!DOCTYPE html><html><body><script>
+"use strict";
+const told = document.documentElement.dataset, frame = document.querySelector("iframe");
+(async () => {
+  const inner = () => frame.contentDocument.documentElement;
+  while (!inner()?.dataset.drawn) await new Promise((done) => setTimeout(done, 20));
+  const page = frame.contentWindow, root = inner();
+  told.drawn = root.dataset.drawn;
+  told.overflow = root.scrollWidth - page.innerWidth;
+  told.dark = page.matchMedia("(prefers-color-scheme: dark)").matches;
+  const plots = [...frame.contentDocument.querySelectorAll(".figure")];
+  told.traces = plots.map((plot) => plot.id + ":" + plot.dataset.traces).join(" ");
+  told.wide = plots.filter((plot) => plot.querySelector(".main-svg").getBoundingClientRect().right > page.innerWidth).map((plot) => plot.id).join(" ");
+  told.buttons = [...plots[0].querySelectorAll(".modebar-btn")].map((button) => button.dataset.title).join();
+  for (const format of ["svg", "png"]) {
+    const image = await page.Plotly.toImage(plots[0], { format, width: 600, height: 400 });
+    told[format] = image.slice(0, 20) + " " + image.length;
+  }
+  told.probed = "yes";
+})();
+</script></body></html>"#;
+
+/// The page in a frame of this width, with the questions.
+fn probed(page: &str, width: u32) -> String {
+    let page = page.replace('&', "&amp;").replace('"', "&quot;");
+    let frame =
+        format!("<body><iframe width=\"{width}\" height=\"800\" srcdoc=\"{page}\"></iframe>");
+    PROBE.replace("<body>", &frame)
+}
+
+fn chromium() -> Option<&'static str> {
+    ["chromium", "chromium-browser", "google-chrome"]
+        .into_iter()
+        .find(|name| {
+            let mut ask = Command::new(name);
+            let asked = ask
+                .arg("--version")
+                .stdout(Stdio::null())
+                .stderr(Stdio::null());
+            asked.status().is_ok_and(|status| status.success())
+        })
+}
+
+/// The browser with all that it starts; it ends with this value.
+struct Browser(Child);
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let group = format!("-{}", self.0.id());
+        let _gone_already = Command::new("kill")
+            .args(["-KILL", "--", &group])
+            .stderr(Stdio::null())
+            .status();
+        let _reaped = self.0.wait();
+    }
+}
+
+/// Opens a page; returns what the browser printed: the page as it came to be, and its log.
+fn browse(browser: &str, dir: &Path, page: &Path, options: &[&str]) -> (String, String) {
+    use std::os::unix::process::CommandExt;
+    let profile = tempfile::tempdir_in(dir).unwrap();
+    let (out, log) = (profile.path().join("out"), profile.path().join("log"));
+    let child = Command::new(browser)
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+            "--disable-dev-shm-usage",
+            "--enable-logging=stderr",
+            "--host-resolver-rules=MAP * ~NOTFOUND",
+        ])
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .args(options)
+        .arg(format!("file://{}", page.display()))
+        .stdin(Stdio::null())
+        .stdout(std::fs::File::create(&out).unwrap())
+        .stderr(std::fs::File::create(&log).unwrap())
+        .process_group(0)
+        .spawn()
+        .expect("it has answered before");
+    let mut browser = Browser(child);
+    let started = Instant::now();
+    while browser.0.try_wait().unwrap().is_none() {
+        assert!(
+            started.elapsed() < LIMIT,
+            "the browser hangs with {options:?}"
+        );
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    drop(browser);
+    let read = |path: &Path| String::from_utf8_lossy(&std::fs::read(path).unwrap()).into_owned();
+    (read(&out), read(&log))
+}
+
+/// The value of a `data-` attribute, wherever it is first.
+fn attribute<'a>(page: &'a str, name: &str) -> &'a str {
+    let start = format!("data-{name}=\"");
+    let value = page.split_once(&start).map(|(_, rest)| rest);
+    value
+        .and_then(|rest| rest.split('"').next())
+        .unwrap_or_default()
+}
+
+/// Runs a side, so that every kind of figure is there.
+fn made_page(dir: &Path) -> PathBuf {
+    let capture = |servo: &str, seed: u64| {
+        let file = dir.join(format!("{servo}-{seed}.csv"));
+        let port = format!("sim:{servo}?scatter=all&seed={seed}");
+        run(&[
+            "capture",
+            "-q",
+            "--port",
+            &port,
+            "--condition",
+            servo,
+            "-o",
+            arg(&file),
+        ]);
+        file
+    };
+    let (a, b) = (
+        [capture("bench", 1), capture("bench", 2)],
+        capture("aircraft", 1),
+    );
+    let page = dir.join("report.html");
+    run(&[
+        "report",
+        "-q",
+        "--a",
+        arg(&a[0]),
+        arg(&a[1]),
+        "--b",
+        arg(&b),
+        "-o",
+        arg(&page),
+    ]);
+    page
+}
+
+#[test]
+fn every_plot_is_drawn_and_nothing_goes_wrong() {
+    let Some(browser) = chromium() else {
+        // Past the test harness, which would keep a printed line to itself.
+        let _said = writeln!(
+            std::io::stderr(),
+            "SKIPPED: no chromium here, so the report was not tested in a browser (apt-get install chromium)"
+        );
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let page = made_page(dir.path());
+    let text = std::fs::read_to_string(&page).unwrap();
+    let figures = embedded(&text, "figures");
+    let figures = figures.as_array().unwrap();
+    assert!(
+        figures.len() >= 14,
+        "Figs 4-12, difference, structure, residuals, runs"
+    );
+
+    let expected: Vec<String> = figures
+        .iter()
+        .map(|figure| {
+            (
+                figure["name"].as_str().unwrap(),
+                figure["data"].as_array().unwrap().len(),
+            )
+        })
+        .map(|(name, traces)| format!("{name}:{traces}"))
+        .collect();
+
+    // Wide and light, and as narrow as a telephone and dark.
+    for (width, scheme, dark) in [(1200, "1", "false"), (360, "0", "true")] {
+        let around = dir.path().join("around.html");
+        std::fs::write(&around, probed(&text, width)).unwrap();
+        let options = [
+            "--dump-dom",
+            "--virtual-time-budget=30000",
+            "--window-size=1300,900",
+            &format!("--blink-settings=preferredColorScheme={scheme}"),
+        ];
+        let (dom, log) = browse(browser, dir.path(), &around, &options);
+        let complaints: Vec<&str> = log
+            .lines()
+            .filter(|line| line.contains("CONSOLE"))
+            .collect();
+        assert!(complaints.is_empty(), "{width}: {complaints:?}");
+        assert_eq!(
+            attribute(&dom, "drawn"),
+            figures.len().to_string(),
+            "{width}"
+        );
+        assert_eq!(attribute(&dom, "probed"), "yes", "{width}");
+        assert_eq!(attribute(&dom, "dark"), dark);
+        let overflow: i32 = attribute(&dom, "overflow").parse().unwrap();
+        assert!(overflow <= 0, "{width}: {overflow} pixels too wide");
+        assert_eq!(
+            attribute(&dom, "wide"),
+            "",
+            "{width}: plots beyond the edge"
+        );
+        let drawn: Vec<&str> = attribute(&dom, "traces").split(' ').collect();
+        assert_eq!(drawn, expected, "{width}");
+        for format in ["svg", "png"] {
+            let button = format!("save as {}", format.to_uppercase());
+            assert!(attribute(&dom, "buttons").contains(&button));
+            let image = attribute(&dom, format);
+            assert!(
+                image.starts_with(&format!("data:image/{format}")),
+                "{width}: {image}"
+            );
+        }
+    }
+
+    let pdf = dir.path().join("report.pdf");
+    let print = format!("--print-to-pdf={}", pdf.display());
+    let (_, log) = browse(
+        browser,
+        dir.path(),
+        &page,
+        &[&print, "--virtual-time-budget=30000"],
+    );
+    assert!(!log.contains("CONSOLE"), "{log}");
+    let printed = std::fs::read(&pdf).unwrap();
+    // Each of the figures is some ten thousand bytes of lines.
+    assert!(
+        printed.starts_with(b"%PDF") && printed.len() > 10_000 * figures.len(),
+        "{} bytes",
+        printed.len()
+    );
+}

@@ -1,0 +1,92 @@
+//! The C header, compiled as strictly as C99 goes.
+
+use super::{SUBJECT, apart, export, largest_error, must, rows, skipped, trial, works};
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Command;
+
+const MAIN: &str = r#"
+#include <stdio.h>
+#include "servo_bench_1.h"
+#include "input.h"
+
+int main(void)
+{
+    servo_bench_1_fir fir;
+    servo_bench_1_ss ss;
+    servo_bench_1_fir_reset(&fir, 0);
+    servo_bench_1_ss_reset(&ss, 0);
+    for (unsigned k = 0; k < sizeof input / sizeof *input; k++) {
+        double a = servo_bench_1_fir_step(&fir, (servo_bench_1_real)input[k]);
+        double b = servo_bench_1_ss_step(&ss, (servo_bench_1_real)input[k]);
+        printf("%.17g %.17g\n", a, b);
+    }
+    /* At rest at a command the servo stays where its gain puts it. */
+    servo_bench_1_fir_reset(&fir, 2);
+    servo_bench_1_ss_reset(&ss, 2);
+    for (unsigned k = 0; k < 50; k++) {
+        double a = servo_bench_1_fir_step(&fir, 2);
+        double b = servo_bench_1_ss_step(&ss, 2);
+        printf("%.17g %.17g\n", a, b);
+    }
+    return 0;
+}
+"#;
+
+/// Both responses to an input, then 50 samples at rest at 2.
+fn responses(folder: &Path, real: &str, input: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let mut array = String::from("static const double input[] = {");
+    for value in input {
+        let _infallible = write!(array, "{value:?}, ");
+    }
+    std::fs::write(folder.join("input.h"), array + "};\n").unwrap();
+    std::fs::write(folder.join("main.c"), MAIN).unwrap();
+    let program = folder.join(format!("main-{real}"));
+    must(
+        Command::new("cc")
+            .args([
+                "-std=c99",
+                "-pedantic",
+                "-Wall",
+                "-Wextra",
+                "-Werror",
+                "-O1",
+            ])
+            .args(["-Wshadow", "-Wconversion", "-Wno-float-conversion"])
+            .arg(format!("-DSERVO_BENCH_1_REAL={real}"))
+            .args([&folder.join("main.c")])
+            .arg("-o")
+            .arg(&program),
+    );
+    let rows = rows(&must(&mut Command::new(&program)));
+    rows.iter().map(|row| (row[0], row[1])).unzip()
+}
+
+#[test]
+fn the_header_gives_the_model_itself() {
+    if !works("cc", &["--version"]) {
+        return skipped("the C header", "there is no C compiler 'cc'");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    export("c", folder.path(), "servo_bench_1.h");
+    let (subject, taps) = (&*SUBJECT, SUBJECT.model.step.value.len());
+    let step = vec![1.0; taps];
+    let (fir, ss) = responses(folder.path(), "double", &step);
+    // The same sums in another order: rounding of some hundred terms.
+    assert!(apart(&fir[..taps], &subject.model.step.value) < 1e-12);
+    assert!(apart(&ss[..taps - 1], &fir[..taps - 1]) <= largest_error());
+    let discrete = subject.flight.transfer.discrete(subject.model.timing());
+    assert!(apart(&ss[..taps], &discrete.simulate(&step, 0.0)) < 1e-12);
+    let gain = subject.model.step.value[taps - 1];
+    assert!(fir[taps..].iter().all(|y| (y - 2.0 * gain).abs() < 1e-12));
+    let gain = subject.flight.transfer.gain;
+    assert!(ss[taps..].iter().all(|y| (y - 2.0 * gain).abs() < 1e-9));
+
+    let (input, expected) = trial();
+    let (fir, ss) = responses(folder.path(), "double", &input);
+    assert!(apart(&fir[..input.len()], &expected) < 1e-11);
+    let (single, single_ss) = responses(folder.path(), "float", &input);
+    // Some 200 products of size 1, each rounded to 24 bits (6e-8).
+    assert!(apart(&single, &fir) < 5e-5);
+    assert!(apart(&single_ss, &ss) < 5e-5);
+}

@@ -1,0 +1,122 @@
+//! The JSBSim system, in an aircraft that has nothing else.
+
+use super::{SUBJECT, export, must, rows, skipped, works};
+use std::process::Command;
+
+const AIRCRAFT: &str = r#"<?xml version="1.0"?>
+<fdm_config name="stand" version="2.0" release="ALPHA">
+  <fileheader><author>none</author><filecreationdate>2026-01-01</filecreationdate>
+    <description>a test stand</description><version>0</version></fileheader>
+  <metrics>
+    <wingarea unit="FT2">1</wingarea><wingspan unit="FT">1</wingspan><chord unit="FT">1</chord>
+    <location name="AERORP" unit="IN"><x>0</x><y>0</y><z>0</z></location>
+    <location name="EYEPOINT" unit="IN"><x>0</x><y>0</y><z>0</z></location>
+    <location name="VRP" unit="IN"><x>0</x><y>0</y><z>0</z></location>
+  </metrics>
+  <mass_balance>
+    <ixx unit="SLUG*FT2">1</ixx><iyy unit="SLUG*FT2">1</iyy><izz unit="SLUG*FT2">1</izz>
+    <emptywt unit="LBS">10</emptywt>
+    <location name="CG" unit="IN"><x>0</x><y>0</y><z>0</z></location>
+  </mass_balance>
+  <ground_reactions/>
+  <propulsion/>
+  <system file="servo_bench_1"/>
+  <flight_control name="none"/>
+  <aerodynamics/>
+</fdm_config>
+"#;
+
+/// Step of the simulation (s).
+const STEP_S: f64 = 0.0005;
+
+/// Steps the command at a time and prints time and position.
+const SCRIPT: &str = r"
+import sys, jsbsim
+root, at, dt = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
+fdm = jsbsim.FGFDMExec(root)
+fdm.set_debug_level(0)
+fdm.set_dt(dt)
+fdm.set_aircraft_path('aircraft')
+fdm.set_systems_path('systems')
+assert fdm.load_model('stand')
+fdm['ic/h-sl-ft'] = 1e5
+assert fdm.run_ic()
+while fdm.get_sim_time() < at + 0.3:
+    now = fdm.get_sim_time()
+    fdm['fcs/servo_bench_1-cmd'] = 1.0 if now >= at - dt / 4 else 0.0
+    fdm.run()
+    print(repr(fdm.get_sim_time()), repr(fdm['fcs/servo_bench_1-pos']))
+";
+
+/// The system behind a step of the command at this time (s).
+fn respond(at: &str, folder: &std::path::Path) -> Vec<(f64, f64)> {
+    let mut python = Command::new("python3");
+    python
+        .args(["-c", SCRIPT])
+        .arg(folder)
+        .args([at, &STEP_S.to_string()]);
+    let printed = must(&mut python);
+    // JSBSim greets on standard output.
+    let numbers = |line: &&str| {
+        line.split_whitespace()
+            .all(|word| word.parse::<f64>().is_ok())
+    };
+    let lines: Vec<&str> = printed.lines().filter(numbers).collect();
+    rows(&lines.join("\n"))
+        .into_iter()
+        .filter(|row| row.len() == 2)
+        .map(|row| (row[0], row[1]))
+        .collect()
+}
+
+#[test]
+fn the_actuator_moves_as_the_low_order_model() {
+    if !works("python3", &["-c", "import xml.dom.minidom"]) {
+        return skipped(
+            "the JSBSim system",
+            "there is no python3, not even to parse it",
+        );
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (aircraft, systems) = (
+        folder.path().join("aircraft/stand"),
+        folder.path().join("systems"),
+    );
+    std::fs::create_dir_all(&aircraft).unwrap();
+    std::fs::create_dir_all(&systems).unwrap();
+    std::fs::write(aircraft.join("stand.xml"), AIRCRAFT).unwrap();
+    let file = export("jsbsim", &systems, "servo_bench_1.xml");
+    must(
+        Command::new("python3")
+            .args([
+                "-c",
+                "import sys, xml.dom.minidom as x; x.parse(sys.argv[1])",
+            ])
+            .arg(file),
+    );
+    if !works("python3", &["-c", "import jsbsim"]) {
+        return skipped(
+            "running the JSBSim system",
+            "python's jsbsim is not installed",
+        );
+    }
+    let transfer = SUBJECT.flight.transfer;
+    // A command is taken up by the next frame edge: 59.5 ms is just before one, 67 ms is not.
+    for (at, edge) in [("0.0595", 0.06), ("0.067", 0.08)] {
+        let found = respond(at, folder.path());
+        assert!(found.len() > 500, "{}", found.len());
+        // Whole steps and Tustin's rule: half a step of time each way, so no more than the servo moves
+        // in a whole one.
+        let moved = |k: i32| {
+            transfer.step(STEP_S * f64::from(k + 1)) - transfer.step(STEP_S * f64::from(k))
+        };
+        let largest = (0..1000).map(|k| moved(k).abs()).fold(0.0, f64::max);
+        for (time, position) in found {
+            let exact = transfer.step(time - edge);
+            assert!(
+                (position - exact).abs() < largest,
+                "{at}: {position} for {exact} at {time}"
+            );
+        }
+    }
+}

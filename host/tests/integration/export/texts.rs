@@ -1,0 +1,234 @@
+//! What the exports say, and what must not get into them.
+
+use super::{SUBJECT, must, skipped, works};
+use crate::support::{arg, refusal, run, servoid};
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const TARGETS: [&str; 6] = ["matlab", "python", "julia", "c", "csv", "jsbsim"];
+
+fn text(model: &Path, target: &str, more: &[&str]) -> String {
+    let args = ["export", arg(model), "--to", target, "-q"];
+    run(&[&args[..], more].concat())
+}
+
+/// The subject's file, changed.
+fn changed(folder: &Path, change: impl Fn(&mut serde_json::Value)) -> PathBuf {
+    let mut json = crate::support::json(&SUBJECT.file);
+    change(&mut json);
+    let path = folder.join("changed.json");
+    std::fs::write(&path, json.to_string()).unwrap();
+    path
+}
+
+#[test]
+fn every_export_says_what_it_is() {
+    for target in TARGETS {
+        let text = text(&SUBJECT.file, target, &[]);
+        // As prose: without the signs that begin the lines of a comment.
+        let lines = text
+            .lines()
+            .map(|line| line.trim_start_matches(['#', '%', '*', ' ']));
+        let prose = lines.collect::<Vec<_>>().join(" ");
+        for said in [
+            "bench 1.json",
+            concat!("servoid ", env!("CARGO_PKG_VERSION")),
+            "every 0.002 s",
+            "(degrees in",
+            "negative phase",
+            "20.0 ms",
+            "level 99",
+            "ovariance of [K, L, ln w, ln zeta",
+            "Largest error",
+        ] {
+            assert!(prose.contains(said), "{target}: {said}");
+        }
+        assert!(!text.contains("{{") && !text.contains("NaN"), "{target}");
+    }
+}
+
+#[test]
+fn without_a_frame_hold_none_is_stated() {
+    let held = text(&SUBJECT.file, "jsbsim", &[]);
+    let free = text(&SUBJECT.file, "jsbsim", &["--frame-ms", "0"]);
+    assert!(held.contains("<switch") && !free.contains("<switch"));
+    assert!(free.contains("No frame hold"));
+}
+
+#[test]
+fn bounds_that_do_not_hold_are_said_in_every_file_and_on_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = changed(folder.path(), |json| {
+        json["advice"] = serde_json::json!([{
+            "check": "model_error", "finding": "*/ --> not noise", "value": 1, "threshold": 0, "do": "x"
+        }]);
+        json["structure"]["selected_by"] = "narrow".into();
+    });
+    for target in TARGETS {
+        let output = servoid(&["export", arg(&model), "--to", target])
+            .output()
+            .unwrap();
+        let (text, errors) = (
+            String::from_utf8(output.stdout).unwrap(),
+            String::from_utf8(output.stderr).unwrap(),
+        );
+        for said in [&text, &errors] {
+            assert!(said.contains("bounds do not hold"), "{target}: {said}");
+            assert!(said.contains("narrow"), "{target}");
+        }
+        assert!(
+            text.contains("WARNING") && !text.contains("level 99"),
+            "{target}"
+        );
+    }
+    let header = text(&model, "c", &[]);
+    assert!(header.contains("BOUNDS_HOLD 0"));
+    assert_eq!(header.matches("/*").count(), header.matches("*/").count());
+}
+
+#[test]
+fn a_model_without_a_low_order_one_is_exported_as_far_as_it_goes() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = changed(folder.path(), |json| {
+        for row in json["covariance"].as_array_mut().unwrap() {
+            row.as_array_mut().unwrap().fill(0.0.into());
+        }
+    });
+    for target in ["matlab", "python", "julia", "c", "csv"] {
+        let text = text(&model, target, &[]);
+        assert!(text.contains("no low-order model"), "{target}");
+    }
+    let sentence = refusal(&["export", arg(&model), "--to", "jsbsim"]);
+    assert!(sentence.contains("low-order"), "{sentence}");
+}
+
+#[test]
+fn a_low_order_model_in_the_file_is_the_one_that_is_exported() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut flight = SUBJECT.flight.clone();
+    flight.transfer.gain = 0.123_456_789;
+    let with = |flight: serde_json::Value| {
+        changed(folder.path(), |json| json["flight_model"] = flight.clone())
+    };
+    let model = with(serde_json::to_value(&flight).unwrap());
+    assert!(text(&model, "jsbsim", &[]).contains("<gain>0.123456789</gain>"));
+    flight.order = 7;
+    let model = with(serde_json::to_value(&flight).unwrap());
+    let sentence = refusal(&["export", arg(&model), "--to", "c"]);
+    assert!(sentence.contains("contradicts"), "{sentence}");
+}
+
+#[test]
+fn the_table_has_the_model_to_the_last_digit() {
+    let table = text(&SUBJECT.file, "csv", &[]);
+    assert_eq!(table, text(&SUBJECT.file, "simulink-csv", &[]));
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_reader(table.as_bytes());
+    let names = reader.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let column = |name: &str| -> Vec<f64> {
+        let k = names.iter().position(|n| n == name).unwrap();
+        let cells = rows
+            .iter()
+            .map(|row| &row[k])
+            .filter(|cell| !cell.is_empty());
+        cells.map(|cell| cell.parse().unwrap()).collect()
+    };
+    let model = &SUBJECT.model;
+    assert_eq!(column("step"), model.step.value);
+    assert_eq!(
+        column("step_upper_simultaneous"),
+        model.step.simultaneous.upper
+    );
+    assert_eq!(column("phase_deg_lower"), model.frequency.phase_deg_lower);
+    assert_eq!(column("theta"), model.theta);
+    assert_eq!(column("time_s")[0], model.sample_phase_s);
+}
+
+/// A name that tries to end strings, comments and lines in every language, and a harmless one that
+/// gives the same identifier.
+const HOSTILE: &str = "x\"; */ --> ' ] ) ??/\n%}\r\u{2028}\u{202e}=# \"\"\" $(y) \\";
+const HARMLESS: &str = "x y";
+
+#[test]
+fn a_hostile_name_stays_a_name() {
+    for target in TARGETS {
+        let hostile = text(&SUBJECT.file, target, &["--name", HOSTILE]);
+        let harmless = text(&SUBJECT.file, target, &["--name", HARMLESS]);
+        let comment = match target {
+            "matlab" => "% ",
+            "c" => " * ",
+            "jsbsim" => "  ",
+            _ => "# ",
+        };
+        let known: HashSet<&str> = harmless.lines().collect();
+        let new: Vec<&str> = hostile
+            .lines()
+            .filter(|line| !known.contains(line))
+            .collect();
+        assert!((1..=4).contains(&new.len()), "{target}: {new:?}");
+        for line in new {
+            let named = line.contains("NAME") || line.contains(".name = ");
+            assert!(named || line.starts_with(comment), "{target}: {line}");
+        }
+        let end = match target {
+            "c" => "*/",
+            "jsbsim" => "-->",
+            _ => "\u{202e}",
+        };
+        // Within a string it ends nothing.
+        let count = |text: &str| -> usize {
+            let lines = text.lines().filter(|line| !line.contains("_NAME \""));
+            lines.map(|line| line.matches(end).count()).sum()
+        };
+        assert_eq!(count(&hostile), count(&harmless), "{target}");
+    }
+}
+
+#[test]
+fn a_hostile_name_runs_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |target: &str, file: &str| {
+        let path = folder.path().join(file);
+        std::fs::write(&path, text(&SUBJECT.file, target, &["--name", HOSTILE])).unwrap();
+        path
+    };
+    if works("cc", &["--version"]) {
+        // With trigraphs, as -std=c99 has them.
+        let header = write("c", "servo_x_y.h");
+        let mut cc = Command::new("cc");
+        cc.args([
+            "-std=c99",
+            "-Wall",
+            "-Werror",
+            "-Wno-trigraphs",
+            "-fsyntax-only",
+            "-x",
+            "c",
+        ]);
+        must(cc.arg(header));
+    } else {
+        skipped("a hostile name in C", "there is no C compiler 'cc'");
+    }
+    if works("python3", &["--version"]) {
+        let xml = write("jsbsim", "servo_x_y.xml");
+        let script = "import sys, xml.dom.minidom as x; x.parse(sys.argv[1])";
+        must(Command::new("python3").args(["-c", script]).arg(xml));
+    } else {
+        skipped("a hostile name in XML", "there is no python3");
+    }
+    if works("python3", &["-c", "import numpy"]) {
+        write("python", "servo_x_y.py");
+        let script =
+            "import servo_x_y as s; assert s.NAME.startswith('x\"; */ --> \\' ] ) ??/ %}')";
+        must(
+            Command::new("python3")
+                .args(["-c", script])
+                .current_dir(folder.path()),
+        );
+    } else {
+        skipped("a hostile name in Python", "there is no python3 with numpy");
+    }
+}

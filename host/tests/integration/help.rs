@@ -1,0 +1,91 @@
+//! Help that teaches: examples, completions and manual pages.
+
+use crate::support::{arg, run};
+use clap::{Command, CommandFactory, Parser};
+use servoid::commands::Cli;
+
+/// The commands, without clap's own 'help'.
+fn commands() -> Vec<Command> {
+    let mut whole = Cli::command();
+    whole.build();
+    let own = whole.get_subcommands().filter(|c| c.get_name() != "help");
+    own.cloned().collect()
+}
+
+/// The lines of a help text that are examples.
+fn examples(help: &str) -> Vec<String> {
+    let after = help.split_once("\nExample").map_or("", |(_, after)| after);
+    let lines = after.lines().map(str::trim);
+    lines
+        .filter(|line| line.starts_with("servoid "))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Words as a shell would have them: quotes keep words together, a redirection is the shell's own, and
+/// a remark in brackets is none of the command.
+fn words(line: &str) -> Vec<String> {
+    let line = line.split(" > ").next().unwrap_or_default();
+    let line = line.split("  ").next().unwrap_or_default();
+    let mut words = vec![String::new()];
+    let mut quoted = false;
+    for letter in line.chars() {
+        match letter {
+            '"' => quoted = !quoted,
+            ' ' if !quoted => words.push(String::new()),
+            letter => words.last_mut().unwrap().push(letter),
+        }
+    }
+    words
+}
+
+#[test]
+fn every_command_ends_its_help_with_examples_that_are_commands() {
+    let all = commands();
+    assert!(all.len() >= 12);
+    for command in all {
+        let name = command.get_name().to_owned();
+        let help = command.clone().render_long_help().to_string();
+        let examples = examples(&help);
+        assert!(!examples.is_empty(), "{name} has no example:\n{help}");
+        let last = help.trim_end().lines().last().unwrap_or_default();
+        assert!(last.trim().starts_with("servoid "), "{name}: {last}");
+        let mut own = 0;
+        for example in examples {
+            let parsed = Cli::try_parse_from(words(&example));
+            assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
+            own += usize::from(example.split(' ').nth(1) == Some(&name));
+        }
+        assert!(own > 0, "{name}: its examples show other commands");
+    }
+}
+
+#[test]
+fn completions_know_every_command() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = run(&["completions", shell]);
+        for command in commands() {
+            assert!(
+                script.contains(command.get_name()),
+                "{shell}: {}",
+                command.get_name()
+            );
+        }
+    }
+    assert!(run(&["completions", "fish"]).contains("jsbsim"));
+}
+
+#[test]
+fn manual_pages_are_there_for_every_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = run(&["man", "--out", arg(folder.path())]);
+    assert_eq!(files.lines().count(), 1 + commands().len());
+    for command in commands() {
+        let path = folder
+            .path()
+            .join(format!("servoid-{}.1", command.get_name()));
+        let page = std::fs::read_to_string(&path).unwrap();
+        assert!(page.contains(".TH") && page.contains("Example"), "{path:?}");
+    }
+    assert!(run(&["man"]).contains("servoid"));
+}

@@ -1,0 +1,100 @@
+//! Plans from the command line.
+
+use crate::support::{arg, json, refusal, run};
+
+#[test]
+fn a_plan_says_what_a_capture_then_finds() {
+    let dir = tempfile::tempdir().unwrap();
+    let plots = dir.path().join("plots");
+    let out = dir.path().join("plan.json");
+    let reference = ["--reference", "prbs", "--length", "8"];
+    let planned = run(&[
+        &[
+            "plan",
+            "--servo",
+            "linear",
+            "--band",
+            "0.3",
+            "--plots",
+            arg(&plots),
+            "-o",
+            arg(&out),
+        ],
+        &reference[..],
+    ]
+    .concat());
+    assert!(
+        planned.contains("prbs") && planned.contains("hysteresis"),
+        "{planned}"
+    );
+    assert!(
+        std::fs::read_to_string(plots.join("plan-prbs.svg"))
+            .unwrap()
+            .contains("</svg>")
+    );
+    let plan = json(&out);
+    assert_eq!(plan["reference"]["kind"], "prbs");
+    assert_eq!(plan["alternatives"].as_array().unwrap().len(), 5);
+    assert!(plan["needed"]["runs"].as_u64().unwrap() >= 1);
+
+    let file = dir.path().join("run.csv");
+    run(&[
+        &[
+            "capture",
+            "--port",
+            "sim:linear?seed=9",
+            "-o",
+            arg(&file),
+            "--quiet",
+        ],
+        &reference[..],
+    ]
+    .concat());
+    let found = run(&["identify", arg(&file), "--json", "--quiet"]);
+    let found: serde_json::Value = serde_json::from_str(&found).unwrap();
+    let widths = |side: &str| -> Vec<f64> {
+        let list = found["step"]["simultaneous"][side].as_array().unwrap();
+        list.iter().map(|number| number.as_f64().unwrap()).collect()
+    };
+    let (lower, upper) = (widths("lower"), widths("upper"));
+    let mean = upper.iter().zip(&lower).map(|(u, l)| u - l).sum::<f64>() / 2.0 / upper.len() as f64;
+    let ratio = plan["band"]["mean_percent"].as_f64().unwrap() / (100.0 * mean);
+    // The plan's noise was itself found from one run, and so is the width: each to some 10 % in coloured
+    // noise.
+    assert!((0.7..1.4).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn a_model_is_what_is_assumed() {
+    let dir = tempfile::tempdir().unwrap();
+    let (file, model) = (dir.path().join("x.csv"), dir.path().join("x.json"));
+    run(&["simulate", "--servo", "aircraft", "-o", arg(&file)]);
+    run(&["identify", arg(&file), "-o", arg(&model), "--quiet"]);
+    let plan = |noise: &str| -> serde_json::Value {
+        let args = ["plan", "--model", arg(&model), "--noise", noise, "--json"];
+        serde_json::from_str(&run(&args)).unwrap()
+    };
+    let (quiet, loud) = (plan("0.01"), plan("0.05"));
+    assert_eq!(quiet["noise_deg"], 0.01);
+    let width = |plan: &serde_json::Value| plan["band"]["widest_percent"].as_f64().unwrap();
+    // Five times the noise, and a settling time that is then seen for a little shorter.
+    let ratio = width(&loud) / width(&quiet);
+    assert!((4.0..5.5).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn what_cannot_be_planned_is_said_in_a_sentence() {
+    for (options, advice) in [
+        (&["--noise", "0"][..], "--noise"),
+        (&["--level", "2"], "--level"),
+        (
+            &["--reference", "prbs", "--length", "0.1"],
+            "could not be identified",
+        ),
+        (&["--model", "missing.json"], "missing.json"),
+        (&["--servo", "boat"], "boat"),
+    ] {
+        let said = refusal(&[&["plan"], options].concat());
+        assert!(said.contains(advice), "{options:?}: {said}");
+    }
+}

@@ -1,0 +1,181 @@
+//! A capture into memory, and whether what is in it is what the board sampled.
+
+use servoid::port::Port;
+use servoid::recording::{Completeness, Ending, Header, Recording, RecordingWriter, Target};
+use servoid::rig::capture::CaptureError;
+use servoid::rig::{Capture, RigClient, RigFile, StopReason};
+use servoid_protocol::message::Start;
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use servoid_simulator::SimulatedFrame;
+use std::cell::RefCell;
+use std::io::{Result as IoResult, Write};
+use std::path::Path;
+use std::rc::Rc;
+
+/// How a trial went. Each is checked before it is returned: a trial that is silently wrong is an
+/// `Err` that says how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Every sample.
+    Complete,
+    /// Some samples, and what is missing is named.
+    Partial,
+    /// No recording, and a sentence that says why.
+    Refused,
+}
+
+/// A file in memory, of which the test keeps the other end, on a disk that has room for so much.
+#[derive(Clone)]
+pub struct Memory {
+    bytes: Rc<RefCell<Vec<u8>>>,
+    room: usize,
+}
+
+impl Write for Memory {
+    fn write(&mut self, bytes: &[u8]) -> IoResult<usize> {
+        let mut disk = self.bytes.borrow_mut();
+        let count = bytes.len().min(self.room - disk.len());
+        disk.extend(bytes.iter().take(count));
+        if count == 0 {
+            return Err(std::io::ErrorKind::StorageFull.into());
+        }
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> IoResult<()> {
+        Ok(())
+    }
+}
+
+impl Target for Memory {
+    fn cut_to(&mut self, length: u64) -> IoResult<()> {
+        self.bytes.borrow_mut().truncate(length as usize);
+        Ok(())
+    }
+
+    fn settle(&mut self) -> IoResult<()> {
+        Ok(())
+    }
+}
+
+/// Captures `start` over `port` to a disk with `room` for so many bytes; what the capture itself
+/// reports, and what is on the disk.
+pub fn capture_to_disk(
+    port: Box<dyn Port>,
+    start: Start,
+    should_stop: &dyn Fn() -> bool,
+    room: usize,
+) -> (Result<Ending, CaptureError>, Option<Vec<u8>>) {
+    let bytes = Rc::default();
+    let memory = Memory { bytes, room };
+    let rig = RigFile::default();
+    let capture = Capture { rig, start };
+    // Each run in a session of its own: a rig that is kept on may have heard of the one before.
+    let prepared = RigClient::connect_as(port, "the line", start.run).and_then(|mut client| {
+        capture.arm(&mut client)?;
+        Ok(client)
+    });
+    let mut client = match prepared {
+        Ok(client) => client,
+        Err(error) => return (Err(error.into()), None),
+    };
+    let header = Header {
+        started: String::new(),
+        ..Header::of_run(client.hello(), &capture.rig, &start)
+    };
+    let writer = RecordingWriter::on(Box::new(memory.clone()), Path::new("x.csv"), &header)
+        .expect("there is room for the header");
+    let stop = || should_stop().then_some(StopReason::User);
+    let end = capture.record(&mut client, writer, &stop, &mut |_| ());
+    let bytes = memory.bytes.borrow().clone();
+    (end.map(|end| end.ending), Some(bytes))
+}
+
+/// Whether what was recorded is what the board sampled, and says what it is.
+///
+/// `frames_total` is what the whole run has; `log` is the board's own, in order, and the run may be
+/// anywhere in it.
+pub fn check(
+    bytes: &[u8],
+    frames_total: u32,
+    ending: Option<&Ending>,
+    log: &[SimulatedFrame],
+) -> Result<Outcome, String> {
+    let recording = Recording::parse(bytes, Path::new("x.csv")).map_err(|e| e.to_string())?;
+    let frames = frames(&recording, bytes)?;
+    require_truth(&frames, log)?;
+    let gaps = gaps(&frames);
+    let named: Vec<_> = recording
+        .lost_samples
+        .iter()
+        .map(|r| r.start / SAMPLES_PER_FRAME as u64..r.end / SAMPLES_PER_FRAME as u64)
+        .collect();
+    if !gaps.iter().all(|gap| named.contains(gap)) {
+        return Err(format!("missing {gaps:?}, and only {named:?} is named"));
+    }
+    let whole = frames.len() as u32 == frames_total && gaps.is_empty();
+    match (&recording.completeness, ending) {
+        (Completeness::Complete, Some(Ending::Complete)) if whole => Ok(Outcome::Complete),
+        (Completeness::Partial(reason), None | Some(Ending::Partial { .. }))
+            if !reason.is_empty() =>
+        {
+            Ok(Outcome::Partial)
+        }
+        (found, said) => Err(format!(
+            "the file is {found:?} with {} frames, the capture said {said:?}",
+            frames.len()
+        )),
+    }
+}
+
+/// Number, reference (deg) and counts of one frame.
+type Read = (u64, f64, Vec<u16>);
+
+fn frames(recording: &Recording, bytes: &[u8]) -> Result<Vec<Read>, String> {
+    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+    let counts: Vec<u16> = text
+        .lines()
+        .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()))
+        .filter_map(|line| line.rsplit(',').next()?.parse().ok())
+        .collect();
+    if counts.len() != recording.samples.len() || !counts.len().is_multiple_of(SAMPLES_PER_FRAME) {
+        return Err("the rows are no whole frames".to_owned());
+    }
+    let read = counts.chunks(SAMPLES_PER_FRAME).enumerate();
+    Ok(read
+        .map(|(i, counts)| {
+            let at = i * SAMPLES_PER_FRAME;
+            let number = recording.samples[at] / SAMPLES_PER_FRAME as u64;
+            (number, recording.reference_deg[at], counts.to_vec())
+        })
+        .collect())
+}
+
+/// All frames are the board's, at one and the same place of its log.
+fn require_truth(frames: &[Read], log: &[SimulatedFrame]) -> Result<(), String> {
+    let rig = RigFile::default();
+    let same = |(number, reference, counts): &Read, offset: usize| {
+        log.get(offset + *number as usize).is_some_and(|truth| {
+            truth.samples.iter().map(|c| c.0).eq(counts.iter().copied())
+                && truth.pulse.map(|p| rig.servo_scale().degrees(p).0) == Some(*reference)
+        })
+    };
+    let fits = |offset: &usize| frames.iter().all(|frame| same(frame, *offset));
+    if frames.is_empty() || (0..log.len()).any(|offset| fits(&offset)) {
+        Ok(())
+    } else {
+        Err("rows differ from what the board sampled".to_owned())
+    }
+}
+
+fn gaps(frames: &[Read]) -> Vec<std::ops::Range<u64>> {
+    let mut next = 0;
+    let mut gaps = Vec::new();
+    for (number, ..) in frames {
+        if next < *number {
+            gaps.push(next..*number);
+        }
+        next = number + 1;
+    }
+    gaps
+}

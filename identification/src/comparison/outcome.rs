@@ -1,0 +1,151 @@
+//! What a comparison finds, as plain data.
+
+use serde::{Deserialize, Serialize};
+
+use super::over_prediction::OverPrediction;
+use crate::advice::Advice;
+use crate::metrics::Interval;
+
+/// The answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// By more than the margin.
+    Different,
+    /// Within the margin.
+    Same,
+    /// The recordings allow both.
+    Undecided,
+}
+
+/// Simultaneous bounds of the largest difference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DifferencePercent {
+    /// \[% of the step\], zero when there may be none.
+    pub at_least: f64,
+    /// \[% of the step\].
+    pub at_most: f64,
+    /// When the difference is surest, after the edge \[s\].
+    pub at_s: f64,
+    /// On which strokes.
+    pub stroke: Stroke,
+}
+
+/// Which strokes a curve belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stroke {
+    /// Both: no side answers them differently.
+    Both,
+    /// Upwards.
+    Up,
+    /// Downwards.
+    Down,
+}
+
+/// Second step response minus the first, with bounds that hold for all points of all curves at
+/// once.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DifferenceCurve {
+    /// The strokes it belongs to.
+    pub stroke: Stroke,
+    /// Time after the edge \[s\].
+    pub time_s: Vec<f64>,
+    /// Difference \[% of the step\].
+    pub percent: Vec<f64>,
+    /// Lower bound \[% of the step\].
+    pub lower: Vec<f64>,
+    /// Upper bound \[% of the step\].
+    pub upper: Vec<f64>,
+}
+
+/// Where one side comes to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Levels {
+    /// Largest command.
+    pub command_plus: f64,
+    /// Rest at the largest command.
+    pub plus: Interval,
+    /// Smallest command.
+    pub command_minus: f64,
+    /// Rest at the smallest command.
+    pub minus: Interval,
+}
+
+/// Whether one side answers up and down strokes differently.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Asymmetry {
+    /// Probability of the difference seen if it does not; `None` when the record cannot tell.
+    pub p: Option<f64>,
+    /// Largest difference between up and down \[% of the stroke\].
+    pub largest_percent: Option<f64>,
+}
+
+/// One item for each side.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Sides<T> {
+    /// The first side.
+    pub a: T,
+    /// The second side.
+    pub b: T,
+}
+
+/// One figure of both sides, each identified with the structure that the comparison gives both.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MetricDifference {
+    /// Name of the figure, as in the model.
+    pub metric: String,
+    /// Of the first side.
+    pub a: Option<f64>,
+    /// Its bounds.
+    pub a_bounds: Option<[f64; 2]>,
+    /// Of the second side.
+    pub b: Option<f64>,
+    /// Its bounds.
+    pub b_bounds: Option<[f64; 2]>,
+    /// b - a.
+    pub difference: Option<f64>,
+    /// Lower bound of the difference.
+    pub lower: Option<f64>,
+    /// Upper bound of the difference.
+    pub upper: Option<f64>,
+}
+
+/// Two servos, or one servo under two conditions, side by side.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// Version of this document.
+    pub schema: u32,
+    /// The answer.
+    pub verdict: Verdict,
+    /// The margin it is held against \[% of the step\].
+    pub margin_percent: f64,
+    /// Bounds of the largest difference between the responses.
+    pub difference_percent: DifferencePercent,
+    /// Level of every bound.
+    pub level: f64,
+    /// Runs on each side.
+    pub runs: [usize; 2],
+    /// Probability of the difference by scatter between runs of one servo; `None` with fewer than
+    /// three runs on a side.
+    pub p_value: Option<f64>,
+    /// Delay that brings the first response closest to the second \[s\].
+    pub delay_shift_s: f64,
+    /// Whether up and down strokes are compared apart.
+    pub split: bool,
+    /// By how much the first, driven like the second, goes farther; `None` without plateaus at two
+    /// levels.
+    pub over_prediction: Option<OverPrediction>,
+    /// Where each side comes to rest at the ends of the command; `None` without records.
+    pub levels: Option<Sides<Levels>>,
+    /// Up against down strokes on each side; `None` without records.
+    pub asymmetry: Option<Sides<Asymmetry>>,
+    /// Figures of both sides.
+    pub differences: Vec<MetricDifference>,
+    /// The difference of the step responses: one curve, or up and down strokes.
+    pub curves: Vec<DifferenceCurve>,
+    /// The answer in two sentences.
+    pub summary: String,
+    /// What the recordings cannot answer, and what would.
+    pub advice: Vec<Advice>,
+}

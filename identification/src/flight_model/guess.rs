@@ -1,0 +1,102 @@
+//! Where the search for a flight model starts from.
+
+use super::{LowOrder, Oscillator};
+use crate::model::Model;
+use crate::timing::Timing;
+
+/// Where to start from, by the figures of the response.
+pub(super) struct Guess {
+    gain: f64,
+    t50_s: f64,
+    rise_s: f64,
+}
+
+impl Guess {
+    pub(super) fn new(model: &Model) -> Option<Self> {
+        let metrics = &model.metrics;
+        Some(Self {
+            gain: metrics.dc_gain.value?,
+            t50_s: metrics.t50_s.value?,
+            rise_s: metrics.rise_time_s.value?.max(model.sample_period_s / 2.0),
+        })
+    }
+
+    /// From a response curve alone.
+    pub(super) fn of_curve(curve: &[f64], timing: Timing) -> Option<Self> {
+        let gain = *curve.last()?;
+        let reach = |level: f64| {
+            let m = curve.iter().position(|g| g / gain >= level)?;
+            let before = m.checked_sub(1).map_or(0.0, |k| curve[k] / gain);
+            let part = (level - before) / (curve[m] / gain - before);
+            Some(timing.seconds(m as f64 - 1.0 + part))
+        };
+        Some(Self {
+            gain,
+            t50_s: reach(0.5)?,
+            rise_s: (reach(0.9)? - reach(0.1)?).max(timing.sample_period_s / 2.0),
+        })
+    }
+
+    pub(super) fn starts(&self, order: usize, second: Option<LowOrder>) -> Vec<LowOrder> {
+        let plain = LowOrder {
+            gain: self.gain,
+            delay_s: 0.0,
+            oscillator: None,
+            lag_s: None,
+        };
+        match order {
+            1 => {
+                // 10 to 90 % takes ln 9 time constants, half takes ln 2.
+                let lag = self.rise_s / 9f64.ln();
+                vec![LowOrder {
+                    delay_s: (self.t50_s - lag * 2f64.ln()).max(0.0),
+                    lag_s: Some(lag),
+                    ..plain
+                }]
+            }
+            2 => [0.4, 0.7, 0.95, 1.5]
+                .iter()
+                .map(|&damping| {
+                    let oscillator = |omega_rad_s| {
+                        Some(Oscillator {
+                            omega_rad_s,
+                            damping,
+                        })
+                    };
+                    // Rise and half time of this shape at ω = 1 set ω and the delay.
+                    let unit = LowOrder {
+                        gain: 1.0,
+                        oscillator: oscillator(1.0),
+                        ..plain
+                    };
+                    let reach = |level: f64| {
+                        (1..4000)
+                            .map(|k| 0.005 * f64::from(k))
+                            .find(|&t| unit.step(t) >= level)
+                            .unwrap_or(20.0)
+                    };
+                    let omega = (reach(0.9) - reach(0.1)) / self.rise_s;
+                    LowOrder {
+                        delay_s: (self.t50_s - reach(0.5) / omega).max(0.0),
+                        oscillator: oscillator(omega),
+                        ..plain
+                    }
+                })
+                .collect(),
+            _ => second
+                .into_iter()
+                .flat_map(|start| {
+                    let omega = start
+                        .oscillator
+                        .map_or(1.0 / self.rise_s, |o| o.omega_rad_s);
+                    [0.2, 0.7].map(|share| LowOrder {
+                        // A lag delays by its time constant.
+                        delay_s: (start.delay_s - share / omega).max(0.0),
+                        lag_s: Some(share / omega),
+                        ..start
+                    })
+                })
+                .collect(),
+        }
+    }
+}
