@@ -1,5 +1,5 @@
 use super::*;
-use servoid_protocol::reference::Steps;
+use servoid_protocol::reference::{MAX_STEPS, Steps};
 
 fn wish(kind: &str) -> Wish {
     Wish {
