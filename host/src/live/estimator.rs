@@ -181,6 +181,10 @@ impl Estimator {
 mod tests {
     use super::*;
 
+    /// Where the reference changes its sign: holds of 200, 150, 110 and 80 samples. Equal holds would
+    /// be a periodic reference, which says nothing of lags beyond a hold.
+    const EDGES: [usize; 4] = [200, 350, 460, 540];
+
     /// A servo of first order (time constant 10 samples) with white noise of 0.05, between ±5.
     fn measure(samples: usize, seed: u64) -> (Vec<f64>, Vec<f64>) {
         use rand::{RngExt, SeedableRng};
@@ -188,7 +192,8 @@ mod tests {
         let mut y = 0.0;
         (0..samples)
             .map(|k| {
-                let u = if (k / 200) % 2 == 0 { 5.0 } else { -5.0 };
+                let edges = EDGES.iter().filter(|edge| **edge <= k % EDGES[3]).count();
+                let u = if edges % 2 == 0 { 5.0 } else { -5.0 };
                 y += 0.095 * (u - y);
                 // A uniform number has a variance of 1/12 of its width squared.
                 let noise = 0.05 * 12f64.sqrt() * (random.random::<f64>() - 0.5);

@@ -234,6 +234,8 @@ mod tests {
         );
         assert_eq!(state.phase(), Phase::RestAfter);
         let span = state.time_s() - state.trace[0].time_s;
-        assert!((span - WINDOW_S).abs() < 1e-9, "{span}");
+        // Whole samples, the last one of which is now.
+        let period_s = f64::from(SAMPLE_US) * 1e-6;
+        assert!((span + period_s - WINDOW_S).abs() < 1e-9, "{span}");
     }
 }
