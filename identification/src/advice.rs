@@ -346,13 +346,18 @@ fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     } else {
         "generalised"
     };
+    // With a smooth input, what the left-out frequencies do to the others looks the same.
+    let smooth = match errors.untold_from_hz {
+        Some(_) => " The input is too smooth to tell whether the servo or the input is the reason.",
+        None => "",
+    };
     Some(Advice::new(
         MODEL_ERROR,
         format!(
             "What the model cannot explain is not noise: generalised least squares simulates the \
              record to {generalised:.1} %, plain least squares to {plain:.1} %. The bounds are not \
              {level} % bounds of anything. The structure was chosen by how well it predicts parts \
-             not seen, and {taken} least squares was taken."
+             not seen, and {taken} least squares was taken.{smooth}"
         ),
         plain - generalised,
         TOLERATED,
