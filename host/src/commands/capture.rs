@@ -26,8 +26,7 @@ use std::path::{Path, PathBuf};
   servoid capture --port 'sim:bench?realtime' -o live.csv   (at real pace, to look at)
   servoid capture --port /dev/ttyUSB0 --until-band 1 -o bench.csv
   servoid capture --port sim:bench --reference stairs --levels 7 -o stairs.csv
-  servoid capture --port sim:bench --reference prbs --repeat 3 -o prbs.csv
-                                            (prbs-1.csv, prbs-2.csv, prbs-3.csv)")]
+  servoid capture --port sim:bench --reference prbs --repeat 2 -o p.csv       (p-1.csv and p-2.csv)")]
 pub(super) struct CaptureArgs {
     /// Where the rig is: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
     /// (sim:bench?realtime&seed=7 for real pace and another noise)
