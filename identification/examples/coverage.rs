@@ -41,7 +41,12 @@ fn main() {
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for scale in [1.0, 5.0] {
-        for reference in [Reference::Staircase, Reference::Prbs, Reference::LowPassed] {
+        for reference in [
+            Reference::Staircase,
+            Reference::Prbs,
+            Reference::LowPassed,
+            Reference::Square,
+        ] {
             for plant in [Plant::A, Plant::B, Plant::C, Plant::D, Plant::E] {
                 for noise in [Noise::White, Noise::Ar1, Noise::Ar2] {
                     cases.push(Case {

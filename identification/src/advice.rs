@@ -84,6 +84,7 @@ pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
         excitation(evidence),
         figures(evidence),
         settled(evidence),
+        repeats(evidence),
         hidden_tail(evidence),
         responds(evidence),
         truncated(evidence),
@@ -130,6 +131,22 @@ fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
             MARGIN * longest,
             7.0 * MARGIN * longest
         ),
+    ))
+}
+
+fn repeats(evidence: &Evidence<'_>) -> Option<Advice> {
+    let settling = evidence.explanation.settling.as_ref()?;
+    let repeats = settling.repeats_after? as f64 * evidence.model.sample_period_s;
+    Some(Advice::new(
+        "repeats",
+        format!(
+            "The reference repeats itself after {repeats:.3} s: what the response does later than that cannot be \
+             told from what it does before, and is taken to be over."
+        ),
+        repeats,
+        settling.longest as f64 * evidence.model.sample_period_s,
+        "Use holds of different lengths, as a staircase or random steps have, to see later parts of the \
+         response.",
     ))
 }
 

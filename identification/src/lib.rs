@@ -51,6 +51,7 @@ pub mod normal;
 pub mod options;
 pub mod record;
 pub mod reference;
+mod repetition;
 pub mod residual;
 pub mod runs;
 pub mod step;

@@ -9,7 +9,8 @@
 //!
 //! **Frequencies.** All of them, n = N: only a complete bank has a band whose label is earned. Where
 //! the input lacks high frequencies, that band would be useless; then n is what makes the band of noise
-//! *and* truncation together narrowest.
+//! *and* truncation together narrowest. Where it repeats itself, such as a square wave of equal holds, N
+//! is chosen among the lags that it tells apart.
 //!
 //! **Noise order.** Bayes' information criterion over 0..8, at every pass of the alternation.
 
@@ -26,6 +27,7 @@ use crate::noise::{NoiseFit, best_order};
 use crate::normal::{Coordinates, Information, NormalEquations};
 use crate::options::NoiseOrder;
 use crate::record::Record;
+use crate::repetition::repeats_after;
 use crate::truncation::FIRST_ORDER;
 
 /// Longest settling time considered unless the options say otherwise \[samples\].
@@ -95,6 +97,10 @@ pub struct Choice {
     pub low_passed: bool,
     /// n, when the input lacks high frequencies.
     pub frequencies: Option<usize>,
+    /// The lags that the reference tells apart, where it repeats itself after them: the response is
+    /// taken to be over by then \[samples\].
+    #[serde(default)]
+    pub repeats_after: Option<usize>,
     /// D of the long fit, to start from.
     pub ar: Vec<f64>,
     /// The settling times considered.
@@ -178,15 +184,29 @@ fn grid(longest: usize) -> Vec<usize> {
 /// # Errors
 /// The input does not even excite a constant gain.
 pub fn choose(moments: &Moments, longest: usize, order: NoiseOrder) -> Result<Choice, Error> {
-    let long = LongFit::new(moments, longest, order);
-    if let Some(long) = long {
-        let choice = choose_complete(&long);
-        let banks = NestedBanks::scan(moments, choice.settling, &long.ar, FIRST_ORDER);
-        if banks.is_some_and(|banks| !is_low_passed(&banks, choice.settling)) {
+    if let Some(choice) = choose_with_all_frequencies(moments, longest, order) {
+        return Ok(choice);
+    }
+    if let Some(repeats) = repeats_after(moments, longest, SHORTEST) {
+        let told = repeats - usize::from(repeats.is_multiple_of(2));
+        if let Some(mut choice) = choose_with_all_frequencies(moments, told, order) {
+            choice.repeats_after = Some(repeats);
             return Ok(choice);
         }
     }
     crate::low_passed::choose(moments, longest, order)
+}
+
+/// A choice with n = N, unless the input does not support it.
+fn choose_with_all_frequencies(
+    moments: &Moments,
+    longest: usize,
+    order: NoiseOrder,
+) -> Option<Choice> {
+    let long = LongFit::new(moments, longest, order)?;
+    let choice = choose_complete(&long);
+    let banks = NestedBanks::scan(moments, choice.settling, &long.ar, FIRST_ORDER)?;
+    (!is_low_passed(&banks, choice.settling)).then_some(choice)
 }
 
 /// Whether the complete bank of a settling time is undetermined or useless beside the best one.
@@ -221,6 +241,7 @@ pub(crate) fn chosen(candidates: Vec<SettlingCandidate>, longest: usize, ar: Vec
         longest,
         low_passed: false,
         frequencies: None,
+        repeats_after: None,
         ar,
         candidates,
     }

@@ -75,6 +75,24 @@ fn a_response_longer_than_the_record_allows_is_said_in_every_run() {
 }
 
 #[test]
+fn a_reference_that_repeats_itself_is_told_as_far_as_it_goes() {
+    for noise in [Noise::White, Noise::Ar1] {
+        let case = Case {
+            reference: Reference::Square,
+            plant: Plant::A,
+            noise,
+            scale: 1.0,
+        };
+        let line = measure(case, RUNS, &Options::default());
+        println!("{line}");
+        // As above; of 16 curves at 99 % more than two are outside once in 2000 times.
+        assert!(line.mean > 0.95 && line.whole >= 14.0 / 16.0, "{line}");
+        assert_eq!(line.share_of("repeats"), 1.0, "{line}");
+        assert_eq!(line.share_of("model_error"), 0.0, "{line}");
+    }
+}
+
+#[test]
 fn a_low_passed_input_widens_the_band_and_says_so() {
     let input = low_passed(&low_passed(&staircase(), 20.0), 20.0);
     let options = Options {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use servoid_identification::{Options, Record, identify_explained};
 
-use super::{Noise, PERIOD, Plant, low_passed, prbs, random, simulate, staircase};
+use super::{Noise, PERIOD, Plant, low_passed, prbs, random, simulate, square, staircase};
 
 /// The reference that drives the servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +14,8 @@ pub enum Reference {
     Prbs,
     /// The staircase behind four lags of 20 Hz: without high frequencies.
     LowPassed,
+    /// Equal holds of 400 ms, from the first sample to the last: it repeats itself.
+    Square,
 }
 
 /// One line of the table.
@@ -120,6 +122,7 @@ fn outcome(case: &Case, run: usize, options: &Options) -> Outcome {
         Reference::Staircase => staircase(),
         Reference::Prbs => prbs(&mut random),
         Reference::LowPassed => low_passed(&low_passed(&staircase(), 20.0), 20.0),
+        Reference::Square => square(),
     };
     let output = simulate(case.plant, case.noise, &input, case.scale, &mut random);
     let record = Record::from_slices(PERIOD, &input, &output).expect("a simulated record is sound");

@@ -149,6 +149,13 @@ pub fn prbs(random: &mut ChaCha8Rng) -> Vec<f64> {
     input
 }
 
+/// ±5 in equal holds of 400 ms: 4200 samples.
+pub fn square() -> Vec<f64> {
+    (0..4200)
+        .map(|k| if k / 200 % 2 == 0 { 5.0 } else { -5.0 })
+        .collect()
+}
+
 /// `input` behind two first-order lags of the given corner frequency [Hz].
 pub fn low_passed(input: &[f64], hertz: f64) -> Vec<f64> {
     let keep = (-std::f64::consts::TAU * hertz * PERIOD).exp();
