@@ -1,7 +1,7 @@
 //! Files that commands leave behind, and read back: never over an existing one unless told so.
 
 use crate::plots::{Figure, svg};
-use crate::recording::WriteError;
+use crate::recording::{WholeFile, WriteError};
 use anyhow::{Context, Result, bail};
 use servoid_identification::Model;
 use servoid_identification::flight_model::FlightModel;
@@ -9,18 +9,25 @@ use servoid_identification::model::SCHEMA;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Makes a file that was not there, or whose loss is allowed, with this content.
+/// Says a line on standard error, if there is anybody who listens: a pipe that was closed or a
+/// terminal that is gone must not end a run on a servo.
+pub fn tell(line: impl std::fmt::Display) {
+    let _nobody_listens = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Makes a file that was not there, or whose loss is allowed, with this content: all of it, or the
+/// file that was there stays.
 ///
 /// # Errors
 /// One sentence: it exists, or what the system said.
 pub fn write_file(path: &Path, force: bool, content: &str) -> Result<()> {
-    let mut file = crate::recording::create(path, force)?;
-    file.write_all(content.as_bytes())
-        .map_err(|reason| WriteError::NotCreated {
-            path: path.to_owned(),
-            reason,
-        })?;
-    Ok(())
+    let whole = WholeFile::new(path, force)?;
+    let written = whole.file()?.write_all(content.as_bytes());
+    written.map_err(|reason| WriteError::NotCreated {
+        path: path.to_owned(),
+        reason,
+    })?;
+    Ok(whole.put_in_place()?)
 }
 
 /// Fails now if `path` could not be written later: before an hour of work rather than after it.
@@ -62,13 +69,21 @@ pub fn write_figures(folder: &Path, force: bool, figures: &[Figure]) -> Result<V
 pub fn read_model(path: &Path) -> Result<Model> {
     let text = std::fs::read_to_string(path)
         .map_err(|reason| anyhow::anyhow!("the model {path:?} cannot be read: {reason}"))?;
-    let schema = serde_json::from_str::<SchemaOnly>(&text).map(|model| model.schema);
-    if let Ok(schema) = schema
-        && schema > SCHEMA
+    if let Ok(SchemaOnly { schema }) = serde_json::from_str(&text)
+        && schema != SCHEMA
     {
-        bail!(
-            "the model {path:?} was made by a newer servoid (schema {schema}, this one reads up to {SCHEMA}): update servoid"
-        );
+        let number = match &schema {
+            serde_json::Value::String(text) => text.trim().parse().ok(),
+            other => other.as_f64(),
+        };
+        match number {
+            Some(number) if number > f64::from(SCHEMA) => bail!(
+                "the model {path:?} was made by a newer servoid (schema {schema}, this one reads up to {SCHEMA}): update servoid"
+            ),
+            _ => bail!(
+                "the model {path:?} has the schema {schema}, which no servoid writes (this one writes {SCHEMA}): identify again"
+            ),
+        }
     }
     let model: Model = serde_json::from_str(&text)
         .map_err(|e| anyhow::anyhow!("{path:?} is no model of 'servoid identify': {e}"))?;
@@ -108,7 +123,7 @@ struct Beside {
 /// The one field that every version of the model has.
 #[derive(serde::Deserialize)]
 struct SchemaOnly {
-    schema: u32,
+    schema: serde_json::Value,
 }
 
 /// A result as indented JSON, with a line end.

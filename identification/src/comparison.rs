@@ -156,6 +156,7 @@ pub fn compare_models(
     b: &Model,
     options: &ComparisonOptions,
 ) -> Result<Comparison, Error> {
+    options.identification.check()?;
     same_period(a.sample_period_s, b.sample_period_s)?;
     let points = a
         .structure

@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::frequency::FrequencyResponse;
 use crate::metrics::Metrics;
 use crate::noise::Noise;
-use crate::options::LONGEST_SETTLING_BY_HAND;
+use crate::options::{LEVELS, LONGEST_SETTLING_BY_HAND};
 use crate::record::{Record, Run};
 use crate::residual::Residuals;
 use crate::step::StepResponse;
@@ -119,8 +119,10 @@ impl Model {
         let sized = |values: &[f64], length: usize| values.len() == length && finite(values);
         let (step, f) = (&self.step, &self.frequency);
         let points = f.omega_rad_s.len();
+        let levels = [step.pointwise.level, step.simultaneous.level];
         settling <= LONGEST_SETTLING_BY_HAND
             && self.basis().is_ok()
+            && levels.iter().all(|level| LEVELS.contains(level))
             && self.sample_period_s > 0.0
             && self.sample_period_s.is_finite()
             && self.sample_phase_s >= 0.0

@@ -12,6 +12,9 @@ pub const MAX_NOISE_ORDER: usize = 24;
 /// entries, 200 MB each.
 pub const LONGEST_SETTLING_BY_HAND: usize = 5000;
 
+/// Confidence levels that bounds can be had for.
+pub const LEVELS: std::ops::RangeInclusive<f64> = 0.5..=0.99999;
+
 /// Settling time N: the number of samples after which the response to an input is over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Settling {
@@ -108,7 +111,7 @@ impl Options {
                 max: MAX_NOISE_ORDER,
             });
         }
-        if !(0.5..=0.99999).contains(&self.level) {
+        if !LEVELS.contains(&self.level) {
             return Err(Error::Level(self.level));
         }
         Ok(())

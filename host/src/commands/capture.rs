@@ -4,7 +4,8 @@ use super::reference_args::ReferenceArgs;
 use super::watch::{BandReached, Watch, WatchArgs};
 use super::{Talk, interrupt};
 use crate::port;
-use crate::recording::{Ending, Header, ReservedFile};
+use crate::recording::{Ending, Header, ReservedFile, WriteError};
+use crate::rig::capture::CaptureError;
 use crate::rig::{Capture, CaptureEnd, RigClient, RigFile};
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -36,9 +37,9 @@ pub(super) struct CaptureArgs {
     /// RTY sensor of 120 degrees
     #[arg(long, value_name = "RIG.toml")]
     rig: Option<PathBuf>,
-    /// Under what condition: bench, aircraft, or a word of your own
-    #[arg(long, default_value = "")]
-    condition: String,
+    /// Under what condition: bench, aircraft, or words of your own; without it, bench
+    #[arg(long)]
+    condition: Option<String>,
     /// I have read the safety rules, and nobody is near the rotor (needed for every condition but
     /// bench)
     #[arg(long)]
@@ -66,6 +67,9 @@ pub(super) struct CaptureArgs {
     #[command(flatten)]
     reference: ReferenceArgs,
 }
+
+/// The one condition under which nobody is near a rotor.
+const BENCH: &str = "bench";
 
 /// Beyond this a slip is more likely than an intention.
 const MOST_RUNS: i64 = 999;
@@ -108,14 +112,14 @@ impl CaptureArgs {
                 "say where the rig is, with --port or with 'port' in the rig file: 'servoid ports' lists the serial ports, and sim:bench needs none"
             );
         };
-        // Any condition that is not plainly the bench may be a loaded servo.
-        let condition = self.condition.trim().to_lowercase();
-        let on_the_bench = condition.is_empty() || condition.starts_with("bench");
-        let dangerous = !on_the_bench && !port::is_simulated(&address);
-        if dangerous && !self.arm {
+        let simulated = port::is_simulated(&address);
+        // A simulated servo's condition is in its port's name already.
+        let condition = self.condition.as_deref();
+        let condition = condition.unwrap_or(if simulated { "" } else { BENCH });
+        // Any condition that is not just the bench may be a loaded servo.
+        if condition != BENCH && !simulated && !self.arm {
             bail!(
-                "the condition {:?} may move a loaded servo: read the safety rules in the README, clear the rotor, then add --arm",
-                self.condition
+                "the condition {condition:?} may move a loaded servo, only {BENCH:?} by itself may not: read the safety rules in the README, clear the rotor, then add --arm"
             );
         }
         let reference = self.reference.grant(rig.servo.us_per_degree, self.talk)?;
@@ -127,7 +131,7 @@ impl CaptureArgs {
                 address: &address,
                 rig,
                 reference,
-                condition: &self.condition,
+                condition,
                 notes: &self.notes,
                 release: self.release,
                 files: &files,
@@ -218,7 +222,7 @@ pub(super) fn capture(job: &Job<'_>, watch: &Watch, talk: Talk) -> Result<Vec<Ca
     // Before the servo moves, not after: a run may be expensive.
     let reserve = |path: &PathBuf| ReservedFile::new(path, job.force);
     let files: Vec<_> = job.files.iter().map(reserve).collect::<Result<_, _>>()?;
-    let mut client = RigClient::connect(port::open(job.address)?, job.address)?;
+    let mut client = RigClient::connect_beside(port::open(job.address)?, job.address)?;
     let hello = client.hello();
     talk.say(format_args!(
         "{}: {}, firmware {}, {} clock",
@@ -284,11 +288,18 @@ fn capture_run(
     let writer = file.begin(&header)?;
     let title = format!("{}  to {}", job.address, path.display());
     let watched = watch.begin(title, &capture, client.is_paced_by_reader())?;
+    let mut kept = false;
     let end = capture.record(client, writer, &|| watched.stop(), &mut |p| {
-        watched.update(p)
+        kept = true;
+        watched.update(p);
     });
     watched.finish();
-    end.with_context(|| format!("{} keeps what was captured before this", path.display()))
+    match end {
+        Err(error @ CaptureError::Write(WriteError::Removed { .. })) => Err(error.into()),
+        Err(error) if kept => Err(error)
+            .with_context(|| format!("{} keeps what was captured before this", path.display())),
+        other => Ok(other?),
+    }
 }
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
 //! `servoid compare`
 
 use super::table_args::TableArgs;
-use super::{Talk, listed};
-use crate::dataset::{self, DatasetOptions};
+use super::{Talk, listed, wrong_usage};
+use crate::dataset::{self, Dataset, DatasetOptions};
 use crate::{output, summary};
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use servoid_identification::Options;
 use servoid_identification::comparison::{ComparisonOptions, compare, compare_models};
-use servoid_identification::{Options, Record};
 use std::path::{Path, PathBuf};
 
 /// Say whether two servos, or one under two conditions, differ, and by how much
@@ -56,9 +56,6 @@ impl Compare {
         if self.zero_sd.is_nan() || self.zero_sd < 0.0 {
             bail!("--zero-sd must be 0 or more");
         }
-        if let Some(out) = &self.out {
-            output::check_free(out, self.force)?;
-        }
         let options = ComparisonOptions {
             margin_percent: self.margin,
             identification: Options {
@@ -68,6 +65,12 @@ impl Compare {
             zero_sd: self.zero_sd,
             ..ComparisonOptions::default()
         };
+        if let Err(error) = options.identification.check() {
+            wrong_usage(error);
+        }
+        if let Some(out) = &self.out {
+            output::check_free(out, self.force)?;
+        }
         let (a, b) = match &self.sides[..] {
             [a, b] => (std::slice::from_ref(a), std::slice::from_ref(b)),
             _ => (&self.a[..], &self.b[..]),
@@ -78,11 +81,12 @@ impl Compare {
             }
             _ => {
                 let table: DatasetOptions = self.table.into();
-                compare(
-                    &record(a, &table, self.talk)?,
-                    &record(b, &table, self.talk)?,
-                    &options,
-                )
+                let (a, b) = (read(a, &table, self.talk)?, read(b, &table, self.talk)?);
+                compare(&a.record, &b.record, &options).map(|mut found| {
+                    found.advice.extend(a.about.advice);
+                    found.advice.extend(b.about.advice);
+                    found
+                })
             }
         };
         let found = found.with_context(|| format!("{} against {}", listed(a), listed(b)))?;
@@ -100,7 +104,7 @@ fn is_model(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "json")
 }
 
-fn record(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Record> {
+fn read(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Dataset> {
     if let Some(model) = files.iter().find(|file| is_model(file)) {
         bail!("{model:?} is a model: compare two models, or recordings on both sides");
     }
@@ -109,5 +113,5 @@ fn record(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Rec
         .remarks
         .iter()
         .for_each(|remark| talk.say(remark));
-    Ok(data.record)
+    Ok(data)
 }

@@ -89,8 +89,9 @@ impl Identify {
             .remarks
             .iter()
             .for_each(|remark| self.talk.say(remark));
-        let found =
+        let mut found =
             identify_explained(&data.record, &options).with_context(|| listed(&self.files))?;
+        found.model.advice.extend(data.about.advice.iter().cloned());
         let model = &found.model;
         let explanation = self.explain.then_some(&found.explanation);
         let flight = self.flight_model.then(|| {

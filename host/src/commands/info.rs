@@ -2,8 +2,8 @@
 
 use super::Talk;
 use crate::port;
-use crate::rig::RigClient;
 use crate::rig::mismatch::{Mismatch, mismatches};
+use crate::rig::{RigClient, TalkError};
 use anyhow::Result;
 use clap::Args;
 use servoid_protocol::hello::{ClockSource, PROTOCOL_VERSION, ResetCause, SCHEMA_HASH};
@@ -34,7 +34,16 @@ struct Answer<'a> {
 
 impl Info {
     pub(super) fn run(self) -> Result<String> {
-        let mut client = RigClient::connect(port::open(&self.port)?, &self.port)?;
+        let port = port::open(&self.port)?;
+        let mut client = match RigClient::connect_beside(port, &self.port) {
+            Err(busy @ TalkError::RunOfAnother) => {
+                let result = serde_json::json!({ "running": true });
+                return self
+                    .talk
+                    .result(format!("{}: {busy}\n", self.port), &result);
+            }
+            other => other?,
+        };
         let hello = *client.hello();
         let schema_equal = client.require_equal_schema().is_ok();
         // A rig with other messages may answer with anything; its hello is all that is sure.

@@ -105,7 +105,7 @@ impl Talk {
     /// A remark for the person at the terminal.
     fn say(self, remark: impl std::fmt::Display) {
         if !self.quiet {
-            eprintln!("{remark}");
+            crate::output::tell(remark);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::Talk;
 use crate::port;
-use crate::rig::RigClient;
+use crate::rig::{RigClient, TalkError};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
@@ -84,14 +84,18 @@ fn ask(info: serialport::SerialPortInfo) -> Found {
             };
         }
     };
-    let rig = client.ok().map(|client| {
-        let hello = client.hello();
-        format!(
-            "{}, firmware {}",
-            hello.board.as_str(),
-            hello.build.as_str()
-        )
-    });
+    let rig = match client {
+        Ok(client) => {
+            let hello = client.hello();
+            Some(format!(
+                "{}, firmware {}",
+                hello.board.as_str(),
+                hello.build.as_str()
+            ))
+        }
+        Err(TalkError::RunOfAnother) => Some("a run is under way".to_owned()),
+        Err(_) => None,
+    };
     Found {
         port,
         device,

@@ -1,7 +1,7 @@
 //! `servoid recover`
 
 use super::Talk;
-use crate::recording::{Completeness, Recording, RecordingWriter, recover};
+use crate::recording::{Completeness, Recording, RecordingWriter, WholeFile, recover};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::PathBuf;
@@ -40,8 +40,10 @@ impl Recover {
             bail!("{path:?} reads well as it is ({state}): there is nothing to recover");
         }
         let saved = recover(&bytes, path)?;
-        let writer = RecordingWriter::create(&self.out, self.force, &saved.header)?;
-        saved.write(writer)?;
+        let whole = WholeFile::new(&self.out, self.force)?;
+        let file = Box::new(whole.file()?);
+        saved.write(RecordingWriter::on(file, &self.out, &saved.header)?)?;
+        whole.put_in_place()?;
         for finding in &saved.findings {
             self.talk.say(finding);
         }

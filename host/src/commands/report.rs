@@ -95,8 +95,9 @@ fn read(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Servo
         .remarks
         .iter()
         .for_each(|remark| talk.say(remark));
-    let found =
+    let mut found =
         identify_explained(&data.record, &Options::default()).with_context(|| listed(files))?;
+    found.model.advice.extend(data.about.advice.iter().cloned());
     let name = data.about.condition.clone();
     let name = name.unwrap_or_else(|| files.first().map_or_else(String::new, |file| stem(file)));
     Ok(Servo::of_data(name, data, found))

@@ -6,6 +6,9 @@ use crate::plots::figures::{self, Named};
 use crate::{dataset, output, summary};
 use anyhow::{Context, Result};
 use clap::Args;
+use serde::Serialize;
+use servoid_identification::advice::Advice;
+use servoid_identification::validation::Validation;
 use std::path::PathBuf;
 
 /// Hold a model against a recording that it has not seen
@@ -51,8 +54,12 @@ impl Validate {
         let result = model
             .validate(&data.record)
             .with_context(|| listed(&self.files))?;
+        let validated = Validated {
+            validation: &result,
+            advice: &data.about.advice,
+        };
         if let Some(out) = &self.out {
-            output::write_file(out, self.force, &output::to_json(&result)?)?;
+            output::write_file(out, self.force, &output::to_json(&validated)?)?;
         }
         if let Some(folder) = &self.plots {
             let name = stem(&self.model);
@@ -80,6 +87,15 @@ impl Validate {
             self.talk.say(format_args!("plots: {}", listed(&files)));
         }
         self.talk
-            .result(summary::of_validation(&result, data.about.unit), &result)
+            .result(summary::of_validation(&result, data.about.unit), &validated)
     }
+}
+
+/// The result as JSON: with what has to be known about the files.
+#[derive(Serialize)]
+struct Validated<'a> {
+    #[serde(flatten)]
+    validation: &'a Validation,
+    #[serde(skip_serializing_if = "<[Advice]>::is_empty")]
+    advice: &'a [Advice],
 }

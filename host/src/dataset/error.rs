@@ -22,6 +22,20 @@ pub enum DatasetError {
         /// What is wrong with them.
         error: DataError,
     },
+    /// A recording without a sample of the reference.
+    #[error(
+        "{path:?} has nothing to identify: it is {end}, and its {rows} rows end before the reference begins (sample {begins})"
+    )]
+    NoReference {
+        /// Which file.
+        path: PathBuf,
+        /// Complete, or partial and why.
+        end: String,
+        /// Rows in it.
+        rows: usize,
+        /// The first sample of the reference.
+        begins: u64,
+    },
     /// Columns are not named.
     #[error(
         "{path:?} is no recording of servoid, so say which of its columns is what; its columns are {columns}, so perhaps add: {options}"

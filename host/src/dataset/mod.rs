@@ -26,6 +26,7 @@ pub use error::DatasetError;
 
 use crate::recording::{self, Recording};
 use crate::table::{Table, TableError};
+use servoid_identification::advice::Advice;
 use servoid_identification::{Record, Run};
 use std::path::{Path, PathBuf};
 
@@ -66,6 +67,9 @@ pub struct About {
     pub provenance: Vec<Vec<(String, String)>>,
     /// What a user should know about the files: partial recordings, guessed periods.
     pub remarks: Vec<String>,
+    /// What every result from these files has to carry: that a recording is partial, or values of
+    /// its header unproved.
+    pub advice: Vec<Advice>,
 }
 
 impl About {
@@ -77,6 +81,7 @@ impl About {
             .filter(|c| Some(c) == other.condition.as_ref());
         self.provenance.extend(other.provenance);
         self.remarks.extend(other.remarks);
+        self.advice.extend(other.advice);
     }
 }
 
@@ -154,11 +159,14 @@ fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded, DatasetErro
         reason,
     })?;
     let named = options.input.is_some() || options.output.is_some();
-    if !named && recording::is_recording(&bytes) {
-        own::from_recording(&Recording::parse(&bytes, path)?, path, options)
-    } else {
-        foreign::from_table(&Table::parse(path, bytes)?, options)
+    let is_recording = recording::is_recording(&bytes);
+    if is_recording && !named {
+        return own::from_recording(&Recording::parse(&bytes, path)?, path, options);
     }
+    let remark = is_recording.then(|| own::remark_on_named(&bytes, path));
+    let mut loaded = foreign::from_table(&Table::parse(path, bytes)?, options)?;
+    loaded.about.remarks.extend(remark);
+    Ok(loaded)
 }
 
 fn run(

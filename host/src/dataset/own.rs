@@ -2,6 +2,8 @@
 
 use super::{About, DatasetError, DatasetOptions, Loaded, run};
 use crate::recording::{Completeness, ReadError, Recording};
+use servoid_identification::advice::Advice;
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::path::Path;
 
 /// The run of a recording: of its reference, or of all of it.
@@ -15,10 +17,19 @@ pub(super) fn from_recording(
     } else {
         recording.reference_samples()
     };
-    let (input, mut output) = recording.columns(range);
+    let (input, mut output) = recording.columns(range.clone());
+    if input.is_empty() {
+        return Err(DatasetError::NoReference {
+            path: path.to_owned(),
+            end: said_end(recording),
+            rows: recording.samples.len(),
+            begins: range.start,
+        });
+    }
     let healthy = recording.header.healthy_degrees();
     let broken = healthy.map_or(0, |range| drop_unhealthy(&mut output, range));
     let run = run(input, output, path, options.at_rest)?;
+<<<<<<< HEAD
     let mut remarks = Vec::new();
     let (shown, rows) = (path.display(), recording.samples.len());
     match &recording.completeness {
@@ -29,6 +40,41 @@ pub(super) fn from_recording(
         Completeness::Partial(reason) => {
             remarks.push(format!("{shown} is partial ({reason}): it has {rows} rows"));
         }
+=======
+    let (mut remarks, mut advice) = (Vec::new(), Vec::new());
+    if let Completeness::Partial(reason) = &recording.completeness {
+        let rows = recording.samples.len();
+        let remark = format!(
+            "{} is partial ({reason}): it has {rows} rows",
+            path.display()
+        );
+        let frames = u32::from(recording.header.pre_roll_frames)
+            + recording.header.reference_frames
+            + u32::from(recording.header.post_roll_frames);
+        advice.push(Advice::new(
+            "partial",
+            format!("{remark}."),
+            rows as f64,
+            f64::from(frames) * SAMPLES_PER_FRAME as f64,
+            "The missing rows are left out and the bounds are as wide as that makes them; capture again for the rest.",
+        ));
+        remarks.push(remark);
+    }
+    if !recording.header.unproved.is_empty() {
+        let remark = format!(
+            "{} was recovered from a recording whose header was damaged; check these, which nothing proves: {}",
+            path.display(),
+            recording.header.unproved
+        );
+        advice.push(Advice::new(
+            "unproved",
+            format!("{remark}."),
+            0.0,
+            0.0,
+            "Hold these values against the rig file, or capture again.",
+        ));
+        remarks.push(remark);
+>>>>>>> 0179902 (Captures, files and readers: a closed terminal, another timing, damaged headers, signals and files in use cost no run and no data)
     }
     if broken > 0 {
         remarks.push(format!(
@@ -44,14 +90,17 @@ pub(super) fn from_recording(
         ));
     }
     let condition = Some(recording.header.condition.clone()).filter(|c| !c.is_empty());
+<<<<<<< HEAD
     let end = match &recording.completeness {
         Completeness::Partial(reason) => format!("partial ({reason})"),
         Completeness::Early(reason) => format!("on purpose ({reason})"),
         Completeness::Complete => "complete".to_owned(),
     };
+=======
+>>>>>>> 0179902 (Captures, files and readers: a closed terminal, another timing, damaged headers, signals and files in use cost no run and no data)
     let mut provenance = vec![
         ("file".to_owned(), path.display().to_string()),
-        ("end".to_owned(), end),
+        ("end".to_owned(), said_end(recording)),
     ];
     provenance.extend(recording.header.facts());
     let about = About {
@@ -59,6 +108,7 @@ pub(super) fn from_recording(
         condition,
         provenance: vec![provenance],
         remarks,
+        advice,
     };
     let phase_s = recording.header.sample_phase_s;
     if !(phase_s >= 0.0 && phase_s.is_finite()) {
@@ -76,6 +126,26 @@ pub(super) fn from_recording(
         phase_s,
         about,
     })
+}
+
+/// Whether all of it is there, and why not.
+fn said_end(recording: &Recording) -> String {
+    match &recording.completeness {
+        Completeness::Partial(reason) => format!("partial ({reason})"),
+        Completeness::Complete => "complete".to_owned(),
+    }
+}
+
+/// What is to be said of a recording whose columns were named, so that it is read as any CSV file.
+pub(super) fn remark_on_named(bytes: &[u8], path: &Path) -> String {
+    let what = match Recording::parse(bytes, path) {
+        Ok(recording) => format!("{}, {}", path.display(), said_end(&recording)),
+        Err(damage) => damage.to_string(),
+    };
+    format!(
+        "{} is a recording of servoid, but with its columns named its rows are taken as they are, neither checked nor cut to the reference: {what}",
+        path.display()
+    )
 }
 
 /// Marks readings that no healthy sensor gives as missing; returns how many.

@@ -39,6 +39,10 @@ pub struct Header {
     /// What was lost when the recording was rescued from a damaged file; empty where it was not.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub recovered: String,
+    /// Values that nothing proves, where the recording was rescued from one whose header was damaged:
+    /// their names and what the damaged header said; empty where it was not.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub unproved: String,
     /// Where the rig was.
     pub port: String,
     /// Kind of board, its unique number, and the firmware's version.
@@ -91,6 +95,7 @@ impl Default for Header {
             rig: String::new(),
             notes: String::new(),
             recovered: String::new(),
+            unproved: String::new(),
             port: String::new(),
             board: String::new(),
             board_id: String::new(),
@@ -165,6 +170,35 @@ impl Header {
             .map(|(key, value)| (key.replace('_', " "), text(value)))
             .filter(|(_, value)| !value.is_empty())
             .collect()
+    }
+
+    /// Marks what the rows of a recording with a damaged header do not prove.
+    ///
+    /// Each row has its time beside its sample number and its position beside its counts: they prove
+    /// the period, and as soon as two different counts are there, the sensor's scale. All else is
+    /// taken as the damaged header has it.
+    pub(super) fn mark_unproved(&mut self, scale_is_proved: bool) {
+        let proved: &[&str] = if scale_is_proved {
+            &[
+                "format",
+                "sample_period_s",
+                "zero_counts",
+                "degrees_per_count",
+            ]
+        } else {
+            &["format", "sample_period_s"]
+        };
+        let value = Value::try_from(&*self).unwrap_or_else(|_| Value::Table(Table::new()));
+        let fields = value.as_table().into_iter().flatten();
+        let unproved: Vec<String> = fields
+            .filter(|(key, value)| {
+                let numbers = !value.is_str();
+                let matters = numbers || ["condition", "servo", "sensor"].contains(&key.as_str());
+                matters && !proved.contains(&key.as_str())
+            })
+            .map(|(key, value)| format!("{key} = {}", on_one_line(value)))
+            .collect();
+        self.unproved = unproved.join(", ");
     }
 
     /// The comment lines: the format first, a CRC-32 over all of them last.

@@ -45,6 +45,7 @@ mod exact;
 mod header;
 mod reader;
 mod recover;
+mod reserved;
 mod row;
 mod scan;
 mod writer;
@@ -52,8 +53,9 @@ mod writer;
 pub use header::Header;
 pub use reader::{Completeness, ReadError, Recording, is_recording};
 pub use recover::{Recovered, recover};
-pub(crate) use writer::create;
-pub use writer::{Ending, RecordingWriter, ReservedFile, Target, WriteError};
+pub use reserved::ReservedFile;
+pub(crate) use reserved::WholeFile;
+pub use writer::{Ending, RecordingWriter, Target, WriteError};
 
 /// Version of the format; a reader refuses a higher one.
 pub const FORMAT: u32 = 2;

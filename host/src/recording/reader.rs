@@ -1,6 +1,6 @@
 //! Reading a recording as what it is: complete, partial, or damaged.
 
-use super::row::Row;
+use super::row::{MOST_SAMPLES, Row};
 pub use super::scan::is_recording;
 use super::scan::{Damage, LastLine, Newer, Scan, scan};
 use super::{FORMAT, Header};
@@ -220,15 +220,24 @@ pub(super) fn judge(scanned: &Scan) -> Result<(Completeness, Vec<Range<u64>>), &
         Some("early") => Completeness::Early(reason),
         _ => Completeness::Partial(reason),
     };
-    Ok((completeness, lost_samples(end)))
+    let lost =
+        lost_samples(end).ok_or("the samples that it names as lost are not those of a run")?;
+    Ok((completeness, lost))
 }
 
-fn lost_samples(end: &Table) -> Vec<Range<u64>> {
-    let number = |value: &Value| u64::try_from(value.as_integer()?).ok();
+/// The stretches named as lost; `None` where they make no sense.
+fn lost_samples(end: &Table) -> Option<Vec<Range<u64>>> {
+    let sample = |value: &Value| {
+        let number = u64::try_from(value.as_integer()?).ok();
+        number.filter(|number| *number < MOST_SAMPLES)
+    };
     let range = |value: &Value| match value.as_array()?.as_slice() {
-        [first, last] => Some(number(first)?..number(last)?.saturating_add(1)),
+        [first, last] => {
+            let (first, last) = (sample(first)?, sample(last)?);
+            (first <= last).then_some(first..last + 1)
+        }
         _ => None,
     };
     let lost = end.get("lost_samples").and_then(Value::as_array);
-    lost.into_iter().flatten().filter_map(range).collect()
+    lost.into_iter().flatten().map(range).collect()
 }

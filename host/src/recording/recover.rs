@@ -6,12 +6,15 @@
 
 use super::reader::{ReadError, judge};
 use super::row::Row;
-use super::scan::{LastLine, Newer, scan};
+use super::scan::{LastLine, Newer, SAMPLE_PERIOD_S, scan};
 use super::{Completeness, Ending, FORMAT, Header, RecordingWriter, WriteError};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_protocol::{Counts, Frame};
 use std::ops::Range;
 use std::path::Path;
+
+/// Findings that are told one by one: the header of what is saved keeps them.
+const MOST_FINDINGS: usize = 20;
 
 /// What could be saved.
 #[derive(Clone, Debug)]
@@ -49,8 +52,13 @@ pub fn recover(bytes: &[u8], path: &Path) -> Result<Recovered, ReadError> {
     let mut findings: Vec<String> = scanned
         .damages
         .iter()
+        .take(MOST_FINDINGS)
         .map(|damage| format!("line {}: {}", damage.line, damage.reason))
         .collect();
+    let more = scanned.damages.len() - findings.len();
+    if more > 0 {
+        findings.push(format!("{more} more findings of this kind"));
+    }
     match judge(&scanned) {
         Ok((Completeness::Complete | Completeness::Early(_), _)) => {}
         Ok((Completeness::Partial(why), _)) => findings.push(why),
@@ -65,6 +73,14 @@ pub fn recover(bytes: &[u8], path: &Path) -> Result<Recovered, ReadError> {
     };
     let mut header = scanned.header;
     header.format = FORMAT;
+    header.sample_period_s = SAMPLE_PERIOD_S;
+    if !scanned.header_is_sound {
+        header.mark_unproved(scale_is_proved(&frames));
+        findings.push(format!(
+            "the header was damaged, and the rows do not prove these of its values: {}",
+            header.unproved
+        ));
+    }
     header.recovered = findings.join("; ");
     Ok(Recovered {
         lost_frames: lost_frames(&frames, &end),
@@ -72,6 +88,13 @@ pub fn recover(bytes: &[u8], path: &Path) -> Result<Recovered, ReadError> {
         frames,
         findings,
     })
+}
+
+/// Whether the rows fix zero and scale of the sensor: two different counts do.
+fn scale_is_proved(frames: &[Frame]) -> bool {
+    let mut counts = frames.iter().flat_map(|frame| frame.samples);
+    let first = counts.next();
+    counts.any(|other| Some(other) != first)
 }
 
 impl Recovered {

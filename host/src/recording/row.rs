@@ -1,6 +1,7 @@
 //! One row: written, read, and held against itself.
 
 use super::Header;
+use super::scan::SAMPLE_PERIOD_S;
 use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
 use servoid_protocol::{Counts, Degrees, PulseWidth, SensorScale, ServoScale};
 use std::fmt::Write as _;
@@ -67,7 +68,10 @@ impl RowFormat {
         if sample >= MOST_SAMPLES {
             return Err("the sample number is beyond any run");
         }
-        finite(time)?;
+        // Half a period is beyond any rounding, and less than the next sample.
+        if (finite(time)? - sample as f64 * SAMPLE_PERIOD_S).abs() > 0.5 * SAMPLE_PERIOD_S {
+            return Err("its time is not that of its sample number");
+        }
         let reference_deg = finite(reference)?;
         Ok(Row {
             sample,

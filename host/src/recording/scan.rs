@@ -6,7 +6,7 @@ use super::row::{MOST_SAMPLES, Row, RowFormat};
 use super::{COLUMNS, FORMAT, Header};
 use crc::{CRC_32_ISO_HDLC, Crc};
 use servoid_protocol::framing::CRC;
-use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
 use std::ops::Range;
 use toml::{Table, Value};
 
@@ -15,6 +15,9 @@ static ROWS_CRC: Crc<u32, crc::Table<16>> = Crc::<u32, crc::Table<16>>::new(&CRC
 
 /// Bytes of the shortest row that can be written.
 const SHORTEST_ROW: usize = "0,0.000,0,0.0000,0\n".len();
+
+/// Time between rows (s): the format's times are sample numbers times this.
+pub(super) const SAMPLE_PERIOD_S: f64 = SAMPLE_US as f64 * 1e-6;
 
 /// Something that is not as it was written.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +45,8 @@ pub(super) enum LastLine {
 #[derive(Debug)]
 pub(super) struct Scan {
     pub(super) header: Header,
+    /// Whether the lines above the rows are as they were written, as far as that can be known.
+    pub(super) header_is_sound: bool,
     /// Sound rows, in order.
     pub(super) rows: Vec<Row>,
     /// Rows that are there, sound or not.
@@ -60,14 +65,38 @@ pub(super) struct Scan {
 #[derive(Debug)]
 pub(super) struct Newer(pub(super) u32);
 
-/// Whether `bytes` look like a recording of this program rather than any other CSV file.
+/// Lines among which the row of column names is, with room for keys that are not known yet.
+const MOST_HEADER_LINES: usize = 100;
+
+/// Whether `bytes` look like a recording of this program, sound or damaged or cut short, rather than
+/// any other CSV file: by its first line, its columns, or the other keys of its header.
 #[must_use]
 pub fn is_recording(bytes: &[u8]) -> bool {
-    bytes.starts_with(FIRST_LINE.as_bytes())
-        || bytes
-            .split(|&b| b == b'\n')
-            .find(|line| !line.starts_with(b"#"))
-            .is_some_and(is_column_row)
+    let begins = bytes.starts_with(FIRST_LINE.as_bytes())
+        || FIRST_LINE.as_bytes().starts_with(bytes.trim_ascii_end());
+    begins || column_row(bytes).is_some() || has_header_keys(bytes)
+}
+
+/// Number of the line, from 1, with the names of the columns.
+fn column_row(bytes: &[u8]) -> Option<usize> {
+    let lines = bytes.split(|&b| b == b'\n').take(MOST_HEADER_LINES);
+    lines
+        .zip(1..)
+        .find(|(line, _)| is_column_row(line))
+        .map(|(_, number)| number)
+}
+
+/// Whether comments as the writer's are there; two, since one may be in anybody's file.
+fn has_header_keys(bytes: &[u8]) -> bool {
+    let keys = [
+        "# servoid = ",
+        "# started = ",
+        "# condition = ",
+        "# sample_period_s = ",
+    ];
+    let lines = bytes.split(|&b| b == b'\n').take(MOST_HEADER_LINES);
+    let ours = |line: &&[u8]| keys.iter().any(|key| line.starts_with(key.as_bytes()));
+    lines.filter(ours).take(2).count() == 2
 }
 
 fn is_column_row(line: &[u8]) -> bool {
@@ -84,7 +113,9 @@ pub(super) fn scan(bytes: &[u8]) -> Result<Scan, Newer> {
     let body = bytes.get(..whole).unwrap_or_default();
     let mut lines = Lines::new(body);
     let mut damages = Vec::new();
-    let header = read_header(&mut lines, &mut damages)?;
+    let header = read_header(&mut lines, column_row(body), &mut damages)?;
+    let header_is_sound = damages.is_empty();
+    hold_period_against_rows(&header, &mut damages);
     let mut rows = Rows::new(body, &header, damages);
     for line in lines {
         rows.take(&line);
@@ -105,6 +136,7 @@ pub(super) fn scan(bytes: &[u8]) -> Result<Scan, Newer> {
     rows.damages.sort_by_key(|damage| damage.line);
     Ok(Scan {
         header,
+        header_is_sound,
         rows: rows.sound,
         rows_seen: rows.seen,
         last_line: rows.last_line,
@@ -158,8 +190,29 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Reads up to the row of column names.
-fn read_header(lines: &mut Lines<'_>, damages: &mut Vec<Damage>) -> Result<Header, Newer> {
+/// Times in rows are made of the period that every rig has: a header with another one would make
+/// every time in the results wrong.
+fn hold_period_against_rows(header: &Header, damages: &mut Vec<Damage>) {
+    let (said, written) = (header.sample_period_s, SAMPLE_PERIOD_S);
+    // Far above the rounding of a number in text, far below what any clock is off by.
+    let equal = (said - written).abs() <= 1e-9 * written;
+    if !equal {
+        damages.push(Damage {
+            row: None,
+            line: 1,
+            reason: format!(
+                "sample_period_s is {said}, and the rows are written {written} s apart"
+            ),
+        });
+    }
+}
+
+/// Reads up to the row of column names, which is the line `columns` where there is one.
+fn read_header(
+    lines: &mut Lines<'_>,
+    columns: Option<usize>,
+    damages: &mut Vec<Damage>,
+) -> Result<Header, Newer> {
     let (mut table, mut digest, mut sealed) = (Table::new(), CRC.digest(), None);
     let mut damage = |line, reason: &str| {
         damages.push(Damage {
@@ -173,6 +226,11 @@ fn read_header(lines: &mut Lines<'_>, damages: &mut Vec<Damage>) -> Result<Heade
         last = number;
         let text = bytes.trim_ascii_end();
         let Some(comment) = text.strip_prefix(b"#") else {
+            if columns.is_some_and(|columns| number < columns) {
+                damage(number, "it is not of the form '# key = value'");
+                digest.update(bytes);
+                continue;
+            }
             if !is_column_row(text) {
                 damage(number, "the column names are wrong");
             }
@@ -229,6 +287,10 @@ struct Rows<'a> {
     sound: Vec<Row>,
     /// The frame that is being read.
     frame: Vec<FrameRow>,
+    /// The number of that frame, by its first sound row.
+    frame_number: Option<u64>,
+    /// Sound rows in it.
+    frame_sound: usize,
     seen: usize,
     newest_sample: Option<u64>,
     digest: crc::Digest<'static, u32, crc::Table<16>>,
@@ -251,6 +313,8 @@ impl<'a> Rows<'a> {
             frames_are_whole: header.format > 1,
             sound: Vec::with_capacity((body.len() / SHORTEST_ROW).min(MOST_SAMPLES as usize)),
             frame: Vec::new(),
+            frame_number: None,
+            frame_sound: 0,
             seen: 0,
             newest_sample: None,
             digest: ROWS_CRC.digest(),
@@ -336,17 +400,21 @@ impl<'a> Rows<'a> {
     fn take_exactly(&mut self, line: usize, text: &[u8]) {
         let row = self.exact.read(text);
         let row = row.and_then(|row| self.rising(row));
-        let frame_of = |row: &Row| row.sample / SAMPLES_PER_FRAME as u64;
-        let of_this_frame = self.frame.iter().find_map(|(_, _, r)| r.as_ref().ok());
-        let another = match (of_this_frame, &row) {
-            (Some(first), Ok(row)) => frame_of(first) != frame_of(row),
+        let number = row
+            .as_ref()
+            .ok()
+            .map(|row| row.sample / SAMPLES_PER_FRAME as u64);
+        let another = match (self.frame_number, number) {
+            (Some(current), Some(number)) => current != number,
             _ => false,
         };
         // A line that was broken in two makes eleven of ten: only sound rows fill a frame.
-        let sound = self.frame.iter().filter(|(_, _, row)| row.is_ok()).count();
-        if another || sound == SAMPLES_PER_FRAME {
+        if another || self.frame_sound == SAMPLES_PER_FRAME {
             self.check_frame();
         }
+        // Counted here, and not by looking through the frame: damage may go on for a whole file.
+        self.frame_number = self.frame_number.or(number);
+        self.frame_sound += usize::from(row.is_ok());
         self.frame.push((line, self.seen, row));
     }
 
@@ -361,6 +429,7 @@ impl<'a> Rows<'a> {
         }
         frame.clear();
         self.frame = frame;
+        (self.frame_number, self.frame_sound) = (None, 0);
     }
 
     /// Finds what is wrong with a frame, or with the end of the file in it.

@@ -1,12 +1,12 @@
 //! Writing a recording so that what has been captured survives whatever comes next.
 
 use super::header::on_one_line;
+use super::reserved::ReservedFile;
 use super::row::RowFormat;
 use super::{COLUMNS, Header};
 use servoid_protocol::Frame;
 use servoid_protocol::framing::CRC;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
-use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -27,6 +27,24 @@ pub enum WriteError {
         path: PathBuf,
         /// What the system said.
         reason: std::io::Error,
+    },
+    /// Another program writes to it.
+    #[error(
+        "{path:?} is being written by another program: wait for its end, or choose another name"
+    )]
+    InUse {
+        /// Which.
+        path: PathBuf,
+    },
+    /// What was written has no name any more.
+    #[error(
+        "{path:?} was removed or replaced by another program while it was written: its {rows} rows are lost"
+    )]
+    Removed {
+        /// Which.
+        path: PathBuf,
+        /// Rows that were in it.
+        rows: u64,
     },
     /// The disk is full or gone.
     #[error("{path:?} could not be written on ({reason}): the {rows} rows so far are kept")]
@@ -55,33 +73,10 @@ pub enum Ending {
     Partial {
         /// Why, in plain words.
         reason: String,
-        /// Frames of which nothing came.
+        /// Frames of which nothing is there: those that were lost, and those that the run would
+        /// still have had.
         lost_frames: Vec<Range<u32>>,
     },
-}
-
-/// Opens a file for writing that was not there, or whose loss is allowed.
-pub(crate) fn create(path: &Path, force: bool) -> Result<File, WriteError> {
-    let mut options = OpenOptions::new();
-    options.write(true);
-    if force {
-        options.create(true).truncate(true)
-    } else {
-        options.create_new(true)
-    };
-    open(&options, path)
-}
-
-fn open(options: &OpenOptions, path: &Path) -> Result<File, WriteError> {
-    options.open(path).map_err(|reason| match reason.kind() {
-        std::io::ErrorKind::AlreadyExists => WriteError::Exists {
-            path: path.to_owned(),
-        },
-        _ => WriteError::NotCreated {
-            path: path.to_owned(),
-            reason,
-        },
-    })
 }
 
 /// Where a recording is written to: a file, as a rule.
@@ -99,84 +94,12 @@ pub trait Target: Write {
     fn settle(&mut self) -> std::io::Result<()>;
 }
 
-impl Target for File {
-    fn cut_to(&mut self, length: u64) -> std::io::Result<()> {
-        self.set_len(length)?;
-        std::io::Seek::seek(self, std::io::SeekFrom::End(0)).map(|_| ())
-    }
-
-    fn settle(&mut self) -> std::io::Result<()> {
-        self.sync_all()
-    }
-}
-
-/// A file that can be written, and has not been touched yet: so that a folder that is read-only is
-/// found before the servo moves, and a file that may be replaced is not lost for a run that does not
-/// take place.
-#[derive(Debug)]
-pub struct ReservedFile {
-    /// `None` once the file belongs to a writer.
-    file: Option<File>,
-    path: PathBuf,
-    was_there: bool,
-}
-
-impl ReservedFile {
-    /// Opens the file, or makes it where it is not there.
-    ///
-    /// # Errors
-    /// [`WriteError::Exists`] unless `force`; [`WriteError::NotCreated`].
-    pub fn new(path: &Path, force: bool) -> Result<Self, WriteError> {
-        let was_there = path.exists();
-        let mut options = OpenOptions::new();
-        options.write(true);
-        if force {
-            options.create(true).truncate(false)
-        } else {
-            options.create_new(true)
-        };
-        Ok(Self {
-            file: Some(open(&options, path)?),
-            path: path.to_owned(),
-            was_there,
-        })
-    }
-
-    /// Replaces what is in the file by the header of a recording.
-    ///
-    /// # Errors
-    /// [`WriteError::NotCreated`].
-    pub fn begin(mut self, header: &Header) -> Result<RecordingWriter, WriteError> {
-        let not_created = |reason| WriteError::NotCreated {
-            path: self.path.clone(),
-            reason,
-        };
-        let file = self
-            .file
-            .as_ref()
-            .ok_or_else(|| not_created(std::io::Error::other("closed")))?;
-        let file = file.try_clone().map_err(not_created)?;
-        // What is not a plain file has no length to cut.
-        let _best_effort = file.set_len(0);
-        let writer = RecordingWriter::on(Box::new(file), &self.path, header)?;
-        self.file = None;
-        Ok(writer)
-    }
-}
-
-impl Drop for ReservedFile {
-    /// An empty file would be in the way of the next attempt.
-    fn drop(&mut self) {
-        if self.file.take().is_some() && !self.was_there {
-            let _best_effort = std::fs::remove_file(&self.path);
-        }
-    }
-}
-
 /// A recording that is being written.
 pub struct RecordingWriter {
     target: Box<dyn Target>,
     path: PathBuf,
+    /// The lines above the rows, until they are written.
+    header: Option<String>,
     format: RowFormat,
     rows: u64,
     /// Length of the file up to the last whole frame (bytes).
@@ -190,36 +113,65 @@ impl RecordingWriter {
     /// # Errors
     /// [`WriteError`].
     pub fn create(path: &Path, force: bool, header: &Header) -> Result<Self, WriteError> {
-        ReservedFile::new(path, force)?.begin(header)
+        let mut writer = ReservedFile::new(path, force)?.begin(header)?;
+        writer.begin_file()?;
+        Ok(writer)
     }
 
     /// Writes the header to `target`; `path` is what error texts call it.
     ///
     /// # Errors
     /// [`WriteError::NotCreated`].
-    pub fn on(
-        mut target: Box<dyn Target>,
+    pub fn on(target: Box<dyn Target>, path: &Path, header: &Header) -> Result<Self, WriteError> {
+        let mut writer = Self::waiting(target, path, header)?;
+        writer.begin_file()?;
+        Ok(writer)
+    }
+
+    /// A writer that leaves `target` as it is until the first frame or the end.
+    pub(super) fn waiting(
+        target: Box<dyn Target>,
         path: &Path,
         header: &Header,
     ) -> Result<Self, WriteError> {
-        let not_created = |reason| WriteError::NotCreated {
+        let lines = header.to_lines().map_err(|error| WriteError::NotCreated {
             path: path.to_owned(),
-            reason,
-        };
-        let mut text = header
-            .to_lines()
-            .map_err(|e| not_created(std::io::Error::other(e)))?;
-        text.push_str(&COLUMNS.join(","));
-        text.push('\n');
-        target.write_all(text.as_bytes()).map_err(not_created)?;
+            reason: std::io::Error::other(error),
+        })?;
         Ok(Self {
             target,
             path: path.to_owned(),
+            header: Some(format!("{lines}{}\n", COLUMNS.join(","))),
             format: RowFormat::new(header),
             rows: 0,
-            bytes: text.len() as u64,
+            bytes: 0,
             digest: CRC.digest(),
         })
+    }
+
+    /// Whether anything of it is in the file; before, the file is what it was.
+    #[must_use]
+    pub fn has_begun(&self) -> bool {
+        self.header.is_none()
+    }
+
+    /// Replaces what is in the file by the lines above the rows, unless that has been done.
+    fn begin_file(&mut self) -> Result<(), WriteError> {
+        let Some(text) = self.header.take() else {
+            return Ok(());
+        };
+        // What is not a plain file has no length to cut.
+        let _best_effort = self.target.cut_to(0);
+        self.target.write_all(text.as_bytes()).map_err(|reason| {
+            // An empty file is in nobody's way.
+            let _best_effort = self.target.cut_to(0);
+            WriteError::NotCreated {
+                path: self.path.clone(),
+                reason,
+            }
+        })?;
+        self.bytes = text.len() as u64;
+        Ok(())
     }
 
     /// Where it goes.
@@ -240,6 +192,7 @@ impl RecordingWriter {
     /// # Errors
     /// [`WriteError::Stopped`]; the rows before this frame are kept.
     pub fn append(&mut self, frame: &Frame) -> Result<(), WriteError> {
+        self.begin_file()?;
         let mut text = String::with_capacity(SAMPLES_PER_FRAME * 40);
         let first = u64::from(frame.index) * SAMPLES_PER_FRAME as u64;
         for (sample, counts) in (first..).zip(frame.samples) {
@@ -259,8 +212,9 @@ impl RecordingWriter {
     ///
     /// # Errors
     /// [`WriteError::Stopped`]; the rows are kept, and without its last line the recording is read
-    /// as partial.
+    /// as partial. [`WriteError::Removed`].
     pub fn finish(mut self, ending: &Ending) -> Result<(), WriteError> {
+        self.begin_file()?;
         let crc32 = self.digest.clone().finalize();
         let rows = self.rows;
         let line = match ending {
@@ -278,10 +232,11 @@ impl RecordingWriter {
                 lost_frames,
             } => {
                 let reason = on_one_line(&toml::Value::from(reason.as_str()));
-                let samples = SAMPLES_PER_FRAME as u32;
+                let samples = |frame: u32| u64::from(frame) * SAMPLES_PER_FRAME as u64;
                 let lost: Vec<_> = lost_frames
                     .iter()
-                    .map(|f| format!("[{}, {}]", f.start * samples, f.end * samples - 1))
+                    .filter(|f| !f.is_empty())
+                    .map(|f| format!("[{}, {}]", samples(f.start), samples(f.end) - 1))
                     .collect();
                 format!(
                     "# end = \"partial\", rows = {rows}, crc32 = \"{crc32:08x}\", reason = {reason}, lost_samples = [{}]\n",
@@ -297,6 +252,12 @@ impl RecordingWriter {
     }
 
     fn stopped(&mut self, reason: std::io::Error) -> WriteError {
+        if reason.kind() == std::io::ErrorKind::NotFound {
+            return WriteError::Removed {
+                path: self.path.clone(),
+                rows: self.rows,
+            };
+        }
         // Part of a frame may have got through; if the system cannot take it back, the reader
         // passes over a last line that has no end.
         let _best_effort = self.target.cut_to(self.bytes);

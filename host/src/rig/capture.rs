@@ -85,6 +85,9 @@ pub enum CaptureError {
     /// The file.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// There is nothing to keep.
+    #[error("stopped by the user before the run began: no file was written")]
+    StoppedBefore,
 }
 
 impl Capture {
@@ -105,7 +108,7 @@ impl Capture {
     /// # Errors
     /// When the rig refuses or does not answer.
     pub fn arm(&self, client: &mut RigClient) -> Result<(), TalkError> {
-        client.require_equal_schema()?;
+        client.require_match()?;
         let [sensor_low, sensor_high] = self.rig.healthy_counts();
         let arm = Command::Arm(Arm {
             schema_hash: SCHEMA_HASH,
@@ -152,6 +155,10 @@ impl Capture {
                 // What waited for an earlier frame is worth as much as the rest.
                 let _the_first_error_is_told = run.write_out_over_gaps(&mut writer, on_progress);
             }
+        }
+        if !run.has_begun() && !writer.has_begun() {
+            // No run, no recording: what was in the file is there still.
+            return Err(outcome.err().unwrap_or(CaptureError::StoppedBefore));
         }
         let ending = match &outcome {
             Ok(()) => run.ending(),

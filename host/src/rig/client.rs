@@ -1,5 +1,7 @@
 //! Requests that arrive, answers that belong to them.
 
+use super::mismatch::mismatches;
+pub use super::talk_error::TalkError;
 use crate::port::Port;
 use servoid_protocol::hello::SCHEMA_HASH;
 use servoid_protocol::message::{Command, Outcome, Refusal, Request, RigMessage, Status};
@@ -25,100 +27,14 @@ const SESSION_ATTEMPTS: u32 = 5;
 /// A look at a port that may well be something else.
 const PROBE_ATTEMPTS: u32 = 3;
 
-/// Why a rig cannot be talked to. The text says what to do.
-#[derive(Debug, thiserror::Error)]
-pub enum TalkError {
-    /// Not a byte came.
-    #[error(
-        "nothing on {port} answers: check that the board has power, is flashed with servoid-firmware, and that RX and TX are crossed"
-    )]
-    Silent {
-        /// The port's address.
-        port: String,
-    },
-    /// Bytes come, but none of them make sense.
-    #[error(
-        "{port} sends bytes that are not a rig's ({bytes} bytes, no message in them): another device, another baud rate than 115200, or a noisy line"
-    )]
-    Garbled {
-        /// The port's address.
-        port: String,
-        /// How many bytes came.
-        bytes: u64,
-    },
-    /// It answered once and no longer does.
-    #[error("the rig does not answer to {request}: check the cable and its power")]
-    NoAnswer {
-        /// What was asked.
-        request: &'static str,
-    },
-    /// Nothing readable has come for a long time.
-    #[error(
-        "nothing readable has come from the rig for {seconds} s: check the cable and its power"
-    )]
-    FellSilent {
-        /// How long (s).
-        seconds: u64,
-    },
-    /// It says that the run goes on, and no frame of it comes.
-    #[error(
-        "the rig answers, but no frame of the run has come for {seconds} s: its clock stands still, or the line is too slow"
-    )]
-    NoFrames {
-        /// How long (s).
-        seconds: u64,
-    },
-    /// It knows nothing of the run that it had begun.
-    #[error(
-        "the rig knows nothing of the run any more: it has been reset, or another program has taken it over"
-    )]
-    RunForgotten,
-    /// The rig was built for other messages.
-    #[error(
-        "the rig speaks another protocol (its schema is {rig:016x}, this servoid's is {host:016x}): flash the firmware of this version with 'cargo fw-flash'"
-    )]
-    SchemaDiffers {
-        /// The rig's schema hash.
-        rig: u64,
-        /// This program's schema hash.
-        host: u64,
-    },
-    /// The rig says no.
-    #[error("the rig refuses to {request}: {}", refusal_text(*.refusal))]
-    Refused {
-        /// What was asked.
-        request: &'static str,
-        /// Why not.
-        refusal: Refusal,
-    },
-    /// The stream broke.
-    #[error("the connection broke: check the cable and the rig's power")]
-    Broken(#[from] std::io::Error),
-}
+/// A run sends a frame every 20 ms: three times that lets one be lost.
+const FRAMES_COME: Duration = Duration::from_millis(60);
 
-fn refusal_text(refusal: Refusal) -> &'static str {
-    match refusal {
-        Refusal::UnknownSession => "another program has taken over the rig; start again",
-        Refusal::Outdated => "a newer request has overtaken this one; start again",
-        Refusal::SchemaDiffers => {
-            "it was built for another protocol; flash this version's firmware"
-        }
-        Refusal::NotArmed => "it is not armed, or has been reset since it was; start again",
-        Refusal::Running => "a run is under way; wait for its end",
-        Refusal::BadLimits => {
-            "the limits are outside what the board allows, or neutral is outside the limits; mend 'limits' and 'servo.neutral_us' in the rig file"
-        }
-        Refusal::BeyondLimits => {
-            "the reference leaves the limits; choose a smaller amplitude or wider 'limits' in the rig file"
-        }
-        Refusal::BadReference => "the reference is empty or too long for one run; make it shorter",
-        Refusal::UnknownRun => "it knows nothing of that run; it may have been reset",
-        Refusal::RunRepeated => "its number is that of the run before; start again",
-        Refusal::SensorOutOfRange => {
-            "the sensor reads outside its healthy range; check its wiring and supply, or 'sensor.healthy_counts' in the rig file"
-        }
-    }
-}
+/// A run whose frames have come does not come to its end before this much silence.
+const FRAMES_STOP: Duration = Duration::from_millis(200);
+
+/// Longer than the two seconds for which a run goes on that nobody follows.
+const RUN_IS_FOLLOWED: Duration = Duration::from_millis(2_500);
 
 /// A rig at the other end of a port.
 pub struct RigClient {
@@ -213,12 +129,35 @@ impl RigClient {
         Self::open(port, address, session, HELLO_ATTEMPTS)
     }
 
-    /// [`RigClient::connect`] without patience: to find out quickly which of many ports is a rig.
+    /// [`RigClient::connect`], but where a run is under way nothing is said: a new session would take
+    /// the rig from the program that follows the run. What is heard of a run is its frames, so on a
+    /// line that brings them to one listener only, a run is not noticed.
     ///
     /// # Errors
-    /// As [`RigClient::connect`].
+    /// As [`RigClient::connect`], and [`TalkError::RunOfAnother`].
+    pub fn connect_beside(port: Box<dyn Port>, address: &str) -> Result<Self, TalkError> {
+        Self::open_beside(port, address, HELLO_ATTEMPTS)
+    }
+
+    /// [`RigClient::connect_beside`] without patience: to find out quickly which of many ports is a
+    /// rig.
+    ///
+    /// # Errors
+    /// As [`RigClient::connect_beside`].
     pub fn probe(port: Box<dyn Port>, address: &str) -> Result<Self, TalkError> {
-        Self::open(port, address, session_number(), PROBE_ATTEMPTS)
+        Self::open_beside(port, address, PROBE_ATTEMPTS)
+    }
+
+    fn open_beside(
+        mut port: Box<dyn Port>,
+        address: &str,
+        attempts: u32,
+    ) -> Result<Self, TalkError> {
+        // A simulated rig belongs to whoever opened it.
+        if !crate::port::is_simulated(address) && hears_a_run(port.as_mut())? {
+            return Err(TalkError::RunOfAnother);
+        }
+        Self::open(port, address, session_number(), attempts)
     }
 
     fn open(
@@ -302,6 +241,24 @@ impl RigClient {
             rig => Err(TalkError::SchemaDiffers {
                 rig,
                 host: SCHEMA_HASH,
+            }),
+        }
+    }
+
+    /// Refuses to go on with a rig that differs in anything a recording depends on (see
+    /// [`mismatches`]): with an equal schema, its timing.
+    ///
+    /// # Errors
+    /// [`TalkError::SchemaDiffers`], [`TalkError::TimingDiffers`].
+    pub fn require_match(&self) -> Result<(), TalkError> {
+        self.require_equal_schema()?;
+        match mismatches(&self.hello).into_iter().next() {
+            None => Ok(()),
+            Some(first) => Err(TalkError::TimingDiffers {
+                field: first.field,
+                rig: first.rig,
+                host: first.servoid,
+                meaning: first.meaning,
             }),
         }
     }
@@ -446,6 +403,27 @@ impl Conversation {
             .extend(bytes.filter_map(|&byte| self.decoder.push::<RigMessage>(byte)));
         Ok(())
     }
+}
+
+/// Whether frames of a run come, and go on coming for longer than a lease: a run that nobody follows
+/// any more ends by itself.
+fn hears_a_run(port: &mut dyn Port) -> std::io::Result<bool> {
+    let (mut decoder, mut buffer) = (Decoder::new(), [0; 512]);
+    let begin = port.now();
+    let mut quiet_at = begin + FRAMES_COME;
+    while port.now() < quiet_at {
+        if port.now() >= begin + RUN_IS_FOLLOWED {
+            return Ok(true);
+        }
+        let count = port.read(&mut buffer, quiet_at.saturating_sub(port.now()))?;
+        let messages = buffer.iter().take(count);
+        for message in messages.filter_map(|&byte| decoder.push::<RigMessage>(byte)) {
+            if matches!(message, RigMessage::Frame(_)) {
+                quiet_at = port.now() + FRAMES_STOP;
+            }
+        }
+    }
+    Ok(false)
 }
 
 /// What error texts call a request.

@@ -191,10 +191,11 @@ impl RigFile {
         if !usable(servo.us_per_degree) {
             return Err("servo.us_per_degree must be a number other than 0, at most a million");
         }
-        if !usable(sensor.degrees_per_count) || !sensor.zero_counts.is_finite() {
-            return Err(
-                "sensor.degrees_per_count and sensor.zero_counts must be numbers, the first not 0",
-            );
+        if !usable(sensor.degrees_per_count) {
+            return Err("sensor.degrees_per_count must be a number other than 0");
+        }
+        if !(0.0..=f64::from(u16::MAX)).contains(&sensor.zero_counts) {
+            return Err("sensor.zero_counts must be a reading of the sensor, 0 to 65535");
         }
         if !spread(sensor.zero_sd_deg) || !spread(sensor.scale_sd_percent) {
             return Err("sensor.zero_sd_deg and sensor.scale_sd_percent must be 0 or more");
@@ -282,6 +283,8 @@ mod tests {
             ("[servo]\nus_per_degree = nan", "us_per_degree"),
             ("[servo]\nneutral_us = 2500", "neutral_us"),
             ("[sensor]\nhealthy_counts = [9, 3]", "healthy_counts"),
+            ("[sensor]\nzero_counts = 1e308", "zero_counts"),
+            ("[sensor]\nzero_counts = -1", "zero_counts"),
             ("[sensor]\nzero_sd_deg = -1", "zero_sd_deg"),
             ("[servo]\nneutral = 1500", "neutral"),
             ("[limits]\nshortest_us = 99999", "shortest_us"),

@@ -22,6 +22,7 @@ pub mod client;
 pub mod file;
 pub mod mismatch;
 pub mod run;
+mod talk_error;
 mod under_way;
 
 pub use capture::{Capture, CaptureEnd, Progress, StopReason};

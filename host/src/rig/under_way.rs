@@ -61,6 +61,7 @@ pub(super) struct RunUnderWay<'a> {
     ended: Option<Ended>,
     /// The one request that waits for its answer.
     asked: Option<Asked>,
+    begun: bool,
     stop: Stop,
     /// What the rig last said of itself.
     status: Option<Status>,
@@ -98,6 +99,7 @@ impl<'a> RunUnderWay<'a> {
             assembly: RunAssembly::new(start.run),
             ended: None,
             asked: None,
+            begun: false,
             stop: Stop::NotWanted,
             status: None,
             denials: 0,
@@ -119,6 +121,11 @@ impl<'a> RunUnderWay<'a> {
         self.asked_again
     }
 
+    /// Whether the rig has said that the run is under way.
+    pub(super) fn has_begun(&self) -> bool {
+        self.begun
+    }
+
     /// The number that was to be the run's is that of the run before.
     pub(super) fn take_another_number(&mut self) {
         self.start.run = self.start.run.wrapping_add(1);
@@ -128,6 +135,7 @@ impl<'a> RunUnderWay<'a> {
     /// Has the rig begin the run.
     pub(super) fn begin(&mut self) -> Result<(), TalkError> {
         self.client.request(Command::Start(self.start))?;
+        self.begun = true;
         let now = self.client.now();
         (self.heard_at, self.frame_at, self.progress_at) = (now, now, now);
         (self.sign_of_life_at, self.status_at) = (now, now);
@@ -463,9 +471,17 @@ impl<'a> RunUnderWay<'a> {
     }
 
     fn partial(&self, reason: String) -> Ending {
+        let (mut lost_frames, here) = (self.assembly.lost().to_vec(), self.assembly.position());
+        // What the run would still have had is missing as well.
+        if here < self.start.frames() {
+            match lost_frames.last_mut() {
+                Some(last) if last.end == here => last.end = self.start.frames(),
+                _ => lost_frames.push(here..self.start.frames()),
+            }
+        }
         Ending::Partial {
             reason,
-            lost_frames: self.assembly.lost().to_vec(),
+            lost_frames,
         }
     }
 }

@@ -126,9 +126,17 @@ fn remarks_with_line_ends_and_quotes_survive() {
     assert_eq!(recording.header.notes, notes);
 }
 
+/// Ctrl-C, what a system sends before it shuts down, and a terminal that is closed.
 #[cfg(unix)]
 #[test]
-fn ctrl_c_closes_the_file_and_keeps_the_data() {
+fn a_signal_to_end_closes_the_file_and_keeps_the_data() {
+    for signal in ["-INT", "-TERM", "-HUP"] {
+        end_by(signal);
+    }
+}
+
+#[cfg(unix)]
+fn end_by(signal: &str) {
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 
@@ -149,13 +157,13 @@ fn ctrl_c_closes_the_file_and_keeps_the_data() {
     let pid = child.id().to_string();
     assert!(
         Command::new("kill")
-            .args(["-INT", &pid])
+            .args([signal, &pid])
             .status()
             .unwrap()
             .success()
     );
     let status = child.wait().unwrap();
-    assert!(status.success(), "{status}");
+    assert!(status.success(), "{signal}: {status}");
     let recording = Recording::read(&file).unwrap();
     let Completeness::Partial(reason) = &recording.completeness else {
         panic!("it is partial")

@@ -219,26 +219,22 @@ fn a_port_that_another_servoid_has_is_busy() {
 fn the_aircraft_is_not_moved_by_accident() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("x.csv");
-    for condition in ["aircraft", " Aircraft", "heli"] {
-        let args = [
-            "capture",
-            "--port",
-            "/dev/nowhere",
-            "--condition",
-            condition,
-            "-o",
-            arg(&file),
-        ];
-        assert!(refusal(&args).contains("--arm"), "{condition}");
-    }
-    let args = [
-        "capture",
-        "--port",
-        "/dev/nowhere",
-        "--condition",
+    let capture = |condition: &[&str]| {
+        let port = ["capture", "--port", "/dev/nowhere", "-o", arg(&file)];
+        refusal(&[&port[..], condition].concat())
+    };
+    for condition in [
+        "aircraft",
+        " Aircraft",
+        "heli",
+        "",
         "Bench 2",
-        "-o",
-        arg(&file),
-    ];
-    assert!(refusal(&args).contains("there is no port"));
+        "bench, on the aircraft with the rotor turning",
+    ] {
+        let said = capture(&["--condition", condition]);
+        assert!(said.contains("--arm"), "{condition:?}: {said}");
+    }
+    for condition in [&[][..], &["--condition", "bench"]] {
+        assert!(capture(condition).contains("there is no port"));
+    }
 }

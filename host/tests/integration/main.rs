@@ -3,6 +3,7 @@
 mod browser;
 mod capture;
 mod chaos;
+mod damage;
 mod demo;
 mod errors;
 mod export;
@@ -13,5 +14,6 @@ mod identify;
 mod plan;
 mod references;
 mod report;
+mod safekeeping;
 mod support;
 mod verdicts;
