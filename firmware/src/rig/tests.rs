@@ -9,6 +9,7 @@ mod model;
 mod references;
 mod runs;
 mod sessions;
+mod walk;
 
 use super::*;
 use servoid_protocol::hello::{ClockSource, ResetCause};

@@ -1,9 +1,4 @@
-<<<<<<< HEAD
 //! Ctrl-C, and the signals that a system sends to end a program.
-=======
-//! Ctrl-C, and the other ways in which a system asks a program to end: SIGTERM, a terminal that is
-//! closed.
->>>>>>> 0179902 (Captures, files and readers: a closed terminal, another timing, damaged headers, signals and files in use cost no run and no data)
 
 use crate::scope::terminal;
 use anyhow::{Context, Result};

@@ -29,25 +29,15 @@ pub(super) fn from_recording(
     let healthy = recording.header.healthy_degrees();
     let broken = healthy.map_or(0, |range| drop_unhealthy(&mut output, range));
     let run = run(input, output, path, options.at_rest)?;
-<<<<<<< HEAD
-    let mut remarks = Vec::new();
-    let (shown, rows) = (path.display(), recording.samples.len());
-    match &recording.completeness {
-        Completeness::Complete => {}
-        Completeness::Early(reason) => remarks.push(format!(
-            "{shown} was ended on purpose ({reason}): it has {rows} rows"
-        )),
-        Completeness::Partial(reason) => {
-            remarks.push(format!("{shown} is partial ({reason}): it has {rows} rows"));
-        }
-=======
     let (mut remarks, mut advice) = (Vec::new(), Vec::new());
+    let (shown, rows) = (path.display(), recording.samples.len());
+    if let Completeness::Early(reason) = &recording.completeness {
+        remarks.push(format!(
+            "{shown} was ended on purpose ({reason}): it has {rows} rows"
+        ));
+    }
     if let Completeness::Partial(reason) = &recording.completeness {
-        let rows = recording.samples.len();
-        let remark = format!(
-            "{} is partial ({reason}): it has {rows} rows",
-            path.display()
-        );
+        let remark = format!("{shown} is partial ({reason}): it has {rows} rows");
         let frames = u32::from(recording.header.pre_roll_frames)
             + recording.header.reference_frames
             + u32::from(recording.header.post_roll_frames);
@@ -74,7 +64,6 @@ pub(super) fn from_recording(
             "Hold these values against the rig file, or capture again.",
         ));
         remarks.push(remark);
->>>>>>> 0179902 (Captures, files and readers: a closed terminal, another timing, damaged headers, signals and files in use cost no run and no data)
     }
     if broken > 0 {
         remarks.push(format!(
@@ -90,14 +79,6 @@ pub(super) fn from_recording(
         ));
     }
     let condition = Some(recording.header.condition.clone()).filter(|c| !c.is_empty());
-<<<<<<< HEAD
-    let end = match &recording.completeness {
-        Completeness::Partial(reason) => format!("partial ({reason})"),
-        Completeness::Early(reason) => format!("on purpose ({reason})"),
-        Completeness::Complete => "complete".to_owned(),
-    };
-=======
->>>>>>> 0179902 (Captures, files and readers: a closed terminal, another timing, damaged headers, signals and files in use cost no run and no data)
     let mut provenance = vec![
         ("file".to_owned(), path.display().to_string()),
         ("end".to_owned(), said_end(recording)),
@@ -132,6 +113,7 @@ pub(super) fn from_recording(
 fn said_end(recording: &Recording) -> String {
     match &recording.completeness {
         Completeness::Partial(reason) => format!("partial ({reason})"),
+        Completeness::Early(reason) => format!("on purpose ({reason})"),
         Completeness::Complete => "complete".to_owned(),
     }
 }

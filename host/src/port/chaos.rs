@@ -13,7 +13,7 @@
 //! | lost        | nothing of it arrives                                                           |
 //! | corrupted   | bits flip, or its end is missing, or strange bytes are in it; its zeros may be hit |
 //! | duplicated  | it arrives once more, up to half a second later                                 |
-//! | reordered   | it arrives late, behind others                                                  |
+//! | reordered   | it arrives late by up to half a second, behind those that set out meanwhile     |
 //! | stalled     | it and everything behind it arrive late                                         |
 //!
 //! Whatever arrives is handed over in pieces of any size.
@@ -33,7 +33,8 @@ pub struct Faults {
     pub corrupted: f64,
     /// It comes twice.
     pub duplicated: f64,
-    /// It and, by the same chance, those after it are late by up to [`LATEST`].
+    /// It is late by up to [`LATEST`]; those after it are not, unless chance wants it of each: frames
+    /// are reordered one by one.
     pub reordered: f64,
     /// The line stands still for up to [`LONGEST_STALL`].
     pub stalled: f64,

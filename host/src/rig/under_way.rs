@@ -62,6 +62,8 @@ pub(super) struct RunUnderWay<'a> {
     /// The one request that waits for its answer.
     asked: Option<Asked>,
     begun: bool,
+    /// One past the newest frame that is in the file.
+    written: u32,
     stop: Stop,
     /// What the rig last said of itself.
     status: Option<Status>,
@@ -100,6 +102,7 @@ impl<'a> RunUnderWay<'a> {
             ended: None,
             asked: None,
             begun: false,
+            written: 0,
             stop: Stop::NotWanted,
             status: None,
             denials: 0,
@@ -255,6 +258,7 @@ impl<'a> RunUnderWay<'a> {
     ) -> Result<(), CaptureError> {
         while let Some(frame) = self.assembly.let_out() {
             writer.append(&frame)?;
+            self.written = u32::from(frame.index) + 1;
             on_progress(Progress {
                 frame: &frame,
                 frames_total: self.start.frames(),
@@ -471,13 +475,13 @@ impl<'a> RunUnderWay<'a> {
     }
 
     fn partial(&self, reason: String) -> Ending {
-        let (mut lost_frames, here) = (self.assembly.lost().to_vec(), self.assembly.position());
-        // What the run would still have had is missing as well.
-        if here < self.start.frames() {
-            match lost_frames.last_mut() {
-                Some(last) if last.end == here => last.end = self.start.frames(),
-                _ => lost_frames.push(here..self.start.frames()),
-            }
+        let mut lost_frames = self.assembly.lost().to_vec();
+        // What could not be written, and what the run would still have had, is missing as well.
+        let end = self.start.frames();
+        match lost_frames.last_mut() {
+            Some(last) if last.end >= self.written => last.end = end,
+            _ if self.written < end => lost_frames.push(self.written..end),
+            _ => {}
         }
         Ending::Partial {
             reason,

@@ -185,7 +185,9 @@ fn a_cable_that_is_out_for_longer_than_the_lease_costs_only_what_was_not_made() 
         .count();
     // The start was heard as well, so the lease gave 100 frames, less the one or two before the first.
     assert!(rows >= 970, "{rows}");
-    assert!(matches!(end, Ending::Partial { lost_frames, .. } if lost_frames.is_empty()));
+    // One stretch: what the run would still have had.
+    let missing = rows as u32 / 10..long.frames();
+    assert!(matches!(end, Ending::Partial { lost_frames, .. } if lost_frames == [missing]));
 }
 
 #[test]

@@ -12,12 +12,14 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+type Change = fn(&mut Hello);
+
 /// A simulated rig that says of itself what it is not.
 struct OtherTiming {
     inner: Box<dyn Port>,
     decoder: Decoder,
     waiting: VecDeque<u8>,
-    change: fn(&mut Hello),
+    change: Change,
 }
 
 impl Port for OtherTiming {
@@ -52,7 +54,7 @@ impl Port for OtherTiming {
 
 #[test]
 fn a_rig_of_another_timing_is_not_armed_though_its_messages_are_ours() {
-    let changes: [(&str, fn(&mut Hello)); 2] = [
+    let changes: [(&str, Change); 2] = [
         ("sample_us", |hello| hello.sample_us = 1000),
         ("frame_us", |hello| hello.frame_us = 10_000),
     ];
@@ -101,20 +103,19 @@ fn with_header(text: &str, from: &str, to: &str, sealed: bool) -> String {
 fn a_period_that_is_not_that_of_the_rows_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let (file, text) = recorded(dir.path());
-    for (from, to) in [("sample_period_s = 0.002", "sample_period_s = 0.001")] {
-        std::fs::write(&file, with_header(&text, from, to, true)).unwrap();
-        let said = refusal(&["identify", arg(&file)]);
-        assert!(
-            said.contains("sample_period_s") && said.contains("0.001"),
-            "{said}"
-        );
-        let saved = dir.path().join("saved.csv");
-        run(&["recover", arg(&file), "-o", arg(&saved)]);
-        assert_eq!(
-            Recording::read(&saved).unwrap().header.sample_period_s,
-            0.002
-        );
-    }
+    let (from, to) = ("sample_period_s = 0.002", "sample_period_s = 0.001");
+    std::fs::write(&file, with_header(&text, from, to, true)).unwrap();
+    let said = refusal(&["identify", arg(&file)]);
+    assert!(
+        said.contains("sample_period_s") && said.contains("0.001"),
+        "{said}"
+    );
+    let saved = dir.path().join("saved.csv");
+    run(&["recover", arg(&file), "-o", arg(&saved)]);
+    assert_eq!(
+        Recording::read(&saved).unwrap().header.sample_period_s,
+        0.002
+    );
     // Format 1 had no rule that rows are held against: the times are, all the same.
     let old = std::fs::read_to_string(data("recording-format-1.csv")).unwrap();
     let shifted = old.replace("\n15,0.030,", "\n15,0.032,");
@@ -206,7 +207,7 @@ fn a_recording_is_known_as_one_whatever_became_of_its_first_line() {
     let said = |bytes: &[u8]| {
         std::fs::write(&file, bytes).unwrap();
         let found = load(std::slice::from_ref(&file), &DatasetOptions::default());
-        found.unwrap_err().to_string()
+        found.map_or_else(|e| e.to_string(), |data| data.about.remarks.concat())
     };
     let first_line = bytes.iter().position(|b| *b == b'\n').unwrap();
     for at in 0..=first_line {
@@ -228,16 +229,17 @@ fn a_recording_is_known_as_one_whatever_became_of_its_first_line() {
     }
     for cut in 0..bytes.len() {
         let said = said(&bytes[..cut]);
-        assert!(
-            said.contains("partial") && !said.contains("is no recording"),
-            "cut at {cut}: {said}"
-        );
-        let recovered = Recording::parse(&bytes[..cut], &file).unwrap().completeness;
-        let servoid::recording::Completeness::Partial(why) = recovered else {
+        assert!(!said.contains("is no recording"), "cut at {cut}: {said}");
+        let cut_short = Recording::parse(&bytes[..cut], &file).unwrap();
+        let servoid::recording::Completeness::Partial(why) = cut_short.completeness else {
             panic!("cut at {cut}: complete")
         };
+        if !cut_short.samples.is_empty() {
+            continue; // four frames are too few for anything, which is another complaint
+        }
         // 'recover' says the same of it.
-        assert!(said.contains(&why), "cut at {cut}: {said}, not {why}");
+        let expected = format!("partial ({why})");
+        assert!(said.contains(&expected), "cut at {cut}: {said}, not {why}");
     }
 }
 

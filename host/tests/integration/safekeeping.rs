@@ -28,7 +28,12 @@ fn record_unarmed(file: &Path, force: bool, stop: bool) -> CaptureError {
     let header = Header::of_run(client.hello(), &capture.rig, &capture.start);
     let writer = reserved.begin(&header).unwrap();
     capture
-        .record(&mut client, writer, &|| stop, &mut |_| ())
+        .record(
+            &mut client,
+            writer,
+            &|| stop.then_some(servoid::rig::StopReason::User),
+            &mut |_| (),
+        )
         .unwrap_err()
 }
 

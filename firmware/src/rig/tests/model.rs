@@ -9,7 +9,7 @@ const LEASE: u16 = 3;
 const DEPTH: usize = 6;
 
 /// What may happen next. A frame follows each of them.
-const MOVES: [Move; 10] = [
+pub(super) const MOVES: [Move; 10] = [
     Move::Ask(1, Ask::Hello),
     Move::Ask(2, Ask::Hello),
     Move::Ask(1, Ask::Arm),
@@ -23,7 +23,7 @@ const MOVES: [Move; 10] = [
 ];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Move {
+pub(super) enum Move {
     Ask(u16, Ask),
     /// As long as a lease.
     Silence,
@@ -32,7 +32,7 @@ enum Move {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Ask {
+pub(super) enum Ask {
     Hello,
     Arm,
     ArmOtherSchema,
@@ -40,10 +40,12 @@ enum Ask {
     StartTooFar,
     Stop,
     Disarm,
+    KeepAlive,
+    Resend,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Phase {
+pub(super) enum Phase {
     Idle,
     Armed,
     /// Frames since the start was accepted, and since the last sign of life.
@@ -56,8 +58,8 @@ enum Phase {
 
 /// The table.
 #[derive(Clone, Copy, Debug)]
-struct Expected {
-    session: Option<u16>,
+pub(super) struct Expected {
+    pub(super) session: Option<u16>,
     phase: Phase,
     /// Number of the last run that was accepted.
     run: Option<u16>,
@@ -82,7 +84,7 @@ fn run_of_four_frames(run: u16) -> Start {
 }
 
 impl Expected {
-    fn ask(&mut self, session: u16, ask: Ask, run: u16) -> Option<Outcome> {
+    pub(super) fn ask(&mut self, session: u16, ask: Ask, run: u16) -> Option<Outcome> {
         if ask == Ask::Hello {
             self.session = Some(session);
             self.heard();
@@ -96,7 +98,7 @@ impl Expected {
         Some(outcome.map_or_else(Outcome::Refused, |()| Outcome::Done))
     }
 
-    fn heard(&mut self) {
+    pub(super) fn heard(&mut self) {
         if let Phase::Running { silent, .. } = &mut self.phase {
             *silent = 0;
         }
@@ -105,7 +107,7 @@ impl Expected {
     fn carry_out(&mut self, ask: Ask, run: u16) -> Result<(), Refusal> {
         let running = matches!(self.phase, Phase::Running { .. });
         match ask {
-            Ask::Hello => {}
+            Ask::Hello | Ask::KeepAlive => {}
             Ask::Arm | Ask::ArmOtherSchema => {
                 if running {
                     return Err(Refusal::Running);
@@ -137,11 +139,11 @@ impl Expected {
                     silent: 0,
                 };
             }
-            Ask::Stop => {
+            Ask::Stop | Ask::Resend => {
                 if self.run.is_none() {
                     return Err(Refusal::UnknownRun);
                 }
-                if running {
+                if running && ask == Ask::Stop {
                     self.phase = Phase::Ended;
                 }
             }
@@ -164,13 +166,13 @@ impl Expected {
 }
 
 #[derive(Clone)]
-struct Node {
-    bench: Bench,
-    expected: Expected,
+pub(super) struct Node {
+    pub(super) bench: Bench,
+    pub(super) expected: Expected,
 }
 
 impl Node {
-    fn make(&mut self, step: Move) {
+    pub(super) fn make(&mut self, step: Move) {
         match step {
             Move::Ask(session, ask) => self.ask(session, ask),
             Move::Silence => (0..LEASE).for_each(|_| self.frame(HEALTHY)),
@@ -184,10 +186,24 @@ impl Node {
         self.bench.sent.clear();
     }
 
-    fn ask(&mut self, session: u16, ask: Ask) {
-        // Another number than the last run's, and for Stop the last run's.
-        let run = self.expected.run.unwrap_or(0);
-        let next = run + 1;
+    pub(super) fn ask(&mut self, session: u16, ask: Ask) {
+        let next = self.next_run();
+        let command = self.command(ask);
+        let expected = self.expected.ask(session, ask, next);
+        self.bench.id = self.bench.id.wrapping_add(1);
+        let outcome = self.bench.raw_request(session, self.bench.id, command);
+        assert_eq!(outcome, expected, "{ask:?} of session {session}");
+    }
+
+    /// Another number than the last run's.
+    pub(super) fn next_run(&self) -> u16 {
+        self.expected.run.unwrap_or(0) + 1
+    }
+
+    pub(super) fn command(&self, ask: Ask) -> Command {
+        let next = self.next_run();
+        // What is asked of a run is asked of the last one.
+        let run = next - 1;
         let arm = Arm {
             lease_frames: LEASE,
             ..arm()
@@ -196,7 +212,7 @@ impl Node {
             amplitude_us: 101,
             ..Staircase::PAPER
         });
-        let command = match ask {
+        match ask {
             Ask::Hello => Command::Hello,
             Ask::Arm => Command::Arm(arm),
             Ask::ArmOtherSchema => Command::Arm(Arm {
@@ -210,14 +226,16 @@ impl Node {
             }),
             Ask::Stop => Command::Stop { run },
             Ask::Disarm => Command::Disarm,
-        };
-        let expected = self.expected.ask(session, ask, next);
-        self.bench.id = self.bench.id.wrapping_add(1);
-        let outcome = self.bench.raw_request(session, self.bench.id, command);
-        assert_eq!(outcome, expected, "{ask:?} of session {session}");
+            Ask::KeepAlive => Command::KeepAlive,
+            Ask::Resend => Command::Resend {
+                run,
+                first: 0,
+                count: 9,
+            },
+        }
     }
 
-    fn frame(&mut self, samples: [Counts; 10]) {
+    pub(super) fn frame(&mut self, samples: [Counts; 10]) {
         self.bench.frame_with(self.bench.on_line, samples);
         self.expected.frame(samples == HEALTHY);
         let line = self.bench.on_line;
@@ -252,8 +270,7 @@ fn explore(node: &Node, depth: usize, path: &mut Vec<Move>, visited: &mut u64) {
     }
 }
 
-#[test]
-fn all_sequences_of_six_requests_follow_the_table() {
+pub(super) fn root() -> Node {
     let mut bench = Bench::new();
     bench.frame();
     let expected = Expected {
@@ -262,7 +279,12 @@ fn all_sequences_of_six_requests_follow_the_table() {
         run: None,
         healthy: true,
     };
-    let root = Node { bench, expected };
+    Node { bench, expected }
+}
+
+#[test]
+fn all_sequences_of_six_requests_follow_the_table() {
+    let root = root();
     let mut visited = 0;
     explore(&root, DEPTH, &mut Vec::new(), &mut visited);
     let all: u64 = (0..=DEPTH as u32)
