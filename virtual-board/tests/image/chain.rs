@@ -152,7 +152,8 @@ fn load_and_memory() {
     println!("processor: {cycles} cycles per frame while a run is under way, {load:.2} %");
     println!("flash {flash} bytes, static memory {ram} bytes, stack {stack} bytes at most");
     assert!(load < 5.0, "{load} %");
-    assert!(ram + stack < RAM_BYTES * 3 / 4, "stack {stack}");
+    // A fifth is left: 4 kB for what a path that this run did not take needs beyond it.
+    assert!(ram + stack < RAM_BYTES * 4 / 5, "stack {stack}");
 }
 
 fn memory_of(board: &mut virtual_board::VirtualBoard) -> Vec<u8> {
