@@ -13,5 +13,7 @@ mod identify;
 mod plan;
 mod references;
 mod report;
+#[cfg(target_os = "linux")]
+mod scope;
 mod support;
 mod verdicts;
