@@ -18,8 +18,8 @@ use std::sync::Arc;
 /// How a capture is watched.
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct WatchArgs {
-    /// End the run as soon as the step response is known to ± so many percent of the step, at every
-    /// moment at once (99 %)
+    /// End the run as soon as the step response is known to ± so many percent of the commanded step:
+    /// half the width of its band where that is widest, the band that holds the whole curve with 99 %
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
     until_band: Option<f64>,
     /// No live scope: plain lines of progress, as where there is no terminal

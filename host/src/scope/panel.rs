@@ -15,6 +15,10 @@ pub(super) fn draw(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
     let room = usize::from(area.height.saturating_sub(2));
     let mut lines = band(state);
     let (run, link) = (run(state), link(state));
+    if lines.len() + run.len() + link.len() > room {
+        // How the band was before matters least.
+        lines.truncate(2);
+    }
     let spaced = lines.len() + run.len() + link.len() + 2 <= room;
     for part in [run, link] {
         if spaced {
@@ -88,18 +92,6 @@ fn link(state: &ScopeState) -> Vec<Line<'static>> {
     let rejects = link.rejects;
     let mut lines = vec![
         Line::from(format!(
-            "unreadable {}: CRC {}, malformed {},",
-            rejects.total(),
-            rejects.crc,
-            rejects.malformed
-        ))
-        .style(health(rejects.total())),
-        Line::from(format!(
-            "  too long {}, unknown {}, left over {}",
-            rejects.too_long, rejects.unknown, rejects.left_over
-        ))
-        .style(health(rejects.total())),
-        Line::from(format!(
             "frames asked again {}, lost {}",
             link.asked_again, link.lost
         ))
@@ -118,6 +110,20 @@ fn link(state: &ScopeState) -> Vec<Line<'static>> {
             .style(health(status.frames_lost_on_board + status.rejects)),
         );
     }
+    lines.extend([
+        Line::from(format!(
+            "unreadable {}: CRC {}, malformed {},",
+            rejects.total(),
+            rejects.crc,
+            rejects.malformed
+        ))
+        .style(health(rejects.total())),
+        Line::from(format!(
+            " too long {}, unknown {}, left over {}",
+            rejects.too_long, rejects.unknown, rejects.left_over
+        ))
+        .style(health(rejects.total())),
+    ]);
     lines
 }
 

@@ -70,38 +70,48 @@ fn show(
         let drawn = screen.draw(|frame| draw(frame, &state));
         let stop = drawn.and_then(|()| wait_for_keys());
         match stop {
-            Ok(false) => {}
-            Ok(true) => {
+            Ok(Some(wish)) if wish == Stop::Now || !state.stopping => {
                 state.stopping = true;
                 on_stop();
             }
+            Ok(_) => {}
             // The terminal is gone; the capture is not.
             Err(_) => return,
         }
     }
 }
 
-/// Waits until the next picture is due; says whether a key meanwhile asked for the end.
-fn wait_for_keys() -> std::io::Result<bool> {
-    let mut stop = false;
+/// What a key asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Stop {
+    /// The end of the run. Again it means nothing more: a key that is held down comes many times.
+    Safely,
+    /// The same, as the signal that Ctrl-C is elsewhere: the second one ends the program at once.
+    Now,
+}
+
+/// Waits until the next picture is due; says what the keys meanwhile asked for.
+fn wait_for_keys() -> std::io::Result<Option<Stop>> {
+    let mut stop = None;
     if event::poll(PICTURE_EVERY)? {
         while event::poll(Duration::ZERO)? {
             if let Event::Key(key) = event::read()? {
-                stop |= asks_to_stop(&key);
+                stop = stop.max(asks_to_stop(&key));
             }
         }
     }
     Ok(stop)
 }
 
-fn asks_to_stop(key: &KeyEvent) -> bool {
-    let control = key.modifiers.contains(KeyModifiers::CONTROL);
-    key.kind != KeyEventKind::Release
-        && match key.code {
-            KeyCode::Char('q' | 'Q') | KeyCode::Esc => true,
-            KeyCode::Char('c') => control,
-            _ => false,
-        }
+fn asks_to_stop(key: &KeyEvent) -> Option<Stop> {
+    if key.kind == KeyEventKind::Release {
+        return None;
+    }
+    match key.code {
+        KeyCode::Char('q' | 'Q') | KeyCode::Esc => Some(Stop::Safely),
+        KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Some(Stop::Now),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
@@ -111,10 +121,12 @@ mod tests {
     #[test]
     fn q_escape_and_control_c_stop_and_nothing_else_does() {
         let key = |code, modifiers| asks_to_stop(&KeyEvent::new(code, modifiers));
-        assert!(key(KeyCode::Char('q'), KeyModifiers::NONE));
-        assert!(key(KeyCode::Esc, KeyModifiers::NONE));
-        assert!(key(KeyCode::Char('c'), KeyModifiers::CONTROL));
-        assert!(!key(KeyCode::Char('c'), KeyModifiers::NONE));
-        assert!(!key(KeyCode::Enter, KeyModifiers::NONE));
+        let none = KeyModifiers::NONE;
+        assert_eq!(key(KeyCode::Char('q'), none), Some(Stop::Safely));
+        assert_eq!(key(KeyCode::Esc, none), Some(Stop::Safely));
+        let control_c = key(KeyCode::Char('c'), KeyModifiers::CONTROL);
+        assert_eq!(control_c, Some(Stop::Now));
+        assert_eq!(key(KeyCode::Char('c'), none), None);
+        assert_eq!(key(KeyCode::Enter, none), None);
     }
 }

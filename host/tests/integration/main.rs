@@ -15,5 +15,7 @@ mod plan;
 mod references;
 mod report;
 mod safekeeping;
+#[cfg(target_os = "linux")]
+mod scope;
 mod support;
 mod verdicts;
