@@ -132,6 +132,9 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     );
     let runs = [a.record.runs().len(), b.record.runs().len()];
     let mut comparison = of_curves(&a.model, &b.model, &curves, p_value, runs, options);
+    if !(a.alone.bounds_hold() && b.alone.bounds_hold()) {
+        comparison.without_bounds();
+    }
     comparison.split = split.is_some();
     comparison.over_prediction = over_prediction;
     comparison.levels = Some(Sides {
@@ -143,7 +146,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         b: b.asymmetry(),
     });
     comparison.summary = words::summary(&comparison);
-    comparison.advice = advice(&comparison, &[&a, &b]);
+    comparison.advice = advice(&comparison, [&a.alone, &b.alone], &[&a, &b]);
     Ok(comparison)
 }
 
@@ -164,8 +167,11 @@ pub fn compare_models(
         .max(b.structure.settling_samples);
     let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
     let mut comparison = of_curves(a, b, &curves, None, [1, 1], options);
+    if !(a.bounds_hold() && b.bounds_hold()) {
+        comparison.without_bounds();
+    }
     comparison.summary = words::summary(&comparison);
-    comparison.advice = advice(&comparison, &[]);
+    comparison.advice = advice(&comparison, [a, b], &[]);
     Ok(comparison)
 }
 
@@ -206,6 +212,7 @@ fn of_curves(
     Comparison {
         schema: SCHEMA,
         verdict,
+        bounds_hold: true,
         margin_percent: options.margin_percent,
         difference_percent,
         level,
@@ -291,9 +298,19 @@ fn metric_differences(a: &Metrics, b: &Metrics) -> Vec<MetricDifference> {
         .collect()
 }
 
+/// Findings on a model that bear on what it is compared for.
+const BEAR_ON_COMPARISON: [&str; 4] = ["model_error", "excitation", "repeats", "settled"];
+
 /// What the recordings cannot answer.
-fn advice(comparison: &Comparison, sides: &[&Identified<'_>]) -> Vec<Advice> {
+fn advice(comparison: &Comparison, models: [&Model; 2], sides: &[&Identified<'_>]) -> Vec<Advice> {
     let mut advice = Vec::new();
+    for (which, model) in ["The first", "The second"].into_iter().zip(models) {
+        let bearing = |found: &&Advice| BEAR_ON_COMPARISON.contains(&found.check.as_str());
+        advice.extend(model.advice.iter().filter(bearing).map(|found| Advice {
+            finding: format!("{which}: {}", found.finding),
+            ..found.clone()
+        }));
+    }
     let fewest = comparison.runs[0].min(comparison.runs[1]);
     if comparison.p_value.is_none() {
         advice.push(Advice::new(

@@ -4,7 +4,8 @@
 mod common;
 
 use common::coverage::{Case, Reference, measure};
-use common::{Noise, PERIOD, Plant, low_passed, normal, random, simulate, staircase};
+use common::{Noise, PERIOD, Plant, low_passed, normal, random, simulate, square, staircase};
+use servoid_identification::comparison::{ComparisonOptions, Verdict, compare};
 use servoid_identification::{
     Frequencies, NoiseOrder, Options, Record, Run, Settling, identify, identify_explained,
 };
@@ -241,4 +242,20 @@ fn errors_that_are_not_noise_withdraw_the_label_and_honest_noise_does_not() {
         ..Options::default()
     };
     assert!(identify(&honest, &options).unwrap().bounds_hold());
+}
+
+/// A square wave tells no lag beyond a hold, and the other side's longer settling time must not be
+/// asked of it.
+#[test]
+fn a_reference_that_repeats_itself_compares_as_far_as_it_goes() {
+    let record = |input: &[f64], seed| {
+        let output = simulate(Plant::B, Noise::White, input, 1.0, &mut random(seed));
+        Record::from_slices(PERIOD, input, &output).unwrap()
+    };
+    let (whole, repeats) = (record(&staircase(), 1), record(&square(), 2));
+    for (a, b) in [(&whole, &repeats), (&repeats, &whole)] {
+        let found = compare(a, b, &ComparisonOptions::default()).unwrap();
+        assert_eq!(found.verdict, Verdict::Same, "{}", found.summary);
+        assert!(found.advice.iter().any(|advice| advice.check == "repeats"));
+    }
 }

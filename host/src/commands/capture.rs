@@ -200,6 +200,10 @@ fn report(
             until_band,
         });
     }
+    if results.len() < files.len() && results.last().is_some_and(|last| last.ended_early) {
+        let spared = files.len() - results.len();
+        text += &format!("the band is narrow enough: {spared} more runs were not needed\n");
+    }
     if let Some(advice) = until_band.as_ref().and_then(BandReached::advice) {
         text += &(advice + "\n");
     }

@@ -118,6 +118,8 @@ pub struct Comparison {
     pub schema: u32,
     /// The answer.
     pub verdict: Verdict,
+    /// Whether the bounds of both sides hold: their errors are noise. Without that there is no verdict.
+    pub bounds_hold: bool,
     /// The margin it is held against \[% of the step\].
     pub margin_percent: f64,
     /// Bounds of the largest difference between the responses.
@@ -148,4 +150,12 @@ pub struct Comparison {
     pub summary: String,
     /// What the recordings cannot answer, and what would.
     pub advice: Vec<Advice>,
+}
+
+impl Comparison {
+    /// Takes the verdict back: the errors of a side are not noise, and bounds of noise say nothing.
+    pub(super) fn without_bounds(&mut self) {
+        self.bounds_hold = false;
+        self.verdict = Verdict::Undecided;
+    }
 }

@@ -4,7 +4,7 @@ use super::{Asymmetry, Levels, scatter};
 use crate::band::pointwise_critical;
 use crate::direction::{DirectionModel, split};
 use crate::error::Error;
-use crate::identify::identify;
+use crate::identify::{identify, identify_explained};
 use crate::limits::Limits;
 use crate::metrics::Interval;
 use crate::model::Model;
@@ -16,10 +16,12 @@ pub(super) struct Identified<'a> {
     pub(super) record: &'a Record,
     pub(super) model: Model,
     pub(super) split: Option<DirectionModel>,
+    /// The model with a structure of its own, whose choice carries findings too.
+    pub(super) alone: Model,
 }
 
 impl<'a> Identified<'a> {
-    fn new(record: &'a Record, options: &Options) -> Result<Self, Error> {
+    fn new(record: &'a Record, alone: Model, options: &Options) -> Result<Self, Error> {
         let model = identify(record, options)?;
         // What one record cannot tell, such as strokes in one direction only, is no error here.
         let split = split(record, &model).ok();
@@ -27,6 +29,7 @@ impl<'a> Identified<'a> {
             record,
             model,
             split,
+            alone,
         })
     }
 
@@ -88,23 +91,31 @@ impl<'a> Identified<'a> {
     }
 }
 
-/// Both sides with one structure: the longer settling time of the two.
+/// Both sides with one structure: the longer settling time of the two, as far as the references of
+/// both tell lags apart.
 pub(super) fn identified<'a>(
     a: &'a Record,
     b: &'a Record,
     options: &Options,
 ) -> Result<(Identified<'a>, Identified<'a>), Error> {
     same_period(a.sample_period_s(), b.sample_period_s())?;
-    let structure = [
-        identify(a, options)?.structure,
-        identify(b, options)?.structure,
+    let found = [
+        identify_explained(a, options)?,
+        identify_explained(b, options)?,
     ];
+    let told = found.iter().filter_map(|side| {
+        let choice = side.explanation.settling.as_ref()?;
+        // An odd number of lags, as every complete bank has.
+        Some((choice.repeats_after? - 1) | 1)
+    });
+    let told = told.min().unwrap_or(usize::MAX);
+    let models = found.map(|side| side.model);
+    let structure = [&models[0].structure, &models[1].structure];
+    let longer = structure[0]
+        .settling_samples
+        .max(structure[1].settling_samples);
     let common = Options {
-        settling: Settling::Samples(
-            structure[0]
-                .settling_samples
-                .max(structure[1].settling_samples),
-        ),
+        settling: Settling::Samples(longer.min(told)),
         frequencies: match options.frequencies {
             // Where one side is low-passed, both are seen through its bank.
             Frequencies::Auto
@@ -118,7 +129,11 @@ pub(super) fn identified<'a>(
         },
         ..*options
     };
-    Ok((Identified::new(a, &common)?, Identified::new(b, &common)?))
+    let [alone_a, alone_b] = models;
+    Ok((
+        Identified::new(a, alone_a, &common)?,
+        Identified::new(b, alone_b, &common)?,
+    ))
 }
 
 pub(super) fn same_period(expected: f64, found: f64) -> Result<(), Error> {

@@ -27,6 +27,11 @@ fn answer(found: &Comparison) -> String {
     );
     let margin = found.margin_percent;
     match found.verdict {
+        _ if !found.bounds_hold => {
+            "Not decided: the errors of one model or both are not noise, so that no \
+                                    bounds can be given (see the advice)."
+                .to_owned()
+        }
         Verdict::Different => format!(
             "The two servos are different: {apart}, and {margin} % would still have counted as the same."
         ),
