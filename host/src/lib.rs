@@ -13,6 +13,7 @@
 //! | [`port`]      | a byte stream to a rig: serial, network, or simulated in this process      |
 //! | [`mod@reference`] | what the servo is told, from degrees, seconds and Hertz                |
 //! | [`rig`]       | talks to a rig, and captures runs                                          |
+//! | [`calibration`] | the sensor's scale from readings at known angles                         |
 //! | [`recording`] | recordings on disk, written as they come in and read as what they are      |
 //! | [`table`]     | any other CSV file                                                         |
 //! | [`timeline`]  | where the rows of such a file lie in time                                 |
@@ -31,6 +32,7 @@
 //! The mathematics is in [`servoid_identification`], what goes over the wire in
 //! [`servoid_protocol`].
 
+pub mod calibration;
 pub mod commands;
 pub mod dataset;
 pub mod explain;

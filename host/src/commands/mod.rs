@@ -2,6 +2,7 @@
 //!
 //! Results go to standard output, everything else to standard error.
 
+mod calibrate;
 mod capture;
 mod compare;
 mod completions;
@@ -52,6 +53,7 @@ enum Command {
     Demo(demo::Demo),
     Ports(ports::Ports),
     Info(info::Info),
+    Calibrate(calibrate::Calibrate),
     Plan(plan::PlanArgs),
     Capture(capture::CaptureArgs),
     Identify(identify::Identify),
@@ -75,6 +77,7 @@ impl Cli {
             Command::Demo(command) => command.run(),
             Command::Ports(command) => command.run(),
             Command::Info(command) => command.run(),
+            Command::Calibrate(command) => command.run(),
             Command::Plan(command) => command.run(),
             Command::Capture(command) => command.run(),
             Command::Identify(command) => command.run(),

@@ -1,6 +1,7 @@
 //! The program as a user meets it.
 
 mod browser;
+mod calibrate;
 mod capture;
 mod chaos;
 mod damage;
