@@ -7,6 +7,10 @@
 use serde::Serialize;
 use servoid_identification::band::{pointwise_critical, student_critical};
 
+/// Variance that readings have at least, however straight their line (counts²): a count is the sum of
+/// four conversions, each rounded to a whole number, which errs by 1/12 (uniform).
+const ROUNDING: f64 = 4.0 / 12.0;
+
 /// Confidence of the intervals.
 pub const LEVEL: f64 = 0.99;
 
@@ -95,7 +99,8 @@ impl Calibration {
         let zero = counts - slope * angle;
         let residual = |r: &Reading| r.counts - zero - slope * r.angle_deg;
         let degrees = count - 2.0;
-        let variance = sum(&|r| residual(r).powi(2)) / degrees;
+        let scatter = sum(&|r| residual(r).powi(2)) / degrees;
+        let variance = scatter.max(ROUNDING);
         let normal = pointwise_critical(LEVEL);
         let t = student_critical(normal, &[degrees])
             .first()
