@@ -14,7 +14,9 @@ use std::path::PathBuf;
 /// Say before a run what it will tell: how wide the band will be, and what it cannot answer
 ///
 /// The band comes from the covariance that identification will have for this reference at the noise
-/// that is assumed; nothing is moved. Without --model and --servo the simulated bench servo is assumed.
+/// that is assumed; nothing is moved. Without --model and --servo the simulated bench servo is assumed. The
+/// servo is taken for linear: one that is not gives wider bands, most of all with references that change
+/// before it rests.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
   servoid plan                                             the paper's staircase, and the others beside it

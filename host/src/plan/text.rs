@@ -49,6 +49,11 @@ fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
         "  step band   +-{:.2} % whole curve where it is widest, +-{:.2} % on average; +-{:.2} % each point ({level} %, of the step)",
         band.widest_percent, band.mean_percent, band.mean_pointwise_percent
     )?;
+    writeln!(
+        text,
+        "              as far as the servo is linear: where its speed limit, dead band or friction show, references that\n              \
+                       change before it rests (prbs with short holds, sines) give wider bands than that, or none"
+    )?;
     if band.bias_percent > 0.0 {
         writeln!(
             text,
