@@ -13,6 +13,7 @@
 //! | [`port`]      | a byte stream to a rig: serial, network, or simulated in this process      |
 //! | [`mod@reference`] | what the servo is told, from degrees, seconds and Hertz                |
 //! | [`rig`]       | talks to a rig, and captures runs                                          |
+//! | [`setup`]     | a rig file for a new rig                                                   |
 //! | [`calibration`] | the sensor's scale from readings at known angles                         |
 //! | [`recording`] | recordings on disk, written as they come in and read as what they are      |
 //! | [`table`]     | any other CSV file                                                         |
@@ -48,6 +49,7 @@ pub mod reference;
 pub mod report;
 pub mod rig;
 pub mod scope;
+pub mod setup;
 pub mod summary;
 pub mod table;
 pub mod template;

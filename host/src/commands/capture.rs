@@ -1,6 +1,7 @@
 //! `servoid capture`
 
 use super::reference_args::ReferenceArgs;
+use super::rig_args::{Rig, RigArgs};
 use super::watch::{BandReached, Watch, WatchArgs};
 use super::{Talk, interrupt};
 use crate::port;
@@ -29,21 +30,8 @@ use std::path::{Path, PathBuf};
   servoid capture --port sim:bench --reference stairs --levels 7 -o stairs.csv
   servoid capture --port sim:bench --reference prbs --repeat 2 -o p.csv       (p-1.csv and p-2.csv)")]
 pub(super) struct CaptureArgs {
-    /// Where the rig is: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
-    /// (sim:bench?realtime&seed=7 for real pace and another noise)
-    #[arg(long, short)]
-    port: Option<String>,
-    /// What is known of servo and sensor; without it: 1500 µs neutral, 10 µs per degree, a Honeywell
-    /// RTY sensor of 120 degrees
-    #[arg(long, value_name = "RIG.toml")]
-    rig: Option<PathBuf>,
-    /// Under what condition: bench, aircraft, or words of your own; without it, bench
-    #[arg(long)]
-    condition: Option<String>,
-    /// I have read the safety rules, and nobody is near the rotor (needed for every condition but
-    /// bench)
-    #[arg(long)]
-    arm: bool,
+    #[command(flatten)]
+    rig: RigArgs,
     /// A remark that the recording keeps
     #[arg(long, default_value = "")]
     notes: String,
@@ -67,9 +55,6 @@ pub(super) struct CaptureArgs {
     #[command(flatten)]
     reference: ReferenceArgs,
 }
-
-/// The one condition under which nobody is near a rotor.
-const BENCH: &str = "bench";
 
 /// Beyond this a slip is more likely than an intention.
 const MOST_RUNS: i64 = 999;
@@ -103,25 +88,11 @@ struct CaptureResult<'a> {
 
 impl CaptureArgs {
     pub(super) fn run(self) -> Result<String> {
-        let rig = match &self.rig {
-            Some(path) => RigFile::read(path)?,
-            None => RigFile::default(),
-        };
-        let Some(address) = self.port.clone().or_else(|| rig.port.clone()) else {
-            bail!(
-                "say where the rig is, with --port or with 'port' in the rig file: 'servoid ports' lists the serial ports, and sim:bench needs none"
-            );
-        };
-        let simulated = port::is_simulated(&address);
-        // A simulated servo's condition is in its port's name already.
-        let condition = self.condition.as_deref();
-        let condition = condition.unwrap_or(if simulated { "" } else { BENCH });
-        // Any condition that is not just the bench may be a loaded servo.
-        if condition != BENCH && !simulated && !self.arm {
-            bail!(
-                "the condition {condition:?} may move a loaded servo, only {BENCH:?} by itself may not: read the safety rules in the README, clear the rotor, then add --arm"
-            );
-        }
+        let Rig {
+            address,
+            file: rig,
+            condition,
+        } = self.rig.require()?;
         let reference = self.reference.grant(rig.servo.us_per_degree, self.talk)?;
         let files = run_files(&self.out, self.repeat);
         interrupt::listen()?;
@@ -131,7 +102,7 @@ impl CaptureArgs {
                 address: &address,
                 rig,
                 reference,
-                condition,
+                condition: &condition,
                 notes: &self.notes,
                 release: self.release,
                 files: &files,

@@ -1,6 +1,6 @@
 //! `servoid info`
 
-use super::Talk;
+use super::{Talk, suggest};
 use crate::port;
 use crate::rig::mismatch::{Mismatch, mismatches};
 use crate::rig::{RigClient, TalkError};
@@ -18,7 +18,7 @@ use std::fmt::Write;
   servoid info --port sim:bench")]
 pub(super) struct Info {
     /// Where the rig is: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
-    #[arg(long, short)]
+    #[arg(long, short, value_parser = suggest::port(), hide_possible_values = true)]
     port: String,
     #[command(flatten)]
     talk: Talk,

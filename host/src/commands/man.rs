@@ -5,6 +5,7 @@ use crate::output;
 use anyhow::{Context, Result};
 use clap::{Args, Command, CommandFactory};
 use clap_mangen::Man;
+use clap_mangen::roff::{Roff, roman};
 use std::path::PathBuf;
 
 /// Print the manual page, or write the pages of all commands into a folder
@@ -46,11 +47,24 @@ impl ManArgs {
     }
 }
 
+/// The page of one command. What stands behind its options, the examples, keeps its lines.
 fn page(command: Command) -> Result<String> {
+    let examples = command.get_after_help().map(ToString::to_string);
     let mut text = Vec::new();
-    Man::new(command)
+    Man::new(command.after_help(None::<&str>))
         .manual("servoid")
         .render(&mut text)
         .context("the manual page cannot be made")?;
-    String::from_utf8(text).context("the manual page is no text")
+    let page = String::from_utf8(text).context("the manual page is no text")?;
+    Ok(page + &examples.as_deref().map_or_else(String::new, as_they_are))
+}
+
+/// A section of lines that are not to be filled.
+fn as_they_are(examples: &str) -> String {
+    let mut roff = Roff::new();
+    roff.control("SH", ["EXAMPLES"]).control("nf", []);
+    for line in examples.lines().skip(1) {
+        roff.text([roman(line)]);
+    }
+    roff.control("fi", []).to_roff()
 }

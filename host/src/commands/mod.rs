@@ -2,6 +2,7 @@
 //!
 //! Results go to standard output, everything else to standard error.
 
+mod ask;
 mod calibrate;
 mod capture;
 mod compare;
@@ -10,6 +11,7 @@ mod demo;
 mod export;
 mod identify;
 mod info;
+mod init;
 mod interrupt;
 mod man;
 mod plan;
@@ -18,7 +20,9 @@ mod progress;
 mod recover;
 mod reference_args;
 mod report;
+mod rig_args;
 mod simulate;
+mod suggest;
 mod table_args;
 mod validate;
 mod watch;
@@ -29,19 +33,17 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
 /// Measures how an R/C servo really moves, and says how sure it is.
-///
-/// Without any hardware:  servoid demo
-///
-/// With a board:          servoid capture --port /dev/ttyUSB0 -o bench.csv
-///                        servoid identify bench.csv -o bench.json --plots plots
-///
-/// With a recording:      servoid identify mine.csv --input u --output y --period 0.02
 #[derive(Debug, Parser)]
 #[command(
     version,
     max_term_width = 100,
-    verbatim_doc_comment,
-    propagate_version = true
+    propagate_version = true,
+    after_help = "Examples:
+  servoid demo                                                  without any hardware
+  servoid init                                                  with a board: writes rig.toml
+  servoid capture --port /dev/ttyUSB0 -o bench.csv
+  servoid identify bench.csv -o bench.json --plots plots
+  servoid identify mine.csv --input u --output y --period 0.02  with a recording of your own"
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -53,6 +55,7 @@ enum Command {
     Demo(demo::Demo),
     Ports(ports::Ports),
     Info(info::Info),
+    Init(init::Init),
     Calibrate(calibrate::Calibrate),
     Plan(plan::PlanArgs),
     Capture(capture::CaptureArgs),
@@ -77,6 +80,7 @@ impl Cli {
             Command::Demo(command) => command.run(),
             Command::Ports(command) => command.run(),
             Command::Info(command) => command.run(),
+            Command::Init(command) => command.run(),
             Command::Calibrate(command) => command.run(),
             Command::Plan(command) => command.run(),
             Command::Capture(command) => command.run(),

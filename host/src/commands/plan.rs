@@ -18,9 +18,9 @@ use std::path::PathBuf;
 /// servo is taken for linear: one that is not gives wider bands, most of all with references that change
 /// before it rests.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
-  servoid plan                                             the paper's staircase, and the others beside it
-  servoid plan --reference prbs --length 20 --band 0.5     how many runs for +-0.5 %
+#[command(after_help = "Examples:
+  servoid plan                                      the paper's staircase, and the others beside it
+  servoid plan --reference prbs --band 0.5          how many runs for +-0.5 %
   servoid plan --model bench.json --reference stairs --plots plots
   servoid plan --servo linear --noise 0.05 --json")]
 pub(super) struct PlanArgs {

@@ -7,7 +7,6 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use serialport::SerialPortType;
-use std::fmt::Write;
 
 /// List the serial ports, those that answer as a rig first
 #[derive(Debug, Args)]
@@ -18,42 +17,55 @@ pub(super) struct Ports {
     talk: Talk,
 }
 
+/// A serial port, and what answers there.
 #[derive(Serialize)]
-struct Found {
-    port: String,
+pub(super) struct Found {
+    pub(super) port: String,
     device: String,
     rig: Option<String>,
     error: Option<String>,
 }
 
+impl Found {
+    /// One line of a table.
+    fn in_words(&self) -> String {
+        format!("{:24} {:32} {}", self.port, self.device, self.answer())
+    }
+
+    /// One line of a list to choose from.
+    pub(super) fn in_few_words(&self) -> String {
+        format!("{}: {}", self.port, self.answer())
+    }
+
+    fn answer(&self) -> String {
+        match (&self.rig, &self.error) {
+            (Some(rig), _) => format!("servoid rig: {rig}"),
+            (None, Some(error)) => error.clone(),
+            (None, None) => "no rig answers".to_owned(),
+        }
+    }
+}
+
+/// The serial ports, those that answer as a rig first.
+pub(super) fn find() -> Result<Vec<Found>> {
+    let ports = serialport::available_ports().context("the serial ports cannot be listed")?;
+    // Each silent port takes its whole time-out, so all are asked at once.
+    let askers: Vec<_> = ports
+        .into_iter()
+        .map(|port| std::thread::spawn(move || ask(port)))
+        .collect();
+    let mut found: Vec<Found> = askers
+        .into_iter()
+        .filter_map(|asker| asker.join().ok())
+        .collect();
+    found.sort_by(|a, b| (a.rig.is_none(), &a.port).cmp(&(b.rig.is_none(), &b.port)));
+    Ok(found)
+}
+
 impl Ports {
     pub(super) fn run(self) -> Result<String> {
-        let ports = serialport::available_ports().context("the serial ports cannot be listed")?;
-        // Each silent port takes its whole time-out, so all are asked at once.
-        let askers: Vec<_> = ports
-            .into_iter()
-            .map(|port| std::thread::spawn(move || ask(port)))
-            .collect();
-        let mut found: Vec<Found> = askers
-            .into_iter()
-            .filter_map(|asker| asker.join().ok())
-            .collect();
-        found.sort_by(|a, b| (a.rig.is_none(), &a.port).cmp(&(b.rig.is_none(), &b.port)));
-        let mut text = String::new();
-        for Found {
-            port,
-            device,
-            rig,
-            error,
-        } in &found
-        {
-            let answer = match (rig, error) {
-                (Some(rig), _) => format!("servoid rig: {rig}"),
-                (None, Some(error)) => error.clone(),
-                (None, None) => "no rig answers".to_owned(),
-            };
-            writeln!(text, "{port:24} {device:32} {answer}")?;
-        }
+        let found = find()?;
+        let mut text: String = found.iter().map(|port| port.in_words() + "\n").collect();
         if found.is_empty() {
             text.push_str("no serial ports: is the board plugged in?\n");
         }

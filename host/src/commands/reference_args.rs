@@ -1,6 +1,6 @@
 //! The options that say what the servo is told.
 
-use super::{Talk, wrong_usage};
+use super::{Talk, suggest, wrong_usage};
 use crate::reference::{Band, Kind, Wish, WishError};
 use anyhow::Result;
 use clap::Args;
@@ -14,15 +14,18 @@ pub(super) struct ReferenceArgs {
     /// pseudo-random binary sequence. sweep: a sine of moving frequency. multisine: many sines at
     /// once. FILE.csv: a table of steps with the columns angle_deg and hold_s. 'servoid plan' compares
     /// them
-    #[arg(long, default_value_t = Kind::Staircase, value_name = "NAME|FILE.csv")]
+    #[arg(long, default_value_t = Kind::Staircase, value_name = "NAME|FILE.csv", value_parser = suggest::reference(), hide_possible_values = true)]
     reference: Kind,
     /// How far the reference goes to each side (degrees) [default: 5]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     amplitude: Option<f64>,
-    /// How long each level of stairs or each chip of prbs is held [default: 0.3 and 0.02]
+    /// How long each level of stairs or each chip of prbs is held [default: 1.2 and 0.16]. Servos that
+    /// are not linear, as most are, answer a hold that ends before they rest in another way than a longer
+    /// one: with chips of 0.02 s the band of the simulated bench servo is seventy times as wide
     #[arg(long, value_name = "SECONDS")]
     hold: Option<f64>,
-    /// How long the reference takes, as near as whole cycles come [default: about 10; a table once]
+    /// How long the reference takes, as near as whole cycles come [default: about 10, stairs 48; a
+    /// table once]
     #[arg(long, value_name = "SECONDS")]
     length: Option<f64>,
     /// Number of levels of stairs [default: 5]
@@ -30,7 +33,7 @@ pub(super) struct ReferenceArgs {
     levels: Option<u16>,
     /// Where prbs begins in its sequence [default: all ones]
     #[arg(long, value_name = "SEED")]
-    seed: Option<u16>,
+    prbs_seed: Option<u16>,
     /// Frequencies of sweep and multisine (Hz) [default: 0.2:15]
     #[arg(long, value_name = "LOW:HIGH")]
     frequencies: Option<Band>,
@@ -45,7 +48,7 @@ impl ReferenceArgs {
             hold_s: self.hold,
             length_s: self.length,
             levels: self.levels,
-            seed: self.seed,
+            seed: self.prbs_seed,
             frequencies_hz: self.frequencies,
         };
         let granted = match wish.grant(us_per_degree) {

@@ -2,19 +2,20 @@
 
 use super::Talk;
 use super::capture::{Job, capture};
+use super::reference_args::ReferenceArgs;
 use super::watch::Watch;
 use crate::rig::RigFile;
 use anyhow::Result;
-use clap::{Args, ValueEnum};
-use servoid_protocol::reference::{Reference, Staircase};
+use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 
-/// Record a simulated servo on the paper's staircase, as fast as the machine allows
+/// Record a simulated servo, as fast as the machine allows
 ///
-/// The same as 'servoid capture' with --port sim:SERVO?seed=S, which takes other references too.
+/// The same as 'servoid capture' with --port sim:SERVO?seed=S.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
-  servoid simulate --servo aircraft --seed 3 -o aircraft.csv")]
+#[command(after_help = "Examples:
+  servoid simulate --servo aircraft --seed 3 -o aircraft.csv
+  servoid simulate --servo bench --reference prbs --length 20 -o prbs.csv")]
 pub(super) struct Simulate {
     /// Which servo: free on the bench, loaded by a rotor, or exactly linear
     #[arg(long, value_enum)]
@@ -23,13 +24,15 @@ pub(super) struct Simulate {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// The recording to write
-    #[arg(long, short, value_name = "FILE.csv")]
+    #[arg(long, short, value_name = "FILE.csv", value_hint = ValueHint::FilePath)]
     out: PathBuf,
     /// Replace the file if it exists
     #[arg(long)]
     force: bool,
     #[command(flatten)]
     talk: Talk,
+    #[command(flatten)]
+    reference: ReferenceArgs,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -46,11 +49,13 @@ impl Simulate {
             Servo::Aircraft => "aircraft",
             Servo::Linear => "linear",
         };
+        let rig = RigFile::default();
+        let reference = self.reference.grant(rig.servo.us_per_degree, self.talk)?;
         let ends = capture(
             &Job {
                 address: &format!("sim:{servo}?seed={}", self.seed),
-                rig: RigFile::default(),
-                reference: Reference::Staircase(Staircase::PAPER),
+                rig,
+                reference,
                 condition: servo,
                 notes: "",
                 release: false,

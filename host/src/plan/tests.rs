@@ -98,7 +98,7 @@ fn four_runs_halve_the_band_as_the_figures_of_what_is_needed_say() {
         ..band
     };
     assert_eq!(super::needed(&one, &hidden), None);
-    assert!((needed.seconds - runs * (511.0 * 0.02 + 1.6)).abs() < 1e-9);
+    assert!((needed.seconds - runs * (63.0 * 0.16 + 1.6)).abs() < 1e-9);
 }
 
 #[test]
@@ -121,7 +121,18 @@ fn stairs_answer_what_the_staircase_cannot() {
 
 #[test]
 fn the_spectrum_has_the_references_power_where_its_documentation_says() {
-    let spectrum = |kind: &str| Spectrum::of(&question(kind, white()));
+    let spectrum = |kind: &str| {
+        let mut question = question(kind, white());
+        if kind == "prbs" {
+            let short = Wish {
+                kind: Kind::Prbs,
+                hold_s: Some(0.02),
+                ..Wish::default()
+            };
+            question.reference = short.grant(10.0).unwrap().reference;
+        }
+        Spectrum::of(&question)
+    };
     let share = |spectrum: &Spectrum, from_hz: f64, to_hz: f64| -> f64 {
         let inside = |o: &&Octave| o.from_hz >= from_hz && o.to_hz <= to_hz;
         spectrum

@@ -148,12 +148,20 @@ pub const AMPLITUDE_DEG: f64 = 5.0;
 /// Five levels: four sizes of strokes in each direction, three levels reached from both sides, and four
 /// gains from level to level, as many as the ends of the travel are judged by.
 const LEVELS: u16 = 5;
-/// Long enough for a servo that settles within 0.2 s and a third of rest after it.
-const STAIRS_HOLD_S: f64 = 0.3;
+/// Longer than the 599 samples that a settling time may have. Where strokes of different size differ in shape,
+/// identification with shorter holds takes the differences for a slow tail: on the simulated bench servo it
+/// chooses N = 599 for holds of 0.2 to 1.1 s, with a band of 6 to 3 % and nothing to say of limits, and
+/// N = 85 from 1.2 s on, with 1.4 % and all of them (aircraft: N = 121, 2.3 %).
+const STAIRS_HOLD_S: f64 = 1.2;
+/// A third longer than the paper's servo takes to settle (0.12 s). A servo that is not linear does not answer
+/// chips that end before it rests as it answers longer ones: on the simulated bench servo the band is 29 % at
+/// 0.02 s, 13 % at 0.06 s, 1.3 % at 0.08 s, and 0.42 % from 0.12 to 0.16 s; on the aircraft 22, 15, 4.8 and 3 %.
+/// On the linear one it is 0.45 to 0.65 % at all of them.
+const CHIP_S: f64 = 0.16;
 /// Each level has to be reached from each side twice, or there is no scatter to judge by.
 const CYCLES: u32 = 2;
-/// What the other references take if nothing is said: 511 chips of one frame, a whole sequence of 9 bits,
-/// fit just so.
+/// What the other references take if nothing is said: 63 chips of 8 frames, a whole sequence of 6 bits, fit
+/// just so.
 const LENGTH_FRAMES: u32 = 512;
 /// From a stroke a second or so up to where frames still make a good sine (three a turn).
 const FREQUENCIES_HZ: Band = Band {
@@ -180,7 +188,7 @@ impl Wish {
     /// use servoid::reference::{Kind, Wish};
     /// let wish = Wish { kind: Kind::Stairs, ..Wish::default() };
     /// let granted = wish.grant(10.0)?;
-    /// assert_eq!(granted.reference.frames(), 600); // 5 levels, 20 strokes of 0.3 s, twice
+    /// assert_eq!(granted.reference.frames(), 2400); // 5 levels, 20 strokes of 1.2 s, twice
     /// # Ok::<(), servoid::reference::WishError>(())
     /// ```
     ///
@@ -240,7 +248,7 @@ impl Wish {
                 "stairs",
             ),
             (
-                "--seed",
+                "--prbs-seed",
                 self.seed.is_some() && !matches!(kind, Prbs),
                 "prbs",
             ),
@@ -328,7 +336,7 @@ impl Wish {
 
     /// As many chips as fit; without a length, the longest whole sequence that does.
     fn prbs(&self, amplitude_us: u16) -> Result<Prbs, WishError> {
-        let chip_frames = self.hold_frames(seconds(1))?;
+        let chip_frames = self.hold_frames(CHIP_S)?;
         let chips = (self.length_frames()? / chip_frames).max(1);
         let bits = |value: u16| (u16::BITS - value.leading_zeros()) as u16;
         let (register, chips) = match self.length_s {

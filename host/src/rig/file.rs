@@ -3,6 +3,7 @@
 //! ```toml
 //! name = "bench 1"
 //! port = "/dev/ttyUSB0"
+//! condition = "bench"         # what captures note if they are not told
 //!
 //! [servo]
 //! name = "ALIGN DS610"
@@ -36,6 +37,8 @@ pub struct RigFile {
     pub name: String,
     /// The port to use when none is named on the command line.
     pub port: Option<String>,
+    /// The condition that captures note when none is named on the command line.
+    pub condition: Option<String>,
     /// The servo.
     pub servo: ServoSection,
     /// The angle sensor.
@@ -85,25 +88,35 @@ pub struct SensorSection {
     pub healthy_counts: [u16; 2],
 }
 
-/// Volts of the sensor at the ends of its range, the range (deg), and the volts that the divider
-/// brings to the ADC's full scale: Honeywell RTY, 120 degrees, 0.5 to 4.5 V on a 5 V supply; the
-/// divider takes 5 V to the 3.3 V reference (paper §4).
-const RTY_VOLTS: [f64; 2] = [0.5, 4.5];
-const RTY_DEGREES: f64 = 120.0;
-const FULL_SCALE_VOLTS: f64 = 5.0;
+/// Volts of the sensor at the ends of its range, and the range (deg): Honeywell RTY, 120 degrees, 0.5 to
+/// 4.5 V on a 5 V supply (paper §4).
+pub const RTY_VOLTS: [f64; 2] = [0.5, 4.5];
+/// The range that goes with [`RTY_VOLTS`].
+pub const RTY_DEGREES: f64 = 120.0;
+/// Volts at the sensor that the divider brings to the ADC's full scale, its 3.3 V reference (paper §4).
+pub const FULL_SCALE_VOLTS: f64 = 5.0;
 /// Four conversions of 12 bits, summed: 4096 steps each, of which the last reads 4095.
 const FULL_SCALE_COUNTS: f64 = 4.0 * 4096.0;
 
 impl Default for SensorSection {
-    /// The paper's sensor behind the divider of the wiring guide, from its data sheet: nobody has
-    /// measured where its zero is on this rig, so the zero's uncertainty is a degree.
+    /// The paper's sensor behind the divider of the wiring guide.
     fn default() -> Self {
+        Self::from_data_sheet(RTY_VOLTS, RTY_DEGREES)
+    }
+}
+
+impl SensorSection {
+    /// A linear sensor behind the divider of the wiring guide, with `volts` at the low and the high end of
+    /// a range of `degrees`, negative where the volts fall as the angle grows; 0 degrees are in its
+    /// middle. Nobody has measured where its zero is on this rig, so the zero's uncertainty is a degree.
+    #[must_use]
+    pub fn from_data_sheet(volts: [f64; 2], degrees: f64) -> Self {
         let counts_per_volt = FULL_SCALE_COUNTS / FULL_SCALE_VOLTS;
-        let [low, high] = RTY_VOLTS.map(|volts| volts * counts_per_volt);
+        let [low, high] = volts.map(|volts| volts * counts_per_volt);
         Self {
             name: String::new(),
             zero_counts: (low + high) / 2.0,
-            degrees_per_count: RTY_DEGREES / (high - low),
+            degrees_per_count: degrees / (high - low),
             zero_sd_deg: 1.0,
             scale_sd_percent: 1.0,
             // Half way from the range's ends to the rails, where an open or shorted wire reads.

@@ -72,7 +72,10 @@ fn completions_know_every_command() {
             );
         }
     }
-    assert!(run(&["completions", "fish"]).contains("jsbsim"));
+    let fish = run(&["completions", "fish"]);
+    for word in ["jsbsim", "sim:aircraft", "tcp:", "multisine"] {
+        assert!(fish.contains(word), "{word}");
+    }
 }
 
 #[test]
@@ -85,7 +88,14 @@ fn manual_pages_are_there_for_every_command() {
             .path()
             .join(format!("servoid-{}.1", command.get_name()));
         let page = std::fs::read_to_string(&path).unwrap();
-        assert!(page.contains(".TH") && page.contains("Example"), "{path:?}");
+        assert!(page.contains(".TH"), "{path:?}");
+        // Unfilled, each example on a line of its own.
+        let unfilled = page.split_once(".nf\n").unwrap().1.replace('\\', "");
+        let help = command.clone().render_long_help().to_string();
+        for example in examples(&help) {
+            let mut lines = unfilled.lines().map(str::trim);
+            assert!(lines.any(|line| line == example), "{path:?}: {example}");
+        }
     }
     assert!(run(&["man"]).contains("servoid"));
 }

@@ -12,6 +12,7 @@ mod files;
 mod help;
 mod hostile;
 mod identify;
+mod init;
 mod plan;
 mod references;
 mod report;
@@ -19,4 +20,6 @@ mod safekeeping;
 #[cfg(target_os = "linux")]
 mod scope;
 mod support;
+#[cfg(target_os = "linux")]
+mod terminal;
 mod verdicts;

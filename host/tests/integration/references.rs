@@ -94,13 +94,20 @@ fn stairs() {
 #[test]
 fn prbs() {
     goes_all_the_way(
-        &["--reference", "prbs", "--amplitude", "4", "--seed", "77"],
+        &[
+            "--reference",
+            "prbs",
+            "--amplitude",
+            "4",
+            "--prbs-seed",
+            "44",
+        ],
         &[
             ("amplitude_us", 40),
-            ("register", 9),
-            ("seed", 77),
-            ("chip_frames", 1),
-            ("chips", 511),
+            ("register", 6),
+            ("seed", 44),
+            ("chip_frames", 8),
+            ("chips", 63),
         ],
     );
 }
@@ -260,7 +267,7 @@ fn what_does_not_go_together_is_wrong_usage() {
     let out = dir.path().join("x.csv");
     for (options, advice) in [
         (&["--reference", "sine"][..], "multisine"),
-        (&["--reference", "sweep", "--seed", "5"], "prbs"),
+        (&["--reference", "sweep", "--prbs-seed", "5"], "prbs"),
         (&["--reference", "stairs", "--levels", "40"], "2 to 16"),
         (&["--reference", "missing.csv"], "missing.csv"),
         (&["--reference", "sweep", "--frequencies", "1:99"], "25 Hz"),

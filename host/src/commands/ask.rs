@@ -1,0 +1,110 @@
+//! Questions at a terminal, of which each may have been answered by an option.
+
+use super::wrong_usage;
+use crate::setup::Checked;
+use anyhow::{Context, Result, bail};
+use dialoguer::theme::{ColorfulTheme, SimpleTheme, Theme};
+use dialoguer::{Input, Select};
+use std::fmt::Display;
+use std::io::IsTerminal;
+use std::str::FromStr;
+
+/// Who answers what no option has answered.
+pub(super) enum Asker {
+    /// The user, at a terminal.
+    User(Box<dyn Theme>),
+    /// Nobody: defaults stand.
+    Nobody,
+}
+
+/// A question about one value.
+pub(super) struct Question<'a, T> {
+    /// The option that answers it, such as `--neutral`.
+    pub option: &'static str,
+    /// The question, with its unit.
+    pub words: &'a str,
+    /// What an empty answer means.
+    pub default: T,
+    /// What an answer has to look like, where its type alone says so, and not enough.
+    pub form: &'static str,
+    /// Whether an answer can be.
+    pub check: &'a dyn Fn(&T) -> Checked,
+}
+
+/// Whether somebody sits at a terminal who can be asked: questions go to standard error.
+pub(super) fn is_terminal() -> bool {
+    std::io::stdin().is_terminal() && std::io::stderr().is_terminal()
+}
+
+impl Asker {
+    /// The user, or nobody where defaults are wanted; `instead` is what to do without a terminal.
+    pub(super) fn new(defaults: bool, instead: &str) -> Result<Self> {
+        if defaults {
+            return Ok(Self::Nobody);
+        }
+        if !is_terminal() {
+            bail!("there is no terminal to ask questions at: {instead}");
+        }
+        Ok(Self::User(theme()))
+    }
+
+    /// The answer, by an option if there is one; a wrong one at the terminal is asked for again.
+    pub(super) fn ask<T>(&self, given: Option<T>, question: &Question<'_, T>) -> Result<T>
+    where
+        T: Clone + FromStr + Display,
+    {
+        let Question {
+            option,
+            words,
+            default,
+            form,
+            check,
+        } = question;
+        if let Some(value) = given {
+            if let Err(sentence) = check(&value) {
+                wrong_usage(format_args!("{option}: {sentence}"));
+            }
+            return Ok(value);
+        }
+        let Self::User(theme) = self else {
+            return Ok(default.clone());
+        };
+        let read = |text: &str| -> Result<T, String> {
+            let value = text.trim().parse().map_err(|_| (*form).to_owned())?;
+            check(&value).map(|()| value)
+        };
+        let text: String = Input::with_theme(theme.as_ref())
+            .with_prompt(*words)
+            .default(default.to_string())
+            .allow_empty(true)
+            .validate_with(|text: &String| read(text).map(drop))
+            .interact_text()
+            .context(NO_ANSWER)?;
+        read(&text).map_err(anyhow::Error::msg)
+    }
+
+    /// One of several; the first where nobody is asked.
+    pub(super) fn choose(&self, words: &str, items: &[String]) -> Result<usize> {
+        let Self::User(theme) = self else {
+            return Ok(0);
+        };
+        Select::with_theme(theme.as_ref())
+            .with_prompt(words)
+            .items(items)
+            .default(0)
+            .interact()
+            .context(NO_ANSWER)
+    }
+}
+
+/// Why there is no answer, if not for a wrong one.
+const NO_ANSWER: &str = "the question was not answered";
+
+/// Colours where the terminal has them and the user wants them.
+fn theme() -> Box<dyn Theme> {
+    if dialoguer::console::colors_enabled_stderr() {
+        Box::new(ColorfulTheme::default())
+    } else {
+        Box::new(SimpleTheme)
+    }
+}

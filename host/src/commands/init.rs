@@ -1,0 +1,273 @@
+//! `servoid init`
+
+use super::ask::{Asker, Question};
+use super::{Talk, ports, suggest};
+use crate::output;
+use crate::rig::RigFile;
+use crate::setup::{self, Answers, Range};
+use anyhow::Result;
+use clap::{Args, ValueHint};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Write the rig file of a new rig: asks at a terminal what it has to know
+///
+/// Each question has an option that answers it; what has been answered is not asked, and with --yes
+/// nothing is, so that a script can do it. Enter takes the answer in brackets.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  servoid init
+  servoid init --yes --port sim:bench
+  servoid init --condition aircraft --travel=-20:20 -o aircraft.toml
+  servoid init --yes --servo \"ALIGN DS610\" --neutral 1520 --pulses 900:2100 -o bench.toml")]
+pub(super) struct Init {
+    /// The rig file to write
+    #[arg(long, short, default_value = "rig.toml", value_name = "RIG.toml", value_hint = ValueHint::FilePath)]
+    out: PathBuf,
+    /// Replace the file if it exists
+    #[arg(long)]
+    force: bool,
+    /// Ask nothing: what no option says gets its default
+    #[arg(long, short)]
+    yes: bool,
+    #[command(flatten)]
+    talk: Talk,
+    #[command(flatten)]
+    given: Given,
+}
+
+/// Answers by options.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Answers")]
+struct Given {
+    /// What the rig is called [default: my rig]
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+    /// Where the rig is: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
+    #[arg(long, short, value_parser = suggest::port(), hide_possible_values = true)]
+    port: Option<String>,
+    /// Under what condition it is measured: bench, aircraft, or words of your own [default: bench]
+    #[arg(long, value_name = "NAME", value_parser = suggest::condition(), hide_possible_values = true)]
+    condition: Option<String>,
+    /// What the servo is called
+    #[arg(long, value_name = "NAME")]
+    servo: Option<String>,
+    /// The shortest and the longest pulse that the servo may be given (µs) [default: 1000:2000]
+    #[arg(long, value_name = "SHORTEST:LONGEST")]
+    pulses: Option<Range>,
+    /// The pulse at 0 degrees (µs) [default: 1500]
+    #[arg(long, value_name = "US")]
+    neutral: Option<u16>,
+    /// Change of the pulse for one degree (µs), negative where a longer pulse turns the servo the other
+    /// way [default: 10]
+    #[arg(long, value_name = "US", allow_negative_numbers = true)]
+    us_per_degree: Option<f64>,
+    /// How far the linkage may be turned from neutral (degrees): no pulse goes beyond [default: as far as
+    /// the pulses go]
+    #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true)]
+    travel: Option<Range>,
+    /// What the sensor is called [default: Honeywell RTY120]
+    #[arg(long, value_name = "NAME")]
+    sensor: Option<String>,
+    /// Its output at the ends of its range (V) [default: 0.5:4.5]
+    #[arg(long, value_name = "LOW:HIGH")]
+    sensor_volts: Option<Range>,
+    /// The angle between them (degrees), negative where the output falls as the angle grows [default: 120]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    sensor_degrees: Option<f64>,
+}
+
+/// The result as `--json` prints it.
+#[derive(Serialize)]
+struct Written<'a> {
+    file: &'a Path,
+    rig: &'a RigFile,
+    next: &'a str,
+}
+
+impl Init {
+    pub(super) fn run(self) -> Result<String> {
+        output::check_free(&self.out, self.force)?;
+        let asker = Asker::new(
+            self.yes,
+            "add --yes, and options for what is not as usual ('servoid init --help' has them)",
+        )?;
+        let answers = self.given.complete(&asker, self.talk)?;
+        let (text, rig) = answers.to_rig_file(&self.out)?;
+        output::write_file(&self.out, self.force, &text)?;
+        let file = self.out.display();
+        let next = match &answers.port {
+            Some(_) => format!("servoid calibrate --rig {file}"),
+            None => "servoid ports".to_owned(),
+        };
+        let written = Written {
+            file: &self.out,
+            rig: &rig,
+            next: &next,
+        };
+        let text = format!(
+            "{file}: written\nlimits: {} to {} µs. {}\nnext: {next}\n",
+            rig.limits.shortest_us,
+            rig.limits.longest_us,
+            answers.travel_in_words()
+        );
+        self.talk.result(text, &written)
+    }
+}
+
+/// What an answer has to look like.
+const NUMBER: &str = "a number is needed, such as 10 or -9.5";
+const MICROSECONDS: &str = "whole microseconds are needed, such as 1500";
+const TWO_NUMBERS: &str =
+    "two numbers with a colon between them are needed, the smaller one first, such as -20:20";
+const TEXT: &str = "a name is needed";
+
+impl Given {
+    /// Every answer, from the options and the asker.
+    fn complete(self, asker: &Asker, talk: Talk) -> Result<Answers> {
+        let usual = Answers::default();
+        let text = |option, words, default, given, check: &dyn Fn(&String) -> setup::Checked| {
+            let question = Question {
+                option,
+                words,
+                default,
+                form: TEXT,
+                check,
+            };
+            asker.ask(given, &question)
+        };
+        let name = |name: &String| setup::check_name(name);
+        let condition = |name: &String| setup::check_condition(name);
+        let rig_name = text("--name", "Name of the rig", usual.name, self.name, &name)?;
+        let words = "Condition (bench, aircraft, or words of your own)";
+        let condition = text(
+            "--condition",
+            words,
+            usual.condition,
+            self.condition,
+            &condition,
+        )?;
+        let port = match self.port {
+            Some(port) => Some(port),
+            None => ask_port(asker, talk)?,
+        };
+        let words = "Name of the servo";
+        let servo = text("--servo", words, usual.servo, self.servo, &name)?;
+        let pulses_us = asker.ask(
+            self.pulses,
+            &Question {
+                option: "--pulses",
+                words: "Shortest and longest pulse that the servo takes (µs)",
+                default: usual.pulses_us,
+                form: TWO_NUMBERS,
+                check: &setup::check_pulses,
+            },
+        )?;
+        let neutral_us = asker.ask(
+            self.neutral,
+            &Question {
+                option: "--neutral",
+                words: "Pulse at 0 degrees, neutral (µs)",
+                default: usual.neutral_us,
+                form: MICROSECONDS,
+                check: &|us| setup::check_neutral(*us, &pulses_us),
+            },
+        )?;
+        let us_per_degree = asker.ask(
+            self.us_per_degree,
+            &Question {
+                option: "--us-per-degree",
+                words: "µs for one degree (below 0: longer pulses turn it back)",
+                default: usual.us_per_degree,
+                form: NUMBER,
+                check: &|us| setup::check_us_per_degree(*us),
+            },
+        )?;
+        let pulses_alone = Answers {
+            neutral_us,
+            us_per_degree,
+            pulses_us,
+            ..Answers::default()
+        };
+        let travel_deg = asker.ask(
+            self.travel,
+            &Question {
+                option: "--travel",
+                words: "How far the linkage may be turned (degrees)",
+                default: pulses_alone.travel(),
+                form: TWO_NUMBERS,
+                check: &setup::check_travel,
+            },
+        )?;
+        let words = "Name of the angle sensor";
+        let sensor = text("--sensor", words, usual.sensor, self.sensor, &name)?;
+        let sensor_volts = asker.ask(
+            self.sensor_volts,
+            &Question {
+                option: "--sensor-volts",
+                words: "Its output at the ends of its range (V)",
+                default: usual.sensor_volts,
+                form: TWO_NUMBERS,
+                check: &setup::check_volts,
+            },
+        )?;
+        let sensor_degrees = asker.ask(
+            self.sensor_degrees,
+            &Question {
+                option: "--sensor-degrees",
+                words: "Degrees between them (below 0: the output falls)",
+                default: usual.sensor_degrees,
+                form: NUMBER,
+                check: &|degrees| setup::check_sensor_degrees(*degrees),
+            },
+        )?;
+        Ok(Answers {
+            name: rig_name,
+            port,
+            condition,
+            servo,
+            neutral_us,
+            us_per_degree,
+            pulses_us,
+            travel_deg: (travel_deg != pulses_alone.travel()).then_some(travel_deg),
+            sensor,
+            sensor_volts,
+            sensor_degrees,
+        })
+    }
+}
+
+/// Where the rig is, those that answer first. Nobody's answer is that it is not known yet.
+fn ask_port(asker: &Asker, talk: Talk) -> Result<Option<String>> {
+    if matches!(asker, Asker::Nobody) {
+        return Ok(None);
+    }
+    talk.say("looking for rigs ...");
+    let found = ports::find().unwrap_or_default();
+    let mut items: Vec<String> = found.iter().map(ports::Found::in_few_words).collect();
+    let simulated = "sim:bench";
+    items.push(format!("{simulated}: no hardware, a simulated servo"));
+    items.push("another one, to be typed".into());
+    items.push("not known yet".into());
+    let chosen = asker.choose("Where is the rig", &items)?;
+    if let Some(port) = found.into_iter().nth(chosen) {
+        return Ok(Some(port.port));
+    }
+    match items.len() - chosen {
+        3 => Ok(Some(simulated.into())),
+        2 => {
+            let port = asker.ask(
+                None,
+                &Question {
+                    option: "--port",
+                    words: "Serial device or tcp:HOST:PORT",
+                    default: "/dev/ttyUSB0".to_owned(),
+                    form: TEXT,
+                    check: &|port| setup::check_name(port),
+                },
+            )?;
+            Ok(Some(port))
+        }
+        _ => Ok(None),
+    }
+}

@@ -1,0 +1,129 @@
+//! The rig file of a new rig.
+
+use crate::support::{arg, refusal, run};
+use servoid::rig::RigFile;
+
+#[test]
+fn options_answer_every_question_and_the_file_is_a_rig() {
+    let dir = tempfile::tempdir().unwrap();
+    let (file, recording) = (dir.path().join("rig.toml"), dir.path().join("x.csv"));
+    let args = [
+        "init",
+        "--yes",
+        "--port",
+        "sim:bench",
+        "--name",
+        "bench 1",
+        "--condition",
+        "bench, 6 V",
+        "--pulses",
+        "1100:1900",
+        "--travel=-10:20",
+        "--json",
+        "-o",
+        arg(&file),
+    ];
+    let said: serde_json::Value = serde_json::from_str(&run(&args)).unwrap();
+    assert_eq!(
+        said["next"],
+        format!("servoid calibrate --rig {}", file.display())
+    );
+    let rig = RigFile::read(&file).unwrap();
+    assert_eq!(rig.name, "bench 1");
+    assert_eq!(
+        (rig.limits.shortest_us, rig.limits.longest_us),
+        (1400, 1700)
+    );
+    // What is there already is not lost.
+    assert!(refusal(&args).contains("--force"));
+    assert_eq!(rig, RigFile::read(&file).unwrap());
+
+    run(&["capture", "--rig", arg(&file), "-o", arg(&recording), "-q"]);
+    let header = std::fs::read_to_string(&recording).unwrap();
+    assert!(header.contains("condition = \"bench, 6 V\""), "{header}");
+}
+
+#[test]
+fn a_rig_that_is_no_bench_asks_for_arm() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("rig.toml");
+    let rig = ["--port", "/dev/ttyUSB0", "--condition", "aircraft"];
+    run(&[&["init", "--yes", "-o", arg(&file)], &rig[..]].concat());
+    let said = refusal(&["capture", "--rig", arg(&file), "-o", "x.csv"]);
+    assert!(
+        said.contains("--arm") && said.contains("aircraft"),
+        "{said}"
+    );
+}
+
+#[test]
+fn without_a_terminal_nothing_is_asked_and_wrong_answers_are_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("rig.toml");
+    for (options, word) in [
+        (&[][..], "--yes"),
+        (&["--yes", "--neutral", "700"], "1000:2000"),
+        (&["--yes", "--us-per-degree", "0"], "--us-per-degree"),
+        (&["--yes", "--travel=5:20"], "below 0"),
+        (&["--yes", "--pulses", "1500"], "colon"),
+    ] {
+        let said = refusal(&[&["init", "-o", arg(&file)], options].concat());
+        assert!(said.contains(word), "{options:?}: {said}");
+        assert!(!file.exists());
+    }
+}
+
+#[cfg(target_os = "linux")]
+mod at_a_terminal {
+    use super::{RigFile, arg};
+    use crate::terminal::Session;
+
+    /// The answer in brackets.
+    const ENTER_ONLY: &str = "";
+
+    #[test]
+    fn a_wrong_answer_is_asked_for_again_in_one_sentence() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("rig.toml");
+        let mut session = Session::begin(&["init", "--port", "sim:bench", "-o", arg(&file)]);
+        session.answer("Name of the rig", "the lab's");
+        session.answer("Condition (", ENTER_ONLY);
+        session.answer("Name of the servo", "DS610");
+        session.answer("Shortest and longest pulse", "500:2500");
+        session.answer("the board makes pulses of 800 to 2200", "900:2100");
+        session.answer("Pulse at 0 degrees", "1520");
+        session.answer("µs for one degree", "ten");
+        session.answer("a number is needed", "-9.5");
+        session.answer("How far the linkage", "-20:20");
+        session.answer("Name of the angle sensor", ENTER_ONLY);
+        session.answer("Its output", ENTER_ONLY);
+        session.answer("Degrees between them", ENTER_ONLY);
+        assert!(session.end().success(), "{}", session.seen());
+        session.wait_for("the next command", |seen| {
+            seen.contains("next: servoid calibrate --rig")
+        });
+        let rig = RigFile::read(&file).unwrap();
+        assert_eq!(rig.name, "the lab's");
+        assert_eq!(
+            (rig.servo.neutral_us, rig.servo.us_per_degree),
+            (1520, -9.5)
+        );
+        assert_eq!(
+            (rig.limits.shortest_us, rig.limits.longest_us),
+            (1330, 1710)
+        );
+        assert!(session.is_as_before());
+    }
+
+    #[test]
+    fn ctrl_c_leaves_no_file_and_the_terminal_as_it_was() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("rig.toml");
+        let mut session = Session::begin(&["init", "-o", arg(&file)]);
+        session.wait_for("no question", |seen| seen.contains("Name of the rig"));
+        session.press("\x03");
+        assert!(!session.end().success());
+        assert!(!file.exists());
+        assert!(session.is_as_before());
+    }
+}

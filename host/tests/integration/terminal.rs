@@ -1,0 +1,147 @@
+//! The program on a real terminal: a pseudo-terminal that `setsid` makes the controlling one.
+
+use rustix::process::Pid;
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{Termios, Winsize, tcgetattr, tcsetwinsize};
+use std::fs::File;
+use std::io::{Read, Write};
+use std::process::{Child, Command, ExitStatus};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// A run takes some ten seconds; the rest is for a loaded machine.
+const LIMIT: Duration = Duration::from_secs(60);
+
+/// `servoid` in a terminal of 80 x 24. Dropping it ends the program if it still runs.
+pub struct Session {
+    child: Child,
+    keyboard: File,
+    terminal: File,
+    before: [u64; 4],
+    screen: Arc<Mutex<Vec<u8>>>,
+}
+
+impl Session {
+    /// Starts `servoid` with these arguments.
+    pub fn begin(args: &[&str]) -> Self {
+        let controller = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+        grantpt(&controller).unwrap();
+        unlockpt(&controller).unwrap();
+        let name = ptsname(&controller, Vec::new()).unwrap();
+        let mut output = File::from(controller);
+        let keyboard = output.try_clone().unwrap();
+        resize(&keyboard, 80, 24);
+        let open = || {
+            use rustix::fs::{Mode, OFlags};
+            let flags = OFlags::RDWR | OFlags::NOCTTY;
+            File::from(rustix::fs::open(name.as_c_str(), flags, Mode::empty()).unwrap())
+        };
+        let terminal = open();
+        let before = modes(&tcgetattr(&terminal).unwrap());
+        let child = Command::new("setsid")
+            .arg("--ctty")
+            .arg(env!("CARGO_BIN_EXE_servoid"))
+            .args(args)
+            .env("TERM", "xterm-256color")
+            .stdin(open())
+            .stdout(open())
+            .stderr(open())
+            .spawn()
+            .expect("setsid, of util-linux, is installed");
+        let screen = Arc::new(Mutex::new(Vec::new()));
+        let theirs = Arc::clone(&screen);
+        std::thread::spawn(move || {
+            let mut bytes = [0; 4096];
+            while let Ok(count @ 1..) = output.read(&mut bytes) {
+                theirs.lock().unwrap().extend(&bytes[..count]);
+            }
+        });
+        Self {
+            child,
+            keyboard,
+            terminal,
+            before,
+            screen,
+        }
+    }
+
+    /// The program.
+    pub fn pid(&self) -> Pid {
+        Pid::from_child(&self.child)
+    }
+
+    /// All that has been put on the screen so far.
+    pub fn seen(&self) -> String {
+        String::from_utf8_lossy(&self.screen.lock().unwrap()).into_owned()
+    }
+
+    /// Waits until what is on the screen is as it has to be; `what` says what is missing otherwise.
+    pub fn wait_for(&self, what: &str, there: impl Fn(&str) -> bool) {
+        let started = Instant::now();
+        while !there(&self.seen()) {
+            assert!(started.elapsed() < LIMIT, "{what}: {}", self.seen());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Presses keys.
+    pub fn press(&mut self, keys: &str) {
+        self.keyboard.write_all(keys.as_bytes()).unwrap();
+    }
+
+    /// Waits for a question, and answers it.
+    pub fn answer(&mut self, question: &str, keys: &str) {
+        self.wait_for(question, |seen| seen.contains(question));
+        self.press(keys);
+        self.press("\r");
+    }
+
+    /// Another size of the terminal.
+    pub fn resize(&self, columns: u16, rows: u16) {
+        resize(&self.keyboard, columns, rows);
+    }
+
+    /// Whether the terminal is as it was before the program began.
+    pub fn is_as_before(&self) -> bool {
+        modes(&tcgetattr(&self.terminal).unwrap()) == self.before
+    }
+
+    /// Waits for the program's end.
+    pub fn end(&mut self) -> ExitStatus {
+        let started = Instant::now();
+        loop {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                return status;
+            }
+            assert!(started.elapsed() < LIMIT, "it does not end");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        // A child that has ended cannot be killed, which is as well.
+        let _ended = self.child.kill();
+        let _status = self.child.wait();
+    }
+}
+
+fn resize(terminal: &File, columns: u16, rows: u16) {
+    let size = Winsize {
+        ws_col: columns,
+        ws_row: rows,
+        ws_xpixel: 0,
+        ws_ypixel: 0,
+    };
+    tcsetwinsize(terminal, size).unwrap();
+}
+
+fn modes(termios: &Termios) -> [u64; 4] {
+    [
+        u64::from(termios.input_modes.bits()),
+        u64::from(termios.output_modes.bits()),
+        u64::from(termios.control_modes.bits()),
+        u64::from(termios.local_modes.bits()),
+    ]
+}
