@@ -37,6 +37,14 @@ pub struct CapturedFrame {
     pub samples: [Counts; SAMPLES_PER_FRAME],
 }
 
+impl CapturedFrame {
+    /// How many frames the board failed to catch between frame `before` and this one.
+    #[must_use]
+    pub fn lost_since(&self, before: u32) -> u32 {
+        self.number.wrapping_sub(before).saturating_sub(1)
+    }
+}
+
 /// A board: pulses out, samples in, both on one clock.
 ///
 /// The board alone keeps time. Pulses change at frame edges only, samples come at fixed phases of

@@ -31,17 +31,21 @@ pub(crate) enum Item {
     Ended(Ended),
     Again(Frame),
     Live(Frame),
+    Visitor(Answer),
 }
 
 /// Answers first, because a host waits for them; then frames to be sent again; then the run's
 /// frames in order, which wait in the history; then its end, so that a host that has heard of the
-/// end has been told everything.
+/// end has been told everything. Who has no session is answered when all that is said, so that no
+/// visitor, however insistent, takes the line from a run.
 #[derive(Debug, Default)]
 #[cfg_attr(test, derive(Clone))]
 pub(crate) struct Outbox {
     answers: Deque<Answer, ANSWERS>,
     ended: Option<Ended>,
     resends: Deque<Range<u16>, RESENDS>,
+    /// The newest answer to a visitor.
+    visitor: Option<Answer>,
     /// Index of the first frame of the run that has not been sent.
     live: u16,
     backlog_high_water: u16,
@@ -66,6 +70,11 @@ impl Outbox {
     /// on it or will ask again.
     pub(crate) fn answer(&mut self, answer: Answer) {
         push(&mut self.answers, answer);
+    }
+
+    /// Keeps an answer to someone who has no session; it takes the place of the one before.
+    pub(crate) fn answer_visitor(&mut self, answer: Answer) {
+        self.visitor = Some(answer);
     }
 
     /// Queues the end of a run.
@@ -103,6 +112,7 @@ impl Outbox {
         let waiting = self.live..history.indices().end;
         let live = history.first_of(&waiting).map(Item::Live);
         live.or(self.ended.map(Item::Ended))
+            .or(self.visitor.map(Item::Visitor))
     }
 
     /// The link has taken `item`, which [`Self::next`] gave.
@@ -112,6 +122,7 @@ impl Outbox {
                 self.answers.pop_front();
             }
             Item::Ended(_) => self.ended = None,
+            Item::Visitor(_) => self.visitor = None,
             Item::Again(frame) => {
                 if let Some(wanted) = self.resends.front_mut() {
                     wanted.start = frame.index.saturating_add(1);

@@ -28,6 +28,10 @@
 //!
 //! Every admitted request of the open session, repeated ones included, begins a new lease. The frame
 //! with which a lease is over ends the run, and the next one is at neutral.
+//!
+//! Until then the rig is that session's, unless it is idle: a `Hello` of another one is answered, as
+//! anybody may ask who the rig is, but opens no session. So a run, and what of it is being asked for
+//! again behind its end, is safe from a second program, and a host that is gone can be replaced.
 
 use crate::board::{CapturedFrame, Identity};
 use crate::history::{self, History};
@@ -89,13 +93,12 @@ impl Rig {
     /// Takes in a frame that the board has caught; returns the pulse for the next one.
     pub fn on_frame(&mut self, frame: &CapturedFrame) -> Option<PulseWidth> {
         if let Some(before) = self.newest.replace(*frame) {
-            let lost = frame.number.wrapping_sub(before.number).saturating_sub(1);
+            let lost = frame.lost_since(before.number);
             self.frames_lost = self.frames_lost.saturating_add(lost);
         }
         if let State::Running(limits, run) = &mut self.state {
             let reason = run.on_frame(frame, limits, &mut self.history).or_else(|| {
-                let silent = frame.number.wrapping_sub(self.heard_at);
-                (silent >= limits.lease_frames()).then_some(EndReason::LeaseLapsed)
+                has_lapsed(frame, self.heard_at, limits).then_some(EndReason::LeaseLapsed)
             });
             self.outbox.measure_backlog(&self.history);
             if let Some(reason) = reason {
@@ -125,9 +128,17 @@ impl Rig {
             id,
             outcome,
         };
-        let outcome = match self.session.admit(request) {
+        let outcome = match self.session.admit(request, self.is_held()) {
             Admission::Refused(refusal) => {
-                self.outbox.answer(reply(Outcome::Refused(refusal)));
+                let answer = reply(Outcome::Refused(refusal));
+                match refusal {
+                    Refusal::UnknownSession => self.outbox.answer_visitor(answer),
+                    _ => self.outbox.answer(answer),
+                }
+                return;
+            }
+            Admission::Visit => {
+                self.outbox.answer_visitor(Answer::Hello);
                 return;
             }
             Admission::Again(outcome) => outcome,
@@ -167,17 +178,7 @@ impl Rig {
     pub fn send(&mut self, mut take: impl FnMut(&RigMessage) -> bool) {
         while let Some(item) = self.outbox.next(&self.history) {
             let message = match item {
-                Item::Answer(Answer::Hello) => RigMessage::Hello(self.hello),
-                Item::Answer(Answer::Status) => RigMessage::Status(self.status()),
-                Item::Answer(Answer::Reply {
-                    session,
-                    id,
-                    outcome,
-                }) => RigMessage::Reply {
-                    session,
-                    id,
-                    outcome,
-                },
+                Item::Answer(answer) | Item::Visitor(answer) => self.message(answer),
                 Item::Ended(ended) => RigMessage::Ended(ended),
                 Item::Again(frame) | Item::Live(frame) => RigMessage::Frame(frame),
             };
@@ -186,6 +187,32 @@ impl Rig {
             }
             self.outbox.sent(&item);
         }
+    }
+
+    fn message(&self, answer: Answer) -> RigMessage {
+        match answer {
+            Answer::Hello => RigMessage::Hello(self.hello),
+            Answer::Status => RigMessage::Status(self.status()),
+            Answer::Reply {
+                session,
+                id,
+                outcome,
+            } => RigMessage::Reply {
+                session,
+                id,
+                outcome,
+            },
+        }
+    }
+
+    /// Whether the open session has armed the rig and shown a sign of life within its lease.
+    fn is_held(&self) -> bool {
+        let limits = match &self.state {
+            State::Idle => return false,
+            State::Armed(limits) | State::Running(limits, _) | State::Ended(limits, _) => limits,
+        };
+        let newest = self.newest.as_ref();
+        newest.is_some_and(|frame| !has_lapsed(frame, self.heard_at, limits))
     }
 
     fn status(&self) -> Status {
@@ -289,6 +316,11 @@ impl Rig {
             Err(Refusal::SensorOutOfRange)
         }
     }
+}
+
+/// Whether a lease that began with frame `heard_at` is over with `frame`.
+fn has_lapsed(frame: &CapturedFrame, heard_at: u32, limits: &Limits) -> bool {
+    frame.number.wrapping_sub(heard_at) >= limits.lease_frames()
 }
 
 fn hello(identity: &Identity) -> Hello {

@@ -9,6 +9,8 @@ pub(crate) enum Admission {
     New,
     /// It has been carried out: give the same answer.
     Again(Outcome),
+    /// A `Hello` while another session holds the rig: say who the rig is, and nothing else changes.
+    Visit,
     /// Refuse it; it is no sign of life either.
     Refused(Refusal),
 }
@@ -28,9 +30,9 @@ struct Open {
 }
 
 impl Session {
-    /// Judges a request. Ids wrap: the half of the circle ahead of the newest id is newer, the other
-    /// half older.
-    pub(crate) fn admit(&self, request: &Request) -> Admission {
+    /// Judges a request, where the open session `holds` the rig or does not. Ids wrap: the half of
+    /// the circle ahead of the newest id is newer, the other half older.
+    pub(crate) fn admit(&self, request: &Request, holds: bool) -> Admission {
         match &self.0 {
             Some(open) if open.number == request.session => {
                 match request.id.wrapping_sub(open.newest) {
@@ -39,6 +41,7 @@ impl Session {
                     _ => Admission::Refused(Refusal::Outdated),
                 }
             }
+            Some(_) if holds && request.command == Command::Hello => Admission::Visit,
             _ if request.command == Command::Hello => Admission::New,
             _ => Admission::Refused(Refusal::UnknownSession),
         }
@@ -83,7 +86,7 @@ mod tests {
             (u16::MAX - 1, Admission::Refused(Refusal::Outdated)),
         ] {
             assert_eq!(
-                session.admit(&request(1, id, Command::KeepAlive)),
+                session.admit(&request(1, id, Command::KeepAlive), true),
                 expected,
                 "{id}"
             );
@@ -94,16 +97,22 @@ mod tests {
     fn only_a_hello_opens_a_session_and_its_late_copy_does_not_reopen_it() {
         let mut session = Session::default();
         let unknown = Admission::Refused(Refusal::UnknownSession);
-        assert_eq!(session.admit(&request(5, 1, Command::Disarm)), unknown);
+        assert_eq!(
+            session.admit(&request(5, 1, Command::Disarm), false),
+            unknown
+        );
         let hello = request(5, 1, Command::Hello);
-        assert_eq!(session.admit(&hello), Admission::New);
+        assert_eq!(session.admit(&hello, false), Admission::New);
         session.settle(&hello, Outcome::Done);
         session.settle(&request(5, 2, Command::KeepAlive), Outcome::Done);
-        assert_eq!(session.admit(&hello), Admission::Refused(Refusal::Outdated));
-        assert_eq!(session.admit(&request(6, 3, Command::Disarm)), unknown);
+        let outdated = Admission::Refused(Refusal::Outdated);
+        assert_eq!(session.admit(&hello, false), outdated);
         assert_eq!(
-            session.admit(&request(6, 1, Command::Hello)),
-            Admission::New
+            session.admit(&request(6, 3, Command::Disarm), false),
+            unknown
         );
+        let other = request(6, 1, Command::Hello);
+        assert_eq!(session.admit(&other, false), Admission::New);
+        assert_eq!(session.admit(&other, true), Admission::Visit);
     }
 }

@@ -42,7 +42,8 @@ pub struct Request {
 pub enum Command {
     /// Never sent: see rule 4.
     Unused,
-    /// Opens a session; answered with [`RigMessage::Hello`].
+    /// Opens a session, unless another one has armed the rig and its lease is not over; answered with
+    /// [`RigMessage::Hello`] in any case.
     Hello,
     /// Answered with [`RigMessage::Status`].
     Status,

@@ -14,14 +14,18 @@
 //! | corrupted   | bits flip, or its end is missing, or strange bytes are in it; its zeros may be hit |
 //! | duplicated  | it arrives once more, up to half a second later                                 |
 //! | reordered   | it arrives late by up to half a second, behind those that set out meanwhile     |
+//! | burst       | it and up to 24 that follow it arrive up to half a second later, all at once, in a mixed order; what sets out behind the last of them may overtake them all |
 //! | stalled     | it and everything behind it arrive late                                         |
 //!
 //! Whatever arrives is handed over in pieces of any size.
 
+mod lane;
+
 use super::Port;
-use rand::{Rng, RngExt, SeedableRng};
+use lane::Lane;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::collections::BTreeMap;
+use servoid_protocol::timing::FRAME_US;
 use std::time::Duration;
 
 /// How often what happens to a frame in one direction: each a probability.
@@ -33,9 +37,11 @@ pub struct Faults {
     pub corrupted: f64,
     /// It comes twice.
     pub duplicated: f64,
-    /// It is late by up to [`LATEST`]; those after it are not, unless chance wants it of each: frames
-    /// are reordered one by one.
+    /// It is late by up to [`LATEST`]; those after it are not, unless chance wants it of each.
     pub reordered: f64,
+    /// A burst begins with it: from 2 to [`LONGEST_BURST`] frames, as far as they set out within what
+    /// it is late by, up to [`LATEST`]. They arrive together, in a mixed order.
+    pub burst: f64,
     /// The line stands still for up to [`LONGEST_STALL`].
     pub stalled: f64,
 }
@@ -43,12 +49,16 @@ pub struct Faults {
 /// The latest that a reordered frame or a duplicate comes.
 pub const LATEST: Duration = Duration::from_millis(500);
 
+/// The most frames in a burst: those of a run that set out within the longest time that a burst is
+/// late by.
+pub const LONGEST_BURST: u32 = (LATEST.as_micros() / FRAME_US as u128) as u32;
+
 /// The longest that the line stands still.
 pub const LONGEST_STALL: Duration = Duration::from_millis(700);
 
 impl Faults {
     /// A line that loses this share of the frames and corrupts the same share, with every other
-    /// kind of trouble thrown in.
+    /// kind of trouble thrown in. What hits many frames at a time, begins with one in ten of those.
     #[must_use]
     pub fn of_rate(rate: f64) -> Self {
         Self {
@@ -56,6 +66,7 @@ impl Faults {
             corrupted: rate,
             duplicated: rate,
             reordered: rate,
+            burst: rate / 10.0,
             stalled: rate / 10.0,
         }
     }
@@ -134,218 +145,5 @@ impl<P: Port> Port for ChaosPort<P> {
     }
 }
 
-/// One direction.
-struct Lane {
-    faults: Faults,
-    rng: ChaCha8Rng,
-    /// The frame that is coming in, without its zeros.
-    coming: Vec<u8>,
-    /// On the way, by the time at which they arrive and the order in which they set out.
-    on_the_way: BTreeMap<(Duration, u64), Vec<u8>>,
-    set_out: u64,
-    /// Nothing arrives before this.
-    stands_until: Duration,
-    arrived: std::collections::VecDeque<u8>,
-}
-
-impl Lane {
-    fn new(faults: Faults, rng: &mut impl Rng) -> Self {
-        Self {
-            faults,
-            rng: ChaCha8Rng::seed_from_u64(rng.next_u64()),
-            coming: Vec::new(),
-            on_the_way: BTreeMap::new(),
-            set_out: 0,
-            stands_until: Duration::ZERO,
-            arrived: std::collections::VecDeque::new(),
-        }
-    }
-
-    fn push(&mut self, byte: u8, now: Duration) {
-        if byte != 0 {
-            self.coming.push(byte);
-        } else if !self.coming.is_empty() {
-            let mut frame = vec![0];
-            frame.append(&mut self.coming);
-            frame.push(0);
-            self.decide(frame, now);
-        }
-    }
-
-    fn happens(&mut self, probability: f64) -> bool {
-        self.rng.random_bool(probability)
-    }
-
-    fn decide(&mut self, mut frame: Vec<u8>, now: Duration) {
-        let faults = self.faults;
-        if self.happens(faults.stalled) {
-            let until = now + LONGEST_STALL.mul_f64(self.rng.random());
-            self.stands_until = self.stands_until.max(until);
-        }
-        if self.happens(faults.lost) {
-            return;
-        }
-        if self.happens(faults.corrupted) {
-            self.corrupt(&mut frame);
-        }
-        let on_time = now.max(self.stands_until);
-        if self.happens(faults.duplicated) {
-            let late = on_time + LATEST.mul_f64(self.rng.random());
-            self.send(frame.clone(), late);
-        }
-        let mut at = on_time;
-        if self.happens(faults.reordered) {
-            at += LATEST.mul_f64(self.rng.random());
-        }
-        self.send(frame, at);
-    }
-
-    fn send(&mut self, frame: Vec<u8>, at: Duration) {
-        self.on_the_way.insert((at, self.set_out), frame);
-        self.set_out += 1;
-    }
-
-    fn corrupt(&mut self, frame: &mut Vec<u8>) {
-        let place = self.rng.random_range(0..frame.len());
-        match self.rng.random_range(0..4) {
-            0 => frame.truncate(place),
-            1 => {
-                let strange: Vec<u8> = (0..self.rng.random_range(1..200))
-                    .map(|_| self.rng.random())
-                    .collect();
-                frame.splice(place..place, strange);
-            }
-            _ => {
-                for _ in 0..self.rng.random_range(1..=8) {
-                    let place = self.rng.random_range(0..frame.len());
-                    if let Some(byte) = frame.get_mut(place) {
-                        *byte ^= 1 << self.rng.random_range(0..8);
-                    }
-                }
-            }
-        }
-    }
-
-    /// What has arrived by `now`, at most `most` bytes of it.
-    fn take(&mut self, now: Duration, most: usize) -> Vec<u8> {
-        while let Some(first) = self.on_the_way.first_entry()
-            && first.key().0 <= now
-        {
-            self.arrived.extend(first.remove());
-        }
-        let count = most.min(self.arrived.len());
-        self.arrived.drain(..count).collect()
-    }
-
-    /// When something more arrives.
-    fn next_at(&self) -> Option<Duration> {
-        self.on_the_way.first_key_value().map(|((at, _), _)| *at)
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use servoid_protocol::{Counts, Frame, PulseWidth};
-    use servoid_protocol::{Decoder, RigMessage, framing};
-
-    /// Time that passes by reading, and 1000 frames that come at 20 ms each.
-    struct Stream {
-        now: Duration,
-        sent: u16,
-    }
-
-    impl Port for Stream {
-        fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> std::io::Result<usize> {
-            let next = Duration::from_millis(20) * u32::from(self.sent);
-            if self.sent == 1000 || self.now + timeout < next {
-                self.now += timeout;
-                return Ok(0);
-            }
-            self.now = self.now.max(next);
-            let mut wire = [0; framing::MAX_WIRE];
-            let wire = framing::encode(&frame(self.sent), &mut wire).unwrap();
-            buffer[..wire.len()].copy_from_slice(wire);
-            self.sent += 1;
-            Ok(wire.len())
-        }
-
-        fn write_all(&mut self, _bytes: &[u8]) -> std::io::Result<()> {
-            Ok(())
-        }
-
-        fn now(&self) -> Duration {
-            self.now
-        }
-    }
-
-    fn frame(index: u16) -> RigMessage {
-        RigMessage::Frame(Frame {
-            run: 1,
-            index,
-            pulse: PulseWidth(1500),
-            samples: [Counts(index.wrapping_mul(31) % 16_000); 10],
-        })
-    }
-
-    /// The indices that arrive, in order, and how many frames could not be read.
-    fn arrivals(faults: Faults) -> (Vec<u16>, u32) {
-        let stream = Stream {
-            now: Duration::ZERO,
-            sent: 0,
-        };
-        let mut port = ChaosPort::new(stream, 7, Faults::default(), faults);
-        let (mut decoder, mut indices) = (Decoder::new(), Vec::new());
-        let mut buffer = [0; 50];
-        while port.now() < Duration::from_secs(25) {
-            let count = port.read(&mut buffer, Duration::from_millis(50)).unwrap();
-            for &byte in &buffer[..count] {
-                if let Some(RigMessage::Frame(frame)) = decoder.push(byte) {
-                    indices.push(frame.index);
-                }
-            }
-        }
-        (indices, decoder.rejects().total())
-    }
-
-    #[test]
-    fn a_line_without_faults_changes_nothing() {
-        let (indices, rejects) = arrivals(Faults::default());
-        assert!(indices.into_iter().eq(0..1000));
-        assert_eq!(rejects, 0);
-    }
-
-    #[test]
-    fn each_fault_does_what_it_says_as_often_as_it_says() {
-        let none = Faults::default();
-        // 1000 draws at 10 %: a standard deviation of 9.5; five of them on both sides.
-        let about_a_tenth = 52..=148;
-        let (lost, rejects) = arrivals(Faults { lost: 0.1, ..none });
-        assert!(about_a_tenth.contains(&(1000 - lost.len())) && rejects == 0);
-        let (hit, rejects) = arrivals(Faults {
-            corrupted: 0.1,
-            ..none
-        });
-        assert!(about_a_tenth.contains(&(1000 - hit.len())), "{}", hit.len());
-        assert!(rejects > 0);
-        let (twice, _) = arrivals(Faults {
-            duplicated: 0.1,
-            ..none
-        });
-        assert!(about_a_tenth.contains(&(twice.len() - 1000)));
-        let (late, _) = arrivals(Faults {
-            reordered: 0.1,
-            ..none
-        });
-        let out_of_order = late.windows(2).filter(|w| w[1] < w[0]).count();
-        assert!(
-            late.len() == 1000 && about_a_tenth.contains(&out_of_order),
-            "{out_of_order}"
-        );
-        let (held_up, _) = arrivals(Faults {
-            stalled: 0.1,
-            ..none
-        });
-        assert!(held_up.into_iter().eq(0..1000), "late, and in order");
-    }
-}
+mod tests;

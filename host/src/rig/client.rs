@@ -1,22 +1,15 @@
-//! Requests that arrive, answers that belong to them.
+//! A rig at the other end of a port.
 
+use super::conversation::{ATTEMPTS, Conversation};
+pub use super::conversation::{Answer, Asked};
 use super::mismatch::mismatches;
+use super::overheard::{RUN_IS_FOLLOWED, hears_a_run};
 pub use super::talk_error::TalkError;
 use crate::port::Port;
 use servoid_protocol::hello::SCHEMA_HASH;
-use servoid_protocol::message::{Command, Outcome, Refusal, Request, RigMessage, Status};
-use servoid_protocol::{Decoder, Hello, Rejects, framing};
-use std::collections::VecDeque;
+use servoid_protocol::message::{Command, RigMessage, Status};
+use servoid_protocol::{Hello, Rejects};
 use std::time::Duration;
-
-/// How long an answer may take before the request is said again. The rig answers within a frame
-/// (20 ms), behind at most 512 bytes that wait for the line (45 ms at 115200 baud).
-const ANSWER_TIMEOUT: Duration = Duration::from_millis(250);
-
-/// How often a request is said. On the worst line that has to do, with 5 % of the frames lost and 5 %
-/// of the others corrupted each way, fewer than one capture of 100 requests in a million fails for
-/// want of an answer; the test at the end of this file has the arithmetic.
-const ATTEMPTS: u32 = 11;
 
 /// A board that has just been plugged in needs a moment until it answers (bootloader, USB bridge).
 const HELLO_ATTEMPTS: u32 = 12;
@@ -24,17 +17,11 @@ const HELLO_ATTEMPTS: u32 = 12;
 /// How often a session is opened anew where the rig denies it.
 const SESSION_ATTEMPTS: u32 = 5;
 
+/// Between two of these attempts: a run's frames need the line as well.
+const SESSION_PAUSE: Duration = Duration::from_millis(100);
+
 /// A look at a port that may well be something else.
 const PROBE_ATTEMPTS: u32 = 3;
-
-/// A run sends a frame every 20 ms: three times that lets one be lost.
-const FRAMES_COME: Duration = Duration::from_millis(60);
-
-/// A run whose frames have come does not come to its end before this much silence.
-const FRAMES_STOP: Duration = Duration::from_millis(200);
-
-/// Longer than the two seconds for which a run goes on that nobody follows.
-const RUN_IS_FOLLOWED: Duration = Duration::from_millis(2_500);
 
 /// A rig at the other end of a port.
 pub struct RigClient {
@@ -42,80 +29,13 @@ pub struct RigClient {
     hello: Hello,
 }
 
-/// A request that has been said, until its answer comes.
-#[derive(Clone, Copy, Debug)]
-pub struct Asked {
-    request: Request,
-    said_at: Duration,
-    said: u32,
-}
-
-/// What came of a request.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Answer {
-    /// Done, or already so.
-    Done,
-    /// Not done, and why.
-    Refused(Refusal),
-    /// Answer to [`Command::Hello`].
-    Hello(Hello),
-    /// Answer to [`Command::Status`].
-    Status(Status),
-}
-
-impl Asked {
-    /// What was asked for.
-    #[must_use]
-    pub fn command(&self) -> &Command {
-        &self.request.command
-    }
-
-    /// The answer, if `message` is it.
-    ///
-    /// A `Hello` or `Status` carries no id: one that was asked for earlier and comes late is taken
-    /// for the answer too.
-    #[must_use]
-    pub fn answer_in(&self, message: &RigMessage) -> Option<Answer> {
-        let Request {
-            session,
-            id,
-            command,
-        } = self.request;
-        match (*message, command) {
-            (RigMessage::Hello(hello), Command::Hello) => Some(Answer::Hello(hello)),
-            (RigMessage::Status(status), Command::Status) => Some(Answer::Status(status)),
-            (
-                RigMessage::Reply {
-                    session: s,
-                    id: i,
-                    outcome,
-                },
-                _,
-            ) if (s, i) == (session, id) => Some(match outcome {
-                Outcome::Done => Answer::Done,
-                Outcome::Refused(refusal) => Answer::Refused(refusal),
-            }),
-            _ => None,
-        }
-    }
-}
-
-/// Requests out, messages in, with nobody known yet at the other end.
-struct Conversation {
-    port: Box<dyn Port>,
-    decoder: Decoder,
-    session: u16,
-    next_id: u16,
-    bytes_received: u64,
-    /// Messages that came while an answer was waited for.
-    inbox: VecDeque<RigMessage>,
-}
-
 impl RigClient {
-    /// Opens a session on a port; `address` is what error texts call it.
+    /// Opens a session on a port; `address` is what error texts call it. A rig that another session
+    /// has armed is waited for until that one's lease is over.
     ///
     /// # Errors
-    /// [`TalkError::Silent`] or [`TalkError::Garbled`] when no rig is there.
+    /// [`TalkError::Silent`] or [`TalkError::Garbled`] when no rig is there, and
+    /// [`TalkError::RunOfAnother`] when another session goes on.
     pub fn connect(port: Box<dyn Port>, address: &str) -> Result<Self, TalkError> {
         Self::open(port, address, session_number(), HELLO_ATTEMPTS)
     }
@@ -129,12 +49,12 @@ impl RigClient {
         Self::open(port, address, session, HELLO_ATTEMPTS)
     }
 
-    /// [`RigClient::connect`], but where a run is under way nothing is said: a new session would take
-    /// the rig from the program that follows the run. What is heard of a run is its frames, so on a
-    /// line that brings them to one listener only, a run is not noticed.
+    /// [`RigClient::connect`], but where frames of a run are heard nothing is said. The rig would
+    /// keep to its session anyway; but whatever is said on a line that two programs share may meet
+    /// what the other one says.
     ///
     /// # Errors
-    /// As [`RigClient::connect`], and [`TalkError::RunOfAnother`].
+    /// As [`RigClient::connect`].
     pub fn connect_beside(port: Box<dyn Port>, address: &str) -> Result<Self, TalkError> {
         Self::open_beside(port, address, HELLO_ATTEMPTS)
     }
@@ -166,14 +86,7 @@ impl RigClient {
         session: u16,
         attempts: u32,
     ) -> Result<Self, TalkError> {
-        let mut talk = Conversation {
-            port,
-            decoder: Decoder::new(),
-            session,
-            next_id: 0,
-            bytes_received: 0,
-            inbox: VecDeque::new(),
-        };
+        let mut talk = Conversation::new(port, session);
         let nobody = |talk: &Conversation| {
             let port = address.to_owned();
             match talk.bytes_received {
@@ -181,30 +94,36 @@ impl RigClient {
                 bytes => TalkError::Garbled { port, bytes },
             }
         };
-        // A hello may be an old one that had got stuck on the way: the session is open when the rig
-        // has answered to a request of it.
-        for _ in 0..SESSION_ATTEMPTS {
-            let hello = match talk.ask(Command::Hello, attempts)? {
-                Some(Answer::Hello(hello)) => hello,
-                Some(_) => {
-                    talk.session = talk.session.wrapping_add(1);
-                    continue;
+        // A hello may be an old one that had got stuck on the way, and a rig that another session holds
+        // says hello as well: the session is open when the rig has answered to a request of it.
+        let (begin, mut tries) = (talk.port.now(), 0);
+        loop {
+            match talk.ask(Command::Hello, attempts)? {
+                // With other messages the same bytes could ask for anything: a hello has to do.
+                Some(Answer::Hello(hello)) if hello.schema_hash != SCHEMA_HASH => {
+                    return Ok(Self { talk, hello });
                 }
+                Some(Answer::Hello(hello)) => match talk.ask(Command::KeepAlive, attempts)? {
+                    Some(Answer::Done) => {
+                        // What came before is not of this session.
+                        talk.inbox.clear();
+                        return Ok(Self { talk, hello });
+                    }
+                    Some(_) => {}
+                    None => return Err(nobody(&talk)),
+                },
+                // An older session of that number.
+                Some(_) => talk.session = talk.session.wrapping_add(1),
                 None => return Err(nobody(&talk)),
-            };
-            // With other messages the same bytes could ask for anything: a hello has to do.
-            if hello.schema_hash != SCHEMA_HASH {
-                return Ok(Self { talk, hello });
             }
-            match talk.ask(Command::KeepAlive, attempts)? {
-                Some(Answer::Done) => return Ok(Self { talk, hello }),
-                Some(_) => continue,
-                None => return Err(nobody(&talk)),
+            tries += 1;
+            // A session that nobody follows any more gives the rig free within its lease.
+            let waited = talk.port.now().saturating_sub(begin);
+            if tries >= SESSION_ATTEMPTS && waited >= RUN_IS_FOLLOWED {
+                return Err(TalkError::RunOfAnother);
             }
+            talk.pause(SESSION_PAUSE)?;
         }
-        let request = name(&Command::Hello);
-        let refusal = Refusal::UnknownSession;
-        Err(TalkError::Refused { request, refusal })
     }
 
     /// Who the rig is.
@@ -309,13 +228,7 @@ impl RigClient {
     /// # Errors
     /// When the stream broke.
     pub fn insist(&mut self, asked: &mut Asked) -> Result<bool, TalkError> {
-        if self.now().saturating_sub(asked.said_at) < ANSWER_TIMEOUT {
-            return Ok(true);
-        }
-        if asked.said >= ATTEMPTS {
-            return Ok(false);
-        }
-        self.talk.say_again(asked).map(|()| true)
+        self.talk.insist(asked)
     }
 
     /// The next message that is no answer, waiting up to `timeout` for it.
@@ -337,93 +250,13 @@ impl RigClient {
     }
 }
 
-impl Conversation {
-    fn say(&mut self, command: Command) -> Result<Asked, TalkError> {
-        let request = Request {
-            session: self.session,
-            id: self.next_id,
-            command,
-        };
-        self.next_id = self.next_id.wrapping_add(1);
-        let mut asked = Asked {
-            request,
-            said_at: Duration::ZERO,
-            said: 0,
-        };
-        self.say_again(&mut asked)?;
-        Ok(asked)
-    }
-
-    fn say_again(&mut self, asked: &mut Asked) -> Result<(), TalkError> {
-        let mut buffer = [0; framing::MAX_WIRE];
-        let wire = framing::encode(&asked.request, &mut buffer)
-            .map_err(|e| std::io::Error::other(e.to_string()))?;
-        self.port.write_all(wire)?;
-        asked.said_at = self.port.now();
-        asked.said += 1;
-        Ok(())
-    }
-
-    /// Says `command` until its answer comes; the rest stays in the inbox in its order. `None` when
-    /// no answer came.
-    fn ask(&mut self, command: Command, attempts: u32) -> Result<Option<Answer>, TalkError> {
-        let mut asked = self.say(command)?;
-        loop {
-            let deadline = asked.said_at + ANSWER_TIMEOUT;
-            loop {
-                let left = deadline.saturating_sub(self.port.now());
-                if left.is_zero() {
-                    break;
-                }
-                let seen = self.inbox.len();
-                self.fill_inbox(left)?;
-                let new = self.inbox.iter().enumerate().skip(seen);
-                let answer = new
-                    .filter_map(|(i, m)| Some((i, asked.answer_in(m)?)))
-                    .next();
-                if let Some((i, answer)) = answer {
-                    self.inbox.remove(i);
-                    return Ok(Some(answer));
-                }
-            }
-            if asked.said >= attempts {
-                return Ok(None);
-            }
-            self.say_again(&mut asked)?;
-        }
-    }
-
-    /// Reads once from the port.
-    fn fill_inbox(&mut self, timeout: Duration) -> Result<(), TalkError> {
-        let mut buffer = [0; 512];
-        let count = self.port.read(&mut buffer, timeout)?;
-        self.bytes_received += count as u64;
-        let bytes = buffer.iter().take(count);
-        self.inbox
-            .extend(bytes.filter_map(|&byte| self.decoder.push::<RigMessage>(byte)));
-        Ok(())
-    }
-}
-
-/// Whether frames of a run come, and go on coming for longer than a lease: a run that nobody follows
-/// any more ends by itself.
-fn hears_a_run(port: &mut dyn Port) -> std::io::Result<bool> {
-    let (mut decoder, mut buffer) = (Decoder::new(), [0; 512]);
-    let begin = port.now();
-    let mut quiet_at = begin + FRAMES_COME;
-    while port.now() < quiet_at {
-        if port.now() >= begin + RUN_IS_FOLLOWED {
-            return Ok(true);
-        }
-        let count = port.read(&mut buffer, quiet_at.saturating_sub(port.now()))?;
-        let messages = buffer.iter().take(count);
-        for message in messages.filter_map(|&byte| decoder.push::<RigMessage>(byte)) {
-            if matches!(message, RigMessage::Frame(_)) {
-                quiet_at = port.now() + FRAMES_STOP;
-            }
-        }
-    }
-    Ok(false)
+/// A number that two programs on one rig will hardly both choose. It need not be random in any
+/// stronger sense: it tells sessions apart, it does not protect them.
+#[must_use]
+pub fn session_number() -> u16 {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let nanos = now.map_or(0, |d| d.subsec_nanos() ^ d.as_secs() as u32);
+    (nanos ^ (nanos >> 16) ^ std::process::id()) as u16
 }
 
 /// What error texts call a request.
@@ -437,29 +270,5 @@ fn name(command: &Command) -> &'static str {
         Command::Stop { .. } => "stop the run",
         Command::KeepAlive => "prolong the lease",
         Command::Resend { .. } => "send frames again",
-    }
-}
-
-/// A number that two programs on one rig will hardly both choose. It need not be random in any
-/// stronger sense: it tells sessions apart, it does not protect them.
-#[must_use]
-pub fn session_number() -> u16 {
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    let nanos = now.map_or(0, |d| d.subsec_nanos() ^ d.as_secs() as u32);
-    (nanos ^ (nanos >> 16) ^ std::process::id()) as u16
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_attempts_keep_the_promise_on_the_worst_line_and_are_the_fewest() {
-        let frame_fails = 1.0 - 0.95_f64 * 0.95;
-        // A request fails where it or its answer does not get through.
-        let attempt_fails = 1.0 - (1.0 - frame_fails).powi(2);
-        let captures_failed = |attempts: u32| 100.0 * attempt_fails.powi(attempts as i32);
-        assert!(captures_failed(ATTEMPTS) <= 1e-6);
-        assert!(captures_failed(ATTEMPTS - 1) > 1e-6);
     }
 }

@@ -1,6 +1,7 @@
 //! Talking to a rig.
 //!
-//! [`client`] asks and hears; [`mismatch`] says why a rig cannot be used with this
+//! [`client`] asks and hears, by the requests and answers of `conversation`, once `overheard` has found
+//! no other program's run; [`mismatch`] says why a rig cannot be used with this
 //! program; [`mod@file`] is what the user knows of their servo and sensor; [`run`] puts
 //! the frames of a run in order and knows which are missing; `under_way` follows a run over a line
 //! that loses some; [`capture`] records it.
@@ -19,8 +20,10 @@
 
 pub mod capture;
 pub mod client;
+mod conversation;
 pub mod file;
 pub mod mismatch;
+mod overheard;
 pub mod run;
 mod talk_error;
 mod under_way;

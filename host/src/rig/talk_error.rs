@@ -74,9 +74,9 @@ pub enum TalkError {
         /// What would follow from it.
         meaning: &'static str,
     },
-    /// Frames come that nobody here has asked for.
+    /// Frames come that nobody here has asked for, or another session holds the rig.
     #[error(
-        "a run of another program is under way on this rig, so nothing was asked of it: wait for its end"
+        "a run of another program is under way on this rig, or ended a moment ago, so nothing was asked of it: wait for its end, or stop it there"
     )]
     RunOfAnother,
     /// The rig says no.

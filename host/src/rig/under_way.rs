@@ -11,15 +11,15 @@
 //! | the rig says that it knows nothing of the run | asked once more, because the answer may be an old one |
 //! | nothing at all for a long time    | the end, with everything that came                             |
 
+mod ending;
+mod gaps;
+
 use super::capture::{CaptureError, Progress, StopReason};
 use super::client::{Answer, Asked, RigClient, TalkError};
 use super::run::RunAssembly;
-use crate::recording::{Ending, RecordingWriter};
-use servoid_protocol::message::{
-    Activity, Command, EndReason, Ended, Refusal, RigMessage, Start, Status,
-};
-use servoid_protocol::timing::FRAME_US;
-use std::ops::Range;
+use crate::recording::RecordingWriter;
+use gaps::Resend;
+use servoid_protocol::message::{Activity, Command, Ended, Refusal, RigMessage, Start, Status};
 use std::time::Duration;
 
 /// A frame waits for so long at most before it is written. A short wait costs next to nothing: a
@@ -32,16 +32,6 @@ const SIGN_OF_LIFE_EVERY: Duration = Duration::from_millis(500);
 
 /// Without a frame for this long, the rig is asked whether the run is over, and again every time.
 const QUIET: Duration = Duration::from_millis(200);
-
-/// A gap is asked for again when the answer has had this long to come.
-const RESEND_EVERY: Duration = Duration::from_millis(100);
-
-/// Frames asked for at once: at 115200 baud and 36 bytes a frame they take a fifth of a second.
-const RESEND_FRAMES: u32 = 64;
-
-/// A gap that the rig has answered for so often without its first frame coming is given up once the
-/// run is over. On a line that loses one frame in ten that is one gap in 10^12.
-const FRUITLESS: u32 = 12;
 
 /// Nothing readable for this long, and the rig is taken for gone. The board's memory is five seconds
 /// long: waiting twice that lets a plug that was pulled be put back without losing anything.
@@ -82,14 +72,6 @@ enum Stop {
     NotWanted,
     Wanted(StopReason),
     Done(StopReason),
-}
-
-/// A gap that was asked for.
-struct Resend {
-    gap: Range<u32>,
-    /// Answers to it without its first frame coming.
-    answers: u32,
-    answered_at: Option<Duration>,
 }
 
 impl<'a> RunUnderWay<'a> {
@@ -294,21 +276,6 @@ impl<'a> RunUnderWay<'a> {
         })
     }
 
-    /// Gives up gaps that the board cannot fill any more.
-    fn forget_what_cannot_come(&mut self) {
-        let end = self.end_so_far();
-        let history = u32::from(self.client.hello().history_frames);
-        self.assembly.give_up_before(end.saturating_sub(history));
-        if self.ended.is_some()
-            && let Some(gap) = self.assembly.first_gap(end)
-            && let Some(resend) = &self.resend
-            && resend.gap.start == gap.start
-            && resend.answers >= FRUITLESS
-        {
-            self.assembly.give_up_before(resend.gap.end);
-        }
-    }
-
     /// One past the last frame that there must have been.
     fn end_so_far(&self) -> u32 {
         self.ended
@@ -370,42 +337,6 @@ impl<'a> RunUnderWay<'a> {
         Ok(())
     }
 
-    /// The request for the first gap, if it is time for it.
-    fn resend_due(&mut self, now: Duration) -> Option<Command> {
-        let gap = self.assembly.first_gap(self.end_so_far())?;
-        let at_the_end = gap.end == self.end_so_far();
-        if at_the_end && now.saturating_sub(self.frame_at) < RESEND_EVERY {
-            return None; // the last frames are still coming by themselves
-        }
-        let gap = gap.start..gap.end.min(gap.start + RESEND_FRAMES);
-        let answers = match &self.resend {
-            Some(before) if before.gap.start == gap.start => {
-                let patience = RESEND_EVERY + line_time(&before.gap);
-                if before
-                    .answered_at
-                    .is_some_and(|at| now.saturating_sub(at) < patience)
-                {
-                    return None;
-                }
-                before.answers
-            }
-            _ => 0,
-        };
-        let first = u16::try_from(gap.start).ok()?;
-        let count = u16::try_from(gap.len()).ok()?;
-        self.asked_again += u32::from(count);
-        self.resend = Some(Resend {
-            gap,
-            answers,
-            answered_at: None,
-        });
-        Some(Command::Resend {
-            run: self.start.run,
-            first,
-            count,
-        })
-    }
-
     /// Brings the servo to neutral after something went wrong on this side. Where the line is gone
     /// there is nobody to tell, and the lease does it.
     pub(super) fn stop_after(&mut self, error: &CaptureError) {
@@ -414,84 +345,4 @@ impl<'a> RunUnderWay<'a> {
             let _nobody_there = self.client.request(Command::Stop { run });
         }
     }
-
-    /// How a run ended that was followed to its end.
-    pub(super) fn ending(&self) -> Ending {
-        let Some(ended) = &self.ended else {
-            return self.partial("stopped by the user before the run began".to_owned());
-        };
-        if ended.reason == EndReason::Complete && self.assembly.is_whole(ended) {
-            return Ending::Complete;
-        }
-        if let Some(reason) = self.enough()
-            && ended.reason == EndReason::Stopped
-            && self.assembly.is_whole(ended)
-        {
-            return Ending::Early {
-                reason: reason.to_owned(),
-            };
-        }
-        let mut reason = match ended.reason {
-            EndReason::Complete => String::new(),
-            EndReason::Stopped => self.enough().unwrap_or("stopped by the user").to_owned(),
-            EndReason::Disarmed => "the rig was disarmed".to_owned(),
-            EndReason::LeaseLapsed => {
-                "the rig heard nothing from the host for two seconds".to_owned()
-            }
-            EndReason::SensorOutOfRange => {
-                "the sensor read outside its healthy range: check its wiring".to_owned()
-            }
-        };
-        let missing = if self.assembly.lacks_only_what_the_board_lost(ended) {
-            (ended.frames_lost_on_board > 0)
-                .then_some("the board could not keep up and lost frames")
-        } else if self.assembly.lost().is_empty() {
-            Some("the rig's check over the run differs from what arrived: do not trust the rows")
-        } else {
-            Some("frames were lost on the line, and the board no longer had them when asked again")
-        };
-        if let Some(missing) = missing {
-            if !reason.is_empty() {
-                reason.push_str("; ");
-            }
-            reason.push_str(missing);
-        }
-        self.partial(reason)
-    }
-
-    /// What has been reached, if the run was ended for that.
-    fn enough(&self) -> Option<&str> {
-        match &self.stop {
-            Stop::Wanted(StopReason::Enough(reason)) | Stop::Done(StopReason::Enough(reason)) => {
-                Some(reason)
-            }
-            _ => None,
-        }
-    }
-
-    /// How a run ended of which the end is not known.
-    pub(super) fn broken_off(&self, error: &CaptureError) -> Ending {
-        self.partial(error.to_string())
-    }
-
-    fn partial(&self, reason: String) -> Ending {
-        let mut lost_frames = self.assembly.lost().to_vec();
-        // What could not be written, and what the run would still have had, is missing as well.
-        let end = self.start.frames();
-        match lost_frames.last_mut() {
-            Some(last) if last.end >= self.written => last.end = end,
-            _ if self.written < end => lost_frames.push(self.written..end),
-            _ => {}
-        }
-        Ending::Partial {
-            reason,
-            lost_frames,
-        }
-    }
-}
-
-/// How long the line takes for that many frames beside the live ones.
-fn line_time(frames: &Range<u32>) -> Duration {
-    // 40 bytes at 11 520 bytes/s are 3.5 ms; a fifth of a frame's time is a little more.
-    Duration::from_micros(u64::from(FRAME_US) / 5 * frames.len() as u64)
 }

@@ -19,6 +19,7 @@ mod report;
 mod safekeeping;
 #[cfg(target_os = "linux")]
 mod scope;
+mod sessions;
 mod support;
 #[cfg(target_os = "linux")]
 mod terminal;

@@ -14,7 +14,7 @@ use crate::support::{FRAME, SharedBoard, arm, capture, options, staircase};
 use servoid::recording::Ending;
 use servoid::rig::RigClient;
 use servoid_protocol::hello::{ClockSource, ResetCause};
-use servoid_protocol::message::{Activity, Arm, Command, EndReason, Status};
+use servoid_protocol::message::{Activity, Arm, Command, EndReason};
 use std::time::Duration;
 use virtual_board::Fault;
 use virtual_board::record::{Irregularity, Pulse, ResetReason, Violation};
@@ -45,11 +45,13 @@ fn resets(board: &SharedBoard) -> Vec<ResetReason> {
     })
 }
 
-/// Starts the staircase and lets time pass, without a word from the host, to `end`.
-fn start_and_watch(board: &SharedBoard, lease_frames: u16, end: Duration) {
+/// Starts the staircase and lets time pass, without a word from the host, to `end`. Until its lease
+/// is over or the board is reset, only this host may go on.
+fn start_and_watch(board: &SharedBoard, lease_frames: u16, end: Duration) -> RigClient {
     let mut client = board.connect();
     start(&mut client, lease_frames);
     board.with(|board| board.run_until(from_duration(end)));
+    client
 }
 
 fn start(client: &mut RigClient, lease_frames: u16) {
@@ -66,20 +68,20 @@ const LONG_LEASE: u16 = 1_000;
 
 /// Connects anew and captures a whole staircase; what the rig said of itself before.
 fn next_run_works(board: &SharedBoard) -> (ClockSource, ResetCause) {
-    let mut client = board.connect();
+    next_run_of_it_works(&mut board.connect())
+}
+
+/// The same with the host that has the rig.
+fn next_run_of_it_works(client: &mut RigClient) -> (ClockSource, ResetCause) {
     let hello = *client.hello();
     let folder = tempfile::tempdir().unwrap();
-    let (end, frames) = capture(&mut client, &staircase(), &folder.path().join("next.csv"));
+    let (end, frames) = capture(client, &staircase(), &folder.path().join("next.csv"));
     let end = end.unwrap();
     assert_eq!(end.ending, Ending::Complete);
     // The message that a reset cut off may still be in the line.
     assert!(end.rejects <= 1, "{}", end.rejects);
     assert_eq!(frames.len() as u32, staircase().start.frames());
     (hello.clock, hello.reset_cause)
-}
-
-fn status(board: &SharedBoard) -> Status {
-    board.connect().status().unwrap()
 }
 
 #[test]
@@ -170,8 +172,8 @@ fn a_crystal_that_stops_ends_the_pulses_at_once() {
 fn a_broken_sensor_ends_the_run_at_neutral() {
     for fault in ["sensor-open@3", "sensor-short@3"] {
         let board = SharedBoard::new(&options("linear?seed=1", &[fault]));
-        start_and_watch(&board, LONG_LEASE, FAULT + Duration::from_secs(1));
-        let status = status(&board);
+        let mut client = start_and_watch(&board, LONG_LEASE, FAULT + Duration::from_secs(1));
+        let status = client.status().unwrap();
         let Activity::Ended(ended) = status.activity else {
             panic!("{fault}: {status:?}");
         };
@@ -187,7 +189,7 @@ fn a_broken_sensor_ends_the_run_at_neutral() {
             "{fault}"
         );
         // As long as the sensor is broken, there is no next run: it is refused.
-        let refused = staircase().arm(&mut board.connect()).unwrap_err();
+        let refused = staircase().arm(&mut client).unwrap_err();
         assert!(refused.to_string().contains("sensor"), "{refused}");
         assert_eq!(board.violations(), [""; 0], "{fault}");
     }
@@ -196,11 +198,11 @@ fn a_broken_sensor_ends_the_run_at_neutral() {
 #[test]
 fn a_sensor_that_is_repaired_makes_the_next_run() {
     let board = SharedBoard::new(&options("linear?seed=1", &["sensor-open@3-5"]));
-    start_and_watch(&board, LONG_LEASE, FAULT + Duration::from_secs(1));
-    let refused = staircase().arm(&mut board.connect()).unwrap_err();
+    let mut client = start_and_watch(&board, LONG_LEASE, FAULT + Duration::from_secs(1));
+    let refused = staircase().arm(&mut client).unwrap_err();
     assert!(refused.to_string().contains("sensor"), "{refused}");
     board.pass(Duration::from_secs(2));
-    next_run_works(&board);
+    next_run_of_it_works(&mut client);
     assert_eq!(board.violations(), [""; 0]);
 }
 
@@ -237,7 +239,7 @@ fn a_silent_host_ends_the_run_at_neutral_when_its_lease_lapses() {
 fn a_host_that_comes_back_after_its_lease_makes_the_next_run() {
     let board = SharedBoard::new(&options("linear?seed=1", &[]));
     start_and_watch(&board, 50, FAULT);
-    let Activity::Ended(ended) = status(&board).activity else {
+    let Activity::Ended(ended) = board.connect().status().unwrap().activity else {
         panic!("still running");
     };
     assert_eq!(ended.reason, EndReason::LeaseLapsed);

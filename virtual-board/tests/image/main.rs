@@ -9,6 +9,7 @@ mod identification;
 #[path = "../../../host/tests/trials/judge.rs"]
 mod judge;
 mod lockstep;
+mod losses;
 mod ports;
 mod references;
 mod soak;

@@ -9,7 +9,7 @@
 //! irregularity must be one that a fault explains.
 
 use crate::judge::{Outcome, capture_to_disk, check};
-use crate::support::{FIRST_SAMPLE, FRAME, OVERSAMPLING, SharedBoard, options, staircase};
+use crate::support::{FIRST_SAMPLE, FRAME, LOST, OVERSAMPLING, SharedBoard, options, staircase};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use servoid::port::chaos::{ChaosPort, Faults};
@@ -87,7 +87,9 @@ fn soak(length: Duration, seed: u64) -> Result<Tally, String> {
         .map_err(|e| e.to_string())?
         .frames_lost_on_board;
     if lost > 0 {
-        return Err(format!("the board says that it lost {lost} frames"));
+        return Err(format!(
+            "the board says that it lost {lost} frames since its last start"
+        ));
     }
     tally.faults = troubles.iter().filter(|t| t.at < end).count() as u32;
     board.with(|board| require_explained(&board.chip().record, &troubles, end))?;
@@ -251,6 +253,10 @@ fn require_explained(record: &Record, troubles: &[Trouble], end: Ticks) -> Resul
     // A reset that is due just now may not be there yet.
     if let Some(trouble) = provoked.iter().find(|t| t.over < end) {
         return Err(format!("no reset came of {trouble:?}"));
+    }
+    // Written down by the board when it happens: a reset clears the count, and not the log.
+    if let Some(line) = record.log.iter().find(|l| l.text.contains(LOST)) {
+        return Err(format!("the board lost frames: {line}"));
     }
     for violation in &record.violations {
         // A stuck processor takes neither what the DMA brings nor what the line does, and nothing

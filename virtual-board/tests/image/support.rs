@@ -37,6 +37,9 @@ pub const FIRST_SAMPLE: Ticks = microseconds(500);
 /// Period of the pulses.
 pub const FRAME: Ticks = milliseconds(20);
 
+/// What a line of the board's log says where frames were lost on the board.
+pub const LOST: &str = "frames lost";
+
 /// Without a crystal the board waits for one for 50 ms; then comes a frame of 20 ms.
 const BOOT: Ticks = milliseconds(150);
 

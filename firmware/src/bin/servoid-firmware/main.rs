@@ -62,6 +62,8 @@ struct Stm32f103 {
     identity: Identity,
     led: PC13<Output<PushPull>>,
     watchdog: Watchdog,
+    /// Number of the newest frame.
+    newest: Option<u32>,
 }
 
 impl Board for Stm32f103 {
@@ -70,7 +72,14 @@ impl Board for Stm32f103 {
     }
 
     async fn next_frame(&mut self) -> CapturedFrame {
-        sampling::next_frame().await
+        let frame = sampling::next_frame().await;
+        // The count in the rig is gone after a reset; the log tells of it even then.
+        let lost = self.newest.map_or(0, |before| frame.lost_since(before));
+        if lost > 0 {
+            defmt::warn!("{=u32} frames lost before {=u32}", lost, frame.number);
+        }
+        self.newest = Some(frame.number);
+        frame
     }
 
     fn set_pulse(&mut self, pulse: Option<PulseWidth>) {
@@ -115,6 +124,7 @@ async fn main(_spawner: Spawner) {
         identity: identity::read(source, reset_cause, &rcc.clocks),
         led,
         watchdog: Watchdog::start(p.IWDG),
+        newest: None,
     };
     defmt::info!(
         "servoid {=str}: crystal {=bool}, after a watchdog reset {=bool}",

@@ -105,7 +105,8 @@ fn any_reference() -> impl Strategy<Value = Reference> {
 
 #[derive(Clone, Debug)]
 enum Event {
-    Request(Command),
+    /// Of one session or, now and then, the other.
+    Request(u16, Command),
     /// The newest request once more.
     Again,
     Frame {
@@ -117,7 +118,8 @@ enum Event {
 
 fn any_event() -> impl Strategy<Value = Event> {
     prop_oneof![
-        3 => any_command().prop_map(Event::Request),
+        3 => (prop_oneof![9 => Just(1u16), 1 => Just(2u16)], any_command())
+            .prop_map(|(session, command)| Event::Request(session, command)),
         1 => Just(Event::Again),
         6 => (prop::bool::weighted(0.1), prop::bool::weighted(0.05))
             .prop_map(|(late, sick)| Event::Frame { late, sick }),
@@ -133,12 +135,13 @@ proptest! {
         events in proptest::collection::vec(any_event(), 0..120),
     ) {
         let mut bench = Bench::connected();
-        let (mut limits, mut line_before, mut newest, mut starts) = (None, None, Command::Hello, 0);
+        let (mut limits, mut line_before, mut newest, mut starts) = (None, None, (1, Command::Hello), 0);
         for event in events {
             match event {
-                Event::Request(command) => {
-                    let outcome = bench.request(command);
-                    newest = command;
+                Event::Request(session, command) => {
+                    bench.id += 1;
+                    let outcome = bench.raw_request(session, bench.id, command);
+                    newest = (session, command);
                     match (command, outcome) {
                         (Command::Arm(arm), Some(Outcome::Done)) => {
                             limits = Some((arm.shortest, arm.longest));
@@ -147,7 +150,7 @@ proptest! {
                         _ => {}
                     }
                 }
-                Event::Again => { bench.raw_request(1, bench.id, newest); }
+                Event::Again => { bench.raw_request(newest.0, bench.id, newest.1); }
                 Event::Lose(count) => bench.lose(count),
                 Event::Frame { late, sick } => {
                     let applied = if late { line_before } else { bench.on_line };

@@ -124,3 +124,25 @@ fn a_flood_of_requests_keeps_the_newest_answers() {
     ));
     assert!(bench.sent.len() < 100);
 }
+
+#[test]
+fn who_has_no_session_is_answered_when_all_else_is_said_and_once() {
+    let mut bench = Bench::running(short_run(1));
+    bench.frames_unsent(3);
+    for id in 0..100 {
+        for command in [Command::Disarm, Command::Hello] {
+            bench.rig.on_request(&Request {
+                session: 2,
+                id,
+                command,
+            });
+        }
+    }
+    bench.flush();
+    let [frames @ .., visitor] = &bench.sent[..] else {
+        panic!("nothing was sent");
+    };
+    assert!(matches!(visitor, RigMessage::Hello(_)), "{visitor:?}");
+    assert_eq!(frames.len(), 3);
+    assert!(frames.iter().all(|m| matches!(m, RigMessage::Frame(_))));
+}

@@ -48,10 +48,9 @@ pub(super) enum Ask {
 pub(super) enum Phase {
     Idle,
     Armed,
-    /// Frames since the start was accepted, and since the last sign of life.
+    /// Frames since the start was accepted.
     Running {
         frames: u16,
-        silent: u16,
     },
     Ended,
 }
@@ -61,6 +60,8 @@ pub(super) enum Phase {
 pub(super) struct Expected {
     pub(super) session: Option<u16>,
     phase: Phase,
+    /// Frames since the last sign of life.
+    silent: u16,
     /// Number of the last run that was accepted.
     run: Option<u16>,
     healthy: bool,
@@ -86,6 +87,9 @@ fn run_of_four_frames(run: u16) -> Start {
 impl Expected {
     pub(super) fn ask(&mut self, session: u16, ask: Ask, run: u16) -> Option<Outcome> {
         if ask == Ask::Hello {
+            if self.is_held_from(session) {
+                return None;
+            }
             self.session = Some(session);
             self.heard();
             return None;
@@ -99,9 +103,13 @@ impl Expected {
     }
 
     pub(super) fn heard(&mut self) {
-        if let Phase::Running { silent, .. } = &mut self.phase {
-            *silent = 0;
-        }
+        self.silent = 0;
+    }
+
+    /// Whether another session has the rig, and its lease is not over.
+    pub(super) fn is_held_from(&self, session: u16) -> bool {
+        let others = self.session.is_some_and(|open| open != session);
+        others && self.phase != Phase::Idle && self.silent < LEASE
     }
 
     fn carry_out(&mut self, ask: Ask, run: u16) -> Result<(), Refusal> {
@@ -134,10 +142,7 @@ impl Expected {
                     return Err(Refusal::SensorOutOfRange);
                 }
                 self.run = Some(run);
-                self.phase = Phase::Running {
-                    frames: 0,
-                    silent: 0,
-                };
+                self.phase = Phase::Running { frames: 0 };
             }
             Ask::Stop | Ask::Resend => {
                 if self.run.is_none() {
@@ -154,11 +159,11 @@ impl Expected {
 
     fn frame(&mut self, healthy: bool) {
         self.healthy = healthy;
-        if let Phase::Running { frames, silent } = &mut self.phase {
+        self.silent = self.silent.saturating_add(1);
+        if let Phase::Running { frames } = &mut self.phase {
             *frames += 1;
-            *silent += 1;
             // The frame under way at the start is none of the run's.
-            if !healthy || *silent >= LEASE || *frames > RUN_FRAMES {
+            if !healthy || self.silent >= LEASE || *frames > RUN_FRAMES {
                 self.phase = Phase::Ended;
             }
         }
@@ -191,8 +196,14 @@ impl Node {
         let command = self.command(ask);
         let expected = self.expected.ask(session, ask, next);
         self.bench.id = self.bench.id.wrapping_add(1);
+        let already = self.bench.sent.len();
         let outcome = self.bench.raw_request(session, self.bench.id, command);
         assert_eq!(outcome, expected, "{ask:?} of session {session}");
+        if ask == Ask::Hello {
+            // Whoever asks who the rig is hears it.
+            let answer = &self.bench.sent[already..];
+            assert!(answer.iter().any(|m| matches!(m, RigMessage::Hello(_))));
+        }
     }
 
     /// Another number than the last run's.
@@ -276,6 +287,7 @@ pub(super) fn root() -> Node {
     let expected = Expected {
         session: None,
         phase: Phase::Idle,
+        silent: 0,
         run: None,
         healthy: true,
     };

@@ -20,18 +20,77 @@ fn hello_says_who_the_rig_is() {
     assert_eq!(usize::from(hello.history_frames), history::CAPACITY);
 }
 
+const UNKNOWN: Option<Outcome> = Some(Outcome::Refused(Refusal::UnknownSession));
+
 #[test]
-fn a_stranger_is_refused_and_a_second_host_takes_over() {
-    let mut bench = Bench::armed();
-    let unknown = Some(Outcome::Refused(Refusal::UnknownSession));
-    assert_eq!(bench.raw_request(2, 1, Command::Disarm), unknown);
-    assert!(bench.rig.is_armed());
+fn a_stranger_is_refused_and_an_idle_rig_is_taken_over() {
+    let mut bench = Bench::connected();
+    assert_eq!(bench.raw_request(2, 1, Command::Disarm), UNKNOWN);
     bench.raw_request(2, 2, Command::Hello);
     assert_eq!(
-        bench.raw_request(2, 3, Command::Disarm),
+        bench.raw_request(2, 3, Command::Arm(arm())),
         Some(Outcome::Done)
     );
-    assert_eq!(bench.request(Command::KeepAlive), unknown);
+    assert_eq!(bench.request(Command::KeepAlive), UNKNOWN);
+}
+
+/// A `Hello` of session 2 is answered, and whether it has opened that session.
+fn visit(bench: &mut Bench, id: u16) -> bool {
+    bench.sent.clear();
+    bench.raw_request(2, id, Command::Hello);
+    assert!(matches!(bench.sent[..], [RigMessage::Hello(_)]));
+    bench.raw_request(2, id + 1, Command::KeepAlive) == Some(Outcome::Done)
+}
+
+#[test]
+fn a_hello_of_another_session_takes_no_rig_that_is_in_use() {
+    let mut bench = Bench::armed();
+    assert!(!visit(&mut bench, 1), "armed");
+    assert_eq!(
+        bench.request(Command::Start(short_run(1))),
+        Some(Outcome::Done)
+    );
+    for id in 0..20 {
+        bench.frame();
+        assert!(!visit(&mut bench, 10 + 2 * id), "running, then ended");
+    }
+    assert!(matches!(bench.status().activity, Activity::Ended(_)));
+    // Its frames are still there for the session that made them.
+    let resend = Command::Resend {
+        run: 1,
+        first: 0,
+        count: 11,
+    };
+    bench.sent.clear();
+    assert_eq!(bench.request(resend), Some(Outcome::Done));
+    assert_eq!(bench.sent_pulses(), SHORT_RUN_US);
+}
+
+#[test]
+fn a_visitor_is_no_sign_of_life_and_has_the_rig_when_the_lease_is_over() {
+    for run in [None, Some(1)] {
+        let mut bench = Bench::armed();
+        let long = |run| Start {
+            post_roll_frames: 2 * LEASE,
+            ..short_run(run)
+        };
+        let last = run.map_or(Command::KeepAlive, |run| Command::Start(long(run)));
+        assert_eq!(bench.request(last), Some(Outcome::Done));
+        for id in 0..LEASE {
+            assert!(!visit(&mut bench, 2 * id), "after {id} frames, {run:?}");
+            bench.frame();
+        }
+        assert!(visit(&mut bench, 2 * LEASE), "{run:?}");
+        assert_eq!(bench.request(Command::KeepAlive), UNKNOWN);
+        assert_eq!(bench.on_line, Some(NEUTRAL));
+    }
+}
+
+#[test]
+fn a_rig_that_was_disarmed_is_anybodys() {
+    let mut bench = Bench::armed();
+    assert_eq!(bench.request(Command::Disarm), Some(Outcome::Done));
+    assert!(visit(&mut bench, 1));
 }
 
 #[test]
