@@ -1,5 +1,6 @@
 //! Why a model has the structure that it has, as text.
 
+use crate::summary::decimals;
 use servoid_identification::model::Structure;
 use servoid_identification::normal::Path;
 use servoid_identification::{Explanation, Model};
@@ -33,7 +34,7 @@ fn write_text(text: &mut String, e: &Explanation, structure: &Structure) -> std:
         .fold(f64::INFINITY, f64::min);
     writeln!(
         text,
-        "  arithmetic  {arithmetic}; condition number {:.2e}; {} rows for {} parameters; at least {least:.0} degrees of freedom",
+        "  arithmetic  {arithmetic}; condition number {:.0}; {} rows for {} parameters; at least {least:.0} degrees of freedom",
         e.condition,
         e.rows,
         structure.frequencies + 1 + structure.noise_order
@@ -84,9 +85,15 @@ fn write_text(text: &mut String, e: &Explanation, structure: &Structure) -> std:
     if !e.frequencies.is_empty() {
         writeln!(
             text,
-            "\n  frequencies: n = N holds without further assumptions; fewer are narrower in white noise, and\n  biased by what they leave out\n\n  {:>8} {:>14} {:>12} {:>12}",
-            "n", "GCV", "noise +-", "bias up to"
+            "\n  frequencies: n = N holds without further assumptions; fewer are narrower in white noise, and\n  biased by what they leave out (GCV, the error of prediction, relative to the least)\n\n  {:>8} {:>14} {:>12} {:>12}",
+            "n", "GCV / least", "noise +-", "bias up to"
         )?;
+        let digits = e
+            .frequencies
+            .last()
+            .map_or(4, |c| decimals(c.noise_half_width, 2));
+        let gcv = e.frequencies.iter().map(|c| c.gcv);
+        let least = gcv.fold(f64::INFINITY, f64::min);
         let every = e.frequencies.len().div_ceil(MOST_LINES);
         for (i, c) in e.frequencies.iter().enumerate() {
             let chosen = c.frequencies == structure.frequencies;
@@ -94,8 +101,11 @@ fn write_text(text: &mut String, e: &Explanation, structure: &Structure) -> std:
                 let mark = if chosen { "  <- chosen" } else { "" };
                 writeln!(
                     text,
-                    "  {:>8} {:>14.6e} {:>12.4} {:>12.4}{mark}",
-                    c.frequencies, c.gcv, c.noise_half_width, c.truncation_bias
+                    "  {:>8} {:>14.4} {:>12.digits$} {:>12.digits$}{mark}",
+                    c.frequencies,
+                    c.gcv / least,
+                    c.noise_half_width,
+                    c.truncation_bias
                 )?;
             }
         }

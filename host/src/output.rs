@@ -85,6 +85,11 @@ pub fn read_model(path: &Path) -> Result<Model> {
             ),
         }
     }
+    if !text.trim_start().starts_with('{') {
+        bail!(
+            "{path:?} is no model: identify the recording first, with servoid identify RECORDING.csv -o MODEL.json"
+        );
+    }
     let model: Model = serde_json::from_str(&text)
         .map_err(|e| anyhow::anyhow!("{path:?} is no model of 'servoid identify': {e}"))?;
     if !model.is_consistent() {

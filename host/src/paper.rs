@@ -19,6 +19,9 @@ pub struct Fact {
     pub paper: f64,
     /// Ours.
     pub here: f64,
+    /// Decimals that ours is printed with.
+    #[serde(skip)]
+    pub digits: usize,
 }
 
 /// The staircase's level (deg, paper §4).
@@ -37,18 +40,21 @@ pub fn facts(bench: &Model, aircraft: &Model, comparison: &Comparison) -> Vec<Fa
             fact: "bench settles within 1 % (samples)",
             paper: 60.0,
             here: settled_after(&bench.step.value, 0.01) as f64,
+            digits: 0,
         },
         Fact {
             figure: "12",
             fact: "bench overshoot over +5 deg (deg)",
             paper: 0.2,
             here: highest_at(bench, LEVEL_DEG) - LEVEL_DEG,
+            digits: 2,
         },
         Fact {
             figure: "12",
             fact: "aircraft undershoot at +5 deg (deg)",
             paper: 1.2,
             here: LEVEL_DEG - level_at(aircraft, LEVEL_DEG),
+            digits: 2,
         },
     ];
     let over = comparison
@@ -60,6 +66,7 @@ pub fn facts(bench: &Model, aircraft: &Model, comparison: &Comparison) -> Vec<Fa
         fact: "bench model over-predicts aircraft at +5 deg (%)",
         paper: 22.0,
         here,
+        digits: 1,
     }));
     facts
 }
@@ -73,8 +80,8 @@ pub fn as_table(facts: &[Fact]) -> String {
     );
     let line = |f: &Fact| {
         format!(
-            "{:50} {:>6} {:>10} {:>10.2}\n",
-            f.fact, f.figure, f.paper, f.here
+            "{:50} {:>6} {:>10} {:>10.*}\n",
+            f.fact, f.figure, f.paper, f.digits, f.here
         )
     };
     head + &facts.iter().map(line).collect::<String>()

@@ -4,7 +4,7 @@ mod beyond;
 mod comparison;
 
 pub use beyond::{of_flight_model, of_limits};
-pub use comparison::{facts_of_comparison, of_comparison};
+pub use comparison::{facts_of_comparison, how_compared, of_comparison, table_of_comparison};
 
 use servoid_identification::comparison::Comparison;
 use servoid_identification::metrics::{Interval, Metrics};
@@ -93,9 +93,19 @@ const ROWS: [Row; 8] = [
 
 impl Row {
     fn number(&self, value: Option<f64>) -> String {
+        self.number_like(value, value)
+    }
+
+    /// A number with the digits that `like` has.
+    fn number_like(&self, value: Option<f64>, like: Option<f64>) -> String {
+        // A gain has the units of the recording, and any size with them.
+        let digits = match (self.key, like) {
+            ("dc_gain", Some(like)) => decimals(like, 4),
+            _ => self.digits,
+        };
         value.map_or_else(
             || "-".to_owned(),
-            |v| format!("{:.*}", self.digits, v * self.scale),
+            |value| format!("{:.digits$}", value * self.scale),
         )
     }
 
@@ -108,9 +118,13 @@ impl Row {
     }
 
     fn bounds(&self, interval: &Interval) -> String {
+        let like = interval.value.or(interval.upper).or(interval.lower);
+        let number = |bound: f64| self.number_like(Some(bound), like);
         match (interval.lower, interval.upper) {
             (None, None) => String::new(),
-            (lower, upper) => format!("{} .. {}", self.number(lower), self.number(upper)),
+            (Some(lower), None) => format!("{} or more", number(lower)),
+            (None, Some(upper)) => format!("up to {}", number(upper)),
+            (Some(lower), Some(upper)) => format!("{} .. {}", number(lower), number(upper)),
         }
     }
 }
@@ -119,7 +133,7 @@ impl Row {
 #[must_use]
 pub fn level_text(model: &Model) -> String {
     match model.bounds_hold() {
-        true => format!("{} %", 100.0 * model.step.pointwise.level),
+        true => format!("{} %", percent(model.step.pointwise.level)),
         false => "no level".to_owned(),
     }
 }
@@ -143,6 +157,7 @@ fn write_model(
     let (structure, fit, period) = (&model.structure, &model.fit, model.sample_period_s);
     let (each, whole) = model.step.mean_half_widths();
     let level = level_text(model);
+    let (error_digits, band_digits) = (decimals(fit.rmse, 2), decimals(each, 2));
     writeln!(text, "{source}")?;
     if !model.bounds_hold() {
         writeln!(
@@ -174,14 +189,14 @@ fn write_model(
     )?;
     writeln!(
         text,
-        "  fit         {:.2} % simulated, {:.2} % one step ahead, error {:.4}{unit} rms",
+        "  fit         {:.2} % simulated, {:.2} % one step ahead, error {:.error_digits$}{unit} rms",
         fit.simulation_percent, fit.one_step_percent, fit.rmse
     )?;
     writeln!(
         text,
-        "  step band   +-{each:.4} each point, +-{whole:.4} whole curve ({level}, of a unit step, mean)",
+        "  step band   +-{each:.band_digits$} each point, +-{whole:.band_digits$} whole curve ({level}, of a unit step, mean)",
     )?;
-    writeln!(text, "  offset      {:.4}{unit}", model.offset)?;
+    writeln!(text, "  offset      {:.error_digits$}{unit}", model.offset)?;
     writeln!(
         text,
         "  residuals   white: {}, independent of the input: {}",
@@ -191,24 +206,36 @@ fn write_model(
     writeln!(text, "\n  {:22} {:>10}       {level} interval", "", "value")?;
     for row in &ROWS {
         let interval = (row.of)(&model.metrics);
-        writeln!(
-            text,
-            "  {:22} {:>10} {:5} {}",
-            row.name,
-            row.number(interval.value),
-            row.unit,
-            row.bounds(&interval)
-        )?;
+        // A unit beside no number would read as one.
+        let unit = interval.value.map_or("", |_| row.unit);
+        let bounds = match (interval.value, row.bounds(&interval)) {
+            (None, bounds) if bounds.is_empty() => withheld(model).to_owned(),
+            (_, bounds) => bounds,
+        };
+        let (name, value) = (row.name, row.number(interval.value));
+        writeln!(text, "  {name:22} {value:>10} {unit:5} {bounds}")?;
     }
     write_advice(text, &model.advice)
+}
+
+/// Why a figure has no value.
+fn withheld(model: &Model) -> &'static str {
+    if model.metrics.dc_gain.contains(0.0) {
+        "withheld: the gain may be zero"
+    } else if model.bounds_hold() {
+        "not reached, as far as this recording tells"
+    } else {
+        "withheld: two ways to estimate it disagree (see the advice)"
+    }
 }
 
 /// How well a model predicted a recording that it had not seen.
 #[must_use]
 pub fn of_validation(validation: &Validation, unit: Option<&str>) -> String {
     let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
+    let digits = decimals(validation.rmse, 2);
     format!(
-        "fit {:.2} %, error {:.4}{unit} rms, bias {:+.4}{unit}, {} samples{}\n",
+        "fit {:.2} %, error {:.digits$}{unit} rms, bias {:+.digits$}{unit}, {} samples{}\n",
         validation.fit_percent,
         validation.rmse,
         validation.bias,
@@ -270,31 +297,10 @@ pub fn difference_rows(found: &Comparison) -> Vec<MetricRow> {
     ROWS.iter().filter_map(of).collect()
 }
 
-/// Two models side by side, with their difference.
-#[must_use]
-pub fn side_by_side(bench: &Metrics, aircraft: &Metrics) -> String {
-    let mut text = format!(
-        "{:32} {:>12} {:>12} {:>12}\n",
-        "", "bench", "aircraft", "difference"
-    );
-    for row in &ROWS {
-        let (a, b) = ((row.of)(bench).value, (row.of)(aircraft).value);
-        let difference = a.zip(b).map(|(a, b)| b - a);
-        let _infallible = writeln!(
-            text,
-            "{:32} {:>12} {:>12} {:>12}",
-            row.label(),
-            row.number(a),
-            row.number(b),
-            row.number(difference)
-        );
-    }
-    text
-}
-
 fn write_advice(text: &mut String, advice: &[Advice]) -> std::fmt::Result {
     for item in advice {
-        writeln!(text, "\n  ! {}\n    {}", item.finding, item.remedy)?;
+        let [finding, remedy] = [&item.finding, &item.remedy].map(|text| wrapped(text, 4));
+        writeln!(text, "\n  ! {finding}\n    {remedy}")?;
     }
     Ok(())
 }
@@ -304,8 +310,9 @@ fn write_advice(text: &mut String, advice: &[Advice]) -> std::fmt::Result {
 pub fn one_line(model: &Model, unit: Option<&str>) -> String {
     let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
     let (structure, fit) = (&model.structure, &model.fit);
+    let digits = decimals(fit.rmse, 2);
     format!(
-        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.4}{unit} rms; residuals white: {}, independent of the input: {}",
+        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.digits$}{unit} rms; residuals white: {}, independent of the input: {}",
         fit.samples_used,
         fit.samples_missing,
         rounded(model.sample_period_s * 1e3),
@@ -328,7 +335,72 @@ pub(crate) fn probability(p: Option<f64>) -> String {
     }
 }
 
+/// Letters of a line.
+const LINE: usize = 110;
+
+/// The text in lines of [`LINE`] letters, all but the first indented.
+pub(crate) fn wrapped(text: &str, indent: usize) -> String {
+    let mut lines = String::new();
+    let mut column = indent;
+    for word in text.split(' ') {
+        let length = word.chars().count();
+        if column > indent && column + 1 + length > LINE {
+            lines.push('\n');
+            lines.extend(std::iter::repeat_n(' ', indent));
+            column = indent;
+        } else if column > indent {
+            lines.push(' ');
+            column += 1;
+        }
+        lines.push_str(word);
+        column += length;
+    }
+    lines
+}
+
+/// Decimals that show at least so many digits of a number, and four where that is more.
+pub(crate) fn decimals(number: f64, significant: i32) -> usize {
+    let leading = if number == 0.0 || !number.is_finite() {
+        0.0
+    } else {
+        number.abs().log10().floor()
+    };
+    // The smallest positive number begins at the 324th decimal.
+    let needed = (significant - 1 - leading as i32).clamp(4, 330);
+    needed as usize
+}
+
+/// A level in percent: 57 rather than 56.99999999999999.
+pub(crate) fn percent(level: f64) -> f64 {
+    rounded(100.0 * level)
+}
+
 /// 2 rather than 2.0000000000000004.
 fn rounded(number: f64) -> f64 {
     (number * 1e6).round() / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lines_are_broken_between_words_and_lose_none() {
+        let lines = wrapped(&("word ".repeat(60) + "end"), 4);
+        assert!(lines.lines().count() > 2 && lines.lines().all(|line| line.len() <= LINE));
+        assert!(lines.lines().skip(1).all(|line| line.starts_with("    ")));
+        assert_eq!(lines.split_whitespace().count(), 61);
+    }
+
+    #[test]
+    fn small_numbers_keep_their_digits() {
+        let shown = |number: f64, digits| format!("{number:.*}", decimals(number, digits));
+        assert_eq!(shown(0.97, 4), "0.9700");
+        assert_eq!(shown(0.000_012_36, 4), "0.00001236");
+        assert_eq!(
+            (shown(0.0, 4), shown(123.4, 2)),
+            ("0.0000".into(), "123.4000".into())
+        );
+        assert_eq!(percent(0.57), 57.0);
+    }
 }

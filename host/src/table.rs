@@ -1,4 +1,4 @@
-//! Any CSV file with a header row, as columns of numbers.
+//! Any CSV file, as columns of numbers.
 
 // What files and lines bring meets no panic here.
 #![cfg_attr(
@@ -12,66 +12,46 @@
     )
 )]
 
+mod error;
+mod layout;
+mod number;
+
+pub use error::TableError;
+
+use layout::{Layout, fits};
+use number::Decimal;
 use std::path::{Path, PathBuf};
 
-/// Why a table could not be read. The text says what to do.
-#[derive(Debug, thiserror::Error)]
-pub enum TableError {
-    /// The file cannot be read.
-    #[error("{path:?} cannot be read: {reason}")]
-    Unreadable {
-        /// Which.
-        path: PathBuf,
-        /// What the system said.
-        reason: std::io::Error,
-    },
-    /// No header row.
-    #[error("{path:?} is empty: a header row with column names and at least two rows are needed")]
-    Empty {
-        /// Which.
-        path: PathBuf,
-    },
-    /// It is no CSV file.
-    #[error("{path:?} is not a CSV file with a header row and even rows: {reason}")]
-    NotCsv {
-        /// Which.
-        path: PathBuf,
-        /// What is wrong, and where.
-        reason: String,
-    },
-    /// No such column.
-    #[error("{path:?} has no column {column:?}: its columns are {present}")]
-    NoColumn {
-        /// Which file.
-        path: PathBuf,
-        /// Which column.
-        column: String,
-        /// What there is.
-        present: String,
-    },
-    /// A cell is no number.
-    #[error(
-        "{path:?} line {line}, column {column:?}: {text:?} is no finite number (leave the cell empty where a sample is missing)"
-    )]
-    NotANumber {
-        /// Which file.
-        path: PathBuf,
-        /// Which column.
-        column: String,
-        /// Line, from 1.
-        line: u64,
-        /// The cell's text.
-        text: String,
-    },
-}
-
-/// A CSV file in memory, its header row read. Lines that begin with `#` are passed over.
+/// A CSV file in memory, its header row read. Lines that begin with `#` are passed over; cells may be
+/// parted by commas, semicolons or tabs, and numbers may have a decimal comma where cells have not.
 #[derive(Debug)]
 pub struct Table {
     path: PathBuf,
     bytes: Vec<u8>,
-    columns: Vec<String>,
+    layout: Layout,
+    decimal: Decimal,
 }
+
+/// What opens files that are no text: a sentence for those that people give.
+const NOT_TEXT: [(&[u8], &str); 5] = [
+    (
+        b"PK\x03\x04",
+        "it is a workbook or an archive: save the sheet as CSV",
+    ),
+    (
+        b"\xD0\xCF\x11\xE0",
+        "it is an old workbook: save the sheet as CSV",
+    ),
+    (b"\xFF\xFE", "it is text in UTF-16: save it as UTF-8"),
+    (b"\xFE\xFF", "it is text in UTF-16: save it as UTF-8"),
+    (
+        b"MATLAB 5.0 MAT-file",
+        "it is a MAT-file of MATLAB: write the variables with writetable or writematrix",
+    ),
+];
+
+/// What some programs put before text in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 impl Table {
     /// Reads a file.
@@ -90,25 +70,39 @@ impl Table {
     ///
     /// # Errors
     /// [`TableError::Empty`] or [`TableError::NotCsv`].
-    pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Self, TableError> {
+    pub fn parse(path: &Path, mut bytes: Vec<u8>) -> Result<Self, TableError> {
         let path = path.to_owned();
-        let mut reader = csv_reader(&bytes);
-        let columns: Vec<String> = match reader.headers() {
-            Ok(headers) => headers.iter().map(str::to_owned).collect(),
-            Err(error) => {
-                return Err(TableError::NotCsv {
-                    path,
-                    reason: in_words(&error),
-                });
-            }
+        let refused = |path: PathBuf, reason: &str| TableError::NotCsv {
+            path,
+            reason: reason.to_owned(),
         };
-        if columns.iter().all(String::is_empty) {
-            return Err(TableError::Empty { path });
+        if let Some((_, reason)) = NOT_TEXT.iter().find(|(start, _)| bytes.starts_with(start)) {
+            return Err(refused(path, reason));
         }
+        if bytes.starts_with(BYTE_ORDER_MARK) {
+            bytes.drain(..BYTE_ORDER_MARK.len());
+        }
+        let Some(layout) = Layout::of(&bytes) else {
+            return Err(TableError::Empty { path });
+        };
+        if let [only] = &layout.columns[..]
+            && only.split_whitespace().count() > 1
+            && parted_by_spaces(bytes.get(layout.rows_at..).unwrap_or_default())
+        {
+            let reason = "its cells are parted by spaces: part them by commas, semicolons or tabs";
+            return Err(refused(path, reason));
+        }
+        let rows = bytes.get(layout.rows_at..).unwrap_or_default();
+        let decimal = match layout.separator {
+            b',' => Decimal::Point,
+            _ if memchr::memchr(b',', rows).is_some() => Decimal::Comma,
+            _ => Decimal::Point,
+        };
         Ok(Self {
             path,
             bytes,
-            columns,
+            layout,
+            decimal,
         })
     }
 
@@ -121,145 +115,212 @@ impl Table {
     /// The column names, in order.
     #[must_use]
     pub fn columns(&self) -> &[String] {
-        &self.columns
+        &self.layout.columns
+    }
+
+    /// What a user should know of how the table was read.
+    #[must_use]
+    pub fn remarks(&self) -> &[String] {
+        &self.layout.remarks
     }
 
     /// The column names as a list for error texts.
     #[must_use]
     pub fn columns_listed(&self) -> String {
-        self.columns.join(", ")
+        self.columns().join(", ")
     }
 
-    /// The named columns, all of one length; NaN where a cell is empty. One pass over the file
-    /// serves all of them.
+    /// The named columns, all of one length; NaN where a cell is empty or says that it has no number.
+    /// One pass over the file serves all of them. A column may be named without its unit ("angle" for
+    /// "angle \[deg\]") and in letters of another size, where that leaves no doubt.
     ///
     /// # Errors
-    /// [`TableError::NoColumn`], [`TableError::NotANumber`] or [`TableError::NotCsv`].
+    /// [`TableError::NoColumn`], [`TableError::SeveralColumns`], [`TableError::NotANumber`],
+    /// [`TableError::MixedDecimals`] or [`TableError::NotCsv`].
     pub fn numbers(&self, names: &[&str]) -> Result<Vec<Vec<f64>>, TableError> {
+        Ok(self.numbers_beside(names, None)?.0)
+    }
+
+    /// The named columns, and in the same pass one that may hold something else than numbers: `None`
+    /// then.
+    ///
+    /// # Errors
+    /// As [`Table::numbers`], for the columns of `names`.
+    #[allow(clippy::type_complexity, reason = "columns, and one more")]
+    pub fn numbers_beside(
+        &self,
+        names: &[&str],
+        beside: Option<&str>,
+    ) -> Result<(Vec<Vec<f64>>, Option<Vec<f64>>), TableError> {
         let mut columns = Vec::with_capacity(names.len());
         for name in names {
             columns.push((self.place_of(name)?, Vec::new()));
         }
-        let mut reader = csv_reader(&self.bytes);
+        let beside = beside.map(|name| self.place_of(name)).transpose()?;
+        let mut other = beside.map(|_| Vec::new());
+        let rows = self.bytes.get(self.layout.rows_at..).unwrap_or_default();
+        let mut reader = reader(rows, self.layout.separator);
         let mut record = csv::ByteRecord::new();
+        // First lines with a comma and with a point among the numbers read.
+        let mut seen = [None; 2];
         loop {
             match reader.read_byte_record(&mut record) {
                 Ok(true) => {}
-                Ok(false) => return Ok(columns.into_iter().map(|(_, numbers)| numbers).collect()),
+                Ok(false) => {
+                    let columns = columns.into_iter().map(|(_, numbers)| numbers);
+                    return Ok((columns.collect(), other));
+                }
                 Err(error) => {
                     let path = self.path.clone();
                     return Err(TableError::NotCsv {
                         path,
-                        reason: in_words(&error),
+                        reason: error.to_string(),
                     });
                 }
             }
+            if record.len() != self.columns().len() {
+                self.check_width(&record)?;
+            }
             for ((place, numbers), name) in columns.iter_mut().zip(names) {
                 let cell = record.get(*place).unwrap_or_default().trim_ascii();
-                let number = number(cell).ok_or_else(|| TableError::NotANumber {
-                    path: self.path.clone(),
-                    column: (*name).to_owned(),
-                    line: record.position().map_or(0, csv::Position::line),
-                    text: String::from_utf8_lossy(cell).chars().take(40).collect(),
-                })?;
-                numbers.push(number);
+                let number =
+                    number::parse(cell, self.decimal).ok_or_else(|| TableError::NotANumber {
+                        path: self.path.clone(),
+                        column: (*name).to_owned(),
+                        line: self.line_of(&record),
+                        text: String::from_utf8_lossy(cell).chars().take(40).collect(),
+                    });
+                if self.decimal == Decimal::Comma {
+                    self.check_decimals(cell, &record, &mut seen)?;
+                }
+                numbers.push(number?);
+            }
+            if let (Some(place), Some(numbers)) = (beside, &mut other) {
+                let cell = record.get(place).unwrap_or_default().trim_ascii();
+                match number::parse(cell, self.decimal) {
+                    Some(number) => numbers.push(number),
+                    None => other = None,
+                }
             }
         }
     }
 
+    /// Line of the file that a row is in, from 1.
+    fn line_of(&self, record: &csv::ByteRecord) -> u64 {
+        let above = self.bytes.get(..self.layout.rows_at).unwrap_or_default();
+        let above = memchr::memchr_iter(b'\n', above).count() as u64;
+        above + record.position().map_or(1, csv::Position::line)
+    }
+
+    fn check_width(&self, record: &csv::ByteRecord) -> Result<(), TableError> {
+        let (width, found) = (self.columns().len(), record.len());
+        let cells: Vec<&[u8]> = record.iter().collect();
+        if fits(&cells, width) {
+            return Ok(());
+        }
+        let hint = if found == 2 * width && self.layout.separator == b',' {
+            "; where numbers have a decimal comma, part the cells by semicolons or tabs"
+        } else {
+            "; it may be cut off there"
+        };
+        Err(TableError::NotCsv {
+            path: self.path.clone(),
+            reason: format!(
+                "line {} has {found} cells where the header row has {width}{hint}",
+                self.line_of(record)
+            ),
+        })
+    }
+
+    /// "1.234" among numbers with a decimal comma may be a thousand or one.
+    fn check_decimals(
+        &self,
+        cell: &[u8],
+        record: &csv::ByteRecord,
+        seen: &mut [Option<u64>; 2],
+    ) -> Result<(), TableError> {
+        for (first, letter) in seen.iter_mut().zip([b',', b'.']) {
+            if first.is_none() && memchr::memchr(letter, cell).is_some() {
+                *first = Some(self.line_of(record));
+            }
+        }
+        match *seen {
+            [Some(comma), Some(point)] => Err(TableError::MixedDecimals {
+                path: self.path.clone(),
+                comma,
+                point,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The column that is called so, or else the only one that is called so but for its unit and the
+    /// size of its letters.
     fn place_of(&self, name: &str) -> Result<usize, TableError> {
-        self.columns
-            .iter()
-            .position(|column| column == name)
-            .ok_or_else(|| TableError::NoColumn {
+        let alike = |same: &dyn Fn(&str) -> bool| -> Vec<usize> {
+            let columns = self.columns().iter().enumerate();
+            columns
+                .filter(|(_, column)| same(column))
+                .map(|(place, _)| place)
+                .collect()
+        };
+        let wanted = name.trim().to_lowercase();
+        let exact = alike(&|column| column == name);
+        let found = match exact[..] {
+            [] => alike(&|column| {
+                let column = column.to_lowercase();
+                column == wanted || without_unit(&column) == wanted
+            }),
+            _ => exact,
+        };
+        match found[..] {
+            [place] => Ok(place),
+            [] => Err(TableError::NoColumn {
                 path: self.path.clone(),
                 column: name.to_owned(),
                 present: self.columns_listed(),
-            })
-    }
-}
-
-fn csv_reader(bytes: &[u8]) -> csv::Reader<&[u8]> {
-    csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        // Cells are trimmed where they are read: trimming whole rows would copy each of them.
-        .trim(csv::Trim::Headers)
-        .from_reader(bytes)
-}
-
-/// What is wrong with a CSV file, in words of a user.
-fn in_words(error: &csv::Error) -> String {
-    match error.kind() {
-        csv::ErrorKind::UnequalLengths {
-            pos,
-            expected_len,
-            len,
-        } => format!(
-            "line {} has {len} cells where the header row has {expected_len}; it may be cut off there",
-            pos.as_ref().map_or(0, csv::Position::line)
-        ),
-        csv::ErrorKind::Utf8 { .. } => "it is not text in UTF-8".to_owned(),
-        _ => error.to_string(),
-    }
-}
-
-/// A cell's number; NaN where it is empty, `None` where it is neither.
-fn number(cell: &[u8]) -> Option<f64> {
-    if cell.is_empty() {
-        return Some(f64::NAN);
-    }
-    let number: f64 = std::str::from_utf8(cell).ok()?.parse().ok()?;
-    number.is_finite().then_some(number)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn table(text: &str) -> Result<Table, TableError> {
-        Table::parse(Path::new("x.csv"), text.as_bytes().to_vec())
-    }
-
-    #[test]
-    fn columns_are_found_by_name_and_empty_cells_are_missing_samples() {
-        let table = table("# remark\n t , u,y\n0,1,2\n# another\n1,,4e-1\n").unwrap();
-        let columns = table.numbers(&["y", "u"]).unwrap();
-        assert_eq!(columns[0], [2.0, 0.4]);
-        assert!(columns[1][0] == 1.0 && columns[1][1].is_nan());
-    }
-
-    #[test]
-    fn spaces_around_cells_and_line_ends_of_windows_do_not_matter() {
-        let table = table("u, y\r\n 1 ,\t2\r\n  , 3 \r\n").unwrap();
-        let columns = table.numbers(&["u", "y"]).unwrap();
-        assert_eq!(columns[1], [2.0, 3.0]);
-        assert!(columns[0][0] == 1.0 && columns[0][1].is_nan());
-    }
-
-    #[test]
-    fn each_mistake_is_one_sentence_that_names_the_place() {
-        let errors = [
-            table("").unwrap_err(),
-            table("u,y\n1,nan\n")
-                .unwrap()
-                .numbers(&["u", "y"])
-                .unwrap_err(),
-            table("u,y\n1,2\n1,inf\n")
-                .unwrap()
-                .numbers(&["y"])
-                .unwrap_err(),
-            table("u,y\n1,2\n").unwrap().numbers(&["z"]).unwrap_err(),
-            table("u,y\n1,2\n1\n").unwrap().numbers(&["u"]).unwrap_err(),
-        ];
-        for (error, words) in errors.iter().zip([
-            "empty",
-            "line 2, column \"y\": \"nan\"",
-            "line 3",
-            "columns are u, y",
-            "line 3 has 1 cells",
-        ]) {
-            let text = error.to_string();
-            assert!(text.contains(words) && !text.contains('\n'), "{text}");
+            }),
+            _ => {
+                let names = found.iter().filter_map(|&place| self.columns().get(place));
+                Err(TableError::SeveralColumns {
+                    path: self.path.clone(),
+                    column: name.to_owned(),
+                    present: names.cloned().collect::<Vec<_>>().join(", "),
+                })
+            }
         }
     }
 }
+
+/// "angle" for "angle [deg]" or "angle (deg)".
+pub(crate) fn without_unit(column: &str) -> &str {
+    column
+        .split_once(['[', '('])
+        .map_or(column, |(name, _)| name)
+        .trim()
+}
+
+/// Whether the first row is several numbers with nothing but spaces between them.
+fn parted_by_spaces(rows: &[u8]) -> bool {
+    let line = rows.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let words: Vec<&[u8]> = line
+        .split(u8::is_ascii_whitespace)
+        .filter(|word| !word.is_empty())
+        .collect();
+    let number = |word: &&[u8]| number::parse(word, Decimal::Point).is_some();
+    words.len() > 1 && words.iter().all(number)
+}
+
+/// Reads rows of any length; cells are trimmed where they are used, as trimming whole rows would copy
+/// each of them.
+fn reader(rows: &[u8], separator: u8) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .delimiter(separator)
+        .has_headers(false)
+        .flexible(true)
+        .from_reader(rows)
+}
+
+#[cfg(test)]
+mod tests;

@@ -22,53 +22,180 @@ pub struct Stretch {
 /// how much memory is taken.
 const LONGEST_GAP: f64 = 1000.0;
 
-/// A column of time whose steps are nearly all equal.
+/// A column of time whose steps are nearly all of one length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeColumn {
     times: Vec<f64>,
     step: f64,
+    scatter: f64,
 }
 
+/// Why a column is no column of time for evenly spaced rows.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum TimeFault {
+    /// No two rows of it are one after the other.
+    #[error("no times that rise")]
+    Constant,
+    /// Nine of ten steps are from the one to the other.
+    #[error("uneven steps (nine of ten from {shortest} to {longest})")]
+    Uneven {
+        /// The step that one of twenty is below.
+        shortest: f64,
+        /// The step that one of twenty is above.
+        longest: f64,
+    },
+}
+
+/// Farthest that a step may be from the usual one to count as one of the same length, as a share, at
+/// first from the middle one, which may be short of the usual one (2 of 2, 3, 2, 3), then from the mean
+/// of these: beyond, a row may be missing.
+const SAME_STEP: [f64; 2] = [0.7, 0.5];
+
+/// Share of the steps that have to be of one length: the others are gaps and beginnings of runs.
+const MOST: f64 = 0.95;
+
+/// Distance of a step from a whole number of steps that still is a gap \[steps\].
+const WHOLE: f64 = 0.05;
+
+/// Share of the steps that may be gaps, and the most samples missing in each, where all are whole.
+const GAPS: (f64, f64) = (0.4, 10.0);
+
+/// Largest scatter of time stamps about even ones \[steps, rms\]: at a quarter, one of twenty steps is
+/// nearer to another sample.
+const SCATTER: f64 = 0.2;
+
+/// How fast the even time follows the stamps, of the distance at each row: slow against the scatter,
+/// fast enough for a clock that drifts.
+const FOLLOW: f64 = 0.05;
+
 impl TimeColumn {
-    /// Takes a column for one of time if at least 19 of 20 of its steps are within 5 % of the
-    /// middle one.
-    #[must_use]
-    pub fn new(times: Vec<f64>) -> Option<Self> {
+    /// Takes a column for one of time if its steps are of one length but for gaps and beginnings of
+    /// runs, and its stamps lie close to even ones.
+    ///
+    /// # Errors
+    /// [`TimeFault`].
+    pub fn new(times: Vec<f64>) -> Result<Self, TimeFault> {
         let mut steps: Vec<f64> = times
             .windows(2)
             .map(|w| w[1] - w[0])
             .filter(|step| *step > 0.0)
             .collect();
         if steps.is_empty() {
-            return None;
+            return Err(TimeFault::Constant);
         }
         let middle = steps.len() / 2;
-        let step = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let even = steps
-            .iter()
-            .filter(|&&s| (s / step - 1.0).abs() < 0.05)
-            .count();
-        (even * 20 >= times.len().saturating_sub(1) * 19).then_some(Self { times, step })
+        let middle = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let (mut step, mut count) = (middle, 0.0);
+        for farthest in SAME_STEP {
+            let same = |s: &&f64| (**s / step - 1.0).abs() < farthest;
+            let (sum, found) = steps
+                .iter()
+                .filter(same)
+                .fold((0.0, 0.0), |(sum, count), step| (sum + step, count + 1.0));
+            (step, count) = (sum / f64::max(found, 1.0), found);
+        }
+        let mut found = Self {
+            step,
+            scatter: 0.0,
+            times,
+        };
+        let all = (found.times.len() - 1) as f64;
+        found.scatter = found.measured_scatter();
+        let even = count >= MOST * all || found.has_gaps_alone(&steps, all);
+        if even && found.scatter <= SCATTER {
+            return Ok(found);
+        }
+        steps.sort_by(f64::total_cmp);
+        let rounded = |step: f64| format!("{step:.3e}").parse().unwrap_or(step);
+        Err(TimeFault::Uneven {
+            shortest: rounded(steps[steps.len() / 20]),
+            longest: rounded(steps[steps.len() - 1 - steps.len() / 20]),
+        })
     }
 
-    /// The middle step, freed of the rounding noise that differences of written times carry: 0.02
+    /// Takes a column for one of time whose step is known \[its unit\]: `None` if less than half of its
+    /// steps are of that length, or its stamps do not lie close to even ones.
+    #[must_use]
+    pub fn with_step(times: &[f64], step: f64) -> Option<Self> {
+        let mut found = Self {
+            times: times.to_vec(),
+            step,
+            scatter: 0.0,
+        };
+        found.scatter = found.measured_scatter();
+        let one = |pair: &&[f64]| ((pair[1] - pair[0]) / step - 1.0).abs() < SAME_STEP[1];
+        let ones = times.windows(2).filter(one).count();
+        (2 * ones >= times.len().saturating_sub(1) && found.scatter <= SCATTER).then_some(found)
+    }
+
+    /// Whether what is not of one length is gaps of whole steps. Stamps that are coarser than the
+    /// steps look so too; but those stay close to a straight line.
+    fn has_gaps_alone(&self, steps: &[f64], all: f64) -> bool {
+        let whole = |step: &f64| {
+            let steps = step / self.step;
+            (steps - steps.round()).abs() < WHOLE && steps < GAPS.1
+        };
+        let single = |step: &&f64| **step < 1.5 * self.step;
+        let (wholes, singles) = (
+            steps.iter().filter(|step| whole(step)).count() as f64,
+            steps.iter().filter(single).count() as f64,
+        );
+        let mean = (self.times[self.times.len() - 1] - self.times[0]) / all;
+        let straight = (0..self.times.len()).all(|row| {
+            let line = self.times[0] + mean * row as f64;
+            (self.times[row] - line).abs() <= self.step
+        });
+        wholes >= MOST * all && singles >= (1.0 - GAPS.0) * all && !straight
+    }
+
+    /// The usual step, freed of the rounding noise that differences of written times carry: 0.02
     /// comes back as 0.020000000000003126.
     #[must_use]
     pub fn step(&self) -> f64 {
-        let rounded = (self.step * 1e6).round() / 1e6;
-        if rounded > 0.0 { rounded } else { self.step }
+        format!("{:.6e}", self.step).parse().unwrap_or(self.step)
     }
 
-    fn step_before(&self, row: usize) -> Step {
-        let steps = (self.times[row] - self.times[row - 1]) / self.step;
-        if steps <= 0.0 {
-            Step::NewRun
-        } else if steps >= LONGEST_GAP {
-            Step::LongGap
-        } else {
-            // An empty cell (NaN, which becomes 0) says nothing of gaps.
-            Step::Samples((steps.round() as usize).max(1))
+    /// How far the times lie from even ones, root of the mean square \[steps\].
+    #[must_use]
+    pub fn scatter(&self) -> f64 {
+        self.scatter
+    }
+
+    fn measured_scatter(&self) -> f64 {
+        let mut ahead = 0.0;
+        let (mut square, mut count) = (0.0, 0);
+        for row in 1..self.times.len() {
+            match self.step_before(row, &mut ahead) {
+                Step::Samples(_) => {
+                    square += ahead * ahead;
+                    count += 1;
+                }
+                Step::LongGap | Step::NewRun => {}
+            }
         }
+        (square / f64::from(count.max(1))).sqrt()
+    }
+
+    /// What lies before a row; `ahead` is how far the row before it lies ahead of even ones \[steps\], and
+    /// becomes that of this row.
+    fn step_before(&self, row: usize, ahead: &mut f64) -> Step {
+        let steps = (self.times[row] - self.times[row - 1]) / self.step;
+        if steps.is_nan() {
+            // An empty cell says nothing of gaps.
+            return Step::Samples(1);
+        }
+        if steps <= 0.0 || steps >= LONGEST_GAP {
+            *ahead = 0.0;
+            return if steps <= 0.0 {
+                Step::NewRun
+            } else {
+                Step::LongGap
+            };
+        }
+        let place = *ahead + steps;
+        let samples = place.round().max(1.0);
+        *ahead = (place - samples) * (1.0 - FOLLOW);
+        Step::Samples(samples as usize)
     }
 }
 
@@ -89,7 +216,7 @@ enum Step {
 /// let mut times: Vec<f64> = (0..60).map(|k| 0.01 * f64::from(k)).collect();
 /// times.remove(30); // a row is missing
 /// times.extend([0.0, 0.01]); // another run
-/// let column = TimeColumn::new(times.clone());
+/// let column = TimeColumn::new(times.clone()).ok();
 /// let found = stretches(times.len(), column.as_ref(), None);
 /// assert_eq!(found.len(), 2);
 /// assert_eq!(found[0].samples[29..31], [29, 31]);
@@ -98,13 +225,14 @@ enum Step {
 #[must_use]
 pub fn stretches(rows: usize, time: Option<&TimeColumn>, labels: Option<&[f64]>) -> Vec<Stretch> {
     let mut found: Vec<Stretch> = Vec::new();
+    let mut ahead = 0.0;
     for row in 0..rows {
         // Labels are compared by bits: they are names, and an empty cell (NaN) is one too.
         let same_label = row > 0
             && labels.is_none_or(|labels| labels[row].to_bits() == labels[row - 1].to_bits());
         let step = match time {
             _ if !same_label => Step::NewRun,
-            Some(time) => time.step_before(row),
+            Some(time) => time.step_before(row, &mut ahead),
             None => Step::Samples(1),
         };
         match (step, found.last_mut()) {
@@ -182,12 +310,75 @@ mod tests {
 
     #[test]
     fn uneven_steps_are_no_time() {
-        assert_eq!(TimeColumn::new(vec![]), None);
-        assert_eq!(TimeColumn::new(vec![1.0, 1.0, 1.0]), None);
+        assert_eq!(TimeColumn::new(vec![]), Err(TimeFault::Constant));
         assert_eq!(
-            TimeColumn::new((0..50).map(|k| f64::from(k * k)).collect()),
-            None
+            TimeColumn::new(vec![1.0, 1.0, 1.0]),
+            Err(TimeFault::Constant)
         );
+        let squares = TimeColumn::new((0..50).map(|k| f64::from(k * k)).collect());
+        assert!(matches!(squares, Err(TimeFault::Uneven { .. })));
+    }
+
+    /// From -0.5 to 0.5, without order: a hash of the number.
+    fn scattered(k: u32) -> f64 {
+        let mut mixed = k.wrapping_add(1).wrapping_mul(0x9E37_79B1);
+        mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0x85EB_CA6B);
+        mixed = (mixed ^ (mixed >> 13)).wrapping_mul(0xC2B2_AE35);
+        f64::from(mixed ^ (mixed >> 16)) / f64::from(u32::MAX) - 0.5
+    }
+
+    #[test]
+    fn stamps_that_scatter_keep_every_row_at_its_place() {
+        let times: Vec<f64> = (0..2000)
+            .filter(|k| k % 97 != 50)
+            .map(|k| 2.0 * f64::from(k) + 0.8 * scattered(k))
+            .collect();
+        let column = TimeColumn::new(times.clone()).unwrap();
+        // Uniform over 0.4 steps: 0.115 steps rms.
+        assert!(
+            (column.scatter() - 0.115).abs() < 0.02,
+            "{}",
+            column.scatter()
+        );
+        assert!((column.step() - 2.0).abs() < 0.002, "{}", column.step());
+        let found = stretches(times.len(), Some(&column), None);
+        let kept: Vec<usize> = (0..2000).filter(|k| k % 97 != 50).collect();
+        assert_eq!((found.len(), &found[0].samples), (1, &kept));
+        let wild: Vec<f64> = (0..2000)
+            .map(|k| f64::from(k) + 0.9 * scattered(k))
+            .collect();
+        assert!(matches!(
+            TimeColumn::new(wild),
+            Err(TimeFault::Uneven { .. })
+        ));
+    }
+
+    #[test]
+    fn many_gaps_are_told_from_stamps_too_coarse() {
+        let kept: Vec<usize> = (0..3000)
+            .filter(|&k| k == 0 || scattered(k as u32) > -0.4)
+            .collect();
+        let times: Vec<f64> = kept.iter().map(|&k| 0.002 * k as f64).collect();
+        let column = TimeColumn::new(times.clone()).unwrap();
+        assert_eq!(column.step(), 0.002);
+        assert_eq!(stretches(times.len(), Some(&column), None)[0].samples, kept);
+        // Every 2.4 and 1.2 ms, written in whole milliseconds.
+        let fine =
+            TimeColumn::new((0..500).map(|k| (2.4 * f64::from(k)).floor()).collect()).unwrap();
+        assert!((fine.step() - 2.4).abs() < 0.01);
+        let coarse = TimeColumn::new((0..500).map(|k| (1.2 * f64::from(k)).floor()).collect());
+        assert!(matches!(coarse, Err(TimeFault::Uneven { .. })));
+        // Every ninth row missing looks the same, until the step is known.
+        let kept: Vec<usize> = (0..900).filter(|k| k % 9 != 4).collect();
+        let times: Vec<f64> = kept.iter().map(|&k| 2.0 * k as f64).collect();
+        assert!(matches!(
+            TimeColumn::new(times.clone()),
+            Err(TimeFault::Uneven { .. })
+        ));
+        let column = TimeColumn::with_step(&times, 2.0).unwrap();
+        assert_eq!(stretches(times.len(), Some(&column), None)[0].samples, kept);
+        assert_eq!(TimeColumn::with_step(&times, 1.0), None);
+        assert_eq!(TimeColumn::with_step(&times, 20.0), None);
     }
 
     #[test]

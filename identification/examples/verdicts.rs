@@ -7,7 +7,7 @@
 #[allow(dead_code, reason = "shared with the tests, which use the rest")]
 mod plants;
 
-use plants::{Limit, Linear, PERIOD, limited, measured, sizes, staircase, stairs};
+use plants::{Limit, Linear, PERIOD, exact_shift, limited, measured, sizes, staircase, stairs};
 use rayon::prelude::*;
 use servoid_identification::comparison::{ComparisonOptions, Verdict, compare};
 use servoid_identification::direction::split;
@@ -62,7 +62,7 @@ fn detectors(runs: u64) {
         ),
     ];
     println!(
-        "| servo | asymmetric | rate limited | grows less | hysteresis | low end | high end | cannot tell |"
+        "\n| servo | asymmetric | rate limited | grows less | hysteresis | low end | high end | cannot tell |"
     );
     println!("|---|---|---|---|---|---|---|---|");
     let levels: Vec<f64> = (-3..=3).map(|k| 2.0 * f64::from(k)).collect();
@@ -123,9 +123,9 @@ fn row(name: &str, servo: &Servo, levels: &[f64], runs: u64) {
 
 fn comparisons(pairs: u64) {
     println!(
-        "\n| b against 0.97, 25.5 ms, 0.5/60 | different | undecided | same | at least | at most |"
+        "| b against 0.97, 25.5 ms, 0.5/60 | different | undecided | same | at least | at most | true shift, ms | half width, ms | covered |"
     );
-    println!("|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|");
     let bench = Linear::second_order(0.97, 0.0255, 0.5, 60.0);
     let others = [
         ("same", bench.clone()),
@@ -133,6 +133,10 @@ fn comparisons(pairs: u64) {
         ("gain -10 %", Linear::second_order(0.873, 0.0255, 0.5, 60.0)),
         ("delay +2 ms", Linear::second_order(0.97, 0.0275, 0.5, 60.0)),
         ("speed -10 %", Linear::second_order(0.97, 0.0255, 0.5, 54.0)),
+        (
+            "slower, damped",
+            Linear::second_order(0.9, 0.0262, 0.7, 45.0),
+        ),
     ];
     let input = staircase();
     let clean = bench.respond(&input, -5.0, 0.0);
@@ -155,13 +159,25 @@ fn comparisons(pairs: u64) {
         let mean = |of: fn(&servoid_identification::comparison::DifferencePercent) -> f64| {
             found.iter().map(|c| of(&c.difference_percent)).sum::<f64>() / pairs as f64
         };
+        let exact = exact_shift(&bench, &other);
+        let bounds: Vec<[f64; 2]> = found
+            .iter()
+            .filter_map(|c| c.delay_shift_bounds_s)
+            .collect();
+        let held = bounds
+            .iter()
+            .filter(|[low, high]| *low <= exact && exact <= *high);
+        let width: f64 = bounds.iter().map(|[low, high]| high - low).sum();
         println!(
-            "| {name} | {:.0} | {:.0} | {:.0} | {:.1} | {:.1} |",
+            "| {name} | {:.0} | {:.0} | {:.0} | {:.1} | {:.1} | {:.2} | {:.3} | {:.1} |",
             count(Verdict::Different),
             count(Verdict::Undecided),
             count(Verdict::Same),
             mean(|d| d.at_least),
-            mean(|d| d.at_most)
+            mean(|d| d.at_most),
+            1e3 * exact,
+            1e3 * width / 2.0 / pairs as f64,
+            100.0 * held.count() as f64 / pairs as f64
         );
     }
 }
@@ -172,6 +188,6 @@ fn main() {
         .and_then(|count| count.parse().ok())
         .unwrap_or(100);
     println!("Shares in % of {runs} seeds\n");
-    detectors(runs);
     comparisons(runs);
+    detectors(runs);
 }

@@ -27,6 +27,7 @@ mod difference;
 mod outcome;
 mod over_prediction;
 mod scatter;
+mod shift;
 mod sides;
 mod words;
 
@@ -39,7 +40,7 @@ use crate::options::Options;
 use crate::record::Record;
 use crate::structure::MARGIN;
 use crate::timing::Timing;
-use difference::{Curves, Differences, equivalent_shift};
+use difference::{Curves, Differences};
 use sides::{Identified, identified, same_period};
 
 pub use outcome::{
@@ -172,6 +173,7 @@ pub fn compare_models(
     }
     comparison.summary = words::summary(&comparison);
     comparison.advice = advice(&comparison, [a, b], &[]);
+    comparison.advice.push(one_response());
     Ok(comparison)
 }
 
@@ -199,16 +201,20 @@ fn of_curves(
         other => other,
     };
     let timing = a.timing();
-    let curves_of_difference = difference_curves(&differences, timing);
+    let later = Later {
+        curves,
+        level,
+        period_s: timing.sample_period_s,
+        phases_s: b.sample_phase_s - a.sample_phase_s,
+    };
+    let curves_of_difference = difference_curves(&differences, timing, &later);
     let difference_percent = DifferencePercent {
         at_least: 100.0 * found.at_least.max(0.0),
         at_most: 100.0 * found.at_most,
         at_s: timing.seconds(found.sample as f64),
         stroke: curves_of_difference[found.curve].stroke,
     };
-    let delay_shift_s = equivalent_shift(&curves[0], &curves[1]) * timing.sample_period_s
-        + b.sample_phase_s
-        - a.sample_phase_s;
+    let (shift, _) = later.by(0..differences.curves());
     Comparison {
         schema: SCHEMA,
         verdict,
@@ -218,7 +224,9 @@ fn of_curves(
         level,
         runs,
         p_value,
-        delay_shift_s,
+        delay_shift_s: shift.value,
+        delay_shift_bounds_s: shift.lower.zip(shift.upper).map(<[f64; 2]>::from),
+        delay_shift_definition: shift::DEFINITION.to_owned(),
         split: false,
         over_prediction: None,
         levels: None,
@@ -235,7 +243,32 @@ fn explained_by_chance(p_value: Option<f64>) -> bool {
     p_value.is_some_and(|p| p > CHANCE)
 }
 
-fn difference_curves(differences: &Differences, timing: Timing) -> Vec<DifferenceCurve> {
+/// How much later the second side moves.
+struct Later<'a> {
+    curves: &'a [Curves; 2],
+    level: f64,
+    period_s: f64,
+    /// How much later after an edge the second side is sampled \[s\].
+    phases_s: f64,
+}
+
+impl Later<'_> {
+    /// By how much on the curves with these numbers \[s\], and what such a delay leaves unexplained
+    /// \[% of the final value\].
+    fn by(&self, curves: std::ops::Range<usize>) -> (Interval, Option<f64>) {
+        let [a, b] = self.curves;
+        let found = shift::shift(a, b, curves, self.level);
+        let seconds = |samples: f64| samples * self.period_s + self.phases_s;
+        let percent = found.remains.map(|remains| 100.0 * remains);
+        (found.samples.map(seconds), percent)
+    }
+}
+
+fn difference_curves(
+    differences: &Differences,
+    timing: Timing,
+    later: &Later<'_>,
+) -> Vec<DifferenceCurve> {
     let strokes: &[Stroke] = match differences.curves() {
         1 => &[Stroke::Both],
         _ => &[Stroke::Up, Stroke::Down],
@@ -246,12 +279,15 @@ fn difference_curves(differences: &Differences, timing: Timing) -> Vec<Differenc
             let bound = |(d, h): (&f64, &f64)| 100.0 * (d + sign * h);
             value.iter().zip(half).map(bound).collect()
         };
+        let (delay_shift_s, shift_leaves_percent) = later.by(index..index + 1);
         DifferenceCurve {
             stroke,
             time_s: (0..value.len()).map(|m| timing.seconds(m as f64)).collect(),
             percent: percent(0.0),
             lower: percent(-1.0),
             upper: percent(1.0),
+            delay_shift_s,
+            shift_leaves_percent,
         }
     };
     strokes.iter().enumerate().map(curve).collect()
@@ -300,6 +336,20 @@ fn metric_differences(a: &Metrics, b: &Metrics) -> Vec<MetricDifference> {
 
 /// Findings on a model that bear on what it is compared for.
 const BEAR_ON_COMPARISON: [&str; 4] = ["model_error", "excitation", "repeats", "settled"];
+
+/// What two models cannot show, whatever servo they are of.
+fn one_response() -> Advice {
+    Advice::new(
+        "one_response",
+        "A model holds one response for up and down strokes alike, and a settling time of its own: where \
+         a servo answers the two differently, as a loaded one does, each stroke may differ by more than \
+         is said here, and the figures of models and of recordings are not the same."
+            .to_owned(),
+        1.0,
+        2.0,
+        "Compare the recordings: that takes up and down strokes apart, with one structure for both sides.",
+    )
+}
 
 /// What the recordings cannot answer.
 fn advice(comparison: &Comparison, models: [&Model; 2], sides: &[&Identified<'_>]) -> Vec<Advice> {

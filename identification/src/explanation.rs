@@ -44,14 +44,17 @@ impl Explanation {
             sentences.push(choice_in_words(choice, period));
         }
         if let (Some(narrowest), Some(all)) = (self.narrowest_bank(), self.frequencies.last()) {
+            let gain = model.metrics.dc_gain.value.unwrap_or(1.0).abs();
+            let percent = |half_width: f64| 100.0 * half_width / gain;
             sentences.push(format!(
                 "Frequencies: {} of {} that the input excites; the band of noise and truncation \
-                 would be narrowest with {} (mean half width {:.2e}), and is {:.2e} with all.",
+                 would be narrowest with {} (mean half width {:.2} % of the gain), and is {:.2} % with \
+                 all.",
                 structure.frequencies,
                 all.frequencies,
                 narrowest.frequencies,
-                narrowest.half_width(),
-                all.half_width()
+                percent(narrowest.half_width()),
+                percent(all.half_width())
             ));
         }
         if let Some(white) = self.noise_orders.first() {

@@ -74,7 +74,7 @@ impl Interval {
     }
 
     /// The same interval in another unit: a rising function of value and bounds.
-    fn map(self, of: impl Fn(f64) -> f64) -> Self {
+    pub(crate) fn map(self, of: impl Fn(f64) -> f64) -> Self {
         Self {
             value: self.value.map(&of),
             lower: self.lower.map(&of),

@@ -14,9 +14,10 @@ use std::path::{Path, PathBuf};
 ///
 /// The verdict is against a margin: "different" when the step responses surely differ by more than
 /// it somewhere, "same" when they surely do so nowhere, "undecided" otherwise. Several recordings a
-/// side are several runs; with three or more, scatter between runs is tested too.
+/// side are several runs; with three or more, scatter between runs is tested too. Recordings tell
+/// more than models: up and down strokes apart, and where each side comes to rest.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
+#[command(after_help = "Examples:
   servoid compare bench.csv aircraft.csv
   servoid compare --a bench1.csv bench2.csv bench3.csv --b air1.csv air2.csv air3.csv --margin 3")]
 pub(super) struct Compare {
@@ -32,8 +33,8 @@ pub(super) struct Compare {
     /// The largest difference that still counts as the same (percent of the step)
     #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::margin)]
     margin: f64,
-    /// Confidence level of every bound
-    #[arg(long, default_value_t = 0.99)]
+    /// Confidence level of every bound, as a fraction (0.99) or in percent (99)
+    #[arg(long, default_value_t = 0.99, value_parser = super::level)]
     level: f64,
     /// How well the sensor's zero is known between the two sides (standard deviation, in the
     /// recording's unit)

@@ -84,9 +84,9 @@ impl Demo {
         let plots = self.draw(&bench, &aircraft, &comparison, &summary.paper)?;
         let text = format!(
             "{}\n{}\n{}\n\nrecordings, models, comparison.json, summary.json and {plots} plots are in {}\nopen {} in a browser to look around\n",
-            summary::side_by_side(&summary.bench, &summary.aircraft),
+            summary::table_of_comparison("bench", "aircraft", &comparison),
             paper::as_table(&summary.paper),
-            comparison.summary,
+            summary::wrapped(&comparison.summary, 0),
             self.out.display(),
             self.out.join(REPORT).display()
         );

@@ -21,11 +21,14 @@ use std::path::PathBuf;
 /// Find the servo's step and frequency response, with bounds
 ///
 /// Takes recordings of servoid, or any CSV file with its columns named. Several files are several
-/// runs of the same servo under the same conditions; they are never joined end to end.
+/// runs of the same servo under the same conditions; they are never joined end to end. Without other
+/// options everything is chosen from the data. -o keeps the model for 'servoid validate', 'compare',
+/// 'report' and 'export'.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
+#[command(after_help = "Examples:
   servoid identify bench.csv -o bench.json --plots plots
-  servoid identify mine.csv --input u --output y --period 0.02")]
+  servoid identify mine.csv --input u --output y --period 0.02
+  servoid identify bench.csv --limits --level 95")]
 pub(super) struct Identify {
     /// Recordings, or CSV files
     #[arg(required = true, value_name = "FILE.csv")]
@@ -33,14 +36,15 @@ pub(super) struct Identify {
     /// Samples after which the response to a step is over (N), or auto
     #[arg(long, default_value_t = Settling::Auto, value_name = "N|auto")]
     settling: Settling,
-    /// Number of frequencies (n, odd, at most N), auto, or narrow
+    /// Number of frequencies (n, odd, at most N): auto takes all that the input excites, narrow as many
+    /// as give the narrowest band, which holds only where the response falls steeply above them
     #[arg(long, default_value_t = Frequencies::Auto, value_name = "n|auto|narrow")]
     frequencies: Frequencies,
-    /// Order of the noise model (d), or auto
+    /// Order of the noise model (d), or auto; 0 takes the noise for white
     #[arg(long, default_value_t = NoiseOrder::Auto, value_name = "d|auto")]
     noise_order: NoiseOrder,
-    /// Confidence level of every bound
-    #[arg(long, default_value_t = 0.99)]
+    /// Confidence level of every bound, as a fraction (0.99) or in percent (99)
+    #[arg(long, default_value_t = 0.99, value_parser = super::level)]
     level: f64,
     /// Show how the structure came about: what was considered, and why this was chosen
     #[arg(long)]
@@ -142,7 +146,7 @@ impl Identify {
             let limits = Limits::of(&data.record, model);
             // A recording with strokes of one direction only has no split; the summary says so.
             let split = direction::split(&data.record, model).ok();
-            text += &summary::of_limits(&limits, split.as_ref());
+            text += &summary::of_limits(&limits, split.as_ref(), data.about.unit);
             result.directions = split.map(Directions::from);
             result.limits = Some(limits);
         }

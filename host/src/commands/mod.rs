@@ -141,6 +141,20 @@ fn margin(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A confidence level: a fraction below one, or percent above it.
+fn level(text: &str) -> Result<f64, String> {
+    let number = text.trim().trim_end_matches('%').trim_end();
+    let percent = number.len() < text.trim().len();
+    match number.parse::<f64>() {
+        Ok(level) if !percent && level > 0.0 && level < 1.0 => Ok(level),
+        Ok(level) if level > 1.0 && level < 100.0 => Ok(level / 100.0),
+        _ => Err(
+            "a fraction such as 0.99, or percent such as 99, is needed; from 50 to 99.999 percent"
+                .to_owned(),
+        ),
+    }
+}
+
 /// What a file is called in plots and on the terminal: its name without folder and ending.
 fn stem(path: &Path) -> String {
     path.file_stem()

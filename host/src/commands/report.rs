@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// Takes recordings (identified with everything chosen from the data) or models, one or two, or
 /// several runs a side. The page is a single file that opens in any browser, without a network.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
+#[command(after_help = "Examples:
   servoid report bench.csv aircraft.csv -o report.html
   servoid report --a bench1.csv bench2.csv bench3.csv --b air1.csv air2.csv air3.csv -o report.html
   servoid report mine.csv --input u --output y --period 0.02 -o report.html")]

@@ -1,21 +1,26 @@
 //! The options that say how to read files.
 
-use crate::dataset::DatasetOptions;
 use crate::dataset::suggestion::quoted;
+use crate::dataset::{DatasetOptions, TimeUnit};
 use clap::Args;
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "How to read the files")]
 pub(super) struct TableArgs {
-    /// The column with the input (what was commanded)
+    /// The column with the input (what was commanded), of files that servoid has not recorded; without
+    /// its unit, if that leaves no doubt: angle for "angle [deg]"
     #[arg(long, value_name = "COLUMN")]
     input: Option<String>,
     /// The column with the output (what was measured)
     #[arg(long, value_name = "COLUMN")]
     output: Option<String>,
-    /// Time between rows (seconds); without it, from a column 't', 'time' or 'time_s'
+    /// Time between rows (seconds); without it, from a column of time such as 't', 'time_ms' or
+    /// 'Time [s]'
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     period: Option<f64>,
+    /// The unit of a column of time whose name does not say it
+    #[arg(long, value_enum, value_name = "UNIT")]
+    time_unit: Option<TimeUnit>,
     /// The column whose value changes where a new run begins
     #[arg(long, value_name = "COLUMN")]
     run: Option<String>,
@@ -36,6 +41,10 @@ impl TableArgs {
             ("--input", self.input.clone()),
             ("--output", self.output.clone()),
             ("--period", self.period.map(|period| period.to_string())),
+            (
+                "--time-unit",
+                self.time_unit.map(|unit| unit.name().to_owned()),
+            ),
             ("--run", self.run.clone()),
             ("--at-rest", self.at_rest.map(|input| input.to_string())),
         ];
@@ -75,6 +84,7 @@ impl From<TableArgs> for DatasetOptions {
             input: args.input,
             output: args.output,
             period_s: args.period,
+            time_unit: args.time_unit,
             run: args.run,
             at_rest: args.at_rest,
             with_rest: args.with_rest,

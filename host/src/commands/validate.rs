@@ -14,12 +14,13 @@ use std::path::PathBuf;
 /// Hold a model against a recording that it has not seen
 ///
 /// The model is driven with the recording's input alone; fit is 100 % for a perfect prediction and
-/// 0 % for one no better than the mean.
+/// 0 % for one no better than the mean. Below 0 % the prediction is worse than the mean.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
-  servoid validate bench.json another-bench.csv --plots plots")]
+#[command(after_help = "Examples:
+  servoid validate bench.json another-bench.csv --plots plots
+  servoid validate mine.json another.csv --input u --output y --period 0.02")]
 pub(super) struct Validate {
-    /// The model
+    /// The model, as 'servoid identify -o' writes it
     #[arg(value_name = "MODEL.json")]
     model: PathBuf,
     /// Recordings, or CSV files

@@ -2,6 +2,7 @@
 
 use crate::recording::ReadError;
 use crate::table::TableError;
+use crate::timeline::TimeFault;
 use servoid_identification::Error as DataError;
 use std::path::PathBuf;
 
@@ -50,9 +51,57 @@ pub enum DatasetError {
     },
     /// The sampling period is not known.
     #[error(
-        "{path:?} has no column of time ('t', 'time' or 'time_s') with even steps: say how far apart its rows are with --period SECONDS"
+        "{path:?} has no column of time (called 't', 'time' or 'time_ms', say): say how far apart its rows are with --period SECONDS"
     )]
     NoPeriod {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// A column of time without numbers.
+    #[error(
+        "{path:?}: column {column:?} has times that are no numbers: say how far apart the rows are with --period SECONDS"
+    )]
+    TimeNotNumbers {
+        /// Which file.
+        path: PathBuf,
+        /// The column of time.
+        column: String,
+    },
+    /// A column of time that says no period.
+    #[error(
+        "{path:?}: column {column:?} has {reason}; say how far apart the rows are meant to be with --period SECONDS"
+    )]
+    UnevenTime {
+        /// Which file.
+        path: PathBuf,
+        /// The column of time.
+        column: String,
+        /// What its steps are like.
+        reason: TimeFault,
+    },
+    /// A column of time whose unit is not certain.
+    #[error(
+        "{path:?}: column {column:?} does not say its unit, and its steps of {step} are long for seconds: say --time-unit ms, --time-unit us or --time-unit s"
+    )]
+    NoTimeUnit {
+        /// Which file.
+        path: PathBuf,
+        /// The column of time.
+        column: String,
+        /// Its usual step.
+        step: f64,
+    },
+    /// No recording but a model.
+    #[error(
+        "{path:?} is a model as 'servoid identify -o' writes it, and recordings are needed here: name the CSV file that it comes from"
+    )]
+    Model {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// No recording but other JSON.
+    #[error("{path:?} is JSON, and recordings are CSV files: name one")]
+    Json {
         /// Which file.
         path: PathBuf,
     },

@@ -1,5 +1,6 @@
 //! Any CSV file with its columns named.
 
+use super::time::{self, TimeUnit};
 use super::{About, DatasetError, DatasetOptions, Loaded, run, suggestion};
 use crate::table::{Table, TableError};
 use crate::timeline::{self, Stretch, TimeColumn};
@@ -23,23 +24,16 @@ pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Load
         }
         .into());
     }
-    let mut remarks = Vec::new();
-    let period_s = match (options.period_s, &time) {
-        (Some(period_s), _) => period_s,
-        (None, Some((column, time))) => {
-            remarks.push(format!(
-                "{}: rows are {} s apart by column {column:?}; --period says otherwise",
-                path.display(),
-                time.step()
-            ));
-            time.step()
-        }
-        (None, None) => {
-            return Err(DatasetError::NoPeriod {
-                path: path.to_owned(),
-            });
-        }
-    };
+    let layout = table.remarks().iter();
+    let mut remarks: Vec<String> = layout
+        .map(|remark| format!("{}: {remark}", path.display()))
+        .collect();
+    let Spacing {
+        period_s,
+        time,
+        remark,
+    } = Spacing::of(path, time, options)?;
+    remarks.extend(remark.map(|remark| format!("{}: {remark}", path.display())));
     let found = timeline::stretches(u.len(), time.as_ref().map(|(_, t)| t), labels.as_deref());
     if let Some((column, _)) = &time {
         remarks.extend(remark_on_time(path, column, &found, labels.is_some()));
@@ -70,12 +64,137 @@ pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Load
     })
 }
 
+/// Longest step that a column of time without a unit has in seconds: beyond it, milliseconds and
+/// microseconds are as likely \[s\].
+const LONGEST_STEP_S: f64 = 0.5;
+
+/// Scatter of time stamps that is worth a remark \[steps\].
+const SCATTER: f64 = 0.02;
+
+/// How far apart rows are, and how that is known.
+struct Spacing {
+    period_s: f64,
+    /// The column that says where rows are missing, and its name.
+    time: Option<(String, TimeColumn)>,
+    /// What to say of it.
+    remark: Option<String>,
+}
+
+impl Spacing {
+    fn of(
+        path: &Path,
+        clock: Option<Clock>,
+        options: &DatasetOptions,
+    ) -> Result<Self, DatasetError> {
+        if let Some(period_s) = options.period_s {
+            return Ok(Self::stated(period_s, clock, options));
+        }
+        let path = path.to_owned();
+        let Some(Clock { name, unit, times }) = clock else {
+            return Err(DatasetError::NoPeriod { path });
+        };
+        let Some(times) = times else {
+            return Err(DatasetError::TimeNotNumbers { path, column: name });
+        };
+        let times = match TimeColumn::new(times) {
+            Ok(times) => times,
+            Err(reason) => {
+                return Err(DatasetError::UnevenTime {
+                    path,
+                    column: name,
+                    reason,
+                });
+            }
+        };
+        let step = times.step();
+        let (unit, hint) = match options.time_unit.or(unit) {
+            Some(unit) => (unit, ""),
+            None if step < LONGEST_STEP_S => (TimeUnit::Seconds, " (--time-unit says otherwise)"),
+            None => {
+                return Err(DatasetError::NoTimeUnit {
+                    path,
+                    column: name,
+                    step,
+                });
+            }
+        };
+        let period_s = step * unit.seconds();
+        let mut remark = format!(
+            "time (column {name:?}) read as {}: rows are {} apart{hint}",
+            unit.word(),
+            time::said(period_s)
+        );
+        if times.scatter() > SCATTER {
+            remark += &format!(
+                "; its time stamps scatter by {:.0} % of that, and the rows are taken as evenly spaced",
+                100.0 * times.scatter()
+            );
+        }
+        Ok(Self {
+            period_s,
+            time: Some((name, times)),
+            remark: Some(remark),
+        })
+    }
+
+    /// The period that was stated; a column of time then says where rows are missing, if it agrees.
+    fn stated(period_s: f64, clock: Option<Clock>, options: &DatasetOptions) -> Self {
+        let plain = Self {
+            period_s,
+            time: None,
+            remark: None,
+        };
+        let Some(Clock { name, unit, times }) = clock else {
+            return plain;
+        };
+        let Some(times) = times else { return plain };
+        let unit = options.time_unit.or(unit);
+        let possible = unit
+            .as_ref()
+            .map_or(&TimeUnit::ALL[..], std::slice::from_ref);
+        let agrees = |unit: &TimeUnit| TimeColumn::with_step(&times, period_s / unit.seconds());
+        if let Some(column) = possible.iter().find_map(agrees) {
+            return Self {
+                time: Some((name, column)),
+                ..plain
+            };
+        }
+        let Ok(column) = TimeColumn::new(times) else {
+            let remark = format!(
+                "column {name:?} is too uneven to say where rows are missing, and is not used"
+            );
+            return Self {
+                remark: Some(remark),
+                ..plain
+            };
+        };
+        let unit = unit.map_or(String::new(), |unit| format!(" {}", unit.name()));
+        let remark = format!(
+            "by column {name:?} rows are {}{unit} apart, but {period_s} s was stated, and is taken",
+            column.step()
+        );
+        Self {
+            time: Some((name, column)),
+            remark: Some(remark),
+            ..plain
+        }
+    }
+}
+
+/// A column of time.
+struct Clock {
+    name: String,
+    /// As the name says.
+    unit: Option<TimeUnit>,
+    /// `None` where it holds no numbers.
+    times: Option<Vec<f64>>,
+}
+
 /// What is needed of a table.
 struct Columns {
     u: Vec<f64>,
     y: Vec<f64>,
-    /// The column of time and its name, where there is one with even steps.
-    time: Option<(String, TimeColumn)>,
+    time: Option<Clock>,
     /// Names of runs.
     labels: Option<Vec<f64>>,
 }
@@ -88,18 +207,21 @@ impl Columns {
         output: &str,
         run: Option<&str>,
     ) -> Result<Self, TableError> {
-        let mut columns = table.columns().iter();
-        let time = columns.find(|column| suggestion::TIMES.contains(&column.as_str()));
+        let clock = time::column(table.columns());
         let mut wanted = vec![input, output];
-        wanted.extend(time.map(String::as_str));
         wanted.extend(run);
-        let mut numbers = table.numbers(&wanted)?.into_iter();
+        let (numbers, times) = table.numbers_beside(&wanted, clock.map(|(name, _)| name))?;
+        let mut numbers = numbers.into_iter();
         let mut next = || numbers.next().unwrap_or_default();
         Ok(Self {
             u: next(),
             y: next(),
-            time: time.and_then(|name| Some((name.clone(), TimeColumn::new(next())?))),
             labels: run.map(|_| next()),
+            time: clock.map(|(name, unit)| Clock {
+                name: name.to_owned(),
+                unit,
+                times,
+            }),
         })
     }
 }
@@ -116,7 +238,7 @@ fn remark_on_time(path: &Path, column: &str, found: &[Stretch], labelled: bool) 
     }
     if found.len() > 1 && !labelled {
         remarks.push(format!(
-            "{}: column {column:?} goes back or far ahead {} times; a new run begins at each (--run COLUMN names runs)",
+            "{}: column {column:?} goes back, stands still or jumps far ahead {} times; a new run begins at each (--run COLUMN names runs)",
             path.display(),
             found.len() - 1
         ));

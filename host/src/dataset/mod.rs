@@ -21,8 +21,10 @@ mod error;
 mod foreign;
 mod own;
 pub(crate) mod suggestion;
+mod time;
 
 pub use error::DatasetError;
+pub use time::TimeUnit;
 
 use crate::recording::{self, Recording};
 use crate::table::{Table, TableError};
@@ -39,6 +41,8 @@ pub struct DatasetOptions {
     pub output: Option<String>,
     /// Time between rows (s).
     pub period_s: Option<f64>,
+    /// The unit of a column of time whose name does not say it.
+    pub time_unit: Option<TimeUnit>,
     /// The column whose value changes where a new run begins.
     pub run: Option<String>,
     /// The input before the first row of each run.
@@ -163,10 +167,26 @@ fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded, DatasetErro
     if is_recording && !named {
         return own::from_recording(&Recording::parse(&bytes, path)?, path, options);
     }
+    if let Some(error) = refused_json(&bytes, path) {
+        return Err(error);
+    }
     let remark = is_recording.then(|| own::remark_on_named(&bytes, path));
     let mut loaded = foreign::from_table(&Table::parse(path, bytes)?, options)?;
     loaded.about.remarks.extend(remark);
     Ok(loaded)
+}
+
+/// Why a file in JSON is no recording; `None` for what is no JSON.
+fn refused_json(bytes: &[u8], path: &Path) -> Option<DatasetError> {
+    let path = path.to_owned();
+    if !bytes.trim_ascii_start().starts_with(b"{") {
+        return None;
+    }
+    let value: serde_json::Value = serde_json::from_slice(bytes).ok()?;
+    Some(match value.get("theta") {
+        Some(_) => DatasetError::Model { path },
+        None => DatasetError::Json { path },
+    })
 }
 
 fn run(
@@ -217,7 +237,7 @@ mod tests {
         // One of four steps is the restart: not even enough for a column of time.
         assert!(matches!(
             load(std::slice::from_ref(&path), &options),
-            Err(DatasetError::NoPeriod { .. })
+            Err(DatasetError::UnevenTime { .. })
         ));
         let options = DatasetOptions {
             period_s: Some(0.02),

@@ -33,18 +33,13 @@ const OUTPUTS: [&str; 12] = [
     "sensor",
 ];
 
-/// Names of columns that carry time.
-pub(super) const TIMES: [&str; 3] = ["t", "time", "time_s"];
-
 /// "--input u --output y --period SECONDS" for a file with these columns; words in capitals where no name
 /// tells.
 pub(super) fn options(columns: &[String]) -> String {
     let input = named(columns, &INPUTS, None);
     let output = named(columns, &OUTPUTS, input);
     let word = |column: Option<&String>| column.map_or_else(|| "COLUMN".to_owned(), |c| quoted(c));
-    let timed = columns
-        .iter()
-        .any(|column| TIMES.contains(&column.as_str()));
+    let timed = super::time::column(columns).is_some();
     format!(
         "--input {} --output {}{}",
         word(input),

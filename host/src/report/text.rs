@@ -101,12 +101,14 @@ pub(super) fn write_numbers(body: &mut String, page: &Page<'_>) -> Result {
     let (rows, remark) = match page.comparison {
         None => (summary::metric_rows(&metrics().collect::<Vec<_>>()), ""),
         Some(found) => {
-            let level = 100.0 * found.level;
+            let level = summary::percent(found.level);
             heads.push(format!(
                 "difference<br><span class=\"faint\">{level} %</span>"
             ));
-            let remark = "Both sides here as the comparison takes them: with one settling time and number of frequencies for both.";
-            (summary::difference_rows(found), remark)
+            (
+                summary::difference_rows(found),
+                summary::how_compared(found),
+            )
         }
     };
     writeln!(
@@ -143,10 +145,11 @@ pub(super) fn write_numbers(body: &mut String, page: &Page<'_>) -> Result {
         for fact in page.paper {
             writeln!(
                 body,
-                "<tr><th>{}</th><td>{}</td><td>{}</td><td>{:.2}</td></tr>",
+                "<tr><th>{}</th><td>{}</td><td>{}</td><td>{:.*}</td></tr>",
                 escape(fact.fact),
                 fact.figure,
                 fact.paper,
+                fact.digits,
                 fact.here
             )?;
         }

@@ -1,7 +1,7 @@
 //! A comparison as text.
 
-use super::{difference_rows, probability, write_advice};
-use servoid_identification::comparison::{Comparison, Stroke};
+use super::{difference_rows, percent, probability, wrapped, write_advice};
+use servoid_identification::comparison::{Comparison, DifferenceCurve, Stroke};
 use servoid_identification::metrics::Interval;
 use std::fmt::Write;
 
@@ -15,29 +15,53 @@ pub fn of_comparison(a: &str, b: &str, found: &Comparison) -> String {
 }
 
 fn write_comparison(text: &mut String, a: &str, b: &str, found: &Comparison) -> std::fmt::Result {
-    writeln!(text, "A  {a}\nB  {b}\n\n{}\n", found.summary)?;
+    writeln!(text, "A  {a}\nB  {b}\n\n{}\n", wrapped(&found.summary, 0))?;
     for (name, value) in facts_of_comparison("A", "B", found) {
-        writeln!(text, "  {name:30} {value}")?;
+        writeln!(text, "  {name:NAMES$} {}", wrapped(&value, NAMES + 3))?;
     }
-    writeln!(
-        text,
-        "\n  {:32} {:>10} {:>10} {:>12}  {} % interval",
+    write!(text, "\n{}", table_of_comparison("A", "B", found))?;
+    write_advice(text, &found.advice)
+}
+
+/// Width of the column with the names of facts \[letters\].
+const NAMES: usize = 30;
+
+/// Metrics of both sides and their difference with its bounds, and how they were made.
+#[must_use]
+pub fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
+    let mut text = format!(
+        "  {:32} {a:>10} {b:>10} {:>12}  {} % interval\n",
         "",
-        "A",
-        "B",
-        "B - A",
-        100.0 * found.level
-    )?;
+        "difference",
+        percent(found.level)
+    );
     for row in difference_rows(found) {
         if let [(a, _), (b, _), (difference, bounds)] = &row.cells[..] {
-            writeln!(
+            let _infallible = writeln!(
                 text,
                 "  {:32} {a:>10} {b:>10} {difference:>12}  {bounds}",
                 row.label
-            )?;
+            );
         }
     }
-    write_advice(text, &found.advice)
+    text + "\n  " + &wrapped(how_compared(found), 2) + "\n"
+}
+
+/// How the figures of a comparison were made, which are not those of each side by itself.
+#[must_use]
+pub fn how_compared(found: &Comparison) -> &'static str {
+    // Only recordings tell where a side comes to rest.
+    match found.levels {
+        Some(_) => {
+            "Difference: second less first. Both sides as the comparison takes them, with one settling \
+             time and number of frequencies for both: a side by itself, with a structure of its own, has \
+             figures that differ a little."
+        }
+        None => {
+            "Difference: second less first. Each side as its model has it, with a structure of its own; \
+             the recordings, taken with one structure for both, give figures that differ a little."
+        }
+    }
 }
 
 /// What was found beside the metrics, a line each: what it is, and what it came to.
@@ -64,13 +88,14 @@ pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String,
                 "at least {:.2} %, at most {:.2} % of the step ({} %), surest {:.0} ms after the edge{stroke}",
                 bounds.at_least,
                 bounds.at_most,
-                100.0 * found.level,
+                percent(found.level),
                 1e3 * bounds.at_s
             ),
         ),
+        (format!("{b} is behind {a} by"), delay_shift(found)),
         (
-            format!("{b} is later than {a} by"),
-            format!("{:+.2} ms", 1e3 * found.delay_shift_s),
+            "which means".to_owned(),
+            found.delay_shift_definition.clone(),
         ),
         (
             "chance, scatter of runs".to_owned(),
@@ -92,6 +117,37 @@ pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String,
     facts.extend(levels(a, b, found));
     facts.extend(asymmetry(a, b, found));
     facts
+}
+
+/// The equivalent delay shift, stroke by stroke where they are taken apart.
+fn delay_shift(found: &Comparison) -> String {
+    let milliseconds = |value: Option<f64>, bounds: Option<[f64; 2]>| {
+        let Some(value) = value else {
+            return "nothing that could be told".to_owned();
+        };
+        let bounds = bounds.map_or_else(
+            || " (no bounds)".to_owned(),
+            |[low, high]| format!(" ({:+.2} .. {:+.2})", 1e3 * low, 1e3 * high),
+        );
+        format!("{:+.2} ms{bounds}", 1e3 * value)
+    };
+    let of = |curve: &DifferenceCurve| {
+        let shift = &curve.delay_shift_s;
+        let bounds = shift.lower.zip(shift.upper).map(<[f64; 2]>::from);
+        let left = curve.shift_leaves_percent.map_or_else(String::new, |left| {
+            format!(", which leaves up to {left:.1} % of the final value unexplained")
+        });
+        milliseconds(shift.value, bounds) + &left
+    };
+    match &found.curves[..] {
+        [up, down] => format!(
+            "up strokes {}; down strokes {}; both by one delay {}",
+            of(up),
+            of(down),
+            milliseconds(found.delay_shift_s, found.delay_shift_bounds_s)
+        ),
+        curves => curves.iter().map(of).collect(),
+    }
 }
 
 fn over_prediction(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
@@ -141,9 +197,9 @@ fn asymmetry(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
     sides
         .filter_map(|(name, side)| {
             let text = format!(
-                "{}, differ by up to {:.1} % of the stroke",
-                probability(side.p),
-                side.largest_percent?.abs()
+                "{:.1} % of the stroke apart where they differ most ({} by chance alone)",
+                side.largest_percent?.abs(),
+                probability(side.p)
             );
             Some((format!("{name}, up against down strokes"), text))
         })

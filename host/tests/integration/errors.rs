@@ -23,7 +23,7 @@ fn files_that_are_not_what_they_should_be() {
         ("empty.csv", String::new(), "empty"),
         ("noise.csv", "\u{0}\u{1}\u{2}".repeat(99), "column"),
         ("missing.csv", format!("a,y\n{rows}"), "no column \"u\""),
-        ("nan.csv", format!("u,y\n{rows}1,nan\n"), "line 402"),
+        ("inf.csv", format!("u,y\n{rows}1,inf\n"), "line 402"),
         ("text.csv", format!("u,y\nup,1\n{rows}"), "\"up\""),
         ("ragged.csv", format!("u,y\n{rows}1\n"), "cells where"),
         ("two.csv", "u,y\n0,0\n1,1\n".to_owned(), "record longer"),

@@ -9,6 +9,7 @@ mod demo;
 mod errors;
 mod export;
 mod files;
+mod foreign;
 mod help;
 mod hostile;
 mod identify;
@@ -16,6 +17,7 @@ mod init;
 mod plan;
 mod references;
 mod report;
+mod results;
 mod safekeeping;
 #[cfg(target_os = "linux")]
 mod scope;

@@ -10,21 +10,21 @@ use crate::linear::times;
 use crate::metrics::covariance_of;
 use crate::model::Model;
 
-/// Farthest shift in time looked at, and its resolution \[samples\].
-const SHIFT: (f64, f64) = (40.0, 0.05);
-
 /// One or more response curves, one after the other, with their second moments.
 #[derive(Debug, Clone)]
 pub(crate) struct Curves {
     pub(crate) value: Vec<f64>,
-    variance: Vec<f64>,
+    pub(super) variance: Vec<f64>,
     /// Covariance of each point with the next; one fewer.
     neighbour: Vec<f64>,
-    degrees_of_freedom: f64,
+    pub(super) degrees_of_freedom: f64,
     /// Bound of what no variance covers.
-    bias: f64,
+    pub(super) bias: f64,
     /// Points of each curve.
     pub(crate) points: usize,
+    /// Weights of the parameters in each point, a column for each, and those times the covariance.
+    map: Mat<f64>,
+    weighted: Mat<f64>,
 }
 
 impl Curves {
@@ -61,7 +61,7 @@ impl Curves {
         )
     }
 
-    fn new(
+    pub(super) fn new(
         map: &Mat<f64>,
         parameters: &[f64],
         covariance: &Mat<f64>,
@@ -79,7 +79,14 @@ impl Curves {
             degrees_of_freedom,
             bias,
             points,
+            map: rows,
+            weighted,
         }
+    }
+
+    /// Variance of the sum of the points of all curves, weighted.
+    pub(super) fn variance_of(&self, weights: &[f64]) -> f64 {
+        dot(&times(&self.map, weights), &times(&self.weighted, weights))
     }
 
     /// The final value.
@@ -163,34 +170,4 @@ impl Differences {
             sample: surest % self.points,
         }
     }
-}
-
-/// The delay \[samples\] that brings the first curves closest to the second: positive when the
-/// second are later.
-pub(crate) fn equivalent_shift(a: &Curves, b: &Curves) -> f64 {
-    let curves = a.value.len() / a.points;
-    let at = |curve: &[f64], t: f64| {
-        if t < 0.0 {
-            return 0.0;
-        }
-        let (k, part) = (t as usize, t.fract());
-        let last = curve.len() - 1;
-        curve[k.min(last)] * (1.0 - part) + curve[(k + 1).min(last)] * part
-    };
-    let distance = |shift: f64| {
-        (0..curves)
-            .flat_map(|c| (0..a.points).map(move |m| (c, m)))
-            .map(|(c, m)| {
-                let range = c * a.points..(c + 1) * a.points;
-                let earlier = at(&a.value[range.clone()], m as f64 - shift);
-                (earlier - b.value[range.start + m]).abs()
-            })
-            .fold(0.0, f64::max)
-    };
-    let steps = (SHIFT.0 / SHIFT.1) as i64;
-    (-steps..=steps)
-        .map(|k| k as f64 * SHIFT.1)
-        .map(|shift| (shift, distance(shift)))
-        .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.abs().total_cmp(&b.0.abs())))
-        .map_or(0.0, |best| best.0)
 }

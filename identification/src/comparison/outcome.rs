@@ -57,6 +57,11 @@ pub struct DifferenceCurve {
     pub lower: Vec<f64>,
     /// Upper bound \[% of the step\].
     pub upper: Vec<f64>,
+    /// The delay shift on these strokes alone \[s\], as [`Comparison::delay_shift_s`].
+    pub delay_shift_s: Interval,
+    /// How far apart the responses are where that shift leaves them farthest \[% of their final
+    /// values\]: zero when a delay is all that lies between them.
+    pub shift_leaves_percent: Option<f64>,
 }
 
 /// Where one side comes to rest.
@@ -131,8 +136,13 @@ pub struct Comparison {
     /// Probability of the difference by scatter between runs of one servo; `None` with fewer than
     /// three runs on a side.
     pub p_value: Option<f64>,
-    /// Delay that brings the first response closest to the second \[s\].
-    pub delay_shift_s: f64,
+    /// Delay that brings the first response closest to the second, each relative to its own final
+    /// value \[s\]; `None` when there is no best one.
+    pub delay_shift_s: Option<f64>,
+    /// Its bounds \[s\].
+    pub delay_shift_bounds_s: Option<[f64; 2]>,
+    /// What the delay shift is.
+    pub delay_shift_definition: String,
     /// Whether up and down strokes are compared apart.
     pub split: bool,
     /// By how much the first, driven like the second, goes farther; `None` without plateaus at two
@@ -157,5 +167,9 @@ impl Comparison {
     pub(super) fn without_bounds(&mut self) {
         self.bounds_hold = false;
         self.verdict = Verdict::Undecided;
+        self.delay_shift_bounds_s = None;
+        for curve in &mut self.curves {
+            (curve.delay_shift_s.lower, curve.delay_shift_s.upper) = (None, None);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The answer in two sentences: is it different and by how much, and what that feels like.
 
-use super::outcome::{Comparison, Levels, Sides, Stroke, Verdict};
+use super::outcome::{Comparison, DifferenceCurve, Levels, Sides, Stroke, Verdict};
 use super::{CHANCE, explained_by_chance};
 
 /// A shift in time below this is not worth a word \[s\]: an eighth of a sample of the rig.
@@ -22,7 +22,7 @@ fn answer(found: &Comparison) -> String {
          sure), most clearly {:.0} ms after a command{stroke}",
         bounds.at_least,
         bounds.at_most,
-        100.0 * found.level,
+        rounded(100.0 * found.level),
         1e3 * bounds.at_s
     );
     let margin = found.margin_percent;
@@ -47,17 +47,13 @@ fn answer(found: &Comparison) -> String {
     }
 }
 
+/// 99 rather than 99.00000000000001.
+fn rounded(percent: f64) -> f64 {
+    (percent * 1e6).round() / 1e6
+}
+
 fn feel(found: &Comparison) -> String {
-    let shift = found.delay_shift_s;
-    let time = if shift.abs() < SHIFT_S {
-        "The second answers at the same time as the first".to_owned()
-    } else {
-        let when = if shift > 0.0 { "later" } else { "earlier" };
-        format!(
-            "The second answers about {:.1} ms {when}",
-            1e3 * shift.abs()
-        )
-    };
+    let time = behind(found);
     let rest = found.levels.as_ref().and_then(rest).unwrap_or_default();
     let runs = match found.p_value {
         Some(p) if p > CHANCE => {
@@ -71,11 +67,43 @@ fn feel(found: &Comparison) -> String {
                 format!("= {p:.3}")
             }
         ),
+        None if found.levels.is_none() => {
+            "what differs from run to run, or between up and down strokes, is not included, which takes \
+             recordings"
+                .to_owned()
+        }
         None => {
             "what differs from run to run is not included, which takes three runs a side".to_owned()
         }
     };
     format!("{time}{rest}; {runs}.")
+}
+
+/// Whether the second is behind the first in time, stroke by stroke where they differ.
+fn behind(found: &Comparison) -> String {
+    let said = |curve: &DifferenceCurve| {
+        let shift = &curve.delay_shift_s;
+        let Some(seconds) = shift.value else {
+            return "cannot be called earlier or later than the first".to_owned();
+        };
+        let level = shift.lower.is_some() && shift.contains(0.0);
+        if level || seconds.abs() < SHIFT_S {
+            return "is level with the first in time".to_owned();
+        }
+        let place = if seconds > 0.0 { "behind" } else { "ahead of" };
+        format!("is about {:.1} ms {place} the first", 1e3 * seconds.abs())
+    };
+    match &found.curves[..] {
+        [up, down] => format!(
+            "On the way up the second {}, on the way down it {}",
+            said(up),
+            said(down)
+        ),
+        curves => {
+            let said: String = curves.iter().map(said).collect();
+            format!("The second {said}")
+        }
+    }
 }
 
 /// The end of the command at which the two rest farthest apart.
@@ -95,8 +123,6 @@ fn rest(levels: &Sides<Levels>) -> Option<String> {
         .filter_map(|(command, _, a, b)| Some((command, a?, b?)))
         .max_by(|(_, a, b), (_, c, d)| (b - a).abs().total_cmp(&(d - c).abs()))
         .map(|(command, a, b)| {
-            format!(
-                " and comes to rest at {b:.2} where the first does at {a:.2} (told {command:+})"
-            )
+            format!("; told {command:+} it comes to rest at {b:.2}, the first at {a:.2}")
         })
 }

@@ -6,7 +6,7 @@ use servoid_identification::comparison::{
 };
 use servoid_identification::{Options, Record, Run, Settling, identify};
 
-use crate::plants::{Linear, PERIOD, measured, respond_by_stroke, staircase};
+use crate::plants::{Linear, PERIOD, exact_shift, measured, respond_by_stroke, staircase};
 
 fn servo() -> Linear {
     Linear::second_order(0.97, 0.0255, 0.5, 60.0)
@@ -99,17 +99,59 @@ fn bounds_of_the_difference_hold_the_true_one() {
     // Two milliseconds of delay alone.
     let later = Linear::second_order(0.97, 0.0275, 0.5, 60.0);
     let found = compare(&plain(&a, 1), &plain(&later, 2), &options()).unwrap();
-    assert!(
-        (found.delay_shift_s - 0.002).abs() < 2e-4,
-        "{}",
-        found.delay_shift_s
-    );
+    let [low, high] = found.delay_shift_bounds_s.unwrap();
+    assert!(low < 0.002 && 0.002 < high && high - low < 1e-3);
     let delay = found
         .differences
         .iter()
         .find(|d| d.metric == "t50_s")
         .unwrap();
     assert!(delay.lower.unwrap() < 0.002 && 0.002 < delay.upper.unwrap());
+}
+
+#[test]
+fn the_interval_of_the_delay_shift_holds_the_true_one() {
+    let a = servo();
+    let others = [
+        Linear::second_order(0.97, 0.0255, 0.5, 60.0),
+        Linear::second_order(0.873, 0.0255, 0.5, 60.0),
+        Linear::second_order(0.97, 0.0268, 0.5, 60.0),
+        Linear::second_order(0.87, 0.0265, 0.6, 48.0),
+    ];
+    for (case, b) in (0u64..).zip(&others) {
+        let exact = exact_shift(&a, b);
+        let missed = (0..16u64)
+            .into_par_iter()
+            .filter(|k| {
+                let seeds = [200 * case + 2 * k, 200 * case + 2 * k + 1];
+                let found = compare(&plain(&a, seeds[0]), &plain(b, seeds[1]), &options()).unwrap();
+                let [low, high] = found.delay_shift_bounds_s.unwrap();
+                assert!(high - low < 5e-4, "{low} .. {high}");
+                !(low <= exact && exact <= high)
+            })
+            .count();
+        // At 99 %, three or more of 16 missed have a probability of 0.05 %.
+        assert!(missed < 3, "case {case}: {missed} of 16 miss {exact}");
+    }
+}
+
+#[test]
+fn strokes_that_differ_have_a_delay_shift_each() {
+    let later = Linear::second_order(0.97, 0.0315, 0.5, 60.0);
+    let b = record(&later, &servo(), 0.0, 4..5, 0.0);
+    let found = compare(&plain(&servo(), 3), &b, &options()).unwrap();
+    assert!(found.split);
+    let [up, down] = [0, 1].map(|k| found.curves[k].delay_shift_s);
+    assert!(up.contains(0.006) && !up.contains(0.005), "{up:?}");
+    assert!(down.contains(0.0) && !down.contains(0.001), "{down:?}");
+    assert!(
+        found
+            .summary
+            .contains("On the way up the second is about 6.0 ms behind")
+    );
+    let alone = found.curves[0].shift_leaves_percent.unwrap();
+    // A delay is all there is, as far as the short bank for the difference of the strokes tells.
+    assert!(alone < 4.0, "{alone} %");
 }
 
 #[test]
@@ -180,6 +222,13 @@ fn models_can_be_compared_without_records_and_whatever_their_settling_time() {
     )
     .unwrap();
     assert_eq!(found.verdict, Verdict::Different);
+    assert!(
+        found
+            .advice
+            .iter()
+            .any(|advice| advice.check == "one_response")
+    );
+    assert!(found.summary.contains("between up and down strokes"));
     let json = serde_json::to_value(&found).unwrap();
     assert_eq!(json["verdict"], "different");
     assert!(json["difference_percent"]["at_least"].as_f64().unwrap() > 5.0);

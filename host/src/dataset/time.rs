@@ -1,0 +1,154 @@
+//! The column of time of a foreign file: which it is, and in what unit.
+
+use clap::ValueEnum;
+
+/// The unit of a column of time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TimeUnit {
+    /// Seconds
+    #[value(name = "s")]
+    Seconds,
+    /// Milliseconds
+    #[value(name = "ms")]
+    Milliseconds,
+    /// Microseconds
+    #[value(name = "us")]
+    Microseconds,
+    /// Nanoseconds
+    #[value(name = "ns")]
+    Nanoseconds,
+}
+
+impl TimeUnit {
+    /// All of them, the longest first.
+    pub const ALL: [Self; 4] = [
+        Self::Seconds,
+        Self::Milliseconds,
+        Self::Microseconds,
+        Self::Nanoseconds,
+    ];
+
+    /// One of it, in seconds.
+    #[must_use]
+    pub fn seconds(self) -> f64 {
+        match self {
+            Self::Seconds => 1.0,
+            Self::Milliseconds => 1e-3,
+            Self::Microseconds => 1e-6,
+            Self::Nanoseconds => 1e-9,
+        }
+    }
+
+    /// As it is typed.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Seconds => "s",
+            Self::Milliseconds => "ms",
+            Self::Microseconds => "us",
+            Self::Nanoseconds => "ns",
+        }
+    }
+
+    /// As it is said.
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Seconds => "seconds",
+            Self::Milliseconds => "milliseconds",
+            Self::Microseconds => "microseconds",
+            Self::Nanoseconds => "nanoseconds",
+        }
+    }
+
+    /// What people write for it, in lower letters.
+    fn of_word(word: &str) -> Option<Self> {
+        Some(match word {
+            "s" | "sec" | "secs" | "second" | "seconds" => Self::Seconds,
+            "ms" | "msec" | "millis" | "millisec" | "millisecond" | "milliseconds" => {
+                Self::Milliseconds
+            }
+            "us" | "µs" | "μs" | "usec" | "micros" | "microsec" | "microsecond"
+            | "microseconds" => Self::Microseconds,
+            "ns" | "nsec" | "nanos" | "nanosecond" | "nanoseconds" => Self::Nanoseconds,
+            _ => return None,
+        })
+    }
+}
+
+/// Words that a column of time is called by, and that mean time without another word.
+const WORDS: [&str; 4] = ["t", "time", "timestamp", "elapsed"];
+const ALONE: [&str; 5] = [
+    "seconds",
+    "millis",
+    "milliseconds",
+    "micros",
+    "microseconds",
+];
+
+/// Words that may stand beside them.
+const BESIDE: [&str; 6] = ["stamp", "since", "start", "rel", "relative", "in"];
+
+/// The column of time, and its unit where its name has one: the first that has, or else the first.
+pub(super) fn column(columns: &[String]) -> Option<(&str, Option<TimeUnit>)> {
+    let named = || {
+        let name = |column: &'_ String| unit(column).map(|_| ());
+        columns.iter().filter(move |column| name(column).is_some())
+    };
+    let with_unit = named().find(|column| unit(column).flatten().is_some());
+    let found = with_unit.or_else(|| named().next())?;
+    Some((found, unit(found)?))
+}
+
+/// The unit of a column that is called like one of time; `None` for a column that is not.
+fn unit(column: &str) -> Option<Option<TimeUnit>> {
+    let lower = column.to_lowercase();
+    let words: Vec<&str> = lower
+        .split(|letter: char| !letter.is_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .collect();
+    let time = |word: &&str| WORDS.contains(word);
+    let known =
+        |word: &&str| time(word) || BESIDE.contains(word) || TimeUnit::of_word(word).is_some();
+    let is_time = words.iter().any(|word| time(&word))
+        || matches!(words[..], [word] if ALONE.contains(&word));
+    (is_time && words.iter().all(|word| known(&word)))
+        .then(|| words.iter().find_map(|word| TimeUnit::of_word(word)))
+}
+
+/// "2.000 ms" for a time in seconds.
+pub(super) fn said(seconds: f64) -> String {
+    let (scale, unit) = match seconds {
+        s if s >= 1.0 => (1.0, "s"),
+        s if s >= 1e-4 => (1e3, "ms"),
+        _ => (1e6, "us"),
+    };
+    format!("{:.3} {unit}", seconds * scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_of_time_is_known_by_its_name_and_its_unit_too() {
+        use TimeUnit::{Microseconds, Milliseconds, Seconds};
+        for (name, expected) in [
+            ("t", Some(None)),
+            ("Time", Some(None)),
+            ("time_s", Some(Some(Seconds))),
+            ("Time [ms]", Some(Some(Milliseconds))),
+            ("t (µs)", Some(Some(Microseconds))),
+            ("timestamp_us", Some(Some(Microseconds))),
+            ("millis", Some(Some(Milliseconds))),
+            ("elapsed time in seconds", Some(Some(Seconds))),
+            ("rise time", None),
+            ("temperature", None),
+            ("s", None),
+            ("", None),
+        ] {
+            assert_eq!(unit(name), expected, "{name}");
+        }
+        let columns = ["t", "time_ms", "u"].map(str::to_owned);
+        assert_eq!(column(&columns), Some(("time_ms", Some(Milliseconds))));
+    }
+}

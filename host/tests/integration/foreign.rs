@@ -1,0 +1,210 @@
+//! Recordings of other programs: what is certain is read, and said; what is not is asked.
+
+use crate::support::{arg, refusal, servoid};
+use std::path::Path;
+
+/// Command and answer of a servo of first order, sampled every 2 ms.
+fn samples() -> Vec<(u32, f64, f64)> {
+    let mut y = -5.0;
+    (0..1500)
+        .map(|k| {
+            let u = if k * k / 9000 % 2 == 0 { 5.0 } else { -5.0 };
+            y += 0.15 * (u - y);
+            let noise = f64::from(k * 7919 % 101) / 50.0 - 1.0;
+            (k, u, y + 0.01 * noise)
+        })
+        .collect()
+}
+
+/// A file with this above its rows, each row as `row` writes it.
+fn file(dir: &Path, name: &str, above: &str, row: impl Fn(u32, f64, f64) -> String) -> String {
+    let rows: String = samples()
+        .into_iter()
+        .map(|(k, u, y)| row(k, u, y))
+        .collect();
+    let path = dir.join(name);
+    std::fs::write(&path, format!("{above}{rows}")).unwrap();
+    arg(&path).to_owned()
+}
+
+/// Identifies, and returns the gain, the sampling period and what was said.
+fn identified(file: &str, more: &[&str]) -> (f64, f64, String) {
+    let args = [&["identify", file, "--settling", "81", "--json"], more].concat();
+    let output = servoid(&args).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{args:?}: {said}");
+    let model: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let gain = number(&model["metrics"]["dc_gain"]["value"]);
+    (gain, number(&model["sample_period_s"]), said)
+}
+
+const NAMED: [&str; 4] = ["--input", "u", "--output", "y"];
+
+#[test]
+fn what_other_programs_write_is_read_and_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let new = |name: &str, above: &str, row: &dyn Fn(u32, f64, f64) -> String| {
+        file(dir.path(), name, above, row)
+    };
+    let milliseconds = |k: u32| 2 * k;
+    let comma = |x: f64| format!("{x:.4}").replace('.', ",");
+    let said_ms = "time (column \"time_ms\") read as milliseconds: rows are 2.000 ms apart";
+    let cases: Vec<(String, Vec<&str>, &str)> = vec![
+        (
+            new("ms.csv", "time_ms,u,y\n", &|k, u, y| {
+                format!("{},{u},{y:.4}\n", milliseconds(k))
+            }),
+            vec![],
+            said_ms,
+        ),
+        (
+            new("us.csv", "t,u,y\n", &|k, u, y| {
+                format!("{},{u},{y:.4}\n", 2000 * k)
+            }),
+            vec!["--time-unit", "us"],
+            "read as microseconds: rows are 2.000 ms apart",
+        ),
+        (
+            new("bom.csv", "\u{feff}Time [ms];u;y\r\n", &|k, u, y| {
+                format!("{};{};{}\r\n", milliseconds(k), comma(u), comma(y))
+            }),
+            vec![],
+            "column \"Time [ms]\"",
+        ),
+        (
+            new(
+                "tabs.txt",
+                "Logger 3000\nRate\t500\n\nt\tu\ty\ns\tdeg\tdeg\n",
+                &|k, u, y| {
+                    format!(
+                        "{}\t{}\t{}\n",
+                        comma(0.002 * f64::from(k)),
+                        comma(u),
+                        comma(y)
+                    )
+                },
+            ),
+            vec![],
+            "2 lines above its header row are passed over",
+        ),
+        (
+            new("dropped.csv", "t,u,y\n", &|k, u, y| match k % 300 {
+                4 => String::new(),
+                7 => format!("{:.3},{u},NaN\n", 0.002 * f64::from(k)),
+                _ => format!("{:.3},{u},{y:.4}\n", 0.002 * f64::from(k)),
+            }),
+            vec![],
+            "has gaps; 5 samples count as missing",
+        ),
+        (
+            new("jitter.csv", "time_s,u,y\n", &|k, u, y| {
+                let late = f64::from(k * 7919 % 101) / 101.0 * 0.0008;
+                format!("{:.6},{u},{y:.4}\n", 0.002 * f64::from(k) + late)
+            }),
+            vec![],
+            "taken as evenly spaced",
+        ),
+        (
+            new("bare.csv", "", &|k, u, y| {
+                format!("{:.3},{u},{y:.4}\n", 0.002 * f64::from(k))
+            }),
+            vec!["--input", "2", "--output", "3", "--period", "0.002"],
+            "its columns are called 1 to 3",
+        ),
+        (
+            new(
+                "units.csv",
+                "time (us),Command [deg],Angle [deg]\n",
+                &|k, u, y| format!("{},{u},{y:.4}\n", 2000 * k),
+            ),
+            vec!["--input", "command", "--output", "angle"],
+            "read as microseconds",
+        ),
+    ];
+    for (file, more, expected) in &cases {
+        let named = if more.contains(&"--input") {
+            &[][..]
+        } else {
+            &NAMED
+        };
+        let (gain, period, said) = identified(file, &[named, more].concat());
+        assert!(
+            (gain - 1.0).abs() < 0.01 && (period / 0.002 - 1.0).abs() < 1e-3,
+            "{file}: {gain}, {period}"
+        );
+        assert!(said.contains(expected), "{file}: {said}");
+    }
+}
+
+#[test]
+fn what_is_not_certain_is_asked_in_one_sentence() {
+    let dir = tempfile::tempdir().unwrap();
+    let new = |name: &str, above: &str, row: &dyn Fn(u32, f64, f64) -> String| {
+        file(dir.path(), name, above, row)
+    };
+    let model = dir.path().join("model.json");
+    let clean = new("clean.csv", "time_s,u,y\n", &|k, u, y| {
+        format!("{:.3},{u},{y:.4}\n", 0.002 * f64::from(k))
+    });
+    identified(&clean, &[&NAMED[..], &["-o", arg(&model)]].concat());
+    let cases = [
+        (
+            new("unit.csv", "t,u,y\n", &|k, u, y| {
+                format!("{},{u},{y:.4}\n", 2 * k)
+            }),
+            "--time-unit ms",
+        ),
+        (
+            new("uneven.csv", "t,u,y\n", &|k, u, y| {
+                format!("{:.4},{u},{y:.4}\n", 1e-5 * f64::from(k * k))
+            }),
+            "uneven steps",
+        ),
+        (
+            new("clock.csv", "time,u,y\n", &|k, u, y| {
+                format!("12:00:{:06.3},{u},{y:.4}\n", 0.002 * f64::from(k))
+            }),
+            "no numbers",
+        ),
+        (
+            new("commas.csv", "t,u,y\n", &|k, u, y| {
+                format!("0,{k:04},{u:.0},0,{y:.4}\n").replace('.', ",")
+            }),
+            "cells where the header row has 3",
+        ),
+        (
+            new("words.csv", "t,u,y\n", &|k, u, y| match k {
+                900 => "1.8,off,0\n".to_owned(),
+                _ => format!("{:.3},{u},{y:.4}\n", 0.002 * f64::from(k)),
+            }),
+            "line 902, column \"u\"",
+        ),
+        (arg(&model).to_owned(), "is a model"),
+    ];
+    for (file, words) in &cases {
+        let said = refusal(&[&["identify", file], &NAMED[..]].concat());
+        assert!(
+            said.contains(words) && said.trim().lines().count() == 1,
+            "{file}: {said}"
+        );
+    }
+    let said = refusal(&["validate", &clean, &clean]);
+    assert!(said.contains("servoid identify"), "{said}");
+}
+
+#[test]
+fn a_period_that_a_column_of_time_contradicts_is_taken_and_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = file(dir.path(), "x.csv", "time_ms,u,y\n", |k, u, y| {
+        format!("{},{u},{y:.4}\n", 2 * k)
+    });
+    let (_, period, said) = identified(&file, &[&NAMED[..], &["--period", "0.02"]].concat());
+    assert_eq!(period, 0.02);
+    assert!(
+        said.contains("by column \"time_ms\" rows are 2 ms apart, but 0.02 s was stated"),
+        "{said}"
+    );
+    let (_, _, said) = identified(&file, &[&NAMED[..], &["--period", "0.002"]].concat());
+    assert!(!said.contains("was stated"), "{said}");
+}

@@ -1,0 +1,61 @@
+//! The JSON of the commands is what `docs/results.md` says.
+
+use crate::support::{arg, run};
+use serde_json::Value;
+use std::path::Path;
+
+/// Names of all fields, at any depth.
+fn fields(value: &Value, found: &mut Vec<String>) {
+    match value {
+        Value::Object(object) => {
+            for (key, value) in object {
+                found.push(key.clone());
+                fields(value, found);
+            }
+        }
+        Value::Array(list) => list.iter().for_each(|value| fields(value, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_field_is_documented() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| arg(&dir.path().join(name)).to_owned();
+    let (out, bench, loaded) = (at("demo"), at("demo/bench.csv"), at("demo/aircraft.csv"));
+    let (model, header) = (at("demo/bench.json"), at("x.h"));
+    let results = [
+        vec!["demo", "--out", &out],
+        vec!["identify", &bench],
+        vec!["identify", &loaded],
+        vec!["validate", &model, &loaded],
+        vec!["compare", &bench, &loaded],
+        vec!["compare", &model, &model],
+        vec!["export", &model, "--to", "c"],
+        vec!["export", &model, "--to", "c", "-o", &header],
+    ];
+    for args in results {
+        let printed = run(&[&args[..], &["--json"]].concat());
+        let value: Value = serde_json::from_str(&printed).unwrap();
+        let mut found = Vec::new();
+        fields(&value, &mut found);
+        assert!(!found.is_empty());
+        for field in found {
+            assert!(
+                page.contains(&format!("`{field}`")),
+                "{args:?}: {field} is not in docs/results.md"
+            );
+        }
+    }
+    // What is asked for beside the model: the fields that the page names.
+    let more = ["--explain", "--flight-model", "--limits", "--json"];
+    let value: Value =
+        serde_json::from_str(&run(&[&["identify", &loaded], &more[..]].concat())).unwrap();
+    for part in ["explanation", "flight_model", "limits", "directions"] {
+        for field in value[part].as_object().unwrap().keys() {
+            assert!(page.contains(&format!("`{field}`")), "{part}: {field}");
+        }
+    }
+}

@@ -1,0 +1,342 @@
+//! The equivalent delay shift: how much later the second servo moves, apart from how far it goes.
+//!
+//! With a and b the step responses of the two, each relative to its own final value, it is the shift
+//! that brings the first closest to the second in the sense of least squares,
+//!
+//! ```text
+//! s = argmin_s  sum_m (a(m - s) - b(m))²,      a = 0 before the edge, 1 after the settling time
+//! ```
+//!
+//! over all samples m of all curves alike; samples on the steep part of a response decide it, as a
+//! shift changes nothing where a response is flat. Between samples a is interpolated by cubic
+//! convolution (Catmull-Rom). A servo that is slower without any more dead time has a shift too: what
+//! the shift does not explain is given beside it.
+//!
+//! **The interval** is that of the implicit function: with J(s) half the sum and J'(s) = 0,
+//!
+//! ```text
+//! ds/dx = -(∂J'/∂x) / J''      Var s = (ds/da)' Cov(a) (ds/da) + (ds/db)' Cov(b) (ds/db)
+//! ```
+//!
+//! to which the bound of what no variance covers is added as if it had the worst sign at every sample.
+
+use crate::band::{pointwise_critical, student_critical};
+use crate::metrics::Interval;
+
+use super::difference::Curves;
+
+/// What the figure is, for whoever reads it without this file.
+pub(super) const DEFINITION: &str = "the delay that brings the first step response closest to the \
+    second, each relative to its own final value (least squares over all samples of the response, so \
+    that the steep part decides); a slower servo has one without more dead time, which is what the delay (5 %) shows";
+
+/// Places tried at the first look, on each side of none.
+const PLACES: usize = 200;
+
+/// Distance of the places tried at the second look \[samples\]: a quarter of the distance over which a
+/// piece of the interpolation is one polynomial.
+const CLOSE: f64 = 0.25;
+
+/// Halvings of the last bracket: it is at rounding then.
+const HALVINGS: usize = 50;
+
+/// How much later the second curves come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shift {
+    /// \[samples\], positive when the second are later; empty when no shift within half the response
+    /// is best, or a final value is not surely different from zero.
+    pub(super) samples: Interval,
+    /// Largest distance of the curves that remains after the shift \[share of the final value\].
+    pub(super) remains: Option<f64>,
+}
+
+/// The shift of the curves whose numbers are in `which`, all of them by the same.
+pub(super) fn shift(a: &Curves, b: &Curves, which: std::ops::Range<usize>, level: f64) -> Shift {
+    let pair = Pair::new(a, b, which, level);
+    let Some((best, pair)) = pair.and_then(|pair| Some((pair.best()?, pair))) else {
+        return Shift {
+            samples: Interval::default(),
+            remains: None,
+        };
+    };
+    let (of_a, of_b) = pair.gradients(best);
+    let variance = a.variance_of(&of_a) + b.variance_of(&of_b);
+    let degrees = a.degrees_of_freedom.min(b.degrees_of_freedom);
+    let critical = student_critical(pointwise_critical(level), &[degrees])[0];
+    let worst = |weights: &[f64], bias: f64| bias * weights.iter().map(|w| w.abs()).sum::<f64>();
+    let half = critical * variance.max(0.0).sqrt() + worst(&of_a, a.bias) + worst(&of_b, b.bias);
+    Shift {
+        samples: Interval::new(best, best - half, best + half),
+        remains: Some(pair.farthest(best)),
+    }
+}
+
+/// Two sets of curves, each relative to its final value.
+struct Pair {
+    a: Vec<f64>,
+    b: Vec<f64>,
+    /// Final values.
+    gains: [Vec<f64>; 2],
+    points: usize,
+    /// Place of the first curve among all.
+    first: usize,
+    /// Number of values of all curves.
+    total: usize,
+}
+
+impl Pair {
+    /// `None` when a final value may be zero.
+    fn new(a: &Curves, b: &Curves, which: std::ops::Range<usize>, level: f64) -> Option<Self> {
+        let points = a.points;
+        let finals = |curves: &Curves| -> Option<Vec<f64>> {
+            let of = |curve: usize| {
+                let last = (curve + 1) * points - 1;
+                let (gain, sd) = (curves.value[last], curves.variance[last].sqrt());
+                (gain.abs() > pointwise_critical(level) * sd + curves.bias).then_some(gain)
+            };
+            which.clone().map(of).collect()
+        };
+        let gains = [finals(a)?, finals(b)?];
+        let relative = |curves: &Curves, gains: &[f64]| {
+            let of = |(curve, gain): (usize, &f64)| {
+                let gain = *gain;
+                let values = &curves.value[curve * points..(curve + 1) * points];
+                values.iter().map(move |g| g / gain)
+            };
+            which.clone().zip(gains).flat_map(of).collect()
+        };
+        Some(Self {
+            a: relative(a, &gains[0]),
+            b: relative(b, &gains[1]),
+            gains,
+            points,
+            first: which.start,
+            total: a.value.len(),
+        })
+    }
+
+    /// The best shift; `None` where it is none within half the response.
+    fn best(&self) -> Option<f64> {
+        let range = self.points as f64 / 2.0;
+        let scan = |centre: f64, half: f64, places: usize| {
+            let step = half / places as f64;
+            let place = |k: i64| centre + k as f64 * step;
+            let places = places as i64;
+            let best = (-places..=places).map(place).min_by(|&s, &t| {
+                let nearer = s.abs().total_cmp(&t.abs());
+                self.distance(s).total_cmp(&self.distance(t)).then(nearer)
+            });
+            (best.unwrap_or(0.0), step)
+        };
+        let (rough, step) = scan(0.0, range, PLACES.min((range / CLOSE) as usize).max(1));
+        let close = ((step / CLOSE).ceil() as usize).max(1);
+        let (near, step) = scan(rough, step, close);
+        let (mut low, mut high) = (near - step, near + step);
+        if low < -range || high > range || !(self.slope(low) < 0.0 && self.slope(high) > 0.0) {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(low, high);
+            if self.slope(middle) < 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(f64::midpoint(low, high))
+    }
+
+    /// Shifted value, its first and second derivative by the shift, and what is left of the second
+    /// curve, at every sample.
+    fn at(&self, shift: f64) -> impl Iterator<Item = ([f64; 3], f64)> {
+        (0..self.b.len()).map(move |place| {
+            let (curve, m) = (place / self.points, place % self.points);
+            let values = &self.a[curve * self.points..(curve + 1) * self.points];
+            let around = Around::new(m as f64 - shift, self.points);
+            let shifted = [0, 1, 2].map(|derivative| around.sum(values, derivative));
+            (shifted, shifted[0] - self.b[place])
+        })
+    }
+
+    fn distance(&self, shift: f64) -> f64 {
+        self.at(shift).map(|(_, left)| left * left).sum()
+    }
+
+    fn farthest(&self, shift: f64) -> f64 {
+        self.at(shift)
+            .map(|(_, left)| left.abs())
+            .fold(0.0, f64::max)
+    }
+
+    /// J'.
+    fn slope(&self, shift: f64) -> f64 {
+        self.at(shift)
+            .map(|([_, first, _], left)| first * left)
+            .sum()
+    }
+
+    /// ds/da and ds/db for the values of all curves, before they were made relative.
+    fn gradients(&self, shift: f64) -> (Vec<f64>, Vec<f64>) {
+        let curvature: f64 = self
+            .at(shift)
+            .map(|([_, first, second], left)| first * first + second * left)
+            .sum();
+        let mut of_a = vec![0.0; self.a.len()];
+        let mut of_b = vec![0.0; self.b.len()];
+        for (place, ([_, first, _], left)) in self.at(shift).enumerate() {
+            let (curve, m) = (place / self.points, place % self.points);
+            let around = Around::new(m as f64 - shift, self.points);
+            for (index, weights) in around.weights() {
+                of_a[curve * self.points + index] -=
+                    (weights[1] * left + first * weights[0]) / curvature;
+            }
+            of_b[place] += first / curvature;
+        }
+        (
+            self.of_absolute(&of_a, &self.a, &self.gains[0]),
+            self.of_absolute(&of_b, &self.b, &self.gains[1]),
+        )
+    }
+
+    /// From the gradient for relative values to the one for absolute values: the last value of a curve
+    /// is also what all its values are divided by.
+    fn of_absolute(&self, gradient: &[f64], relative: &[f64], gains: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.total];
+        for (curve, gain) in gains.iter().enumerate() {
+            let range = curve * self.points..(curve + 1) * self.points;
+            let (gradient, relative) = (&gradient[range.clone()], &relative[range]);
+            let start = (self.first + curve) * self.points;
+            for (m, g) in gradient.iter().enumerate() {
+                all[start + m] = g / gain;
+            }
+            let scaled: f64 = gradient.iter().zip(relative).map(|(g, r)| g * r).sum();
+            all[start + self.points - 1] -= scaled / gain;
+        }
+        all
+    }
+}
+
+/// The four samples around a place between samples.
+struct Around {
+    /// Sample before the place; may lie outside of the curve.
+    before: i64,
+    /// Way from there to the next, 0 to 1.
+    part: f64,
+    points: usize,
+}
+
+impl Around {
+    fn new(place: f64, points: usize) -> Self {
+        Self {
+            before: place.floor() as i64,
+            part: place - place.floor(),
+            points,
+        }
+    }
+
+    /// Samples and their weights in the value and in its derivatives by the shift: nothing before the
+    /// edge, the final value after the end.
+    fn weights(&self) -> impl Iterator<Item = (usize, [f64; 3])> {
+        let t = self.part;
+        let value = [
+            t * (t * (2.0 - t) - 1.0) / 2.0,
+            t * t * (3.0 * t - 5.0) / 2.0 + 1.0,
+            t * (t * (4.0 - 3.0 * t) + 1.0) / 2.0,
+            t * t * (t - 1.0) / 2.0,
+        ];
+        // The place moves back as the shift grows.
+        let first = [
+            -(t * (4.0 - 3.0 * t) - 1.0) / 2.0,
+            -t * (9.0 * t - 10.0) / 2.0,
+            -(t * (8.0 - 9.0 * t) + 1.0) / 2.0,
+            -t * (3.0 * t - 2.0) / 2.0,
+        ];
+        let second = [2.0 - 3.0 * t, 9.0 * t - 5.0, 4.0 - 9.0 * t, 3.0 * t - 1.0];
+        let last = self.points as i64 - 1;
+        (0..4).filter_map(move |k| {
+            let index = (self.before - 1 + k as i64).min(last);
+            let index = usize::try_from(index).ok()?;
+            Some((index, [value[k], first[k], second[k]]))
+        })
+    }
+
+    fn sum(&self, values: &[f64], derivative: usize) -> f64 {
+        self.weights()
+            .map(|(index, weights)| weights[derivative] * values[index])
+            .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+    use faer::Mat;
+
+    /// Curves that are their own parameters, each known to `sd`.
+    fn curves(values: &[f64], points: usize, sd: f64) -> Curves {
+        let size = values.len();
+        let unit = Mat::<f64>::identity(size, size);
+        let covariance = Mat::from_fn(size, size, |i, k| if i == k { sd * sd } else { 0.0 });
+        Curves::new(&unit, values, &covariance, 1e6, 0.0, points)
+    }
+
+    fn rising(gain: f64, delay: f64, lag: f64) -> Vec<f64> {
+        (0..120)
+            .map(|m| ((f64::from(m) - delay) / lag).max(0.0))
+            .map(|t| gain * (1.0 - (1.0 + t) * (-t).exp()))
+            .collect()
+    }
+
+    #[test]
+    fn a_pure_delay_is_found_whatever_the_gain() {
+        let (a, b) = (rising(1.0, 12.3, 6.0), rising(0.7, 15.8, 6.0));
+        let found = shift(&curves(&a, 120, 1e-3), &curves(&b, 120, 1e-3), 0..1, 0.99);
+        // Interpolation of a curve with a kink in its curvature, 2e-3 samples at worst.
+        assert_abs_diff_eq!(found.samples.value.unwrap(), 3.5, epsilon = 2e-3);
+        assert!(found.remains.unwrap() < 1e-3);
+        let back = shift(&curves(&b, 120, 1e-3), &curves(&a, 120, 1e-3), 0..1, 0.99);
+        assert_abs_diff_eq!(back.samples.value.unwrap(), -3.5, epsilon = 2e-3);
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_differences() {
+        let two = |one: Vec<f64>, other: Vec<f64>| [one, other].concat();
+        let a = two(rising(1.0, 10.0, 5.0), rising(0.9, 12.0, 7.0));
+        let b = two(rising(0.8, 13.4, 6.0), rising(0.7, 11.1, 9.0));
+        let best = |a: &[f64], b: &[f64]| {
+            let (a, b) = (curves(a, 120, 1e-3), curves(b, 120, 1e-3));
+            Pair::new(&a, &b, 0..2, 0.99).unwrap().best().unwrap()
+        };
+        let known = curves(&a, 120, 1e-3);
+        let pair = Pair::new(&known, &curves(&b, 120, 1e-3), 0..2, 0.99).unwrap();
+        let (of_a, of_b) = pair.gradients(best(&a, &b));
+        let by_difference = |values: &[f64], m: usize, of: &dyn Fn(&[f64]) -> f64| {
+            let moved = |by: f64| {
+                let mut moved = values.to_vec();
+                moved[m] += by;
+                of(&moved)
+            };
+            (moved(1e-5) - moved(-1e-5)) / 2e-5
+        };
+        for m in [5, 14, 20, 60, 119, 130, 140, 239] {
+            let numeric = by_difference(&a, m, &|a| best(a, &b));
+            assert_abs_diff_eq!(of_a[m], numeric, epsilon = 1e-6);
+            let numeric = by_difference(&b, m, &|b| best(&a, b));
+            assert_abs_diff_eq!(of_b[m], numeric, epsilon = 1e-6);
+        }
+    }
+
+    #[test]
+    fn without_a_final_value_there_is_no_shift() {
+        let a = rising(1.0, 10.0, 5.0);
+        let nothing = vec![0.001; 120];
+        let found = shift(
+            &curves(&a, 120, 1e-3),
+            &curves(&nothing, 120, 1e-3),
+            0..1,
+            0.99,
+        );
+        assert_eq!((found.samples.value, found.remains), (None, None));
+    }
+}
