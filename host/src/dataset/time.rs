@@ -109,9 +109,8 @@ fn unit(column: &str) -> Option<Option<TimeUnit>> {
     let time = |word: &&str| WORDS.contains(word);
     let known =
         |word: &&str| time(word) || BESIDE.contains(word) || TimeUnit::of_word(word).is_some();
-    let is_time = words.iter().any(|word| time(&word))
-        || matches!(words[..], [word] if ALONE.contains(&word));
-    (is_time && words.iter().all(|word| known(&word)))
+    let is_time = words.iter().any(time) || matches!(words[..], [word] if ALONE.contains(&word));
+    (is_time && words.iter().all(known))
         .then(|| words.iter().find_map(|word| TimeUnit::of_word(word)))
 }
 
