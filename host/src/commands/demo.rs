@@ -83,7 +83,7 @@ impl Demo {
         self.write("summary.json", &output::to_json(&summary)?)?;
         let plots = self.draw(&bench, &aircraft, &comparison, &summary.paper)?;
         let text = format!(
-            "{}\n{}\n{}\n\nrecordings, models, comparison.json, summary.json and {plots} plots are in {}\nopen {} in a browser to look around\n",
+            "{}\n{}\nThe first is the bench, the second the aircraft.\n{}\n\nrecordings, models, comparison.json, summary.json and {plots} plots are in {}\nopen {} in a browser to look around\n",
             summary::table_of_comparison("bench", "aircraft", &comparison),
             paper::as_table(&summary.paper),
             summary::wrapped(&comparison.summary, 0),

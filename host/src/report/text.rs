@@ -73,9 +73,9 @@ pub(super) fn write_verdict(body: &mut String, page: &Page<'_>) -> Result {
     ];
     writeln!(
         body,
-        "<p class=\"verdict {class}\"><b>{class}</b> ({} against {}). {}</p>",
-        escape(names[1]),
+        "<p class=\"verdict {class}\"><b>{class}</b> (the first is {}, the second {}). {}</p>",
         escape(names[0]),
+        escape(names[1]),
         // A number and its unit stay on one line.
         escape(&found.summary)
             .replace(" %", "&nbsp;%")

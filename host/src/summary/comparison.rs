@@ -92,7 +92,9 @@ pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String,
                 1e3 * bounds.at_s
             ),
         ),
-        (format!("{b} is behind {a} by"), delay_shift(found)),
+    ];
+    facts.extend(delay_shift(a, b, found));
+    facts.extend([
         (
             "which means".to_owned(),
             found.delay_shift_definition.clone(),
@@ -112,7 +114,7 @@ pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String,
                 ),
             },
         ),
-    ];
+    ]);
     facts.extend(over_prediction(a, b, found));
     facts.extend(levels(a, b, found));
     facts.extend(asymmetry(a, b, found));
@@ -120,7 +122,7 @@ pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String,
 }
 
 /// The equivalent delay shift, stroke by stroke where they are taken apart.
-fn delay_shift(found: &Comparison) -> String {
+fn delay_shift(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
     let milliseconds = |value: Option<f64>, bounds: Option<[f64; 2]>| {
         let Some(value) = value else {
             return "nothing that could be told".to_owned();
@@ -131,22 +133,25 @@ fn delay_shift(found: &Comparison) -> String {
         );
         format!("{:+.2} ms{bounds}", 1e3 * value)
     };
-    let of = |curve: &DifferenceCurve| {
+    let of = |curve: &DifferenceCurve, way: &str| {
         let shift = &curve.delay_shift_s;
         let bounds = shift.lower.zip(shift.upper).map(<[f64; 2]>::from);
         let left = curve.shift_leaves_percent.map_or_else(String::new, |left| {
             format!(", which leaves up to {left:.1} % of the final value unexplained")
         });
-        milliseconds(shift.value, bounds) + &left
+        milliseconds(shift.value, bounds) + way + &left
     };
+    let name = format!("{b} is behind {a} by");
     match &found.curves[..] {
-        [up, down] => format!(
-            "up strokes {}; down strokes {}; both by one delay {}",
-            of(up),
-            of(down),
-            milliseconds(found.delay_shift_s, found.delay_shift_bounds_s)
-        ),
-        curves => curves.iter().map(of).collect(),
+        [up, down] => {
+            let both = milliseconds(found.delay_shift_s, found.delay_shift_bounds_s);
+            vec![
+                (name, of(up, " on the way up")),
+                (String::new(), of(down, " on the way down")),
+                (String::new(), format!("{both} by one delay for both")),
+            ]
+        }
+        curves => vec![(name, curves.iter().map(|curve| of(curve, "")).collect())],
     }
 }
 

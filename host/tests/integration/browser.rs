@@ -1,6 +1,7 @@
 //! The report in a real browser: everything is drawn, nothing complains, nothing asks for the network.
 //!
-//! Runs where there is a Chromium and says so where there is none. The page forbids itself all network
+//! Runs where there is a Chromium and says so where there is none; on Unix only, where the browser and all
+//! the processes that it starts are one group that ends with the test. The page forbids itself all network
 //! access (its Content-Security-Policy), so that a wish for it is an error in the browser's console.
 
 use crate::report::embedded;

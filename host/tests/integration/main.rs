@@ -1,5 +1,6 @@
 //! The program as a user meets it.
 
+#[cfg(unix)]
 mod browser;
 mod calibrate;
 mod capture;
