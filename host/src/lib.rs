@@ -14,7 +14,7 @@
 //! | [`mod@reference`] | what the servo is told, from degrees, seconds and Hertz                |
 //! | [`rig`]       | talks to a rig, and captures runs                                          |
 //! | [`setup`]     | a rig file for a new rig                                                   |
-//! | [`calibration`] | the sensor's scale from readings at known angles                         |
+//! | [`calibration`] | what a rig file says, measured: scales, neutral, ends of the travel       |
 //! | [`recording`] | recordings on disk, written as they come in and read as what they are      |
 //! | [`table`]     | any other CSV file                                                         |
 //! | [`timeline`]  | where the rows of such a file lie in time                                 |

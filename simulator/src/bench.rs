@@ -21,6 +21,7 @@ pub const BENCH: MotorParameters = MotorParameters {
     dead_band: 0.04,
     play: 0.04,
     latency: Duration::from_micros(21_500),
+    stops: None,
 };
 
 /// A bench servo under `conditions`.

@@ -30,6 +30,11 @@ pub struct Conditions {
     /// Gain of the angle sensor, relative to nominal. Above 0. The calibration that a rig is given
     /// is the nominal one.
     pub sensor_gain: f64,
+    /// Where the angle sensor reads what the calibration has for 0 degrees (deg).
+    pub sensor_zero: f64,
+    /// The angles at which the shaft meets its stops (deg), the lower one first, below and above 0; `None`
+    /// where it meets none.
+    pub stops: Option<(f64, f64)>,
     /// What the servo's clock adds to its latency.
     pub clock_phase: Duration,
     /// Angle of the propeller at time 0 (rad).
@@ -43,6 +48,8 @@ impl Default for Conditions {
             supply: 1.0,
             friction: 1.0,
             sensor_gain: 1.0,
+            sensor_zero: 0.0,
+            stops: None,
             clock_phase: Duration::ZERO,
             rotor_phase: 0.0,
         }
@@ -58,6 +65,7 @@ impl Conditions {
             no_load_speed: motor.no_load_speed * self.supply,
             friction: motor.friction * self.friction,
             latency: motor.latency + self.clock_phase,
+            stops: self.stops.or(motor.stops),
             ..motor
         }
     }

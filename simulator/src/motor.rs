@@ -12,6 +12,8 @@
 //!  output = play(θ)
 //! ```
 //!
+//! A stop takes all speed: θ stays there until the torque turns round.
+//!
 //! τs is the stall torque, ω0 the no-load speed; τc tanh(ω/ωs) is Coulomb friction, smoothed below
 //! ωs. Both τs and ω0 are proportional to the supply. The play lies between the gear train, where
 //! the loop measures, and the output, where the sensor sits.
@@ -57,6 +59,8 @@ pub struct MotorParameters {
     pub play: f64,
     /// From a pulse's rising edge to the loop's acting on it.
     pub latency: Duration,
+    /// The angles at which θ meets its stops (deg), the lower one first; `None` where it meets none.
+    pub stops: Option<(f64, f64)>,
 }
 
 /// Where the servo is.
@@ -138,13 +142,22 @@ impl MotorServo {
         });
         let torque = self.motor_torque(filtered_speed) - friction - load;
         let speed = s.speed + dt * torque / p.inertia;
-        let angle = s.angle + dt * speed;
+        let (angle, speed) = self.stopped(s.angle + dt * speed, speed);
         State {
             angle,
             speed,
             filtered_speed,
             output: self.after_play(angle),
         }
+    }
+
+    /// What is left of angle (rad) and speed at the stops.
+    fn stopped(&self, angle: f64, speed: f64) -> (f64, f64) {
+        let Some((low, high)) = self.parameters.stops else {
+            return (angle, speed);
+        };
+        let held = angle.clamp(low.to_radians(), high.to_radians());
+        (held, if held == angle { speed } else { 0.0 })
     }
 
     /// The output once the shaft before the play has come to `angle` (rad).
@@ -227,6 +240,25 @@ mod tests {
         servo.command(ms(1000), None);
         let left = servo.angle(ms(5000));
         assert!((left - reached).abs() < 0.01, "{reached} then {left}");
+    }
+
+    #[test]
+    fn a_stop_holds_the_shaft_and_lets_it_go_again() {
+        let parameters = MotorParameters {
+            stops: Some((-4.0, 3.0)),
+            ..BENCH
+        };
+        let mut servo = MotorServo::new(parameters, None);
+        let half_play = BENCH.play / 2.0;
+        for (second, us, rest) in [(0, 1550, 3.0), (1, 1400, -4.0), (2, 1500, 0.0)] {
+            servo.command(ms(1000 * second), Some(PulseWidth(us)));
+            let angle = servo.angle(ms(1000 * second + 900));
+            // Play and dead band at most.
+            assert!(
+                (angle - rest).abs() <= half_play + BENCH.dead_band + 1e-9,
+                "{angle}"
+            );
+        }
     }
 
     #[test]

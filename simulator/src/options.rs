@@ -61,6 +61,8 @@ pub enum LineSpeed {
 /// | `first-sample-us`   | 0-1999: from a pulse's edge to the first sample    | 500    | all             |
 /// | `clock-phase-ms`    | what the servo's own clock adds to its latency     | 0      | all             |
 /// | `sensor-gain`       | relative to the calibration                        | 1      | all             |
+/// | `sensor-zero-deg`   | angle at which the sensor reads what it should at 0 | 0     | all             |
+/// | `stops-deg`         | `LOW:HIGH`, angles below and above 0 at which the shaft meets its stops | none | bench, aircraft |
 /// | `supply`            | relative to nominal                                | 1      | bench, aircraft |
 /// | `friction`          | relative to nominal                                | 1      | bench, aircraft |
 /// | `rotor-phase-deg`   | angle of the propeller at the start                | 0      | aircraft        |
@@ -139,6 +141,9 @@ impl SimulationOptions {
             NOT_NEGATIVE,
         )?;
         require(positive(c.sensor_gain), "sensor-gain", POSITIVE)?;
+        require(c.sensor_zero.is_finite(), "sensor-zero-deg", NUMBER)?;
+        let are_stops = |(low, high): (f64, f64)| low < 0.0 && high > 0.0;
+        require(c.stops.is_none_or(are_stops), "stops-deg", STOPS)?;
         require(c.rotor_phase.is_finite(), "rotor-phase-deg", NUMBER)?;
         require(c.clock_phase <= LONGEST, "clock-phase-ms", MILLISECONDS)?;
         require(
@@ -165,11 +170,12 @@ const POSITIVE: &str = "a number above 0";
 const NOT_NEGATIVE: &str = "a number, 0 or above";
 const MILLISECONDS: &str = "milliseconds, from 0 to a million";
 const FIRST_SAMPLE: &str = "microseconds, from 0 to 1999";
+const STOPS: &str = "two angles with a colon between them, below and above 0, such as -30:25";
 const BAUD: &str = "bits per second, 10 or more, or unlimited";
 
 /// The keys, for the message about an unknown one.
 const KEYS: &str = "seed, realtime, noise, scatter, baud, fault, first-sample-us, clock-phase-ms, \
-    sensor-gain, supply, friction, rotor-phase-deg, gain, zeta, omega and delay-ms";
+    sensor-gain, sensor-zero-deg, stops-deg, supply, friction, rotor-phase-deg, gain, zeta, omega and delay-ms";
 
 /// Why options make no sense.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -34,7 +34,11 @@ impl Parts {
         };
         Ok(Self {
             servo,
-            sensor: HallSensor::new(conditions.sensor_gain, options.faults.clone()),
+            sensor: HallSensor::new(
+                conditions.sensor_gain,
+                conditions.sensor_zero,
+                options.faults.clone(),
+            ),
             noise: Noise::new(options.noise, options.seed),
         })
     }

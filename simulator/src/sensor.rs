@@ -118,14 +118,16 @@ impl FromStr for SensorFault {
 #[derive(Clone, Debug)]
 pub struct HallSensor {
     gain: f64,
+    zero: f64,
     faults: Vec<SensorFault>,
 }
 
 impl HallSensor {
-    /// A sensor with `gain` relative to [`SENSOR_SCALE`], which breaks as `faults` say.
+    /// A sensor with `gain` relative to [`SENSOR_SCALE`], which reads at `zero` (deg) what that has for 0
+    /// degrees, and breaks as `faults` say.
     #[must_use]
-    pub fn new(gain: f64, faults: Vec<SensorFault>) -> Self {
-        Self { gain, faults }
+    pub fn new(gain: f64, zero: f64, faults: Vec<SensorFault>) -> Self {
+        Self { gain, zero, faults }
     }
 
     /// The conversions of one sample of `angle` (deg) at `at`.
@@ -144,7 +146,8 @@ impl HallSensor {
                 FaultKind::Open => 0.0,
                 FaultKind::Short => 5.0,
             },
-            None => (MIDDLE + self.gain * angle * VOLTS_PER_DEGREE).clamp(LIMITS.0, LIMITS.1),
+            None => (MIDDLE + self.gain * (angle - self.zero) * VOLTS_PER_DEGREE)
+                .clamp(LIMITS.0, LIMITS.1),
         }
     }
 }
@@ -176,7 +179,7 @@ mod tests {
 
     #[test]
     fn without_noise_the_error_is_at_most_half_a_step() {
-        let sensor = HallSensor::new(1.0, Vec::new());
+        let sensor = HallSensor::new(1.0, 0.0, Vec::new());
         let step = 5.0 / 4096.0 / (4.0 / 120.0);
         let mut worst = 0f64;
         for k in -59_000..=59_000 {
@@ -193,7 +196,7 @@ mod tests {
 
     #[test]
     fn the_noise_of_conversions_dithers_the_adc() {
-        let sensor = HallSensor::new(1.0, Vec::new());
+        let sensor = HallSensor::new(1.0, 0.0, Vec::new());
         let mut noise = Noise::new(NoiseKind::White, 5);
         // Half-way between two steps, where a quiet ADC errs most.
         let angle = 0.5 * 5.0 / 4096.0 / (4.0 / 120.0);
@@ -218,7 +221,7 @@ mod tests {
     fn it_saturates_and_breaks_where_it_should() {
         let sample = |faults: &[&str], angle| {
             let faults = faults.iter().map(|text| text.parse().unwrap()).collect();
-            sample(&HallSensor::new(1.0, faults), angle, &QUIET)
+            sample(&HallSensor::new(1.0, 0.0, faults), angle, &QUIET)
         };
         assert!((degrees(sample(&[], 90.0)) - 60.0).abs() < 0.02);
         assert!((degrees(sample(&[], -90.0)) + 60.0).abs() < 0.02);

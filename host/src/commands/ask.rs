@@ -1,10 +1,11 @@
 //! Questions at a terminal, of which each may have been answered by an option.
 
 use super::wrong_usage;
+use crate::output;
 use crate::setup::Checked;
 use anyhow::{Context, Result, bail};
 use dialoguer::theme::{ColorfulTheme, SimpleTheme, Theme};
-use dialoguer::{Input, Select};
+use dialoguer::{Confirm, Input, Select};
 use std::fmt::Display;
 use std::io::IsTerminal;
 use std::str::FromStr;
@@ -99,6 +100,34 @@ impl Asker {
 
 /// Why there is no answer, if not for a wrong one.
 const NO_ANSWER: &str = "the question was not answered";
+
+/// Yes or no, at a terminal.
+pub(super) fn confirm(words: &str) -> Result<bool> {
+    Confirm::with_theme(theme().as_ref())
+        .with_prompt(words)
+        .default(true)
+        .interact()
+        .context(NO_ANSWER)
+}
+
+/// What `read` makes of a line that is typed; one of which it makes nothing is asked for again, with the
+/// sentence that it has. `None` when nothing more can be typed.
+///
+/// The terminal itself edits the line, so that a program that is told to end while somebody thinks leaves
+/// no terminal in another mode behind.
+pub(super) fn line<T>(words: &str, read: impl Fn(&str) -> Result<T, String>) -> Option<T> {
+    loop {
+        output::tell(words);
+        let mut text = String::new();
+        if std::io::stdin().read_line(&mut text).ok()? == 0 {
+            return None;
+        }
+        match read(text.trim()) {
+            Ok(value) => return Some(value),
+            Err(sentence) => output::tell(sentence),
+        }
+    }
+}
 
 /// Colours where the terminal has them and the user wants them.
 fn theme() -> Box<dyn Theme> {

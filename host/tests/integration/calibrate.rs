@@ -1,4 +1,4 @@
-//! The sensor's scale from readings at known angles.
+//! The sensor's scale, the servo's, and the ends of its travel.
 
 use crate::support::{arg, refusal, run};
 use servoid::rig::RigFile;
@@ -20,7 +20,7 @@ fn a_calibration_goes_into_the_rig_file_and_leaves_the_rest() {
         "--json",
     ];
     let found: serde_json::Value = serde_json::from_str(&run(&args)).unwrap();
-    assert_eq!(found["readings"], 5);
+    assert_eq!(found["sensor"]["readings"], 5);
     let rig = RigFile::read(&new).unwrap();
     assert_eq!(rig.servo.neutral_us, 1520);
     // The readings are within a count of 100 counts a degree and 8000 at 0.
@@ -44,5 +44,157 @@ fn readings_that_give_no_scale_are_refused_and_nothing_is_written() {
         let said = refusal(&["calibrate", pairs, "-o", arg(&out)]);
         assert!(said.contains(word), "{pairs}: {said}");
         assert!(!out.exists());
+    }
+}
+
+#[test]
+fn a_rig_is_calibrated_and_its_file_has_the_result() {
+    let dir = tempfile::tempdir().unwrap();
+    let rig = dir.path().join("rig.toml");
+    // The sensor is 3 % steeper than its data sheet, and the servo stops at 26.5 degrees.
+    let port = "sim:bench?sensor-gain=1.03&stops-deg=-80:26.5";
+    run(&["init", "--yes", "--port", port, "-o", arg(&rig)]);
+    let before = std::fs::read_to_string(&rig).unwrap();
+    let args = [
+        "calibrate",
+        "--rig",
+        arg(&rig),
+        "--pulses=1300,1400,1500,1600,1700",
+        "--angles=-20,-10,0,10,20",
+        "--json",
+        "-q",
+    ];
+    let found: serde_json::Value = serde_json::from_str(&run(&args)).unwrap();
+    assert_eq!(found["travel"]["long_end"]["kind"], "stops");
+    let at = &found["travel"]["long_end"]["at_us"];
+    assert!((at["value"].as_f64().unwrap() - 1765.0).abs() < 5.0, "{at}");
+    assert_eq!(found["travel"]["short_end"]["kind"], "not_within");
+    // Nothing is written unasked.
+    assert_eq!(before, std::fs::read_to_string(&rig).unwrap());
+
+    run(&[&args[..], &["--update"]].concat());
+    let text = std::fs::read_to_string(&rig).unwrap();
+    assert!(text.contains("# Calibrated: 5 readings"), "{text}");
+    for line in before.lines().filter(|line| line.starts_with('#')) {
+        assert!(text.contains(line), "{line} is gone: {text}");
+    }
+    let file = RigFile::read(&rig).unwrap();
+    let nominal = RigFile::default().sensor.degrees_per_count;
+    // Dead band and play leave the shaft up to 0.06 degrees from the angles that were given.
+    let ratio = file.sensor.degrees_per_count * 1.03 / nominal;
+    assert!((ratio - 1.0).abs() < 0.005, "{ratio}");
+    assert!((file.servo.us_per_degree - 10.0).abs() < 0.05);
+    assert!(file.sensor.scale_sd_percent > 0.0 && file.sensor.scale_sd_percent < 1.0);
+}
+
+#[test]
+fn angles_that_are_assumed_are_labelled() {
+    let dir = tempfile::tempdir().unwrap();
+    let rig = dir.path().join("rig.toml");
+    let said = run(&[
+        "calibrate",
+        "--port",
+        "sim:linear",
+        "--by-servo",
+        "-o",
+        arg(&rig),
+    ]);
+    assert!(said.contains("assumed, not measured"), "{said}");
+    let text = std::fs::read_to_string(&rig).unwrap();
+    assert!(text.contains("assumed, not measured"), "{text}");
+    assert!(!text.contains("us_per_degree"), "it was assumed: {text}");
+    assert!(RigFile::read(&rig).unwrap().sensor.scale_sd_percent > 5.0);
+}
+
+#[test]
+fn a_rig_that_cannot_be_calibrated_is_told_in_a_sentence() {
+    for (options, word) in [
+        (&["--port", "sim:bench"][..], "--angles"),
+        (&["--by-servo"], "--port"),
+        (
+            &[
+                "--port",
+                "/dev/none",
+                "--condition",
+                "aircraft",
+                "--by-servo",
+            ],
+            "--arm",
+        ),
+        (&["--port", "sim:bench", "--angles=1,2"], "5 positions"),
+        (
+            &[
+                "--port",
+                "sim:bench",
+                "--by-servo",
+                "--pulses=900,1500,2000",
+            ],
+            "900 µs",
+        ),
+        (
+            &["--port", "sim:linear?gain=0", "--travel-only"],
+            "does not follow",
+        ),
+        (
+            &["--port", "sim:bench?fault=open@1", "--by-servo"],
+            "sensor",
+        ),
+    ] {
+        let said = refusal(&[&["calibrate"], options].concat());
+        assert!(said.contains(word), "{options:?}: {said}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+mod at_a_terminal {
+    use super::{RigFile, arg, run};
+    use crate::terminal::Session;
+
+    fn begin(rig: &std::path::Path, port: &str) -> Session {
+        run(&["init", "--yes", "--port", port, "-o", arg(rig)]);
+        let mut session = Session::begin(&["calibrate", "--rig", arg(rig)]);
+        session.wait_for("no question", |seen| seen.contains("May it move"));
+        session.press("y");
+        session
+    }
+
+    #[test]
+    fn angles_are_asked_for_while_the_servo_holds_and_the_file_gets_the_result() {
+        let dir = tempfile::tempdir().unwrap();
+        let rig = dir.path().join("rig.toml");
+        let mut session = begin(&rig, "sim:bench?sensor-gain=0.9");
+        session.answer("position 1 of 5, 1100 µs", "-40");
+        session.answer("position 2 of 5", "twenty");
+        session.answer("a number of degrees", "-20");
+        session.answer("position 3 of 5", "");
+        session.answer("position 4 of 5", "20,0");
+        session.answer("position 5 of 5", "40");
+        session.wait_for("no result", |seen| seen.contains("Put this into"));
+        session.press("y");
+        assert!(session.end().success(), "{}", session.seen());
+        let sensor = RigFile::read(&rig).unwrap().sensor;
+        let nominal = RigFile::default().sensor.degrees_per_count;
+        // Dead band and play: 0.06 of 40 degrees.
+        let ratio = sensor.degrees_per_count * 0.9 / nominal;
+        assert!((ratio - 1.0).abs() < 0.005, "{ratio}");
+        assert!(session.is_as_before());
+    }
+
+    /// At real pace, as on a board: the run is followed while somebody thinks.
+    #[test]
+    fn ctrl_c_keeps_what_has_been_read_and_changes_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let rig = dir.path().join("rig.toml");
+        let mut session = begin(&rig, "sim:bench?realtime");
+        let before = std::fs::read_to_string(&rig).unwrap();
+        session.answer("position 1 of 5", "-40");
+        session.wait_for("no question", |seen| seen.contains("position 2 of 5"));
+        session.press("\x03");
+        assert!(!session.end().success());
+        session.wait_for("what has been read is lost", |seen| {
+            seen.contains("--pairs=-40=")
+        });
+        assert_eq!(before, std::fs::read_to_string(&rig).unwrap());
+        assert!(session.is_as_before());
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     BAUD, FIRST_SAMPLE, LineSpeed, MILLISECONDS, NOT_NEGATIVE, NUMBER, OptionsError, POSITIVE,
-    ServoKind, SimulationOptions,
+    STOPS, ServoKind, SimulationOptions,
 };
 use crate::conditions::Scatter;
 use crate::linear::LinearParameters;
@@ -98,6 +98,10 @@ impl SimulationOptions {
             ("first-sample-us", _) => self.first_sample_us = setting.parse(FIRST_SAMPLE)?,
             ("clock-phase-ms", _) => self.conditions.clock_phase = setting.milliseconds()?,
             ("sensor-gain", _) => self.conditions.sensor_gain = setting.parse(POSITIVE)?,
+            ("sensor-zero-deg", _) => self.conditions.sensor_zero = setting.parse(NUMBER)?,
+            ("stops-deg", ServoKind::Bench | ServoKind::Aircraft) => {
+                self.conditions.stops = Some(setting.read(STOPS, stops)?);
+            }
             ("supply", ServoKind::Bench | ServoKind::Aircraft) => {
                 self.conditions.supply = setting.parse(POSITIVE)?;
             }
@@ -112,7 +116,8 @@ impl SimulationOptions {
             ("omega", ServoKind::Linear(p)) => p.natural_frequency = setting.parse(POSITIVE)?,
             ("delay-ms", ServoKind::Linear(p)) => p.delay = setting.milliseconds()?,
             (
-                "supply" | "friction" | "rotor-phase-deg" | "gain" | "zeta" | "omega" | "delay-ms",
+                "stops-deg" | "supply" | "friction" | "rotor-phase-deg" | "gain" | "zeta" | "omega"
+                | "delay-ms",
                 servo,
             ) => {
                 return Err(OptionsError::NotForThisServo {
@@ -151,6 +156,11 @@ fn scatter(text: &str) -> Option<Scatter> {
     Some(scatter)
 }
 
+fn stops(text: &str) -> Option<(f64, f64)> {
+    let (low, high) = text.split_once(':')?;
+    Some((low.parse().ok()?, high.parse().ok()?))
+}
+
 fn line_speed(text: &str) -> Option<LineSpeed> {
     match text {
         "unlimited" => Some(LineSpeed::Unlimited),
@@ -179,6 +189,7 @@ mod tests {
         assert_eq!(parse("bench?"), Ok(bench));
         let all = "aircraft?seed=18446744073709551615&realtime&noise=white&scatter=clock,rotor\
             &baud=9600&fault=short@3.5,open@4-4.5&first-sample-us=700&clock-phase-ms=1.25&sensor-gain=1.01\
+            &sensor-zero-deg=-0.5&stops-deg=-30:25\
             &supply=0.9&friction=1.2&rotor-phase-deg=180";
         let expected = SimulationOptions {
             seed: u64::MAX,
@@ -196,6 +207,8 @@ mod tests {
                 supply: 0.9,
                 friction: 1.2,
                 sensor_gain: 1.01,
+                sensor_zero: -0.5,
+                stops: Some((-30.0, 25.0)),
                 clock_phase: Duration::from_micros(1250),
                 rotor_phase: std::f64::consts::PI,
             },

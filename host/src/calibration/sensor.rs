@@ -9,13 +9,13 @@ use servoid_identification::band::{pointwise_critical, student_critical};
 
 /// Variance that readings have at least, however straight their line (counts²): a count is the sum of
 /// four conversions, each rounded to a whole number, which errs by 1/12 (uniform).
-const ROUNDING: f64 = 4.0 / 12.0;
+pub(super) const ROUNDING: f64 = 4.0 / 12.0;
 
 /// Confidence of the intervals.
 pub const LEVEL: f64 = 0.99;
 
 /// A reading at a known angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Reading {
     /// The angle (deg).
     pub angle_deg: f64,
@@ -130,38 +130,15 @@ impl Calibration {
         })
     }
 
-    /// Puts what was found into the section `[sensor]` of a rig file's text; everything else, comments
-    /// included, stays as it is.
-    ///
-    /// # Errors
-    /// One sentence, where the text is no TOML.
-    pub fn put_into(&self, rig_file: &str) -> Result<String, String> {
-        let mut document: toml_edit::DocumentMut = rig_file
-            .parse()
-            .map_err(|_| "the rig file is no TOML".to_owned())?;
-        let sensor = document
-            .entry("sensor")
-            .or_insert_with(toml_edit::table)
-            .as_table_like_mut()
-            .ok_or("'sensor' in the rig file is no table")?;
-        for (key, number) in [
-            ("zero_counts", self.zero_counts),
-            ("degrees_per_count", self.degrees_per_count),
-            ("zero_sd_deg", self.zero_sd_deg),
-            ("scale_sd_percent", self.scale_sd_percent),
-        ] {
-            let mut value = toml_edit::Value::from(number);
-            match sensor.get_mut(key) {
-                Some(toml_edit::Item::Value(old)) => {
-                    *value.decor_mut() = old.decor().clone();
-                    *old = value;
-                }
-                _ => {
-                    sensor.insert(key, toml_edit::Item::Value(value));
-                }
-            }
-        }
-        Ok(document.to_string())
+    /// The same scale where all angles may be wrong by one factor, whose standard deviation is `percent`:
+    /// that makes no scatter, and the scale is no better known than the factor is.
+    #[must_use]
+    pub fn with_doubtful_angles(mut self, percent: f64) -> Self {
+        let normal = pointwise_critical(LEVEL);
+        self.scale_sd_percent = self.scale_sd_percent.hypot(percent);
+        let half = (self.degrees_per_count * normal * self.scale_sd_percent / 100.0).abs();
+        self.degrees_per_count_interval = [-half, half].map(|half| self.degrees_per_count + half);
+        self
     }
 }
 
@@ -225,19 +202,5 @@ mod tests {
         let twice = [two, two].concat();
         let error = Calibration::fit(&twice).unwrap_err();
         assert_eq!(error, CalibrationError::TooFewAngles(2));
-    }
-
-    #[test]
-    fn comments_and_other_keys_stay() {
-        let found = Calibration::fit(&readings(|a| 8000.0 + 100.0 * a)).unwrap();
-        let before =
-            "# mine\nport = \"x\"\n[sensor]\nname = \"H\" # new\nzero_counts = 1.0 # here\n";
-        let after = found.put_into(before).unwrap();
-        for kept in ["# mine", "port = \"x\"", "name = \"H\" # new", " # here"] {
-            assert!(after.contains(kept), "{after}");
-        }
-        let rig = crate::rig::RigFile::parse(&after, "rig.toml".as_ref()).unwrap();
-        assert_eq!(rig.sensor.zero_counts, found.zero_counts);
-        assert_eq!(rig.sensor.scale_sd_percent, found.scale_sd_percent);
     }
 }

@@ -1,0 +1,211 @@
+//! A line that may break at a knee on each side, by least squares.
+
+use super::least_squares::{Solution, least_squares};
+
+/// One side of neutral.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    /// Shorter pulses.
+    Low,
+    /// Longer pulses.
+    High,
+}
+
+impl Side {
+    /// The offset of the pulse farthest out on this side (µs).
+    pub(super) fn outermost(self, points: &[(f64, f64)]) -> f64 {
+        let offsets = points.iter().map(|point| point.0);
+        match self {
+            Self::Low => offsets.fold(0.0, f64::min),
+            Self::High => offsets.fold(0.0, f64::max),
+        }
+    }
+
+    fn is_beyond(self, offset: f64, knee: f64) -> bool {
+        match self {
+            Self::Low => offset < knee,
+            Self::High => offset > knee,
+        }
+    }
+}
+
+/// Where the line breaks: offsets from neutral (µs).
+#[derive(Clone, Copy, Debug)]
+struct Knees {
+    low: f64,
+    high: f64,
+}
+
+impl Knees {
+    fn with(self, side: Side, at: f64) -> Self {
+        match side {
+            Side::Low => Self { low: at, ..self },
+            Side::High => Self { high: at, ..self },
+        }
+    }
+
+    fn at(self, side: Side) -> f64 {
+        match side {
+            Side::Low => self.low,
+            Side::High => self.high,
+        }
+    }
+
+    /// counts = zero + slope · clamp(x) + slope_low · min(x - low, 0) + slope_high · max(x - high, 0).
+    fn fit(self, points: &[(f64, f64)]) -> Option<Solution> {
+        let column = |of: &dyn Fn(f64) -> f64| points.iter().map(|point| of(point.0)).collect();
+        let columns: [Vec<f64>; 4] = [
+            column(&|_| 1.0),
+            column(&|x| x.clamp(self.low, self.high)),
+            column(&|x| (x - self.low).min(0.0)),
+            column(&|x| (x - self.high).max(0.0)),
+        ];
+        least_squares(&columns, points.iter().map(|point| point.1))
+    }
+}
+
+/// The column of the slope in [`Knees::fit`].
+const SLOPE: usize = 1;
+
+impl Side {
+    fn column(self) -> usize {
+        match self {
+            Self::Low => 2,
+            Self::High => 3,
+        }
+    }
+}
+
+/// Numbers that are fitted: four coefficients and two knees.
+const FITTED: f64 = 6.0;
+
+/// Knees are looked for in steps of so much (µs).
+const GRID_US: f64 = 0.25;
+
+/// A fitted line.
+#[derive(Clone, Debug)]
+pub(super) struct Line {
+    /// At neutral (counts).
+    pub zero: f64,
+    /// Counts for a microsecond, between the knees.
+    pub slope: f64,
+    /// Standard error of `zero`, the knees given (counts).
+    pub zero_se: f64,
+    /// Standard error of `slope`, the knees given.
+    pub slope_se: f64,
+    /// Standard deviation of a reading around the line (counts).
+    sigma: f64,
+    /// Readings less the numbers that are fitted.
+    pub degrees_of_freedom: f64,
+    /// The reading farthest from the line (counts).
+    pub largest_residual: f64,
+    knees: Knees,
+}
+
+/// Where a line breaks, and what comes then.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Knee {
+    /// Offset from neutral (µs).
+    pub at: f64,
+    /// Its interval (µs).
+    pub interval: [f64; 2],
+    /// The slope beyond it, as a part of the slope before it, at its smallest and largest: over all places
+    /// in the interval.
+    pub gain: [f64; 2],
+    /// The mean of the readings beyond it (counts), and half the width of its interval.
+    pub beyond: [f64; 2],
+}
+
+impl Line {
+    /// The line through `points`, offsets from neutral (µs) and counts; `None` where there are too few of
+    /// them, or too few pulses, to judge by.
+    pub(super) fn through(points: &[(f64, f64)]) -> Option<Self> {
+        let mut knees = Knees {
+            low: Side::Low.outermost(points),
+            high: Side::High.outermost(points),
+        };
+        // Each side's best knee depends but slightly on the other one's.
+        for side in [Side::High, Side::Low, Side::High, Side::Low] {
+            let squares = |at: &f64| knees.with(side, *at).fit(points).map(|fit| fit.squares);
+            let judged = places(points, side).filter_map(|at| Some((at, squares(&at)?)));
+            let (best, _) = judged.min_by(|a, b| a.1.total_cmp(&b.1))?;
+            knees = knees.with(side, best);
+        }
+        let degrees_of_freedom = points.len() as f64 - FITTED;
+        if degrees_of_freedom < FITTED {
+            return None;
+        }
+        let fit = knees.fit(points)?;
+        // However straight the line, what is read is rounded.
+        let variance = (fit.squares / degrees_of_freedom).max(super::sensor::ROUNDING);
+        let [zero, slope, ..] = fit.coefficients;
+        let [zero_variance, slope_variance, ..] = fit.variances;
+        Some(Self {
+            zero,
+            slope,
+            zero_se: (variance * zero_variance).sqrt(),
+            slope_se: (variance * slope_variance).sqrt(),
+            sigma: variance.sqrt(),
+            degrees_of_freedom,
+            largest_residual: fit.largest_residual,
+            knees,
+        })
+    }
+
+    /// Counts at an offset between the knees (µs).
+    pub(super) fn at(&self, offset: f64) -> f64 {
+        self.zero + self.slope * offset
+    }
+
+    /// The knee of one side, if the line without it is worse by more than scatter explains: F(2, ν), for it
+    /// has a place and a slope. `t` is Student's t for the level that is wanted, whose square is F(1, ν).
+    pub(super) fn knee(
+        &self,
+        points: &[(f64, f64)],
+        side: Side,
+        level: f64,
+        t: f64,
+    ) -> Option<Knee> {
+        let fit = |at: f64| self.knees.with(side, at).fit(points);
+        let at = self.knees.at(side);
+        let least = fit(at)?.squares;
+        let half = self.degrees_of_freedom / 2.0;
+        // The quantile of F(2, ν) has a closed form: ν/2 (α^(-2/ν) - 1).
+        let quantile = half * ((1.0 - level).powf(-1.0 / half) - 1.0);
+        let unexplained = 2.0 * quantile * self.sigma.powi(2);
+        if fit(side.outermost(points))?.squares <= least + unexplained {
+            return None;
+        }
+        let bound = least + (t * self.sigma).powi(2);
+        let (mut interval, mut gain) = ([at; 2], [f64::INFINITY, f64::NEG_INFINITY]);
+        for place in places(points, side) {
+            let Some(fit) = fit(place).filter(|fit| fit.squares <= bound) else {
+                continue;
+            };
+            interval = [interval[0].min(place), interval[1].max(place)];
+            let slope = fit.coefficients[SLOPE];
+            let ratio = fit.coefficients[side.column()] / slope;
+            let half = t * self.sigma * fit.variances[side.column()].sqrt() / slope.abs();
+            gain = [gain[0].min(ratio - half), gain[1].max(ratio + half)];
+        }
+        let beyond = || points.iter().filter(|point| side.is_beyond(point.0, at));
+        let count = beyond().count().max(1) as f64;
+        let mean = beyond().map(|point| point.1).sum::<f64>() / count;
+        Some(Knee {
+            at,
+            interval,
+            gain,
+            beyond: [mean, t * self.sigma / count.sqrt()],
+        })
+    }
+}
+
+/// Where a knee may be: from the first level out, for a line needs two.
+fn places(points: &[(f64, f64)], side: Side) -> impl Iterator<Item = f64> {
+    let outermost = side.outermost(points).abs();
+    let levels = points.iter().filter(|point| side.is_beyond(point.0, 0.0));
+    let first = levels.map(|point| point.0.abs()).fold(outermost, f64::min);
+    let sign = if side == Side::Low { -1.0 } else { 1.0 };
+    let steps = ((outermost - first) / GRID_US) as u32;
+    (0..=steps).map(move |step| sign * (outermost - f64::from(step) * GRID_US))
+}

@@ -1,0 +1,98 @@
+//! Puts what was found into the text of a rig file, which otherwise stays as it is.
+
+use super::{Calibration, Estimate, LEVEL};
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+
+/// What was found.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Found<'a> {
+    /// The sensor's scale, and a remark of one line on how it was found.
+    pub sensor: Option<(&'a Calibration, &'a str)>,
+    /// Change of the pulse for one degree (µs/deg).
+    pub us_per_degree: Option<Estimate>,
+}
+
+/// How the remark on the sensor's scale begins: one that is there already is replaced.
+const REMARK: &str = "# Calibrated: ";
+
+/// Puts what was found into the sections `[sensor]` and `[servo]`; everything else, comments included,
+/// stays as it is.
+///
+/// ```
+/// use servoid::calibration::{Calibration, Found, Reading, put_into};
+/// let readings = [(-20.0, 6008.0), (0.0, 8192.0), (20.0, 10377.0)]
+///     .map(|(angle_deg, counts)| Reading { angle_deg, counts });
+/// let sensor = Calibration::fit(&readings)?;
+/// let found = Found { sensor: Some((&sensor, "3 readings")), ..Found::default() };
+/// let text = put_into("[sensor]\nname = \"H\"  # the new one\n", &found)?;
+/// assert!(text.contains("# the new one") && text.contains("# Calibrated: 3 readings"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// One sentence, where the text is no TOML, or has a section that is none.
+pub fn put_into(rig_file: &str, found: &Found<'_>) -> Result<String, String> {
+    let mut document: DocumentMut = rig_file
+        .parse()
+        .map_err(|_| "the rig file is no TOML".to_owned())?;
+    if let Some(estimate) = &found.us_per_degree {
+        let Estimate {
+            value,
+            lower,
+            upper,
+        } = estimate;
+        let level = 100.0 * LEVEL;
+        let servo = section(&mut document, "servo")?;
+        let remark = format!("  # {lower:.4} to {upper:.4} with {level} % confidence");
+        set(servo, "us_per_degree", *value, &remark);
+    }
+    if let Some((sensor, remark)) = found.sensor {
+        let table = section(&mut document, "sensor")?;
+        for (key, number) in [
+            ("zero_counts", sensor.zero_counts),
+            ("degrees_per_count", sensor.degrees_per_count),
+            ("zero_sd_deg", sensor.zero_sd_deg),
+            ("scale_sd_percent", sensor.scale_sd_percent),
+        ] {
+            set(table, key, number, "");
+        }
+        explain(table, "zero_counts", remark);
+    }
+    Ok(document.to_string())
+}
+
+fn section<'d>(document: &'d mut DocumentMut, name: &str) -> Result<&'d mut dyn TableLike, String> {
+    document
+        .entry(name)
+        .or_insert_with(toml_edit::table)
+        .as_table_like_mut()
+        .ok_or_else(|| format!("'{name}' in the rig file is no table"))
+}
+
+/// Sets a number; what stands behind an old one stays, and `remark` is put behind a new one.
+fn set(table: &mut dyn TableLike, key: &str, number: f64, remark: &str) {
+    let mut value = Value::from(number);
+    match table.get_mut(key) {
+        Some(Item::Value(old)) => {
+            *value.decor_mut() = old.decor().clone();
+            *old = value;
+        }
+        _ => {
+            value.decor_mut().set_suffix(remark);
+            table.insert(key, Item::Value(value));
+        }
+    }
+}
+
+/// Puts a comment above a key, in the place of an earlier one of this kind.
+fn explain(table: &mut dyn TableLike, key: &str, remark: &str) {
+    let Some(mut key) = table.key_mut(key) else {
+        return;
+    };
+    let decor = key.leaf_decor_mut();
+    let before = decor.prefix().and_then(|prefix| prefix.as_str());
+    let mut lines: Vec<&str> = before.unwrap_or_default().lines().collect();
+    lines.retain(|line| !line.starts_with(REMARK));
+    let kept: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    decor.set_prefix(format!("{kept}{REMARK}{remark}\n"));
+}

@@ -1,0 +1,101 @@
+//! Angles that somebody reads on a protractor while the servo holds its position.
+
+use crate::calibration::{Mover, Reading, Rest};
+use crate::commands::ask;
+use anyhow::{Context, Result};
+use std::cell::{Cell, RefCell};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::Duration;
+
+/// A simulated rig waits for an answer, and looks so often whether the program is to end.
+const PATIENCE: Duration = Duration::from_millis(100);
+
+/// Goes to each position and asks for the angle there. An empty answer leaves the position out.
+pub(super) fn read(mover: &mut Mover<'_>, pulses: &[u16]) -> Result<(Vec<Reading>, Vec<Rest>)> {
+    let (mut readings, mut rests) = (Vec::new(), Vec::new());
+    for (number, &pulse_us) in pulses.iter().enumerate() {
+        let position = format!("position {} of {}", number + 1, pulses.len());
+        let (rest, angle) =
+            read_one(mover, pulse_us, &position).with_context(|| so_far(&readings))?;
+        if let Some(angle_deg) = angle {
+            readings.push(Reading {
+                angle_deg,
+                counts: rest.counts,
+            });
+            rests.push(rest);
+        }
+    }
+    Ok((readings, rests))
+}
+
+/// What has been read is worth keeping when the rest cannot be.
+fn so_far(readings: &[Reading]) -> String {
+    if readings.is_empty() {
+        return "no position has been read".to_owned();
+    }
+    let pairs = readings
+        .iter()
+        .map(|r| format!("{}={:.1}", r.angle_deg, r.counts));
+    let pairs: Vec<String> = pairs.collect();
+    format!(
+        "the positions that have been read are --pairs={}",
+        pairs.join(",")
+    )
+}
+
+fn read_one(
+    mover: &mut Mover<'_>,
+    pulse_us: u16,
+    position: &str,
+) -> Result<(Rest, Option<f64>), crate::calibration::MoveError> {
+    let waits = mover.is_paced_by_reader();
+    let asked: RefCell<Option<Receiver<Option<f64>>>> = RefCell::new(None);
+    let answer: Cell<Option<Option<f64>>> = Cell::new(None);
+    let done = |rest: &Rest| {
+        if answer.get().is_some() {
+            return true;
+        }
+        let mut asked = asked.borrow_mut();
+        let receiver = asked.get_or_insert_with(|| ask_beside(question(rest, position)));
+        let patience = if waits { PATIENCE } else { Duration::ZERO };
+        match receiver.recv_timeout(patience) {
+            Ok(angle) => answer.set(Some(angle)),
+            // Nothing more can be typed.
+            Err(RecvTimeoutError::Disconnected) => answer.set(Some(None)),
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+        answer.get().is_some()
+    };
+    let rest = mover.hold(pulse_us, &done)?;
+    Ok((rest, answer.get().flatten()))
+}
+
+fn question(rest: &Rest, position: &str) -> String {
+    format!(
+        "{position}, {} µs: {:.1} counts (standard deviation {:.1}). Angle on the protractor (degrees, empty to leave it out)?",
+        rest.pulse_us, rest.counts, rest.sd_counts
+    )
+}
+
+/// Asks in a thread of its own: whoever follows the run must not wait for a person.
+fn ask_beside(words: String) -> Receiver<Option<f64>> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        if let Some(angle) = ask::line(&words, angle) {
+            // Nobody waits any more where the run has ended.
+            let _gone = sender.send(angle);
+        }
+    });
+    receiver
+}
+
+fn angle(text: &str) -> Result<Option<f64>, String> {
+    if text.is_empty() {
+        return Ok(None);
+    }
+    let number = text.replace(',', ".").parse::<f64>().ok();
+    number
+        .filter(|angle| (-360.0..=360.0).contains(angle))
+        .map(Some)
+        .ok_or_else(|| "a number of degrees from -360 to 360 is needed, such as -20.5".to_owned())
+}
