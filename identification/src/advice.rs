@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::explanation::Explanation;
 use crate::gls::MAX_AUTO_ORDER;
 use crate::identify::WELL_CONDITIONED;
+use crate::linearity::{self, Linearity};
 use crate::model::{Model, SelectedBy};
-use crate::model_error::{DISAGREEMENT, TOLERATED};
+use crate::model_error::{DISAGREEMENT, ModelErrors, SEEN, Sign, TOLERATED, UNEXPLAINED};
 use crate::noise::largest_root;
 use crate::normal::Path;
 use crate::options::{Frequencies, NoiseOrder, Options};
@@ -81,6 +82,7 @@ const LARGE_SHARE: f64 = 0.25;
 pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
     [
         model_error(evidence),
+        not_linear(evidence),
         excitation(evidence),
         figures(evidence),
         settled(evidence),
@@ -204,13 +206,24 @@ fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     } else {
         20
     };
-    let low_passed = evidence.options.frequencies == Frequencies::Auto;
-    let (finding, remedy) = if low_passed {
+    let automatic = evidence.options.frequencies == Frequencies::Auto;
+    let errors = evidence.explanation.model_errors.as_ref();
+    // The choice for prediction leaves out what does not help it, whether the input has it or not.
+    let low_passed = errors.is_none_or(|errors| errors.untold_from_hz.is_some());
+    let (finding, remedy) = if automatic && !low_passed {
+        (
+            format!(
+                "The {} frequencies that predict best reach up to {highest:.1} Hz only",
+                model.structure.frequencies
+            ),
+            "Nothing needs to be done for prediction; ask for more frequencies to look at detail.",
+        )
+    } else if automatic {
         (
             format!(
                 "The input has too little power above {highest:.1} Hz to tell the response there"
             ),
-            "Use a reference with sharp edges, without a filter before the servo.".to_owned(),
+            "Use a reference with sharp edges, without a filter before the servo.",
         )
     } else {
         (
@@ -218,7 +231,7 @@ fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
                 "The {} frequencies reach up to {highest:.1} Hz only",
                 model.structure.frequencies
             ),
-            "Take more frequencies, or leave their number to the automatic choice.".to_owned(),
+            "Take more frequencies, or leave their number to the automatic choice.",
         )
     };
     Some(Advice::new(
@@ -357,7 +370,6 @@ pub const MODEL_ERROR: &str = "model_error";
 fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     let errors = evidence.explanation.model_errors.as_ref()?;
     let level = 100.0 * evidence.options.level;
-    let (plain, generalised) = (errors.least_squares_percent, errors.generalised_percent);
     let taken = if evidence.model.structure.noise_order == 0 {
         "plain"
     } else {
@@ -368,18 +380,80 @@ fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         Some(_) => " The input is too smooth to tell whether the servo or the input is the reason.",
         None => "",
     };
+    let (sign, value, threshold) = sign_in_words(errors);
     Some(Advice::new(
         MODEL_ERROR,
         format!(
-            "What the model cannot explain is not noise: generalised least squares simulates the \
-             record to {generalised:.1} %, plain least squares to {plain:.1} %. The bounds are not \
-             {level} % bounds of anything. The structure was chosen by how well it predicts parts \
-             not seen, and {taken} least squares was taken.{smooth}"
+            "What the model cannot explain is not noise: {sign}. The bounds are not {level} % bounds of \
+             anything. The structure was chosen by how well it predicts parts not seen, and {taken} \
+             least squares was taken.{smooth}"
         ),
-        plain - generalised,
-        TOLERATED,
-        "Record longer holds, smaller steps and lower frequencies; use the model for prediction, not \
-         for comparison by its bounds.",
+        value,
+        threshold,
+        "Record steps that are held until the servo rests, smaller ones and fewer a second; use this \
+         model for prediction, not for comparison by its bounds.",
+    ))
+}
+
+/// What told that errors are not noise, the number and what it was held against.
+fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
+    match errors.sign {
+        Sign::Whitening => {
+            let (plain, generalised) = (errors.least_squares_percent, errors.generalised_percent);
+            let words = format!(
+                "generalised least squares simulates the record to {generalised:.1} %, plain least squares \
+                 to {plain:.1} %"
+            );
+            (words, plain - generalised, TOLERATED)
+        }
+        Sign::Misfit(found) => {
+            let left = 100.0 - errors.least_squares_percent.max(errors.generalised_percent);
+            let words = format!(
+                "simulation leaves {left:.0} % of the motion (rms), and what it leaves follows the motion in a \
+                 way that no linear servo can (p = {:.1e})",
+                found.p
+            );
+            (words, left, UNEXPLAINED)
+        }
+        Sign::NoSteps(found, seen) => {
+            let words = format!(
+                "the servo is not linear ({:.1} % of the motion, rms, p = {:.1e}), and of the steps of the \
+                 reference {:.0} % are held until it has followed: how it answers a step was not seen",
+                found.misfit_percent,
+                found.p,
+                100.0 * seen
+            );
+            (words, seen, SEEN)
+        }
+    }
+}
+
+/// The check of a servo that is not linear, by little enough for bounds of its best linear
+/// description to have their level.
+pub const NOT_LINEAR: &str = "linearity";
+
+fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
+    let residuals = &evidence.model.residuals;
+    let found = Linearity {
+        p: residuals.linearity_p?,
+        misfit_percent: residuals.beyond_linear_percent?,
+    };
+    if !found.is_rejected() || evidence.explanation.model_errors.is_some() {
+        return None;
+    }
+    Some(Advice::new(
+        NOT_LINEAR,
+        format!(
+            "The servo is not linear: {:.1} % of the motion (rms) follows it in a way that no linear servo \
+             can (p = {:.1e}). The bounds are those of the linear description that fits this reference \
+             best: a single stroke may lie outside, and other steps, amplitudes or a sine may give \
+             another description.",
+            found.misfit_percent, found.p
+        ),
+        found.misfit_percent,
+        linearity::WORTH_MENTIONING,
+        "Compare only what was recorded with the same reference; look at strokes up and down and at the \
+         limits of speed and travel apart (--limits).",
     ))
 }
 

@@ -110,8 +110,14 @@ fn choice_in_words(choice: &Choice, period: f64) -> String {
         )
     };
     let settling = seconds(choice.settling);
+    let limited = if choice.within_holds {
+        " None longer than the usual hold of the reference was tried, because the servo is not linear: \
+         what it answers to the next step differently would pass for a late response to this one."
+    } else {
+        ""
+    };
     format!(
-        "Settling time: {settling:.3} s ({} samples) {outcome}.",
+        "Settling time: {settling:.3} s ({} samples) {outcome}.{limited}",
         choice.settling
     )
 }

@@ -36,6 +36,7 @@ use crate::truncation::step_bias_bound;
 use collected::Collected;
 use estimate::Estimate;
 use plan::{Plan, check_rows};
+use second_thoughts::Considered;
 
 /// A model, and how it came about.
 #[derive(Debug, Clone)]
@@ -108,10 +109,14 @@ struct Pipeline<'a> {
 impl Pipeline<'_> {
     fn run(mut self) -> Result<Identification, Error> {
         check_rows(&self.collected.moments, self.plan.basis.frequencies())?;
-        let (estimate, model_errors) = self.estimate()?;
+        let Considered {
+            estimate,
+            linearity,
+            model_errors,
+        } = self.estimate()?;
         let responses = Responses::new(&estimate);
         let mut model = self.describe(&estimate, &responses);
-        model.residuals = self.residuals(&model, &estimate);
+        model.residuals = self.residuals(&model, &estimate, linearity);
         if let Some(errors) = &model_errors {
             model.metrics = errors.told(model.metrics, &model.step.value);
         }
@@ -129,9 +134,7 @@ impl Pipeline<'_> {
     /// The model with its bands and metrics; tests of its residuals and advice are still to come.
     fn describe(&self, estimate: &Estimate, responses: &Responses) -> Model {
         let Estimate {
-            coordinates,
-            information,
-            fit,
+            information, fit, ..
         } = estimate;
         let (basis, level) = (&self.plan.basis, self.options.level);
         let timing = Timing {
@@ -143,7 +146,7 @@ impl Pipeline<'_> {
         let covariance = fit.covariance().as_ref().submatrix(0, 0, n, n).to_owned();
         let sd: Vec<f64> = (0..n).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
         let bias = step_bias_bound(basis, &theta, &sd, self.plan.roll_off);
-        let value = coordinates.basis.step_response(&theta);
+        let value = basis.step_response(&theta);
         let period = timing.sample_period_s;
         let step = StepResponse::new(period, value, &responses.step, level, bias);
         let frequency = FrequencyResponse::new(

@@ -39,6 +39,7 @@ mod lag_products;
 mod lagged_sums;
 pub mod limits;
 mod linear;
+pub mod linearity;
 mod low_passed;
 mod matrix_serde;
 pub mod metrics;

@@ -7,11 +7,19 @@
 //! both are made; when generalised least squares simulates worse by more than [`TOLERATED`], the
 //! label of the bounds is withdrawn, and settling time, frequencies and estimator are chosen by
 //! how well they predict parts of the record that they have not seen.
+//!
+//! A servo that is not linear need not show in that figure: its misfit can be spread over all
+//! frequencies alike. Where [`crate::linearity`] finds one, and the simulation leaves more than
+//! [`UNEXPLAINED`] of the motion, the same is done; and also where fewer than [`SEEN`] of the steps of
+//! the input are held until the servo has all but followed: how a servo that is not linear answers a
+//! step can be seen, but not computed from how it answers something else.
 
 use serde::{Deserialize, Serialize};
 
 use crate::basis::Basis;
 use crate::gls::{self, GlsOptions};
+use crate::limits::holds::holds;
+use crate::linearity::Linearity;
 use crate::metrics::{Interval, Metrics};
 use crate::moments::{MomentStream, Moments};
 use crate::nested::NestedBanks;
@@ -25,6 +33,22 @@ use crate::validation::fit_percent;
 /// Points of fit that whitening may cost while the errors count as noise: on servos that the model
 /// can represent it costs less than a tenth of one.
 pub const TOLERATED: f64 = 1.0;
+
+/// Percent of the motion (rms) that the simulation of a servo that is not linear may leave before its
+/// bounds lose their level.
+///
+/// Measured on simulated servos with play, a limited current and unequal ends: references of steps
+/// that are held leave 1 to 12 % and give the same gain and delay to within their bounds; random
+/// steps of 20 to 60 ms, sweeps and sums of sines leave 22 to 57 %, and gains that are wrong by 15 to
+/// 45 %, or half the delay.
+pub const UNEXPLAINED: f64 = 15.0;
+
+/// Share of the steps of the input that must be held until the response to them has come to
+/// [`FOLLOWED`] of its final value.
+pub const SEEN: f64 = 0.75;
+
+/// Share of the final value at which a step has been followed.
+const FOLLOWED: f64 = 0.9;
 
 /// Difference between the step responses of the two estimators, as a share of the largest value,
 /// beyond which neither's figures are findings.
@@ -71,6 +95,23 @@ pub struct ModelErrors {
     /// ones.
     #[serde(default)]
     pub untold_from_hz: Option<f64>,
+    /// What told it.
+    #[serde(default)]
+    pub sign: Sign,
+}
+
+/// The sign by which errors were told from noise.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sign {
+    /// Generalised least squares simulates worse than plain least squares.
+    #[default]
+    Whitening,
+    /// The servo is not linear, and the simulation leaves much of its motion unexplained.
+    Misfit(Linearity),
+    /// The servo is not linear, and only this share of the steps of the input are held until it has
+    /// followed.
+    NoSteps(Linearity, f64),
 }
 
 impl ModelErrors {
@@ -149,10 +190,55 @@ impl BothEstimators {
         })
     }
 
-    /// Whether whitening costs more than it can when errors are noise.
-    pub(crate) fn errors_are_not_noise(&self) -> bool {
-        self.least_squares_percent - self.generalised_percent > TOLERATED
+    /// The sign that errors are not noise, if there is one. `linearity` is what that test found, and
+    /// `seen` gives the [share of steps](share_seen) that the record shows.
+    pub(crate) fn sign(
+        &self,
+        linearity: Option<Linearity>,
+        seen: impl FnOnce() -> f64,
+    ) -> Option<Sign> {
+        if self.least_squares_percent - self.generalised_percent > TOLERATED {
+            return Some(Sign::Whitening);
+        }
+        let found = linearity.filter(Linearity::is_rejected)?;
+        if self.unexplained_percent() > UNEXPLAINED {
+            return Some(Sign::Misfit(found));
+        }
+        let seen = seen();
+        (seen < SEEN).then_some(Sign::NoSteps(found, seen))
     }
+
+    fn unexplained_percent(&self) -> f64 {
+        100.0 - self.least_squares_percent.max(self.generalised_percent)
+    }
+}
+
+/// The time for which the input usually stands still between changes: the median \[samples\].
+pub(crate) fn usual_hold(record: &Record) -> usize {
+    let mut lengths: Vec<usize> = record
+        .runs()
+        .iter()
+        .flat_map(holds)
+        .map(|hold| hold.samples.len())
+        .collect();
+    lengths.sort_unstable();
+    lengths.get(lengths.len() / 2).copied().unwrap_or(0)
+}
+
+/// Share of the changes of the input after which it stands still for as long as the step response
+/// `step` takes to [`FOLLOWED`] of its final value.
+pub(crate) fn share_seen(record: &Record, step: &[f64]) -> f64 {
+    let last = step.last().copied().unwrap_or(0.0);
+    let followed = step
+        .iter()
+        .position(|g| g / last >= FOLLOWED)
+        .unwrap_or(step.len());
+    let changes = record.runs().iter().flat_map(holds);
+    let changes = changes.filter(|hold| hold.before.is_some());
+    let (all, seen) = changes.fold((0usize, 0usize), |(all, seen), hold| {
+        (all + 1, seen + usize::from(hold.samples.len() >= followed))
+    });
+    seen as f64 / all.max(1) as f64
 }
 
 fn plain() -> GlsOptions {

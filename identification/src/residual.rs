@@ -9,6 +9,8 @@
 //! further lags of the input explains nothing more: the reduction of the sum of squares by K extra
 //! D-filtered lags, over σ², follows χ² with K degrees of freedom. A small p means that the response
 //! is longer than N, has more detail than n frequencies, or is not linear.
+//!
+//! **Linearity**: see [`crate::linearity`].
 
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
@@ -34,6 +36,14 @@ pub struct Residuals {
     pub whiteness_p: Option<f64>,
     /// Probability of a relation to further input at least as strong if there is none.
     pub input_correlation_p: Option<f64>,
+    /// Probability of a relation to functions of the motion at least as strong if the servo is linear
+    /// (see [`crate::linearity`]).
+    #[serde(default)]
+    pub linearity_p: Option<f64>,
+    /// Part of the motion that these functions explain and no linear model does \[% rms\]. Without a
+    /// small p it is noise.
+    #[serde(default)]
+    pub beyond_linear_percent: Option<f64>,
 }
 
 /// The p-value of Ljung and Box's test on one-step errors, one slice per run, NaN where missing.
@@ -158,39 +168,51 @@ pub fn input_independence(
     let own = Mat::from_fn(lags.len(), lags.len(), |k, l| uu[(lags[k], lags[l])]);
     let left = &own - &cross * &solution.inverse * cross.transpose();
     let variance = solution.rss / (rows - (p + 1 + order) as f64).max(1.0);
-    let (statistic, degrees) = quadratic_form(&left, &own, &score, variance)?;
-    upper_tail(statistic, degrees)
+    let found = ScoreTest::new(&left, &own, &score)?;
+    upper_tail(found.reduction / variance, found.degrees)
 }
 
-/// s' V^-1 s / variance over the directions of V that are not rounding beside `own`.
-fn quadratic_form(
-    v: &Mat<f64>,
-    own: &Mat<f64>,
-    score: &[f64],
-    variance: f64,
-) -> Option<(f64, usize)> {
-    let k = score.len();
-    let scale: Vec<f64> = (0..k).map(|i| own[(i, i)].sqrt().recip()).collect();
-    if variance <= 0.0 || scale.iter().any(|scale| !scale.is_finite()) {
-        return None;
+/// What further regressors explain: the score test, from the moments of these regressors alone.
+pub(crate) struct ScoreTest {
+    /// By how much they reduce the sum of squares.
+    pub(crate) reduction: f64,
+    /// In how many directions.
+    pub(crate) degrees: usize,
+    /// Their coefficients.
+    pub(crate) coefficients: Vec<f64>,
+}
+
+impl ScoreTest {
+    /// Of regressors with the second moments `own`, of which the regressors before them leave
+    /// `left`, and the products `score` with the residuals. Directions of which rounding alone is
+    /// left are passed over; `None` when there are no others.
+    pub(crate) fn new(left: &Mat<f64>, own: &Mat<f64>, score: &[f64]) -> Option<Self> {
+        let k = score.len();
+        let scale: Vec<f64> = (0..k).map(|i| own[(i, i)].sqrt().recip()).collect();
+        if scale.iter().any(|scale| !scale.is_finite()) {
+            return None;
+        }
+        let scaled = Mat::from_fn(k, k, |i, j| left[(i, j)] * scale[i] * scale[j]);
+        let eigen = scaled.self_adjoint_eigen(Side::Lower).ok()?;
+        let scaled_score: Vec<f64> = score.iter().zip(&scale).map(|(s, c)| s * c).collect();
+        let turned = times(&eigen.U().transpose().to_owned(), &scaled_score);
+        // A direction of which less than a millionth is new to the regressors carries rounding only.
+        let kept: Vec<usize> = (0..k).filter(|&i| eigen.S()[i] > 1e-6).collect();
+        let coefficients = (0..k)
+            .map(|j| {
+                let along = |&i: &usize| eigen.U()[(j, i)] * turned[i] / eigen.S()[i];
+                scale[j] * kept.iter().map(along).sum::<f64>()
+            })
+            .collect();
+        (!kept.is_empty()).then(|| Self {
+            reduction: kept
+                .iter()
+                .map(|&i| turned[i] * turned[i] / eigen.S()[i])
+                .sum(),
+            degrees: kept.len(),
+            coefficients,
+        })
     }
-    let scaled = Mat::from_fn(k, k, |i, j| v[(i, j)] * scale[i] * scale[j]);
-    let eigen = scaled.self_adjoint_eigen(Side::Lower).ok()?;
-    let score: Vec<f64> = score
-        .iter()
-        .zip(&scale)
-        .map(|(s, scale)| s * scale)
-        .collect();
-    let turned = times(&eigen.U().transpose().to_owned(), &score);
-    // A direction of which less than a millionth is new to the regressors carries rounding only.
-    let kept = (0..k).filter(|&i| eigen.S()[i] > 1e-6);
-    let (statistic, degrees) = kept.fold((0.0, 0), |(sum, count), i| {
-        (
-            sum + turned[i] * turned[i] / (eigen.S()[i] * variance),
-            count + 1,
-        )
-    });
-    (degrees > 0).then_some((statistic, degrees))
 }
 
 fn upper_tail(statistic: f64, degrees: usize) -> Option<f64> {

@@ -101,6 +101,10 @@ pub struct Choice {
     /// taken to be over by then \[samples\].
     #[serde(default)]
     pub repeats_after: Option<usize>,
+    /// Whether the longest N is what the input stands still for, because the servo is not linear and
+    /// seemed to respond for longer.
+    #[serde(default)]
+    pub within_holds: bool,
     /// D of the long fit, to start from.
     pub ar: Vec<f64>,
     /// The settling times considered.
@@ -242,6 +246,7 @@ pub(crate) fn chosen(candidates: Vec<SettlingCandidate>, longest: usize, ar: Vec
         low_passed: false,
         frequencies: None,
         repeats_after: None,
+        within_holds: false,
         ar,
         candidates,
     }

@@ -2,6 +2,7 @@
 
 use super::Pipeline;
 use super::estimate::Estimate;
+use crate::linearity::Linearity;
 use crate::model::{Fit, Model};
 use crate::normal::Information;
 use crate::residual::{self, Residuals, WHITENESS_SAMPLES};
@@ -26,7 +27,12 @@ impl Pipeline<'_> {
     }
 
     /// Residual tests; that of whiteness needs the samples.
-    pub(super) fn residuals(&self, model: &Model, estimate: &Estimate) -> Residuals {
+    pub(super) fn residuals(
+        &self,
+        model: &Model,
+        estimate: &Estimate,
+        linearity: Option<Linearity>,
+    ) -> Residuals {
         let Estimate {
             coordinates, fit, ..
         } = estimate;
@@ -34,6 +40,8 @@ impl Pipeline<'_> {
         Residuals {
             input_correlation_p: residual::input_independence(&information, coordinates, &fit.ar),
             whiteness_p: self.whiteness(model, estimate),
+            linearity_p: linearity.map(|found| found.p),
+            beyond_linear_percent: linearity.map(|found| found.misfit_percent),
         }
     }
 

@@ -6,19 +6,40 @@ use super::{Pipeline, noise_lags};
 use crate::basis::Basis;
 use crate::error::Error;
 use crate::gls::{self, GlsOptions};
-use crate::model_error::{self, BothEstimators, ModelErrors, Prediction};
+use crate::linearity::{self, Linearity};
+use crate::model_error::{self, BothEstimators, ModelErrors, Prediction, Sign};
 use crate::moments::Moments;
 use crate::normal::Information;
-use crate::options::{Frequencies, NoiseOrder};
+use crate::options::{Frequencies, NoiseOrder, Options};
 use crate::structure;
+
+/// An estimate, and what its errors had to say about it.
+pub(super) struct Considered {
+    pub(super) estimate: Estimate,
+    /// Of the first estimate, which may have been replaced since.
+    pub(super) linearity: Option<Linearity>,
+    pub(super) model_errors: Option<ModelErrors>,
+}
 
 impl Pipeline<'_> {
     /// The estimate, after what its errors have to say; and what that was, if it was anything.
-    pub(super) fn estimate(&mut self) -> Result<(Estimate, Option<ModelErrors>), Error> {
-        let first = Estimate::new(&self.plan, &self.collected.moments, self.record)?;
+    pub(super) fn estimate(&mut self) -> Result<Considered, Error> {
+        let mut first = Estimate::new(&self.plan, &self.collected.moments, self.record)?;
+        let mut linearity = self.linearity_of(&first);
+        if let Some(shorter) = self.within_holds(linearity, &first)? {
+            linearity = self.linearity_of(&shorter).or(linearity);
+            first = shorter;
+        }
         let both = BothEstimators::new(&first.information, &first.coordinates, &first.fit);
-        let Some(both) = both.filter(BothEstimators::errors_are_not_noise) else {
-            return Ok((first, None));
+        let sign = both
+            .as_ref()
+            .and_then(|both| both.sign(linearity, || self.share_seen(&first)));
+        let (Some(both), Some(sign)) = (both, sign) else {
+            return Ok(Considered {
+                estimate: first,
+                linearity,
+                model_errors: None,
+            });
         };
         let candidates = self.rank_by_prediction();
         let adopted = match candidates.first() {
@@ -28,8 +49,57 @@ impl Pipeline<'_> {
             }
             None => first,
         };
-        let errors = self.model_errors(&adopted, &both, candidates);
-        Ok((adopted, Some(errors)))
+        let errors = self.model_errors(&adopted, &both, candidates, sign);
+        Ok(Considered {
+            estimate: adopted,
+            linearity,
+            model_errors: Some(errors),
+        })
+    }
+
+    fn linearity_of(&self, estimate: &Estimate) -> Option<Linearity> {
+        self.record
+            .and_then(|record| linearity::test(record, &estimate.information, &estimate.fit))
+    }
+
+    /// An estimate that looks no further than the input stands still, when a servo that is not linear
+    /// seemed to respond for longer. Beyond, the next steps are under way, and what they answer
+    /// differently because of this one passes for a late part of its response.
+    fn within_holds(
+        &mut self,
+        linearity: Option<Linearity>,
+        estimate: &Estimate,
+    ) -> Result<Option<Estimate>, Error> {
+        let Some((record, choice)) = self.record.zip(self.plan.choice.as_ref()) else {
+            return Ok(None);
+        };
+        if !linearity.is_some_and(|found| found.is_rejected()) {
+            return Ok(None);
+        }
+        let hold = model_error::usual_hold(record);
+        if choice.settling <= hold || self.share_seen(estimate) < model_error::SEEN {
+            return Ok(None);
+        }
+        let options = Options {
+            longest_settling: Some(hold - usize::from(hold.is_multiple_of(2))),
+            ..*self.options
+        };
+        let (collected, mut plan) = Collected::from_record(record, &options)?;
+        if let Some(choice) = &mut plan.choice {
+            choice.within_holds = true;
+        }
+        (self.collected, self.plan) = (collected, plan);
+        Estimate::new(&self.plan, &self.collected.moments, self.record).map(Some)
+    }
+
+    /// The share of the input's steps that the record shows to be followed.
+    fn share_seen(&self, estimate: &Estimate) -> f64 {
+        let step = estimate
+            .coordinates
+            .basis
+            .step_response(&estimate.fit.theta());
+        self.record
+            .map_or(1.0, |record| model_error::share_seen(record, &step))
     }
 
     /// Estimators by how well they predict parts of the record that they have not seen.
@@ -71,6 +141,7 @@ impl Pipeline<'_> {
         adopted: &Estimate,
         before: &BothEstimators,
         candidates: Vec<Prediction>,
+        sign: Sign,
     ) -> ModelErrors {
         let generalised = self.plan.order != NoiseOrder::Order(0);
         // The other estimator at the structure that was taken; with its own noise model if it has
@@ -99,6 +170,7 @@ impl Pipeline<'_> {
                 coordinates.basis.step_response(&fit.theta())
             }),
             untold_from_hz: model_error::untold_from_hz(&adopted.information.moments, coordinates),
+            sign,
         }
     }
 }

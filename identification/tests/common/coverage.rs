@@ -48,8 +48,8 @@ pub struct Line {
     pub advised: f64,
     /// Share of runs with each piece of advice, by its check.
     pub checks: BTreeMap<String, f64>,
-    /// Shares of runs in which whiteness, and independence of the input, had p < 1 %.
-    pub rejected: (f64, f64),
+    /// Shares of runs in which whiteness, independence of the input, and linearity had p < 1 %.
+    pub rejected: [f64; 3],
     /// Most frequent n.
     pub frequencies: usize,
 }
@@ -62,7 +62,7 @@ struct Outcome {
     order: usize,
     half_widths: (f64, f64),
     checks: Vec<String>,
-    rejected: (bool, bool),
+    rejected: [bool; 3],
 }
 
 /// The seed of a run: cases and runs never share one.
@@ -112,7 +112,11 @@ pub fn measure(case: Case, runs: usize, options: &Options) -> Line {
         half_widths: (mean(|o| o.half_widths.0), mean(|o| o.half_widths.1)),
         advised: share(|o| !o.checks.is_empty()),
         checks: shares(outcomes.iter().flat_map(|o| &o.checks), runs),
-        rejected: (share(|o| o.rejected.0), share(|o| o.rejected.1)),
+        rejected: [
+            share(|o| o.rejected[0]),
+            share(|o| o.rejected[1]),
+            share(|o| o.rejected[2]),
+        ],
     }
 }
 
@@ -147,14 +151,15 @@ fn outcome(case: &Case, run: usize, options: &Options) -> Outcome {
         order: found.model.structure.noise_order,
         half_widths: step.mean_half_widths(),
         checks: found.model.advice.iter().map(|a| a.check.clone()).collect(),
-        rejected: (
-            found.model.residuals.whiteness_p.is_some_and(|p| p < 0.01),
-            found
-                .model
-                .residuals
-                .input_correlation_p
-                .is_some_and(|p| p < 0.01),
-        ),
+        rejected: {
+            let tests = &found.model.residuals;
+            [
+                tests.whiteness_p,
+                tests.input_correlation_p,
+                tests.linearity_p,
+            ]
+            .map(|p| p.is_some_and(|p| p < 0.01))
+        },
     }
 }
 
@@ -179,7 +184,7 @@ fn mode(values: impl Iterator<Item = usize>) -> usize {
 
 impl Line {
     /// The heading of the table.
-    pub const HEADING: &str = "| reference | plant | noise | x | runs | mean % | worst % | whole % | N median (min-max) | n | d | half width point / whole | whiteness / independence rejected % | advised % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
+    pub const HEADING: &str = "| reference | plant | noise | x | runs | mean % | worst % | whole % | N median (min-max) | n | d | half width point / whole | whiteness / independence / linearity rejected % | advised % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
 
     /// Share of runs with the advice of `check`.
     pub fn share_of(&self, check: &str) -> f64 {
@@ -199,7 +204,7 @@ impl std::fmt::Display for Line {
         let percent = |share: f64| 100.0 * share;
         write!(
             f,
-            "| {reference:?} | {plant:?} | {noise:?} | {scale} | {} | {:.2} | {:.1} | {:.1} | {median} ({low}-{high}) | {} | {} | {:.4} / {:.4} | {:.1} / {:.1} | {:.1}",
+            "| {reference:?} | {plant:?} | {noise:?} | {scale} | {} | {:.2} | {:.1} | {:.1} | {median} ({low}-{high}) | {} | {} | {:.4} / {:.4} | {:.1} / {:.1} / {:.1} | {:.1}",
             self.runs,
             percent(self.mean),
             percent(self.worst),
@@ -208,8 +213,9 @@ impl std::fmt::Display for Line {
             self.order,
             self.half_widths.0,
             self.half_widths.1,
-            percent(self.rejected.0),
-            percent(self.rejected.1),
+            percent(self.rejected[0]),
+            percent(self.rejected[1]),
+            percent(self.rejected[2]),
             percent(self.advised),
         )?;
         for (check, share) in &self.checks {

@@ -4,6 +4,7 @@ mod comparison;
 mod direction;
 mod flight_model;
 mod limits;
+mod linearity;
 mod metrics;
 mod metrics_coverage;
 mod plants;
