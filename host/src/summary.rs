@@ -165,6 +165,12 @@ fn write_model(
             "  ! THE BOUNDS BELOW DO NOT HOLD: the errors are not noise (see the advice)"
         )?;
     }
+    if model.is_best_linear_description() {
+        writeln!(
+            text,
+            "  ! NOT LINEAR: the bounds are those of the linear description that fits this reference best (see the advice)"
+        )?;
+    }
     writeln!(
         text,
         "  samples     {} used, {} missing, every {} ms",
@@ -199,9 +205,10 @@ fn write_model(
     writeln!(text, "  offset      {:.error_digits$}{unit}", model.offset)?;
     writeln!(
         text,
-        "  residuals   white: {}, independent of the input: {}",
+        "  residuals   white: {}, independent of the input: {}, linear: {}",
         probability(model.residuals.whiteness_p),
-        probability(model.residuals.input_correlation_p)
+        probability(model.residuals.input_correlation_p),
+        probability(model.residuals.linearity_p)
     )?;
     writeln!(text, "\n  {:22} {:>10}       {level} interval", "", "value")?;
     for row in &ROWS {
@@ -312,7 +319,7 @@ pub fn one_line(model: &Model, unit: Option<&str>) -> String {
     let (structure, fit) = (&model.structure, &model.fit);
     let digits = decimals(fit.rmse, 2);
     format!(
-        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.digits$}{unit} rms; residuals white: {}, independent of the input: {}",
+        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.digits$}{unit} rms; residuals white: {}, independent of the input: {}, linear: {}",
         fit.samples_used,
         fit.samples_missing,
         rounded(model.sample_period_s * 1e3),
@@ -322,7 +329,8 @@ pub fn one_line(model: &Model, unit: Option<&str>) -> String {
         fit.simulation_percent,
         fit.rmse,
         probability(model.residuals.whiteness_p),
-        probability(model.residuals.input_correlation_p)
+        probability(model.residuals.input_correlation_p),
+        probability(model.residuals.linearity_p)
     )
 }
 

@@ -194,8 +194,7 @@ fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
 fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     let model = evidence.model;
     let basis = model.basis().ok()?;
-    // An even N leaves out its last frequency, which is no choice of anyone's.
-    if basis.frequencies() + 1 >= basis.settling() {
+    if basis.has_all_frequencies() {
         return None;
     }
     let bias = model.step.truncation_bias;
@@ -409,8 +408,8 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
         Sign::Misfit(found) => {
             let left = 100.0 - errors.least_squares_percent.max(errors.generalised_percent);
             let words = format!(
-                "simulation leaves {left:.0} % of the motion (rms), and what it leaves follows the motion in a \
-                 way that no linear servo can (p = {:.1e})",
+                "simulation leaves {left:.0} % of the motion (rms), and what it leaves follows the motion, which \
+                 noise does not (p = {:.1e})",
                 found.p
             );
             (words, left, UNEXPLAINED)
@@ -433,12 +432,11 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
 pub const NOT_LINEAR: &str = "linearity";
 
 fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
-    let residuals = &evidence.model.residuals;
-    let found = Linearity {
-        p: residuals.linearity_p?,
-        misfit_percent: residuals.beyond_linear_percent?,
-    };
-    if !found.is_rejected() || evidence.explanation.model_errors.is_some() {
+    let found = evidence
+        .explanation
+        .linearity
+        .filter(Linearity::is_rejected)?;
+    if evidence.explanation.model_errors.is_some() {
         return None;
     }
     Some(Advice::new(

@@ -85,6 +85,12 @@ impl Basis {
         self.frequencies == self.settling
     }
 
+    /// Whether the bank leaves out no frequency but, at an even N, the highest.
+    #[must_use]
+    pub fn has_all_frequencies(&self) -> bool {
+        self.frequencies + 1 >= self.settling
+    }
+
     /// Ω = 2π/N \[rad/sample\].
     #[must_use]
     pub fn fundamental(&self) -> f64 {

@@ -31,7 +31,7 @@ mod shift;
 mod sides;
 mod words;
 
-use crate::advice::Advice;
+use crate::advice::{self, Advice};
 use crate::error::Error;
 use crate::limits::Limits;
 use crate::metrics::{Interval, Metrics};
@@ -335,7 +335,13 @@ fn metric_differences(a: &Metrics, b: &Metrics) -> Vec<MetricDifference> {
 }
 
 /// Findings on a model that bear on what it is compared for.
-const BEAR_ON_COMPARISON: [&str; 4] = ["model_error", "excitation", "repeats", "settled"];
+const BEAR_ON_COMPARISON: [&str; 5] = [
+    advice::MODEL_ERROR,
+    advice::NOT_LINEAR,
+    "excitation",
+    "repeats",
+    "settled",
+];
 
 /// What two models cannot show, whatever servo they are of.
 fn one_response() -> Advice {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::linearity::Linearity;
 use crate::model::Model;
 use crate::model_error::ModelErrors;
 use crate::nested::BankCandidate;
@@ -29,6 +30,10 @@ pub struct Explanation {
     pub degrees_of_freedom: Vec<f64>,
     /// What was found when the errors are not noise; `None` when they are.
     pub model_errors: Option<ModelErrors>,
+    /// Whether the errors of the first estimate follow the motion; `None` where that could not be
+    /// tested.
+    #[serde(default)]
+    pub linearity: Option<Linearity>,
     /// How the runs compare; `None` with fewer than two.
     pub runs: Option<RunComparison>,
 }

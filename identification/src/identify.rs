@@ -121,7 +121,8 @@ impl Pipeline<'_> {
             model.metrics = errors.told(model.metrics, &model.step.value);
         }
         let degrees_of_freedom = responses.step.degrees_of_freedom;
-        let explanation = self.explain(&model, &estimate, degrees_of_freedom, model_errors);
+        let mut explanation = self.explain(&model, &estimate, degrees_of_freedom, model_errors);
+        explanation.linearity = linearity;
         model.advice = advice::gather(&Evidence {
             model: &model,
             explanation: &explanation,
@@ -207,6 +208,7 @@ impl Pipeline<'_> {
             rows: estimate.information.rows(),
             degrees_of_freedom,
             model_errors,
+            linearity: None,
             runs: self
                 .record
                 .and_then(|record| RunComparison::of(model, record.runs())),

@@ -15,6 +15,10 @@
 //! the data through the fitted response alone, which is independent of the residuals, the usual F
 //! statistic of γ = 0 has its F distribution for any z (Milliken & Graybill 1970), given D.
 //!
+//! A bank that leaves out frequencies leaves over their share of the motion, which no function of lags
+//! can be told from: there a small p says that the errors are not noise, but not why
+//! ([`Linearity::complete`]).
+//!
 //! Significance is not size: in a long record anything is significant. [`Linearity::misfit_percent`]
 //! is the part of the motion that γ explains and no linear model of this settling time could.
 
@@ -56,13 +60,22 @@ pub struct Linearity {
     /// output about its mean \[%\]. Without a finding, noise alone makes it about
     /// sqrt(5/rows) times the noise.
     pub misfit_percent: f64,
+    /// Whether the model has all frequencies, so that what follows the motion cannot be those left
+    /// out.
+    pub complete: bool,
 }
 
 impl Linearity {
+    /// Whether errors are shown to follow the motion, by an amount that matters.
+    #[must_use]
+    pub fn errors_follow_motion(&self) -> bool {
+        self.p < SIGNIFICANCE && self.misfit_percent > WORTH_MENTIONING
+    }
+
     /// Whether the servo is shown not to be linear, by an amount that matters.
     #[must_use]
     pub fn is_rejected(&self) -> bool {
-        self.p < SIGNIFICANCE && self.misfit_percent > WORTH_MENTIONING
+        self.complete && self.errors_follow_motion()
     }
 }
 
@@ -83,6 +96,7 @@ pub(crate) fn test(record: &Record, information: &Information, fit: &GlsFit) -> 
     Some(Linearity {
         p: distribution.sf(f).clamp(0.0, 1.0),
         misfit_percent: 100.0 * misfit / motion,
+        complete: fit.coordinates.basis.has_all_frequencies(),
     })
 }
 

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::advice::{Advice, MODEL_ERROR};
+use crate::advice::{Advice, MODEL_ERROR, NOT_LINEAR};
 use crate::basis::Basis;
 use crate::convolution::causal_filter;
 use crate::error::Error;
@@ -156,6 +156,13 @@ impl Model {
     #[must_use]
     pub fn bounds_hold(&self) -> bool {
         !self.advice.iter().any(|advice| advice.check == MODEL_ERROR)
+    }
+
+    /// Whether the bounds are only those of the linear description that fits the reference best,
+    /// because the servo is not linear (see [`crate::linearity`]).
+    #[must_use]
+    pub fn is_best_linear_description(&self) -> bool {
+        self.advice.iter().any(|advice| advice.check == NOT_LINEAR)
     }
 
     /// The impulse response T θ, N samples.

@@ -107,7 +107,7 @@ pub enum Sign {
     /// Generalised least squares simulates worse than plain least squares.
     #[default]
     Whitening,
-    /// The servo is not linear, and the simulation leaves much of its motion unexplained.
+    /// The errors follow the motion, and the simulation leaves much of the motion unexplained.
     Misfit(Linearity),
     /// The servo is not linear, and only this share of the steps of the input are held until it has
     /// followed.
@@ -200,9 +200,12 @@ impl BothEstimators {
         if self.least_squares_percent - self.generalised_percent > TOLERATED {
             return Some(Sign::Whitening);
         }
-        let found = linearity.filter(Linearity::is_rejected)?;
+        let found = linearity.filter(Linearity::errors_follow_motion)?;
         if self.unexplained_percent() > UNEXPLAINED {
             return Some(Sign::Misfit(found));
+        }
+        if !found.is_rejected() {
+            return None;
         }
         let seen = seen();
         (seen < SEEN).then_some(Sign::NoSteps(found, seen))

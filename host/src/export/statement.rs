@@ -19,6 +19,12 @@ impl Export<'_> {
                     .to_owned(),
             );
         }
+        if model.is_best_linear_description() {
+            found.push(
+                "the servo is not linear: the bounds are those of the linear description that fits the reference best"
+                    .to_owned(),
+            );
+        }
         if !model.is_consistent() {
             found.push("the model contradicts itself: identify again".to_owned());
         }

@@ -58,6 +58,12 @@ pub(super) fn write_verdict(body: &mut String, page: &Page<'_>) -> Result {
                 "<p class=\"verdict different\">{name}: the bounds below do not hold, as the errors are not noise (see the advice).</p>"
             )?;
         }
+        if model.is_best_linear_description() {
+            writeln!(
+                body,
+                "<p class=\"verdict undecided\">{name}: not linear; the bounds are those of the linear description that fits this reference best (see the advice).</p>"
+            )?;
+        }
     }
     let Some(found) = page.comparison else {
         return Ok(());
