@@ -210,7 +210,11 @@ fn write_model(
         probability(model.residuals.input_correlation_p),
         probability(model.residuals.linearity_p)
     )?;
-    writeln!(text, "\n  {:22} {:>10}       {level} interval", "", "value")?;
+    let interval = match model.bounds_hold() {
+        true => format!("{level} interval"),
+        false => "interval, of no level".to_owned(),
+    };
+    writeln!(text, "\n  {:22} {:>10}       {interval}", "", "value")?;
     for row in &ROWS {
         let interval = (row.of)(&model.metrics);
         // A unit beside no number would read as one.

@@ -105,12 +105,19 @@ impl TimeColumn {
         if even && found.scatter <= SCATTER {
             return Ok(found);
         }
+        Err(found.fault())
+    }
+
+    /// What its steps are like, those of no length too.
+    fn fault(&self) -> TimeFault {
+        let mut steps: Vec<f64> = self.times.windows(2).map(|w| w[1] - w[0]).collect();
+        steps.retain(|step| step.is_finite());
         steps.sort_by(f64::total_cmp);
         let rounded = |step: f64| format!("{step:.3e}").parse().unwrap_or(step);
-        Err(TimeFault::Uneven {
+        TimeFault::Uneven {
             shortest: rounded(steps[steps.len() / 20]),
             longest: rounded(steps[steps.len() - 1 - steps.len() / 20]),
-        })
+        }
     }
 
     /// Takes a column for one of time whose step is known \[its unit\]: `None` if less than half of its

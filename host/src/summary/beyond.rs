@@ -86,6 +86,9 @@ pub fn of_limits(
     text
 }
 
+/// Probability below which noise does not explain differences.
+const CHANCE: f64 = 0.001;
+
 /// Whether up and down strokes differ, and whether by enough to matter.
 fn of_symmetry(symmetry: &Symmetry) -> String {
     let p = probability(Some(symmetry.p));
@@ -94,16 +97,60 @@ fn of_symmetry(symmetry: &Symmetry) -> String {
         100.0 * symmetry.largest_difference.abs(),
         1e3 * symmetry.at_s
     );
-    let significant = symmetry.largest_deviation > symmetry.critical_value;
+    // The clearest difference need not be the largest one.
+    let clearest = format!(
+        "{:.1} standard deviations where they differ most clearly, and noise alone comes to {:.1}",
+        symmetry.largest_deviation, symmetry.critical_value
+    );
     if symmetry.asymmetric {
-        format!("Up and down strokes differ ({p}): by up to {largest}.")
-    } else if significant {
-        format!(
-            "Up and down strokes differ ({p}), but by so little that they count as alike: {largest}, at the most."
-        )
-    } else {
-        format!(
-            "Up and down strokes show no clear difference: the largest one, {largest}, may be noise ({p})."
-        )
+        return format!("Up and down strokes differ ({p}): by up to {largest}.");
+    }
+    if symmetry.largest_deviation > symmetry.critical_value {
+        return format!(
+            "Up and down strokes differ ({clearest}), but by so little that they count as alike: by {largest}, at the most."
+        );
+    }
+    let beginning =
+        format!("Up and down strokes show no clear difference: up to {largest}, but {clearest}.");
+    if symmetry.p < CHANCE {
+        // Many small differences can be more than noise where no single one is.
+        return format!(
+            "{beginning} Taken together the differences are more than noise ({p}), as other errors of a linear model leave them."
+        );
+    }
+    beginning
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_said_of_the_strokes_does_not_contradict_itself() {
+        let said = |p: f64, largest_deviation: f64, largest_difference: f64| {
+            of_symmetry(&Symmetry {
+                p,
+                largest_deviation,
+                critical_value: 4.0,
+                asymmetric: largest_deviation > 4.0 && largest_difference > 0.02,
+                largest_difference,
+                at_s: 0.05,
+            })
+        };
+        assert!(
+            said(1e-9, 30.0, 0.3)
+                .starts_with("Up and down strokes differ (p < 0.001): by up to 30.0 %")
+        );
+        let small = said(1e-9, 6.0, 0.008);
+        assert!(
+            small.contains("differ (6.0 standard deviations") && small.contains("at the most"),
+            "{small}"
+        );
+        let unclear = said(1e-9, 3.0, 0.27);
+        assert!(
+            unclear.contains("no clear difference") && unclear.contains("Taken together"),
+            "{unclear}"
+        );
+        assert!(!said(0.3, 2.0, 0.01).contains("(p "));
     }
 }

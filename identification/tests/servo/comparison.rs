@@ -136,6 +136,33 @@ fn the_interval_of_the_delay_shift_holds_the_true_one() {
 }
 
 #[test]
+fn the_interval_of_each_stroke_holds_the_true_shift() {
+    let (a, up) = (servo(), Linear::second_order(0.97, 0.0275, 0.5, 50.0));
+    let exact = [exact_shift(&a, &up), 0.0];
+    let missed: Vec<[bool; 2]> = (0..16u64)
+        .into_par_iter()
+        .map(|k| {
+            let b = record(&up, &a, 0.0, 2 * k + 901..2 * k + 902, 0.0);
+            let found = compare(&plain(&a, 2 * k + 900), &b, &options()).unwrap();
+            assert!(found.split);
+            [0, 1].map(|c| {
+                let shift = found.curves[c].delay_shift_s;
+                !shift.contains(exact[c])
+            })
+        })
+        .collect();
+    for stroke in [0, 1] {
+        let missed = missed.iter().filter(|missed| missed[stroke]).count();
+        // At 99 %, three or more of 16 missed have a probability of 0.05 %.
+        assert!(
+            missed < 3,
+            "{stroke}: {missed} of 16 miss {}",
+            exact[stroke]
+        );
+    }
+}
+
+#[test]
 fn strokes_that_differ_have_a_delay_shift_each() {
     let later = Linear::second_order(0.97, 0.0315, 0.5, 60.0);
     let b = record(&later, &servo(), 0.0, 4..5, 0.0);
