@@ -231,7 +231,8 @@ fn write_model(
 
 /// Why a figure has no value.
 fn withheld(model: &Model) -> &'static str {
-    if model.metrics.dc_gain.contains(0.0) {
+    let gain = &model.metrics.dc_gain;
+    if gain.value.is_some() && gain.contains(0.0) {
         "withheld: the gain may be zero"
     } else if model.bounds_hold() {
         "not reached, as far as this recording tells"

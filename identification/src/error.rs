@@ -111,6 +111,13 @@ pub enum Error {
         "a confidence level of {0} makes no sense: state a number such as 0.99, between 0.5 and 0.99999"
     )]
     Level(f64),
+    /// The input tells the gain at rest at the most.
+    #[error(
+        "the input moves too smoothly for a step response: like a single sine or a slow ramp it tells the \
+         gain at one frequency at the most; record a reference with steps, such as a staircase or random \
+         steps"
+    )]
+    NoDetail,
     /// The input does not excite as many frequencies as asked for.
     #[error(
         "the input excites {excited} of the {asked} frequencies asked for (up to {highest_hz:.3} \

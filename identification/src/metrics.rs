@@ -164,7 +164,7 @@ impl Metrics {
             dc_gain,
             rise_time_s: rise
                 .rise
-                .map(|samples| samples * measured.timing.sample_period_s),
+                .map(|samples| (samples * measured.timing.sample_period_s).max(0.0)),
             settling_time_s: figures.settling().map(since_edge),
             overshoot_percent: figures.overshoot().map(|share| 100.0 * share),
             delay_s: rise.delay.map(since_edge),

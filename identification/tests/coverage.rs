@@ -76,6 +76,18 @@ fn a_response_longer_than_the_record_allows_is_said_in_every_run() {
 }
 
 #[test]
+fn an_end_of_the_response_below_the_noise_is_said_in_every_run() {
+    let case = Case {
+        reference: Reference::Staircase,
+        plant: Plant::E,
+        noise: Noise::Ar1,
+        scale: 5.0,
+    };
+    let line = measure(case, 4, &Options::default());
+    assert_eq!(line.share_of("hidden_tail"), 1.0, "{line}");
+}
+
+#[test]
 fn a_reference_that_repeats_itself_is_told_as_far_as_it_goes() {
     for noise in [Noise::White, Noise::Ar1] {
         let case = Case {

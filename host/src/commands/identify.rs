@@ -135,12 +135,17 @@ impl Identify {
             explanation,
             ..Identified::of(model)
         };
-        if let Some(fitted) = &flight {
-            let fitted = fitted.as_ref().map_err(|error| {
-                anyhow::anyhow!("{}: no low-order model: {error}", listed(&self.files))
-            })?;
-            text += &summary::of_flight_model(fitted);
-            result.flight_model = Some(fitted);
+        match &flight {
+            Some(Ok(fitted)) => {
+                text += &summary::of_flight_model(fitted);
+                result.flight_model = Some(fitted);
+            }
+            Some(Err(error)) => {
+                let reason = error.to_string();
+                text += &format!("\nno model of low order: {reason}\n");
+                result.no_flight_model = Some(reason);
+            }
+            None => {}
         }
         if self.limits {
             let limits = Limits::of(&data.record, model);
@@ -184,6 +189,9 @@ struct Identified<'a> {
     explanation: Option<&'a Explanation>,
     #[serde(skip_serializing_if = "Option::is_none")]
     flight_model: Option<&'a FlightModel>,
+    /// Why there is no model of low order though one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    no_flight_model: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     limits: Option<Limits>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -196,6 +204,7 @@ impl<'a> Identified<'a> {
             model,
             explanation: None,
             flight_model: None,
+            no_flight_model: None,
             limits: None,
             directions: None,
         }

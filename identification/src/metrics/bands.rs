@@ -48,9 +48,13 @@ impl Scan {
     fn new(measured: &Measured<'_>) -> Self {
         let (basis, period) = (measured.basis, measured.timing.sample_period_s);
         let low = 0.02 * basis.fundamental() / period;
-        let high = basis.highest().max(1) as f64 * basis.fundamental() / period;
+        // A bank of the gain alone says nothing of any other frequency: there is nowhere to look.
+        let points = if basis.highest() == 0 { 0 } else { SCAN };
+        let high = basis.highest() as f64 * basis.fundamental() / period;
         let ratio = (high / low).ln() / (SCAN - 1) as f64;
-        let omegas: Vec<f64> = (0..SCAN).map(|k| low * (ratio * k as f64).exp()).collect();
+        let omegas: Vec<f64> = (0..points)
+            .map(|k| low * (ratio * k as f64).exp())
+            .collect();
         let turns: Vec<f64> = omegas.iter().map(|omega| omega * period).collect();
         Self {
             responses: basis.frequency_responses(measured.theta, &turns),

@@ -8,3 +8,4 @@ mod linearity;
 mod metrics;
 mod metrics_coverage;
 mod plants;
+mod smooth;
