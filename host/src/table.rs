@@ -183,17 +183,18 @@ impl Table {
             }
             for ((place, numbers), name) in columns.iter_mut().zip(names) {
                 let cell = record.get(*place).unwrap_or_default().trim_ascii();
-                let number =
-                    number::parse(cell, self.decimal).ok_or_else(|| TableError::NotANumber {
+                let Some(number) = number::parse(cell, self.decimal) else {
+                    return Err(TableError::NotANumber {
                         path: self.path.clone(),
                         column: (*name).to_owned(),
                         line: self.line_of(&record),
                         text: String::from_utf8_lossy(cell).chars().take(40).collect(),
                     });
+                };
                 if self.decimal == Decimal::Comma {
                     self.check_decimals(cell, &record, &mut seen)?;
                 }
-                numbers.push(number?);
+                numbers.push(number);
             }
             if let (Some(place), Some(numbers)) = (beside, &mut other) {
                 let cell = record.get(place).unwrap_or_default().trim_ascii();

@@ -16,22 +16,28 @@ const MISSING: [&str; 6] = ["na", "n/a", "null", "none", "#n/a", "-nan(ind)"];
 const LONGEST: usize = 64;
 
 /// A finite number; NaN where the cell is empty or says that it has none, `None` where it is neither.
+#[inline]
 pub(super) fn parse(cell: &[u8], decimal: Decimal) -> Option<f64> {
     if cell.is_empty() {
         return Some(f64::NAN);
     }
     let text = std::str::from_utf8(cell).ok()?;
-    let number = match decimal {
-        Decimal::Comma if text.contains(',') => with_comma(text),
-        _ => text.parse::<f64>().ok(),
-    };
-    match number {
-        Some(number) if number.is_infinite() => None,
-        Some(number) => Some(number),
-        None => MISSING
-            .contains(&text.to_lowercase().as_str())
-            .then_some(f64::NAN),
+    match text.parse::<f64>() {
+        Ok(number) if number.is_infinite() => None,
+        Ok(number) => Some(number),
+        Err(_) => otherwise(text, decimal),
     }
+}
+
+/// What is no number with a decimal point: the rare case.
+#[cold]
+fn otherwise(text: &str, decimal: Decimal) -> Option<f64> {
+    if decimal == Decimal::Comma && text.contains(',') {
+        return with_comma(text);
+    }
+    MISSING
+        .contains(&text.to_lowercase().as_str())
+        .then_some(f64::NAN)
 }
 
 /// "0,5" or "1,5e-3": one comma, digits after it, and no point.
@@ -41,7 +47,8 @@ fn with_comma(text: &str) -> Option<f64> {
     if !digits || text.len() > LONGEST || text.contains('.') || fraction.contains(',') {
         return None;
     }
-    format!("{whole}.{fraction}").parse().ok()
+    let number: f64 = format!("{whole}.{fraction}").parse().ok()?;
+    number.is_finite().then_some(number)
 }
 
 #[cfg(test)]
