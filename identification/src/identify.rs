@@ -25,7 +25,7 @@ use crate::model::{Model, SCHEMA, Structure};
 use crate::model_error::ModelErrors;
 use crate::moments::Moments;
 use crate::noise::Noise;
-use crate::options::{NoiseOrder, Options};
+use crate::options::{Frequencies, NoiseOrder, Options};
 use crate::record::Record;
 use crate::residual::Residuals;
 use crate::runs::RunComparison;
@@ -114,6 +114,12 @@ impl Pipeline<'_> {
             linearity,
             model_errors,
         } = self.estimate()?;
+        // A bank that is left with the gain alone, of an input without steps, is no step response. It
+        // may be what predicts best all the same, or have been asked for.
+        let asked = matches!(self.options.frequencies, Frequencies::Count(_));
+        if self.plan.basis.highest() == 0 && model_errors.is_none() && !asked {
+            return Err(Error::NoDetail);
+        }
         let responses = Responses::new(&estimate);
         let mut model = self.describe(&estimate, &responses);
         model.residuals = self.residuals(&model, &estimate, linearity);

@@ -47,7 +47,7 @@ pub const UNEXPLAINED: f64 = 15.0;
 /// [`FOLLOWED`] of its final value.
 pub const SEEN: f64 = 0.75;
 
-/// Share of the final value at which a step has been followed.
+/// Share of the final value beyond which a step has been followed.
 const FOLLOWED: f64 = 0.9;
 
 /// Difference between the step responses of the two estimators, as a share of the largest value,
@@ -229,13 +229,14 @@ pub(crate) fn usual_hold(record: &Record) -> usize {
 }
 
 /// Share of the changes of the input after which it stands still for as long as the step response
-/// `step` takes to [`FOLLOWED`] of its final value.
+/// `step` takes until it stays beyond [`FOLLOWED`] of its final value.
 pub(crate) fn share_seen(record: &Record, step: &[f64]) -> f64 {
     let last = step.last().copied().unwrap_or(0.0);
+    // Not the first time: a response that makes no sense may begin there.
     let followed = step
         .iter()
-        .position(|g| g / last >= FOLLOWED)
-        .unwrap_or(step.len());
+        .rposition(|g| g / last < FOLLOWED)
+        .map_or(0, |below| below + 1);
     let changes = record.runs().iter().flat_map(holds);
     let changes = changes.filter(|hold| hold.before.is_some());
     let (all, seen) = changes.fold((0usize, 0usize), |(all, seen), hold| {

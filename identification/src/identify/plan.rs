@@ -34,7 +34,6 @@ impl Plan {
         let mut plan = Self::for_frequencies(choice.settling, moments, options, &choice.ar)?;
         if let (Some(frequencies), Frequencies::Auto) = (choice.frequencies, options.frequencies) {
             plan.basis = Basis::new(choice.settling, frequencies)?;
-            require_detail(&plan.basis)?;
         }
         plan.selected_by = match options.frequencies {
             Frequencies::Auto => SelectedBy::Auto,
@@ -114,18 +113,9 @@ impl Plan {
             plan.roll_off = SECOND_ORDER;
         } else if structure::is_low_passed(&scan, settling) {
             plan.basis = Basis::new(settling, scan.narrowest().frequencies)?;
-            require_detail(&plan.basis)?;
         }
         Ok(plan)
     }
-}
-
-/// A bank that is left with the gain alone, of an input without steps, is no step response.
-fn require_detail(basis: &Basis) -> Result<(), Error> {
-    if basis.highest() == 0 {
-        return Err(Error::NoDetail);
-    }
-    Ok(())
 }
 
 /// At least two rows for each parameter: with fewer, the residuals say little about the noise.

@@ -62,8 +62,8 @@ impl Pipeline<'_> {
             .and_then(|record| linearity::test(record, &estimate.information, &estimate.fit))
     }
 
-    /// An estimate that looks no further than the input stands still, when a servo that is not linear
-    /// seemed to respond for longer. Beyond, the next steps are under way, and what they answer
+    /// An estimate that looks no further than the input usually stands still, when a servo that is not
+    /// linear seemed to respond for longer. Beyond, the next steps are under way, and what they answer
     /// differently because of this one passes for a late part of its response.
     fn within_holds(
         &mut self,
@@ -84,7 +84,10 @@ impl Pipeline<'_> {
             longest_settling: Some(hold - usize::from(hold.is_multiple_of(2))),
             ..*self.options
         };
-        let (collected, mut plan) = Collected::from_record(record, &options)?;
+        // Holds that are too short for any choice limit nothing.
+        let Ok((collected, mut plan)) = Collected::from_record(record, &options) else {
+            return Ok(None);
+        };
         if let Some(choice) = &mut plan.choice {
             choice.within_holds = true;
         }
