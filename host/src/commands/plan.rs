@@ -13,9 +13,10 @@ use std::path::PathBuf;
 
 /// Say before a run what it will tell: how wide the band will be, and what it cannot answer
 ///
-/// The band comes from the covariance that identification will have for this reference at the noise
-/// that is assumed; nothing is moved. Without --model and --servo the simulated bench servo is assumed. The
-/// servo is taken for linear: one that is not gives wider bands, most of all with references that change
+/// Nothing is moved. Runs of a simulated servo, of the bench one unless --servo says another, are identified as
+/// the real ones will be, so that its speed limit, dead band and friction count. With --model the servo is
+/// known only as far as it is linear: the band comes from the covariance that identification will have at the
+/// model's noise, and a servo that is not linear gives wider ones, most of all with references that change
 /// before it rests.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
@@ -113,13 +114,10 @@ impl PlanArgs {
                 // Written with as many digits as there are: only another period is another one.
                 if (period_us - f64::from(SAMPLE_US)).abs() > 1e-3 {
                     bail!(
-                        "{path:?} was sampled every {period_us} µs and a rig samples every {SAMPLE_US}: plan with a model from a recording of servoid"
+                        "{path:?} was sampled every {period_us} µs and a rig samples every {SAMPLE_US} µs: capture the servo once ('servoid capture -o rec.csv'), identify that ('servoid identify rec.csv -o model.json') and plan with --model model.json; or leave --model out, and a simulated servo is assumed"
                     );
                 }
-                Assumed {
-                    name: format!("the servo of {}", path.display()),
-                    model,
-                }
+                Assumed::of_model(format!("the servo of {}", path.display()), model)
             }
             None => Assumed::simulated(&self.servo)?,
         };

@@ -30,6 +30,16 @@ impl Answer {
 /// The smallest number of levels of which a curve can be told from a straight line.
 const LEVELS: usize = 3;
 
+/// Of a detector's sentence on a recording that does not tell, what to record instead: there is no recording.
+fn instead(statement: &str) -> String {
+    let what = statement
+        .split_once(": ")
+        .map_or(statement, |(_, what)| what);
+    let mut letters = what.chars();
+    let first = letters.next().into_iter().flat_map(char::to_uppercase);
+    first.chain(letters).collect()
+}
+
 /// Every question.
 pub(super) fn of(pilot: &Model, record: &Record) -> Vec<Answer> {
     let limits = Limits::of(record, pilot);
@@ -42,7 +52,7 @@ pub(super) fn of(pilot: &Model, record: &Record) -> Vec<Answer> {
     let silent_end = ends.and_then(|ends| ends.iter().find(|end| end.softens.is_none()));
     let mut levels: Vec<f64> = limits.levels.iter().map(|cell| cell.command).collect();
     levels.dedup();
-    let why_not = |statement: Option<&str>| statement.unwrap_or_default().to_owned();
+    let why_not = |statement: Option<&str>| instead(statement.unwrap_or_default());
     vec![
         Answer::new(
             "do strokes up and down differ",
@@ -61,14 +71,14 @@ pub(super) fn of(pilot: &Model, record: &Record) -> Vec<Answer> {
         Answer::new(
             "does the rest position depend on the direction of approach (hysteresis)",
             limits.hysteresis.found.is_some(),
-            limits.hysteresis.statement.clone(),
+            instead(&limits.hysteresis.statement),
         ),
         Answer::new(
             "does the travel end within the range",
             ends.is_some() && silent_end.is_none(),
             silent_end.map_or_else(
                 || "No level is held long enough to see where the servo rests.".to_owned(),
-                |end| end.statement.clone(),
+                |end| instead(&end.statement),
             ),
         ),
         Answer::new(

@@ -14,6 +14,11 @@ pub struct Assumed {
     pub name: String,
     /// Its response, and its noise.
     pub model: Model,
+    /// How it is simulated with all that is not linear in it; `None` where only its model is known, which
+    /// is linear.
+    pub simulation: Option<SimulationOptions>,
+    /// White noise of this standard deviation in the place of the simulation's own (deg).
+    pub white_noise: Option<f64>,
 }
 
 /// Why there is nothing to assume. The text says what is wrong.
@@ -50,7 +55,20 @@ impl Assumed {
         Ok(Self {
             name: format!("the simulated servo '{name}'"),
             model: identify(&record, &Options::default())?,
+            simulation: Some(options.clone()),
+            white_noise: None,
         })
+    }
+
+    /// A servo of which a model is known.
+    #[must_use]
+    pub fn of_model(name: String, model: Model) -> Self {
+        Self {
+            name,
+            model,
+            simulation: None,
+            white_noise: None,
+        }
     }
 
     /// The same servo with white noise of this standard deviation (deg).
@@ -60,6 +78,7 @@ impl Assumed {
             ar: Vec::new(),
             sigma,
         };
+        self.white_noise = Some(sigma);
         self
     }
 }

@@ -1,9 +1,11 @@
 //! What a run will tell before it is made: how wide the band of the step response will be, where the
 //! reference has its power, and what it cannot answer at all.
 //!
-//! The width of a band depends on the reference, on the noise, and on how long the response lasts; the
-//! response itself does not enter. So it can be computed beforehand from the covariance that generalised
-//! least squares will have, σ² (Z_D'Z_D)^-1, for this reference's own regressor Z under a stated noise
+//! Runs of a simulated servo are identified as real ones will be: what is not linear in it widens the band, and
+//! only trying shows by how much. Where only a model is known, nothing but the linear part can be told. There the
+//! width of a band depends on the reference, on the noise, and on how long the response lasts; the response
+//! itself does not enter. So it can be computed beforehand from the covariance that generalised least squares
+//! will have, σ² (Z_D'Z_D)^-1, for this reference's own regressor Z under a stated noise
 //! σ, D. Only the structure (N, n) is not known before the data are: it is what identification itself
 //! chooses on simulated runs of the assumed servo.
 
@@ -24,6 +26,7 @@ use pilot::Expected;
 use serde::Serialize;
 use servoid_identification::metrics::Metrics;
 use servoid_identification::step::StepResponse;
+use servoid_identification::structure::MARGIN;
 use servoid_identification::{Error, Model};
 use servoid_protocol::Reference;
 
@@ -44,6 +47,22 @@ pub struct Question {
     pub wanted_percent: Option<f64>,
 }
 
+impl Question {
+    /// Whether the plan holds for a linear servo alone: its model is all that is known, and the reference does
+    /// not let it rest.
+    fn relies_on_linearity(&self) -> bool {
+        let Assumed {
+            model, simulation, ..
+        } = &self.assumed;
+        let settling_s = model.structure.settling_samples as f64 * model.sample_period_s;
+        // N is a margin longer than the response.
+        simulation.is_none() && !rests(&self.reference, settling_s / MARGIN)
+    }
+}
+
+/// Simulated identifications behind each line of the table of references.
+const PILOTS_OF_ALTERNATIVES: u64 = 3;
+
 /// How wide the bands are (percent of the step, half of the width).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Widths {
@@ -57,6 +76,9 @@ pub struct Widths {
     pub mean_pointwise_percent: f64,
     /// The part of each that more runs do not narrow: what frequencies without power may hide.
     pub bias_percent: f64,
+    /// The part of the widest that comes from a servo that is not linear, and that more runs do not narrow
+    /// either: they repeat it.
+    pub beyond_noise_percent: f64,
 }
 
 impl Widths {
@@ -73,6 +95,7 @@ impl Widths {
             mean_percent: 100.0 * whole,
             mean_pointwise_percent: 100.0 * pointwise,
             bias_percent: 100.0 * step.truncation_bias,
+            beyond_noise_percent: 0.0,
         }
     }
 
@@ -85,12 +108,19 @@ impl Widths {
             mean_percent: mean(|w| w.mean_percent),
             mean_pointwise_percent: mean(|w| w.mean_pointwise_percent),
             bias_percent: mean(|w| w.bias_percent),
+            beyond_noise_percent: mean(|w| w.beyond_noise_percent),
         }
+    }
+
+    /// What stays of the widest however many runs there are.
+    fn stays_percent(&self) -> f64 {
+        self.bias_percent + self.beyond_noise_percent
     }
 
     /// Where it is widest, after so many times the data: the noise's part shrinks with the root.
     fn widest_after(&self, times: f64) -> f64 {
-        (self.widest_percent - self.bias_percent) / times.sqrt() + self.bias_percent
+        let stays = self.stays_percent();
+        (self.widest_percent - stays).max(0.0) / times.sqrt() + stays
     }
 }
 
@@ -118,6 +148,9 @@ pub struct Alternative {
     /// What the band would be after one minute of such runs: what makes references of different length
     /// comparable.
     pub widest_percent_in_a_minute: Option<f64>,
+    /// Whether these figures hold for a linear servo alone: its model is all that is known, and it does not
+    /// rest on the way.
+    pub only_if_linear: bool,
     /// What is needed for the wanted band.
     pub needed: Option<Needed>,
     /// What it answers beside the linear response.
@@ -155,9 +188,11 @@ pub struct Plan {
     pub spectrum: Spectrum,
     /// What it answers, and what it cannot.
     pub answers: Vec<Answer>,
+    /// Whether all this holds for a linear servo alone.
+    pub only_if_linear: bool,
     /// What is needed for the wanted band.
     pub needed: Option<Needed>,
-    /// All references beside each other.
+    /// All references beside each other, the best first.
     pub alternatives: Vec<Alternative>,
     /// The assumed servo's response with the bounds that are to be expected.
     #[serde(skip)]
@@ -189,6 +224,7 @@ impl Plan {
             metrics: Metrics::of_model(&expected.model)?,
             spectrum: Spectrum::of(question),
             answers: answers::of(&expected.pilot, &expected.record),
+            only_if_linear: question.relies_on_linearity(),
             needed: needed(question, &band),
             alternatives: alternatives(question),
             step: expected.model.step,
@@ -203,11 +239,11 @@ fn run_s(reference: &Reference) -> f64 {
 
 /// K times the runs narrow the noise's part of the band by the square root of K: their information adds
 /// up. (A longer N, chosen where more data show more of the response, costs some of that.) `None` where no
-/// width is wanted, or where what frequencies without power may hide is wider already.
+/// width is wanted, or where what more runs do not narrow is wider already.
 fn needed(question: &Question, band: &Widths) -> Option<Needed> {
     let band_percent = question.wanted_percent?;
-    let room = band_percent - band.bias_percent;
-    let times = ((band.widest_percent - band.bias_percent) / room).powi(2);
+    let room = band_percent - band.stays_percent();
+    let times = ((band.widest_percent - band.stays_percent()) / room).powi(2);
     let runs = (times * question.runs as f64).ceil().max(1.0);
     (room > 0.0).then_some(Needed {
         band_percent,
@@ -233,24 +269,51 @@ fn alternatives(question: &Question) -> Vec<Alternative> {
         ..Wish::default()
     });
     // At an amplitude at which one of them cannot be, it is no alternative.
-    let granted = wishes
-        .iter()
-        .filter_map(|wish| wish.grant(question.us_per_degree).ok());
-    granted
-        .map(|granted| {
-            alternative(&Question {
-                reference: granted.reference,
-                runs: 1,
-                ..question.clone()
-            })
+    let questions = wishes.iter().filter_map(|wish| {
+        let granted = wish.grant(question.us_per_degree).ok()?;
+        Some(Question {
+            reference: granted.reference,
+            runs: 1,
+            ..question.clone()
         })
-        .collect()
+    });
+    let mut all: Vec<Alternative> = std::thread::scope(|scope| {
+        let threads: Vec<_> = questions
+            .map(|question| scope.spawn(move || alternative(&question)))
+            .collect();
+        threads
+            .into_iter()
+            .filter_map(|thread| thread.join().ok())
+            .collect()
+    });
+    let rank = |a: &Alternative| {
+        let width = a.widest_percent_in_a_minute.unwrap_or(f64::INFINITY);
+        (a.only_if_linear, width)
+    };
+    all.sort_by(|a, b| {
+        let ((a_linear, a), (b_linear, b)) = (rank(a), rank(b));
+        a_linear.cmp(&b_linear).then(a.total_cmp(&b))
+    });
+    all
+}
+
+/// Whether the servo rests on the way, for as long as it takes to settle. What it does while it is still under
+/// way depends on where it comes from, unless it is linear.
+fn rests(reference: &Reference, settling_s: f64) -> bool {
+    let is_long_enough = |frames: u16| seconds(frames.into()) >= settling_s;
+    match reference {
+        Reference::Staircase(staircase) => is_long_enough(staircase.longest_hold_frames),
+        Reference::Stairs(stairs) => is_long_enough(stairs.hold_frames),
+        Reference::Prbs(prbs) => is_long_enough(prbs.chip_frames),
+        Reference::Steps(steps) => steps.held().any(|step| is_long_enough(step.hold_frames)),
+        Reference::Sweep(_) | Reference::Multisine(_) => false,
+    }
 }
 
 fn alternative(question: &Question) -> Alternative {
     const MINUTE_S: f64 = 60.0;
     let run_s = run_s(&question.reference);
-    let expected = Expected::of(question).ok();
+    let expected = Expected::of_pilots(question, PILOTS_OF_ALTERNATIVES).ok();
     let band = expected.as_ref().map(|e| e.band);
     let answers = expected.map_or_else(Vec::new, |e| answers::of(&e.pilot, &e.record));
     Alternative {
@@ -258,6 +321,7 @@ fn alternative(question: &Question) -> Alternative {
         run_s,
         widest_percent: band.map(|b| b.widest_percent),
         widest_percent_in_a_minute: band.map(|b| b.widest_after(MINUTE_S / run_s)),
+        only_if_linear: question.relies_on_linearity(),
         needed: band.and_then(|b| needed(question, &b)),
         answers: answers
             .into_iter()

@@ -1,6 +1,7 @@
 //! Simulated runs for the structure, and the covariance that they will have.
 
 use super::{Question, Widths};
+use crate::rig::capture::ROLL_FRAMES;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -10,7 +11,9 @@ use servoid_identification::moments::Moments;
 use servoid_identification::normal::{Coordinates, Information};
 use servoid_identification::step::StepResponse;
 use servoid_identification::{Error, Model, NoiseOrder, Options, Record, Run, identify};
+use servoid_protocol::Degrees;
 use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
+use servoid_simulator::{SERVO_SCALE, SimulationOptions, simulate};
 
 /// Simulated identifications. Each may choose another N: widths are the mean over them, and the one with
 /// the middle N is shown.
@@ -23,8 +26,8 @@ const RUN_UP: usize = 2_000;
 pub(super) struct Expected {
     /// How wide the bands will be.
     pub band: Widths,
-    /// A model as it will be, but for its noise being known: the response of the assumed servo with the
-    /// covariance that generalised least squares has at the assumed noise.
+    /// A model as it will be. Of a servo that is known by its model alone: its response, with the covariance
+    /// that generalised least squares has at the assumed noise. Of a simulated one: the pilot.
     pub model: Model,
     /// One identification of a simulated run.
     pub pilot: Model,
@@ -32,25 +35,50 @@ pub(super) struct Expected {
     pub record: Record,
 }
 
+/// Widths of single runs scatter by some 20 %: more than this much beyond what noise explains is the
+/// servo's own.
+const SCATTER: f64 = 1.25;
+
 impl Expected {
     pub(super) fn of(question: &Question) -> Result<Self, Error> {
+        Self::of_pilots(question, PILOTS)
+    }
+
+    /// As [`Expected::of`], from so many pilots.
+    pub(super) fn of_pilots(question: &Question, pilots: u64) -> Result<Self, Error> {
         let options = Options {
             level: question.level,
             ..Options::default()
         };
-        let mut pilots = Vec::new();
-        for seed in 1..=PILOTS {
+        let mut all = Vec::new();
+        for seed in 1..=pilots {
             let record = simulated(question, seed)?;
             let pilot = identify(&record, &options)?;
             let model = with_known_noise(question, &pilot, &record)?;
-            pilots.push((model, pilot, record));
+            all.push((model, pilot, record));
         }
-        pilots.sort_by_key(|(model, ..)| model.structure.settling_samples);
-        let widths: Vec<_> = pilots.iter().map(|(m, ..)| Widths::of(&m.step)).collect();
-        let (model, pilot, record) = pilots.swap_remove(pilots.len() / 2);
+        all.sort_by_key(|(model, ..)| model.structure.settling_samples);
+        let linear: Vec<_> = all.iter().map(|(m, ..)| Widths::of(&m.step)).collect();
+        let found: Vec<_> = all.iter().map(|(_, p, _)| Widths::of(&p.step)).collect();
+        let (model, pilot, record) = all.swap_remove(all.len() / 2);
+        let linear = Widths::mean(&linear);
+        if question.assumed.simulation.is_none() {
+            return Ok(Self {
+                band: linear,
+                model,
+                pilot,
+                record,
+            });
+        }
+        let found = Widths::mean(&found);
+        let is_its_own = found.widest_percent > SCATTER * linear.widest_percent;
+        let beyond = found.widest_percent - linear.widest_percent;
         Ok(Self {
-            band: Widths::mean(&widths),
-            model,
+            band: Widths {
+                beyond_noise_percent: if is_its_own { beyond } else { 0.0 },
+                ..found
+            },
+            model: pilot.clone(),
             pilot,
             record,
         })
@@ -68,18 +96,59 @@ pub(super) fn input(question: &Question) -> Vec<f64> {
 
 /// Runs of the assumed servo, which comes from rest at neutral.
 pub(super) fn simulated(question: &Question, seed: u64) -> Result<Record, Error> {
-    let model = &question.assumed.model;
     let input = input(question);
-    let undisturbed = model.simulate_input(&input, Some(0.0));
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let runs: Result<Vec<Run>, Error> = (0..question.runs)
-        .map(|_| {
-            let noise = noise(&mut random, model, input.len());
-            let output: Vec<f64> = undisturbed.iter().zip(noise).map(|(y, v)| y + v).collect();
+        .map(|run| {
+            let output = match &question.assumed.simulation {
+                Some(options) => {
+                    let seed = options.seed.wrapping_add(1_000 * seed + run as u64);
+                    let options = SimulationOptions {
+                        seed,
+                        ..options.clone()
+                    };
+                    played(question, &options, &mut random)?
+                }
+                None => of_model(&question.assumed.model, &input, &mut random),
+            };
             Run::new(input.clone(), output)
         })
         .collect();
     Record::new(f64::from(SAMPLE_US) * 1e-6, runs?)
+}
+
+/// The answer of the model, in its noise (deg).
+fn of_model(model: &Model, input: &[f64], random: &mut ChaCha8Rng) -> Vec<f64> {
+    let undisturbed = model.simulate_input(input, Some(0.0));
+    let noise = noise(random, model, input.len());
+    undisturbed.iter().zip(noise).map(|(y, v)| y + v).collect()
+}
+
+/// The answer of the simulated servo, of which a microsecond is a tenth of a degree whatever the rig's own
+/// scale (deg).
+fn played(
+    question: &Question,
+    options: &SimulationOptions,
+    random: &mut ChaCha8Rng,
+) -> Result<Vec<f64>, Error> {
+    let pulse =
+        |offset: i16| SERVO_SCALE.pulse(Degrees(f64::from(offset) / question.us_per_degree));
+    let rest = usize::from(ROLL_FRAMES);
+    let neutral = std::iter::repeat_n(0, rest);
+    let pulses = neutral.chain(question.reference.offsets_us()).map(pulse);
+    // The assumed model has been made with these options already: they are sound.
+    let frames = simulate(options, pulses).map_err(|_| Error::AllMissing { column: "output" })?;
+    let mut output = Vec::new();
+    for frame in frames.skip(rest) {
+        match question.assumed.white_noise {
+            None => output.extend(frame.degrees()),
+            Some(sigma) => output.extend(frame.angles.map(|angle| {
+                let white: f64 = StandardNormal.sample(random);
+                angle + sigma * white
+            })),
+        }
+    }
+    Ok(output)
 }
 
 /// v = ε/D(z).

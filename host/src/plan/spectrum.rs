@@ -45,7 +45,10 @@ pub struct Spectrum {
     pub rms_deg: f64,
     /// Below this lies 99 % of the power (Hz).
     pub most_below_hz: f64,
-    /// Up to here the servo's answer stands above the noise, octave by octave (Hz).
+    /// From here on (Hz) ...
+    pub above_noise_from_hz: f64,
+    /// ... up to here the servo's answer stands above the noise, octave by octave (Hz); 0 where it does
+    /// nowhere.
     pub above_noise_up_to_hz: f64,
     /// Where the reference has its first gap, if it has one by its making (Hz).
     pub first_gap_hz: Option<f64>,
@@ -89,12 +92,20 @@ impl Spectrum {
             }
             sum += line.reference;
         }
-        let above = octaves.iter().take_while(|o| o.signal_to_noise_db > 0.0);
+        // A short table may have nothing at all in the lowest octaves.
+        let is_above = |octave: &&Octave| octave.signal_to_noise_db > 0.0;
+        let mut above = octaves
+            .iter()
+            .skip_while(|o| !is_above(o))
+            .take_while(is_above);
+        let lowest = above.next();
+        let highest = above.last().or(lowest);
         Self {
             crest_factor: peak / rms,
             rms_deg: rms,
             most_below_hz,
-            above_noise_up_to_hz: above.last().map_or(0.0, |octave| octave.to_hz),
+            above_noise_from_hz: lowest.map_or(0.0, |octave| octave.from_hz),
+            above_noise_up_to_hz: highest.map_or(0.0, |octave| octave.to_hz),
             first_gap_hz: first_gap_hz(&question.reference),
             octaves,
             lines: densities(&lines, model),

@@ -2,10 +2,13 @@ use super::pilot::simulated;
 use super::*;
 use servoid_identification::noise::Noise;
 use servoid_identification::{Options, identify};
+use servoid_protocol::reference::{Step, Steps};
 
 fn question(kind: &str, noise: Noise) -> Question {
     let mut assumed = Assumed::simulated(&"linear".parse().unwrap()).unwrap();
     assumed.model.noise = noise;
+    // Its model alone: for the linear servo that is all, but for the noise that a test wants.
+    assumed.simulation = None;
     let wish = Wish {
         kind: kind.parse().unwrap(),
         ..Wish::default()
@@ -98,6 +101,13 @@ fn four_runs_halve_the_band_as_the_figures_of_what_is_needed_say() {
         ..band
     };
     assert_eq!(super::needed(&one, &hidden), None);
+    // Nor does what the servo repeats in every run.
+    let repeated = Widths {
+        beyond_noise_percent: 0.1,
+        ..band
+    };
+    assert_eq!(super::needed(&one, &repeated), None);
+    assert!(repeated.widest_after(1e6) > 0.1);
     assert!((needed.seconds - runs * (63.0 * 0.16 + 1.6)).abs() < 1e-9);
 }
 
@@ -117,6 +127,97 @@ fn stairs_answer_what_the_staircase_cannot() {
     assert_eq!(answered("staircase"), [true, false, false, false, false]);
     assert_eq!(answered("stairs"), [true; 5]);
     assert_eq!(answered("prbs")[1..], [false; 4]);
+}
+
+/// A plan for a simulated servo that is not linear is what identification then finds: within the scatter of
+/// single runs, which is a few per cent where noise makes the band, and where the servo makes it a third.
+#[test]
+fn what_is_not_linear_in_a_servo_widens_the_planned_band_as_it_widens_the_found_one() {
+    let bench = Assumed::simulated(&"bench".parse().unwrap()).unwrap();
+    let planned = |hold_s: f64| {
+        let wish = Wish {
+            kind: Kind::Prbs,
+            hold_s: Some(hold_s),
+            ..Wish::default()
+        };
+        let question = Question {
+            reference: wish.grant(10.0).unwrap().reference,
+            assumed: bench.clone(),
+            ..question("prbs", white())
+        };
+        let record = simulated(&question, 99).unwrap();
+        let found = Widths::of(&identify(&record, &Options::default()).unwrap().step);
+        let planned = Expected::of_pilots(&question, 2).unwrap().band;
+        let ratio = planned.widest_percent / found.widest_percent;
+        assert!(
+            (0.67..1.5).contains(&ratio),
+            "{hold_s} s: {planned:?} {found:?}"
+        );
+        planned
+    };
+    let (short, long) = (planned(0.06), planned(0.16));
+    assert!(
+        short.widest_percent > 10.0 * long.widest_percent,
+        "{short:?} {long:?}"
+    );
+    assert!(short.beyond_noise_percent > 0.9 * short.widest_percent - 1.0);
+    assert_eq!(long.beyond_noise_percent, 0.0);
+}
+
+/// What the plan says is answered, the detectors answer on a recording of it.
+#[test]
+fn stairs_answer_on_servos_that_are_not_linear_what_the_plan_says() {
+    for servo in ["bench", "aircraft"] {
+        let assumed = Assumed::simulated(&servo.parse().unwrap()).unwrap();
+        let question = Question {
+            assumed,
+            ..question("stairs", white())
+        };
+        let pilot = Expected::of_pilots(&question, 1).unwrap();
+        let planned = answers::of(&pilot.pilot, &pilot.record);
+        let record = simulated(&question, 77).unwrap();
+        let found = answers::of(&identify(&record, &Options::default()).unwrap(), &record);
+        for (planned, found) in planned.iter().zip(&found) {
+            assert!(
+                planned.answered && found.answered,
+                "{servo}: {planned:?} {found:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn references_that_do_not_let_a_servo_rest_rank_behind_where_only_a_model_is_known() {
+    let question = question("staircase", white());
+    let all = alternatives(&question);
+    let linear: Vec<_> = all
+        .iter()
+        .map(|a| (a.reference, a.only_if_linear))
+        .collect();
+    let first = linear.iter().position(|(_, only)| *only).unwrap();
+    assert!(linear[first..].iter().all(|(_, only)| *only), "{linear:?}");
+    assert!(
+        linear[first..].iter().any(|(name, _)| *name == "sweep"),
+        "{linear:?}"
+    );
+    assert!(
+        linear[..first].iter().any(|(name, _)| *name == "staircase"),
+        "{linear:?}"
+    );
+}
+
+#[test]
+fn nothing_in_the_lowest_octave_is_not_nothing_at_all() {
+    let mut question = question("prbs", white());
+    // Up and down five times a second: lines at multiples of 5 Hz, and nothing between them.
+    let doublet = [50, -50].map(|offset_us| Step {
+        offset_us,
+        hold_frames: 5,
+    });
+    question.reference = Reference::Steps(Steps::new(20, &doublet).unwrap());
+    let spectrum = Spectrum::of(&question);
+    assert_eq!(spectrum.above_noise_from_hz, 4.0);
+    assert!(spectrum.above_noise_up_to_hz >= 8.0, "{spectrum:?}");
 }
 
 #[test]

@@ -49,11 +49,19 @@ fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
         "  step band   +-{:.2} % whole curve where it is widest, +-{:.2} % on average; +-{:.2} % each point ({level} %, of the step)",
         band.widest_percent, band.mean_percent, band.mean_pointwise_percent
     )?;
-    writeln!(
-        text,
-        "              as far as the servo is linear: where its speed limit, dead band or friction show, references that\n              \
-                       change before it rests (prbs with short holds, sines) give wider bands than that, or none"
-    )?;
+    if plan.only_if_linear {
+        writeln!(
+            text,
+            "              for a linear servo: this reference does not let it rest, and where its speed limit, dead band\n              or friction show, the band is wider than that"
+        )?;
+    }
+    if band.beyond_noise_percent > 0.0 {
+        writeln!(
+            text,
+            "              of which +-{:.2} % is what is not linear in this servo: more runs do not narrow it, holds in which it\n              comes to rest do",
+            band.beyond_noise_percent
+        )?;
+    }
     if band.bias_percent > 0.0 {
         writeln!(
             text,
@@ -98,11 +106,15 @@ fn write_spectrum(text: &mut String, plan: &Plan) -> std::fmt::Result {
     let spectrum = &plan.spectrum;
     writeln!(
         text,
-        "\nWhere its power is: {:.2} deg rms, crest factor {:.2}, 99 % below {:.1} Hz; the answer is above the noise up to {} Hz{}",
+        "\nWhere its power is: {:.2} deg rms, crest factor {:.2}, 99 % below {:.1} Hz; the answer is above the noise {}{}",
         spectrum.rms_deg,
         spectrum.crest_factor,
         spectrum.most_below_hz,
-        spectrum.above_noise_up_to_hz,
+        match (spectrum.above_noise_from_hz, spectrum.above_noise_up_to_hz) {
+            (_, 0.0) => "nowhere".to_owned(),
+            (0.0, high) => format!("up to {high} Hz"),
+            (low, high) => format!("from {low} to {high} Hz"),
+        },
         match spectrum.first_gap_hz {
             Some(hz) => format!("; no power at multiples of {hz:.2} Hz"),
             None => String::new(),
@@ -130,7 +142,7 @@ fn write_spectrum(text: &mut String, plan: &Plan) -> std::fmt::Result {
 fn write_alternatives(text: &mut String, alternatives: &[Alternative]) -> std::fmt::Result {
     writeln!(
         text,
-        "\nAll references at this amplitude, without further options (the band where it is widest)"
+        "\nAll references at this amplitude, without further options, the best first (the band where it is widest)"
     )?;
     writeln!(
         text,
@@ -142,12 +154,17 @@ fn write_alternatives(text: &mut String, alternatives: &[Alternative]) -> std::f
         let needed = alternative.needed.as_ref();
         writeln!(
             text,
-            "  {:10} {:>8.1} {:>9} {:>13}  {}{}",
+            "  {:10} {:>8.1} {:>9} {:>13}  {}{}{}",
             alternative.reference,
             alternative.run_s,
             percent(alternative.widest_percent),
             percent(alternative.widest_percent_in_a_minute),
             alternative.answers.len(),
+            if alternative.only_if_linear {
+                " (only if the servo is linear)"
+            } else {
+                ""
+            },
             needed.map_or_else(String::new, |n| format!(
                 "; +-{} % needs {}",
                 n.band_percent,
@@ -160,8 +177,12 @@ fn write_alternatives(text: &mut String, alternatives: &[Alternative]) -> std::f
 
 /// Which does best at what.
 fn advice(alternatives: &[Alternative]) -> String {
+    // In a table of linear figures, those that hold for any servo go before the others.
+    let holds =
+        |a: &&Alternative| !a.only_if_linear || alternatives.iter().all(|a| a.only_if_linear);
     let narrowest = alternatives
         .iter()
+        .filter(holds)
         .filter_map(|a| Some((a.reference, a.widest_percent_in_a_minute?)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
     // Of equals the first: max_by_key would take the last.
