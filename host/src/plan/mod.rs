@@ -60,8 +60,9 @@ impl Question {
     }
 }
 
-/// Simulated identifications behind each line of the table of references.
-const PILOTS_OF_ALTERNATIVES: u64 = 3;
+/// Simulated identifications behind each line of the table of references: what tells them apart is far more
+/// than the scatter of one.
+const PILOTS_OF_ALTERNATIVES: u64 = 1;
 
 /// How wide the bands are (percent of the step, half of the width).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -76,8 +77,8 @@ pub struct Widths {
     pub mean_pointwise_percent: f64,
     /// The part of each that more runs do not narrow: what frequencies without power may hide.
     pub bias_percent: f64,
-    /// The part of the widest that comes from a servo that is not linear, and that more runs do not narrow
-    /// either: they repeat it.
+    /// The part of the widest that runs of a simulated servo have beyond what noise explains, the bias
+    /// included: they repeat it, so that more of them do not narrow it.
     pub beyond_noise_percent: f64,
 }
 
@@ -114,7 +115,7 @@ impl Widths {
 
     /// What stays of the widest however many runs there are.
     fn stays_percent(&self) -> f64 {
-        self.bias_percent + self.beyond_noise_percent
+        self.bias_percent.max(self.beyond_noise_percent)
     }
 
     /// Where it is widest, after so many times the data: the noise's part shrinks with the root.

@@ -71,8 +71,9 @@ impl Expected {
             });
         }
         let found = Widths::mean(&found);
-        let is_its_own = found.widest_percent > SCATTER * linear.widest_percent;
-        let beyond = found.widest_percent - linear.widest_percent;
+        let noise = linear.widest_percent - linear.bias_percent;
+        let is_its_own = found.widest_percent > SCATTER * noise;
+        let beyond = found.widest_percent - noise;
         Ok(Self {
             band: Widths {
                 beyond_noise_percent: if is_its_own { beyond } else { 0.0 },

@@ -160,8 +160,15 @@ fn what_is_not_linear_in_a_servo_widens_the_planned_band_as_it_widens_the_found_
         short.widest_percent > 10.0 * long.widest_percent,
         "{short:?} {long:?}"
     );
-    assert!(short.beyond_noise_percent > 0.9 * short.widest_percent - 1.0);
-    assert_eq!(long.beyond_noise_percent, 0.0);
+    // Most of it stays, however many runs there are.
+    assert!(
+        short.stays_percent() > 0.5 * short.widest_percent,
+        "{short:?}"
+    );
+    assert!(
+        long.beyond_noise_percent < 0.5 * long.widest_percent,
+        "{long:?}"
+    );
 }
 
 /// What the plan says is answered, the detectors answer on a recording of it.

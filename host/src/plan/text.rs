@@ -58,11 +58,10 @@ fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
     if band.beyond_noise_percent > 0.0 {
         writeln!(
             text,
-            "              of which +-{:.2} % is what is not linear in this servo: more runs do not narrow it, holds in which it\n              comes to rest do",
+            "              of which +-{:.2} % is not noise: the servo is not linear, or frequencies without power hide it. More runs\n              do not narrow that; holds in which the servo comes to rest do",
             band.beyond_noise_percent
         )?;
-    }
-    if band.bias_percent > 0.0 {
+    } else if band.bias_percent > 0.0 {
         writeln!(
             text,
             "              of which +-{:.2} % is what frequencies without power may hide: more runs do not narrow it",
