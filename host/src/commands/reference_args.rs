@@ -21,7 +21,7 @@ pub(super) struct ReferenceArgs {
     amplitude: Option<f64>,
     /// How long each level of stairs or each chip of prbs is held [default: 1.2 and 0.16]. Servos that
     /// are not linear, as most are, answer a hold that ends before they rest in another way than a longer
-    /// one: with chips of 0.02 s the band of the simulated bench servo is seventy times as wide
+    /// one: with chips of 0.02 s the band of the simulated bench servo is thirty times as wide, or more
     #[arg(long, value_name = "SECONDS")]
     hold: Option<f64>,
     /// How long the reference takes, as near as whole cycles come [default: about 10, stairs 48; a

@@ -154,7 +154,7 @@ const LEVELS: u16 = 5;
 /// N = 85 from 1.2 s on, with 1.4 % and all of them (aircraft: N = 121, 2.3 %).
 const STAIRS_HOLD_S: f64 = 1.2;
 /// A third longer than the paper's servo takes to settle (0.12 s). A servo that is not linear does not answer
-/// chips that end before it rests as it answers longer ones: on the simulated bench servo the band is 29 % at
+/// chips that end before it rests as it answers longer ones: on the simulated bench servo the band is 14 to 29 % at
 /// 0.02 s, 13 % at 0.06 s, 1.3 % at 0.08 s, and 0.42 % from 0.12 to 0.16 s; on the aircraft 22, 15, 4.8 and 3 %.
 /// On the linear one it is 0.45 to 0.65 % at all of them.
 const CHIP_S: f64 = 0.16;
