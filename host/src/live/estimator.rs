@@ -3,10 +3,15 @@
 use servoid_identification::moments::MomentStream;
 use servoid_identification::options::Settling;
 use servoid_identification::{Error, Model, Options, Record, Run, identify, identify_moments};
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
 /// The settling time is chosen anew when there are so many times the samples of the last choice: then
 /// all choices together cost no more than a few times the last one, however long the run.
 const CHOOSE_AGAIN: f64 = 1.25;
+
+/// Samples that are kept for choosing the settling time anew: those of the longest run that a board can
+/// make, 10 MB. Beyond them the settling time stays, and the moments go on.
+const MOST_KEPT: usize = u16::MAX as usize * SAMPLES_PER_FRAME;
 
 /// The largest order of noise that is looked for, as lags that the moments need beyond N.
 const NOISE_LAGS: usize = 8;
@@ -61,7 +66,8 @@ impl LiveStep {
 /// Samples of one run or more, and step responses of them.
 ///
 /// Choosing the settling time N costs a pass over all samples; with N fixed, moments that are kept up
-/// to date give the step response at a cost that does not grow with the run.
+/// to date give the step response at a cost that does not grow with the run. Memory is bounded too: N is
+/// chosen among the samples of the longest run at most, 10 MB, and stays from then on.
 ///
 /// ```
 /// use servoid::live::Estimator;
@@ -83,7 +89,9 @@ impl LiveStep {
 pub struct Estimator {
     period_s: f64,
     options: Options,
-    runs: Vec<(Vec<f64>, Vec<f64>)>,
+    /// Input and output run by run, until there are too many of them.
+    runs: Option<Vec<(Vec<f64>, Vec<f64>)>>,
+    most_kept: usize,
     samples: usize,
     /// Samples that there were when N was chosen.
     chosen_at: usize,
@@ -98,7 +106,8 @@ impl Estimator {
         Self {
             period_s,
             options,
-            runs: Vec::new(),
+            runs: Some(Vec::new()),
+            most_kept: MOST_KEPT,
             samples: 0,
             chosen_at: 0,
             chosen: None,
@@ -107,7 +116,9 @@ impl Estimator {
 
     /// Another run begins: what was before has nothing to do with what comes.
     pub fn begin_run(&mut self) {
-        self.runs.push((Vec::new(), Vec::new()));
+        if let Some(runs) = &mut self.runs {
+            runs.push((Vec::new(), Vec::new()));
+        }
         if let Some((_, stream)) = &mut self.chosen {
             stream.begin_run(None);
         }
@@ -119,16 +130,33 @@ impl Estimator {
     /// When the slices differ in length.
     pub fn push(&mut self, input: &[f64], output: &[f64]) {
         assert_eq!(input.len(), output.len(), "one output per input");
-        if self.runs.is_empty() {
-            self.begin_run();
+        if self.runs.is_some() && self.samples + input.len() > self.most_kept {
+            self.let_go();
         }
-        if let Some((u, y)) = self.runs.last_mut() {
-            u.extend(input);
-            y.extend(output);
+        if let Some(runs) = &mut self.runs {
+            if runs.is_empty() {
+                runs.push((Vec::new(), Vec::new()));
+            }
+            if let Some((u, y)) = runs.last_mut() {
+                u.extend(input);
+                y.extend(output);
+            }
         }
         self.samples += input.len();
         if let Some((_, stream)) = &mut self.chosen {
             stream.push(input, output);
+        }
+    }
+
+    /// Chooses N a last time and lets go of the samples. Where they allow no choice, all begins anew
+    /// with those that come.
+    fn let_go(&mut self) {
+        let _may_not_be_found = self.estimate_anew();
+        if self.chosen.is_some() {
+            self.runs = None;
+        } else {
+            self.runs = Some(Vec::new());
+            self.samples = 0;
         }
     }
 
@@ -139,25 +167,22 @@ impl Estimator {
     pub fn estimate(&mut self) -> Result<LiveStep, Error> {
         let again = self.samples as f64 >= CHOOSE_AGAIN * self.chosen_at as f64;
         match &self.chosen {
-            Some((settling, stream)) if !again => {
-                let options = Options {
-                    settling: Settling::Samples(*settling),
-                    ..self.options
-                };
-                let found = identify_moments(&stream.moments(), &options)?;
-                Ok(LiveStep::of(&found.model, self.samples))
-            }
+            Some((settling, stream)) if !again => self.of_moments(*settling, stream),
             _ => self.estimate_anew(),
         }
     }
 
     /// The step response that `servoid identify` gives of these samples: nothing is carried over from
-    /// earlier estimates.
+    /// earlier estimates, as long as all samples are kept.
     ///
     /// # Errors
     /// As [`Estimator::estimate`].
     pub fn estimate_anew(&mut self) -> Result<LiveStep, Error> {
-        let runs = self.runs.iter().filter(|(u, _)| !u.is_empty());
+        let all = match (&self.runs, &self.chosen) {
+            (None, Some((settling, stream))) => return self.of_moments(*settling, stream),
+            (runs, _) => runs.as_deref().unwrap_or_default(),
+        };
+        let runs = all.iter().filter(|(u, _)| !u.is_empty());
         let runs: Result<Vec<Run>, Error> =
             runs.map(|(u, y)| Run::new(u.clone(), y.clone())).collect();
         let record = Record::new(self.period_s, runs?)?;
@@ -166,7 +191,7 @@ impl Estimator {
         if self.chosen.as_ref().is_none_or(|(n, _)| *n != settling) {
             let (inputs, outputs) = (settling + NOISE_LAGS, NOISE_LAGS + 1);
             let mut stream = MomentStream::new(self.period_s, inputs, outputs);
-            for (u, y) in &self.runs {
+            for (u, y) in all {
                 stream.begin_run(None);
                 stream.push(u, y);
             }
@@ -174,6 +199,15 @@ impl Estimator {
         }
         self.chosen_at = self.samples;
         Ok(LiveStep::of(&model, self.samples))
+    }
+
+    fn of_moments(&self, settling: usize, stream: &MomentStream) -> Result<LiveStep, Error> {
+        let options = Options {
+            settling: Settling::Samples(settling),
+            ..self.options
+        };
+        let found = identify_moments(&stream.moments(), &options)?;
+        Ok(LiveStep::of(&found.model, self.samples))
     }
 }
 
@@ -229,6 +263,40 @@ mod tests {
         let anew = live.estimate_anew().unwrap();
         let whole = identify(&record, &Options::default()).unwrap();
         assert_eq!(anew.upper, whole.step.simultaneous.upper);
+    }
+
+    #[test]
+    fn a_long_run_is_let_go_of_and_estimated_all_the_same() {
+        let (u, y) = measure(4_000, 5);
+        let with_room_for = |most_kept: usize| {
+            let mut live = Estimator {
+                most_kept,
+                ..Estimator::new(0.002, Options::default())
+            };
+            for (u, y) in u.chunks(10).zip(y.chunks(10)) {
+                live.push(u, y);
+                assert!(live.runs.iter().flatten().map(|r| r.0.len()).sum::<usize>() <= most_kept);
+            }
+            live
+        };
+        let mut short = with_room_for(2_000);
+        assert!(short.runs.is_none());
+        let step = short.estimate_anew().unwrap();
+        assert_eq!(step.samples, 4_000);
+        let settling = step.value.len();
+        let options = Options {
+            settling: Settling::Samples(settling),
+            ..Options::default()
+        };
+        let record = Record::from_slices(0.002, &u, &y).unwrap();
+        let whole = identify(&record, &options).unwrap();
+        for (live, whole) in step.upper.iter().zip(&whole.step.simultaneous.upper) {
+            assert!((live - whole).abs() < 1e-4, "{live} {whole}");
+        }
+        // Too few samples for any choice at a time: nothing is found, and nothing piles up.
+        let mut none = with_room_for(30);
+        assert!(none.runs.is_some() && none.samples <= 30);
+        assert!(none.estimate().is_err());
     }
 
     #[test]

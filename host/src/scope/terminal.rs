@@ -10,6 +10,11 @@ use ratatui::crossterm::terminal::{
 use std::io::{IsTerminal, Stdout, stderr, stdin, stdout};
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::channel;
+use std::time::Duration;
+
+/// What a terminal needs to take a few bytes, a slow connection between included.
+const PATIENCE: Duration = Duration::from_millis(500);
 
 /// Whether the terminal is ours. It is for the whole process: there is one terminal, and a panic or a
 /// signal on any thread has to give it back.
@@ -67,12 +72,19 @@ impl Drop for Screen {
     }
 }
 
-/// Gives the terminal back if it is ours; may be called from anywhere, and often.
+/// Gives the terminal back if it is ours; may be called from anywhere, and often. A terminal that
+/// takes nothing is not waited for.
 pub fn give_back() {
     if TAKEN.swap(false, Ordering::SeqCst) {
-        // Where the terminal itself is gone there is nothing to give back.
-        let _cooked = disable_raw_mode();
-        let _shown = execute!(stdout(), LeaveAlternateScreen, Show);
+        let (ends, ended) = channel::<()>();
+        std::thread::spawn(move || {
+            // Where the terminal itself is gone there is nothing to give back.
+            let _cooked = disable_raw_mode();
+            let _shown = execute!(stdout(), LeaveAlternateScreen, Show);
+            drop(ends);
+        });
+        // If it is still at it, the terminal gets it when it takes something again.
+        let _done_or_stuck = ended.recv_timeout(PATIENCE);
     }
 }
 

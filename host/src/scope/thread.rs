@@ -1,21 +1,42 @@
 //! The scope's own thread.
+//!
+//! A terminal may stop taking what is drawn for as long as it likes: a hung connection, a window that
+//! is held. Nothing of the capture waits for it. What has happened goes into one state, of which the
+//! thread draws a copy whenever the terminal is ready for it, and a thread that is still drawing when
+//! the run is over is left to itself.
 
 use super::draw::draw;
 use super::state::{ScopeEvent, ScopeState};
-use super::terminal::Screen;
+use super::terminal::{self, Screen};
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
-use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::thread::JoinHandle;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// A picture every so often at most, and a key is answered as fast: below what the eye takes for a
 /// stutter, and a few percent of a processor.
 const PICTURE_EVERY: Duration = Duration::from_millis(50);
 
+/// The thread ends within a picture where the terminal takes it: ten times that, for a slow one.
+const LAST_PICTURE: Duration = PICTURE_EVERY.saturating_mul(10);
+
 /// The scope on the terminal. Dropping it gives the terminal back.
 pub struct Scope {
-    events: Option<Sender<ScopeEvent>>,
-    thread: Option<JoinHandle<()>>,
+    shared: Arc<Shared>,
+    /// Nothing ever comes; the other end goes when the thread ends.
+    thread: Receiver<()>,
+}
+
+/// What the capture says and the thread looks at.
+struct Shared(Mutex<(ScopeState, Over)>);
+
+/// Whether there is nothing more to show.
+type Over = bool;
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, (ScopeState, Over)> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Scope {
@@ -25,60 +46,50 @@ impl Scope {
     /// What the system said; the terminal is as it was then.
     pub fn open(state: ScopeState, on_stop: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let screen = Screen::take()?;
-        let (events, queue) = channel();
-        let thread = std::thread::spawn(move || show(screen, &queue, state, &on_stop));
-        Ok(Self {
-            events: Some(events),
-            thread: Some(thread),
-        })
+        let shared = Arc::new(Shared(Mutex::new((state, false))));
+        let theirs = Arc::clone(&shared);
+        let (ends, thread) = channel();
+        std::thread::spawn(move || show(screen, &theirs, &on_stop, ends));
+        Ok(Self { shared, thread })
     }
 
-    /// Tells the scope what has happened; never waits.
+    /// Tells the scope what has happened; never waits for the terminal.
     pub fn tell(&self, event: ScopeEvent) {
-        if let Some(events) = &self.events {
-            // A scope that has failed leaves a capture without a picture, which is no reason to end it.
-            let _nobody_looks = events.send(event);
-        }
+        self.shared.lock().0.apply(event);
     }
 }
 
 impl Drop for Scope {
     fn drop(&mut self) {
-        // The thread ends when nobody can tell it anything any more.
-        self.events = None;
-        if let Some(thread) = self.thread.take() {
-            // It has said on its own screen what was wrong, if anything was.
-            let _panicked = thread.join();
-        }
+        self.shared.lock().1 = true;
+        // It has said on its own screen what was wrong, if anything was.
+        let _ended_or_stuck = self.thread.recv_timeout(LAST_PICTURE);
+        // A thread that is stuck in a picture has not done it.
+        terminal::give_back();
     }
 }
 
-fn show(
-    mut screen: Screen,
-    queue: &Receiver<ScopeEvent>,
-    mut state: ScopeState,
-    on_stop: &dyn Fn(),
-) {
+fn show(mut screen: Screen, shared: &Shared, on_stop: &dyn Fn(), ends: Sender<()>) {
     loop {
-        loop {
-            match queue.try_recv() {
-                Ok(event) => state.apply(event),
-                Err(TryRecvError::Empty) => break,
-                Err(TryRecvError::Disconnected) => return,
-            }
+        // A copy: drawing may take for ever.
+        let (state, over) = shared.lock().clone();
+        if over {
+            break;
         }
         let drawn = screen.draw(|frame| draw(frame, &state));
         let stop = drawn.and_then(|()| wait_for_keys());
         match stop {
             Ok(Some(wish)) if wish == Stop::Now || !state.stopping => {
-                state.stopping = true;
+                shared.lock().0.stopping = true;
                 on_stop();
             }
             Ok(_) => {}
             // The terminal is gone; the capture is not.
-            Err(_) => return,
+            Err(_) => break,
         }
     }
+    drop(screen);
+    drop(ends);
 }
 
 /// What a key asks for.

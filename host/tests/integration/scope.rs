@@ -70,6 +70,29 @@ fn a_signal_stops_the_run_and_gives_the_terminal_back() {
     require_stopped_safely(session, &file);
 }
 
+/// The run goes on, ends when it is told to, and a second signal ends the program at once.
+#[test]
+fn a_terminal_that_takes_nothing_any_more_holds_nothing_up() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("x.csv");
+    let mut session = begin(&file, &[]);
+    session.wait_for("no scope", |seen| seen.contains(ENTER));
+    session.hold();
+    // Pictures fill the terminal's buffer, of some kilobytes, meanwhile.
+    let long = 40_000;
+    session.wait_for("no rows came", |_| {
+        std::fs::metadata(&file).is_ok_and(|m| m.len() > long)
+    });
+    kill_process(session.pid(), Signal::TERM).unwrap();
+    session.wait_for("the recording is not closed", |_| {
+        std::fs::read_to_string(&file).is_ok_and(|text| text.contains("\n# end = "))
+    });
+    let recording = Recording::read(&file).unwrap();
+    assert!(matches!(recording.completeness, Completeness::Partial(_)));
+    kill_process(session.pid(), Signal::TERM).unwrap();
+    assert_eq!(session.end().code(), Some(130));
+}
+
 #[test]
 fn scripts_get_no_scope_even_on_a_terminal() {
     for word in ["--quiet", "--plain"] {

@@ -6,6 +6,7 @@ use rustix::termios::{Termios, Winsize, tcgetattr, tcsetwinsize};
 use std::fs::File;
 use std::io::{Read, Write};
 use std::process::{Child, Command, ExitStatus};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -19,6 +20,7 @@ pub struct Session {
     terminal: File,
     before: [u64; 4],
     screen: Arc<Mutex<Vec<u8>>>,
+    held: Arc<AtomicBool>,
 }
 
 impl Session {
@@ -49,11 +51,16 @@ impl Session {
             .spawn()
             .expect("setsid, of util-linux, is installed");
         let screen = Arc::new(Mutex::new(Vec::new()));
-        let theirs = Arc::clone(&screen);
+        let held = Arc::new(AtomicBool::new(false));
+        let theirs = (Arc::clone(&screen), Arc::clone(&held));
         std::thread::spawn(move || {
+            let (screen, held) = theirs;
             let mut bytes = [0; 4096];
             while let Ok(count @ 1..) = output.read(&mut bytes) {
-                theirs.lock().unwrap().extend(&bytes[..count]);
+                screen.lock().unwrap().extend(&bytes[..count]);
+                while held.load(Ordering::SeqCst) {
+                    std::thread::sleep(Duration::from_millis(20));
+                }
             }
         });
         Self {
@@ -62,6 +69,7 @@ impl Session {
             terminal,
             before,
             screen,
+            held,
         }
     }
 
@@ -99,6 +107,11 @@ impl Session {
     /// Another size of the terminal.
     pub fn resize(&self, columns: u16, rows: u16) {
         resize(&self.keyboard, columns, rows);
+    }
+
+    /// Lets the terminal take nothing any more, once its buffer is full, as a connection that hangs.
+    pub fn hold(&self) {
+        self.held.store(true, Ordering::SeqCst);
     }
 
     /// Whether the terminal is as it was before the program began.
