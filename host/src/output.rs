@@ -67,9 +67,15 @@ pub fn write_figures(folder: &Path, force: bool, figures: &[Figure]) -> Result<V
 /// # Errors
 /// One sentence: it cannot be read, is no model, or was made by a newer servoid.
 pub fn read_model(path: &Path) -> Result<Model> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|reason| anyhow::anyhow!("the model {path:?} cannot be read: {reason}"))?;
-    if let Ok(SchemaOnly { schema }) = serde_json::from_str(&text)
+    parse_model(&read_text(path)?, path)
+}
+
+/// [`read_model`] of a text; errors call it `path`.
+///
+/// # Errors
+/// As [`read_model`].
+pub fn parse_model(text: &str, path: &Path) -> Result<Model> {
+    if let Ok(SchemaOnly { schema }) = serde_json::from_str(text)
         && schema != SCHEMA
     {
         let number = match &schema {
@@ -90,11 +96,11 @@ pub fn read_model(path: &Path) -> Result<Model> {
             "{path:?} is no model: identify the recording first, with servoid identify RECORDING.csv -o MODEL.json"
         );
     }
-    let model: Model = serde_json::from_str(&text)
+    let model: Model = serde_json::from_str(text)
         .map_err(|e| anyhow::anyhow!("{path:?} is no model of 'servoid identify': {e}"))?;
     if !model.is_consistent() {
         bail!(
-            "the model {path:?} contradicts itself: its lists do not have the lengths that its structure says; identify again"
+            "the model {path:?} contradicts itself: its lists do not have the lengths that its structure says, or its numbers are beyond what any servo could have; identify again"
         );
     }
     Ok(model)
@@ -105,9 +111,15 @@ pub fn read_model(path: &Path) -> Result<Model> {
 /// # Errors
 /// One sentence: it cannot be read, or it contradicts itself.
 pub fn read_flight_model(path: &Path) -> Result<Option<FlightModel>> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|reason| anyhow::anyhow!("the model {path:?} cannot be read: {reason}"))?;
-    let beside: Beside = serde_json::from_str(&text)
+    parse_flight_model(&read_text(path)?, path)
+}
+
+/// [`read_flight_model`] of a text; errors call it `path`.
+///
+/// # Errors
+/// As [`read_flight_model`].
+pub fn parse_flight_model(text: &str, path: &Path) -> Result<Option<FlightModel>> {
+    let beside: Beside = serde_json::from_str(text)
         .map_err(|e| anyhow::anyhow!("the low-order model in {path:?} cannot be read: {e}"))?;
     if beside
         .flight_model
@@ -117,6 +129,11 @@ pub fn read_flight_model(path: &Path) -> Result<Option<FlightModel>> {
         bail!("the low-order model in {path:?} contradicts itself: identify again");
     }
     Ok(beside.flight_model)
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path)
+        .map_err(|reason| anyhow::anyhow!("the model {path:?} cannot be read: {reason}"))
 }
 
 /// What may stand beside a model in its file.

@@ -30,7 +30,7 @@ use crate::direction::upper_tail;
 use crate::error::Error;
 use crate::matrix_serde::to_rows;
 use crate::metrics::Interval;
-use crate::model::Model;
+use crate::model::{LARGEST, Model};
 use crate::record::Record;
 use crate::timing::Timing;
 use guess::Guess;
@@ -126,9 +126,10 @@ impl FlightModel {
         order == self.order
             && (1..=3).contains(&order)
             // The logarithm of what must be above zero is no number otherwise.
-            && parameters.iter().all(|x| x.is_finite())
+            && parameters.iter().all(|x| x.abs() <= LARGEST)
             && self.covariance.len() == parameters.len()
             && self.covariance.iter().all(|row| row.len() == parameters.len())
+            && self.covariance.iter().flatten().all(|x| x.abs() <= LARGEST)
     }
 }
 

@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::frequency::FrequencyResponse;
 use crate::metrics::Metrics;
 use crate::noise::Noise;
-use crate::options::{LEVELS, LONGEST_SETTLING_BY_HAND};
+use crate::options::{LEVELS, LONGEST_SETTLING_BY_HAND, MAX_NOISE_ORDER};
 use crate::record::{Record, Run};
 use crate::residual::Residuals;
 use crate::step::StepResponse;
@@ -21,6 +21,14 @@ use crate::validation::Validation;
 
 /// Version of the JSON document.
 pub const SCHEMA: u32 = 1;
+
+/// The largest number in a model that was read from elsewhere: products of four such numbers are
+/// still numbers.
+pub(crate) const LARGEST: f64 = 1e75;
+
+/// Sample periods of a model that was read from elsewhere \[s\]: from a thousandth of what any
+/// converter does to decades.
+const PERIODS_S: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
 /// Who chose the structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -109,13 +117,15 @@ fn is_zero(value: &f64) -> bool {
 }
 
 impl Model {
-    /// Whether the parts of a document fit together: lengths, and finite numbers. A model that was
-    /// identified always does; one that was read from elsewhere has to be asked.
+    /// Whether the parts of a document fit together: lengths, and numbers that can be computed with
+    /// (up to 1e75). A model that was identified always does; one that was read from elsewhere has to
+    /// be asked.
     #[must_use]
     pub fn is_consistent(&self) -> bool {
         let n = self.structure.frequencies;
         let settling = self.structure.settling_samples;
-        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let usable = |value: &f64| value.abs() <= LARGEST;
+        let finite = |values: &[f64]| values.iter().all(usable);
         let sized = |values: &[f64], length: usize| values.len() == length && finite(values);
         let (step, f) = (&self.step, &self.frequency);
         let points = f.omega_rad_s.len();
@@ -123,14 +133,17 @@ impl Model {
         settling <= LONGEST_SETTLING_BY_HAND
             && self.basis().is_ok()
             && levels.iter().all(|level| LEVELS.contains(level))
-            && self.sample_period_s > 0.0
-            && self.sample_period_s.is_finite()
-            && self.sample_phase_s >= 0.0
-            && self.offset.is_finite()
+            && PERIODS_S.contains(&self.sample_period_s)
+            && (0.0..=*PERIODS_S.end()).contains(&self.sample_phase_s)
+            && usable(&self.offset)
+            && (0.0..=LARGEST).contains(&step.truncation_bias)
+            && usable(&step.simultaneous.critical_value)
             && sized(&self.theta, n)
             && self.covariance.len() == n
             && self.covariance.iter().all(|row| sized(row, n))
-            && finite(&self.noise.ar)
+            && self.structure.noise_order <= MAX_NOISE_ORDER
+            && sized(&self.noise.ar, self.structure.noise_order)
+            && (0.0..=LARGEST).contains(&self.noise.sigma)
             && [&step.time_s, &step.value, &step.sd]
                 .into_iter()
                 .chain([&step.pointwise.lower, &step.pointwise.upper])

@@ -15,6 +15,7 @@ mod help;
 mod hostile;
 mod identify;
 mod init;
+mod models;
 mod plan;
 mod references;
 mod report;

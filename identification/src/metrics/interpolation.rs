@@ -120,7 +120,7 @@ impl Interpolation {
         let coarseness = (COARSE / shape.crossings.rise()).powi(2).min(1.0);
         let error = |crossing: f64, share: f64| {
             // The sample that follows the crossing; none where there is no crossing.
-            let m = crossing.floor() as usize + 1;
+            let m = (crossing.floor() as usize).saturating_add(1);
             if !crossing.is_finite() || m >= curve.len() {
                 return 0.0;
             }
@@ -195,6 +195,16 @@ mod tests {
         assert_abs_diff_eq!(value(half, HALF), 0.0, epsilon = 1e-9);
         for m in [0, 1, 2, 70, last - 2, last - 1] {
             assert_abs_diff_eq!(value(m as f64, 0.0), curve[m], epsilon = 1e-15);
+        }
+    }
+
+    #[test]
+    fn where_there_is_no_crossing_there_is_no_error() {
+        let curve = response(0.5);
+        let mut shape = Windows::new(&curve, &vec![1e-9; curve.len()]).read(&curve);
+        for none in [f64::INFINITY, f64::NAN] {
+            shape.crossings.delay = none;
+            assert_eq!(Interpolation::new(&curve, &shape).delay, 0.0);
         }
     }
 

@@ -1,0 +1,43 @@
+//! Any bytes as a file of data, of whatever kind: what is read is a record that can be worked with.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use servoid::dataset::{self, DatasetOptions};
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+/// One file for each process: reading begins with a name.
+static FILE: LazyLock<PathBuf> =
+    LazyLock::new(|| std::env::temp_dir().join(format!("servoid-fuzz-{}.csv", std::process::id())));
+
+/// What a user may say of a file; the first byte of the input chooses.
+fn options(choice: u8) -> DatasetOptions {
+    let has = |bit: u8| choice >> bit & 1 == 1;
+    DatasetOptions {
+        input: has(0).then(|| "u".into()),
+        output: has(0).then(|| "y".into()),
+        period_s: has(1).then_some(0.02),
+        run: has(2).then(|| "run".into()),
+        at_rest: has(3).then_some(0.0),
+        with_rest: has(4),
+    }
+}
+
+fuzz_target!(|bytes: &[u8]| {
+    let Some((choice, bytes)) = bytes.split_first() else { return };
+    std::fs::write(&*FILE, bytes).expect("there is room");
+    let count = if choice >> 5 & 1 == 1 { 2 } else { 1 };
+    let files = vec![FILE.clone(); count];
+    let Ok(data) = dataset::load(&files, &options(*choice)) else { return };
+    let record = &data.record;
+    assert!(record.sample_period_s().is_finite() && record.sample_period_s() > 0.0);
+    let runs = record.runs();
+    assert_eq!(runs.iter().map(|run| run.len()).sum::<usize>(), record.samples());
+    for run in runs {
+        assert_eq!(run.input().len(), run.output().len());
+        let both = run.input().iter().chain(run.output());
+        assert!(both.clone().all(|x| x.is_finite() || x.is_nan()));
+    }
+    // Gaps are filled with rows that say so, never with more than the file could mean.
+    assert!(record.samples() - record.missing() <= bytes.len() * count);
+});
