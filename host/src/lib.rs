@@ -33,6 +33,19 @@
 //! The mathematics is in [`servoid_identification`], what goes over the wire in
 //! [`servoid_protocol`].
 
+// What files, lines and users bring meets no panic here.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::string_slice,
+        clippy::unreachable,
+        clippy::unwrap_used
+    )
+)]
+
 pub mod calibration;
 pub mod commands;
 pub mod dataset;

@@ -1,17 +1,5 @@
 //! Any CSV file, as columns of numbers.
 
-// What files and lines bring meets no panic here.
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::expect_used,
-        clippy::indexing_slicing,
-        clippy::panic,
-        clippy::unreachable,
-        clippy::unwrap_used
-    )
-)]
-
 mod error;
 mod layout;
 mod number;

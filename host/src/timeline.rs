@@ -75,11 +75,7 @@ impl TimeColumn {
     /// # Errors
     /// [`TimeFault`].
     pub fn new(times: Vec<f64>) -> Result<Self, TimeFault> {
-        let mut steps: Vec<f64> = times
-            .windows(2)
-            .map(|w| w[1] - w[0])
-            .filter(|step| *step > 0.0)
-            .collect();
+        let mut steps: Vec<f64> = steps(&times).filter(|step| *step > 0.0).collect();
         if steps.is_empty() {
             return Err(TimeFault::Constant);
         }
@@ -110,13 +106,16 @@ impl TimeColumn {
 
     /// What its steps are like, those of no length too.
     fn fault(&self) -> TimeFault {
-        let mut steps: Vec<f64> = self.times.windows(2).map(|w| w[1] - w[0]).collect();
-        steps.retain(|step| step.is_finite());
+        let mut steps: Vec<f64> = steps(&self.times).filter(|step| step.is_finite()).collect();
         steps.sort_by(f64::total_cmp);
-        let rounded = |step: f64| format!("{step:.3e}").parse().unwrap_or(step);
+        let rounded = |step: Option<&f64>| {
+            let step = step.copied().unwrap_or(f64::NAN);
+            format!("{step:.3e}").parse().unwrap_or(step)
+        };
+        let outside = steps.len() / 20;
         TimeFault::Uneven {
-            shortest: rounded(steps[steps.len() / 20]),
-            longest: rounded(steps[steps.len() - 1 - steps.len() / 20]),
+            shortest: rounded(steps.get(outside)),
+            longest: rounded(steps.iter().rev().nth(outside)),
         }
     }
 
@@ -130,8 +129,9 @@ impl TimeColumn {
             scatter: 0.0,
         };
         found.scatter = found.measured_scatter();
-        let one = |pair: &&[f64]| ((pair[1] - pair[0]) / step - 1.0).abs() < SAME_STEP[1];
-        let ones = times.windows(2).filter(one).count();
+        let [_, farthest] = SAME_STEP;
+        let one = |(time, before): &(&f64, &f64)| ((*time - *before) / step - 1.0).abs() < farthest;
+        let ones = times.iter().skip(1).zip(times).filter(one).count();
         (2 * ones >= times.len().saturating_sub(1) && found.scatter <= SCATTER).then_some(found)
     }
 
@@ -147,10 +147,13 @@ impl TimeColumn {
             steps.iter().filter(|step| whole(step)).count() as f64,
             steps.iter().filter(single).count() as f64,
         );
-        let mean = (self.times[self.times.len() - 1] - self.times[0]) / all;
-        let straight = (0..self.times.len()).all(|row| {
-            let line = self.times[0] + mean * row as f64;
-            (self.times[row] - line).abs() <= self.step
+        let [Some(first), Some(last)] = [self.times.first(), self.times.last()] else {
+            return false;
+        };
+        let mean = (last - first) / all;
+        let straight = self.times.iter().zip(0_u32..).all(|(time, row)| {
+            let line = first + mean * f64::from(row);
+            (time - line).abs() <= self.step
         });
         wholes >= MOST * all && singles >= (1.0 - GAPS.0) * all && !straight
     }
@@ -186,7 +189,8 @@ impl TimeColumn {
     /// What lies before a row; `ahead` is how far the row before it lies ahead of even ones \[steps\], and
     /// becomes that of this row.
     fn step_before(&self, row: usize, ahead: &mut f64) -> Step {
-        let steps = (self.times[row] - self.times[row - 1]) / self.step;
+        let time = |row: usize| self.times.get(row).copied().unwrap_or(f64::NAN);
+        let steps = (time(row) - time(row - 1)) / self.step;
         if steps.is_nan() {
             // An empty cell says nothing of gaps.
             return Step::Samples(1);
@@ -208,6 +212,12 @@ impl TimeColumn {
         *ahead = (place - samples) * (1.0 - FOLLOW);
         Step::Samples(samples as usize)
     }
+}
+
+/// From each time to the next.
+fn steps(times: &[f64]) -> impl Iterator<Item = f64> {
+    let pairs = times.iter().skip(1).zip(times);
+    pairs.map(|(time, before)| time - before)
 }
 
 /// What lies between a row and the row before it.
@@ -240,7 +250,10 @@ pub fn stretches(rows: usize, time: Option<&TimeColumn>, labels: Option<&[f64]>)
     for row in 0..rows {
         // Labels are compared by bits: they are names, and an empty cell (NaN) is one too.
         let same_label = row > 0
-            && labels.is_none_or(|labels| labels[row].to_bits() == labels[row - 1].to_bits());
+            && labels.is_none_or(|labels| {
+                let label = |row: usize| labels.get(row).map(|label| label.to_bits());
+                label(row) == label(row - 1)
+            });
         let step = match time {
             _ if !same_label => Step::NewRun,
             Some(time) => time.step_before(row, &mut ahead),
@@ -271,15 +284,16 @@ impl Stretch {
             .map_or(0, |last| last + 1 - self.samples.len())
     }
 
-    /// The rows' part of `column`, each value at its sample's place, NaN where a sample is missing.
-    ///
-    /// # Panics
-    /// When `column` has fewer rows than the table.
+    /// The rows' part of `column`, each value at its sample's place, NaN where a sample or its row is
+    /// missing.
     #[must_use]
     pub fn place(&self, column: &[f64]) -> Vec<f64> {
         let mut placed = vec![f64::NAN; self.samples.last().map_or(0, |last| last + 1)];
-        for (&sample, &value) in self.samples.iter().zip(&column[self.rows.clone()]) {
-            placed[sample] = value;
+        let values = column.get(self.rows.clone()).unwrap_or_default();
+        for (&sample, &value) in self.samples.iter().zip(values) {
+            if let Some(place) = placed.get_mut(sample) {
+                *place = value;
+            }
         }
         placed
     }

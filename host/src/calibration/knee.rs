@@ -1,5 +1,10 @@
 //! A line that may break at a knee on each side, by least squares.
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "each side has a column of the four"
+)]
+
 use super::least_squares::{Solution, least_squares};
 
 /// One side of neutral.

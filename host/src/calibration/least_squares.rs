@@ -1,6 +1,11 @@
 //! Least squares with four columns, by modified Gram-Schmidt (Å. Björck, *Numerical Methods for Least
 //! Squares Problems*, 1996, §2.4).
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "four columns, as the types say, and loops over four"
+)]
+
 /// What least squares give.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solution {

@@ -1,7 +1,7 @@
 //! `servoid report`
 
 use super::table_args::TableArgs;
-use super::{Talk, listed, stem};
+use super::{Talk, listed, stem, wrong_usage};
 use crate::dataset::{self, DatasetOptions};
 use crate::output;
 use crate::report::{self, Page, Servo};
@@ -68,10 +68,13 @@ impl Report {
             [a, b] => comparison(a, b, self.margin, self.talk)?,
             _ => None,
         };
+        let [first, others @ ..] = &servos[..] else {
+            wrong_usage("name a recording or a model to report on");
+        };
         let page = report::page(&Page {
             title: &self.title,
-            first: servos[0].part(),
-            second: servos.get(1).map(Servo::part),
+            first: first.part(),
+            second: others.first().map(Servo::part),
             comparison: comparison.as_ref(),
             paper: &[],
         })?;

@@ -64,6 +64,10 @@ impl Validate {
         }
         if let Some(folder) = &self.plots {
             let name = stem(&self.model);
+            let first = self
+                .files
+                .first()
+                .map_or_else(String::new, |file| stem(file));
             let named = [Named {
                 name: &name,
                 model: &model,
@@ -74,7 +78,7 @@ impl Validate {
                 .iter()
                 .zip(1..)
                 .map(|(run, number)| {
-                    let file = format!("{name}-on-{}-run-{number}", stem(&self.files[0]));
+                    let file = format!("{name}-on-{first}-run-{number}");
                     figures::validation(
                         &file,
                         "Model against measurement",

@@ -21,9 +21,12 @@ pub(super) fn write(export: &Export<'_>) -> String {
         .map(|m| model.timing().seconds(m as f64))
         .collect();
     let impulse = model.impulse_response();
-    let theta_sd: Vec<f64> = (0..model.theta.len())
-        .map(|k| model.covariance[k][k].max(0.0).sqrt())
-        .collect();
+    let variances = model
+        .covariance
+        .iter()
+        .zip(0..)
+        .filter_map(|(row, k): (_, usize)| row.get(k));
+    let theta_sd: Vec<f64> = variances.map(|v| v.max(0.0).sqrt()).collect();
     let columns: [(&str, &[f64]); 20] = [
         ("time_s", &times),
         ("step", &step.value),

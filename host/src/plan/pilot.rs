@@ -200,13 +200,21 @@ fn with_known_noise(question: &Question, pilot: &Model, record: &Record) -> Resu
     let covariance = fit.covariance();
     let n = basis.frequencies();
     let rows = (0..n).map(|i| (0..n).map(|j| covariance[(i, j)]).collect());
-    let mut impulse = value.clone();
-    for m in (1..impulse.len()).rev() {
-        impulse[m] -= value[m - 1];
-    }
+    let before = std::iter::once(&0.0).chain(&value);
+    let impulse: Vec<f64> = value
+        .iter()
+        .zip(before)
+        .map(|(g, before)| g - before)
+        .collect();
     let analysis = basis.analysis_map();
     let theta = (0..n)
-        .map(|l| (0..settling).map(|k| analysis[(l, k)] * impulse[k]).sum())
+        .map(|l| {
+            impulse
+                .iter()
+                .zip(0..)
+                .map(|(g, k)| analysis[(l, k)] * g)
+                .sum()
+        })
         .collect();
     Ok(Model {
         theta,

@@ -109,14 +109,13 @@ impl Ink {
     /// Runs beside each other; from the sixth on the colours come again.
     #[must_use]
     pub fn of_run(index: usize) -> Self {
-        const RUNS: [Ink; 5] = [
-            Ink::Measured,
-            Ink::Model,
-            Ink::SecondModel,
-            Ink::Third,
-            Ink::Fourth,
-        ];
-        RUNS[index % RUNS.len()]
+        match index % 5 {
+            0 => Ink::Measured,
+            1 => Ink::Model,
+            2 => Ink::SecondModel,
+            3 => Ink::Third,
+            _ => Ink::Fourth,
+        }
     }
 }
 

@@ -40,10 +40,15 @@ fn signal(period_s: f64, values: &[f64]) -> Vec<(f64, f64)> {
     }
     let stretch = (2 * values.len()).div_ceil(MOST_POINTS);
     let extremes = |(index, part): (usize, &[f64])| {
-        let low = (0..part.len()).min_by(|&a, &b| part[a].total_cmp(&part[b]))?;
+        let placed = || (index * stretch..).map(time).zip(part.iter().copied());
+        let low = placed().min_by(|a, b| a.1.total_cmp(&b.1))?;
         // A missing sample (NaN) counts as the largest, so that gaps stay visible.
-        let high = (0..part.len()).max_by(|&a, &b| part[a].total_cmp(&part[b]))?;
-        Some([low.min(high), low.max(high)].map(|k| (time(index * stretch + k), part[k])))
+        let high = placed().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(if low.0 <= high.0 {
+            [low, high]
+        } else {
+            [high, low]
+        })
     };
     values
         .chunks(stretch)
@@ -182,8 +187,13 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
 /// The lower bounds of the magnitude, no lower than a little below the lowest point of the curve:
 /// where zero is possible, minus infinity would flatten everything else.
 fn floored(response: &FrequencyResponse) -> Vec<f64> {
-    let shown = &response.magnitude_db[shown_frequencies(response)];
-    let floor = shown.iter().copied().fold(0.0, f64::min) - 10.0;
+    let shown = response.magnitude_db.get(shown_frequencies(response));
+    let floor = shown
+        .unwrap_or_default()
+        .iter()
+        .copied()
+        .fold(0.0, f64::min)
+        - 10.0;
     response
         .magnitude_db_lower
         .iter()

@@ -5,6 +5,7 @@ use crate::summary::probability;
 use servoid_identification::Model;
 use servoid_identification::band::pointwise_critical;
 use servoid_identification::runs::{Difference, RunComparison, RunDifference};
+use servoid_identification::step::StepResponse;
 
 /// Each run's own step response less the mean of all, and gain, delay and offset of each run against
 /// the common model. `alone` are models of single runs, all with the same settling time; fewer than
@@ -89,17 +90,19 @@ fn curves(alone: &[Model], level: f64) -> Option<Panel> {
         return None;
     }
     let mean_of = |of: &dyn Fn(&Model) -> f64| alone.iter().map(of).sum::<f64>() / count;
-    let gain = mean_of(&|model| model.step.value[points - 1]).abs();
+    let at = |curve: &[f64], m: usize| curve.get(m).copied().unwrap_or(f64::NAN);
+    let gain = mean_of(&|model| at(&model.step.value, points - 1)).abs();
     let timing = alone.first()?.timing();
     let share = (1.0 - 1.0 / count).sqrt();
-    let half =
-        |m: usize| share * mean_of(&|model| model.step.simultaneous.upper[m] - model.step.value[m]);
+    let half_of =
+        |step: &StepResponse, m: usize| at(&step.simultaneous.upper, m) - at(&step.value, m);
+    let half = |m: usize| share * mean_of(&|model| half_of(&model.step, m));
     let band = (0..points).map(|m| {
         let half = 100.0 * half(m) / gain;
         (timing.seconds(m as f64), -half, half)
     });
     let mean: Vec<f64> = (0..points)
-        .map(|m| mean_of(&|model| model.step.value[m]))
+        .map(|m| mean_of(&|model| at(&model.step.value, m)))
         .collect();
     let run = |(index, model): (usize, &Model)| {
         let difference = model.step.value.iter().zip(&mean).enumerate();

@@ -74,10 +74,13 @@ fn settling(choice: &Choice, model: &Model) -> Panel {
 /// distance from the final value. `None` for a document that describes no filter bank.
 fn tail(model: &Model) -> Option<Panel> {
     let map = model.basis().ok()?.step_map();
-    let (last, gain) = (map.nrows().checked_sub(1)?, model.step.value.last()?.abs());
+    let (last, step) = (map.nrows().checked_sub(1)?, &model.step.value);
+    let final_value = *step.last()?;
+    let gain = final_value.abs();
     let critical = pointwise_critical(model.step.pointwise.level);
     let timing = model.timing();
-    let points = (last / 2..=last).map(|m| {
+    let second_half = (last / 2..=last).zip(step.iter().skip(last / 2));
+    let points = second_half.map(|(m, value)| {
         let q: Vec<f64> = (0..map.ncols())
             .map(|k| map[(m, k)] - map[(last, k)])
             .collect();
@@ -87,7 +90,7 @@ fn tail(model: &Model) -> Option<Panel> {
             .zip(&q)
             .map(|(row, a)| a * row.iter().zip(&q).map(|(c, b)| c * b).sum::<f64>())
             .sum();
-        let distance = model.step.value[m] - model.step.value[last];
+        let distance = value - final_value;
         let half = critical * variance.max(0.0).sqrt();
         let percent = [distance, distance - half, distance + half].map(|x| 100.0 * x / gain);
         (timing.seconds(m as f64), percent)

@@ -36,7 +36,7 @@ pub(super) fn plotly_json(figure: &Figure) -> Value {
         let matches = like
             .filter(|&first| first < index)
             .map(|first| format!("x{}", axis_suffix(first)));
-        layout[format!("xaxis{suffix}")] = json!({
+        let x_axis = json!({
             "matches": matches,
             "title": { "text": text(&panel.x_label), "standoff": 8 },
             "type": if panel.x_logarithmic { "log" } else { "linear" },
@@ -47,13 +47,15 @@ pub(super) fn plotly_json(figure: &Figure) -> Value {
             "showticksuffix": "last",
             "hoverformat": ".4~g",
         });
-        layout[format!("yaxis{suffix}")] = json!({
+        let y_axis = json!({
             "title": { "text": text(&panel.y_label), "standoff": 8 },
             "anchor": format!("x{suffix}"),
             "automargin": true,
         });
+        put(&mut layout, &format!("xaxis{suffix}"), x_axis);
+        put(&mut layout, &format!("yaxis{suffix}"), y_axis);
         // The legend names what the panels above have not named.
-        let named: Vec<&str> = figure.panels[..index].iter().flat_map(names).collect();
+        let named: Vec<&str> = figure.panels.iter().take(index).flat_map(names).collect();
         traces.extend(panel_traces(panel, &suffix, &named));
     }
     let panels = figure.panels.len();
@@ -82,6 +84,13 @@ fn ticks(panel: &Panel) -> Option<Value> {
 
 /// So many ticks have room on a telephone.
 const FEW: f64 = 12.0;
+
+/// Sets one entry of an object.
+fn put(object: &mut Value, key: &str, value: impl Into<Value>) {
+    if let Value::Object(entries) = object {
+        entries.insert(key.to_owned(), value.into());
+    }
+}
 
 /// "" for the first panel, "2" for the second.
 fn axis_suffix(index: usize) -> String {
@@ -120,17 +129,18 @@ fn text(plain: &str) -> String {
 fn panel_traces(panel: &Panel, suffix: &str, named: &[&str]) -> Vec<Value> {
     let hover = format!("%{{y:.4~g}}{}", unit(&panel.y_label));
     let complete = |mut trace: Value, name: &str, in_legend: bool| {
-        trace["xaxis"] = format!("x{suffix}").into();
-        trace["yaxis"] = format!("y{suffix}").into();
-        trace["name"] = text(name).into();
-        trace["legend"] = format!("legend{suffix}").into();
-        trace["legendgroup"] = text(name).into();
-        trace["showlegend"] = (in_legend && !name.is_empty() && !named.contains(&name)).into();
+        put(&mut trace, "xaxis", format!("x{suffix}"));
+        put(&mut trace, "yaxis", format!("y{suffix}"));
+        put(&mut trace, "name", text(name));
+        put(&mut trace, "legend", format!("legend{suffix}"));
+        put(&mut trace, "legendgroup", text(name));
+        let shown = in_legend && !name.is_empty() && !named.contains(&name);
+        put(&mut trace, "showlegend", shown);
         // What has no name is the other edge of something that has, or a line to guide the eye.
         if name.is_empty() {
-            trace["hoverinfo"] = "skip".into();
+            put(&mut trace, "hoverinfo", "skip");
         } else {
-            trace["hovertemplate"] = hover.clone().into();
+            put(&mut trace, "hovertemplate", hover.clone());
         }
         trace
     };

@@ -248,7 +248,7 @@ fn of_all_files(files: &[super::Facts], key: &str) -> String {
         found.map_or("-", |(_, value)| value.as_str()).to_owned()
     };
     let mut values: Vec<String> = files.iter().map(of).collect();
-    if values.iter().all(|value| *value == values[0]) {
+    if values.iter().all(|value| Some(value) == values.first()) {
         values.truncate(1);
     }
     values.join("; ")
