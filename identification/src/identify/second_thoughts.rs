@@ -26,7 +26,7 @@ impl Pipeline<'_> {
     pub(super) fn estimate(&mut self) -> Result<Considered, Error> {
         let mut first = Estimate::new(&self.plan, &self.collected.moments, self.record)?;
         let mut linearity = self.linearity_of(&first);
-        if let Some(shorter) = self.within_holds(linearity, &first)? {
+        if let Some(shorter) = self.within_holds(linearity)? {
             linearity = self.linearity_of(&shorter).or(linearity);
             first = shorter;
         }
@@ -65,32 +65,26 @@ impl Pipeline<'_> {
     /// An estimate that looks no further than the input usually stands still, when a servo that is not
     /// linear seemed to respond for longer. Beyond, the next steps are under way, and what they answer
     /// differently because of this one passes for a late part of its response.
-    fn within_holds(
-        &mut self,
-        linearity: Option<Linearity>,
-        estimate: &Estimate,
-    ) -> Result<Option<Estimate>, Error> {
+    fn within_holds(&mut self, linearity: Option<Linearity>) -> Result<Option<Estimate>, Error> {
         let Some((record, choice)) = self.record.zip(self.plan.choice.as_ref()) else {
             return Ok(None);
         };
-        if !linearity.is_some_and(|found| found.is_rejected()) {
-            return Ok(None);
-        }
         let hold = model_error::usual_hold(record);
-        if choice.settling <= hold || self.share_seen(estimate) < model_error::SEEN {
+        if !linearity.is_some_and(|found| found.is_rejected()) || choice.settling <= hold {
             return Ok(None);
         }
         let options = Options {
-            longest_settling: Some(hold - usize::from(hold.is_multiple_of(2))),
+            longest_settling: Some(hold.saturating_sub(usize::from(hold.is_multiple_of(2)))),
             ..*self.options
         };
-        // Holds that are too short for any choice limit nothing.
+        // Holds that are too short for any choice, or for the response, limit nothing.
         let Ok((collected, mut plan)) = Collected::from_record(record, &options) else {
             return Ok(None);
         };
-        if let Some(choice) = &mut plan.choice {
-            choice.within_holds = true;
-        }
+        let Some(choice) = plan.choice.as_mut().filter(|choice| choice.settled) else {
+            return Ok(None);
+        };
+        choice.within_holds = true;
         (self.collected, self.plan) = (collected, plan);
         Estimate::new(&self.plan, &self.collected.moments, self.record).map(Some)
     }
