@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use servoid::dataset::{self, DatasetOptions};
+use servoid::dataset::{self, DatasetOptions, TimeUnit};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
@@ -17,6 +17,7 @@ fn options(choice: u8) -> DatasetOptions {
         input: has(0).then(|| "u".into()),
         output: has(0).then(|| "y".into()),
         period_s: has(1).then_some(0.02),
+        time_unit: has(6).then_some(TimeUnit::Milliseconds),
         run: has(2).then(|| "run".into()),
         at_rest: has(3).then_some(0.0),
         with_rest: has(4),
