@@ -72,8 +72,9 @@ pub enum Error {
     },
     /// The record is too short for an automatic choice of the structure.
     #[error(
-        "the record has {samples} samples and an automatic choice of the settling time needs at \
-         least {needed}: record longer, or state the settling time in samples"
+        "an automatic choice of the settling time needs at least {needed} samples in one piece, and of the \
+         {samples} of the record no such piece is long enough (runs and gaps part it): record longer and \
+         without gaps, or state the settling time in samples"
     )]
     TooShortForAuto {
         /// Samples in the record.

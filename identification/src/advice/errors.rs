@@ -1,0 +1,219 @@
+//! Findings on the errors: whether they are noise, and noise of the kind that the model says.
+
+use super::{Advice, Evidence, SIGNIFICANCE};
+use crate::gls::MAX_AUTO_ORDER;
+use crate::linearity::{self, Linearity};
+use crate::model_error::{DISAGREEMENT, ModelErrors, SEEN, Sign, TOLERATED, UNEXPLAINED};
+use crate::noise::largest_root;
+use crate::options::NoiseOrder;
+
+/// The check of errors that are not noise: while it is among the advice, bounds have no level.
+pub const MODEL_ERROR: &str = "model_error";
+
+pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
+    let errors = evidence.explanation.model_errors.as_ref()?;
+    let level = 100.0 * evidence.options.level;
+    let taken = if evidence.model.structure.noise_order == 0 {
+        "plain"
+    } else {
+        "generalised"
+    };
+    // With a smooth input, what the left-out frequencies do to the others looks the same.
+    let smooth = match errors.untold_from_hz {
+        Some(_) => " The input is too smooth to tell whether the servo or the input is the reason.",
+        None => "",
+    };
+    let (sign, value, threshold) = sign_in_words(errors);
+    Some(Advice::new(
+        MODEL_ERROR,
+        format!(
+            "What the model cannot explain is not noise: {sign}. The bounds are not {level} % bounds of \
+             anything. The structure was chosen by how well it predicts parts not seen, and {taken} \
+             least squares was taken.{smooth}"
+        ),
+        value,
+        threshold,
+        "Record steps that are held until the servo rests, smaller ones and fewer a second; use this \
+         model for prediction, not for comparison by its bounds.",
+    ))
+}
+
+/// What told that errors are not noise, the number and what it was held against.
+fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
+    match errors.sign {
+        Sign::Whitening => {
+            let (plain, generalised) = (errors.least_squares_percent, errors.generalised_percent);
+            let words = format!(
+                "generalised least squares simulates the record to {generalised:.1} %, plain least squares \
+                 to {plain:.1} %"
+            );
+            (words, plain - generalised, TOLERATED)
+        }
+        Sign::Misfit(found) => {
+            let left = 100.0 - errors.least_squares_percent.max(errors.generalised_percent);
+            let words = format!(
+                "simulation leaves {left:.0} % of the motion (rms), and what it leaves follows the motion, which \
+                 noise does not (p = {:.1e})",
+                found.p
+            );
+            (words, left, UNEXPLAINED)
+        }
+        Sign::NoSteps(found, seen) => {
+            let words = format!(
+                "the servo is not linear ({:.1} % of the motion, rms, p = {:.1e}), and of the steps of the \
+                 reference {:.0} % are held until it has followed: how it answers a step was not seen",
+                found.misfit_percent,
+                found.p,
+                100.0 * seen
+            );
+            (words, seen, SEEN)
+        }
+    }
+}
+
+/// The check of a servo that is not linear, by little enough for bounds of its best linear
+/// description to have their level.
+pub const NOT_LINEAR: &str = "linearity";
+
+pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
+    let found = evidence
+        .explanation
+        .linearity
+        .filter(Linearity::is_rejected)?;
+    if evidence.explanation.model_errors.is_some() {
+        return None;
+    }
+    Some(Advice::new(
+        NOT_LINEAR,
+        format!(
+            "The servo is not linear: {:.1} % of the motion (rms) follows it in a way that no linear servo \
+             can (p = {:.1e}). The bounds are those of the linear description that fits this reference \
+             best: a single stroke may lie outside, and other steps, amplitudes or a sine may give \
+             another description.",
+            found.misfit_percent, found.p
+        ),
+        found.misfit_percent,
+        linearity::WORTH_MENTIONING,
+        "Compare only what was recorded with the same reference; look at strokes up and down and at the \
+         limits of speed and travel apart (--limits).",
+    ))
+}
+
+pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
+    let errors = evidence.explanation.model_errors.as_ref()?;
+    let untold = errors.untold_from_hz?;
+    let asked = 0.5 / evidence.model.sample_period_s;
+    Some(Advice::new(
+        "excitation",
+        format!(
+            "The input is smooth: from {untold:.1} Hz upwards it has too little power to tell the \
+             response, and a step has much of its detail there."
+        ),
+        untold,
+        asked,
+        format!(
+            "Use a reference with sharp edges, such as a staircase or random steps, which has power up \
+             to {asked:.0} Hz."
+        ),
+    ))
+}
+
+pub(super) fn figures(evidence: &Evidence<'_>) -> Option<Advice> {
+    let errors = evidence.explanation.model_errors.as_ref()?;
+    let apart = errors.disagreement(&evidence.model.step.value);
+    (apart > DISAGREEMENT).then(|| {
+        Advice::new(
+            "metrics",
+            format!(
+                "Delay, rise time, overshoot and the like cannot be told from this recording: the step \
+                 responses of plain and generalised least squares differ by up to {:.0} % of the largest \
+                 value. They are left out.",
+                100.0 * apart.min(9.99)
+            ),
+            apart,
+            DISAGREEMENT,
+            "Record steps that are held until the servo rests.",
+        )
+    })
+}
+
+pub(super) fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
+    let order = evidence.model.structure.noise_order;
+    let remedy =
+        "Look for a periodic disturbance or a nonlinearity; a higher noise order may help.";
+    if let Some(p) = evidence
+        .model
+        .residuals
+        .whiteness_p
+        .filter(|p| *p < SIGNIFICANCE)
+    {
+        let finding = format!(
+            "The noise model is incomplete (order {order}): the one-step errors are related to each \
+             other, so the bounds are approximate."
+        );
+        return Some(Advice::new("whiteness", finding, p, SIGNIFICANCE, remedy));
+    }
+    (evidence.options.noise_order == NoiseOrder::Auto && order == MAX_AUTO_ORDER).then(|| {
+        let finding = format!("The noise model has the highest order considered, {order}.");
+        Advice::new(
+            "noise_order",
+            finding,
+            order as f64,
+            MAX_AUTO_ORDER as f64,
+            remedy,
+        )
+    })
+}
+
+pub(super) fn independence(evidence: &Evidence<'_>) -> Option<Advice> {
+    let p = evidence
+        .model
+        .residuals
+        .input_correlation_p
+        .filter(|p| *p < SIGNIFICANCE)?;
+    Some(Advice::new(
+        "input_independence",
+        "What the model leaves over still depends on the input: the response is longer than the \
+         settling time, has more detail than the frequencies, or the servo is not linear."
+            .to_owned(),
+        p,
+        SIGNIFICANCE,
+        "Take a longer settling time or more frequencies; if neither helps, the servo is not linear \
+         and the bounds describe its best linear picture only.",
+    ))
+}
+
+/// A root of D(z) beyond this is drift.
+const SLOW_ROOT: f64 = 0.98;
+
+/// Fewer degrees of freedom than this make the width of a band itself uncertain.
+const FEW_DEGREES: f64 = 30.0;
+
+pub(super) fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
+    let degrees = evidence
+        .explanation
+        .degrees_of_freedom
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    let root = largest_root(&evidence.model.noise.ar);
+    let remedy = "Record longer, or remove the drift at its source.";
+    if root > SLOW_ROOT {
+        let finding = "The noise drifts slowly; the bounds of the gain rest on few independent \
+                       stretches of it.";
+        return Some(Advice::new(
+            "slow_noise",
+            finding.to_owned(),
+            root,
+            SLOW_ROOT,
+            remedy,
+        ));
+    }
+    (degrees < FEW_DEGREES).then(|| {
+        let uncertain = 100.0 / (2.0 * degrees).sqrt();
+        let finding = format!(
+            "The noise is slow: the width of the bands is itself uncertain by {uncertain:.0} %."
+        );
+        Advice::new("slow_noise", finding, degrees, FEW_DEGREES, remedy)
+    })
+}
