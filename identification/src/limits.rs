@@ -61,7 +61,7 @@ impl Limits {
         let strokes = holds::strokes(record, settling);
         let (up, down): (Vec<_>, Vec<_>) =
             strokes.into_iter().partition(|stroke| stroke.size > 0.0);
-        let table = levels::Table::new(&at_rest(record, model), settling, level);
+        let table = table(record, model);
         Self {
             rate_up: Rate::new("up", &up, level),
             rate_down: Rate::new("down", &down, level),
@@ -75,8 +75,7 @@ impl Limits {
     /// long enough.
     #[must_use]
     pub fn level_table(record: &Record, model: &Model) -> Vec<Cell> {
-        let level = model.step.pointwise.level;
-        levels::Table::new(&at_rest(record, model), settling(model), level).cells
+        table(record, model).cells
     }
 
     /// All findings as sentences.
@@ -92,6 +91,15 @@ impl Limits {
         .chain(ends)
         .collect()
     }
+}
+
+fn table(record: &Record, model: &Model) -> levels::Table {
+    levels::Table::new(
+        &at_rest(record, model),
+        record.sample_period_s(),
+        settling(model),
+        model.step.pointwise.level,
+    )
 }
 
 /// Samples that the response takes to settle: N is a margin longer.

@@ -87,7 +87,8 @@ pub(crate) struct Table {
     variance: f64,
     degrees: usize,
     level: f64,
-    needed: usize,
+    /// How long a hold must last to be counted \[s\].
+    needed_s: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -98,8 +99,9 @@ struct Level {
 }
 
 impl Table {
-    /// Collects holds whose last quarter begins at least `settling` samples after the edge.
-    pub(crate) fn new(runs: &[Run], settling: usize, level: f64) -> Self {
+    /// Collects holds whose last quarter begins at least `settling` samples, `period_s` apart, after
+    /// the edge.
+    pub(crate) fn new(runs: &[Run], period_s: f64, settling: usize, level: f64) -> Self {
         let mut visits: Vec<(f64, Side, f64)> = Vec::new();
         for run in runs {
             for hold in holds(run) {
@@ -126,7 +128,7 @@ impl Table {
             variance: 0.0,
             degrees: 0,
             level,
-            needed: settling + settling.div_ceil(3) + 1,
+            needed_s: (settling + settling.div_ceil(3) + 1) as f64 * period_s,
         };
         table.fill(&visits);
         table
@@ -213,8 +215,8 @@ impl Table {
                 statement: format!(
                     "Cannot tell from this recording whether the rest position depends on the \
                      direction of approach: record stairs that reach each level from both sides, \
-                     at least twice, each held for at least {} samples.",
-                    self.needed
+                     at least twice, each held for at least {:.2} s.",
+                    self.needed_s
                 ),
             };
         }
@@ -257,8 +259,8 @@ impl Table {
             statement: format!(
                 "At {:.3} the servo reaches {:.3}. Cannot tell from this recording whether it \
                  softens or stops there: record stairs of at least {LEVELS} levels, both ends \
-                 included, each visited at least twice and held for at least {} samples.",
-                level.command, level.mean, self.needed
+                 included, each visited at least twice and held for at least {:.2} s.",
+                level.command, level.mean, self.needed_s
             ),
         };
         if self.levels.len() < LEVELS || self.degrees < 2 {

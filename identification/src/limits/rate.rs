@@ -85,13 +85,17 @@ impl Rate {
             statement: String::new(),
         };
         if strokes.len() < STROKES || sizes.1 < SIZES * sizes.0 {
+            let seen = match strokes.len() {
+                0 => "no stroke that began and ended at rest".to_owned(),
+                count => format!(
+                    "{count} isolated strokes of {:.3} to {:.3}",
+                    sizes.0, sizes.1
+                ),
+            };
             rate.statement = format!(
-                "Cannot tell from this recording whether the speed {direction} is limited: it has \
-                 {} isolated strokes of {:.3} to {:.3}; record at least {STROKES} in each direction, the \
-                 largest at least {SIZES} times the smallest, each held until it has settled.",
-                strokes.len(),
-                sizes.0,
-                sizes.1
+                "Cannot tell from this recording whether the speed {direction} is limited: it has {seen}; \
+                 record at least {STROKES} in each direction, the largest at least {SIZES} times the \
+                 smallest, each held until it has settled."
             );
             return rate;
         }
