@@ -27,8 +27,12 @@ fn options(choice: u8) -> DatasetOptions {
 fuzz_target!(|bytes: &[u8]| {
     let Some((choice, bytes)) = bytes.split_first() else { return };
     std::fs::write(&*FILE, bytes).expect("there is room");
-    let count = if choice >> 5 & 1 == 1 { 2 } else { 1 };
-    let files = vec![FILE.clone(); count];
+    let mut files = vec![FILE.clone()];
+    if choice >> 5 & 1 == 1 {
+        let second = FILE.with_extension("again.csv");
+        std::fs::write(&second, bytes).expect("there is room");
+        files.push(second);
+    }
     let Ok(data) = dataset::load(&files, &options(*choice)) else { return };
     let record = &data.record;
     assert!(record.sample_period_s().is_finite() && record.sample_period_s() > 0.0);

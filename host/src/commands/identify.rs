@@ -137,7 +137,7 @@ impl Identify {
         };
         match &flight {
             Some(Ok(fitted)) => {
-                text += &summary::of_flight_model(fitted);
+                text += &summary::of_flight_model(fitted, model.bounds_hold());
                 result.flight_model = Some(fitted);
             }
             Some(Err(error)) => {

@@ -23,6 +23,12 @@ pub enum DatasetError {
         /// What is wrong with them.
         error: DataError,
     },
+    /// A file that is named twice.
+    #[error("{path:?} is named twice: a run that counts twice makes bounds narrower than they are")]
+    Twice {
+        /// Which file.
+        path: PathBuf,
+    },
     /// A recording without a sample of the reference.
     #[error(
         "{path:?} has nothing to identify: it is {end}, and its {rows} rows end before the reference begins (sample {begins})"

@@ -91,7 +91,11 @@ struct Loaded {
 /// [`DatasetError`].
 pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, DatasetError> {
     let mut all: Option<Loaded> = None;
-    for path in paths {
+    for (index, path) in paths.iter().enumerate() {
+        // A run that counts twice would make bounds narrower than they are.
+        if paths.iter().take(index).any(|earlier| earlier == path) {
+            return Err(DatasetError::Twice { path: path.clone() });
+        }
         let next = load_one(path, options)?;
         let Some(all) = &mut all else {
             all = Some(next);
@@ -231,7 +235,13 @@ mod tests {
             period_s: Some(0.02),
             ..options
         };
-        let set = load(&[path.clone(), path], &options).unwrap();
+        let again = dir.path().join("b.csv");
+        std::fs::copy(&path, &again).unwrap();
+        assert!(matches!(
+            load(&[path.clone(), path.clone()], &options),
+            Err(DatasetError::Twice { .. })
+        ));
+        let set = load(&[path, again], &options).unwrap();
         let lengths: Vec<_> = set.record.runs().iter().map(Run::len).collect();
         assert_eq!(lengths, [3, 2, 3, 2]);
         assert_eq!(set.record.missing(), 2);

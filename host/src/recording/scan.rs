@@ -8,7 +8,7 @@ pub use head::is_recording;
 
 use super::Header;
 use super::row::Row;
-use head::{column_row, hold_period_against_rows, read_header};
+use head::{column_row, hold_period_against_rows, mend_scales, read_header};
 use lines::Lines;
 use rows::Rows;
 use servoid_protocol::timing::SAMPLE_US;
@@ -73,7 +73,8 @@ pub(super) fn scan(bytes: &[u8]) -> Result<Scan, Newer> {
     let body = bytes.get(..whole).unwrap_or_default();
     let mut lines = Lines::new(body);
     let mut damages = Vec::new();
-    let header = read_header(&mut lines, column_row(body), &mut damages)?;
+    let mut header = read_header(&mut lines, column_row(body), &mut damages)?;
+    mend_scales(&mut header, &mut damages);
     let header_is_sound = damages.is_empty();
     hold_period_against_rows(&header, &mut damages);
     let mut rows = Rows::new(body, &header, damages);

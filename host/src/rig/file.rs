@@ -198,13 +198,12 @@ impl RigFile {
     }
 
     fn check(&self) -> Result<(), &'static str> {
-        let usable = |scale: f64| (1e-6..1e6).contains(&scale.abs());
         let spread = |sd: f64| sd.is_finite() && sd >= 0.0;
         let (servo, sensor, limits) = (&self.servo, &self.sensor, &self.limits);
-        if !usable(servo.us_per_degree) {
+        if !is_usable_scale(servo.us_per_degree) {
             return Err("servo.us_per_degree must be a number other than 0, at most a million");
         }
-        if !usable(sensor.degrees_per_count) {
+        if !is_usable_scale(sensor.degrees_per_count) {
             return Err("sensor.degrees_per_count must be a number other than 0");
         }
         if !(0.0..=f64::from(u16::MAX)).contains(&sensor.zero_counts) {
@@ -260,6 +259,12 @@ fn in_one_line(text: &str, error: &toml::de::Error) -> String {
     let number = before.matches('\n').count();
     let line = text.lines().nth(number).unwrap_or_default().trim();
     format!("line {} ({line:?}): {what}", number + 1)
+}
+
+/// Whether a number can be a scale, of a servo or of a sensor: not 0, and of a size that is met.
+#[must_use]
+pub(crate) fn is_usable_scale(scale: f64) -> bool {
+    (1e-6..1e6).contains(&scale.abs())
 }
 
 #[cfg(test)]

@@ -19,3 +19,4 @@ mod under_way;
 pub use capture::{Capture, CaptureEnd, Progress, StopReason};
 pub use client::{RigClient, TalkError};
 pub use file::RigFile;
+pub(crate) use file::is_usable_scale;

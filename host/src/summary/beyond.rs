@@ -7,12 +7,15 @@ use servoid_identification::limits::Limits;
 use servoid_identification::metrics::Interval;
 use std::fmt::Write;
 
-/// A low-order model for a flight simulation.
+/// A low-order model for a flight simulation, made of a model whose bounds hold or do not.
 #[must_use]
-pub fn of_flight_model(flight: &FlightModel) -> String {
+pub fn of_flight_model(flight: &FlightModel, bounds_hold: bool) -> String {
     let mut text =
         String::from("\nlow-order model: K e^(-Ls) / ((1 + 2 zeta s/w + s^2/w^2) (1 + Ts))\n");
-    let level = super::percent(flight.level);
+    let interval = match bounds_hold {
+        true => format!("{} % interval", super::percent(flight.level)),
+        false => "interval, of no level".to_owned(),
+    };
     let rows = [
         ("gain K", "", 1.0, Some(flight.gain)),
         ("delay L", "ms", 1e3, Some(flight.delay_s)),
@@ -20,11 +23,7 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
         ("damping zeta", "", 1.0, flight.damping),
         ("lag T", "ms", 1e3, flight.lag_s),
     ];
-    let _infallible = writeln!(
-        text,
-        "  {:22} {:>10} {:5} {level} % interval",
-        "", "value", ""
-    );
+    let _infallible = writeln!(text, "  {:22} {:>10} {:5} {interval}", "", "value", "");
     for (name, unit, scale, interval) in rows {
         let Some(Interval {
             value: Some(value),

@@ -319,3 +319,18 @@ fn a_level_that_is_none_is_refused_for_models_too() {
     std::fs::write(&model, text.replace("\"level\": 0.99", "\"level\": 2.0")).unwrap();
     assert!(refusal(&["compare", arg(&model), arg(&model)]).contains("contradicts itself"));
 }
+
+#[test]
+fn a_scale_that_is_none_costs_no_row() {
+    let dir = tempfile::tempdir().unwrap();
+    let (file, _) = recorded(dir.path());
+    let rows = Recording::read(&file).unwrap().samples.len();
+    let text = std::fs::read_to_string(&file).unwrap();
+    let broken = text.replace("# us_per_degree = 10.0", "# us_per_degree = 0.0");
+    assert_ne!(broken, text);
+    std::fs::write(&file, broken).unwrap();
+    assert!(refusal(&["identify", arg(&file)]).contains("servoid recover"));
+    let saved = dir.path().join("saved.csv");
+    run(&["recover", arg(&file), "-o", arg(&saved)]);
+    assert_eq!(Recording::read(&saved).unwrap().samples.len(), rows);
+}

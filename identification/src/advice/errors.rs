@@ -38,6 +38,16 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
+/// "p = 2.3e-7"; smaller ones than any table has are not told apart.
+fn probability(p: f64) -> String {
+    const LEAST: f64 = 1e-12;
+    if p < LEAST {
+        format!("p < {LEAST:.0e}")
+    } else {
+        format!("p = {p:.1e}")
+    }
+}
+
 /// What told that errors are not noise, the number and what it was held against.
 fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
     match errors.sign {
@@ -53,17 +63,17 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
             let left = 100.0 - errors.least_squares_percent.max(errors.generalised_percent);
             let words = format!(
                 "simulation leaves {left:.0} % of the motion (rms), and what it leaves follows the motion, which \
-                 noise does not (p = {:.1e})",
-                found.p
+                 noise does not ({})",
+                probability(found.p)
             );
             (words, left, UNEXPLAINED)
         }
         Sign::NoSteps(found, seen) => {
             let words = format!(
-                "the servo is not linear ({:.1} % of the motion, rms, p = {:.1e}), and of the steps of the \
+                "the servo is not linear ({:.1} % of the motion, rms, {}), and of the steps of the \
                  reference {:.0} % are held until it has followed: how it answers a step was not seen",
                 found.misfit_percent,
-                found.p,
+                probability(found.p),
                 100.0 * seen
             );
             (words, seen, SEEN)
@@ -87,10 +97,11 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
         NOT_LINEAR,
         format!(
             "The servo is not linear: {:.1} % of the motion (rms) follows it in a way that no linear servo \
-             can (p = {:.1e}). The bounds are those of the linear description that fits this reference \
+             can ({}). The bounds are those of the linear description that fits this reference \
              best: a single stroke may lie outside, and other steps, amplitudes or a sine may give \
              another description.",
-            found.misfit_percent, found.p
+            found.misfit_percent,
+            probability(found.p)
         ),
         found.misfit_percent,
         linearity::WORTH_MENTIONING,
@@ -138,6 +149,10 @@ pub(super) fn figures(evidence: &Evidence<'_>) -> Option<Advice> {
 }
 
 pub(super) fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
+    // Of errors that are not noise, nothing more is to be said of the kind of noise.
+    if evidence.explanation.model_errors.is_some() {
+        return None;
+    }
     let order = evidence.model.structure.noise_order;
     let remedy =
         "Look for a periodic disturbance or a nonlinearity; a higher noise order may help.";
@@ -166,6 +181,9 @@ pub(super) fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
 }
 
 pub(super) fn independence(evidence: &Evidence<'_>) -> Option<Advice> {
+    if evidence.explanation.model_errors.is_some() {
+        return None;
+    }
     let p = evidence
         .model
         .residuals

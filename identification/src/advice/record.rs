@@ -112,7 +112,7 @@ pub(super) fn history(evidence: &Evidence<'_>) -> Option<Advice> {
             "history",
             format!(
                 "{:.0} % of the samples only serve as history of others, because each run begins \
-                 with an unknown past.",
+                 with an unknown past, and so does what follows a gap.",
                 100.0 * lost
             ),
             lost,

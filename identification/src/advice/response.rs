@@ -68,14 +68,14 @@ pub(super) fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
         Advice::new(
             "hidden_tail",
             format!(
-                "The noise is large: a slow end or a ringing of the response below {:.0} % of the final \
+                "The noise is large for what this input excites: a slow end or a ringing of the response below {:.0} % of the final \
                  value cannot be seen, and what is left of it after the settling time may be {hidden:.1} \
                  standard deviations. The bounds may hold less often than they say.",
                 100.0 * DETECTION * sd / size
             ),
             hidden,
             HIDDEN,
-            "Record longer, or use larger steps.",
+            "Record longer, or use larger steps with sharper edges.",
         )
     })
 }

@@ -53,6 +53,11 @@ fn rounded(percent: f64) -> f64 {
 }
 
 fn feel(found: &Comparison) -> String {
+    if !found.bounds_hold {
+        return "What a pilot would notice cannot be told from these recordings: record steps that are held \
+                until the servo rests."
+            .to_owned();
+    }
     let time = behind(found);
     let rest = found.levels.as_ref().and_then(rest).unwrap_or_default();
     let runs = match found.p_value {

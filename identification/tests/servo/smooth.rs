@@ -8,7 +8,7 @@ use crate::plants::{Linear, PERIOD, measured};
 
 const SAMPLES: usize = 3600;
 
-/// A servo of first order, 60 ms, at the sum of sines of these amplitudes and frequencies \[Hz\].
+/// A servo of two lags, 52 and 8 ms, at the sum of sines of these amplitudes and frequencies \[Hz\].
 fn under_sines(sines: &[(f64, f64)]) -> Record {
     let servo = Linear::second_order(1.0, 0.0, 1.5, 50.0);
     let input: Vec<f64> = (0..SAMPLES)

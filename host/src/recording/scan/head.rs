@@ -4,6 +4,7 @@ use super::lines::{Line, Lines};
 use super::{Damage, Newer, SAMPLE_PERIOD_S};
 use crate::recording::header::{FIRST_LINE, HEADER_CRC};
 use crate::recording::{COLUMNS, FORMAT, Header};
+use crate::rig::is_usable_scale;
 use servoid_protocol::framing::CRC;
 use toml::{Table, Value};
 
@@ -59,6 +60,34 @@ pub(super) fn hold_period_against_rows(header: &Header, damages: &mut Vec<Damage
                 "sample_period_s is {said}, and the rows are written {written} s apart"
             ),
         });
+    }
+}
+
+/// A scale that no servo and no sensor has, such as 0, makes no number of any row: the usual one takes
+/// its place, so that the rows can be kept.
+pub(super) fn mend_scales(header: &mut Header, damages: &mut Vec<Damage>) {
+    let usual = Header::default();
+    let scales = [
+        (
+            "us_per_degree",
+            &mut header.us_per_degree,
+            usual.us_per_degree,
+        ),
+        (
+            "degrees_per_count",
+            &mut header.degrees_per_count,
+            usual.degrees_per_count,
+        ),
+    ];
+    for (key, scale, usual) in scales {
+        if !is_usable_scale(*scale) {
+            damages.push(Damage {
+                row: None,
+                line: 1,
+                reason: format!("{key} is {scale}, which is no scale"),
+            });
+            *scale = usual;
+        }
     }
 }
 
