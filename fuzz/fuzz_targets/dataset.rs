@@ -44,5 +44,5 @@ fuzz_target!(|bytes: &[u8]| {
         assert!(both.clone().all(|x| x.is_finite() || x.is_nan()));
     }
     // Gaps are filled with rows that say so, never with more than the file could mean.
-    assert!(record.samples() - record.missing() <= bytes.len() * count);
+    assert!(record.samples() - record.missing() <= bytes.len() * files.len());
 });

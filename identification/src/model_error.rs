@@ -47,7 +47,7 @@ pub const UNEXPLAINED: f64 = 15.0;
 pub const SEEN: f64 = 0.75;
 
 /// Share of the final value beyond which a step has been followed.
-const FOLLOWED: f64 = 0.9;
+pub const FOLLOWED: f64 = 0.9;
 
 /// Difference between the step responses of the two estimators, as a share of the largest value,
 /// beyond which neither's figures are findings.
