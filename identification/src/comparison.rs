@@ -133,9 +133,6 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     );
     let runs = [a.record.runs().len(), b.record.runs().len()];
     let mut comparison = of_curves(&a.model, &b.model, &curves, p_value, runs, options);
-    if !(a.alone.bounds_hold() && b.alone.bounds_hold()) {
-        comparison.without_bounds();
-    }
     comparison.split = split.is_some();
     comparison.over_prediction = over_prediction;
     comparison.levels = Some(Sides {
@@ -146,6 +143,9 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         a: a.asymmetry(),
         b: b.asymmetry(),
     });
+    if !(a.alone.bounds_hold() && b.alone.bounds_hold()) {
+        comparison.without_bounds();
+    }
     comparison.summary = words::summary(&comparison);
     comparison.advice = advice(&comparison, [&a.alone, &b.alone], &[&a, &b]);
     Ok(comparison)

@@ -3,6 +3,7 @@
 use super::Export;
 use super::text::number;
 use crate::summary;
+use servoid_identification::Model;
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::metrics::Interval;
 use servoid_identification::model::SelectedBy;
@@ -79,8 +80,9 @@ impl Export<'_> {
             self.covariance(),
         ]);
         let flight = self.low_order.as_ref().ok();
-        paragraphs
-            .extend(flight.map(|flight| low_order(flight, self.largest_error_percent(flight))));
+        paragraphs.extend(
+            flight.map(|flight| low_order(flight, self.largest_error_percent(flight), self.model)),
+        );
         paragraphs
     }
 
@@ -155,7 +157,11 @@ pub(super) fn parameters_of(flight: &FlightModel) -> &'static str {
     }
 }
 
-fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
+fn low_order(flight: &FlightModel, largest_error_percent: f64, model: &Model) -> String {
+    let level = match model.bounds_hold() {
+        true => format!("{} %", 100.0 * flight.level),
+        false => "no level".to_owned(),
+    };
     let form = match flight.order {
         1 => "K exp(-L s) / (1 + T s)",
         2 => "K exp(-L s) / (1 + 2 zeta s/w + s^2/w^2)",
@@ -185,8 +191,7 @@ fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
         );
     }
     format!(
-        "{text} intervals of {} %. Largest error of its step response: {largest_error_percent:.3} % of the step. {}",
-        100.0 * flight.level,
+        "{text} intervals of {level}. Largest error of its step response: {largest_error_percent:.3} % of the step. {}",
         flight.statement
     )
 }

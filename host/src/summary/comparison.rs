@@ -29,11 +29,13 @@ const NAMES: usize = 30;
 /// Metrics of both sides and their difference with its bounds, and how they were made.
 #[must_use]
 pub fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
+    let interval = match found.bounds_hold {
+        true => format!("{} % interval", percent(found.level)),
+        false => "no bounds".to_owned(),
+    };
     let mut text = format!(
-        "  {:32} {a:>10} {b:>10} {:>12}  {} % interval\n",
-        "",
-        "difference",
-        percent(found.level)
+        "  {:32} {a:>10} {b:>10} {:>12}  {interval}\n",
+        "", "difference"
     );
     for row in difference_rows(found) {
         if let [(a, _), (b, _), (difference, bounds)] = &row.cells[..] {

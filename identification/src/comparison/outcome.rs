@@ -148,9 +148,9 @@ pub struct Comparison {
     /// By how much the first, driven like the second, goes farther; `None` without plateaus at two
     /// levels.
     pub over_prediction: Option<OverPrediction>,
-    /// Where each side comes to rest at the ends of the command; `None` without records.
+    /// Where each side comes to rest at the ends of the command; `None` without records or bounds.
     pub levels: Option<Sides<Levels>>,
-    /// Up against down strokes on each side; `None` without records.
+    /// Up against down strokes on each side; `None` without records or bounds.
     pub asymmetry: Option<Sides<Asymmetry>>,
     /// Figures of both sides.
     pub differences: Vec<MetricDifference>,
@@ -167,7 +167,14 @@ impl Comparison {
     pub(super) fn without_bounds(&mut self) {
         self.bounds_hold = false;
         self.verdict = Verdict::Undecided;
+        self.difference_percent.at_least = 0.0;
         self.delay_shift_bounds_s = None;
+        // Where the servo rests and how its strokes differ is read off the same fits.
+        (self.levels, self.asymmetry, self.over_prediction) = (None, None, None);
+        for figure in &mut self.differences {
+            (figure.a_bounds, figure.b_bounds) = (None, None);
+            (figure.lower, figure.upper) = (None, None);
+        }
         for curve in &mut self.curves {
             (curve.delay_shift_s.lower, curve.delay_shift_s.upper) = (None, None);
         }
