@@ -22,7 +22,6 @@ use crate::linear::times;
 use crate::matrix_serde::to_rows;
 use crate::metrics::{Measured, Metrics};
 use crate::model::{Model, SCHEMA, Structure};
-use crate::model_error::ModelErrors;
 use crate::moments::Moments;
 use crate::noise::Noise;
 use crate::options::{Frequencies, NoiseOrder, Options};
@@ -109,26 +108,26 @@ struct Pipeline<'a> {
 impl Pipeline<'_> {
     fn run(mut self) -> Result<Identification, Error> {
         check_rows(&self.collected.moments, self.plan.basis.frequencies())?;
+        let considered = self.estimate()?;
         let Considered {
             estimate,
             linearity,
             model_errors,
-        } = self.estimate()?;
+        } = &considered;
         // A bank that is left with the gain alone, of an input without steps, is no step response. It
         // may be what predicts best all the same, or have been asked for.
         let asked = matches!(self.options.frequencies, Frequencies::Count(_));
         if self.plan.basis.highest() == 0 && model_errors.is_none() && !asked {
             return Err(Error::NoDetail);
         }
-        let responses = Responses::new(&estimate);
-        let mut model = self.describe(&estimate, &responses);
-        model.residuals = self.residuals(&model, &estimate, linearity);
-        if let Some(errors) = &model_errors {
+        let responses = Responses::new(estimate);
+        let mut model = self.describe(estimate, &responses);
+        model.residuals = self.residuals(&model, estimate, *linearity);
+        if let Some(errors) = model_errors {
             model.metrics = errors.told(model.metrics, &model.step.value);
         }
         let degrees_of_freedom = responses.step.degrees_of_freedom;
-        let mut explanation = self.explain(&model, &estimate, degrees_of_freedom, model_errors);
-        explanation.linearity = linearity;
+        let explanation = self.explain(&model, considered, degrees_of_freedom);
         model.advice = advice::gather(&Evidence {
             model: &model,
             explanation: &explanation,
@@ -201,20 +200,24 @@ impl Pipeline<'_> {
     fn explain(
         &mut self,
         model: &Model,
-        estimate: &Estimate,
+        considered: Considered,
         degrees_of_freedom: Vec<f64>,
-        model_errors: Option<ModelErrors>,
     ) -> Explanation {
+        let Considered {
+            estimate,
+            linearity,
+            model_errors,
+        } = considered;
         Explanation {
             settling: self.plan.choice.take(),
             frequencies: std::mem::take(&mut self.plan.banks),
-            noise_orders: estimate.fit.orders.clone(),
+            noise_orders: estimate.fit.orders,
             path: estimate.information.path(),
             condition: estimate.fit.solution.condition,
             rows: estimate.information.rows(),
             degrees_of_freedom,
             model_errors,
-            linearity: None,
+            linearity,
             runs: self
                 .record
                 .and_then(|record| RunComparison::of(model, record.runs())),

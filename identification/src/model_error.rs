@@ -114,6 +114,12 @@ pub enum Sign {
 }
 
 impl ModelErrors {
+    /// What simulation by the better of the two estimators leaves of the motion \[% rms\].
+    #[must_use]
+    pub fn unexplained_percent(&self) -> f64 {
+        unexplained_percent(self.least_squares_percent, self.generalised_percent)
+    }
+
     /// Largest difference between the step responses of the two estimators, as a share of the
     /// largest value of `taken`. Infinite when there is no other.
     #[must_use]
@@ -200,7 +206,7 @@ impl BothEstimators {
             return Some(Sign::Whitening);
         }
         let found = linearity.filter(Linearity::errors_follow_motion)?;
-        if self.unexplained_percent() > UNEXPLAINED {
+        if unexplained_percent(self.least_squares_percent, self.generalised_percent) > UNEXPLAINED {
             return Some(Sign::Misfit(found));
         }
         if !found.is_rejected() {
@@ -209,10 +215,10 @@ impl BothEstimators {
         let seen = seen();
         (seen < SEEN).then_some(Sign::NoSteps(found, seen))
     }
+}
 
-    fn unexplained_percent(&self) -> f64 {
-        100.0 - self.least_squares_percent.max(self.generalised_percent)
-    }
+fn unexplained_percent(least_squares_percent: f64, generalised_percent: f64) -> f64 {
+    100.0 - least_squares_percent.max(generalised_percent)
 }
 
 /// What the input may move by while it counts as standing still, as a share of its range: more than

@@ -60,7 +60,7 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
             (words, plain - generalised, TOLERATED)
         }
         Sign::Misfit(found) => {
-            let left = 100.0 - errors.least_squares_percent.max(errors.generalised_percent);
+            let left = errors.unexplained_percent();
             let words = format!(
                 "simulation leaves {left:.0} % of the motion (rms), and what it leaves follows the motion, which \
                  noise does not ({})",
