@@ -26,6 +26,7 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+use crate::basis::dot;
 use crate::convolution::causal_filter;
 use crate::fft;
 use crate::gls::GlsFit;
@@ -190,7 +191,7 @@ impl Offered {
 
     fn own_moments(&self) -> Mat<f64> {
         Mat::from_fn(FUNCTIONS, FUNCTIONS, |i, j| {
-            let product = |run: &OfferedRun| inner(&run.filtered[i], &run.filtered[j]);
+            let product = |run: &OfferedRun| dot(&run.filtered[i], &run.filtered[j]);
             self.runs.iter().map(product).sum()
         })
     }
@@ -198,7 +199,7 @@ impl Offered {
     fn score(&self) -> Vec<f64> {
         (0..FUNCTIONS)
             .map(|j| {
-                let product = |run: &OfferedRun| inner(&run.filtered[j], &run.errors);
+                let product = |run: &OfferedRun| dot(&run.filtered[j], &run.errors);
                 self.runs.iter().map(product).sum()
             })
             .collect()
@@ -283,14 +284,11 @@ impl OfferedRun {
             rows[span].fill(true);
         }
         let in_rows = |values: &[f64]| -> Vec<f64> {
-            (0..values.len())
-                .map(|k| {
-                    if rows[k] {
-                        filtered_at(values, &d, k)
-                    } else {
-                        0.0
-                    }
-                })
+            let keep = |(value, row): (f64, &bool)| if *row { value } else { 0.0 };
+            filtered(values, &d)
+                .into_iter()
+                .zip(&rows)
+                .map(keep)
                 .collect()
         };
         Self {
@@ -318,10 +316,7 @@ impl OfferedRun {
             spectrum
         };
         let order = d.len() - 1;
-        let filtered: Vec<f64> = (order..self.input.len())
-            .map(|k| filtered_at(&self.input, d, k))
-            .collect();
-        let input = spectrum(&filtered, order);
+        let input = spectrum(&filtered(&self.input, d)[order..], order);
         let mut products = inverse.make_output_vec();
         for (j, z) in self.filtered.iter().enumerate() {
             let mut both = spectrum(z, self.history);
@@ -367,13 +362,16 @@ fn present(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value }
 }
 
-/// sum_i d_i x(k-i).
-fn filtered_at(values: &[f64], d: &[f64], k: usize) -> f64 {
-    d.iter().enumerate().map(|(i, di)| di * values[k - i]).sum()
-}
-
-fn inner(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// sum_i d_i x(k-i) for each k, what is before the first value left out. A pass for each i, so that
+/// each can be done in vector registers.
+fn filtered(values: &[f64], d: &[f64]) -> Vec<f64> {
+    let mut filtered = vec![0.0; values.len()];
+    for (i, di) in d.iter().enumerate() {
+        for (sum, value) in filtered.iter_mut().skip(i).zip(values) {
+            *sum += di * value;
+        }
+    }
+    filtered
 }
 
 /// The smallest even product of 2, 3 and 5 that is at least `least`: transforms of such sizes are fast.

@@ -180,11 +180,14 @@ impl BothEstimators {
         // Whitening that has gone astray also misjudges how many frequencies can be told, so
         // plain least squares may bring its own bank.
         let settling = coordinates.basis.settling();
-        let own = NestedBanks::scan(&information.moments, settling, &[], FIRST_ORDER)
-            .map(|banks| banks.best_predictor())
-            .filter(|frequencies| *frequencies != coordinates.basis.frequencies());
+        let own_bank = || {
+            NestedBanks::scan(&information.moments, settling, &[], FIRST_ORDER)
+                .map(|banks| banks.best_predictor())
+                .filter(|frequencies| *frequencies != coordinates.basis.frequencies())
+                .and_then(|own| Basis::new(settling, own).ok())
+        };
         if !coordinates.basis.is_complete()
-            && let Some(basis) = own.and_then(|own| Basis::new(settling, own).ok())
+            && let Some(basis) = own_bank()
             && let Some(fit) = gls::fit(information, &Coordinates::new(basis), &plain())
         {
             least_squares_percent = least_squares_percent.max(percent(&fit));

@@ -55,6 +55,11 @@ fn fitted(record: &Record, frequencies: usize) -> (Information, GlsFit) {
     (information, fit)
 }
 
+/// sum_i d_i x(k-i).
+fn filtered_at(values: &[f64], d: &[f64], k: usize) -> f64 {
+    d.iter().enumerate().map(|(i, di)| di * values[k - i]).sum()
+}
+
 /// The regression with every row and column written out: sum of squares, coefficients.
 fn explicit(offered: &Offered, fit: &GlsFit, with_functions: bool) -> (f64, Vec<f64>) {
     let d = with_one(&fit.ar);
