@@ -9,6 +9,7 @@
 //! the instructions about them (SEV, WFE, WFI, CPS, MRS, MSR) and STREXB and STREXH, which the other
 //! one does not know or would answer from a state of its own.
 
+use crate::stepped::{Around, Stepped};
 use crate::support::{SharedBoard, image, options, staircase};
 use armagnac::core::{ArmVersion, Config, Emulator, Event, Processor, RunError};
 use armagnac::decoder::Lut16AndGrouped32InstructionDecoder;
@@ -18,11 +19,10 @@ use servoid_protocol::message::Command;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::rc::Rc;
-use std::sync::Arc;
 use std::time::Duration;
 use virtual_board::VirtualBoard;
 use virtual_board::cpu::rsemu::RsemuCore;
-use virtual_board::cpu::{Bus, Core, Registers};
+use virtual_board::cpu::{Core, Registers};
 use virtual_board::memory::{FLASH_START, RAM_BYTES, RAM_START, Ram};
 
 /// Flags N, Z, C, V, Q and the state of IT blocks.
@@ -91,9 +91,8 @@ struct Tally {
     differences: Vec<String>,
 }
 
-/// The board's core with the other processor beside it.
-struct CheckedCore {
-    core: RsemuCore,
+/// The other processor, and what it needs to go beside the board's core.
+struct SecondProcessor {
     flash: Vec<u8>,
     ram: Ram,
     view: Rc<RefCell<View>>,
@@ -102,8 +101,8 @@ struct CheckedCore {
     tally: Tally,
 }
 
-impl CheckedCore {
-    fn new(flash: &[u8], ram: &Ram, bus: &Arc<dyn Bus>) -> Self {
+impl SecondProcessor {
+    fn new(flash: &[u8], ram: &Ram) -> Self {
         let view = Rc::new(RefCell::new(View {
             ram: ram.clone(),
             written: Vec::new(),
@@ -114,7 +113,6 @@ impl CheckedCore {
         other.map(FLASH_START, flash).unwrap();
         other.map_iface(RAM_START, view.clone()).unwrap();
         Self {
-            core: RsemuCore::new(flash, ram, bus),
             flash: flash.to_vec(),
             ram: ram.clone(),
             view,
@@ -195,20 +193,20 @@ fn touches_core(registers: &Registers) -> bool {
         .any(|r| (0xe000_0000..0xe010_0000).contains(r))
 }
 
-impl Core for CheckedCore {
-    fn step(&mut self) -> u64 {
-        let before = self.core.registers();
-        let asleep = self.core.is_asleep();
+impl Around for SecondProcessor {
+    fn step(&mut self, core: &mut RsemuCore) -> u64 {
+        let before = core.registers();
+        let asleep = core.is_asleep();
         if std::mem::take(&mut self.fresh) || asleep {
-            return self.core.step();
+            return core.step();
         }
         if self.is_special(before.r[15]) || touches_core(&before) {
             self.tally.special += 1;
-            return self.core.step();
+            return core.step();
         }
         let executed = self.execute(&before);
-        let cycles = self.core.step();
-        let after = self.core.registers();
+        let cycles = core.step();
+        let after = core.registers();
         // A return that goes straight to the next handler, of the same number, shows in the address.
         let returns = executed.is_ok() && self.other.pc() >= EXCEPTION_RETURN;
         if returns || (before.xpsr ^ after.xpsr) & EXCEPTION != 0 {
@@ -232,49 +230,21 @@ impl Core for CheckedCore {
         cycles
     }
 
-    fn set_irq(&mut self, number: u32, level: bool) {
-        self.core.set_irq(number, level);
-    }
-
-    fn set_nmi(&mut self, level: bool) {
-        self.core.set_nmi(level);
-    }
-
-    fn is_asleep(&self) -> bool {
-        self.core.is_asleep()
-    }
-
-    fn skip(&mut self, cycles: u64) {
-        self.core.skip(cycles);
-    }
-
-    fn own_event(&self) -> Option<u64> {
-        self.core.own_event()
-    }
-
-    fn registers(&self) -> Registers {
-        self.core.registers()
-    }
-
-    fn take_fault(&mut self) -> Option<u32> {
-        self.core.take_fault()
-    }
-
-    fn wants_reset(&self) -> bool {
-        self.core.wants_reset()
-    }
-
     fn reset(&mut self) {
         self.fresh = true;
-        self.core.reset();
     }
 }
 
 #[test]
 fn another_processor_does_the_same() {
     let options = options("linear?seed=1", &[]);
-    let board = VirtualBoard::with_core(image(), &options, CheckedCore::new).unwrap();
-    let board = SharedBoard::from(board);
+    let board = VirtualBoard::with_core(image(), &options, |flash, ram, bus| {
+        Stepped::new(
+            RsemuCore::new(flash, ram, bus),
+            SecondProcessor::new(flash, ram),
+        )
+    });
+    let board = SharedBoard::from(board.unwrap());
     let mut client = board.connect();
     let job = staircase();
     job.arm(&mut client).unwrap();
@@ -282,7 +252,7 @@ fn another_processor_does_the_same() {
     board.pass(Duration::from_secs(2));
     client.status().unwrap();
     board.with(|board| {
-        let tally = &board.core().tally;
+        let tally = &board.core().around.tally;
         println!(
             "{} instructions compared, {} kinds; not compared: {} on peripherals, {} exceptions, {} \
              special",

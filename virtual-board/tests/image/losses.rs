@@ -1,84 +1,44 @@
 //! Frames that the board itself loses: counted, and in the log.
 
+use crate::stepped::{Around, Stepped};
 use crate::support::{FRAME, LOST, SharedBoard, image, options};
-use std::sync::Arc;
+use virtual_board::cpu::Core;
 use virtual_board::cpu::rsemu::RsemuCore;
-use virtual_board::cpu::{Bus, Core, Registers};
-use virtual_board::memory::Ram;
 use virtual_board::time::to_duration;
 use virtual_board::{BoardOptions, VirtualBoard};
 
 /// Cycles that pass at a time in a swoon.
 const A_WHILE: u64 = 100;
 
-/// A core that can be made to do nothing for a while, as with its interrupts masked.
-struct Swooning {
-    core: RsemuCore,
+/// Makes a core do nothing for a while, as with its interrupts masked.
+#[derive(Default)]
+struct Swoon {
     cycles_left: u64,
 }
 
-impl Swooning {
-    fn new(flash: &[u8], ram: &Ram, bus: &Arc<dyn Bus>) -> Self {
-        Self {
-            core: RsemuCore::new(flash, ram, bus),
-            cycles_left: 0,
-        }
-    }
-}
-
-impl Core for Swooning {
-    fn step(&mut self) -> u64 {
+impl Around for Swoon {
+    fn step(&mut self, core: &mut RsemuCore) -> u64 {
         if self.cycles_left == 0 {
-            return self.core.step();
+            return core.step();
         }
         self.cycles_left = self.cycles_left.saturating_sub(A_WHILE);
         A_WHILE
     }
 
-    fn set_irq(&mut self, number: u32, level: bool) {
-        self.core.set_irq(number, level);
-    }
-
-    fn set_nmi(&mut self, level: bool) {
-        self.core.set_nmi(level);
-    }
-
-    fn is_asleep(&self) -> bool {
-        self.cycles_left == 0 && self.core.is_asleep()
-    }
-
-    fn skip(&mut self, cycles: u64) {
-        self.core.skip(cycles);
-    }
-
-    fn own_event(&self) -> Option<u64> {
-        self.core.own_event()
-    }
-
-    fn registers(&self) -> Registers {
-        self.core.registers()
-    }
-
-    fn take_fault(&mut self) -> Option<u32> {
-        self.core.take_fault()
-    }
-
-    fn wants_reset(&self) -> bool {
-        self.core.wants_reset()
-    }
-
-    fn reset(&mut self) {
-        self.core.reset();
+    fn may_sleep(&self) -> bool {
+        self.cycles_left == 0
     }
 }
 
-fn board(options: &BoardOptions) -> SharedBoard<Swooning> {
-    let board = VirtualBoard::with_core(image(), options, Swooning::new);
+fn board(options: &BoardOptions) -> SharedBoard<Stepped<Swoon>> {
+    let board = VirtualBoard::with_core(image(), options, |flash, ram, bus| {
+        Stepped::new(RsemuCore::new(flash, ram, bus), Swoon::default())
+    });
     SharedBoard::from(board.unwrap())
 }
 
 /// The lines of the log that tell of lost frames.
-fn lines(board: &SharedBoard<Swooning>) -> Vec<String> {
+fn lines(board: &SharedBoard<Stepped<Swoon>>) -> Vec<String> {
     let log = board.with(|board| board.chip().record.log.clone());
     let lines = log.into_iter().map(|line| line.text);
     lines.filter(|text| text.contains(LOST)).collect()
@@ -86,9 +46,9 @@ fn lines(board: &SharedBoard<Swooning>) -> Vec<String> {
 
 /// Lets the processor of the board do nothing for two frames and a half, which is less than the
 /// watchdog waits; 72 cycles are a microsecond.
-fn swoon(board: &SharedBoard<Swooning>) {
+fn swoon(board: &SharedBoard<Stepped<Swoon>>) {
     let microseconds = to_duration(5 * FRAME / 2).as_micros() as u64;
-    board.with(|board| board.core().cycles_left = 72 * microseconds);
+    board.with(|board| board.core().around.cycles_left = 72 * microseconds);
     board.pass(to_duration(6 * FRAME));
 }
 

@@ -13,4 +13,5 @@ mod losses;
 mod ports;
 mod references;
 mod soak;
+mod stepped;
 mod support;
