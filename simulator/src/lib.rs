@@ -28,6 +28,19 @@
 //! [`SimulationOptions`] and equal calls give equal bytes on every machine with the same libm.
 //! Angles are in degrees outside the servos' equations, times in [`std::time::Duration`].
 
+// What users write after `sim:` meets no panic here.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::string_slice,
+        clippy::unreachable,
+        clippy::unwrap_used
+    )
+)]
+
 mod apparatus;
 mod delay_line;
 mod parts;

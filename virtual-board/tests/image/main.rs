@@ -15,3 +15,4 @@ mod references;
 mod soak;
 mod stepped;
 mod support;
+mod visitors;
