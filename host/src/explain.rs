@@ -2,7 +2,7 @@
 
 use crate::summary::decimals;
 use servoid_identification::model::Structure;
-use servoid_identification::normal::Path;
+use servoid_identification::structure::{CONTRADICTION, MARGIN};
 use servoid_identification::{Explanation, Model};
 use std::fmt::Write;
 
@@ -23,10 +23,6 @@ pub fn as_text(explanation: &Explanation, model: &Model) -> String {
 
 fn write_text(text: &mut String, e: &Explanation, structure: &Structure) -> std::fmt::Result {
     writeln!(text, "\nhow the structure came about")?;
-    let arithmetic = match e.path {
-        Path::Moments => "lagged moments, one pass",
-        Path::Qr => "QR on the rows, as the moments are too ill-conditioned",
-    };
     let least = e
         .degrees_of_freedom
         .iter()
@@ -34,8 +30,7 @@ fn write_text(text: &mut String, e: &Explanation, structure: &Structure) -> std:
         .fold(f64::INFINITY, f64::min);
     writeln!(
         text,
-        "  arithmetic  {arithmetic}; condition number {:.0}; {} rows for {} parameters; at least {least:.0} degrees of freedom",
-        e.condition,
+        "  data        {} rows for {} parameters; every bound rests on {least:.0} degrees of freedom or more",
         e.rows,
         structure.frequencies + 1 + structure.noise_order
     )?;
@@ -48,8 +43,8 @@ fn write_text(text: &mut String, e: &Explanation, structure: &Structure) -> std:
         Some(choice) => {
             writeln!(
                 text,
-                "\n  settling time: the smallest N that is 1.75 times the settling that it finds itself, and that\n  the fit with N = {} does not contradict (by more than 4.75 standard deviations)\n\n  {:>8} {:>10} {:>16}",
-                choice.longest, "N", "settles at", "contradiction"
+                "\n  settling time N: the response is taken to be over after N samples. Of each N that was tried, 'settles at' says\n  after how many samples the response found with it rests, and 'apart' how far it lies from the one found with the\n  longest, N = {} (in standard deviations of the difference). The smallest N is chosen that is {MARGIN} times its\n  'settles at', with {CONTRADICTION} sd apart at most.\n\n  {:>8} {:>10} {:>16}",
+                choice.longest, "N", "settles at", "apart"
             )?;
             for c in &choice.candidates {
                 let mark = if c.accepted { "  <- chosen" } else { "" };
@@ -70,23 +65,25 @@ fn write_text(text: &mut String, e: &Explanation, structure: &Structure) -> std:
     if !e.noise_orders.is_empty() {
         writeln!(
             text,
-            "\n  noise order: the smallest BIC\n\n  {:>8} {:>14}",
-            "d", "BIC"
+            "\n  noise order d: how many of the last errors the noise model makes use of. Bayes' criterion (BIC) weighs what an\n  order explains against how many numbers it takes; the smallest is chosen.\n\n  {:>8} {:>20}",
+            "d", "BIC above smallest"
         )?;
+        let smallest = e.noise_orders.iter().map(|c| c.bic);
+        let smallest = smallest.fold(f64::INFINITY, f64::min);
         for c in &e.noise_orders {
             let mark = if c.order == structure.noise_order {
                 "  <- chosen"
             } else {
                 ""
             };
-            writeln!(text, "  {:>8} {:>14.1}{mark}", c.order, c.bic)?;
+            writeln!(text, "  {:>8} {:>20.1}{mark}", c.order, c.bic - smallest)?;
         }
     }
     if !e.frequencies.is_empty() {
         writeln!(
             text,
-            "\n  frequencies: n = N holds without further assumptions; fewer are narrower in white noise, and\n  biased by what they leave out (GCV, the error of prediction, relative to the least)\n\n  {:>8} {:>14} {:>12} {:>12}",
-            "n", "GCV / least", "noise +-", "bias up to"
+            "\n  frequencies n: by how many the response is described. With n = N nothing is left out; with fewer, the band of the\n  noise is narrower, and what is left out may add as much as 'left out' (both for a unit step). 'prediction' is the\n  error of predicting what was not seen (generalised cross-validation), the least being 1.\n\n  {:>8} {:>14} {:>12} {:>12}",
+            "n", "prediction", "noise +-", "left out"
         )?;
         let digits = e
             .frequencies

@@ -51,6 +51,7 @@ pub mod commands;
 pub mod dataset;
 pub mod explain;
 pub mod export;
+pub mod fingerprint;
 pub mod live;
 pub mod output;
 pub mod paper;

@@ -131,7 +131,11 @@ pub fn parse_flight_model(text: &str, path: &Path) -> Result<Option<FlightModel>
     Ok(beside.flight_model)
 }
 
-fn read_text(path: &Path) -> Result<String> {
+/// The text of a model file.
+///
+/// # Errors
+/// One sentence: what the system said.
+pub fn read_text(path: &Path) -> Result<String> {
     std::fs::read_to_string(path)
         .map_err(|reason| anyhow::anyhow!("the model {path:?} cannot be read: {reason}"))
 }

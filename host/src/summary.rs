@@ -2,148 +2,64 @@
 
 mod beyond;
 mod comparison;
+mod metrics;
 
 pub use beyond::{of_flight_model, of_limits};
-pub use comparison::{facts_of_comparison, how_compared, of_comparison, table_of_comparison};
+pub use comparison::{
+    NOT_COMPARED, facts_of_comparison, how_compared, of_comparison, table_of_comparison,
+};
+pub use metrics::{MetricRow, difference_rows, metric_rows, rows_of_metrics, why_withheld};
 
-use servoid_identification::comparison::Comparison;
-use servoid_identification::metrics::{Interval, Metrics};
 use servoid_identification::model::SelectedBy;
 use servoid_identification::{Advice, Model, Validation};
 use std::fmt::Write;
 
-/// One line of a table of metrics.
-struct Row {
-    /// As the model's document calls it.
-    key: &'static str,
-    name: &'static str,
-    unit: &'static str,
-    /// From the model's unit to the printed one.
-    scale: f64,
-    digits: usize,
-    of: fn(&Metrics) -> Interval,
-}
-
-const ROWS: [Row; 8] = [
-    Row {
-        key: "dc_gain",
-        name: "DC gain",
-        unit: "",
-        scale: 1.0,
-        digits: 4,
-        of: |m| m.dc_gain,
-    },
-    Row {
-        key: "delay_s",
-        name: "delay (5 %)",
-        unit: "ms",
-        scale: 1e3,
-        digits: 2,
-        of: |m| m.delay_s,
-    },
-    Row {
-        key: "t50_s",
-        name: "time to 50 %",
-        unit: "ms",
-        scale: 1e3,
-        digits: 2,
-        of: |m| m.t50_s,
-    },
-    Row {
-        key: "rise_time_s",
-        name: "rise time (10-90 %)",
-        unit: "ms",
-        scale: 1e3,
-        digits: 2,
-        of: |m| m.rise_time_s,
-    },
-    Row {
-        key: "overshoot_percent",
-        name: "overshoot",
-        unit: "%",
-        scale: 1.0,
-        digits: 2,
-        of: |m| m.overshoot_percent,
-    },
-    Row {
-        key: "settling_time_s",
-        name: "settling time (2 %)",
-        unit: "ms",
-        scale: 1e3,
-        digits: 1,
-        of: |m| m.settling_time_s,
-    },
-    Row {
-        key: "bandwidth_rad_s",
-        name: "bandwidth (-3 dB)",
-        unit: "rad/s",
-        scale: 1.0,
-        digits: 2,
-        of: |m| m.bandwidth_rad_s,
-    },
-    Row {
-        key: "phase_minus_90_rad_s",
-        name: "-90 deg of phase at",
-        unit: "rad/s",
-        scale: 1.0,
-        digits: 2,
-        of: |m| m.phase_minus_90_rad_s,
-    },
-];
-
-impl Row {
-    fn number(&self, value: Option<f64>) -> String {
-        self.number_like(value, value)
-    }
-
-    /// A number with the digits that `like` has.
-    fn number_like(&self, value: Option<f64>, like: Option<f64>) -> String {
-        // A gain has the units of the recording, and any size with them.
-        let digits = match (self.key, like) {
-            ("dc_gain", Some(like)) => decimals(like, 4),
-            _ => self.digits,
-        };
-        value.map_or_else(
-            || "-".to_owned(),
-            |value| format!("{:.digits$}", value * self.scale),
-        )
-    }
-
-    /// Name and unit.
-    fn label(&self) -> String {
-        match self.unit {
-            "" => self.name.to_owned(),
-            unit => format!("{} ({unit})", self.name),
-        }
-    }
-
-    fn bounds(&self, interval: &Interval) -> String {
-        let like = interval.value.or(interval.upper).or(interval.lower);
-        let number = |bound: f64| self.number_like(Some(bound), like);
-        match (interval.lower, interval.upper) {
-            (None, None) => String::new(),
-            (Some(lower), None) => format!("{} or more", number(lower)),
-            (None, Some(upper)) => format!("up to {}", number(upper)),
-            (Some(lower), Some(upper)) => format!("{} .. {}", number(lower), number(upper)),
-        }
-    }
-}
-
-/// The level of a model's bounds, as text: none where they have not earned one.
+/// The level of a model's bounds, as text: none where no bounds can be given.
 #[must_use]
 pub fn level_text(model: &Model) -> String {
     match model.bounds_hold() {
         true => format!("{} %", percent(model.step.pointwise.level)),
-        false => "no level".to_owned(),
+        false => "no bounds".to_owned(),
+    }
+}
+
+/// The units of a record's two columns, where they are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Units<'a> {
+    /// Of what was commanded.
+    pub input: Option<&'a str>,
+    /// Of what was measured.
+    pub output: Option<&'a str>,
+}
+
+impl<'a> Units<'a> {
+    /// One unit for both.
+    #[must_use]
+    pub fn common(self) -> Option<&'a str> {
+        self.output.filter(|_| self.input == self.output)
+    }
+
+    /// "deg/us", the unit of a gain; `None` where it is 1, or not known.
+    ///
+    /// ```
+    /// use servoid::summary::Units;
+    /// let units = |input, output| Units { input: Some(input), output: Some(output) };
+    /// assert_eq!(units("us", "deg").gain().as_deref(), Some("deg/us"));
+    /// assert_eq!(units("deg", "deg").gain(), None);
+    /// ```
+    #[must_use]
+    pub fn gain(self) -> Option<String> {
+        let (input, output) = (self.input?, self.output?);
+        (input != output).then(|| format!("{output}/{input}"))
     }
 }
 
 /// What was found by one identification.
 #[must_use]
-pub fn of_model(source: &str, model: &Model, unit: Option<&str>) -> String {
+pub fn of_model(source: &str, model: &Model, units: Units<'_>) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
-    let _infallible = write_model(&mut text, source, model, unit);
+    let _infallible = write_model(&mut text, source, model, units);
     text
 }
 
@@ -151,18 +67,16 @@ fn write_model(
     text: &mut String,
     source: &str,
     model: &Model,
-    unit: Option<&str>,
+    units: Units<'_>,
 ) -> std::fmt::Result {
-    let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
+    let unit = units.output.map(|u| format!(" {u}")).unwrap_or_default();
     let (structure, fit, period) = (&model.structure, &model.fit, model.sample_period_s);
-    let (each, whole) = model.step.mean_half_widths();
-    let level = level_text(model);
-    let (error_digits, band_digits) = (decimals(fit.rmse, 2), decimals(each, 2));
+    let error_digits = decimals(fit.rmse, 2);
     writeln!(text, "{source}")?;
     if !model.bounds_hold() {
         writeln!(
             text,
-            "  ! THE BOUNDS BELOW DO NOT HOLD: the errors are not noise (see the advice)"
+            "  ! NO BOUNDS CAN BE GIVEN: the errors are not noise (see the advice)"
         )?;
     }
     if model.is_best_linear_description() {
@@ -198,10 +112,7 @@ fn write_model(
         "  fit         {:.2} % simulated, {:.2} % one step ahead, error {:.error_digits$}{unit} rms",
         fit.simulation_percent, fit.one_step_percent, fit.rmse
     )?;
-    writeln!(
-        text,
-        "  step band   +-{each:.band_digits$} each point, +-{whole:.band_digits$} whole curve ({level}, of a unit step, mean)",
-    )?;
+    writeln!(text, "  step band   {}", step_band(model))?;
     writeln!(text, "  offset      {:.error_digits$}{unit}", model.offset)?;
     writeln!(
         text,
@@ -210,43 +121,29 @@ fn write_model(
         probability(model.residuals.input_correlation_p),
         probability(model.residuals.linearity_p)
     )?;
-    let interval = match model.bounds_hold() {
-        true => format!("{level} interval"),
-        false => "interval, of no level".to_owned(),
-    };
-    writeln!(text, "\n  {:22} {:>10}       {interval}", "", "value")?;
-    for row in &ROWS {
-        let interval = (row.of)(&model.metrics);
-        // A unit beside no number would read as one.
-        let unit = interval.value.map_or("", |_| row.unit);
-        let bounds = match (interval.value, row.bounds(&interval)) {
-            (None, bounds) if bounds.is_empty() => withheld(model).to_owned(),
-            (_, bounds) => bounds,
-        };
-        let (name, value) = (row.name, row.number(interval.value));
-        writeln!(text, "  {name:22} {value:>10} {unit:5} {bounds}")?;
-    }
+    metrics::write_table(text, model, units)?;
     write_advice(text, &model.advice)
 }
 
-/// Why a figure has no value.
-fn withheld(model: &Model) -> &'static str {
-    let gain = &model.metrics.dc_gain;
-    if gain.value.is_some() && gain.contains(0.0) {
-        "withheld: the gain may be zero"
-    } else if model.bounds_hold() {
-        "not reached, as far as this recording tells"
-    } else {
-        "withheld: two ways to estimate it disagree (see the advice)"
+/// How wide the bounds of the step response are.
+fn step_band(model: &Model) -> String {
+    if !model.bounds_hold() {
+        return "none, as no bounds can be given".to_owned();
     }
+    let (each, whole) = model.step.mean_half_widths();
+    let digits = decimals(each, 2);
+    format!(
+        "+-{each:.digits$} each point, +-{whole:.digits$} whole curve ({}, of a unit step, mean)",
+        level_text(model)
+    )
 }
 
 /// How well a model predicted a recording that it had not seen.
 #[must_use]
-pub fn of_validation(validation: &Validation, unit: Option<&str>) -> String {
+pub fn of_validation(validation: &Validation, unit: Option<&str>, advice: &[Advice]) -> String {
     let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
     let digits = decimals(validation.rmse, 2);
-    format!(
+    let mut text = format!(
         "fit {:.2} %, error {:.digits$}{unit} rms, bias {:+.digits$}{unit}, {} samples{}\n",
         validation.fit_percent,
         validation.rmse,
@@ -256,57 +153,10 @@ pub fn of_validation(validation: &Validation, unit: Option<&str>) -> String {
             0 => "",
             _ => ", the first ones too, as the runs begin at rest by the look of them",
         }
-    )
-}
-
-/// A line of a table of metrics: what it is, and value and bounds for each model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MetricRow {
-    /// Name and unit.
-    pub label: String,
-    /// Value and bounds, as text.
-    pub cells: Vec<(String, String)>,
-}
-
-/// The metrics of models side by side, as text.
-#[must_use]
-pub fn metric_rows(models: &[&Metrics]) -> Vec<MetricRow> {
-    let row = |row: &Row| MetricRow {
-        label: row.label(),
-        cells: models
-            .iter()
-            .map(|metrics| (row.of)(metrics))
-            .map(|interval| (row.number(interval.value), row.bounds(&interval)))
-            .collect(),
-    };
-    ROWS.iter().map(row).collect()
-}
-
-/// The metrics of both sides of a comparison and the second less the first, with bounds, as text.
-#[must_use]
-pub fn difference_rows(found: &Comparison) -> Vec<MetricRow> {
-    let of = |row: &Row| {
-        let difference = found.differences.iter().find(|d| d.metric == row.key)?;
-        let side = |bounds: Option<[f64; 2]>| {
-            bounds.map_or_else(String::new, |[lower, upper]| {
-                row.bounds(&Interval::new(lower, lower, upper))
-            })
-        };
-        let bounds = Interval {
-            value: difference.difference,
-            lower: difference.lower,
-            upper: difference.upper,
-        };
-        Some(MetricRow {
-            label: row.label(),
-            cells: vec![
-                (row.number(difference.a), side(difference.a_bounds)),
-                (row.number(difference.b), side(difference.b_bounds)),
-                (row.number(bounds.value), row.bounds(&bounds)),
-            ],
-        })
-    };
-    ROWS.iter().filter_map(of).collect()
+    );
+    // Writing to a String cannot fail.
+    let _infallible = write_advice(&mut text, advice);
+    text
 }
 
 fn write_advice(text: &mut String, advice: &[Advice]) -> std::fmt::Result {

@@ -112,6 +112,15 @@ impl Table {
         &self.layout.remarks
     }
 
+    /// The whole name of the column that `name` means.
+    ///
+    /// # Errors
+    /// [`TableError::NoColumn`] or [`TableError::SeveralColumns`].
+    pub fn column(&self, name: &str) -> Result<&str, TableError> {
+        let place = self.place_of(name)?;
+        Ok(self.columns().get(place).map_or("", String::as_str))
+    }
+
     /// The column names as a list for error texts.
     #[must_use]
     pub fn columns_listed(&self) -> String {
@@ -279,6 +288,30 @@ impl Table {
             }
         }
     }
+}
+
+/// "deg" of "angle \[deg\]", "angle (deg)" or "angle_deg"; `None` where a name says none.
+///
+/// ```
+/// use servoid::table::unit_of;
+/// assert_eq!(unit_of("Winkel [°]"), Some("°"));
+/// assert_eq!(unit_of("pos_counts"), Some("counts"));
+/// assert_eq!(unit_of("position"), None);
+/// ```
+#[must_use]
+pub fn unit_of(column: &str) -> Option<&str> {
+    let bracketed = column
+        .trim_end()
+        .strip_suffix([']', ')'])
+        .and_then(|rest| rest.rsplit_once(['[', '(']))
+        .map(|(_, unit)| unit.trim());
+    let last = || {
+        column
+            .rsplit_once(['_', ' '])
+            .map(|(_, word)| word)
+            .filter(|word| layout::is_unit(word) && word.chars().count() > 1)
+    };
+    bracketed.or_else(last).filter(|unit| !unit.is_empty())
 }
 
 /// "angle" for "angle [deg]" or "angle (deg)".

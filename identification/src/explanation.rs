@@ -51,15 +51,26 @@ impl Explanation {
         if let (Some(narrowest), Some(all)) = (self.narrowest_bank(), self.frequencies.last()) {
             let gain = model.metrics.dc_gain.value.unwrap_or(1.0).abs();
             let percent = |half_width: f64| 100.0 * half_width / gain;
+            let widths = [narrowest, all].map(|bank| percent(bank.half_width()));
             sentences.push(format!(
-                "Frequencies: {} of {} that the input excites; the band of noise and truncation \
-                 would be narrowest with {} (mean half width {:.2} % of the gain), and is {:.2} % with \
-                 all.",
+                "Frequencies: {} of {} that the input excites{}.",
                 structure.frequencies,
                 all.frequencies,
-                narrowest.frequencies,
-                percent(narrowest.half_width()),
-                percent(all.half_width())
+                if !model.bounds_hold() {
+                    String::new()
+                } else if narrowest.frequencies == all.frequencies {
+                    format!(
+                        ", and none would give a narrower band than all (mean half width {:.2} % of the \
+                         gain)",
+                        widths[1]
+                    )
+                } else {
+                    format!(
+                        "; with all the band has a mean half width of {:.2} % of the gain, and it would \
+                         be narrowest, {:.2} %, with {}",
+                        widths[1], widths[0], narrowest.frequencies
+                    )
+                }
             ));
         }
         if let Some(white) = self.noise_orders.first() {
@@ -68,11 +79,18 @@ impl Explanation {
                 .iter()
                 .map(|order| order.bic)
                 .fold(white.bic, f64::min);
-            sentences.push(format!(
-                "Noise: order {} by Bayes' criterion, which prefers it to white noise by {:.1}.",
-                structure.noise_order,
-                white.bic - best
-            ));
+            sentences.push(if best < white.bic {
+                format!(
+                    "Noise: order {} by Bayes' criterion, which is smaller by {:.1} than for white noise.",
+                    structure.noise_order,
+                    white.bic - best
+                )
+            } else {
+                format!(
+                    "Noise: order {}; Bayes' criterion is smallest for white noise (order 0).",
+                    structure.noise_order
+                )
+            });
         }
         if let Some(errors) = &self.model_errors {
             let tried = errors.candidates.len();

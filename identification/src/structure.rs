@@ -40,7 +40,7 @@ pub const MARGIN: f64 = 1.75;
 pub const DETECTION: f64 = 4.0;
 
 /// Standard deviations at which the long fit contradicts a shorter one.
-const CONTRADICTION: f64 = 4.75;
+pub const CONTRADICTION: f64 = 4.75;
 
 /// Smallest N of the grid, and the ratio of its steps.
 const SHORTEST: usize = 31;

@@ -1,10 +1,11 @@
 //! What a rig file says, measured: the sensor's scale, the servo's, and the ends of its travel.
 //!
 //! [`sensor`] fits the sensor's scale to readings at known angles; [`mover`] brings the servo to
-//! positions and reads the sensor there; [`travel`] tells from a slow staircase over the pulses that the
+//! positions and reads the sensor there; [`require_followed`] tells positions to which it did not come; [`travel`] tells from a slow staircase over the pulses that the
 //! servo may be given where neutral is, how far a microsecond turns it, and where it ends; [`rig_text`]
 //! puts what was found into a rig file.
 
+mod followed;
 mod knee;
 mod least_squares;
 pub mod mover;
@@ -12,6 +13,7 @@ pub mod rig_text;
 pub mod sensor;
 pub mod travel;
 
+pub use followed::{NotFollowed, require_followed};
 pub use mover::{MoveError, Mover, Rest};
 pub use rig_text::{Found, put_into};
 pub use sensor::{Calibration, CalibrationError, LEVEL, Reading};

@@ -25,7 +25,7 @@ use servoid_identification::band::{pointwise_critical, student_critical};
 const LEVELS: u16 = 8;
 
 /// A slope beyond a knee that is surely below this part of the slope before it is an end.
-const STANDS_STILL: f64 = 0.25;
+pub(super) const STANDS_STILL: f64 = 0.25;
 
 /// A knee beyond which less than this part of the way is lost is none: no servo is straighter.
 const SLIGHT: f64 = 0.02;
@@ -53,6 +53,13 @@ pub enum End {
         /// From about this pulse on (µs).
         from_us: Estimate,
         /// What is left of the gain (percent).
+        gain_percent: Estimate,
+    },
+    /// From there on it answers more: what is nearer to neutral answers less, by load, friction or linkage.
+    AnswersMore {
+        /// From about this pulse on (µs).
+        from_us: Estimate,
+        /// The gain there, of that around neutral (percent).
         gain_percent: Estimate,
     },
     /// It stops or answers less, and which of them the readings beyond cannot tell.
@@ -243,6 +250,29 @@ struct View<'a> {
     sensor_half: f64,
 }
 
+/// An end beyond which the servo goes on, with a gain from `least` to `most` of that before it; `None` where
+/// that may be the same gain.
+fn bent(from_us: Estimate, least: f64, most: f64) -> Option<End> {
+    let gain_percent = Estimate {
+        value: 50.0 * (least + most),
+        lower: 100.0 * least,
+        upper: 100.0 * most,
+    };
+    if most < 1.0 {
+        Some(End::Softens {
+            from_us,
+            gain_percent,
+        })
+    } else if least > 1.0 {
+        Some(End::AnswersMore {
+            from_us,
+            gain_percent,
+        })
+    } else {
+        None
+    }
+}
+
 impl View<'_> {
     fn end(&self, side: knee::Side, limit_us: u16) -> End {
         let us = |offset: f64| f64::from(self.neutral_us) + offset;
@@ -270,17 +300,10 @@ impl View<'_> {
                 at_us: from_us,
                 angle_deg: Estimate::around((self.degrees)(counts), half),
             }
-        } else if least > STANDS_STILL {
-            End::Softens {
-                from_us,
-                gain_percent: Estimate {
-                    value: 50.0 * (least + most),
-                    lower: 100.0 * least,
-                    upper: 100.0 * most,
-                },
-            }
-        } else {
+        } else if least <= STANDS_STILL {
             End::Unclear { from_us }
+        } else {
+            bent(from_us, least, most).unwrap_or(not_within)
         }
     }
 }

@@ -84,15 +84,15 @@ impl Asker {
         read(&text).map_err(anyhow::Error::msg)
     }
 
-    /// One of several; the first where nobody is asked.
-    pub(super) fn choose(&self, words: &str, items: &[String]) -> Result<usize> {
+    /// One of several; the `usual` one is what Enter takes, and what stands where nobody is asked.
+    pub(super) fn choose(&self, words: &str, items: &[String], usual: usize) -> Result<usize> {
         let Self::User(theme) = self else {
-            return Ok(0);
+            return Ok(usual);
         };
         Select::with_theme(theme.as_ref())
             .with_prompt(words)
             .items(items)
-            .default(0)
+            .default(usual)
             .interact()
             .context(NO_ANSWER)
     }

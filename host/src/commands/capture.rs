@@ -175,7 +175,7 @@ fn report(
         let spared = files.len() - results.len();
         text += &format!("the band is narrow enough: {spared} more runs were not needed\n");
     }
-    if let Some(advice) = until_band.as_ref().and_then(BandReached::advice) {
+    if let Some(advice) = until_band.and_then(|band| band.advice(ends.len())) {
         text += &(advice + "\n");
     }
     match (files.len(), results.first()) {

@@ -3,6 +3,7 @@
 use super::table_args::TableArgs;
 use super::{Talk, listed, wrong_usage};
 use crate::dataset::{self, Dataset, DatasetOptions};
+use crate::fingerprint::{self, advice_on_sides, in_model_file};
 use crate::{output, summary};
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -76,21 +77,31 @@ impl Compare {
             [a, b] => (std::slice::from_ref(a), std::slice::from_ref(b)),
             _ => (&self.a[..], &self.b[..]),
         };
-        let found = match (a, b) {
+        let (found, same) = match (a, b) {
             ([a], [b]) if is_model(a) && is_model(b) => {
-                compare_models(&output::read_model(a)?, &output::read_model(b)?, &options)
+                let [text_a, text_b] = [output::read_text(a)?, output::read_text(b)?];
+                let [runs_a, runs_b] = [&text_a, &text_b].map(|text| in_model_file(text));
+                let a = output::parse_model(&text_a, a)?;
+                let b = output::parse_model(&text_b, b)?;
+                let found = compare_models(&a, &b, &options);
+                (found, advice_on_sides(&runs_a, &runs_b))
             }
             _ => {
                 let table: DatasetOptions = self.table.into();
                 let (a, b) = (read(a, &table, self.talk)?, read(b, &table, self.talk)?);
-                compare(&a.record, &b.record, &options).map(|mut found| {
+                let same =
+                    advice_on_sides(&fingerprint::of(&a.record), &fingerprint::of(&b.record));
+                let found = compare(&a.record, &b.record, &options).map(|mut found| {
                     found.advice.extend(a.about.advice);
                     found.advice.extend(b.about.advice);
                     found
-                })
+                });
+                (found, same)
             }
         };
-        let found = found.with_context(|| format!("{} against {}", listed(a), listed(b)))?;
+        let mut found = found.with_context(|| format!("{} against {}", listed(a), listed(b)))?;
+        // What makes all the rest pointless is said first.
+        found.advice.splice(0..0, same);
         if let Some(out) = &self.out {
             output::write_file(out, self.force, &output::to_json(&found)?)?;
         }

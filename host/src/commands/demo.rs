@@ -4,6 +4,7 @@ use super::capture::{Job, capture};
 use super::watch::Watch;
 use super::{Talk, interrupt};
 use crate::dataset::{self, DatasetOptions};
+use crate::fingerprint::Marked;
 use crate::plots::figures;
 use crate::report::{self, Page, Servo};
 use crate::rig::RigFile;
@@ -158,11 +159,14 @@ impl Demo {
         let found = identify_explained(&data.record, &Options::default())
             .with_context(|| file.display().to_string())?;
         let model = &found.model;
-        self.write(&format!("{condition}.json"), &output::to_json(model)?)?;
+        self.write(
+            &format!("{condition}.json"),
+            &output::to_json(&Marked::new(model, Some(&data.record)))?,
+        )?;
         self.talk.say(summary::of_model(
             &file.display().to_string(),
             model,
-            data.about.unit,
+            data.about.units(),
         ));
         let record = data.record.clone();
         Ok((Servo::of_data(condition.to_owned(), data, found), record))

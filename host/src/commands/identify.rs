@@ -3,6 +3,7 @@
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem, wrong_usage};
 use crate::dataset::suggestion::quoted;
+use crate::fingerprint::Marked;
 use crate::plots::{figures, structure};
 use crate::{dataset, explain, output, summary};
 use anyhow::{Context, Result};
@@ -13,7 +14,7 @@ use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions
 use servoid_identification::limits::Limits;
 use servoid_identification::step::StepResponse;
 use servoid_identification::{
-    Explanation, Frequencies, Model, NoiseOrder, Options, Settling, identify_explained,
+    Explanation, Frequencies, Model, NoiseOrder, Options, Record, Settling, identify_explained,
 };
 use servoid_protocol::timing::FRAME_US;
 use std::path::PathBuf;
@@ -101,7 +102,7 @@ impl Identify {
         let flight = self.flight_model.then(|| {
             let options = FlightModelOptions {
                 // A recording of servoid was commanded by pulses, which change with the frame only.
-                frame_period_s: data.about.unit.map(|_| f64::from(FRAME_US) * 1e-6),
+                frame_period_s: data.about.by_servoid.then(|| f64::from(FRAME_US) * 1e-6),
                 ..FlightModelOptions::default()
             };
             flight_model::fit(&data.record, model, &options)
@@ -109,14 +110,15 @@ impl Identify {
         if let Some(out) = &self.out {
             let beside = Identified {
                 flight_model: flight.as_ref().and_then(|fitted| fitted.as_ref().ok()),
-                ..Identified::of(model)
+                ..Identified::of(model, &data.record)
             };
             output::write_file(out, self.force, &output::to_json(&beside)?)?;
             self.talk.say(format_args!("model: {}", out.display()));
         }
         if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
             let name = stem(first);
-            let mut figures = figures::identification(&name, &data.record, model, data.about.unit);
+            let mut figures =
+                figures::identification(&name, &data.record, model, data.about.units());
             let structure = |e| {
                 structure::structure(
                     &format!("{name}-structure"),
@@ -129,11 +131,11 @@ impl Identify {
             let files = output::write_figures(folder, self.force, &figures)?;
             self.talk.say(format_args!("plots: {}", listed(&files)));
         }
-        let mut text = summary::of_model(&listed(&self.files), model, data.about.unit);
+        let mut text = summary::of_model(&listed(&self.files), model, data.about.units());
         text.extend(explanation.map(|e| explain::as_text(e, model)));
         let mut result = Identified {
             explanation,
-            ..Identified::of(model)
+            ..Identified::of(model, &data.record)
         };
         match &flight {
             Some(Ok(fitted)) => {
@@ -151,7 +153,7 @@ impl Identify {
             let limits = Limits::of(&data.record, model);
             // A recording with strokes of one direction only has no split; the summary says so.
             let split = direction::split(&data.record, model).ok();
-            text += &summary::of_limits(&limits, split.as_ref(), data.about.unit);
+            text += &summary::of_limits(&limits, split.as_ref(), data.about.units().common());
             result.directions = split.map(Directions::from);
             result.limits = Some(limits);
         }
@@ -184,7 +186,7 @@ impl Identify {
 #[derive(Serialize)]
 struct Identified<'a> {
     #[serde(flatten)]
-    model: &'a Model,
+    model: Marked<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
     explanation: Option<&'a Explanation>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -199,9 +201,9 @@ struct Identified<'a> {
 }
 
 impl<'a> Identified<'a> {
-    fn of(model: &'a Model) -> Self {
+    fn of(model: &'a Model, record: &Record) -> Self {
         Self {
-            model,
+            model: Marked::new(model, Some(record)),
             explanation: None,
             flight_model: None,
             no_flight_model: None,

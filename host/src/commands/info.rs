@@ -101,8 +101,13 @@ fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> Result<
     )?;
     writeln!(
         text,
-        "one sample       {} conversions within {} µs, 0 to {} counts",
-        hello.oversampling, hello.aperture_us, hello.full_scale_counts
+        "one sample       {} conversions {}, 0 to {} counts",
+        hello.oversampling,
+        match hello.aperture_us {
+            0 => "at one moment".to_owned(),
+            us => format!("within {us} µs"),
+        },
+        hello.full_scale_counts
     )?;
     writeln!(
         text,

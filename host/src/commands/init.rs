@@ -62,8 +62,8 @@ struct Given {
     /// way [default: 10]
     #[arg(long, value_name = "US", allow_negative_numbers = true)]
     us_per_degree: Option<f64>,
-    /// How far the linkage may be turned from neutral (degrees): no pulse goes beyond [default: as far as
-    /// the pulses go]
+    /// How far the linkage may be turned from neutral (degrees): no pulse goes beyond [default: -10:10,
+    /// twice what a reference turns it unless it is told otherwise]
     #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true)]
     travel: Option<Range>,
     /// What the sensor is called [default: Honeywell RTY120]
@@ -183,18 +183,12 @@ impl Given {
                 check: &|us| setup::check_us_per_degree(*us),
             },
         )?;
-        let pulses_alone = Answers {
-            neutral_us,
-            us_per_degree,
-            pulses_us,
-            ..Answers::default()
-        };
         let travel_deg = asker.ask(
             self.travel,
             &Question {
                 option: "--travel",
                 words: "How far the linkage may be turned (degrees)",
-                default: pulses_alone.travel(),
+                default: usual.travel_deg,
                 form: TWO_NUMBERS,
                 check: &setup::check_travel,
             },
@@ -229,7 +223,7 @@ impl Given {
             neutral_us,
             us_per_degree,
             pulses_us,
-            travel_deg: (travel_deg != pulses_alone.travel()).then_some(travel_deg),
+            travel_deg,
             sensor,
             sensor_volts,
             sensor_degrees,
@@ -244,12 +238,18 @@ fn ask_port(asker: &Asker, talk: Talk) -> Result<Option<String>> {
     }
     talk.say("looking for rigs ...");
     let found = ports::find().unwrap_or_default();
+    talk.say(ports::summary(&found));
     let mut items: Vec<String> = found.iter().map(ports::Found::in_few_words).collect();
     let simulated = "sim:bench";
     items.push(format!("{simulated}: no hardware, a simulated servo"));
     items.push("another one, to be typed".into());
     items.push("not known yet".into());
-    let chosen = asker.choose("Where is the rig", &items)?;
+    // Enter takes a rig that has answered, or else none: a silent port is for somebody to choose.
+    let usual = match found.first() {
+        Some(port) if port.answers() => 0,
+        _ => items.len() - 1,
+    };
+    let chosen = asker.choose("Where is the rig", &items, usual)?;
     if let Some(port) = found.into_iter().nth(chosen) {
         return Ok(Some(port.port));
     }

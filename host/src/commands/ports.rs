@@ -37,12 +37,32 @@ impl Found {
         format!("{}: {}", self.port, self.answer())
     }
 
+    /// Whether there is a rig.
+    pub(super) fn answers(&self) -> bool {
+        self.rig.is_some()
+    }
+
     fn answer(&self) -> String {
         match (&self.rig, &self.error) {
             (Some(rig), _) => format!("servoid rig: {rig}"),
             (None, Some(error)) => error.clone(),
             (None, None) => "no rig answers".to_owned(),
         }
+    }
+}
+
+/// Which of the ports have answered, in one sentence.
+pub(super) fn summary(found: &[Found]) -> String {
+    let answering: Vec<&str> = found
+        .iter()
+        .filter(|port| port.answers())
+        .map(|port| port.port.as_str())
+        .collect();
+    match (&answering[..], found) {
+        ([], []) => "there are no serial ports: is the board plugged in?".to_owned(),
+        ([], [only]) => format!("no rig answers at {}, the only serial port", only.port),
+        ([], several) => format!("no rig answers at any of {} serial ports", several.len()),
+        (some, _) => format!("a rig answers at {}", some.join(", ")),
     }
 }
 
@@ -58,7 +78,7 @@ pub(super) fn find() -> Result<Vec<Found>> {
         .into_iter()
         .filter_map(|asker| asker.join().ok())
         .collect();
-    found.sort_by(|a, b| (a.rig.is_none(), &a.port).cmp(&(b.rig.is_none(), &b.port)));
+    found.sort_by(|a, b| (!a.answers(), &a.port).cmp(&(!b.answers(), &b.port)));
     Ok(found)
 }
 
@@ -113,5 +133,27 @@ fn ask(info: serialport::SerialPortInfo) -> Found {
         device,
         rig,
         error: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_answers_is_said() {
+        let port = |port: &str, rig: bool| Found {
+            port: port.into(),
+            device: String::new(),
+            rig: rig.then(|| "bench, firmware 1".into()),
+            error: None,
+        };
+        let said = |found: &[Found]| summary(found);
+        assert!(said(&[]).contains("plugged in"));
+        assert!(said(&[port("/dev/ttyS0", false)]).contains("no rig answers at /dev/ttyS0"));
+        let both = [port("/dev/ttyUSB0", true), port("/dev/ttyS0", false)];
+        assert_eq!(said(&both), "a rig answers at /dev/ttyUSB0");
+        let silent = [port("/dev/ttyS0", false), port("/dev/ttyS1", false)];
+        assert!(said(&silent).contains("any of 2"));
     }
 }

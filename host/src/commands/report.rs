@@ -3,8 +3,8 @@
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem, wrong_usage};
 use crate::dataset::{self, DatasetOptions};
-use crate::output;
 use crate::report::{self, Page, Servo};
+use crate::{fingerprint, output};
 use anyhow::{Context, Result};
 use clap::Args;
 use servoid_identification::comparison::{Comparison, ComparisonOptions, compare, compare_models};
@@ -113,7 +113,14 @@ fn comparison(a: &Servo, b: &Servo, margin: f64, talk: Talk) -> Result<Option<Co
         ..ComparisonOptions::default()
     };
     let found = match (&a.data, &b.data) {
-        (Some(a), Some(b)) => compare(&a.record, &b.record, &options),
+        (Some(a), Some(b)) => {
+            let sides = [a, b].map(|side| fingerprint::of(&side.record));
+            compare(&a.record, &b.record, &options).map(|mut found| {
+                let same = fingerprint::advice_on_sides(&sides[0], &sides[1]);
+                found.advice.splice(0..0, same);
+                found
+            })
+        }
         (None, None) => compare_models(&a.model, &b.model, &options),
         _ => {
             talk.say("a recording and a model are shown side by side, but without a verdict: that takes two recordings, or two models");

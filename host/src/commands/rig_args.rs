@@ -19,7 +19,7 @@ pub(super) struct RigArgs {
     #[arg(long, value_name = "RIG.toml", value_hint = ValueHint::FilePath)]
     pub rig: Option<PathBuf>,
     /// Under what condition: bench, aircraft, or words of your own; without it, that of the rig file, or
-    /// bench
+    /// the name of the simulated servo, or bench
     #[arg(long, value_parser = suggest::condition(), hide_possible_values = true)]
     condition: Option<String>,
     /// I have read the safety rules, and nobody is near the rotor (needed for every condition but
@@ -55,12 +55,11 @@ impl RigArgs {
                 "say where the rig is, with --port or with 'port' in the rig file: 'servoid ports' lists the serial ports, and sim:bench needs none"
             );
         };
-        let simulated = port::is_simulated(&address);
+        let simulated = port::simulated_servo(&address);
         let condition = self.condition.clone().or_else(|| file.condition.clone());
-        // A simulated servo's condition is in its port's name already.
-        let condition = condition.unwrap_or_else(|| if simulated { "" } else { BENCH }.to_owned());
+        let condition = condition.unwrap_or_else(|| simulated.unwrap_or(BENCH).to_owned());
         // Any condition that is not just the bench may be a loaded servo.
-        if condition != BENCH && !simulated && !self.arm {
+        if condition != BENCH && simulated.is_none() && !self.arm {
             bail!(
                 "the condition {condition:?} may move a loaded servo, only {BENCH:?} by itself may not: read the safety rules in the README, clear the rotor, then add --arm"
             );

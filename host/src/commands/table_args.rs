@@ -14,10 +14,13 @@ pub(super) struct TableArgs {
     /// The column with the output (what was measured)
     #[arg(long, value_name = "COLUMN")]
     output: Option<String>,
-    /// Time between rows (seconds); without it, from a column of time such as 't', 'time_ms' or
-    /// 'Time [s]'
+    /// Time between rows (seconds); without it, from a column of time such as 't', 'time_ms', 'Time [s]'
+    /// or 'Zeit'
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     period: Option<f64>,
+    /// The column of time, where its name does not tell
+    #[arg(long, value_name = "COLUMN")]
+    time: Option<String>,
     /// The unit of a column of time whose name does not say it
     #[arg(long, value_enum, value_name = "UNIT")]
     time_unit: Option<TimeUnit>,
@@ -41,6 +44,7 @@ impl TableArgs {
             ("--input", self.input.clone()),
             ("--output", self.output.clone()),
             ("--period", self.period.map(|period| period.to_string())),
+            ("--time", self.time.clone()),
             (
                 "--time-unit",
                 self.time_unit.map(|unit| unit.name().to_owned()),
@@ -84,6 +88,7 @@ impl From<TableArgs> for DatasetOptions {
             input: args.input,
             output: args.output,
             period_s: args.period,
+            time: args.time,
             time_unit: args.time_unit,
             run: args.run,
             at_rest: args.at_rest,

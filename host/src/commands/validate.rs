@@ -3,7 +3,7 @@
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem};
 use crate::plots::figures::{self, Named};
-use crate::{dataset, output, summary};
+use crate::{dataset, fingerprint, output, summary};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
@@ -46,8 +46,11 @@ impl Validate {
         if let Some(out) = &self.out {
             output::check_free(out, self.force)?;
         }
-        let model = output::read_model(&self.model)?;
+        let text = output::read_text(&self.model)?;
+        let model = output::parse_model(&text, &self.model)?;
         let data = dataset::load(&self.files, &self.table.into())?;
+        let seen = fingerprint::in_model_file(&text);
+        let own = fingerprint::advice_on_validation(&seen, &fingerprint::of(&data.record));
         data.about
             .remarks
             .iter()
@@ -55,9 +58,11 @@ impl Validate {
         let result = model
             .validate(&data.record)
             .with_context(|| listed(&self.files))?;
+        let unit = data.about.output_unit;
+        let advice: Vec<Advice> = own.into_iter().chain(data.about.advice).collect();
         let validated = Validated {
             validation: &result,
-            advice: &data.about.advice,
+            advice: &advice,
         };
         if let Some(out) = &self.out {
             output::write_file(out, self.force, &output::to_json(&validated)?)?;
@@ -84,15 +89,17 @@ impl Validate {
                         "Model against measurement",
                         &named,
                         run,
-                        data.about.unit,
+                        unit.as_deref(),
                     )
                 })
                 .collect();
             let files = output::write_figures(folder, self.force, &figures)?;
             self.talk.say(format_args!("plots: {}", listed(&files)));
         }
-        self.talk
-            .result(summary::of_validation(&result, data.about.unit), &validated)
+        self.talk.result(
+            summary::of_validation(&result, unit.as_deref(), &advice),
+            &validated,
+        )
     }
 }
 

@@ -3,6 +3,7 @@
 use super::progress::CaptureProgress;
 use super::{Talk, interrupt, wrong_usage};
 use crate::live::{LiveIdentification, LiveStep, RunSamples, second_cycle};
+use crate::plan::Shrinking;
 use crate::rig::{Capture, Progress, StopReason};
 use crate::scope::state::{FrameSeen, Link};
 use crate::scope::{Scope, ScopeEvent, ScopeState, terminal};
@@ -42,9 +43,23 @@ pub(super) struct Watch {
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct BandReached {
     asked_percent: f64,
-    /// Half of the band's width at its widest; none where no step response could be found.
+    /// Half of the band's width at its widest; none where no step response could be found, or none with
+    /// bounds.
     reached_percent: Option<f64>,
     reached: bool,
+    #[serde(skip)]
+    found: Found,
+}
+
+/// What the runs have shown together.
+#[derive(Clone, Copy, Debug)]
+enum Found {
+    /// No step response.
+    Nothing,
+    /// One whose errors are not noise.
+    NoBounds,
+    /// One with a band.
+    Band(Shrinking),
 }
 
 impl WatchArgs {
@@ -113,35 +128,52 @@ impl Watch {
         let (asked_percent, live) = self.until_percent.zip(self.live.as_ref())?;
         live.ask_and_wait();
         let step = live.latest();
+        let found = match &step {
+            None => Found::Nothing,
+            Some(step) if !step.bounds_hold => Found::NoBounds,
+            Some(step) => Found::Band(Shrinking {
+                widest_percent: step.half_width_percent(),
+                stays_percent: step.bias_percent,
+            }),
+        };
         Some(BandReached {
             asked_percent,
-            reached_percent: step.as_ref().map(|s| s.half_width_percent()),
+            reached_percent: match found {
+                Found::Band(band) => Some(band.widest_percent),
+                Found::Nothing | Found::NoBounds => None,
+            },
             reached: step.is_some_and(|s| s.is_within(asked_percent)),
+            found,
         })
     }
 }
 
 impl BandReached {
-    /// What to do, where the runs were over before the band was narrow enough.
-    pub(super) fn advice(&self) -> Option<String> {
-        let asked = self.asked_percent;
-        match self.reached_percent {
-            _ if self.reached => None,
-            Some(percent) if percent > asked => {
-                // Widths fall with the square root of the number of rows.
-                let runs = (percent / asked).powi(2).ceil();
-                Some(format!(
-                    "the run was over before the band was narrow enough: it is +-{percent:.2} % of the step, and +-{asked} % was asked for; about {runs} such runs together get there: record them and give all files to 'servoid identify'"
-                ))
-            }
-            Some(_) => Some(
-                "the band is narrow and yet means nothing, as the errors of the model are not noise: 'servoid identify' says more".to_owned(),
-            ),
-            None => Some(
-                "the run was over before a step response could be found in it: record a longer one"
-                    .to_owned(),
-            ),
+    /// What to do, where the `runs` were over before the band was narrow enough.
+    pub(super) fn advice(&self, runs: usize) -> Option<String> {
+        if self.reached {
+            return None;
         }
+        let asked = self.asked_percent;
+        let band = match self.found {
+            Found::Band(band) => band,
+            Found::NoBounds => {
+                return Some(
+                    "no band can be given, as the errors of the model are not noise: 'servoid identify' says more".to_owned(),
+                );
+            }
+            Found::Nothing => {
+                return Some(
+                    "the run was over before a step response could be found in it: record a longer one"
+                        .to_owned(),
+                );
+            }
+        };
+        Some(format!(
+            "the run was over before the band was narrow enough: it is +-{:.2} % of the step, and +-{asked} % was asked for; {}",
+            band.widest_percent,
+            band.advice(asked, runs)
+        ))
     }
 }
 

@@ -45,11 +45,13 @@ pub enum DatasetError {
     },
     /// Columns are not named.
     #[error(
-        "{path:?} is no recording of servoid, so say which of its columns is what; its columns are {columns}, so perhaps add: {options}"
+        "{path:?} is no recording of servoid, so say which of its columns is what; {how}its columns are {columns}, so perhaps add: {options}"
     )]
     Unnamed {
         /// Which file.
         path: PathBuf,
+        /// What is unusual about how it was read, with a semicolon and a space behind it; else empty.
+        how: String,
         /// What there is.
         columns: String,
         /// What to add to the command, as far as the names of the columns tell.
@@ -57,7 +59,7 @@ pub enum DatasetError {
     },
     /// The sampling period is not known.
     #[error(
-        "{path:?} has no column of time (called 't', 'time' or 'time_ms', say): say how far apart its rows are with --period SECONDS"
+        "{path:?} has no column that is called like one of time ('t', 'time_ms', 'Zeit [s]', say): name it with --time COLUMN, or say how far apart the rows are with --period SECONDS"
     )]
     NoPeriod {
         /// Which file.

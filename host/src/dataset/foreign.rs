@@ -2,7 +2,7 @@
 
 use super::time::{self, TimeUnit};
 use super::{About, DatasetError, DatasetOptions, Loaded, run, suggestion};
-use crate::table::{Table, TableError};
+use crate::table::{Table, TableError, unit_of};
 use crate::timeline::{self, Stretch, TimeColumn};
 use std::path::Path;
 
@@ -12,12 +12,16 @@ pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Load
     let (Some(input), Some(output)) = (&options.input, &options.output) else {
         return Err(DatasetError::Unnamed {
             path: path.to_owned(),
+            how: table
+                .remarks()
+                .iter()
+                .map(|remark| format!("{remark}; "))
+                .collect(),
             columns: table.columns_listed(),
             options: suggestion::options(table.columns()),
         });
     };
-    let Columns { u, y, time, labels } =
-        Columns::read(table, input, output, options.run.as_deref())?;
+    let Columns { u, y, time, labels } = Columns::read(table, input, output, options)?;
     if u.len() < 2 {
         return Err(TableError::Empty {
             path: path.to_owned(),
@@ -51,7 +55,10 @@ pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Load
         ),
         ("sample period s".to_owned(), period_s.to_string()),
     ];
+    let unit = |name: &str| Ok::<_, TableError>(unit_of(table.column(name)?).map(str::to_owned));
     let about = About {
+        input_unit: unit(input)?,
+        output_unit: unit(output)?,
         provenance: vec![provenance],
         remarks,
         ..About::default()
@@ -205,9 +212,16 @@ impl Columns {
         table: &Table,
         input: &str,
         output: &str,
-        run: Option<&str>,
+        options: &DatasetOptions,
     ) -> Result<Self, TableError> {
-        let clock = time::column(table.columns());
+        let run = options.run.as_deref();
+        let clock = match &options.time {
+            Some(name) => {
+                let column = table.column(name)?;
+                Some((column, time::unit_in(column)))
+            }
+            None => time::column(table.columns()),
+        };
         let mut wanted = vec![input, output];
         wanted.extend(run);
         let (numbers, times) = table.numbers_beside(&wanted, clock.map(|(name, _)| name))?;

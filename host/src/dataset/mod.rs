@@ -14,7 +14,9 @@ mod time;
 pub use error::DatasetError;
 pub use time::TimeUnit;
 
+use crate::fingerprint;
 use crate::recording::{self, Recording};
+use crate::summary::Units;
 use crate::table::{Table, TableError};
 use servoid_identification::advice::Advice;
 use servoid_identification::{Record, Run};
@@ -29,6 +31,8 @@ pub struct DatasetOptions {
     pub output: Option<String>,
     /// Time between rows (s).
     pub period_s: Option<f64>,
+    /// The column of time; without it, one that is called like one.
+    pub time: Option<String>,
     /// The unit of a column of time whose name does not say it.
     pub time_unit: Option<TimeUnit>,
     /// The column whose value changes where a new run begins.
@@ -51,8 +55,12 @@ pub struct Dataset {
 /// What files say of themselves.
 #[derive(Clone, Debug, Default)]
 pub struct About {
-    /// The unit of input and output, where the files say it and agree.
-    pub unit: Option<&'static str>,
+    /// Whether all files are recordings of servoid, whose command changes with the pulse frame only.
+    pub by_servoid: bool,
+    /// The unit of what was commanded, where the files say it and agree.
+    pub input_unit: Option<String>,
+    /// The unit of what was measured, where the files say it and agree.
+    pub output_unit: Option<String>,
     /// Under what condition it was recorded, where the files say it and agree.
     pub condition: Option<String>,
     /// Where the data come from, file by file: name and value of each thing that is known.
@@ -65,12 +73,25 @@ pub struct About {
 }
 
 impl About {
+    /// The units of the two columns.
+    #[must_use]
+    pub fn units(&self) -> Units<'_> {
+        Units {
+            input: self.input_unit.as_deref(),
+            output: self.output_unit.as_deref(),
+        }
+    }
+
     fn merge(&mut self, other: Self) {
-        self.unit = self.unit.filter(|unit| Some(*unit) == other.unit);
-        self.condition = self
-            .condition
-            .take()
-            .filter(|c| Some(c) == other.condition.as_ref());
+        let agree = |mine: &mut Option<String>, theirs: Option<String>| {
+            if *mine != theirs {
+                *mine = None;
+            }
+        };
+        self.by_servoid &= other.by_servoid;
+        agree(&mut self.input_unit, other.input_unit);
+        agree(&mut self.output_unit, other.output_unit);
+        agree(&mut self.condition, other.condition);
         self.provenance.extend(other.provenance);
         self.remarks.extend(other.remarks);
         self.advice.extend(other.advice);
@@ -139,6 +160,11 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
         files: files(),
         error,
     })?;
+    let mut about = about;
+    if let Some(advice) = fingerprint::advice_on_repeats(&record) {
+        about.remarks.push(advice.finding.clone());
+        about.advice.push(advice);
+    }
     Ok(Dataset {
         record: record.with_sample_phase(phase_s),
         about,

@@ -85,7 +85,9 @@ pub(super) fn from_recording(
     ];
     provenance.extend(recording.header.facts());
     let about = About {
-        unit: Some("deg"),
+        by_servoid: true,
+        input_unit: Some("deg".to_owned()),
+        output_unit: Some("deg".to_owned()),
         condition,
         provenance: vec![provenance],
         remarks,

@@ -2,7 +2,7 @@
 //! with.
 
 /// Names that people give to what was commanded, and to what was measured, the plainest first.
-const INPUTS: [&str; 14] = [
+const INPUTS: [&str; 20] = [
     "u",
     "input",
     "in",
@@ -17,8 +17,14 @@ const INPUTS: [&str; 14] = [
     "goal",
     "pwm",
     "pulse",
+    "soll",
+    "sollwert",
+    "vorgabe",
+    "consigne",
+    "consigna",
+    "stick",
 ];
-const OUTPUTS: [&str; 12] = [
+const OUTPUTS: [&str; 19] = [
     "y",
     "output",
     "out",
@@ -31,6 +37,13 @@ const OUTPUTS: [&str; 12] = [
     "response",
     "feedback",
     "sensor",
+    "ist",
+    "istwert",
+    "winkel",
+    "lage",
+    "ángulo",
+    "posición",
+    "posizione",
 ];
 
 /// "--input u --output y --period SECONDS" for a file with these columns; words in capitals where no name
@@ -87,6 +100,18 @@ mod tests {
                 .map(|&column| column.to_owned())
                 .collect::<Vec<_>>(),
         )
+    }
+
+    #[test]
+    fn names_in_other_languages_are_known() {
+        assert_eq!(
+            of(&["Zeit", "Sollwert", "Istwert"]),
+            "--input Sollwert --output Istwert"
+        );
+        assert_eq!(
+            of(&["Temps [ms]", "Consigne [°]", "Position [°]"]),
+            "--input 'Consigne [°]' --output 'Position [°]'"
+        );
     }
 
     #[test]

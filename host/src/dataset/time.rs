@@ -63,7 +63,8 @@ impl TimeUnit {
     /// What people write for it, in lower letters.
     fn of_word(word: &str) -> Option<Self> {
         Some(match word {
-            "s" | "sec" | "secs" | "second" | "seconds" => Self::Seconds,
+            "s" | "sec" | "secs" | "second" | "seconds" | "sek" | "sekunden" | "seg"
+            | "segundos" | "secondes" | "secondi" | "sekund" => Self::Seconds,
             "ms" | "msec" | "millis" | "millisec" | "millisecond" | "milliseconds" => {
                 Self::Milliseconds
             }
@@ -75,8 +76,35 @@ impl TimeUnit {
     }
 }
 
-/// Words that a column of time is called by, and that mean time without another word.
-const WORDS: [&str; 4] = ["t", "time", "timestamp", "elapsed"];
+/// Words that a column of time is called by: in English, German, French, Spanish, Portuguese and Italian,
+/// the Nordic languages, Dutch, Polish, Czech, Hungarian, Turkish, Russian, Chinese and Japanese.
+const WORDS: [&str; 24] = [
+    "t",
+    "time",
+    "timestamp",
+    "elapsed",
+    "zeit",
+    "zeitstempel",
+    "temps",
+    "tiempo",
+    "tempo",
+    "tid",
+    "aika",
+    "tijd",
+    "czas",
+    "čas",
+    "cas",
+    "idő",
+    "ido",
+    "zaman",
+    "время",
+    "时间",
+    "時間",
+    "时刻",
+    "時刻",
+    "horodatage",
+];
+/// Words that mean time without another word.
 const ALONE: [&str; 5] = [
     "seconds",
     "millis",
@@ -102,16 +130,24 @@ pub(super) fn column(columns: &[String]) -> Option<(&str, Option<TimeUnit>)> {
 /// The unit of a column that is called like one of time; `None` for a column that is not.
 fn unit(column: &str) -> Option<Option<TimeUnit>> {
     let lower = column.to_lowercase();
-    let words: Vec<&str> = lower
-        .split(|letter: char| !letter.is_alphanumeric())
-        .filter(|word| !word.is_empty())
-        .collect();
+    let words: Vec<&str> = words(&lower).collect();
     let time = |word: &&str| WORDS.contains(word);
     let known =
         |word: &&str| time(word) || BESIDE.contains(word) || TimeUnit::of_word(word).is_some();
     let is_time = words.iter().any(time) || matches!(words[..], [word] if ALONE.contains(&word));
     (is_time && words.iter().all(known))
         .then(|| words.iter().find_map(|word| TimeUnit::of_word(word)))
+}
+
+/// The unit that a name has in it, whatever else it says.
+pub(super) fn unit_in(column: &str) -> Option<TimeUnit> {
+    words(&column.to_lowercase()).find_map(TimeUnit::of_word)
+}
+
+fn words(lower: &str) -> impl Iterator<Item = &str> {
+    lower
+        .split(|letter: char| !letter.is_alphanumeric())
+        .filter(|word| !word.is_empty())
 }
 
 /// "2.000 ms" for a time in seconds.
@@ -140,6 +176,11 @@ mod tests {
             ("timestamp_us", Some(Some(Microseconds))),
             ("millis", Some(Some(Milliseconds))),
             ("elapsed time in seconds", Some(Some(Seconds))),
+            ("Zeit [s]", Some(Some(Seconds))),
+            ("Temps (ms)", Some(Some(Milliseconds))),
+            ("Tiempo", Some(None)),
+            ("czas_ms", Some(Some(Milliseconds))),
+            ("ВРЕМЯ", Some(None)),
             ("rise time", None),
             ("temperature", None),
             ("s", None),

@@ -19,7 +19,7 @@ pub(super) fn write(export: &Export<'_>) -> String {
     let warning = if holds {
         ""
     } else {
-        "warning('servoid:bounds', 'The bounds of this model do not hold: see the comments.');\n"
+        "warning('servoid:bounds', 'No bounds can be given for this model: see the comments.');\n"
     };
     values.extend([
         ("name", plain(export.name).replace('\'', "''")),

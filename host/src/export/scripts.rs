@@ -19,7 +19,13 @@ impl Export<'_> {
             ("about", style.comment(&self.statement(false))),
             ("ID", id.to_ascii_uppercase()),
             ("id", id),
-            ("level", number(step.pointwise.level)),
+            (
+                "level",
+                number(match model.bounds_hold() {
+                    true => step.pointwise.level,
+                    false => 0.0,
+                }),
+            ),
             ("period", number(model.sample_period_s)),
             ("phase", number(model.sample_phase_s)),
             ("frame", number(self.frame_s)),

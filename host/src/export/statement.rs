@@ -16,7 +16,7 @@ impl Export<'_> {
         let mut found = Vec::new();
         if !model.bounds_hold() {
             found.push(
-                "the bounds do not hold: what the model cannot explain is not noise, so they have no level"
+                "no bounds can be given: what the model cannot explain is not noise, and the bounds in this file have no level"
                     .to_owned(),
             );
         }
@@ -40,8 +40,8 @@ impl Export<'_> {
                 "the noise model did not come to rest: the bounds are approximate".to_owned(),
             );
         }
-        if model.metrics.dc_gain.contains(0.0) {
-            found.push("the gain may be zero: the model has no response to speak of".to_owned());
+        if let Some(why) = summary::why_withheld(model) {
+            found.push(format!("figures are withheld: {why}"));
         }
         match &self.low_order {
             Ok(flight) if flight.approximation => found.push(format!(
@@ -121,12 +121,12 @@ impl Export<'_> {
 
     fn bounds(&self) -> String {
         let step = &self.model.step;
+        if !self.model.bounds_hold() {
+            return "Bounds: none can be given (see the warning). What this file has in their place is what noise alone would leave, and has no level.".to_owned();
+        }
         format!(
-            "Bounds: {}. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them, saturation and what changes from run to run are not.{}",
-            match self.model.bounds_hold() {
-                true => format!("level {}", summary::level_text(self.model)),
-                false => "no level (see the warning)".to_owned(),
-            },
+            "Bounds: level {}. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them, saturation and what changes from run to run are not.{}",
+            summary::level_text(self.model),
             match step.truncation_bias {
                 0.0 => String::new(),
                 bias => format!(
@@ -158,10 +158,6 @@ pub(super) fn parameters_of(flight: &FlightModel) -> &'static str {
 }
 
 fn low_order(flight: &FlightModel, largest_error_percent: f64, model: &Model) -> String {
-    let level = match model.bounds_hold() {
-        true => format!("{} %", 100.0 * flight.level),
-        false => "no level".to_owned(),
-    };
     let form = match flight.order {
         1 => "K exp(-L s) / (1 + T s)",
         2 => "K exp(-L s) / (1 + 2 zeta s/w + s^2/w^2)",
@@ -184,14 +180,21 @@ fn low_order(flight: &FlightModel, largest_error_percent: f64, model: &Model) ->
             continue;
         };
         let bound = |bound: Option<f64>| bound.map_or("-".to_owned(), |b| format!("{b:.6}"));
-        text += &format!(
-            " {name} = {value:.6}{unit} ({} to {}),",
-            bound(lower),
-            bound(upper)
-        );
+        text += &match model.bounds_hold() {
+            true => format!(
+                " {name} = {value:.6}{unit} ({} to {}),",
+                bound(lower),
+                bound(upper)
+            ),
+            false => format!(" {name} = {value:.6}{unit},"),
+        };
     }
+    let intervals = match model.bounds_hold() {
+        true => format!("intervals of {} %", summary::percent(flight.level)),
+        false => "of which no intervals can be given".to_owned(),
+    };
     format!(
-        "{text} intervals of {level}. Largest error of its step response: {largest_error_percent:.3} % of the step. {}",
+        "{text} {intervals}. Largest error of its step response: {largest_error_percent:.3} % of the step. {}",
         flight.statement
     )
 }

@@ -31,6 +31,9 @@ pub struct LiveStep {
     pub upper: Vec<f64>,
     /// Confidence of that band.
     pub level: f64,
+    /// The part of its half width that more data do not narrow: what frequencies without power may hide
+    /// (percent of the commanded step).
+    pub bias_percent: f64,
     /// Whether the band deserves that level: the errors are noise.
     pub bounds_hold: bool,
 }
@@ -45,6 +48,7 @@ impl LiveStep {
             lower: step.simultaneous.lower.clone(),
             upper: step.simultaneous.upper.clone(),
             level: step.simultaneous.level,
+            bias_percent: 100.0 * step.truncation_bias,
             bounds_hold: model.bounds_hold(),
         }
     }

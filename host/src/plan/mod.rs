@@ -11,12 +11,14 @@
 
 mod answers;
 mod assumed;
+mod needed;
 mod pilot;
 mod spectrum;
 mod text;
 
 pub use answers::Answer;
 pub use assumed::{Assumed, AssumedError, noise_rms};
+pub use needed::{MOST_RUNS, Needed, Reach, Shrinking};
 pub use spectrum::{Line, Octave, Spectrum};
 pub use text::{figure, of_plan};
 
@@ -113,27 +115,14 @@ impl Widths {
         }
     }
 
-    /// What stays of the widest however many runs there are.
-    fn stays_percent(&self) -> f64 {
-        self.bias_percent.max(self.beyond_noise_percent)
+    /// The widest as more runs change it.
+    #[must_use]
+    pub fn shrinking(&self) -> Shrinking {
+        Shrinking {
+            widest_percent: self.widest_percent,
+            stays_percent: self.bias_percent.max(self.beyond_noise_percent),
+        }
     }
-
-    /// Where it is widest, after so many times the data: the noise's part shrinks with the root.
-    fn widest_after(&self, times: f64) -> f64 {
-        let stays = self.stays_percent();
-        (self.widest_percent - stays).max(0.0) / times.sqrt() + stays
-    }
-}
-
-/// What it takes to make the band as narrow as is wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Needed {
-    /// Half width where it is widest (percent of the step).
-    pub band_percent: f64,
-    /// Runs.
-    pub runs: u64,
-    /// How long they take, the rest before and after each reference included (s).
-    pub seconds: f64,
 }
 
 /// One reference beside the others, each as it is without options, at the same amplitude.
@@ -144,7 +133,7 @@ pub struct Alternative {
     /// How long one run takes, with its rest (s).
     pub run_s: f64,
     /// Half width of the whole curve's band, where it is widest (percent of the step); `None` where it
-    /// cannot be identified.
+    /// cannot be identified, or not with bounds.
     pub widest_percent: Option<f64>,
     /// What the band would be after one minute of such runs: what makes references of different length
     /// comparable.
@@ -152,7 +141,7 @@ pub struct Alternative {
     /// Whether these figures hold for a linear servo alone: its model is all that is known, and it does not
     /// rest on the way.
     pub only_if_linear: bool,
-    /// What is needed for the wanted band.
+    /// What is needed for the wanted band; `None` also where a reasonable number of runs does not give it.
     pub needed: Option<Needed>,
     /// What it answers beside the linear response.
     pub answers: Vec<&'static str>,
@@ -181,17 +170,21 @@ pub struct Plan {
     pub settling_samples: usize,
     /// Number of frequencies.
     pub frequencies: usize,
-    /// The band of the step response.
-    pub band: Widths,
-    /// The metrics with the intervals that they will have, if the servo is the assumed one.
-    pub metrics: Metrics,
+    /// The band of the step response; `None` where identification will find the errors to be no noise, so
+    /// that it gives no bounds.
+    pub band: Option<Widths>,
+    /// The metrics with the intervals that they will have, if the servo is the assumed one; `None` without
+    /// a band.
+    pub metrics: Option<Metrics>,
     /// Where the reference has its power.
     pub spectrum: Spectrum,
     /// What it answers, and what it cannot.
     pub answers: Vec<Answer>,
     /// Whether all this holds for a linear servo alone.
     pub only_if_linear: bool,
-    /// What is needed for the wanted band.
+    /// Half width of the band that is wanted (percent of the step).
+    pub wanted_percent: Option<f64>,
+    /// What is needed for it; `None` also where a reasonable number of runs does not give it.
     pub needed: Option<Needed>,
     /// All references beside each other, the best first.
     pub alternatives: Vec<Alternative>,
@@ -222,11 +215,15 @@ impl Plan {
             settling_samples: expected.model.structure.settling_samples,
             frequencies: expected.model.structure.frequencies,
             band,
-            metrics: Metrics::of_model(&expected.model)?,
+            metrics: match band {
+                Some(_) => Some(Metrics::of_model(&expected.model)?),
+                None => None,
+            },
             spectrum: Spectrum::of(question),
             answers: answers::of(&expected.pilot, &expected.record),
             only_if_linear: question.relies_on_linearity(),
-            needed: needed(question, &band),
+            wanted_percent: question.wanted_percent,
+            needed: band.and_then(|band| needed(question, &band)),
             alternatives: alternatives(question),
             step: expected.model.step,
         })
@@ -238,19 +235,18 @@ fn run_s(reference: &Reference) -> f64 {
     seconds(reference.frames() + 2 * u32::from(ROLL_FRAMES))
 }
 
-/// K times the runs narrow the noise's part of the band by the square root of K: their information adds
-/// up. (A longer N, chosen where more data show more of the response, costs some of that.) `None` where no
-/// width is wanted, or where what more runs do not narrow is wider already.
+/// What the wanted width takes; `None` where none is wanted, or where a reasonable number of runs does not
+/// give it.
 fn needed(question: &Question, band: &Widths) -> Option<Needed> {
     let band_percent = question.wanted_percent?;
-    let room = band_percent - band.stays_percent();
-    let times = ((band.widest_percent - band.stays_percent()) / room).powi(2);
-    let runs = (times * question.runs as f64).ceil().max(1.0);
-    (room > 0.0).then_some(Needed {
-        band_percent,
-        runs: runs as u64,
-        seconds: runs * run_s(&question.reference),
-    })
+    match band.shrinking().reach(band_percent, question.runs) {
+        Reach::Runs(runs) => Some(Needed {
+            band_percent,
+            runs,
+            seconds: runs as f64 * run_s(&question.reference),
+        }),
+        Reach::TooManyRuns | Reach::Never => None,
+    }
 }
 
 /// Every reference as it is without options, at the same amplitude.
@@ -315,13 +311,13 @@ fn alternative(question: &Question) -> Alternative {
     const MINUTE_S: f64 = 60.0;
     let run_s = run_s(&question.reference);
     let expected = Expected::of_pilots(question, PILOTS_OF_ALTERNATIVES).ok();
-    let band = expected.as_ref().map(|e| e.band);
+    let band = expected.as_ref().and_then(|e| e.band);
     let answers = expected.map_or_else(Vec::new, |e| answers::of(&e.pilot, &e.record));
     Alternative {
         reference: question.reference.name(),
         run_s,
         widest_percent: band.map(|b| b.widest_percent),
-        widest_percent_in_a_minute: band.map(|b| b.widest_after(MINUTE_S / run_s)),
+        widest_percent_in_a_minute: band.map(|b| b.shrinking().widest_after(MINUTE_S / run_s)),
         only_if_linear: question.relies_on_linearity(),
         needed: band.and_then(|b| needed(question, &b)),
         answers: answers

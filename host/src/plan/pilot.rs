@@ -24,8 +24,9 @@ const RUN_UP: usize = 2_000;
 
 /// What is to be expected of a run.
 pub(super) struct Expected {
-    /// How wide the bands will be.
-    pub band: Widths,
+    /// How wide the bands will be; `None` where most pilots have found their errors to be no noise, as the
+    /// runs themselves will be found.
+    pub band: Option<Widths>,
     /// A model as it will be. Of a servo that is known by its model alone: its response, with the covariance
     /// that generalised least squares has at the assumed noise. Of a simulated one: the pilot.
     pub model: Model,
@@ -58,13 +59,15 @@ impl Expected {
             all.push((model, pilot, record));
         }
         all.sort_by_key(|(model, ..)| model.structure.settling_samples);
+        let bounded = all.iter().filter(|(_, pilot, _)| pilot.bounds_hold());
+        let bounds_hold = 2 * bounded.count() > all.len();
         let linear: Vec<_> = all.iter().map(|(m, ..)| Widths::of(&m.step)).collect();
         let found: Vec<_> = all.iter().map(|(_, p, _)| Widths::of(&p.step)).collect();
         let (model, pilot, record) = all.swap_remove(all.len() / 2);
         let linear = Widths::mean(&linear);
         if question.assumed.simulation.is_none() {
             return Ok(Self {
-                band: linear,
+                band: bounds_hold.then_some(linear),
                 model,
                 pilot,
                 record,
@@ -75,10 +78,10 @@ impl Expected {
         let is_its_own = found.widest_percent > SCATTER * noise;
         let beyond = found.widest_percent - noise;
         Ok(Self {
-            band: Widths {
+            band: bounds_hold.then_some(Widths {
                 beyond_noise_percent: if is_its_own { beyond } else { 0.0 },
                 ..found
-            },
+            }),
             model: pilot.clone(),
             pilot,
             record,

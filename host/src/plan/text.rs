@@ -1,6 +1,6 @@
 //! A plan as text and as a picture.
 
-use super::{Alternative, Needed, Plan};
+use super::{Alternative, MOST_RUNS, Needed, Plan, Widths};
 use crate::plots::figure::{Band, Curve, Figure, Ink, Legend, Panel};
 use crate::summary;
 use std::fmt::Write;
@@ -15,8 +15,7 @@ pub fn of_plan(plan: &Plan) -> String {
 }
 
 fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
-    let (band, spectrum) = (&plan.band, &plan.spectrum);
-    let level = 100.0 * band.level;
+    let spectrum = &plan.spectrum;
     writeln!(text, "{}", plan.description)?;
     writeln!(
         text,
@@ -44,6 +43,35 @@ fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
         "  structure   settling N = {} samples, n = {} frequencies, as a simulated run has chosen",
         plan.settling_samples, plan.frequencies
     )?;
+    match &plan.band {
+        Some(band) => write_band(text, plan, band)?,
+        None => writeln!(
+            text,
+            "  step band   none: what a model of such a run leaves over is not noise, so 'servoid identify' will give no\n              bounds and may withhold figures; holds in which the servo comes to rest do better"
+        )?,
+    }
+    write_spectrum(text, plan)?;
+    writeln!(text, "\nWhat it answers beside the linear response")?;
+    for answer in &plan.answers {
+        let sign = if answer.answered { "yes" } else { "no " };
+        writeln!(text, "  {sign}  {}?", answer.question)?;
+        if let Some(why) = &answer.why {
+            writeln!(text, "       {why}")?;
+        }
+    }
+    write_alternatives(text, plan)?;
+    if spectrum.above_noise_up_to_hz == 0.0 {
+        writeln!(
+            text,
+            "\nNowhere does the servo's answer stand above the noise: raise --amplitude, or average many runs"
+        )?;
+    }
+    Ok(())
+}
+
+/// How wide the band will be, what narrows it, and the metrics with their intervals.
+fn write_band(text: &mut String, plan: &Plan, band: &Widths) -> std::fmt::Result {
+    let level = summary::percent(band.level);
     writeln!(
         text,
         "  step band   +-{:.2} % whole curve where it is widest, +-{:.2} % on average; +-{:.2} % each point ({level} %, of the step)",
@@ -69,34 +97,18 @@ fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
         )?;
     }
     if let Some(needed) = &plan.needed {
-        writeln!(
-            text,
-            "  for +-{} %  {}",
-            needed.band_percent,
-            in_words(needed)
-        )?;
+        let wanted = needed.band_percent;
+        writeln!(text, "  for +-{wanted} %  {}", in_words(needed))?;
+    }
+    if let (Some(wanted), None) = (plan.wanted_percent, &plan.needed) {
+        let advice = band.shrinking().advice(wanted, plan.runs);
+        writeln!(text, "  narrower    {}", summary::wrapped(&advice, 14))?;
     }
     writeln!(text, "\n  {:36} expected interval, {level} %", "")?;
-    for row in summary::metric_rows(&[&plan.metrics]) {
+    for row in plan.metrics.iter().flat_map(summary::rows_of_metrics) {
         for (value, bounds) in &row.cells {
             writeln!(text, "  {:26} {value:>9} {bounds}", row.label)?;
         }
-    }
-    write_spectrum(text, plan)?;
-    writeln!(text, "\nWhat it answers beside the linear response")?;
-    for answer in &plan.answers {
-        let sign = if answer.answered { "yes" } else { "no " };
-        writeln!(text, "  {sign}  {}?", answer.question)?;
-        if let Some(why) = &answer.why {
-            writeln!(text, "       {why}")?;
-        }
-    }
-    write_alternatives(text, &plan.alternatives)?;
-    if spectrum.above_noise_up_to_hz == 0.0 {
-        writeln!(
-            text,
-            "\nNowhere does the servo's answer stand above the noise: raise --amplitude, or average many runs"
-        )?;
     }
     Ok(())
 }
@@ -138,7 +150,8 @@ fn write_spectrum(text: &mut String, plan: &Plan) -> std::fmt::Result {
     Ok(())
 }
 
-fn write_alternatives(text: &mut String, alternatives: &[Alternative]) -> std::fmt::Result {
+fn write_alternatives(text: &mut String, plan: &Plan) -> std::fmt::Result {
+    let alternatives = &plan.alternatives;
     writeln!(
         text,
         "\nAll references at this amplitude, without further options, the best first (the band where it is widest)"
@@ -150,7 +163,10 @@ fn write_alternatives(text: &mut String, alternatives: &[Alternative]) -> std::f
     )?;
     for alternative in alternatives {
         let percent = |p: Option<f64>| p.map_or_else(|| "-".to_owned(), |p| format!("{p:.2}"));
-        let needed = alternative.needed.as_ref();
+        let needed = plan.wanted_percent.map(|wanted| match &alternative.needed {
+            Some(needed) => format!("; +-{wanted} % needs {}", in_words(needed)),
+            None => format!("; no +-{wanted} % within {MOST_RUNS} runs"),
+        });
         writeln!(
             text,
             "  {:10} {:>8.1} {:>9} {:>13}  {}{}{}",
@@ -164,11 +180,7 @@ fn write_alternatives(text: &mut String, alternatives: &[Alternative]) -> std::f
             } else {
                 ""
             },
-            needed.map_or_else(String::new, |n| format!(
-                "; +-{} % needs {}",
-                n.band_percent,
-                in_words(n)
-            ))
+            needed.unwrap_or_default()
         )?;
     }
     writeln!(text, "{}", advice(alternatives))
@@ -211,7 +223,7 @@ fn in_words(needed: &Needed) -> String {
     format!("{runs}, {:.0} s", needed.seconds)
 }
 
-/// The spectrum over the noise, and the step response with the band that is to be expected.
+/// The spectrum over the noise, and the step response with the band that is to be expected, if there is one.
 #[must_use]
 pub fn figure(plan: &Plan, name: &str) -> Figure {
     let curve = |label: &str, ink, of: fn(&super::Line) -> f64| {
@@ -240,17 +252,21 @@ pub fn figure(plan: &Plan, name: &str) -> Figure {
     let step = &plan.step;
     let bounds = step.simultaneous.lower.iter().zip(&step.simultaneous.upper);
     let times = || step.time_s.iter().copied();
+    let band = |widths: Widths| Band {
+        name: format!(
+            "expected, the whole curve, {} %",
+            summary::percent(widths.level)
+        ),
+        ink: Ink::Model,
+        points: times()
+            .zip(bounds)
+            .map(|(t, (&lower, &upper))| (t, lower, upper))
+            .collect(),
+    };
     let response = Panel {
         x_label: "time since the edge of the command (s)".into(),
         y_label: "response to a unit step".into(),
-        bands: vec![Band {
-            name: format!("expected, the whole curve, {} %", 100.0 * plan.band.level),
-            ink: Ink::Model,
-            points: times()
-                .zip(bounds)
-                .map(|(t, (&lower, &upper))| (t, lower, upper))
-                .collect(),
-        }],
+        bands: plan.band.map(band).into_iter().collect(),
         curves: vec![Curve::solid(
             plan.servo.as_str(),
             Ink::Model,

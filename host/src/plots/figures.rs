@@ -1,7 +1,7 @@
 //! The paper's figures, made from recordings and models.
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Panel};
-use crate::summary::level_text;
+use crate::summary::{Units, level_text};
 use servoid_identification::frequency::FrequencyResponse;
 use servoid_identification::{Model, Record, Run};
 
@@ -12,6 +12,11 @@ pub struct Named<'a> {
     pub name: &'a str,
     /// The model.
     pub model: &'a Model,
+}
+
+/// What the legend calls the response of a model whose errors are not noise.
+fn without_bounds(name: &str) -> String {
+    format!("{name}: no bounds can be given")
 }
 
 const INKS: [Ink; 2] = [Ink::Model, Ink::SecondModel];
@@ -63,12 +68,16 @@ pub const MOST_RUNS: usize = 3;
 
 /// Figs 4 and 8: the reference and the measurement, one panel per run.
 #[must_use]
-pub fn input_output(name: &str, title: &str, record: &Record, unit: Option<&str>) -> Figure {
+pub fn input_output(name: &str, title: &str, record: &Record, units: Units<'_>) -> Figure {
+    let mut y_label = with_unit("position", units.output);
+    if let Some(input) = units.input.filter(|_| units.common().is_none()) {
+        y_label += &format!(", reference in {input}");
+    }
     let period = record.sample_period_s();
     let runs = record.runs().iter().take(MOST_RUNS);
     let panels = runs.map(|run| Panel {
         x_label: "time (s)".into(),
-        y_label: with_unit("position", unit),
+        y_label: y_label.clone(),
         legend: Legend::Above,
         curves: vec![
             Curve::solid("measured", Ink::Measured, signal(period, run.output())),
@@ -83,22 +92,29 @@ pub fn input_output(name: &str, title: &str, record: &Record, unit: Option<&str>
     }
 }
 
-/// Figs 5 and 10: the step response with its bounds.
+/// Figs 5 and 10: the step response, with its bounds where they can be given.
 #[must_use]
-pub fn step_response(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
+pub fn step_response(name: &str, title: &str, models: &[Named<'_>], units: Units<'_>) -> Figure {
     let mut panel = Panel {
         x_label: "time since the edge of the command (s)".into(),
-        y_label: "response to a unit step".into(),
+        y_label: with_unit("response to a unit step", units.gain().as_deref()),
         ..Panel::default()
     };
     for (Named { name, model }, ink) in models.iter().zip(INKS) {
         let step = &model.step;
         let timing = model.timing();
-        let level = level_text(model);
         let line = |values: &[f64]| -> Vec<(f64, f64)> {
             let place = |(m, &value)| (timing.seconds(m as f64), value);
             values.iter().enumerate().map(place).collect()
         };
+        if !model.bounds_hold() {
+            let name = without_bounds(name);
+            panel
+                .curves
+                .push(Curve::solid(name, ink, line(&step.value)));
+            continue;
+        }
+        let level = level_text(model);
         let bounds = line(&step.simultaneous.lower)
             .into_iter()
             .zip(&step.simultaneous.upper);
@@ -128,8 +144,8 @@ pub fn step_response(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     }
 }
 
-/// Figs 6 and 11: magnitude and phase of the servo with their bounds, freed of the hold and the
-/// phase of the samples.
+/// Figs 6 and 11: magnitude and phase of the servo, freed of the hold and the phase of the samples, with
+/// their bounds where they can be given.
 #[must_use]
 pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     let panel = |y_label: &str| Panel {
@@ -164,18 +180,20 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
                 points,
             }
         };
-        magnitude
-            .bands
-            .push(band(&floored(f), &f.magnitude_db_upper));
-        magnitude
-            .curves
-            .push(Curve::solid(*name, ink, points(&f.magnitude_db)));
-        phase
-            .bands
-            .push(band(&f.phase_deg_lower, &f.phase_deg_upper));
-        phase
-            .curves
-            .push(Curve::solid(*name, ink, points(&f.phase_deg)));
+        let named = match model.bounds_hold() {
+            true => (*name).to_owned(),
+            false => without_bounds(name),
+        };
+        let curve = |values: &[f64]| Curve::solid(&named, ink, points(values));
+        magnitude.curves.push(curve(&f.magnitude_db));
+        phase.curves.push(curve(&f.phase_deg));
+        if model.bounds_hold() {
+            let lower = floored(f);
+            magnitude.bands.push(band(&lower, &f.magnitude_db_upper));
+            phase
+                .bands
+                .push(band(&f.phase_deg_lower, &f.phase_deg_upper));
+        }
     }
     Figure {
         name: name.into(),
@@ -283,7 +301,7 @@ pub fn identification(
     prefix: &str,
     record: &Record,
     model: &Model,
-    unit: Option<&str>,
+    units: Units<'_>,
 ) -> Vec<Figure> {
     let named = [Named {
         name: "model",
@@ -294,9 +312,9 @@ pub fn identification(
             &format!("{prefix}-input-output"),
             "Reference and measurement",
             record,
-            unit,
+            units,
         ),
-        step_response(&format!("{prefix}-step"), "Step response", &named),
+        step_response(&format!("{prefix}-step"), "Step response", &named, units),
         bode(&format!("{prefix}-bode"), "Frequency response", &named),
     ];
     figures.extend(record.runs().iter().zip(1..).map(|(run, number)| {
@@ -304,7 +322,13 @@ pub fn identification(
             1 => format!("{prefix}-validation"),
             _ => format!("{prefix}-validation-run-{number}"),
         };
-        validation(&name, "Model against measurement", &named, run, unit)
+        validation(
+            &name,
+            "Model against measurement",
+            &named,
+            run,
+            units.output,
+        )
     }));
     figures
 }
@@ -318,8 +342,8 @@ pub struct Subject<'a> {
     pub model: &'a Model,
     /// The record it was identified from, where that is at hand.
     pub record: Option<&'a Record>,
-    /// The unit of its angles, where that is known.
-    pub unit: Option<&'a str>,
+    /// The units of its record, where they are known.
+    pub units: Units<'a>,
 }
 
 impl<'a> Subject<'a> {
@@ -350,7 +374,7 @@ pub fn paper(first: &Subject<'_>, second: Option<&Subject<'_>>) -> Vec<Figure> {
                 &title,
                 &[first.named()],
                 run,
-                second.unit,
+                second.units.output,
             );
             later.insert(1, figure);
         }
@@ -374,13 +398,14 @@ fn of_one(subject: &Subject<'_>, models: &[Named<'_>], numbers: [&str; 4]) -> Ve
             &format!("fig-{io}-measurement"),
             &title,
             record,
-            subject.unit,
+            subject.units,
         ));
     }
     figures.push(step_response(
         &format!("fig-{step}-step-response"),
         &title(step, &format!("step response, {names}")),
         models,
+        subject.units,
     ));
     figures.push(bode(
         &format!("fig-{frequency}-frequency-response"),
@@ -400,7 +425,7 @@ fn of_one(subject: &Subject<'_>, models: &[Named<'_>], numbers: [&str; 4]) -> Ve
             &title,
             models,
             run,
-            subject.unit,
+            subject.units.output,
         ));
     }
     figures

@@ -1,7 +1,7 @@
 //! How runs of one servo differ among themselves.
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
-use crate::summary::probability;
+use crate::summary::{percent, probability};
 use servoid_identification::Model;
 use servoid_identification::band::pointwise_critical;
 use servoid_identification::runs::{Difference, RunComparison, RunDifference};
@@ -9,14 +9,14 @@ use servoid_identification::step::StepResponse;
 
 /// Each run's own step response less the mean of all, and gain, delay and offset of each run against
 /// the common model. `alone` are models of single runs, all with the same settling time; fewer than
-/// two give no panel of curves.
+/// two give no panel of curves. `level` is that of the bounds, `None` where none can be given.
 #[must_use]
 pub fn run_scatter(
     name: &str,
     title: &str,
     compared: &RunComparison,
     alone: &[Model],
-    level: f64,
+    level: Option<f64>,
     unit: Option<&str>,
 ) -> Figure {
     let mut panels = Vec::new();
@@ -42,23 +42,26 @@ pub fn run_scatter(
     }
 }
 
+/// What the legend calls numbers whose errors are not noise.
+const NO_BOUNDS: &str = "as estimated: no bounds can be given";
+
 /// How to read a number of a run.
 type Number = fn(&RunDifference) -> Difference;
 
 fn number(
     what: &str,
     compared: &RunComparison,
-    level: f64,
+    level: Option<f64>,
     p: f64,
     of: impl Fn(&RunDifference) -> (f64, f64),
 ) -> Panel {
-    let critical = pointwise_critical(level);
+    let critical = level.map(pointwise_critical);
     let mark = |run: &RunDifference| {
         let (value, sd) = of(run);
         Mark {
             x: run.run as f64,
             y: value,
-            line: Some((value - critical * sd, value + critical * sd)),
+            line: critical.map(|critical| (value - critical * sd, value + critical * sd)),
         }
     };
     let ends = [compared.runs.first(), compared.runs.last()];
@@ -69,10 +72,15 @@ fn number(
         legend: Legend::Above,
         curves: vec![Curve::dashed("", Ink::Reference, zero)],
         marks: vec![Marks {
-            name: format!(
-                "{} % for noise alone; no scatter: {}",
-                100.0 * level,
-                probability(Some(p))
+            name: level.map_or_else(
+                || NO_BOUNDS.to_owned(),
+                |level| {
+                    format!(
+                        "{} % for noise alone; no scatter: {}",
+                        percent(level),
+                        probability(Some(p))
+                    )
+                },
             ),
             ink: Ink::Measured,
             points: compared.runs.iter().map(mark).collect(),
@@ -83,7 +91,7 @@ fn number(
 
 /// Step responses less their mean, in percent of the step. The band is where noise alone leaves one of
 /// K runs: its own simultaneous bounds, narrower by sqrt(1 - 1/K) as it is part of the mean.
-fn curves(alone: &[Model], level: f64) -> Option<Panel> {
+fn curves(alone: &[Model], level: Option<f64>) -> Option<Panel> {
     let points = alone.iter().map(|model| model.step.value.len()).min()?;
     let count = alone.len() as f64;
     if alone.len() < 2 || points == 0 {
@@ -97,10 +105,16 @@ fn curves(alone: &[Model], level: f64) -> Option<Panel> {
     let half_of =
         |step: &StepResponse, m: usize| at(&step.simultaneous.upper, m) - at(&step.value, m);
     let half = |m: usize| share * mean_of(&|model| half_of(&model.step, m));
-    let band = (0..points).map(|m| {
-        let half = 100.0 * half(m) / gain;
-        (timing.seconds(m as f64), -half, half)
-    });
+    let band = |level: f64| Band {
+        name: format!("noise alone, the whole curve, {} %", percent(level)),
+        ink: Ink::Reference,
+        points: (0..points)
+            .map(|m| (timing.seconds(m as f64), 100.0 * half(m) / gain))
+            .map(|(time, half)| (time, -half, half))
+            .collect(),
+    };
+    // The mean of bounds is one only where each of them is.
+    let level = level.filter(|_| alone.iter().all(Model::bounds_hold));
     let mean: Vec<f64> = (0..points)
         .map(|m| mean_of(&|model| at(&model.step.value, m)))
         .collect();
@@ -114,11 +128,7 @@ fn curves(alone: &[Model], level: f64) -> Option<Panel> {
         x_label: "time since the edge of the command (s)".into(),
         y_label: "run - mean (% of the step)".into(),
         legend: Legend::Above,
-        bands: vec![Band {
-            name: format!("noise alone, the whole curve, {} %", 100.0 * level),
-            ink: Ink::Reference,
-            points: band.collect(),
-        }],
+        bands: level.map(band).into_iter().collect(),
         curves: alone.iter().enumerate().map(run).collect(),
         ..Panel::default()
     })

@@ -71,7 +71,7 @@ fn settling(choice: &Choice, model: &Model) -> Panel {
 }
 
 /// What the response still does in the second half of its settling time, with pointwise bounds of its
-/// distance from the final value. `None` for a document that describes no filter bank.
+/// distance from the final value where they can be given. `None` for a document that describes no filter bank.
 fn tail(model: &Model) -> Option<Panel> {
     let map = model.basis().ok()?.step_map();
     let (last, step) = (map.nrows().checked_sub(1)?, &model.step.value);
@@ -100,14 +100,18 @@ fn tail(model: &Model) -> Option<Panel> {
         x_label: "time since the edge of the command (s)".into(),
         y_label: "still to go (% of the step)".into(),
         legend: Legend::UpperRight,
-        bands: vec![Band {
-            name: "each point, no motion left where 0 is inside".into(),
-            ink: Ink::Measured,
-            points: points
-                .iter()
-                .map(|(t, [_, low, high])| (*t, *low, *high))
-                .collect(),
-        }],
+        bands: model
+            .bounds_hold()
+            .then(|| Band {
+                name: "each point, no motion left where 0 is inside".into(),
+                ink: Ink::Measured,
+                points: points
+                    .iter()
+                    .map(|(t, [_, low, high])| (*t, *low, *high))
+                    .collect(),
+            })
+            .into_iter()
+            .collect(),
         curves: vec![
             Curve::solid(
                 "tail of the step response",

@@ -94,7 +94,19 @@ pub fn open(address: &str) -> Result<Box<dyn Port>, OpenError> {
 /// Whether the servo behind `address` is a simulated one, so that nobody can be hurt by it.
 #[must_use]
 pub fn is_simulated(address: &str) -> bool {
-    address.starts_with("sim:")
+    simulated_servo(address).is_some()
+}
+
+/// The name of the simulated servo behind `address`; `None` for a port to a board.
+///
+/// ```
+/// assert_eq!(servoid::port::simulated_servo("sim:aircraft?seed=7"), Some("aircraft"));
+/// assert_eq!(servoid::port::simulated_servo("/dev/ttyUSB0"), None);
+/// ```
+#[must_use]
+pub fn simulated_servo(address: &str) -> Option<&str> {
+    let description = address.strip_prefix("sim:")?;
+    description.split('?').next()
 }
 
 /// The shortest wait that all systems' ports understand; 0 would mean "for ever" to some.

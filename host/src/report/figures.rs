@@ -16,7 +16,9 @@ pub(super) struct Shown {
 /// The paper's Figs 4 to 12, as far as there are data, and those that it does not have.
 pub(super) fn all(page: &Page<'_>) -> Vec<Shown> {
     let mut all = Vec::new();
-    if let (Some(found), Some(second)) = (page.comparison, &page.second) {
+    // Without bounds the difference says nothing that the step responses side by side do not.
+    let compared = page.comparison.filter(|found| found.bounds_hold);
+    if let (Some(found), Some(second)) = (compared, &page.second) {
         let (a, b) = (page.first.subject.name, second.subject.name);
         all.push(Shown {
             figure: difference::difference(
@@ -35,7 +37,7 @@ pub(super) fn all(page: &Page<'_>) -> Vec<Shown> {
     let second = page.second.as_ref().map(|part| &part.subject);
     let of_paper = figures::paper(&page.first.subject, second);
     all.extend(of_paper.into_iter().map(|figure| Shown {
-        caption: caption(&figure),
+        caption: caption(&figure, page),
         figure,
     }));
     for (index, part) in page.parts().enumerate() {
@@ -74,7 +76,16 @@ fn beyond(part: &Part<'_>, index: usize) -> Vec<Shown> {
         });
     }
     if let Some(runs) = explanation.and_then(|explanation| explanation.runs.as_ref()) {
-        let level = subject.model.step.pointwise.level;
+        let model = subject.model;
+        let level = model.bounds_hold().then_some(model.step.pointwise.level);
+        let caption = match level {
+            Some(_) => {
+                "Runs that lie farther apart than noise allows show what changes from run to run: supply, friction, clocks. The bounds of the model do not contain it; the p-value of a comparison does."
+            }
+            None => {
+                "How far the runs lie apart. What noise alone would do cannot be told here, as the errors of the model are not noise."
+            }
+        };
         shown.push(Shown {
             figure: scatter::run_scatter(
                 &name("runs"),
@@ -82,15 +93,44 @@ fn beyond(part: &Part<'_>, index: usize) -> Vec<Shown> {
                 runs,
                 part.runs,
                 level,
-                subject.unit,
+                subject.units.output,
             ),
-            caption: "Runs that lie farther apart than noise allows show what changes from run to run: supply, friction, clocks. The bounds of the model do not contain it; the p-value of a comparison does.".into(),
+            caption: caption.into(),
         });
     }
     shown
 }
 
-fn caption(figure: &Figure) -> String {
+/// What is said of bounds below a figure of the models of this page: `whole` where all of them have some.
+fn of_bounds(figure: &Figure, page: &Page<'_>, whole: &str) -> String {
+    // Up to Fig. 6 only the first servo is drawn.
+    let drawn = if figure.name.as_str() < "fig-07" {
+        1
+    } else {
+        2
+    };
+    let without: Vec<&str> = page
+        .parts()
+        .take(drawn)
+        .map(|part| &part.subject)
+        .filter(|subject| !subject.model.bounds_hold())
+        .map(|subject| subject.name)
+        .collect();
+    let models = page.parts().take(drawn).count();
+    if without.is_empty() {
+        return whole.to_owned();
+    }
+    let none = format!(
+        "No bounds can be given for {}: the errors are not noise.",
+        without.join(" and ")
+    );
+    match without.len() < models {
+        true => format!("{none} {whole}"),
+        false => none,
+    }
+}
+
+fn caption(figure: &Figure, page: &Page<'_>) -> String {
     let of = |part: &str| figure.name.contains(part);
     if of("measurement") {
         let more = if figure.panels.len() == MOST_RUNS {
@@ -100,9 +140,20 @@ fn caption(figure: &Figure) -> String {
         };
         format!("What the servo was told and what it did{more}.")
     } else if of("step") {
-        "The answer to a step of 1 at time 0. The area holds the whole curve, the dashed lines each point by itself.".into()
+        let bounds = "The area holds the whole curve, the dashed lines each point by itself.";
+        format!(
+            "The answer to a step of 1 at time 0. {}",
+            of_bounds(figure, page, bounds)
+        )
     } else if of("frequency") {
-        "Bode plot, with bounds for each frequency: the servo's own response, freed of the hold of the samples.".into()
+        format!(
+            "Bode plot of the servo's own response, freed of the hold of the samples. {}",
+            of_bounds(
+                figure,
+                page,
+                "The areas are bounds for each frequency by itself."
+            )
+        )
     } else if of("fig-09") {
         "The first servo's model, driven by what the second was told: what flying by the bench model would get wrong.".into()
     } else {

@@ -11,6 +11,7 @@ mod text;
 
 pub use servo::Servo;
 
+use crate::fingerprint::Marked;
 use crate::paper::Fact;
 use crate::plots::figures::Subject;
 use crate::template::fill;
@@ -129,7 +130,10 @@ const MODELS_BYTES: usize = 1_000_000;
 /// The models as JSON, and what the page says of them. Covariances of very long responses, which grow
 /// with the square of their length, are left out.
 fn models_in_page(page: &Page<'_>) -> Result<(String, &'static str)> {
-    let models: Vec<&Model> = page.parts().map(|part| part.subject.model).collect();
+    let models: Vec<Marked<'_>> = page
+        .parts()
+        .map(|part| Marked::new(part.subject.model, part.subject.record))
+        .collect();
     let whole = json_in_page(&models)?;
     if whole.len() <= MODELS_BYTES {
         return Ok((

@@ -3,6 +3,7 @@
 use super::{Part, runs_alone};
 use crate::dataset::Dataset;
 use crate::plots::figures::Subject;
+use crate::summary::Units;
 use servoid_identification::{Explanation, Identification, Model};
 
 /// A servo under one condition.
@@ -54,7 +55,7 @@ impl Servo {
                 name: &self.name,
                 model: &self.model,
                 record: data.map(|data| &data.record),
-                unit: data.and_then(|data| data.about.unit),
+                units: data.map_or_else(Units::default, |data| data.about.units()),
             },
             explanation: self.explanation.as_ref(),
             runs: &self.runs,

@@ -55,7 +55,7 @@ pub(super) fn write_verdict(body: &mut String, page: &Page<'_>) -> Result {
         if !model.bounds_hold() {
             writeln!(
                 body,
-                "<p class=\"verdict different\">{name}: the bounds below do not hold, as the errors are not noise (see the advice).</p>"
+                "<p class=\"verdict different\">{name}: no bounds can be given, as the errors are not noise (see the advice).</p>"
             )?;
         }
         if model.is_best_linear_description() {
@@ -103,16 +103,26 @@ pub(super) fn write_numbers(body: &mut String, page: &Page<'_>) -> Result {
             )
         })
         .collect();
-    let metrics = || parts.iter().map(|part| &part.subject.model.metrics);
+    let models: Vec<_> = parts.iter().map(|part| part.subject.model).collect();
+    let units: Vec<_> = parts.iter().map(|part| part.subject.units).collect();
+    let alike = units.iter().all(|one| Some(one) == units.first());
+    let gain = units
+        .first()
+        .filter(|_| alike)
+        .and_then(|units| units.gain());
+    let gain = gain.unwrap_or_default();
     let (rows, remark) = match page.comparison {
-        None => (summary::metric_rows(&metrics().collect::<Vec<_>>()), ""),
+        None => (summary::metric_rows(&models, &gain), ""),
+        Some(found) if !found.bounds_hold => {
+            (summary::metric_rows(&models, &gain), summary::NOT_COMPARED)
+        }
         Some(found) => {
             let level = summary::percent(found.level);
             heads.push(format!(
                 "difference<br><span class=\"faint\">{level} %</span>"
             ));
             (
-                summary::difference_rows(found),
+                summary::difference_rows(found, &gain),
                 summary::how_compared(found),
             )
         }
@@ -131,8 +141,12 @@ pub(super) fn write_numbers(body: &mut String, page: &Page<'_>) -> Result {
     )?;
     for row in rows {
         let cell = |(value, bounds): &(String, String)| {
-            let (value, bounds) = (escape(value), escape(bounds));
-            format!("<td>{value}<br><span class=\"faint\">{bounds}</span></td>")
+            let value = escape(value);
+            let bounds = match bounds.as_str() {
+                "" => String::new(),
+                bounds => format!("<br><span class=\"faint\">{}</span>", escape(bounds)),
+            };
+            format!("<td>{value}{bounds}</td>")
         };
         let cells: String = row.cells.iter().map(cell).collect();
         writeln!(body, "<tr><th>{}</th>{cells}</tr>", escape(&row.label))?;
@@ -209,7 +223,7 @@ pub(super) fn write_structure(body: &mut String, page: &Page<'_>) -> Result {
     writeln!(body, "<h2>How the numbers came about</h2>")?;
     for part in page.parts() {
         let (name, model) = (escape(part.subject.name), part.subject.model);
-        let line = summary::one_line(model, part.subject.unit);
+        let line = summary::one_line(model, part.subject.units.output);
         writeln!(body, "<p><b>{name}</b>: {}</p>", escape(&line))?;
         let sentences = part.explanation.map(|e| e.sentences(model));
         if let Some(sentences) = sentences {

@@ -160,6 +160,7 @@ mod tests {
             upper: value.iter().map(|v| v + 0.005).collect(),
             value,
             level: 0.99,
+            bias_percent: 0.0,
             bounds_hold: true,
         })));
         state

@@ -29,8 +29,8 @@ pub struct Answers {
     pub us_per_degree: f64,
     /// The shortest and the longest pulse that the servo takes (µs).
     pub pulses_us: Range,
-    /// How far the linkage may be turned (deg); `None` where only the pulses limit it.
-    pub travel_deg: Option<Range>,
+    /// How far the linkage may be turned (deg).
+    pub travel_deg: Range,
     /// What the sensor is called.
     pub sensor: String,
     /// Volts of the sensor at the ends of its range.
@@ -39,8 +39,17 @@ pub struct Answers {
     pub sensor_degrees: f64,
 }
 
+/// How far a linkage may be turned that nobody has said anything of (deg). Twice what a reference turns it
+/// unless it is told otherwise (5 degrees): room for what comes without `--amplitude`, for a step up to
+/// `--amplitude 10`, and little enough for most linkages. Servos of helicopters take 50 degrees, and many
+/// linkages jam long before.
+pub const CAREFUL_DEG: Range = Range {
+    low: -10.0,
+    high: 10.0,
+};
+
 impl Default for Answers {
-    /// What [`RigFile::default`] has: the paper's servo and sensor.
+    /// What [`RigFile::default`] has: the paper's servo and sensor; and a travel of [`CAREFUL_DEG`].
     fn default() -> Self {
         let (servo, limits) = (ServoSection::default(), LimitsSection::default());
         let [low, high] = RTY_VOLTS;
@@ -55,7 +64,7 @@ impl Default for Answers {
                 low: limits.shortest_us.into(),
                 high: limits.longest_us.into(),
             },
-            travel_deg: None,
+            travel_deg: CAREFUL_DEG,
             sensor: "Honeywell RTY120".into(),
             sensor_volts: Range { low, high },
             sensor_degrees: RTY_DEGREES,
@@ -174,7 +183,7 @@ impl Answers {
         check_pulses(&self.pulses_us)?;
         check_neutral(self.neutral_us, &self.pulses_us)?;
         check_us_per_degree(self.us_per_degree)?;
-        self.travel_deg.iter().try_for_each(check_travel)?;
+        check_travel(&self.travel_deg)?;
         check_name(&self.sensor)?;
         check_volts(&self.sensor_volts)?;
         check_sensor_degrees(self.sensor_degrees)
@@ -185,12 +194,10 @@ impl Answers {
     #[must_use]
     pub fn limits_us(&self) -> [u16; 2] {
         let pulse = |angle: f64| f64::from(self.neutral_us) + angle * self.us_per_degree;
-        let (mut low, mut high) = (self.pulses_us.low, self.pulses_us.high);
-        if let Some(travel) = self.travel_deg {
-            let ends = [pulse(travel.low), pulse(travel.high)];
-            low = low.max(ends[0].min(ends[1]).ceil());
-            high = high.min(ends[0].max(ends[1]).floor());
-        }
+        let Range { low, high } = self.travel_deg;
+        let ends = [pulse(low), pulse(high)];
+        let low = self.pulses_us.low.max(ends[0].min(ends[1]).ceil());
+        let high = self.pulses_us.high.min(ends[0].max(ends[1]).floor());
         [low, high].map(|us| us as u16)
     }
 
@@ -198,7 +205,7 @@ impl Answers {
     ///
     /// ```
     /// use servoid::setup::{Answers, Range};
-    /// let answers = Answers { travel_deg: Some(Range { low: -20.0, high: 30.0 }), ..Answers::default() };
+    /// let answers = Answers { travel_deg: Range { low: -20.0, high: 30.0 }, ..Answers::default() };
     /// let (text, rig) = answers.to_rig_file("rig.toml".as_ref())?;
     /// assert!(text.contains("# reading at 0 degrees"));
     /// assert_eq!((rig.limits.shortest_us, rig.limits.longest_us), (1300, 1800));
@@ -259,9 +266,10 @@ impl Answers {
     #[must_use]
     pub fn travel_in_words(&self) -> String {
         let Range { low, high } = self.travel();
-        let because = match self.travel_deg {
-            Some(_) => "what the linkage stands, as far as the servo takes such pulses",
-            None => "what pulses the servo takes",
+        let because = if self.travel_deg == CAREFUL_DEG {
+            "a careful beginning; widen it once you know that the linkage stands more"
+        } else {
+            "what the linkage stands, as far as the servo takes such pulses"
         };
         format!("From {low:.1} to {high:.1} degrees: {because}.")
     }

@@ -1,10 +1,17 @@
 use super::*;
+use crate::reference::Wish;
 
 #[test]
 fn default_answers_are_the_default_rig() {
     let (text, rig) = Answers::default().to_rig_file("rig.toml".as_ref()).unwrap();
     let default = RigFile::default();
-    assert_eq!(rig.limits, default.limits);
+    // Within what the board takes by itself, and with room for what a reference does by itself.
+    let [shortest, longest] = [rig.limits.shortest_us, rig.limits.longest_us];
+    assert_eq!([shortest, longest], [1400, 1600]);
+    let granted = Wish::default().grant(default.servo.us_per_degree).unwrap();
+    let (_, farthest) = granted.reference.extremes_us();
+    let room = i32::from(longest) - i32::from(default.servo.neutral_us);
+    assert_eq!(room, 2 * i32::from(farthest));
     assert_eq!(rig.servo, default.servo);
     let sensor = SensorSection {
         name: rig.sensor.name.clone(),
@@ -24,7 +31,7 @@ fn each_answer_arrives_whatever_is_in_it() {
         neutral_us: 1520,
         us_per_degree: -9.5,
         pulses_us: "900:2100".parse().unwrap(),
-        travel_deg: Some("-20:30".parse().unwrap()),
+        travel_deg: "-20:30".parse().unwrap(),
         sensor: "H".into(),
         sensor_volts: "0.25:4.75".parse().unwrap(),
         sensor_degrees: -90.0,
@@ -62,7 +69,7 @@ fn each_mistake_is_told_in_one_sentence() {
         (|a| a.neutral_us = 900, "1000:2000"),
         (|a| a.us_per_degree = 0.0, "10 µs"),
         (|a| a.us_per_degree = f64::NAN, "10 µs"),
-        (|a| a.travel_deg = "5:20".parse().ok(), "below 0"),
+        (|a| a.travel_deg = "5:20".parse().unwrap(), "below 0"),
         (|a| a.sensor_volts = "0.5:5.5".parse().unwrap(), "divider"),
         (|a| a.sensor_degrees = 0.0, "3600"),
     ];

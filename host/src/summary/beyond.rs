@@ -14,7 +14,7 @@ pub fn of_flight_model(flight: &FlightModel, bounds_hold: bool) -> String {
         String::from("\nlow-order model: K e^(-Ls) / ((1 + 2 zeta s/w + s^2/w^2) (1 + Ts))\n");
     let interval = match bounds_hold {
         true => format!("{} % interval", super::percent(flight.level)),
-        false => "interval, of no level".to_owned(),
+        false => "no bounds".to_owned(),
     };
     let rows = [
         ("gain K", "", 1.0, Some(flight.gain)),
@@ -35,13 +35,12 @@ pub fn of_flight_model(flight: &FlightModel, bounds_hold: bool) -> String {
         };
         let number =
             |bound: Option<f64>| bound.map_or("-".to_owned(), |b| format!("{:.4}", b * scale));
-        let _infallible = writeln!(
-            text,
-            "  {name:22} {:>10.4} {unit:5} {} .. {}",
-            value * scale,
-            number(lower),
-            number(upper)
-        );
+        let bounds = match bounds_hold {
+            true => format!("{} .. {}", number(lower), number(upper)),
+            false => String::new(),
+        };
+        let line = format!("  {name:22} {:>10.4} {unit:5} {bounds}", value * scale);
+        let _infallible = writeln!(text, "{}", line.trim_end());
     }
     for tried in &flight.tried {
         let mark = if tried.order == flight.order {

@@ -26,18 +26,27 @@ fn write_comparison(text: &mut String, a: &str, b: &str, found: &Comparison) -> 
 /// Width of the column with the names of facts \[letters\].
 const NAMES: usize = 30;
 
+/// What stands in the place of the table of figures where they are not compared.
+const NO_TABLE: &str = "No differences of figures: without bounds nothing tells whether they mean anything. \
+     'servoid identify' prints the figures of each side, and 'servoid report' both side by side.";
+
+/// Why figures of two sides are not set against each other.
+pub const NOT_COMPARED: &str = "No differences of figures: without bounds nothing tells whether they mean anything. \
+     The figures of each side are those of its own model.";
+
 /// Metrics of both sides and their difference with its bounds, and how they were made.
 #[must_use]
 pub fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
-    let interval = match found.bounds_hold {
-        true => format!("{} % interval", percent(found.level)),
-        false => "no bounds".to_owned(),
-    };
+    if !found.bounds_hold {
+        return format!("  {}\n", wrapped(NO_TABLE, 2));
+    }
     let mut text = format!(
-        "  {:32} {a:>10} {b:>10} {:>12}  {interval}\n",
-        "", "difference"
+        "  {:32} {a:>10} {b:>10} {:>12}  {} % interval\n",
+        "",
+        "difference",
+        percent(found.level)
     );
-    for row in difference_rows(found) {
+    for row in difference_rows(found, "") {
         if let [(a, _), (b, _), (difference, bounds)] = &row.cells[..] {
             let _infallible = writeln!(
                 text,
@@ -98,28 +107,28 @@ pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String,
             },
         ),
     ];
-    facts.extend(delay_shift(a, b, found));
-    facts.extend([
-        (
+    if found.bounds_hold {
+        facts.extend(delay_shift(a, b, found));
+        facts.push((
             "which means".to_owned(),
             found.delay_shift_definition.clone(),
-        ),
-        (
-            "chance, scatter of runs".to_owned(),
-            match found.p_value {
-                Some(_) => format!(
-                    "{} with {} and {} runs",
-                    probability(found.p_value),
-                    found.runs[0],
-                    found.runs[1]
-                ),
-                None => format!(
-                    "not tested: needs three runs a side (here {} and {})",
-                    found.runs[0], found.runs[1]
-                ),
-            },
-        ),
-    ]);
+        ));
+    }
+    facts.extend([(
+        "chance, scatter of runs".to_owned(),
+        match found.p_value {
+            Some(_) => format!(
+                "{} with {} and {} runs",
+                probability(found.p_value),
+                found.runs[0],
+                found.runs[1]
+            ),
+            None => format!(
+                "not tested: needs three runs a side (here {} and {})",
+                found.runs[0], found.runs[1]
+            ),
+        },
+    )]);
     facts.extend(over_prediction(a, b, found));
     facts.extend(levels(a, b, found));
     facts.extend(asymmetry(a, b, found));

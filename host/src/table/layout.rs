@@ -173,17 +173,23 @@ fn is_number(cell: &str, separator: u8) -> bool {
 }
 
 /// Units that a row below the header row may have, in lower letters.
-const UNITS: [&str; 33] = [
-    "s", "sec", "second", "seconds", "ms", "msec", "us", "µs", "μs", "usec", "ns", "min", "h",
-    "hz", "deg", "degree", "degrees", "°", "rad", "deg/s", "rad/s", "m", "mm", "v", "mv", "a",
+const UNITS: [&str; 46] = [
+    "volt", "volts", "count", "ticks", "steps", "lsb", "adc", "percent", "grad", "°/s", "n", "rev",
+    "bit", "s", "sec", "second", "seconds", "ms", "msec", "us", "µs", "μs", "usec", "ns", "min",
+    "h", "hz", "deg", "degree", "degrees", "°", "rad", "deg/s", "rad/s", "m", "mm", "v", "mv", "a",
     "ma", "nm", "%", "counts", "rpm", "°c", "-",
 ];
+
+/// Whether a word is a unit that is known.
+pub(super) fn is_unit(word: &str) -> bool {
+    UNITS.contains(&word.to_lowercase().as_str())
+}
 
 /// Whether these cells are units of `width` columns: in brackets, or known ones.
 fn are_units(cells: &[String], width: usize) -> bool {
     let unit = |cell: &String| {
         let bracketed = cell.starts_with(['[', '(']) && cell.ends_with([']', ')']);
-        cell.is_empty() || bracketed || UNITS.contains(&cell.to_lowercase().as_str())
+        cell.is_empty() || bracketed || is_unit(cell)
     };
     fits(cells, width) && cells.iter().any(|cell| !cell.is_empty()) && cells.iter().all(unit)
 }
@@ -213,13 +219,20 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
+/// The text of a cell. Programs that do not write UTF-8 write Latin-1, whose letters have the numbers of
+/// their characters: 0xB0 is the degree sign.
+fn decoded(cell: &[u8]) -> String {
+    match std::str::from_utf8(cell) {
+        Ok(text) => text.to_owned(),
+        Err(_) => cell.iter().map(|byte| char::from(*byte)).collect(),
+    }
+}
+
 /// The cells of one line, without quotes and spaces around them.
 fn cells(line: &[u8], separator: u8) -> Vec<String> {
     let mut reader = super::reader(line, separator);
     let mut record = csv::ByteRecord::new();
     let read = reader.read_byte_record(&mut record).unwrap_or(false);
-    let cells = record
-        .iter()
-        .map(|cell| String::from_utf8_lossy(cell).trim().to_owned());
+    let cells = record.iter().map(|cell| decoded(cell).trim().to_owned());
     if read { cells.collect() } else { Vec::new() }
 }

@@ -53,7 +53,8 @@ fn a_rig_is_calibrated_and_its_file_has_the_result() {
     let rig = dir.path().join("rig.toml");
     // The sensor is 3 % steeper than its data sheet, and the servo stops at 26.5 degrees.
     let port = "sim:bench?sensor-gain=1.03&stops-deg=-80:26.5";
-    run(&["init", "--yes", "--port", port, "-o", arg(&rig)]);
+    let wide = "--travel=-50:50";
+    run(&["init", "--yes", "--port", port, wide, "-o", arg(&rig)]);
     let before = std::fs::read_to_string(&rig).unwrap();
     let args = [
         "calibrate",
@@ -151,7 +152,8 @@ mod at_a_terminal {
     use crate::terminal::Session;
 
     fn begin(rig: &std::path::Path, port: &str) -> Session {
-        run(&["init", "--yes", "--port", port, "-o", arg(rig)]);
+        let wide = "--travel=-50:50";
+        run(&["init", "--yes", "--port", port, wide, "-o", arg(rig)]);
         let mut session = Session::begin(&["calibrate", "--rig", arg(rig)]);
         session.wait_for("no question", |seen| seen.contains("May it move"));
         session.press("y");
@@ -197,4 +199,31 @@ mod at_a_terminal {
         assert_eq!(before, std::fs::read_to_string(&rig).unwrap());
         assert!(session.is_as_before());
     }
+}
+
+/// Beyond the end of its travel a servo is not where its pulses command it to be.
+#[test]
+fn a_servo_that_does_not_follow_is_said_to_not_follow() {
+    for options in [&[][..], &["--no-travel"]] {
+        let args = [
+            &["calibrate", "--port", "sim:aircraft", "--by-servo"],
+            options,
+        ]
+        .concat();
+        let said = refusal(&args);
+        assert!(
+            said.contains("does not follow its pulses there") && said.contains("--travel-only"),
+            "{said}"
+        );
+    }
+    let travel = run(&["calibrate", "--port", "sim:aircraft", "--travel-only", "-q"]);
+    let less = travel
+        .lines()
+        .filter(|line| line.contains("  answers less"));
+    for line in less {
+        let (_, percent) = line.split_once("with ").unwrap();
+        let percent: f64 = percent.split(' ').next().unwrap().parse().unwrap();
+        assert!(percent < 100.0, "{line}");
+    }
+    assert!(travel.contains("answers more from"), "{travel}");
 }

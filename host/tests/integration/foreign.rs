@@ -138,6 +138,76 @@ fn what_other_programs_write_is_read_and_said() {
 }
 
 #[test]
+fn other_languages_and_letters_are_read_and_units_reach_the_results() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = |row: &dyn Fn(u32, f64, f64) -> String| -> String {
+        samples()
+            .into_iter()
+            .map(|(k, u, y)| row(k, u, y))
+            .collect()
+    };
+    let text = rows(&|k, u, y| format!("{};{u};{y:.4}\n", 2 * k));
+    let write = |name: &str, above: &[u8]| {
+        let path = dir.path().join(name);
+        std::fs::write(&path, [above, text.as_bytes()].concat()).unwrap();
+        arg(&path).to_owned()
+    };
+    // Latin-1: 0xE4 is a umlaut, 0xB0 the degree sign, 0xB5 micro.
+    let german = write("german.csv", b"Zeit [ms];Soll;Winkel\n");
+    let latin = write("latin.csv", b"Zeit;Soll;Winkel\nms;\xB5s;\xB0\n");
+    let named = write("named.csv", b"Z\xE4hler_ms;Soll [counts];Winkel [V]\n");
+    let columns = ["--input", "Soll", "--output", "Winkel"];
+    let clock = ["--time", "Zähler_ms"];
+    for (file, more, unit) in [
+        (&german, &[][..], ""),
+        (&latin, &[], "°/µs"),
+        (&named, &clock, "V/counts"),
+    ] {
+        let (gain, period, said) = identified(file, &[&columns[..], more].concat());
+        assert!((gain - 1.0).abs() < 0.01 && (period / 0.002 - 1.0).abs() < 1e-3);
+        assert!(said.contains("rows are 2.000 ms apart"), "{said}");
+        let plots = dir.path().join("plots");
+        let args = [
+            &[
+                "identify",
+                "-q",
+                file,
+                "--settling",
+                "81",
+                "--force",
+                "--plots",
+                arg(&plots),
+            ],
+            &columns[..],
+            more,
+        ];
+        let output = servoid(&args.concat()).output().unwrap();
+        let told = String::from_utf8(output.stdout).unwrap();
+        let line = told.lines().find(|line| line.contains("DC gain")).unwrap();
+        assert!(line.contains(unit), "{file}: {line}");
+        let stem = Path::new(file).file_stem().unwrap().to_str().unwrap();
+        let plot =
+            |what: &str| std::fs::read_to_string(plots.join(format!("{stem}-{what}.svg"))).unwrap();
+        if let Some((output, input)) = unit.split_once('/') {
+            let axis = format!("position ({output}), reference in {input}");
+            assert!(plot("input-output").contains(&axis), "{file}");
+            assert!(
+                plot("step").contains(&format!("unit step ({unit})")),
+                "{file}"
+            );
+            assert!(told.contains(&format!(" {output} rms")), "{told}");
+        } else {
+            // What is not known is not made up.
+            assert!(!told.contains(" deg rms") && !plot("input-output").contains("(deg)"));
+        }
+    }
+    let args = [&["identify", &named], &columns[..]].concat();
+    assert!(refusal(&args).contains("--time COLUMN"));
+    let args = [&args[..], &["--time", "when"]].concat();
+    assert!(refusal(&args).contains("has no column \"when\""));
+}
+
+#[test]
 fn what_is_not_certain_is_asked_in_one_sentence() {
     let dir = tempfile::tempdir().unwrap();
     let new = |name: &str, above: &str, row: &dyn Fn(u32, f64, f64) -> String| {

@@ -115,6 +115,39 @@ mod at_a_terminal {
         assert!(session.is_as_before());
     }
 
+    /// Enter is never a port at which nobody has answered.
+    #[test]
+    fn enter_takes_no_port_that_is_silent_and_limits_that_are_careful() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("rig.toml");
+        let mut session = Session::begin(&["init", "-o", arg(&file)]);
+        session.answer("Name of the rig", ENTER_ONLY);
+        session.answer("Condition (", ENTER_ONLY);
+        session.wait_for("who answers", |seen| {
+            seen.contains("no rig answers") || seen.contains("no serial ports")
+        });
+        for question in [
+            "Where is the rig",
+            "Name of the servo",
+            "Shortest and longest pulse",
+            "Pulse at 0 degrees",
+            "µs for one degree",
+            "How far the linkage",
+            "Name of the angle sensor",
+            "Its output",
+            "Degrees between them",
+        ] {
+            session.answer(question, ENTER_ONLY);
+        }
+        assert!(session.end().success(), "{}", session.seen());
+        let rig = RigFile::read(&file).unwrap();
+        assert_eq!(rig.port, None);
+        assert_eq!(
+            (rig.limits.shortest_us, rig.limits.longest_us),
+            (1400, 1600)
+        );
+    }
+
     #[test]
     fn ctrl_c_leaves_no_file_and_the_terminal_as_it_was() {
         let dir = tempfile::tempdir().unwrap();

@@ -16,11 +16,13 @@ mod hostile;
 mod identify;
 mod init;
 mod models;
+mod no_bounds;
 mod plan;
 mod references;
 mod report;
 mod results;
 mod safekeeping;
+mod same_data;
 #[cfg(target_os = "linux")]
 mod scope;
 mod sessions;

@@ -26,7 +26,39 @@ fn every_field_is_documented() {
     let at = |name: &str| arg(&dir.path().join(name)).to_owned();
     let (out, bench, loaded) = (at("demo"), at("demo/bench.csv"), at("demo/aircraft.csv"));
     let (model, header) = (at("demo/bench.json"), at("x.h"));
+    let (rig, run_file) = (at("rig.toml"), at("run.csv"));
     let results = [
+        vec!["plan", "--band", "0.4"],
+        vec!["init", "--yes", "-o", &rig],
+        vec!["info", "--port", "sim:bench"],
+        vec!["calibrate", "--port", "sim:bench", "--by-servo"],
+        vec!["calibrate", "--port", "sim:aircraft", "--travel-only"],
+        vec![
+            "calibrate",
+            "--port",
+            "sim:bench?stops-deg=-30:35",
+            "--travel-only",
+        ],
+        vec![
+            "capture",
+            "--port",
+            "sim:linear",
+            "--until-band",
+            "2",
+            "-o",
+            &run_file,
+        ],
+        vec![
+            "capture",
+            "--port",
+            "sim:linear",
+            "--repeat",
+            "2",
+            "--force",
+            "-o",
+            &run_file,
+        ],
+        vec!["simulate", "--servo", "linear", "--force", "-o", &run_file],
         vec!["demo", "--out", &out],
         vec!["identify", &bench],
         vec!["identify", &loaded],
@@ -49,6 +81,17 @@ fn every_field_is_documented() {
             );
         }
     }
+    // Which serial ports there are is the machine's business; each has these fields.
+    let ports: Value = serde_json::from_str(&run(&["ports", "--json"])).unwrap();
+    let mut found = ["port", "device", "rig", "error"]
+        .map(str::to_owned)
+        .to_vec();
+    fields(&ports, &mut found);
+    assert!(
+        found
+            .iter()
+            .all(|field| page.contains(&format!("`{field}`")))
+    );
     // What is asked for beside the model: the fields that the page names.
     let more = ["--explain", "--flight-model", "--limits", "--json"];
     let value: Value =

@@ -129,6 +129,18 @@ fn an_end_that_only_softens_is_no_stop() {
         "{from_us:?}"
     );
     assert!(matches!(softened.short_end, End::NotWithin { .. }));
+    let steeper = of(|us| {
+        if us < 1300.0 {
+            line(1300.0) + 1.15 * (line(us) - line(1300.0))
+        } else {
+            line(us)
+        }
+    });
+    let End::AnswersMore { gain_percent, .. } = steeper.short_end else {
+        panic!("{:?}", steeper.short_end)
+    };
+    assert!(gain_percent.lower > 100.0, "{gain_percent:?}");
+    assert!((gain_percent.value - 115.0).abs() < 5.0, "{gain_percent:?}");
     // One level beyond the knee: it may be either.
     let late = of(|us| line(us.min(1960.0)));
     assert!(

@@ -6,7 +6,7 @@ mod text;
 use super::rig_args::RigArgs;
 use super::{Talk, ask, interrupt, wrong_usage};
 use crate::calibration::{
-    Calibration, Estimate, Found, LEVEL, Mover, Reading, Rest, Travel, put_into,
+    Calibration, Estimate, Found, LEVEL, Mover, Reading, Rest, Travel, put_into, require_followed,
 };
 use crate::rig::file::SensorSection;
 use crate::rig::{RigClient, RigFile};
@@ -200,10 +200,7 @@ impl Calibrate {
         };
         let sensor = match readings.as_slice() {
             [] => None,
-            some => Some(Calibration::fit(some)?).map(|fit| match self.by_servo {
-                true => fit.with_doubtful_angles(DOUBT_PERCENT),
-                false => fit,
-            }),
+            some => Some(self.fit(some, &rests)?),
         };
         let travel = if self.no_travel {
             None
@@ -221,6 +218,20 @@ impl Calibrate {
             rests,
             travel,
         })
+    }
+
+    /// The scale by these readings. Where there is none, a servo that has not followed is the likelier
+    /// reason; and the angles that pulses command are those of a servo that has.
+    fn fit(&self, readings: &[Reading], rests: &[Rest]) -> Result<Calibration> {
+        if self.by_servo {
+            require_followed(rests)?;
+            return Ok(Calibration::fit(readings)?.with_doubtful_angles(DOUBT_PERCENT));
+        }
+        let fit = Calibration::fit(readings);
+        if fit.is_err() {
+            require_followed(rests)?;
+        }
+        Ok(fit?)
     }
 
     /// What the servo is about to do.

@@ -172,18 +172,27 @@ fn end(end: &End, key: &str, inwards: fn(f64) -> f64) -> String {
         End::Softens {
             from_us,
             gain_percent,
-        } => format!(
-            "answers less from {:.0} µs on ({:.0} to {:.0}): {:.0} % of the gain are left ({:.0} to {:.0} %)",
-            from_us.value,
-            from_us.lower,
-            from_us.upper,
-            gain_percent.value,
-            gain_percent.lower,
-            gain_percent.upper
-        ),
+        } => bent("less", from_us, gain_percent),
+        End::AnswersMore {
+            from_us,
+            gain_percent,
+        } => bent("more", from_us, gain_percent),
         End::Unclear { from_us } => format!(
             "stops or answers less from {:.0} µs on ({:.0} to {:.0}): which of them cannot be told",
             from_us.value, from_us.lower, from_us.upper
         ),
     }
+}
+
+/// An end beyond which the servo goes on with another gain.
+fn bent(answers: &str, from_us: &Estimate, gain_percent: &Estimate) -> String {
+    format!(
+        "answers {answers} from {:.0} µs on ({:.0} to {:.0}): with {:.0} % of the gain around neutral ({:.0} to {:.0} %)",
+        from_us.value,
+        from_us.lower,
+        from_us.upper,
+        gain_percent.value,
+        gain_percent.lower,
+        gain_percent.upper
+    )
 }

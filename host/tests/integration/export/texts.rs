@@ -74,7 +74,7 @@ fn bounds_that_do_not_hold_are_said_in_every_file_and_on_the_terminal() {
             String::from_utf8(output.stderr).unwrap(),
         );
         for said in [&text, &errors] {
-            assert!(said.contains("bounds do not hold"), "{target}: {said}");
+            assert!(said.contains("no bounds can be given"), "{target}: {said}");
             assert!(said.contains("narrow"), "{target}");
         }
         assert!(
