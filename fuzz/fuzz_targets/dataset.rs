@@ -17,6 +17,7 @@ fn options(choice: u8) -> DatasetOptions {
         input: has(0).then(|| "u".into()),
         output: has(0).then(|| "y".into()),
         period_s: has(1).then_some(0.02),
+        time: has(7).then(|| "t".into()),
         time_unit: has(6).then_some(TimeUnit::Milliseconds),
         run: has(2).then(|| "run".into()),
         at_rest: has(3).then_some(0.0),

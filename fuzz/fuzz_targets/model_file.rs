@@ -26,12 +26,12 @@ fuzz_target!(|text: &str| {
         let _ = export.write(target);
     }
     let _ = export.warnings();
-    assert!(!summary::of_model("x", &model, None).is_empty());
+    assert!(!summary::of_model("x", &model, summary::Units::default()).is_empty());
 
     let input: Vec<f64> = (0..200).map(|k| f64::from(k / 7 % 2)).collect();
     let record = Record::from_slices(model.sample_period_s, &input, &input);
     if let Ok(found) = record.and_then(|record| model.validate(&record)) {
-        let _ = summary::of_validation(&found, None);
+        let _ = summary::of_validation(&found, None, &model.advice);
     }
     for (a, b) in [(&*OTHER, &model), (&model, &*OTHER), (&model, &model)] {
         let found = compare_models(a, b, &ComparisonOptions::default());

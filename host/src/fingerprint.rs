@@ -83,10 +83,12 @@ pub fn advice_on_sides(a: &[String], b: &[String]) -> Option<Advice> {
         Advice::new(
             "same_data",
             format!(
-                "Both sides have the same samples in {} of the second's {}: what is compared with itself is the same, \
-                 which says nothing of the servo.",
-                runs(count),
-                runs(b.len())
+                "Both sides have the same samples{}: what is compared with itself is the same, which says nothing of \
+                 the servo.",
+                match b.len() - count {
+                    0 => String::new(),
+                    _ => format!(" in {count} of the second's {}", runs(b.len())),
+                }
             ),
             count as f64,
             0.0,
@@ -103,10 +105,12 @@ pub fn advice_on_validation(model: &[String], record: &[String]) -> Option<Advic
         Advice::new(
             "same_data",
             format!(
-                "The model was identified from these very samples ({} of {}): it fits what it has seen, and how well it \
+                "The model was identified from these very samples{}: it fits what it has seen, and how well it \
                  predicts anything else is not told.",
-                count,
-                runs(record.len())
+                match record.len() - count {
+                    0 => String::new(),
+                    _ => format!(" ({count} of {})", runs(record.len())),
+                }
             ),
             count as f64,
             0.0,
@@ -164,7 +168,7 @@ mod tests {
         assert_eq!(b[1], a[0]);
         assert_ne!(b[0], a[0]);
         let told = advice_on_sides(&a, &b).unwrap();
-        assert!(told.finding.contains("1 run of the second's 2 runs"));
+        assert!(told.finding.contains("in 1 of the second's 2 runs"));
         assert_eq!(advice_on_sides(&a, &b[..1]), None);
         assert!(advice_on_validation(&a, &b).is_some());
         assert!(advice_on_repeats(&record(&[one, other])).is_none());

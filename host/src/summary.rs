@@ -113,7 +113,16 @@ fn write_model(
         fit.simulation_percent, fit.one_step_percent, fit.rmse
     )?;
     writeln!(text, "  step band   {}", step_band(model))?;
-    writeln!(text, "  offset      {:.error_digits$}{unit}", model.offset)?;
+    // A minus in front of nothing but zeros is none.
+    let offset = format!("{:.error_digits$}", model.offset);
+    let offset = match offset.trim_start_matches(['-', '0', '.']) {
+        "" => offset.trim_start_matches('-'),
+        _ => &offset,
+    };
+    writeln!(
+        text,
+        "  offset      {offset}{unit}, the output with the input at 0"
+    )?;
     writeln!(
         text,
         "  residuals   white: {}, independent of the input: {}, linear: {}",

@@ -121,6 +121,18 @@ impl Table {
         Ok(self.columns().get(place).map_or("", String::as_str))
     }
 
+    /// The columns in a clause: "its columns are t, u, y".
+    #[must_use]
+    pub fn columns_said(&self) -> String {
+        match self.layout.named {
+            true => format!("its columns are {}", self.columns_listed()),
+            false => format!(
+                "it has no header row, so its columns are called 1 to {}",
+                self.columns().len()
+            ),
+        }
+    }
+
     /// The column names as a list for error texts.
     #[must_use]
     pub fn columns_listed(&self) -> String {

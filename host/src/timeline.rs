@@ -64,6 +64,9 @@ const GAPS: (f64, f64) = (0.4, 10.0);
 /// nearer to another sample.
 const SCATTER: f64 = 0.2;
 
+/// Distance from two steps at which a stamp still makes up for one before it that was repeated \[steps\].
+const LATE: f64 = 0.5;
+
 /// How fast the even time follows the stamps, of the distance at each row: slow against the scatter,
 /// fast enough for a clock that drifts.
 const FOLLOW: f64 = 0.05;
@@ -195,6 +198,11 @@ impl TimeColumn {
             // An empty cell says nothing of gaps.
             return Step::Samples(1);
         }
+        if steps == 0.0 && ((time(row + 1) - time(row)) / self.step - 2.0).abs() < LATE {
+            // The stamp of the row before, and the next one is where it should be: this one was written late.
+            *ahead -= 1.0;
+            return Step::Samples(1);
+        }
         if steps <= 0.0 || steps >= LONGEST_GAP {
             *ahead = 0.0;
             return if steps <= 0.0 {
@@ -321,6 +329,28 @@ mod tests {
         let placed = found[0].place(&times);
         assert_eq!(placed.len(), 100);
         assert!(placed[49] == times[49] && placed[55].is_nan() && placed[70] == times[50]);
+    }
+
+    /// A logger that writes one stamp twice and the next one right has lost nothing; one that writes a row
+    /// twice has another row than it says.
+    #[test]
+    fn a_stamp_that_is_repeated_and_made_up_for_is_a_late_one() {
+        let mut times = even(200);
+        for row in [20, 40, 199] {
+            times[row] = times[row - 1];
+        }
+        let column = TimeColumn::new(times.clone()).unwrap();
+        let found = stretches(times.len(), Some(&column), None);
+        // The last row has none behind it that would make up for it.
+        let rows: Vec<_> = found.iter().map(|stretch| stretch.rows.clone()).collect();
+        assert_eq!(rows, [0..199, 199..200]);
+        assert_eq!(found[0].missing(), 0);
+        assert!(found[0].samples.iter().copied().eq(0..199));
+
+        let mut twice = even(100);
+        twice.insert(50, twice[49]);
+        let column = TimeColumn::new(twice.clone()).unwrap();
+        assert_eq!(stretches(twice.len(), Some(&column), None).len(), 2);
     }
 
     #[test]

@@ -45,14 +45,12 @@ pub enum DatasetError {
     },
     /// Columns are not named.
     #[error(
-        "{path:?} is no recording of servoid, so say which of its columns is what; {how}its columns are {columns}, so perhaps add: {options}"
+        "{path:?} is no recording of servoid, so say which of its columns is what; {columns}, so perhaps add: {options}"
     )]
     Unnamed {
         /// Which file.
         path: PathBuf,
-        /// What is unusual about how it was read, with a semicolon and a space behind it; else empty.
-        how: String,
-        /// What there is.
+        /// What there is, as a clause.
         columns: String,
         /// What to add to the command, as far as the names of the columns tell.
         options: String,

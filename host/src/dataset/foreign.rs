@@ -12,12 +12,7 @@ pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Load
     let (Some(input), Some(output)) = (&options.input, &options.output) else {
         return Err(DatasetError::Unnamed {
             path: path.to_owned(),
-            how: table
-                .remarks()
-                .iter()
-                .map(|remark| format!("{remark}; "))
-                .collect(),
-            columns: table.columns_listed(),
+            columns: table.columns_said(),
             options: suggestion::options(table.columns()),
         });
     };

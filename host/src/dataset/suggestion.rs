@@ -46,6 +46,16 @@ const OUTPUTS: [&str; 19] = [
     "posizione",
 ];
 
+/// Names of a column that tells runs apart.
+const RUNS: [&str; 6] = [
+    "run",
+    "run_id",
+    "trial",
+    "repetition",
+    "experiment",
+    "episode",
+];
+
 /// "--input u --output y --period SECONDS" for a file with these columns; words in capitals where no name
 /// tells.
 pub(super) fn options(columns: &[String]) -> String {
@@ -53,11 +63,17 @@ pub(super) fn options(columns: &[String]) -> String {
     let output = named(columns, &OUTPUTS, input);
     let word = |column: Option<&String>| column.map_or_else(|| "COLUMN".to_owned(), |c| quoted(c));
     let timed = super::time::column(columns).is_some();
+    let taken = |column: &&String| Some(*column) != input && Some(*column) != output;
+    let run = columns
+        .iter()
+        .filter(taken)
+        .find(|column| RUNS.contains(&column.to_lowercase().as_str()));
     format!(
-        "--input {} --output {}{}",
+        "--input {} --output {}{}{}",
         word(input),
         word(output),
-        if timed { "" } else { " --period SECONDS" }
+        if timed { "" } else { " --period SECONDS" },
+        run.map_or_else(String::new, |run| format!(" --run {}", quoted(run)))
     )
 }
 
@@ -122,6 +138,10 @@ mod tests {
             "--input 'Command [deg]' --output 'Measured Angle' --period SECONDS"
         );
         assert_eq!(of(&["time", "a", "b"]), "--input COLUMN --output COLUMN");
+        assert_eq!(
+            of(&["t", "u", "y", "Run"]),
+            "--input u --output y --run Run"
+        );
         assert_eq!(
             of(&["pos_cmd", "pos"]),
             "--input pos_cmd --output pos --period SECONDS"

@@ -66,30 +66,54 @@ fn signal(period_s: f64, values: &[f64]) -> Vec<(f64, f64)> {
 /// Runs of a record that are drawn; of more, these are the first.
 pub const MOST_RUNS: usize = 3;
 
-/// Figs 4 and 8: the reference and the measurement, one panel per run.
+/// Figs 4 and 8: the reference and the measurement of each run, in one panel, or in two where one scale
+/// does not serve both.
 #[must_use]
 pub fn input_output(name: &str, title: &str, record: &Record, units: Units<'_>) -> Figure {
-    let mut y_label = with_unit("position", units.output);
-    if let Some(input) = units.input.filter(|_| units.common().is_none()) {
-        y_label += &format!(", reference in {input}");
-    }
     let period = record.sample_period_s();
-    let runs = record.runs().iter().take(MOST_RUNS);
-    let panels = runs.map(|run| Panel {
+    let panel = |y_label: String, curves: Vec<Curve>| Panel {
         x_label: "time (s)".into(),
-        y_label: y_label.clone(),
+        y_label,
         legend: Legend::Above,
-        curves: vec![
-            Curve::solid("measured", Ink::Measured, signal(period, run.output())),
-            Curve::solid("reference", Ink::Reference, signal(period, run.input())),
-        ],
+        curves,
         ..Panel::default()
+    };
+    let panels = record.runs().iter().take(MOST_RUNS).flat_map(|run| {
+        let measured = Curve::solid("measured", Ink::Measured, signal(period, run.output()));
+        let reference = Curve::solid("reference", Ink::Reference, signal(period, run.input()));
+        let position = with_unit("position", units.output);
+        if share_a_scale(run, units) {
+            return vec![panel(position, vec![measured, reference])];
+        }
+        vec![
+            panel(with_unit("reference", units.input), vec![reference]),
+            panel(position, vec![measured]),
+        ]
     });
     Figure {
         name: name.into(),
         title: title.into(),
         panels: panels.collect(),
     }
+}
+
+/// A signal whose span is less than this part of what both take together would be drawn as a flat line.
+const FLAT: f64 = 0.1;
+
+/// Whether input and output can be read off one axis: they have one unit, as far as is known, and neither
+/// is flat beside the other, as degrees are beside microseconds.
+fn share_a_scale(run: &Run, units: Units<'_>) -> bool {
+    let ends = |values: &[f64]| {
+        let finite = || values.iter().copied().filter(|value| value.is_finite());
+        [
+            finite().fold(f64::INFINITY, f64::min),
+            finite().fold(f64::NEG_INFINITY, f64::max),
+        ]
+    };
+    let ([low, high], [bottom, top]) = (ends(run.input()), ends(run.output()));
+    let both = high.max(top) - low.min(bottom);
+    let differ = units.gain().is_some();
+    !differ && high - low >= FLAT * both && top - bottom >= FLAT * both
 }
 
 /// Figs 5 and 10: the step response, with its bounds where they can be given.

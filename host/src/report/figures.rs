@@ -133,8 +133,18 @@ fn of_bounds(figure: &Figure, page: &Page<'_>, whole: &str) -> String {
 fn caption(figure: &Figure, page: &Page<'_>) -> String {
     let of = |part: &str| figure.name.contains(part);
     if of("measurement") {
-        let more = if figure.panels.len() == MOST_RUNS {
-            format!("; of more runs, the first {MOST_RUNS}")
+        let part = match of("fig-08") {
+            true => page.second.as_ref(),
+            false => Some(&page.first),
+        };
+        let runs = part
+            .and_then(|part| part.subject.record)
+            .map(|record| record.runs().len());
+        let more = if runs > Some(MOST_RUNS) {
+            format!(
+                "; of {} runs, the first {MOST_RUNS}",
+                runs.unwrap_or_default()
+            )
         } else {
             String::new()
         };

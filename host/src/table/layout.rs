@@ -22,6 +22,8 @@ pub(super) struct Layout {
     pub(super) separator: u8,
     /// Names of the columns, with the units of a row of units.
     pub(super) columns: Vec<String>,
+    /// Whether the names are those of a header row, rather than numbers.
+    pub(super) named: bool,
     /// Where the first row of numbers begins \[bytes\].
     pub(super) rows_at: usize,
     /// What a user should know of how it was found.
@@ -95,6 +97,7 @@ impl Layout {
             Self {
                 separator,
                 columns,
+                named: header.is_some(),
                 rows_at,
                 remarks,
             },

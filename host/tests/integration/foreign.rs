@@ -189,8 +189,12 @@ fn other_languages_and_letters_are_read_and_units_reach_the_results() {
         let plot =
             |what: &str| std::fs::read_to_string(plots.join(format!("{stem}-{what}.svg"))).unwrap();
         if let Some((output, input)) = unit.split_once('/') {
-            let axis = format!("position ({output}), reference in {input}");
-            assert!(plot("input-output").contains(&axis), "{file}");
+            for axis in [
+                format!("position ({output})"),
+                format!("reference ({input})"),
+            ] {
+                assert!(plot("input-output").contains(&axis), "{file}");
+            }
             assert!(
                 plot("step").contains(&format!("unit step ({unit})")),
                 "{file}"
