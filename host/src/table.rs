@@ -133,10 +133,15 @@ impl Table {
         }
     }
 
-    /// The column names as a list for error texts.
+    /// The column names as a list for error texts, one with a comma in it in quotes.
     #[must_use]
     pub fn columns_listed(&self) -> String {
-        self.columns().join(", ")
+        let said = |name: &String| match name.contains(',') {
+            true => format!("{name:?}"),
+            false => name.clone(),
+        };
+        let names: Vec<String> = self.columns().iter().map(said).collect();
+        names.join(", ")
     }
 
     /// The named columns, all of one length; NaN where a cell is empty or says that it has no number.

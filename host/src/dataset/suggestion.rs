@@ -2,7 +2,7 @@
 //! with.
 
 /// Names that people give to what was commanded, and to what was measured, the plainest first.
-const INPUTS: [&str; 20] = [
+const INPUTS: [&str; 22] = [
     "u",
     "input",
     "in",
@@ -12,6 +12,8 @@ const INPUTS: [&str; 20] = [
     "reference",
     "ref",
     "setpoint",
+    "set",
+    "desired",
     "target",
     "demand",
     "goal",
@@ -24,7 +26,7 @@ const INPUTS: [&str; 20] = [
     "consigna",
     "stick",
 ];
-const OUTPUTS: [&str; 19] = [
+const OUTPUTS: [&str; 20] = [
     "y",
     "output",
     "out",
@@ -33,6 +35,7 @@ const OUTPUTS: [&str; 19] = [
     "angle",
     "measured",
     "measurement",
+    "meas",
     "actual",
     "response",
     "feedback",
@@ -116,6 +119,14 @@ mod tests {
                 .map(|&column| column.to_owned())
                 .collect::<Vec<_>>(),
         )
+    }
+
+    #[test]
+    fn a_word_that_both_names_have_goes_to_the_one_that_is_left() {
+        assert_eq!(
+            of(&["Time [s]", "Set angle", "Meas angle"]),
+            "--input 'Set angle' --output 'Meas angle'"
+        );
     }
 
     #[test]
