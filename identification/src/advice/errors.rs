@@ -12,7 +12,6 @@ pub const MODEL_ERROR: &str = "model_error";
 
 pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     let errors = evidence.explanation.model_errors.as_ref()?;
-    let level = 100.0 * evidence.options.level;
     let taken = if evidence.model.structure.noise_order == 0 {
         "plain"
     } else {
@@ -27,14 +26,13 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         MODEL_ERROR,
         format!(
-            "What the model cannot explain is not noise: {sign}. The bounds are not {level} % bounds of \
-             anything. The structure was chosen by how well it predicts parts not seen, and {taken} \
+            "What the model cannot explain is not noise: {sign}. So no bounds can be given. The structure was chosen by how well it predicts parts not seen, and {taken} \
              least squares was taken.{smooth}"
         ),
         value,
         threshold,
         "Record steps that are held until the servo rests, smaller ones and fewer a second; use this \
-         model for prediction, not for comparison by its bounds.",
+         model for prediction, not for comparison.",
     ))
 }
 
@@ -208,6 +206,10 @@ const SLOW_ROOT: f64 = 0.98;
 const FEW_DEGREES: f64 = 30.0;
 
 pub(super) fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
+    // Of errors that are not noise, nothing more is to be said of the kind of noise.
+    if evidence.explanation.model_errors.is_some() {
+        return None;
+    }
     let degrees = evidence
         .explanation
         .degrees_of_freedom

@@ -63,11 +63,14 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
             "run_scatter",
             format!(
                 "The runs differ by more than their noise: gain by {:.2} %, delay by {:.2} ms, offset \
-                 by {:.3} (standard deviations between runs). The bounds hold for the mean of these \
-                 runs, not for the next one.",
+                 by {:.3} (standard deviations between runs).{}",
                 runs.gain_percent.sd,
                 1000.0 * runs.delay_s.sd,
-                runs.offset.sd
+                runs.offset.sd,
+                match evidence.explanation.model_errors {
+                    Some(_) => "",
+                    None => " The bounds hold for the mean of these runs, not for the next one.",
+                }
             ),
             p,
             threshold,

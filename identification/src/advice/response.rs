@@ -135,12 +135,17 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     };
     // Two digits that count.
     let digits = (1.0 - bias.log10().floor()).clamp(0.0, 9.0) as usize;
+    // Of errors that are not noise there are no bands that could contain it.
+    let contained = match evidence.explanation.model_errors {
+        Some(_) => String::new(),
+        None => format!(
+            " The bands contain {bias:.digits$} for what is left out, which holds if the response falls by at \
+             least {decade} dB/decade above."
+        ),
+    };
     Some(Advice::new(
         "truncation",
-        format!(
-            "{finding}. The bands contain {bias:.digits$} for what is left out, which holds if the response \
-             falls by at least {decade} dB/decade above."
-        ),
+        format!("{finding}.{contained}"),
         bias,
         noise,
         remedy,
