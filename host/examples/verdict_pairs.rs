@@ -3,6 +3,8 @@
 //!
 //! `cargo run --release -p servoid --example verdict_pairs -- PAIRS`
 
+#[path = "../tests/trials/recordings.rs"]
+mod recordings;
 #[path = "../tests/trials/verdicts.rs"]
 #[allow(dead_code, reason = "shared with the tests, which use the rest")]
 mod verdicts;

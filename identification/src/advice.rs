@@ -89,6 +89,7 @@ pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
         record::scatter(evidence),
         record::deviating(evidence),
         record::history(evidence),
+        record::at_rest(evidence),
     ]
     .into_iter()
     .flatten()

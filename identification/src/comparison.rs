@@ -24,6 +24,7 @@
 //! ```
 
 mod difference;
+mod motion;
 mod outcome;
 mod over_prediction;
 mod scatter;
@@ -43,6 +44,7 @@ use crate::timing::Timing;
 use difference::{Curves, Differences};
 use sides::{Identified, identified, same_period};
 
+pub use motion::Motion;
 pub use outcome::{
     Asymmetry, Comparison, DifferenceCurve, DifferencePercent, Levels, MetricDifference, Sides,
     Stroke, Verdict,
@@ -53,7 +55,7 @@ pub use over_prediction::OverPrediction;
 const CHANCE: f64 = 0.01;
 
 /// What is asked of a comparison.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ComparisonOptions {
     /// Largest difference that still counts as the same \[% of the step\].
     pub margin_percent: f64,
@@ -64,6 +66,8 @@ pub struct ComparisonOptions {
     pub wait_samples: Option<usize>,
     /// Standard deviation of the sensor's zero between the two sides \[output\].
     pub zero_sd: f64,
+    /// The unit of the input, for sentences; empty when it is not known.
+    pub input_unit: String,
 }
 
 impl Default for ComparisonOptions {
@@ -73,6 +77,7 @@ impl Default for ComparisonOptions {
             identification: Options::default(),
             wait_samples: None,
             zero_sd: 0.0,
+            input_unit: String::new(),
         }
     }
 }
@@ -146,9 +151,53 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     if !(a.alone.bounds_hold() && b.alone.bounds_hold()) {
         comparison.without_bounds();
     }
+    let motions = Sides {
+        a: Motion::of(a.record),
+        b: Motion::of(b.record),
+    };
+    comparison.motions = Some(motions);
+    let differ = !motions.a.is_like(&motions.b);
+    let linear = is_linear(&a.alone) && is_linear(&b.alone);
+    if differ && !linear {
+        // Each side has another description for the motion of the other.
+        comparison.verdict = Verdict::Undecided;
+        comparison.descriptions_of_different_motions = true;
+    }
     comparison.summary = words::summary(&comparison);
     comparison.advice = advice(&comparison, [&a.alone, &b.alone], &[&a, &b]);
+    if differ {
+        let finding = different_references(&motions, linear, &options.input_unit);
+        comparison.advice.insert(0, finding);
+    }
     Ok(comparison)
+}
+
+/// Whether nothing was found that makes a response one of its motion alone.
+fn is_linear(model: &Model) -> bool {
+    model
+        .advice
+        .iter()
+        .all(|found| found.check != advice::NOT_LINEAR && found.check != advice::MODEL_ERROR)
+}
+
+/// That the sides were not asked to do the same.
+fn different_references(motions: &Sides<Motion>, linear: bool, unit: &str) -> Advice {
+    let (a, b) = (motions.a.in_words(unit), motions.b.in_words(unit));
+    let meaning = if linear {
+        "Neither shows a servo that is not linear under its own reference, and a linear servo answers both \
+         alike; one that is limited in speed or torque, or has play, does not, and would differ from itself."
+    } else {
+        "A servo that is not linear, as at least one of these, answers each motion in a way of its own: the \
+         two descriptions are of different motions, and their difference is no finding about the servos."
+    };
+    let range = |motion: &Motion| motion.highest - motion.lowest;
+    Advice::new(
+        "references",
+        format!("The references differ: the first is {a}; the second is {b}. {meaning}"),
+        range(&motions.b),
+        range(&motions.a),
+        "Record both sides with the same reference.",
+    )
 }
 
 /// Compares two models without their records: plain step responses and figures.
@@ -228,6 +277,8 @@ fn of_curves(
         delay_shift_bounds_s: shift.lower.zip(shift.upper).map(<[f64; 2]>::from),
         delay_shift_definition: shift::DEFINITION.to_owned(),
         split: false,
+        motions: None,
+        descriptions_of_different_motions: false,
         over_prediction: None,
         levels: None,
         asymmetry: None,

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::at_rest::Contradicted;
 use crate::linearity::Linearity;
 use crate::model::Model;
 use crate::model_error::ModelErrors;
@@ -34,6 +35,9 @@ pub struct Explanation {
     /// tested.
     #[serde(default)]
     pub linearity: Option<Linearity>,
+    /// The run that did not begin where it is said to have rested, if one did not.
+    #[serde(default)]
+    pub at_rest: Option<Contradicted>,
     /// How the runs compare; `None` with fewer than two.
     pub runs: Option<RunComparison>,
 }

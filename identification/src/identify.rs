@@ -13,6 +13,7 @@ mod second_thoughts;
 pub(crate) use estimate::WELL_CONDITIONED;
 
 use crate::advice::{self, Evidence};
+use crate::at_rest;
 use crate::curve::{self, CurveSpread};
 use crate::error::Error;
 use crate::explanation::Explanation;
@@ -218,6 +219,9 @@ impl Pipeline<'_> {
             degrees_of_freedom,
             model_errors,
             linearity,
+            at_rest: self
+                .record
+                .and_then(|record| at_rest::contradicted(record, model)),
             runs: self
                 .record
                 .and_then(|record| RunComparison::of(model, record.runs())),

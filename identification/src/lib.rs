@@ -20,6 +20,7 @@
 //! Bonferroni inequality", Biometrika 1982; F. E. Satterthwaite, Biometrics 1946.
 
 pub mod advice;
+pub mod at_rest;
 pub mod band;
 pub mod basis;
 pub mod comparison;
@@ -54,6 +55,7 @@ pub mod record;
 pub mod reference;
 mod repetition;
 pub mod residual;
+pub mod rest;
 pub mod runs;
 pub mod step;
 pub mod structure;

@@ -35,6 +35,7 @@ use crate::moments::Moments;
 use crate::normal::{Information, with_one};
 use crate::record::{Record, Run};
 use crate::residual::ScoreTest;
+use crate::rest::AgainstRest;
 
 /// p-values below this count: far below what one would ask of a single test, because each of many
 /// recordings of linear servos is tested.
@@ -64,13 +65,30 @@ pub struct Linearity {
     /// Whether the model has all frequencies, so that what follows the motion cannot be those left
     /// out.
     pub complete: bool,
+    /// How the errors compare with the noise at rest; `None` where no rest was recorded, or where the
+    /// response may be longer than what the model has of it, which leaves errors of its own.
+    #[serde(default)]
+    pub rest: Option<AgainstRest>,
 }
 
 impl Linearity {
     /// Whether errors are shown to follow the motion, by an amount that matters.
     #[must_use]
     pub fn errors_follow_motion(&self) -> bool {
+        self.by_functions() || self.against_rest().is_some()
+    }
+
+    /// Whether functions of the motion explain errors, by an amount that matters.
+    #[must_use]
+    pub fn by_functions(&self) -> bool {
         self.p < SIGNIFICANCE && self.misfit_percent > WORTH_MENTIONING
+    }
+
+    /// How much larger errors are in motion than at rest, if that is shown, by an amount that matters.
+    #[must_use]
+    pub fn against_rest(&self) -> Option<AgainstRest> {
+        self.rest
+            .filter(|rest| rest.p < SIGNIFICANCE && rest.misfit_percent > WORTH_MENTIONING)
     }
 
     /// Whether the servo is shown not to be linear, by an amount that matters.
@@ -98,6 +116,7 @@ pub(crate) fn test(record: &Record, information: &Information, fit: &GlsFit) -> 
         p: distribution.sf(f).clamp(0.0, 1.0),
         misfit_percent: 100.0 * misfit / motion,
         complete: fit.coordinates.basis.has_all_frequencies(),
+        rest: None,
     })
 }
 

@@ -166,6 +166,7 @@ pub struct Record {
     sample_period_s: f64,
     sample_phase_s: f64,
     runs: Vec<Run>,
+    rest: Vec<Run>,
 }
 
 impl Record {
@@ -188,6 +189,7 @@ impl Record {
             sample_period_s,
             sample_phase_s: 0.0,
             runs,
+            rest: Vec::new(),
         })
     }
 
@@ -205,6 +207,21 @@ impl Record {
         );
         self.sample_phase_s = seconds;
         self
+    }
+
+    /// Adds what was recorded around the runs while the input stood still, such as the rest before and
+    /// after a reference. Nothing is estimated from it; it shows the noise of a servo that does not move,
+    /// which the errors in motion are held against ([`crate::rest`]).
+    #[must_use]
+    pub fn with_rest(mut self, rest: Vec<Run>) -> Self {
+        self.rest = rest;
+        self
+    }
+
+    /// What was recorded around the runs while the input stood still.
+    #[must_use]
+    pub fn rest(&self) -> &[Run] {
+        &self.rest
     }
 
     /// Time from the edge of the input to the sample of the output that belongs to it \[s\].

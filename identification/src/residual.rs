@@ -10,7 +10,7 @@
 //! D-filtered lags, over σ², follows χ² with K degrees of freedom. A small p means that the response
 //! is longer than N, has more detail than n frequencies, or is not linear.
 //!
-//! **Linearity**: see [`crate::linearity`].
+//! **Linearity**: see [`crate::linearity`], and [`crate::rest`] where the servo was recorded at rest too.
 
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
@@ -44,6 +44,14 @@ pub struct Residuals {
     /// small p it is noise.
     #[serde(default)]
     pub beyond_linear_percent: Option<f64>,
+    /// Probability of errors in motion at least as large if they are the noise that there is at rest
+    /// (see [`crate::rest`]); `None` where no rest was recorded.
+    #[serde(default)]
+    pub rest_p: Option<f64>,
+    /// Part of the motion that the simulation leaves and the noise at rest does not explain
+    /// \[% rms\]. Without a small p it is noise.
+    #[serde(default)]
+    pub beyond_rest_percent: Option<f64>,
 }
 
 /// The p-value of Ljung and Box's test on one-step errors, one slice per run, NaN where missing.

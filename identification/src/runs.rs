@@ -14,7 +14,7 @@
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 use crate::band::{normal_upper_quantile, student_critical};
 use crate::basis::dot;
@@ -74,6 +74,14 @@ pub struct Deviation {
     pub distance: f64,
     /// Distance that one run in a hundred records would reach by chance.
     pub threshold: f64,
+    /// Probability of a run at least as far from the others if all are of one kind, whatever they
+    /// scatter by.
+    #[serde(default = "certain")]
+    pub p: f64,
+}
+
+fn certain() -> f64 {
+    1.0
 }
 
 /// How the runs of a record compare.
@@ -89,6 +97,9 @@ pub struct RunComparison {
     pub offset: Scatter,
     /// The run that stands out most, if one does; it takes three runs to tell which.
     pub deviating: Option<Deviation>,
+    /// The run that lies farthest from the others, whether that is more than chance or not.
+    #[serde(default)]
+    pub farthest: Option<Deviation>,
 }
 
 impl RunComparison {
@@ -107,11 +118,13 @@ impl RunComparison {
             return None;
         }
         let scatter = |number: usize| scatter(compared.iter().map(|run| run.number(number)));
+        let farthest = farthest(&compared);
         Some(Self {
             gain_percent: scatter(0),
             delay_s: scatter(1),
             offset: scatter(2),
-            deviating: deviating(&compared),
+            deviating: farthest.filter(|run| run.distance > run.threshold),
+            farthest,
             runs: compared,
         })
     }
@@ -202,7 +215,12 @@ fn scatter(values: impl Iterator<Item = Difference>) -> Scatter {
 
 /// The run farthest from the others. Each number is held against the spread of the others (at
 /// least their noise) by Student's t, Bonferroni over runs and numbers.
-fn deviating(runs: &[RunDifference]) -> Option<Deviation> {
+///
+/// How much runs of this servo scatter is known from the other runs alone: by the clock of a servo they may
+/// scatter fifty times as much as by the noise, and three of four then agree by chance more often than one
+/// would think. So at four runs it takes 35 standard deviations of the others to call the fourth
+/// another, and no test that holds for every scatter does with less; at five it takes 16.
+fn farthest(runs: &[RunDifference]) -> Option<Deviation> {
     let others = runs.len() - 1;
     if others < 2 {
         return None;
@@ -237,9 +255,12 @@ fn deviating(runs: &[RunDifference]) -> Option<Deviation> {
             )
         })
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (distance > threshold).then_some(Deviation {
+    let tests = (2 * NUMBERS * runs.len()) as f64;
+    let p = StudentsT::new(0.0, 1.0, degrees).map_or(1.0, |t| tests * t.sf(distance));
+    Some(Deviation {
         run: runs[run].run,
         distance,
         threshold,
+        p: p.clamp(0.0, 1.0),
     })
 }

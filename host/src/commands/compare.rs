@@ -91,6 +91,10 @@ impl Compare {
                 let (a, b) = (read(a, &table, self.talk)?, read(b, &table, self.talk)?);
                 let same =
                     advice_on_sides(&fingerprint::of(&a.record), &fingerprint::of(&b.record));
+                let options = ComparisonOptions {
+                    input_unit: a.about.input_unit_with(&b.about),
+                    ..options
+                };
                 let found = compare(&a.record, &b.record, &options).map(|mut found| {
                     found.advice.extend(a.about.advice);
                     found.advice.extend(b.about.advice);

@@ -115,6 +115,10 @@ fn comparison(a: &Servo, b: &Servo, margin: f64, talk: Talk) -> Result<Option<Co
     let found = match (&a.data, &b.data) {
         (Some(a), Some(b)) => {
             let sides = [a, b].map(|side| fingerprint::of(&side.record));
+            let options = ComparisonOptions {
+                input_unit: a.about.input_unit_with(&b.about),
+                ..options
+            };
             compare(&a.record, &b.record, &options).map(|mut found| {
                 let same = fingerprint::advice_on_sides(&sides[0], &sides[1]);
                 found.advice.splice(0..0, same);

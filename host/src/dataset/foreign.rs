@@ -60,6 +60,7 @@ pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Load
     };
     Ok(Loaded {
         runs,
+        rest: Vec::new(),
         period_s,
         phase_s: 0.0,
         about,

@@ -2,8 +2,10 @@
 
 use super::{About, DatasetError, DatasetOptions, Loaded, run};
 use crate::recording::{Completeness, ReadError, Recording};
+use servoid_identification::Run;
 use servoid_identification::advice::Advice;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use std::ops::Range;
 use std::path::Path;
 
 /// The run of a recording: of its reference, or of all of it.
@@ -29,6 +31,10 @@ pub(super) fn from_recording(
     let healthy = recording.header.healthy_degrees();
     let broken = healthy.map_or(0, |range| drop_unhealthy(&mut output, range));
     let run = run(input, output, path, options.at_rest)?;
+    let rest = match options.with_rest {
+        true => Vec::new(), // It is part of the run.
+        false => rest(recording, &range, healthy, path)?,
+    };
     let (mut remarks, mut advice) = (Vec::new(), Vec::new());
     let (shown, rows) = (path.display(), recording.samples.len());
     if let Completeness::Early(reason) = &recording.completeness {
@@ -105,10 +111,31 @@ pub(super) fn from_recording(
     }
     Ok(Loaded {
         runs: vec![run],
+        rest,
         period_s,
         phase_s,
         about,
     })
+}
+
+/// What was recorded before and after the reference, which shows the noise of a servo at rest.
+fn rest(
+    recording: &Recording,
+    reference: &Range<u64>,
+    healthy: Option<(f64, f64)>,
+    path: &Path,
+) -> Result<Vec<Run>, DatasetError> {
+    [0..reference.start, reference.end..u64::MAX]
+        .into_iter()
+        .map(|range| recording.columns(range))
+        .filter(|(input, _)| !input.is_empty())
+        .map(|(input, mut output)| {
+            if let Some(range) = healthy {
+                drop_unhealthy(&mut output, range);
+            }
+            super::run(input, output, path, None)
+        })
+        .collect()
 }
 
 /// Whether all of it is there, and why not.

@@ -15,9 +15,12 @@ mod help;
 mod hostile;
 mod identify;
 mod init;
+mod linearity;
 mod models;
 mod no_bounds;
 mod plan;
+#[path = "../trials/recordings.rs"]
+mod recordings;
 mod references;
 mod report;
 mod results;

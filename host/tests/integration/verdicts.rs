@@ -3,6 +3,7 @@
 #[path = "../trials/verdicts.rs"]
 mod trials;
 
+use super::recordings;
 use servoid_identification::comparison::Verdict;
 use trials::{compare_pairs, count};
 

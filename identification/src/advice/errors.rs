@@ -60,21 +60,52 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
         Sign::Misfit(found) => {
             let left = errors.unexplained_percent();
             let words = format!(
-                "simulation leaves {left:.0} % of the motion (rms), and what it leaves follows the motion, which \
-                 noise does not ({})",
-                probability(found.p)
+                "simulation leaves {left:.0} % of the motion (rms), and what it leaves {}",
+                Shown::by(&found).how
             );
             (words, left, UNEXPLAINED)
         }
         Sign::NoSteps(found, seen) => {
+            let shown = Shown::by(&found);
             let words = format!(
                 "the servo is not linear ({:.1} % of the motion, rms, {}), and of the steps of the \
                  reference {:.0} % are held until it has followed: how it answers a step was not seen",
-                found.misfit_percent,
-                probability(found.p),
+                shown.percent,
+                shown.how,
                 100.0 * seen
             );
             (words, seen, SEEN)
+        }
+    }
+}
+
+/// What showed that errors are not noise.
+struct Shown {
+    /// How much of the motion is concerned \[% rms\].
+    percent: f64,
+    /// What the errors do.
+    how: String,
+}
+
+impl Shown {
+    /// The functions of the motion know what the errors are like, so they come first.
+    fn by(found: &Linearity) -> Self {
+        match found.against_rest().filter(|_| !found.by_functions()) {
+            Some(rest) => Self {
+                percent: rest.misfit_percent,
+                how: format!(
+                    "is {:.1} times the noise at rest ({})",
+                    rest.ratio,
+                    probability(rest.p)
+                ),
+            },
+            None => Self {
+                percent: found.misfit_percent,
+                how: format!(
+                    "follows the motion in a way that neither noise nor a linear servo can ({})",
+                    probability(found.p)
+                ),
+            },
         }
     }
 }
@@ -91,21 +122,27 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
     if evidence.explanation.model_errors.is_some() {
         return None;
     }
+    let shown = Shown::by(&found);
     Some(Advice::new(
         NOT_LINEAR,
         format!(
-            "The servo is not linear: {:.1} % of the motion (rms) follows it in a way that no linear servo \
-             can ({}). The bounds are those of the linear description that fits this reference \
-             best: a single stroke may lie outside, and other steps, amplitudes or a sine may give \
-             another description.",
-            found.misfit_percent,
-            probability(found.p)
+            "The servo is not linear: {:.1} % of the motion (rms) {}. The bounds are those of the linear \
+             description that fits this reference best: a single stroke may lie outside, and other steps, \
+             amplitudes or a sine may give another description.",
+            shown.percent, shown.how
         ),
-        found.misfit_percent,
+        shown.percent,
         linearity::WORTH_MENTIONING,
         "Compare only what was recorded with the same reference; look at strokes up and down and at the \
          limits of speed and travel apart (--limits).",
     ))
+}
+
+/// Whether errors are shown to be more than noise, so that they say nothing of how large noise is.
+pub(super) fn nonlinear(evidence: &Evidence<'_>) -> bool {
+    let linearity = evidence.explanation.linearity.as_ref();
+    evidence.explanation.model_errors.is_some()
+        || linearity.is_some_and(Linearity::errors_follow_motion)
 }
 
 pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
@@ -206,8 +243,8 @@ const SLOW_ROOT: f64 = 0.98;
 const FEW_DEGREES: f64 = 30.0;
 
 pub(super) fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
-    // Of errors that are not noise, nothing more is to be said of the kind of noise.
-    if evidence.explanation.model_errors.is_some() {
+    // Of a servo that is not linear, what seems to drift is the rest of its motion.
+    if nonlinear(evidence) {
         return None;
     }
     let degrees = evidence

@@ -1,8 +1,10 @@
 //! Findings on the record: whether it is enough, sound for the arithmetic, and of one piece.
 
 use super::{Advice, Evidence, SIGNIFICANCE};
+use crate::at_rest::CONTRADICTION;
 use crate::identify::WELL_CONDITIONED;
 use crate::normal::Path;
+use crate::runs::RunComparison;
 
 /// More parameters than this share of the rows leave too little to judge the noise by.
 const LARGE_SHARE: f64 = 0.25;
@@ -63,14 +65,15 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
             "run_scatter",
             format!(
                 "The runs differ by more than their noise: gain by {:.2} %, delay by {:.2} ms, offset \
-                 by {:.3} (standard deviations between runs).{}",
+                 by {:.3} (standard deviations between runs).{}{}",
                 runs.gain_percent.sd,
                 1000.0 * runs.delay_s.sd,
                 runs.offset.sd,
                 match evidence.explanation.model_errors {
                     Some(_) => "",
                     None => " The bounds hold for the mean of these runs, not for the next one.",
-                }
+                },
+                farthest(runs).unwrap_or_default()
             ),
             p,
             threshold,
@@ -78,6 +81,27 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
              servos by several runs each.",
         )
     })
+}
+
+/// Which run lies farthest from the others, where that is no finding of its own.
+fn farthest(runs: &RunComparison) -> Option<String> {
+    let farthest = runs.farthest.filter(|_| runs.deviating.is_none())?;
+    let run = runs.runs.iter().find(|run| run.run == farthest.run)?;
+    let chance = match 100.0 * farthest.p {
+        percent if percent < 99.5 => format!("in at most {percent:.0} %"),
+        _ => "in any number".to_owned(),
+    };
+    Some(format!(
+        " Run {} lies farthest from the others (gain {:+.2} %, delay {:+.2} ms, offset {:+.3} against the common \
+         model; {:.1} of their standard deviations), which {} runs of one kind bring about by chance {chance} \
+         of records.",
+        run.run,
+        run.gain_percent.value,
+        1000.0 * run.delay_s.value,
+        run.offset.value,
+        farthest.distance,
+        runs.runs.len()
+    ))
 }
 
 pub(super) fn deviating(evidence: &Evidence<'_>) -> Option<Advice> {
@@ -124,4 +148,20 @@ pub(super) fn history(evidence: &Evidence<'_>) -> Option<Advice> {
              runs.",
         )
     })
+}
+
+pub(super) fn at_rest(evidence: &Evidence<'_>) -> Option<Advice> {
+    let found = evidence.explanation.at_rest?;
+    Some(Advice::new(
+        "at_rest",
+        format!(
+            "Run {} does not begin where an input of {} at rest would have brought the servo: its first readings are \
+             {:+.3} from there, {:.0} times the usual error, as if the input had been {:.3}. A wrong statement \
+             bends the whole response.",
+            found.run, found.stated, found.error, found.times_usual, found.rather
+        ),
+        found.times_usual,
+        CONTRADICTION,
+        "State the input that the servo had rested at (--at-rest), or none.",
+    ))
 }

@@ -1,6 +1,6 @@
 //! Findings on the response: whether it is over, and what of it was left out.
 
-use super::{Advice, Evidence};
+use super::{Advice, Evidence, errors};
 use crate::model::SelectedBy;
 use crate::options::Frequencies;
 use crate::structure::{Choice, DETECTION, MARGIN};
@@ -52,6 +52,9 @@ pub(super) fn repeats(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
+/// The check of what the noise hides at the end of the response.
+const HIDDEN_TAIL: &str = "hidden_tail";
+
 /// What may go on below the noise after the settling time, in standard deviations, without spoiling
 /// bounds.
 const HIDDEN: f64 = 0.5;
@@ -64,9 +67,13 @@ pub(super) fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
     let size = step.value.last()?.abs();
     let sd = step.sd.iter().copied().fold(0.0, f64::max);
     let hidden = DETECTION * (DETECTION * sd / size).powf(MARGIN - 1.0);
+    if errors::nonlinear(evidence) {
+        // More motion would bring more of the errors, not less noise.
+        return (hidden > HIDDEN).then(|| hidden_by_errors(hidden, sd / size));
+    }
     (hidden > HIDDEN).then(|| {
         Advice::new(
-            "hidden_tail",
+            HIDDEN_TAIL,
             format!(
                 "The noise is large for what this input excites: a slow end or a ringing of the response below {:.0} % of the final \
                  value cannot be seen, and what is left of it after the settling time may be {hidden:.1} \
@@ -78,6 +85,22 @@ pub(super) fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
             "Record longer, or use larger steps with sharper edges.",
         )
     })
+}
+
+/// The same of a servo whose errors grow with its motion; `share` is a standard deviation of the final
+/// value.
+fn hidden_by_errors(hidden: f64, share: f64) -> Advice {
+    Advice::new(
+        HIDDEN_TAIL,
+        format!(
+            "The errors of a servo that is not linear hide what its response does below {:.0} % of the final value: \
+             a slow end or a ringing cannot be seen.",
+            100.0 * DETECTION * share
+        ),
+        hidden,
+        HIDDEN,
+        "Record steps of one size that are held until the servo rests.",
+    )
 }
 
 pub(super) fn responds(evidence: &Evidence<'_>) -> Option<Advice> {

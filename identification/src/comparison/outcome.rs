@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::motion::Motion;
 use super::over_prediction::OverPrediction;
 use crate::advice::Advice;
 use crate::metrics::Interval;
@@ -145,6 +146,13 @@ pub struct Comparison {
     pub delay_shift_definition: String,
     /// Whether up and down strokes are compared apart.
     pub split: bool,
+    /// What each side was asked to do; `None` without records.
+    #[serde(default)]
+    pub motions: Option<Sides<Motion>>,
+    /// Whether the references differ and a side is not linear: then the difference is one of linear
+    /// descriptions of two motions, and says nothing of the servos.
+    #[serde(default)]
+    pub descriptions_of_different_motions: bool,
     /// By how much the first, driven like the second, goes farther; `None` without plateaus at two
     /// levels.
     pub over_prediction: Option<OverPrediction>,

@@ -32,6 +32,10 @@ fn answer(found: &Comparison) -> String {
                                     bounds can be given (see the advice)."
                 .to_owned()
         }
+        _ if found.descriptions_of_different_motions => format!(
+            "Not decided: the references differ and a servo is not linear, so that what differs may be the \
+             motion and not the servo; of the linear descriptions of the two motions, {apart}."
+        ),
         Verdict::Different => format!(
             "The two servos are different: {apart}, and {margin} % would still have counted as the same."
         ),

@@ -37,11 +37,14 @@ impl Pipeline<'_> {
             coordinates, fit, ..
         } = estimate;
         let information = Information::from_moments(self.collected.extended.clone());
+        let rest = linearity.and_then(|found| found.rest);
         Residuals {
             input_correlation_p: residual::input_independence(&information, coordinates, &fit.ar),
             whiteness_p: self.whiteness(model, estimate),
             linearity_p: linearity.map(|found| found.p),
             beyond_linear_percent: linearity.map(|found| found.misfit_percent),
+            rest_p: rest.map(|found| found.p),
+            beyond_rest_percent: rest.map(|found| found.misfit_percent),
         }
     }
 

@@ -11,6 +11,7 @@ use crate::model_error::{self, BothEstimators, ModelErrors, Prediction, Sign};
 use crate::moments::Moments;
 use crate::normal::Information;
 use crate::options::{Frequencies, NoiseOrder, Options};
+use crate::rest;
 use crate::structure;
 
 /// An estimate, and what its errors had to say about it.
@@ -58,8 +59,19 @@ impl Pipeline<'_> {
     }
 
     fn linearity_of(&self, estimate: &Estimate) -> Option<Linearity> {
-        self.record
-            .and_then(|record| linearity::test(record, &estimate.information, &estimate.fit))
+        let record = self.record?;
+        let (information, fit) = (&estimate.information, &estimate.fit);
+        let mut found = linearity::test(record, information, fit)?;
+        // A response that goes on beyond N leaves errors that are not at rest either.
+        let settled = self
+            .plan
+            .choice
+            .as_ref()
+            .is_none_or(|choice| choice.settled);
+        found.rest = settled
+            .then(|| rest::compare(record, information, fit))
+            .flatten();
+        Some(found)
     }
 
     /// An estimate that looks no further than the input usually stands still, when a servo that is not

@@ -55,6 +55,8 @@ pub(crate) fn last_quarter(samples: &Range<usize>) -> Range<usize> {
 pub(crate) struct Stroke {
     /// Commanded change, with its sign.
     pub(crate) size: f64,
+    /// What was travelled, positive in the direction commanded \[output\].
+    pub(crate) travel: f64,
     /// Mean speeds over the middle of the travel, 20 to 80 % and 35 to 65 % of it
     /// \[output per second\].
     pub(crate) speed: f64,
@@ -101,8 +103,10 @@ fn measure(run: &Run, before: &Hold, after: &Hold, period: f64) -> Option<Stroke
         let duration = (crossing(to)? - crossing(from)?) * period;
         (duration > 0.0).then(|| (to - from) * travel.abs() / duration)
     };
+    let size = after.level - before.level;
     Some(Stroke {
-        size: after.level - before.level,
+        size,
+        travel: travel * size.signum(),
         speed: speed(0.2, 0.8)?,
         mid_speed: speed(0.35, 0.65)?,
     })

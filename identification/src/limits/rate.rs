@@ -31,6 +31,9 @@ const ABOVE: (usize, f64) = (5, 1.2);
 const SLOPES: (f64, f64) = (0.95, 0.25);
 /// Level of each single test.
 const LEVEL: f64 = 0.99;
+/// Travel for a degree of command, relative to that of the strokes that go farthest, below which a stroke
+/// was stopped on its way.
+const STOPPED: f64 = 0.9;
 /// Hinge relative to the largest size below which it counts.
 const HINGE: f64 = 0.9;
 
@@ -60,6 +63,9 @@ pub struct Rate {
     pub exponent: Interval,
     /// Isolated strokes found.
     pub strokes: usize,
+    /// Isolated strokes that were left out because something stopped them on their way.
+    #[serde(default)]
+    pub stopped: usize,
     /// Smallest and largest commanded size; zero without strokes.
     pub sizes: (f64, f64),
     /// The finding as a sentence.
@@ -69,7 +75,9 @@ pub struct Rate {
 impl Rate {
     /// Judges strokes of one direction.
     pub(crate) fn new(direction: &str, strokes: &[Stroke], level: f64) -> Self {
-        let mut strokes: Vec<Stroke> = strokes.to_vec();
+        let all = strokes.len();
+        let mut strokes = unstopped(strokes);
+        let stopped = all - strokes.len();
         strokes.sort_by(|a, b| a.size.abs().total_cmp(&b.size.abs()));
         let size = |stroke: &Stroke| stroke.size.abs();
         let sizes = match (strokes.first(), strokes.last()) {
@@ -81,6 +89,7 @@ impl Rate {
             speed: mean_speed(&strokes, level),
             exponent: Interval::default(),
             strokes: strokes.len(),
+            stopped,
             sizes,
             statement: String::new(),
         };
@@ -92,10 +101,17 @@ impl Rate {
                     sizes.0, sizes.1
                 ),
             };
+            let (stopped, within) = match stopped {
+                0 => (String::new(), ""),
+                count => (
+                    format!(" and {count} that ended at a stop or fell short of what others reach"),
+                    " and within the free travel",
+                ),
+            };
             rate.statement = format!(
-                "Cannot tell from this recording whether the speed {direction} is limited: it has {seen}; \
+                "Cannot tell from this recording whether the speed {direction} is limited: it has {seen}{stopped}; \
                  record at least {STROKES} in each direction, the largest at least {SIZES} times the \
-                 smallest, each held until it has settled."
+                 smallest, each held until it has settled{within}."
             );
             return rate;
         }
@@ -153,6 +169,18 @@ impl Rate {
             ),
         }
     }
+}
+
+/// The strokes without those that something stopped on their way: their speed is not that of the stroke
+/// commanded.
+fn unstopped(strokes: &[Stroke]) -> Vec<Stroke> {
+    let gain = |stroke: &Stroke| stroke.travel / stroke.size.abs();
+    let mut gains: Vec<f64> = strokes.iter().map(gain).collect();
+    gains.sort_by(f64::total_cmp);
+    // Most strokes of a recording may meet a stop, but not those that go farthest for their size.
+    let free = gains.get(3 * gains.len() / 4).copied().unwrap_or(0.0);
+    let went_free = |stroke: &&Stroke| gain(stroke) >= STOPPED * free;
+    strokes.iter().filter(went_free).copied().collect()
 }
 
 /// Whether the speed no longer grows with the size.
@@ -267,6 +295,7 @@ mod tests {
                 let v = speed(size(k)) * (1.0 + 0.01 * (k as f64 * 2.7).sin());
                 Stroke {
                     size: size(k),
+                    travel: size(k),
                     speed: v,
                     mid_speed: v,
                 }
@@ -289,5 +318,33 @@ mod tests {
         let cannot = Rate::new("up", one_size, 0.99);
         assert_eq!(cannot.verdict, RateVerdict::CannotTell);
         assert!(cannot.statement.contains("record at least"));
+    }
+
+    #[test]
+    fn strokes_that_meet_a_stop_are_no_evidence_of_their_speed() {
+        // Strokes commanded beyond 6 end there: the largest that went free was of 6.
+        let stopped: Vec<Stroke> = strokes(|a| (30.0 * a).min(200.0))
+            .into_iter()
+            .map(|stroke| Stroke {
+                travel: stroke.travel.min(6.0),
+                ..stroke
+            })
+            .collect();
+        let rate = Rate::new("up", &stopped, 0.99);
+        assert_eq!((rate.strokes, rate.stopped), (12, 8));
+        assert_eq!(rate.verdict, RateVerdict::Proportional);
+        assert!(
+            rate.speed.value.is_some_and(|speed| speed < 185.0),
+            "{rate:?}"
+        );
+        // Hardly any did.
+        let few: Vec<Stroke> = stopped.iter().filter(|s| s.size >= 6.0).copied().collect();
+        let rate = Rate::new("up", &few, 0.99);
+        assert_eq!(rate.verdict, RateVerdict::CannotTell);
+        assert!(
+            rate.statement.contains("ended at a stop"),
+            "{}",
+            rate.statement
+        );
     }
 }

@@ -6,7 +6,9 @@ use servoid_identification::comparison::{
 };
 use servoid_identification::{Options, Record, Run, Settling, identify};
 
-use crate::plants::{Linear, PERIOD, exact_shift, measured, respond_by_stroke, staircase};
+use crate::plants::{
+    Limit, Linear, PERIOD, exact_shift, limited, measured, respond_by_stroke, staircase,
+};
 
 fn servo() -> Linear {
     Linear::second_order(0.97, 0.0255, 0.5, 60.0)
@@ -259,4 +261,39 @@ fn models_can_be_compared_without_records_and_whatever_their_settling_time() {
     let json = serde_json::to_value(&found).unwrap();
     assert_eq!(json["verdict"], "different");
     assert!(json["difference_percent"]["at_least"].as_f64().unwrap() > 5.0);
+}
+
+#[test]
+fn one_servo_under_two_references_is_not_called_two_servos() {
+    let under = |size: f64, limit: f64, seed: u64| {
+        let input: Vec<f64> = staircase().iter().map(|u| size * u).collect();
+        let clean = limited(0.7, 60.0, Limit::Rate(limit, limit), &input, input[0]);
+        Record::from_slices(PERIOD, &input, &measured(&clean, 1.0, seed)).unwrap()
+    };
+    let options = ComparisonOptions {
+        input_unit: "deg".to_owned(),
+        ..ComparisonOptions::default()
+    };
+    let (small, large) = (under(1.0, 150.0, 1), under(6.0, 150.0, 2));
+    let found = compare(&small, &large, &options).unwrap();
+    assert_eq!(found.verdict, Verdict::Undecided, "{}", found.summary);
+    let said = |found: &Comparison| {
+        let mut advice = found.advice.iter();
+        let found = advice.find(|advice| advice.check == "references");
+        found.map(|advice| advice.finding.clone())
+    };
+    let words = said(&found).unwrap();
+    assert!(
+        words.contains("from -5 to +5 deg") && words.contains("from -30 to +30 deg"),
+        "{words}"
+    );
+    // A linear servo answers both alike.
+    let linear = compare(&under(1.0, 1e6, 3), &under(6.0, 1e6, 4), &options).unwrap();
+    assert_eq!(linear.verdict, Verdict::Same, "{}", linear.summary);
+    assert!(said(&linear).is_some() && !linear.descriptions_of_different_motions);
+    // The same reference is not worth a word.
+    assert_eq!(
+        said(&compare(&small, &under(1.0, 150.0, 5), &options).unwrap()),
+        None
+    );
 }

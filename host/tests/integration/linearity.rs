@@ -1,0 +1,40 @@
+//! Servos that are not linear are told from those that are; `examples/linearity.rs` is the long version.
+
+#[path = "../trials/linearity.rs"]
+#[allow(dead_code, reason = "shared with the example, which uses the rest")]
+mod trials;
+
+use super::recordings;
+use trials::{motions, said};
+
+#[test]
+fn a_servo_that_is_not_linear_is_told_and_a_linear_one_is_not() {
+    let motions = motions();
+    let of_size = |name: &str, degrees: f64| {
+        let motion = motions.iter().find(|motion| motion.name == name);
+        motion.expect("a motion of this name").of_size(degrees)
+    };
+    for (servo, name, degrees) in [
+        ("aircraft", "stairs, 1.2 s", 10.0),
+        ("aircraft", "random steps, 0.16 s", 5.0),
+        ("bench", "staircase", 30.0),
+        ("bench", "random steps, 0.02 s", 5.0),
+    ] {
+        let found = said(servo, of_size(name, degrees), 1).expect("well excited");
+        assert!(found.told, "{servo}, {name}, {degrees}: {found:?}");
+        let linear = said("linear", of_size(name, degrees), 1).expect("well excited");
+        assert!(
+            linear.level && !linear.told,
+            "{name}, {degrees}: {linear:?}"
+        );
+    }
+}
+
+/// The noise at rest tells what functions of the motion do not.
+#[test]
+fn the_recorded_rest_is_a_witness() {
+    let motions = motions();
+    let stairs = motions[1].of_size(10.0);
+    let found = said("aircraft", stairs, 1).expect("well excited");
+    assert!(found.found[1], "{found:?}");
+}

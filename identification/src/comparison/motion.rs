@@ -1,0 +1,140 @@
+//! What the sides were asked to do, and whether that was the same.
+//!
+//! A linear servo has one response whatever moves it. Any other has one for each kind and size of
+//! motion, so that recordings of one servo under two references differ as those of two servos do.
+
+use serde::{Deserialize, Serialize};
+
+use crate::model_error::usual_hold;
+use crate::record::{Record, Run};
+
+/// More levels than this are a smooth motion.
+const MOST_LEVELS: usize = 25;
+
+/// Inputs closer than this share of their range are one level.
+const ONE_LEVEL: f64 = 0.02;
+
+/// Difference between the ends of two ranges, as a share of the larger range, up to which motions count
+/// as equally large.
+const EQUALLY_LARGE: f64 = 0.05;
+
+/// Ratio of two usual holds up to which they count as equally long.
+const EQUALLY_LONG: f64 = 1.25;
+
+/// The reference of one side.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// Smallest input.
+    pub lowest: f64,
+    /// Largest input.
+    pub highest: f64,
+    /// Number of levels of an input of steps; `None` when it moves smoothly.
+    pub levels: Option<usize>,
+    /// For how long a level is usually held \[s\].
+    pub hold_s: f64,
+}
+
+impl Motion {
+    /// That of a record.
+    pub(super) fn of(record: &Record) -> Self {
+        let mut inputs: Vec<f64> = record
+            .runs()
+            .iter()
+            .flat_map(Run::input)
+            .copied()
+            .filter(|u| !u.is_nan())
+            .collect();
+        inputs.sort_by(f64::total_cmp);
+        // A record has an input that moves.
+        let lowest = inputs.first().copied().unwrap_or(0.0);
+        let highest = inputs.last().copied().unwrap_or(0.0);
+        let apart = ONE_LEVEL * (highest - lowest);
+        let further = |pair: &&[f64]| pair[1] - pair[0] > apart;
+        let levels = 1 + inputs.windows(2).filter(further).count();
+        // Values all over the range leave no gaps; values of a fine grid leave many.
+        let stepped = (2..=MOST_LEVELS).contains(&levels);
+        Self {
+            lowest,
+            highest,
+            levels: stepped.then_some(levels),
+            hold_s: usual_hold(record) as f64 * record.sample_period_s(),
+        }
+    }
+
+    /// Whether both are of one size and kind.
+    #[must_use]
+    pub fn is_like(&self, other: &Self) -> bool {
+        let range = (self.highest - self.lowest).max(other.highest - other.lowest);
+        let near = |a: f64, b: f64| (a - b).abs() <= EQUALLY_LARGE * range;
+        let longer = self.hold_s.max(other.hold_s);
+        let as_long = longer <= EQUALLY_LONG * self.hold_s.min(other.hold_s);
+        near(self.lowest, other.lowest)
+            && near(self.highest, other.highest)
+            && self.levels == other.levels
+            && (self.levels.is_none() || as_long)
+    }
+
+    /// "2 levels from -5 to +5 deg, usually held for 0.3 s"; `unit` is that of the input, empty where it is not
+    /// known.
+    #[must_use]
+    pub fn in_words(&self, unit: &str) -> String {
+        let space = if unit.is_empty() { "" } else { " " };
+        let rounded = |x: f64| (x * 1e3).round() / 1e3;
+        let range = format!(
+            "from {:+} to {:+}{space}{unit}",
+            rounded(self.lowest),
+            rounded(self.highest)
+        );
+        match self.levels {
+            Some(levels) => format!(
+                "{levels} levels {range}, usually held for {} s",
+                rounded(self.hold_s)
+            ),
+            None => format!("a smooth motion {range}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(input: Vec<f64>) -> Motion {
+        let output: Vec<f64> = (0..input.len()).map(|k| (k % 7) as f64).collect();
+        Motion::of(&Record::from_slices(0.01, &input, &output).unwrap())
+    }
+
+    fn square(amplitude: f64, hold: usize) -> Motion {
+        of((0..400)
+            .map(|k| {
+                if (k / hold).is_multiple_of(2) {
+                    amplitude
+                } else {
+                    -amplitude
+                }
+            })
+            .collect())
+    }
+
+    #[test]
+    fn motions_of_another_size_or_kind_are_told_apart() {
+        let small = square(5.0, 20);
+        assert!(small.is_like(&square(5.1, 20)));
+        assert!(!small.is_like(&square(30.0, 20)));
+        assert!(!small.is_like(&square(5.0, 40)));
+        assert_eq!(
+            small.in_words("deg"),
+            "2 levels from -5 to +5 deg, usually held for 0.2 s"
+        );
+        let sine = of((0..400)
+            .map(|k| 5.0 * (f64::from(k) * 0.05).sin())
+            .collect());
+        assert!(!small.is_like(&sine) && sine.is_like(&sine));
+        assert_eq!(sine.in_words(""), "a smooth motion from -5 to +5");
+        let stairs = of((0..400)
+            .map(|k| f64::from(k / 20 % 5) * 2.5 - 5.0)
+            .collect());
+        assert_eq!(stairs.levels, Some(5));
+        assert!(!small.is_like(&stairs));
+    }
+}
