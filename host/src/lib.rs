@@ -15,6 +15,7 @@
 //! | [`rig`]       | talks to a rig, and captures runs                                          |
 //! | [`setup`]     | a rig file for a new rig                                                   |
 //! | [`calibration`] | what a rig file says, measured: scales, neutral, ends of the travel       |
+//! | [`input`]     | files that come in, whole                                                  |
 //! | [`recording`] | recordings on disk, written as they come in and read as what they are      |
 //! | [`table`]     | any other CSV file                                                         |
 //! | [`timeline`]  | where the rows of such a file lie in time                                 |
@@ -52,6 +53,7 @@ pub mod dataset;
 pub mod explain;
 pub mod export;
 pub mod fingerprint;
+pub mod input;
 pub mod live;
 pub mod output;
 pub mod paper;

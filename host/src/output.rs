@@ -36,10 +36,7 @@ pub fn write_file(path: &Path, force: bool, content: &str) -> Result<()> {
 /// [`WriteError::Exists`].
 pub fn check_free(path: &Path, force: bool) -> Result<()> {
     if !force && path.exists() {
-        return Err(WriteError::Exists {
-            path: path.to_owned(),
-        }
-        .into());
+        return Err(WriteError::exists(path).into());
     }
     Ok(())
 }
@@ -136,8 +133,9 @@ pub fn parse_flight_model(text: &str, path: &Path) -> Result<Option<FlightModel>
 /// # Errors
 /// One sentence: what the system said.
 pub fn read_text(path: &Path) -> Result<String> {
-    std::fs::read_to_string(path)
-        .map_err(|reason| anyhow::anyhow!("the model {path:?} cannot be read: {reason}"))
+    let bytes = crate::input::read(path)
+        .map_err(|reason| anyhow::anyhow!("the model {path:?} cannot be read: {reason}"))?;
+    String::from_utf8(bytes).map_err(|_| anyhow::anyhow!("the model {path:?} is not text"))
 }
 
 /// What may stand beside a model in its file.

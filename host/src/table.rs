@@ -39,7 +39,7 @@ const NOT_TEXT: [(&[u8], &str); 5] = [
 ];
 
 /// What some programs put before text in UTF-8.
-const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 impl Table {
     /// Reads a file.
@@ -47,7 +47,7 @@ impl Table {
     /// # Errors
     /// [`TableError::Unreadable`], [`TableError::Empty`] or [`TableError::NotCsv`].
     pub fn read(path: &Path) -> Result<Self, TableError> {
-        let bytes = std::fs::read(path).map_err(|reason| TableError::Unreadable {
+        let bytes = crate::input::read(path).map_err(|reason| TableError::Unreadable {
             path: path.to_owned(),
             reason,
         })?;

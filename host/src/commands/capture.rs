@@ -270,7 +270,9 @@ fn capture_run(
     });
     watched.finish();
     match end {
-        Err(error @ CaptureError::Write(WriteError::Removed { .. })) => Err(error.into()),
+        Err(
+            error @ CaptureError::Write(WriteError::Removed { .. } | WriteError::Rescued { .. }),
+        ) => Err(error.into()),
         Err(error) if kept => Err(error)
             .with_context(|| format!("{} keeps what was captured before this", path.display())),
         other => Ok(other?),

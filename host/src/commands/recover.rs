@@ -1,7 +1,9 @@
 //! `servoid recover`
 
 use super::Talk;
-use crate::recording::{Completeness, Recording, RecordingWriter, WholeFile, recover};
+use crate::recording::{
+    Completeness, Recording, RecordingWriter, WholeFile, is_recording, recover,
+};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::PathBuf;
@@ -30,8 +32,14 @@ pub(super) struct Recover {
 impl Recover {
     pub(super) fn run(self) -> Result<String> {
         let path = &self.recording;
-        let bytes = std::fs::read(path).with_context(|| format!("{path:?} cannot be read"))?;
+        let bytes = crate::input::read(path).with_context(|| format!("{path:?} cannot be read"))?;
         if let Ok(sound) = Recording::parse(&bytes, path) {
+            if !is_recording(&bytes) {
+                bail!("{path:?} is no recording of servoid: there is nothing to recover");
+            }
+            if sound.samples.is_empty() {
+                bail!("{path:?} has no rows: there is nothing to recover");
+            }
             let state = match sound.completeness {
                 Completeness::Complete => "complete".to_owned(),
                 Completeness::Early(why) => format!("ended on purpose: {why}"),

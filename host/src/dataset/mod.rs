@@ -189,7 +189,7 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
 const PERIOD_TOLERANCE: f64 = 1e-3;
 
 fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded, DatasetError> {
-    let bytes = std::fs::read(path).map_err(|reason| TableError::Unreadable {
+    let bytes = crate::input::read(path).map_err(|reason| TableError::Unreadable {
         path: path.to_owned(),
         reason,
     })?;

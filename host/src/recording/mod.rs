@@ -10,7 +10,7 @@
 //! 0,0.000,0,0.0275,8193
 //! 1,0.002,0,-0.0092,8189
 //! ...
-//! # end = "complete", rows = 4400, crc32 = "5ad0c1f2"
+//! # end = "complete", rows = 4400, crc32 = "5ad0c1f2", end_crc32 = "11c5a6c3"
 //! ```
 //!
 //! | part       | rule                                                                                      |
@@ -19,7 +19,7 @@
 //! | rows       | one per sample, appended and handed to the system frame by frame: ten rows of one pulse   |
 //! | `sample`   | counts from the first sample of the run; a lost sample is a missing row, never a shifted one |
 //! | `time_s`   | `sample` times the period; `position_deg` is `counts` on the header's scale. Said twice, so that a changed digit shows where it is |
-//! | last line  | how it ended, the number of rows, and the CRC-32 of their bytes, line ends included       |
+//! | last line  | how it ended, the number of rows, the CRC-32 of their bytes, line ends included, and last the CRC-32 of the line itself up to there |
 //!
 //! The end is `"complete"`, `"early"` (ended on purpose, with the reason: every sample until then is
 //! there) or `"partial"` (with the reason and the lost samples).
@@ -27,7 +27,12 @@
 //! Without its last line a recording is partial, and is read as such. pandas
 //! (`read_csv(path, comment="#")`) and MATLAB (`readtable(path, CommentStyle="#")`) read it as it is.
 //!
-//! Format 1 had no CRC over the header; it is read too.
+//! A recording counts as complete when its samples are those of the run that the header tells of, none left
+//! out and none named as lost, whatever the last line says. Line ends of another system and a byte order
+//! mark, as editors put them in, are read as if they were not there.
+//!
+//! Format 1 had no CRC over the header, and early files of format 2 none over the last line; they are read
+//! too.
 
 mod exact;
 mod header;
@@ -47,6 +52,9 @@ pub use writer::{Ending, RecordingWriter, Target, WriteError};
 
 /// Version of the format; a reader refuses a higher one.
 pub const FORMAT: u32 = 2;
+
+/// What comes before the last line's own CRC in it.
+const END_CRC: &str = ", end_crc32 = ";
 
 /// The header row.
 pub const COLUMNS: [&str; 5] = [

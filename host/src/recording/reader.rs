@@ -108,7 +108,7 @@ impl Recording {
     /// # Errors
     /// [`ReadError`].
     pub fn read(path: &Path) -> Result<Self, ReadError> {
-        let bytes = std::fs::read(path).map_err(|reason| ReadError::Unreadable {
+        let bytes = crate::input::read(path).map_err(|reason| ReadError::Unreadable {
             path: path.to_owned(),
             reason,
         })?;
@@ -215,14 +215,42 @@ pub(super) fn judge(scanned: &Scan) -> Result<(Completeness, Vec<Range<u64>>), &
         return Err("the CRC differs");
     }
     let reason = text("reason").unwrap_or("it says so").to_owned();
-    let completeness = match text("end") {
-        Some("complete") => Completeness::Complete,
-        Some("early") => Completeness::Early(reason),
-        _ => Completeness::Partial(reason),
-    };
     let lost =
         lost_samples(end).ok_or("the samples that it names as lost are not those of a run")?;
+    let is_there = |range: &Range<u64>| {
+        let from = scanned.rows.partition_point(|row| row.sample < range.start);
+        scanned
+            .rows
+            .get(from)
+            .is_some_and(|row| row.sample < range.end)
+    };
+    if lost.iter().any(is_there) {
+        return Err("samples that it names as lost are there");
+    }
+    let completeness = match text("end") {
+        Some("partial") => return Ok((Completeness::Partial(reason), lost)),
+        Some("early") => Completeness::Early(reason),
+        Some("complete") if has_whole_run(scanned) => Completeness::Complete,
+        Some("complete") => return Err("it says complete, and is shorter or longer than its run"),
+        _ => return partial("its last line is damaged"),
+    };
+    if !lost.is_empty() || !is_gapless(&scanned.rows) {
+        return Err("it says that nothing is missing, and something is");
+    }
     Ok((completeness, lost))
+}
+
+/// Whether the samples are 0, 1, 2 and so on.
+fn is_gapless(rows: &[Row]) -> bool {
+    (0..).zip(rows).all(|(number, row)| row.sample == number)
+}
+
+/// Whether there are as many rows as the header's frames have; one that does not say is believed.
+fn has_whole_run(scanned: &Scan) -> bool {
+    let header = &scanned.header;
+    let rest = u64::from(header.pre_roll_frames) + u64::from(header.post_roll_frames);
+    let frames = rest + u64::from(header.reference_frames);
+    header.reference_frames == 0 || scanned.rows.len() as u64 == frames * SAMPLES_PER_FRAME as u64
 }
 
 /// The stretches named as lost; `None` where they make no sense.

@@ -41,8 +41,11 @@ impl ReservedFile {
         let empty = there
             .as_ref()
             .is_some_and(|there| there.is_file() && there.len() == 0);
+        require_reader(path)?;
         let mut options = OpenOptions::new();
-        options.write(true);
+        // Read only if it has to be rescued; what is no file may not be readable.
+        let is_file = there.as_ref().is_none_or(std::fs::Metadata::is_file);
+        options.read(is_file).write(true);
         if force || empty {
             options.create(true).truncate(false)
         } else {
@@ -52,10 +55,8 @@ impl ReservedFile {
             .open(path)
             .map_err(|reason| not_created(path, reason))?;
         let plain = file.metadata().is_ok_and(|file| file.is_file());
-        if plain && matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
-            return Err(WriteError::InUse {
-                path: path.to_owned(),
-            });
+        if plain {
+            require_unlocked(&file, path)?;
         }
         Ok(Self {
             file,
@@ -124,6 +125,27 @@ impl Target for ReservedFile {
             Err(Error::from(ErrorKind::NotFound))
         }
     }
+
+    fn rescue(&mut self) -> Option<PathBuf> {
+        let (mut file, kept) = free_name(&self.path)?;
+        self.file.rewind().ok()?;
+        std::io::copy(&mut self.file, &mut file).ok()?;
+        file.sync_all().ok()?;
+        Some(kept)
+    }
+}
+
+/// A new file of this name if it is free, or else of one with a number in it.
+fn free_name(path: &Path) -> Option<(File, PathBuf)> {
+    let stem = path.file_stem()?.to_string_lossy();
+    let ending = path.extension().map(|ending| ending.to_string_lossy());
+    let numbered = |number: u32| {
+        let ending = ending.as_ref().map(|e| format!(".{e}")).unwrap_or_default();
+        path.with_file_name(format!("{stem}-rescued-{number}{ending}"))
+    };
+    std::iter::once(path.to_owned())
+        .chain((1..100).map(numbered))
+        .find_map(|free| File::create_new(&free).ok().map(|file| (file, free)))
 }
 
 impl Drop for ReservedFile {
@@ -159,11 +181,16 @@ impl WholeFile {
     pub(crate) fn new(path: &Path, force: bool) -> Result<Self, WriteError> {
         let there = path.metadata().ok();
         if there.is_some() && !force {
-            return Err(WriteError::Exists {
-                path: path.to_owned(),
-            });
+            return Err(WriteError::exists(path));
         }
         let not_created = |reason| not_created(path, reason);
+        require_reader(path)?;
+        // A recording that is being written must not be put aside. What cannot be read cannot be told.
+        if there.as_ref().is_some_and(std::fs::Metadata::is_file)
+            && let Ok(running) = File::open(path)
+        {
+            require_unlocked(&running, path)?;
+        }
         let target = match &there {
             Some(there) if !there.is_file() => Place::Direct(
                 OpenOptions::new()
@@ -233,10 +260,48 @@ fn beside(path: &Path) -> IoResult<NamedTempFile> {
     builder.tempfile_in(folder.unwrap_or(Path::new(".")))
 }
 
+/// Makes sure that nobody writes to the file.
+fn require_unlocked(file: &File, path: &Path) -> Result<(), WriteError> {
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(WriteError::InUse {
+            path: path.to_owned(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Makes sure that opening a named pipe will not wait for a reader that may never come.
+#[cfg(unix)]
+fn require_reader(path: &Path) -> Result<(), WriteError> {
+    use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
+    if !path
+        .metadata()
+        .is_ok_and(|there| there.file_type().is_fifo())
+    {
+        return Ok(());
+    }
+    let nonblocking = rustix::fs::OFlags::NONBLOCK.bits();
+    let opened = OpenOptions::new()
+        .write(true)
+        .custom_flags(nonblocking.cast_signed())
+        .open(path);
+    opened
+        .map(|_reader| ())
+        .map_err(|_| not_created(path, Error::other("it is a pipe from which nobody reads")))
+}
+
+/// Makes sure that opening a named pipe will not wait for a reader that may never come.
+#[cfg(not(unix))]
+fn require_reader(_: &Path) -> Result<(), WriteError> {
+    Ok(())
+}
+
 fn not_created(path: &Path, reason: Error) -> WriteError {
-    let path = path.to_owned();
     match reason.kind() {
-        ErrorKind::AlreadyExists => WriteError::Exists { path },
-        _ => WriteError::NotCreated { path, reason },
+        ErrorKind::AlreadyExists | ErrorKind::IsADirectory => WriteError::exists(path),
+        _ => WriteError::NotCreated {
+            path: path.to_owned(),
+            reason,
+        },
     }
 }

@@ -8,10 +8,12 @@ pub use head::is_recording;
 
 use super::Header;
 use super::row::Row;
+use crate::table::BYTE_ORDER_MARK;
 use head::{column_row, hold_period_against_rows, mend_scales, read_header};
 use lines::Lines;
 use rows::Rows;
 use servoid_protocol::timing::SAMPLE_US;
+use std::borrow::Cow;
 use toml::Table;
 
 /// Time between rows (s): the format's times are sample numbers times this.
@@ -63,8 +65,40 @@ pub(super) struct Scan {
 #[derive(Debug)]
 pub(super) struct Newer(pub(super) u32);
 
+/// A file without what editors and other systems put into text: a byte order mark, carriage returns before
+/// every line end, empty lines at the end. All of that can be taken out again without a doubt, and the CRCs
+/// then prove the rest.
+fn as_written(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    let ends = || memchr::memchr_iter(b'\n', bytes);
+    let returns = ends().all(|end| end.checked_sub(1).and_then(|at| bytes.get(at)) == Some(&b'\r'));
+    let mut bytes = match returns && ends().next().is_some() {
+        true => Cow::Owned(without_returns(bytes)),
+        false => Cow::Borrowed(bytes),
+    };
+    while bytes.ends_with(b"\n\n") {
+        match &mut bytes {
+            Cow::Owned(bytes) => drop(bytes.pop()),
+            Cow::Borrowed(bytes) => *bytes = bytes.strip_suffix(b"\n").unwrap_or(bytes),
+        }
+    }
+    bytes
+}
+
+fn without_returns(bytes: &[u8]) -> Vec<u8> {
+    let mut kept = Vec::with_capacity(bytes.len());
+    for line in bytes.split_inclusive(|&b| b == b'\n') {
+        match line.strip_suffix(b"\r\n") {
+            Some(line) => kept.extend(line.iter().chain(b"\n")),
+            None => kept.extend(line),
+        }
+    }
+    kept
+}
+
 /// Takes a file apart.
 pub(super) fn scan(bytes: &[u8]) -> Result<Scan, Newer> {
+    let bytes = &*as_written(bytes);
     // What comes after the last line end was being written when the writer died.
     let whole = bytes
         .iter()

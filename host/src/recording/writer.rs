@@ -3,7 +3,7 @@
 use super::header::on_one_line;
 use super::reserved::ReservedFile;
 use super::row::RowFormat;
-use super::{COLUMNS, Header};
+use super::{COLUMNS, END_CRC, Header};
 use servoid_protocol::Frame;
 use servoid_protocol::framing::CRC;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
@@ -17,6 +17,12 @@ pub enum WriteError {
     /// The target is there already.
     #[error("{path:?} exists already: choose another name, or add --force to replace it")]
     Exists {
+        /// Which.
+        path: PathBuf,
+    },
+    /// The target is a folder.
+    #[error("{path:?} is a folder: give the name of a file in it")]
+    Folder {
         /// Which.
         path: PathBuf,
     },
@@ -35,6 +41,18 @@ pub enum WriteError {
     InUse {
         /// Which.
         path: PathBuf,
+    },
+    /// What was written had no name any more, and has got another one.
+    #[error(
+        "{path:?} was removed or replaced by another program while it was written: all of its {rows} rows are in {kept:?}"
+    )]
+    Rescued {
+        /// Where it was to be.
+        path: PathBuf,
+        /// Where it is.
+        kept: PathBuf,
+        /// Rows that are in it.
+        rows: u64,
     },
     /// What was written has no name any more.
     #[error(
@@ -56,6 +74,18 @@ pub enum WriteError {
         /// What the system said.
         reason: std::io::Error,
     },
+}
+
+impl WriteError {
+    /// That `path` is there already.
+    pub(crate) fn exists(path: &Path) -> Self {
+        let path = path.to_owned();
+        if path.is_dir() {
+            Self::Folder { path }
+        } else {
+            Self::Exists { path }
+        }
+    }
 }
 
 /// How a recording ends.
@@ -92,6 +122,12 @@ pub trait Target: Write {
     /// # Errors
     /// When that cannot be done.
     fn settle(&mut self) -> std::io::Result<()>;
+
+    /// Puts what was written where it can be found, after its own name has been taken from it; returns where
+    /// that is.
+    fn rescue(&mut self) -> Option<PathBuf> {
+        None
+    }
 }
 
 /// A recording that is being written.
@@ -212,19 +248,19 @@ impl RecordingWriter {
     ///
     /// # Errors
     /// [`WriteError::Stopped`]; the rows are kept, and without its last line the recording is read
-    /// as partial. [`WriteError::Removed`].
+    /// as partial. [`WriteError::Rescued`], [`WriteError::Removed`].
     pub fn finish(mut self, ending: &Ending) -> Result<(), WriteError> {
         self.begin_file()?;
         let crc32 = self.digest.clone().finalize();
         let rows = self.rows;
         let line = match ending {
             Ending::Complete => {
-                format!("# end = \"complete\", rows = {rows}, crc32 = \"{crc32:08x}\"\n")
+                format!("# end = \"complete\", rows = {rows}, crc32 = \"{crc32:08x}\"")
             }
             Ending::Early { reason } => {
                 let reason = on_one_line(&toml::Value::from(reason.as_str()));
                 format!(
-                    "# end = \"early\", rows = {rows}, crc32 = \"{crc32:08x}\", reason = {reason}\n"
+                    "# end = \"early\", rows = {rows}, crc32 = \"{crc32:08x}\", reason = {reason}"
                 )
             }
             Ending::Partial {
@@ -239,11 +275,13 @@ impl RecordingWriter {
                     .map(|f| format!("[{}, {}]", samples(f.start), samples(f.end) - 1))
                     .collect();
                 format!(
-                    "# end = \"partial\", rows = {rows}, crc32 = \"{crc32:08x}\", reason = {reason}, lost_samples = [{}]\n",
+                    "# end = \"partial\", rows = {rows}, crc32 = \"{crc32:08x}\", reason = {reason}, lost_samples = [{}]",
                     lost.join(", ")
                 )
             }
         };
+        let own_crc = CRC.checksum(line.as_bytes());
+        let line = format!("{line}{END_CRC}\"{own_crc:08x}\"\n");
         let written = self
             .target
             .write_all(line.as_bytes())
@@ -253,9 +291,10 @@ impl RecordingWriter {
 
     fn stopped(&mut self, reason: std::io::Error) -> WriteError {
         if reason.kind() == std::io::ErrorKind::NotFound {
-            return WriteError::Removed {
-                path: self.path.clone(),
-                rows: self.rows,
+            let (path, rows) = (self.path.clone(), self.rows);
+            return match self.target.rescue() {
+                Some(kept) => WriteError::Rescued { path, kept, rows },
+                None => WriteError::Removed { path, rows },
             };
         }
         // Part of a frame may have got through; if the system cannot take it back, the reader

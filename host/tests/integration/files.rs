@@ -5,9 +5,10 @@ mod kill;
 
 use crate::support::{arg, data, refusal, run};
 use servoid::recording::{
-    Completeness, Ending, FORMAT, Header, ReadError, Recording, RecordingWriter, recover,
+    Completeness, Ending, FORMAT, Header, ReadError, Recording, RecordingWriter, is_recording,
+    recover,
 };
-use servoid_protocol::{Counts, Frame, PulseWidth};
+use servoid_protocol::{Counts, Frame, PulseWidth, framing};
 use std::path::Path;
 use std::time::Duration;
 
@@ -71,7 +72,7 @@ fn require_rows_of(found: &Recording, original: &Recording, what: &str) {
 
 #[test]
 fn todays_format_is_what_it_was() {
-    let golden = std::fs::read(data("recording-format-2.csv")).unwrap();
+    let golden = std::fs::read(data("recording-format-2-end-crc.csv")).unwrap();
     assert_eq!(
         FORMAT, 2,
         "a new format needs a golden file of its own, and this one stays"
@@ -82,7 +83,11 @@ fn todays_format_is_what_it_was() {
 
 #[test]
 fn recordings_of_earlier_formats_are_read() {
-    for (name, format) in [("recording-format-1.csv", 1), ("recording-format-2.csv", 2)] {
+    for (name, format) in [
+        ("recording-format-1.csv", 1),
+        ("recording-format-2.csv", 2),
+        ("recording-format-2-end-crc.csv", 2),
+    ] {
         let recording = Recording::read(&data(name)).unwrap();
         assert_eq!(recording.completeness, Completeness::Complete, "{name}");
         assert_eq!(recording.header.format, format);
@@ -131,6 +136,91 @@ fn every_prefix_is_read_as_what_it_is() {
     }
 }
 
+/// What was read is the original's, or it is said that the end was damaged or is not there.
+fn require_same_or_damaged(found: &Recording, original: &Recording, what: &str) {
+    let state = |recording: &Recording| {
+        (
+            recording.completeness.clone(),
+            recording.samples.clone(),
+            recording.lost_samples.clone(),
+        )
+    };
+    if state(found) != state(original) {
+        let Completeness::Partial(why) = &found.completeness else {
+            panic!("{what}: {:?}", found.completeness);
+        };
+        let told = ["damaged", "cut off", "no last line", "no rows"];
+        assert!(
+            told.iter().any(|words| why.contains(words)),
+            "{what}: {why}"
+        );
+        assert!(found.lost_samples.is_empty(), "{what}");
+    }
+}
+
+#[test]
+fn what_an_editor_does_to_a_text_is_undone() {
+    let bytes = small_bytes(Some(&Ending::Complete));
+    let original = parse(&bytes).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    let returns = text.replace('\n', "\r\n");
+    for changed in [
+        returns.clone(),
+        format!("\u{feff}{text}"),
+        format!("\u{feff}{returns}\r\n\r\n"),
+        format!("{text}\n\n"),
+    ] {
+        assert!(is_recording(changed.as_bytes()));
+        let found = parse(changed.as_bytes()).unwrap();
+        assert_eq!(found.completeness, Completeness::Complete);
+        assert_eq!(found.header, original.header);
+        assert_eq!(found.samples, original.samples);
+    }
+    // One carriage return is no editor's.
+    let one = text.replacen("\n10,", "\r\n10,", 1);
+    assert!(parse(one.as_bytes()).is_err());
+}
+
+#[test]
+fn complete_is_what_has_the_whole_run() {
+    let partial = Ending::Partial {
+        reason: "the cable is out".to_owned(),
+        lost_frames: vec![4..6],
+    };
+    let text = String::from_utf8(small_bytes(Some(&partial))).unwrap();
+    let (rows, last) = text.split_at(text.find("# end").unwrap());
+    let crc = &last[last.find("crc32").unwrap()..last.find(", reason").unwrap()];
+    let sealed = |line: &str| {
+        let crc32 = framing::CRC.checksum(line.as_bytes());
+        format!("{rows}{line}, end_crc32 = \"{crc32:08x}\"\n")
+    };
+    let ended = |end: &str, more: &str| {
+        let text = sealed(&format!("# end = \"{end}\", rows = 40, {crc}{more}"));
+        parse(text.as_bytes()).map(|found| found.completeness)
+    };
+    assert_eq!(ended("complete", "").unwrap(), Completeness::Complete);
+    for (end, more) in [
+        ("complete", ", lost_samples = [[40, 59]]"),
+        ("early", ", reason = \"x\", lost_samples = [[40, 59]]"),
+        ("partial", ", reason = \"x\", lost_samples = [[30, 49]]"),
+    ] {
+        let error = ended(end, more).unwrap_err();
+        assert!(matches!(error, ReadError::Changed { .. }), "{error}");
+    }
+    // A run of which the header says that it has more.
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("short.csv");
+    let header = Header {
+        reference_frames: u32::from(FRAMES) + 1,
+        ..Header::default()
+    };
+    let mut writer = RecordingWriter::create(&path, false, &header).unwrap();
+    (0..FRAMES).for_each(|index| writer.append(&frame(index)).unwrap());
+    writer.finish(&Ending::Complete).unwrap();
+    let error = Recording::read(&path).unwrap_err();
+    assert!(error.to_string().contains("shorter or longer"), "{error}");
+}
+
 /// Every bit, and some bytes that mean something in such a file.
 fn changes(byte: u8) -> impl Iterator<Item = u8> {
     let flips = (0..8).map(move |bit| byte ^ (1 << bit));
@@ -140,7 +230,14 @@ fn changes(byte: u8) -> impl Iterator<Item = u8> {
 
 #[test]
 fn every_changed_byte_is_seen_where_it_is_and_what_is_sound_is_saved() {
-    for ending in [Some(&Ending::Complete), None] {
+    let early = Ending::Early {
+        reason: "the band is narrow enough".to_owned(),
+    };
+    let partial = Ending::Partial {
+        reason: "the cable is out".to_owned(),
+        lost_frames: vec![4..6, 8..9],
+    };
+    for ending in [Some(&Ending::Complete), Some(&early), Some(&partial), None] {
         let bytes = small_bytes(ending);
         let original = parse(&bytes).unwrap();
         let text = String::from_utf8(bytes.clone()).unwrap();
@@ -156,9 +253,7 @@ fn every_changed_byte_is_seen_where_it_is_and_what_is_sound_is_saved() {
                 let found = match parse(&changed) {
                     Ok(found) => {
                         assert_eq!(found.header, original.header, "{what}");
-                        if found.completeness == Completeness::Complete {
-                            assert_eq!(found.samples, original.samples, "{what}");
-                        }
+                        require_same_or_damaged(&found, &original, &what);
                         Some(found)
                     }
                     Err(ReadError::DamagedRow { row, .. }) => {
@@ -240,8 +335,12 @@ fn recover_keeps_what_is_sound_and_names_what_is_not() {
         "{:?}",
         recording.header
     );
-    std::fs::write(&damaged, "# format = 2\nnothing of use\n").unwrap();
     std::fs::remove_file(&saved).unwrap();
+    std::fs::write(&damaged, [0; 5_000]).unwrap();
+    assert!(refusal(&["recover", arg(&damaged), "-o", arg(&saved)]).contains("no recording"));
+    std::fs::write(&damaged, "").unwrap();
+    assert!(refusal(&["recover", arg(&damaged), "-o", arg(&saved)]).contains("no rows"));
+    std::fs::write(&damaged, "# format = 2\nnothing of use\n").unwrap();
     assert!(refusal(&["recover", arg(&damaged), "-o", arg(&saved)]).contains("no sound frame"));
     assert!(!saved.exists());
 }

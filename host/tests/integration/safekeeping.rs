@@ -92,10 +92,10 @@ fn a_file_is_written_by_one_capture_at_a_time() {
 
 #[cfg(unix)]
 #[test]
-fn a_file_that_is_removed_under_way_is_not_said_to_be_kept() {
+fn a_file_that_is_removed_under_way_is_put_back_or_beside_the_one_in_its_place() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("x.csv");
-    for replaced in [false, true] {
+    for (replaced, name) in [(false, "x.csv"), (true, "x-rescued-1.csv")] {
         let reserved = ReservedFile::new(&file, true).unwrap();
         let mut writer = reserved.begin(&Header::default()).unwrap();
         writer.append(&frame(0)).unwrap();
@@ -106,10 +106,60 @@ fn a_file_that_is_removed_under_way_is_not_said_to_be_kept() {
         let error = writer
             .finish(&servoid::recording::Ending::Complete)
             .unwrap_err();
-        assert!(
-            matches!(error, WriteError::Removed { rows: 10, .. }),
-            "{error}"
-        );
+        let WriteError::Rescued { rows: 10, kept, .. } = error else {
+            panic!("{error}");
+        };
+        assert_eq!(kept, dir.path().join(name));
+        let rescued = Recording::read(&kept).unwrap();
+        assert_eq!(rescued.completeness, Completeness::Complete);
+        assert_eq!(rescued.samples.len(), 10);
+    }
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "another's");
+}
+
+/// Whatever else writes files is told to wait too.
+#[test]
+fn a_recording_under_way_is_replaced_by_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("x.csv");
+    let mut first = ReservedFile::new(&file, false)
+        .unwrap()
+        .begin(&Header::default())
+        .unwrap();
+    first.append(&frame(0)).unwrap();
+    let said = write_file(&file, true, "a model").unwrap_err();
+    assert!(said.to_string().contains("being written"), "{said}");
+    first.finish(&servoid::recording::Ending::Complete).unwrap();
+    write_file(&file, true, "a model").unwrap();
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_pipe_that_nobody_reads_is_refused_rather_than_waited_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let pipe = dir.path().join("pipe");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    for error in [
+        ReservedFile::new(&pipe, true).unwrap_err().to_string(),
+        write_file(&pipe, true, "").unwrap_err().to_string(),
+    ] {
+        assert!(error.contains("nobody reads"), "{error}");
+    }
+}
+
+#[test]
+fn a_folder_is_no_file_to_replace() {
+    let dir = tempfile::tempdir().unwrap();
+    for force in [false, true] {
+        for error in [
+            ReservedFile::new(dir.path(), force)
+                .unwrap_err()
+                .to_string(),
+            write_file(dir.path(), force, "").unwrap_err().to_string(),
+        ] {
+            assert!(error.contains("is a folder"), "{force}: {error}");
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use super::{Damage, Newer, SAMPLE_PERIOD_S};
 use crate::recording::header::{FIRST_LINE, HEADER_CRC};
 use crate::recording::{COLUMNS, FORMAT, Header};
 use crate::rig::is_usable_scale;
+use crate::table::BYTE_ORDER_MARK;
 use servoid_protocol::framing::CRC;
 use toml::{Table, Value};
 
@@ -15,6 +16,7 @@ const MOST_HEADER_LINES: usize = 100;
 /// any other CSV file: by its first line, its columns, or the other keys of its header.
 #[must_use]
 pub fn is_recording(bytes: &[u8]) -> bool {
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let begins = bytes.starts_with(FIRST_LINE.as_bytes())
         || FIRST_LINE.as_bytes().starts_with(bytes.trim_ascii_end());
     begins || column_row(bytes).is_some() || has_header_keys(bytes)

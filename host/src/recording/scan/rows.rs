@@ -3,12 +3,14 @@
 use super::head::comment_table;
 use super::lines::Line;
 use super::{Damage, LastLine};
-use crate::recording::Header;
 use crate::recording::exact::ExactReader;
 use crate::recording::row::{MOST_SAMPLES, Row, RowFormat};
+use crate::recording::{END_CRC, Header};
 use crc::{CRC_32_ISO_HDLC, Crc};
+use servoid_protocol::framing::CRC;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::ops::Range;
+use toml::Table;
 
 /// The CRC of rows: [`CRC`](servoid_protocol::framing::CRC), by a table that takes sixteen bytes at a time.
 static ROWS_CRC: Crc<u32, crc::Table<16>> = Crc::<u32, crc::Table<16>>::new(&CRC_32_ISO_HDLC);
@@ -104,14 +106,20 @@ impl<'a> Rows<'a> {
         if let Some((number, reason)) = self.strange_comment.take() {
             self.damaged(number, reason);
         }
-        if matches!(self.last_line, LastLine::Read(_)) {
+        if !matches!(self.last_line, LastLine::Missing) {
             self.damaged(number, "something follows the last line");
             return;
         }
         let text = line.bytes.trim_ascii_end();
         if let Some(comment) = text.strip_prefix(b"#") {
             match comment_table(comment) {
-                Ok(end) if end.contains_key("end") => self.last_line = LastLine::Read(end),
+                Ok(end) if end.contains_key("end") => {
+                    self.last_line = if is_as_written(&end, text) {
+                        LastLine::Read(end)
+                    } else {
+                        LastLine::Damaged
+                    };
+                }
                 Ok(_) if !self.frames_are_whole => {}
                 Ok(_) => self.strange_comment = Some((number, "no comment belongs here")),
                 Err(reason) => self.strange_comment = Some((number, reason)),
@@ -251,6 +259,24 @@ fn is_perfect(frame: &[FrameRow]) -> bool {
     frame.len() == SAMPLES_PER_FRAME
         && first.sample.is_multiple_of(SAMPLES_PER_FRAME as u64)
         && (first.sample..).zip(frame).all(fits)
+}
+
+/// Whether a last line, which is `text`, has the keys of one and matches its own CRC, if it has that.
+fn is_as_written(end: &Table, text: &[u8]) -> bool {
+    const KEYS: [&str; 6] = [
+        "end",
+        "rows",
+        "crc32",
+        "reason",
+        "lost_samples",
+        "end_crc32",
+    ];
+    let sealed = end.get("end_crc32").is_none_or(|crc32| {
+        let own = memchr::memmem::rfind(text, END_CRC.as_bytes()).and_then(|at| text.get(..at));
+        let found = own.map(|own| format!("{:08x}", CRC.checksum(own)));
+        crc32.as_str() == found.as_deref()
+    });
+    sealed && end.keys().all(|key| KEYS.contains(&key.as_str()))
 }
 
 fn note_incomplete(damages: &mut Vec<Damage>, line: usize, row: usize) {
