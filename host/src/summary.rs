@@ -73,10 +73,10 @@ fn write_model(
     let (structure, fit, period) = (&model.structure, &model.fit, model.sample_period_s);
     let error_digits = decimals(fit.rmse, 2);
     writeln!(text, "{source}")?;
-    if !model.bounds_hold() {
+    if let Some(reason) = model.without_level_because() {
         writeln!(
             text,
-            "  ! NO BOUNDS CAN BE GIVEN: the errors are not noise (see the advice)"
+            "  ! NO BOUNDS CAN BE GIVEN: {reason} (see the advice)"
         )?;
     }
     if model.is_best_linear_description() {

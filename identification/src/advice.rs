@@ -1,7 +1,9 @@
 //! Findings with their numbers, and what to do about each.
 
 mod errors;
+mod excitation;
 mod record;
+mod resolution;
 mod response;
 
 use serde::{Deserialize, Serialize};
@@ -11,6 +13,22 @@ use crate::model::Model;
 use crate::options::Options;
 
 pub use errors::{MODEL_ERROR, NOT_LINEAR};
+pub use excitation::EXCITATION;
+pub use resolution::ROUNDING;
+
+/// The checks that take the level from all bounds, and why, in a few words. Where the input does not tell all of
+/// the response, errors do not look like noise either: that comes first.
+pub(crate) const WITHDRAWING: [(&str, &str); 3] = [
+    (
+        EXCITATION,
+        "the reference does not tell all of the response",
+    ),
+    (MODEL_ERROR, "the errors are not noise"),
+    (
+        ROUNDING,
+        "the steps of the sensor are larger than the noise",
+    ),
+];
 
 /// One finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -73,13 +91,17 @@ pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
     [
         errors::model_error(evidence),
         errors::not_linear(evidence),
-        errors::excitation(evidence),
+        excitation::excitation(evidence),
+        excitation::smooth(evidence),
         errors::figures(evidence),
+        excitation::figures(evidence),
         response::settled(evidence),
         response::repeats(evidence),
         response::hidden_tail(evidence),
         response::responds(evidence),
         response::truncated(evidence),
+        resolution::coarse(evidence),
+        resolution::rounding(evidence),
         record::parameters(evidence),
         errors::slow_noise(evidence),
         errors::whiteness(evidence),

@@ -33,7 +33,7 @@ use crate::model::Model;
 use crate::normal::Coordinates;
 use crate::options::NoiseOrder;
 use crate::record::Record;
-use crate::step::StepResponse;
+use crate::step::{Biases, StepResponse};
 use crate::timing::Timing;
 use crate::validation::fit_percent;
 use two_inputs::{TwoInputFit, TwoInputMoments};
@@ -232,7 +232,13 @@ fn build(
         let map = Mat::from_fn(settling, p, |m, k| curves[(from + m, k)]);
         let spread = spread_of(&map, &split.covariance, split.degrees_of_freedom);
         let value = times(&map, &split.parameters);
-        StepResponse::new(timing.sample_period_s, value, &spread, level, 0.0)
+        StepResponse::new(
+            timing.sample_period_s,
+            value,
+            &spread,
+            level,
+            Biases::default(),
+        )
     };
     let symmetry = symmetry(&split, n..n + n2, timing);
     DirectionModel {

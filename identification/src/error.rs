@@ -175,6 +175,12 @@ pub enum Error {
          so look at the step response first"
     )]
     NoResponse,
+    /// The record does not tell the final value of the response.
+    #[error(
+        "the recording does not tell the gain: no model of low order can be fitted, so record a \
+         reference with steps that are held until the servo rests"
+    )]
+    Untold,
     /// Moments with different lags cannot be added.
     #[error(
         "moments of {left} lags cannot be added to moments of {right}: collect both with the same \

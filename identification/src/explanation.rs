@@ -3,12 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use crate::at_rest::Contradicted;
+use crate::excitation::Excitation;
 use crate::linearity::Linearity;
-use crate::model::Model;
+use crate::model::{Model, SelectedBy};
 use crate::model_error::ModelErrors;
 use crate::nested::BankCandidate;
 use crate::noise::OrderCandidate;
 use crate::normal::Path;
+use crate::resolution::Resolution;
 use crate::runs::RunComparison;
 use crate::structure::{Choice, MARGIN};
 
@@ -38,6 +40,12 @@ pub struct Explanation {
     /// The run that did not begin where it is said to have rested, if one did not.
     #[serde(default)]
     pub at_rest: Option<Contradicted>,
+    /// Up to which frequency the input moves.
+    #[serde(default)]
+    pub excitation: Option<Excitation>,
+    /// The steps of the sensor, where they are larger than the noise.
+    #[serde(default)]
+    pub resolution: Option<Resolution>,
     /// How the runs compare; `None` with fewer than two.
     pub runs: Option<RunComparison>,
 }
@@ -112,6 +120,23 @@ impl Explanation {
             self.rows, self.condition
         ));
         sentences
+    }
+
+    /// The lowest frequency of which the input does not tell the response of `model` \[Hz\]; `None` where it
+    /// tells of all, or frequencies were left out by the caller's choice alone. Bounds have no level where
+    /// there is one.
+    #[must_use]
+    pub fn untold_from_hz(&self, model: &Model) -> Option<f64> {
+        if let Some(untold) = self.model_errors.as_ref().and_then(|e| e.untold_from_hz) {
+            return Some(untold);
+        }
+        let basis = model.basis().ok()?;
+        let low_passed = self.model_errors.is_none()
+            && model.structure.selected_by == SelectedBy::Auto
+            && !basis.has_all_frequencies();
+        let unbounded = self.excitation.is_some_and(|found| !found.bounded);
+        let next = (basis.highest() + 1) as f64;
+        (low_passed || unbounded).then(|| next / (basis.settling() as f64 * model.sample_period_s))
     }
 
     fn narrowest_bank(&self) -> Option<&BankCandidate> {

@@ -157,7 +157,7 @@ impl FlightModel {
 /// ```
 ///
 /// # Errors
-/// The model has no response to speak of, or the record is not the one it was identified from.
+/// The model has no response to speak of or none that the record tells, or the record is not the one it was identified from.
 pub fn fit(
     record: &Record,
     model: &Model,
@@ -189,7 +189,7 @@ pub fn fit(
 /// ```
 ///
 /// # Errors
-/// The model has no response to speak of, or no covariance.
+/// The model has no response to speak of, none that its record told, or no covariance.
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
     choose(Projection::of_model(model)?, model, options)
 }
@@ -204,6 +204,10 @@ fn choose(
         projection,
         timing: model.timing(),
     };
+    // A gain that was withheld is not to come back as a parameter.
+    if model.metrics.dc_gain.value.is_none() {
+        return Err(Error::Untold);
+    }
     let guess = Guess::new(model).ok_or(Error::NoResponse)?;
     let mut fits: Vec<Fit> = Vec::new();
     for order in 1..=3 {

@@ -5,7 +5,8 @@
 //! ellipse, which holds exactly at any ratio of signal to noise (Fieller's argument: for the true
 //! direction, the part of the estimate across it has mean zero). The bounds on the magnitude are the
 //! nearest and the farthest point of the ellipse; where the origin itself cannot be excluded, the
-//! ellipse is the larger one of both parts jointly, and the lower bound is zero.
+//! ellipse is the larger one of both parts jointly, and the lower bound is zero. What frequencies that
+//! were left out may do (see [`crate::truncation`]) is a disc around each point of that region.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
@@ -47,6 +48,10 @@ pub struct FrequencyResponse {
     pub phase_deg_lower: Vec<f64>,
     /// Upper bound of the phase; 180 above it when any phase is possible.
     pub phase_deg_upper: Vec<f64>,
+    /// Bound of the error of G, as a distance in the complex plane, from leaving out high frequencies and from
+    /// the steps of the sensor; it is part of all bounds. Empty where there is neither.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bias: Vec<f64>,
 }
 
 /// Frequencies \[rad/sample\] for a document: evenly spaced on a logarithmic scale from a tenth of
@@ -91,7 +96,8 @@ pub fn frequency_map(coordinates: &Coordinates, omegas: &[f64]) -> Mat<f64> {
 
 impl FrequencyResponse {
     /// Draws the bounds around `values`, which alternate between Re G and Im G at `omegas`
-    /// \[rad/sample\], as do the entries of `spread`.
+    /// \[rad/sample\], as do the entries of `spread`. `bias` bounds what else G may be wrong by;
+    /// it is empty where that is nothing.
     #[must_use]
     pub fn new(
         sample_period_s: f64,
@@ -99,6 +105,7 @@ impl FrequencyResponse {
         values: &[f64],
         spread: &CurveSpread,
         level: f64,
+        bias: Vec<f64>,
     ) -> Self {
         let single = student_critical(pointwise_critical(level), &spread.degrees_of_freedom);
         // Radius of the joint region of two normal quantities: -2 ln(1 - level), squared.
@@ -114,6 +121,7 @@ impl FrequencyResponse {
             phase_deg: Vec::new(),
             phase_deg_lower: Vec::new(),
             phase_deg_upper: Vec::new(),
+            bias,
         };
         let mut previous = 0.0;
         for k in 0..omegas.len() {
@@ -127,20 +135,33 @@ impl FrequencyResponse {
             let (single, joint) = (radius(&single), radius(&joint));
             let excluded = region.distance_of_origin() > joint;
             let (low, high) = region.magnitudes(if excluded { single } else { joint });
+            let bias = response.bias.get(k).copied().unwrap_or(0.0);
+            let low = if excluded { (low - bias).max(0.0) } else { 0.0 };
             response.magnitude_db.push(decibels(re.hypot(im)));
-            response
-                .magnitude_db_lower
-                .push(decibels(if excluded { low } else { 0.0 }));
-            response.magnitude_db_upper.push(decibels(high));
+            response.magnitude_db_lower.push(decibels(low));
+            response.magnitude_db_upper.push(decibels(high + bias));
             let phase = im.atan2(re).to_degrees();
             let phase = phase + 360.0 * ((previous - phase) / 360.0_f64).round();
             previous = phase;
-            let (below, above) = region.phase_margins(single);
+            let (below, above) = region.phase_margins_with(single, bias);
             response.phase_deg.push(phase);
             response.phase_deg_lower.push(phase - below.to_degrees());
             response.phase_deg_upper.push(phase + above.to_degrees());
         }
         response
+    }
+
+    /// [`FrequencyResponse::bias`] at `omega` \[rad/s\]. Above the highest frequency kept nothing is known but that |G| is at most what it may be there.
+    pub(crate) fn bias_at(&self, omega: f64) -> f64 {
+        let Some(highest) = self.bias.len().checked_sub(1) else {
+            return 0.0;
+        };
+        let next = self.omega_rad_s.partition_point(|known| *known < omega);
+        if next > highest {
+            let largest = 10f64.powf(self.magnitude_db_upper[highest] / 20.0);
+            return 2.0 * largest;
+        }
+        self.bias[next].max(self.bias[next.saturating_sub(1)])
     }
 }
 
@@ -220,6 +241,20 @@ impl Ellipse {
             square(angle.sin_cos()).sqrt()
         };
         (extreme(1.0), extreme(-1.0))
+    }
+
+    /// [`Ellipse::phase_margins`] with a disc of radius `bias` around each point.
+    fn phase_margins_with(&self, radius: f64, bias: f64) -> (f64, f64) {
+        let margins = self.phase_margins(radius);
+        if bias == 0.0 {
+            return margins;
+        }
+        let (nearest, _) = self.magnitudes(radius);
+        if margins.0 >= PI || bias >= nearest {
+            return (PI, PI);
+        }
+        let further = (bias / nearest).asin();
+        ((margins.0 + further).min(PI), (margins.1 + further).min(PI))
     }
 
     /// How far the phase may lie below and above that of the centre \[rad\]; π when any phase is

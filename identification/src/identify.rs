@@ -16,6 +16,7 @@ use crate::advice::{self, Evidence};
 use crate::at_rest;
 use crate::curve::{self, CurveSpread};
 use crate::error::Error;
+use crate::excitation::{self, Excitation};
 use crate::explanation::Explanation;
 use crate::frequency::{self, FrequencyResponse, frequency_map};
 use crate::gls::MAX_AUTO_ORDER;
@@ -28,10 +29,11 @@ use crate::noise::Noise;
 use crate::options::{Frequencies, NoiseOrder, Options};
 use crate::record::Record;
 use crate::residual::Residuals;
+use crate::resolution::Resolution;
 use crate::runs::RunComparison;
-use crate::step::StepResponse;
+use crate::step::{Biases, StepResponse};
 use crate::timing::Timing;
-use crate::truncation::step_bias_bound;
+use crate::truncation::Truncation;
 
 use collected::Collected;
 use estimate::Estimate;
@@ -122,13 +124,24 @@ impl Pipeline<'_> {
             return Err(Error::NoDetail);
         }
         let responses = Responses::new(estimate);
-        let mut model = self.describe(estimate, &responses);
+        let truncation = self.truncation(estimate, &responses);
+        let excitation = Excitation {
+            bounded: !matches!(truncation, LeftOut::Anything),
+            ..Excitation::of(&estimate.information.moments)
+        };
+        let resolution = self.resolution(estimate);
+        let mut model = self.describe(estimate, &responses, truncation, resolution);
         model.residuals = self.residuals(&model, estimate, *linearity);
         if let Some(errors) = model_errors {
             model.metrics = errors.told(model.metrics, &model.step.value);
         }
         let degrees_of_freedom = responses.step.degrees_of_freedom;
-        let explanation = self.explain(&model, considered, degrees_of_freedom);
+        let mut explanation = self.explain(&model, considered, degrees_of_freedom);
+        explanation.excitation = Some(excitation);
+        explanation.resolution = resolution;
+        if explanation.untold_from_hz(&model).is_some() {
+            model.metrics = excitation::told(model.metrics, &model.step, model.theta[0]);
+        }
         model.advice = advice::gather(&Evidence {
             model: &model,
             explanation: &explanation,
@@ -139,7 +152,13 @@ impl Pipeline<'_> {
     }
 
     /// The model with its bands and metrics; tests of its residuals and advice are still to come.
-    fn describe(&self, estimate: &Estimate, responses: &Responses) -> Model {
+    fn describe(
+        &self,
+        estimate: &Estimate,
+        responses: &Responses,
+        left_out: LeftOut,
+        resolution: Option<Resolution>,
+    ) -> Model {
         let Estimate {
             information, fit, ..
         } = estimate;
@@ -151,23 +170,35 @@ impl Pipeline<'_> {
         let theta = fit.theta();
         let n = theta.len();
         let covariance = fit.covariance().as_ref().submatrix(0, 0, n, n).to_owned();
-        let sd: Vec<f64> = (0..n).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
-        let bias = step_bias_bound(basis, &theta, &sd, self.plan.roll_off);
         let value = basis.step_response(&theta);
         let period = timing.sample_period_s;
-        let step = StepResponse::new(period, value, &responses.step, level, bias);
+        let (truncation, mut frequency_bias) = left_out.biases(&value, &responses.frequency_values);
+        let rounding = resolution.map_or(0.0, |found| found.allowance);
+        if let Some(found) = resolution {
+            frequency_bias.resize(responses.omegas.len(), 0.0);
+            for (bias, omega) in frequency_bias.iter_mut().zip(&responses.omegas) {
+                *bias += found.allowance_at(*omega, basis.settling());
+            }
+        }
+        let biases = Biases {
+            truncation,
+            rounding,
+        };
+        let step = StepResponse::new(period, value, &responses.step, level, biases);
         let frequency = FrequencyResponse::new(
             period,
             &responses.omegas,
             &responses.frequency_values,
             &responses.frequency,
             level,
+            frequency_bias,
         );
         let metrics = Metrics::new(&Measured {
             basis,
             theta: &theta,
             covariance: &covariance,
             step: &step,
+            frequency: &frequency,
             timing,
         });
         Model {
@@ -198,6 +229,35 @@ impl Pipeline<'_> {
         }
     }
 
+    /// The steps of the sensor, where they are larger than the noise.
+    fn resolution(&self, estimate: &Estimate) -> Option<Resolution> {
+        Resolution::of(self.record?, self.figures_of_merit(estimate).rmse)
+    }
+
+    /// What the frequencies that the bank leaves out may do to the responses.
+    fn truncation(&self, estimate: &Estimate, responses: &Responses) -> LeftOut {
+        let Estimate {
+            information, fit, ..
+        } = estimate;
+        let basis = &self.plan.basis;
+        if basis.is_complete() {
+            return LeftOut::Nothing;
+        }
+        let (theta, covariance) = (fit.theta(), fit.covariance());
+        let sd: Vec<f64> = (0..theta.len())
+            .map(|k| covariance[(k, k)].max(0.0).sqrt())
+            .collect();
+        Truncation::new(
+            &information.moments,
+            basis,
+            &fit.ar,
+            (&theta, &sd),
+            self.plan.roll_off,
+            &responses.omegas,
+        )
+        .map_or(LeftOut::Anything, LeftOut::Bounded)
+    }
+
     fn explain(
         &mut self,
         model: &Model,
@@ -222,9 +282,38 @@ impl Pipeline<'_> {
             at_rest: self
                 .record
                 .and_then(|record| at_rest::contradicted(record, model)),
+            excitation: None,
+            resolution: None,
             runs: self
                 .record
                 .and_then(|record| RunComparison::of(model, record.runs())),
+        }
+    }
+}
+
+/// What left-out frequencies may do.
+enum LeftOut {
+    /// There are none.
+    Nothing,
+    /// As much as this.
+    Bounded(Truncation),
+    /// Nothing bounds it.
+    Anything,
+}
+
+impl LeftOut {
+    /// Bounds of the error of a step response and of a frequency response, real and imaginary parts in turn.
+    /// What nothing bounds is taken to be as large as the response itself: then any phase is possible.
+    fn biases(self, step: &[f64], frequency: &[f64]) -> (f64, Vec<f64>) {
+        let largest = |values: &[f64]| values.iter().fold(0.0f64, |a, x| a.max(x.abs()));
+        match self {
+            Self::Nothing => (0.0, Vec::new()),
+            Self::Bounded(truncation) => (truncation.step, truncation.frequency),
+            Self::Anything => {
+                let points = frequency.len() / 2;
+                // Twice the larger of two parts is more than their length.
+                (largest(step), vec![2.0 * largest(frequency); points])
+            }
         }
     }
 }

@@ -11,7 +11,9 @@
 //!   level, Student's t included (Fieller 1954). Where the response does not surely rise through the
 //!   level, so that several samples may be the one, quantiles over seeded draws of the response from
 //!   the covariance of its fit; they are the same where both can be had. What interpolation between
-//!   samples may be wrong by is added to the crossing times.
+//!   samples may be wrong by is added to the crossing times. Where single samples are known to no better
+//!   than a twentieth of the final value, draws are as rough as the estimate that they start from, and miss;
+//!   a bracket joins them: from where a sample may be beyond the level to where one surely is.
 //! * **Overshoot**, which cannot be negative and is a maximum over noisy samples, and **settling**,
 //!   which jumps when a peak enters its band, are not smooth: draws miss the truth there. A bracket
 //!   takes their place. With z_1 the critical value of one sample and z_k that of all k samples that
@@ -27,9 +29,10 @@
 //!   peak, and the last sample truly outside. Where the response closes in on its final value over
 //!   the whole bracket, only one crossing can be the last, and its interval is the sharper answer.
 //!
-//! The bound of what left-out frequencies may hide is added to all of them.
+//! The bounds of what left-out frequencies may hide, and of what the steps of a sensor add, are in all of them.
 
 mod bands;
+mod brackets;
 mod draws;
 mod figures;
 mod interpolation;
@@ -136,6 +139,7 @@ pub(crate) struct Measured<'a> {
     /// Covariance of θ.
     pub(crate) covariance: &'a Mat<f64>,
     pub(crate) step: &'a StepResponse,
+    pub(crate) frequency: &'a FrequencyResponse,
     pub(crate) timing: Timing,
 }
 
@@ -199,6 +203,7 @@ impl Metrics {
             theta: &model.theta,
             covariance: &covariance,
             step: &model.step,
+            frequency: &model.frequency,
             timing: model.timing(),
         }))
     }
@@ -233,6 +238,7 @@ impl Model {
                 theta: &self.theta,
                 covariance: &covariance,
                 step: &self.step,
+                frequency: &self.frequency,
                 timing: self.timing(),
             },
             omega_rad_s,
@@ -263,6 +269,7 @@ impl Model {
             theta: &self.theta,
             covariance: &covariance,
             step: &self.step,
+            frequency: &self.frequency,
             timing: self.timing(),
         };
         let phase = |&omega: &f64| PhaseAt {

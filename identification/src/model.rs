@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::advice::{Advice, MODEL_ERROR, NOT_LINEAR};
+use crate::advice::{Advice, NOT_LINEAR, WITHDRAWING};
 use crate::basis::Basis;
 use crate::convolution::causal_filter;
 use crate::error::Error;
@@ -137,6 +137,7 @@ impl Model {
             && (0.0..=*PERIODS_S.end()).contains(&self.sample_phase_s)
             && usable(&self.offset)
             && (0.0..=LARGEST).contains(&step.truncation_bias)
+            && (0.0..=LARGEST).contains(&step.rounding_bias)
             && usable(&step.simultaneous.critical_value)
             && sized(&self.theta, n)
             && self.covariance.len() == n
@@ -154,6 +155,8 @@ impl Model {
                 .chain([&f.magnitude_db_lower, &f.magnitude_db_upper])
                 .chain([&f.phase_deg_lower, &f.phase_deg_upper])
                 .all(|values| sized(values, points))
+            && (f.bias.is_empty() || sized(&f.bias, points))
+            && f.bias.iter().all(|bias| *bias >= 0.0)
     }
 
     /// The filter bank of the model.
@@ -164,11 +167,22 @@ impl Model {
         Basis::new(self.structure.settling_samples, self.structure.frequencies)
     }
 
-    /// Whether the bounds have earned their level: not when the errors turned out not to be noise
-    /// (see [`crate::model_error`]).
+    /// Whether the bounds have earned their level: not when the errors turned out not to be noise (see
+    /// [`crate::model_error`]), nor when the input does not tell all of the response ([`crate::excitation`]), nor when
+    /// a rounding that no bound contains is larger than the noise ([`crate::resolution`]). The advice has the reason.
     #[must_use]
     pub fn bounds_hold(&self) -> bool {
-        !self.advice.iter().any(|advice| advice.check == MODEL_ERROR)
+        self.without_level_because().is_none()
+    }
+
+    /// Why the bounds have no level, in a few words for beside a number; `None` while they hold. The advice says
+    /// it in full.
+    #[must_use]
+    pub fn without_level_because(&self) -> Option<&'static str> {
+        WITHDRAWING
+            .iter()
+            .find(|(check, _)| self.advice.iter().any(|advice| advice.check == *check))
+            .map(|(_, reason)| *reason)
     }
 
     /// Whether the bounds are only those of the linear description that fits the reference best,

@@ -49,6 +49,25 @@ pub struct StepResponse {
     /// Bound of the error from leaving out high frequencies; it is part of both bands. 0 when
     /// n = N.
     pub truncation_bias: f64,
+    /// Bound of the error from the steps of the sensor, where they are larger than the noise; it is
+    /// part of both bands too.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rounding_bias: f64,
+}
+
+/// For serde, which hands over a reference.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+/// Bounds of errors that no standard deviation knows of \[output per input\].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Biases {
+    /// From leaving out high frequencies.
+    pub truncation: f64,
+    /// From the steps of the sensor.
+    pub rounding: f64,
 }
 
 impl StepResponse {
@@ -62,7 +81,7 @@ impl StepResponse {
         value: Vec<f64>,
         spread: &CurveSpread,
         level: f64,
-        truncation_bias: f64,
+        biases: Biases,
     ) -> Self {
         assert_eq!(
             value.len(),
@@ -70,9 +89,10 @@ impl StepResponse {
             "one standard deviation per value"
         );
         let critical = simultaneous_critical(&spread.neighbour_correlation, level);
+        let bias = biases.truncation + biases.rounding;
         let bounds = |normal: f64| {
             let critical = student_critical(normal, &spread.degrees_of_freedom);
-            let half = |m: usize| critical[m] * spread.sd[m] + truncation_bias;
+            let half = |m: usize| critical[m] * spread.sd[m] + bias;
             let at = |side: f64| {
                 (0..value.len())
                     .map(|m| value[m] + side * half(m))
@@ -101,7 +121,23 @@ impl StepResponse {
             value,
             pointwise,
             simultaneous,
-            truncation_bias,
+            truncation_bias: biases.truncation,
+            rounding_bias: biases.rounding,
+        }
+    }
+
+    /// Bound of the errors that no standard deviation knows of; it is part of both bands.
+    #[must_use]
+    pub fn bias(&self) -> f64 {
+        self.truncation_bias + self.rounding_bias
+    }
+
+    /// The parts of that bound.
+    #[must_use]
+    pub fn biases(&self) -> Biases {
+        Biases {
+            truncation: self.truncation_bias,
+            rounding: self.rounding_bias,
         }
     }
 

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::basis::dot;
 use crate::error::Error;
+use crate::excitation::Excitation;
 use crate::gls::MAX_AUTO_ORDER;
 use crate::linear::{cholesky, forward_solve, inverse_of_lower};
 use crate::moments::Moments;
@@ -60,6 +61,9 @@ const ROWS_KEPT: f64 = 0.74;
 
 /// The input counts as low-passed when the complete bank's band is this much wider than the best.
 const LOW_PASSED_RATIO: f64 = 3.0;
+
+/// Averages are taken over this part of the settling time.
+const AVERAGED: usize = 8;
 
 /// Passes of the long fit: its noise model only has to be roughly right.
 const PASSES: usize = 4;
@@ -207,7 +211,10 @@ fn choose_with_all_frequencies(
     longest: usize,
     order: NoiseOrder,
 ) -> Option<Choice> {
-    let long = LongFit::new(moments, longest, order)?;
+    let mut long = LongFit::new(moments, longest, order)?;
+    if Excitation::of(moments).is_smooth() {
+        long.look_at_averages();
+    }
     let choice = choose_complete(&long);
     let banks = NestedBanks::scan(moments, choice.settling, &long.ar, FIRST_ORDER)?;
     (!is_low_passed(&banks, choice.settling)).then_some(choice)
@@ -305,6 +312,8 @@ struct LongFit {
     floor: f64,
     /// F': column m holds the weights of `projected` in the step response at m; (N+1) x N.
     weights: Mat<f64>,
+    /// Running sums of those columns, where averages are looked at.
+    sums: Option<Mat<f64>>,
 }
 
 impl LongFit {
@@ -347,6 +356,7 @@ impl LongFit {
             total: factor.total,
             floor: RESOLUTION * RESOLUTION * spread,
             weights,
+            sums: None,
         })
     }
 
@@ -355,6 +365,40 @@ impl LongFit {
         let rss = self.total - self.projected[..=n].iter().map(|z| z * z).sum::<f64>();
         let dof = (self.rows as f64 - (n + 1 + self.ar.len()) as f64).max(1.0);
         (rss / dof).max(self.floor)
+    }
+
+    /// Looks for the end of the response in its averages too: under a smooth input what noise leaves open of
+    /// it is a ripple, which hides a tail from every single sample and not from their mean.
+    fn look_at_averages(&mut self) {
+        let mut sums = self.weights.clone();
+        for m in 1..self.settling {
+            for j in 0..=self.settling {
+                let before = sums[(j, m - 1)];
+                sums[(j, m)] += before;
+            }
+        }
+        self.sums = Some(sums);
+    }
+
+    /// The middle of the last stretch whose average is not yet the final value of settling time `n`.
+    fn moving_on_average(&self, n: usize, sigma: f64) -> Option<usize> {
+        let sums = self.sums.as_ref()?;
+        let z = &self.projected[..=n];
+        let last = &self.weights.col_as_slice(n - 1)[..=n];
+        let end = dot(last, z);
+        let width = n / AVERAGED;
+        let share = (width as f64).recip();
+        let from = (0..n - 1 - width).rev().find(|&m| {
+            let (before, after) = (sums.col_as_slice(m), sums.col_as_slice(m + width));
+            let (mut value, mut variance) = (-end, 0.0);
+            for j in 0..=n {
+                let weight = share * (after[j] - before[j]);
+                value += weight * z[j];
+                variance += (weight - last[j]).powi(2);
+            }
+            value.abs() > DETECTION * sigma * variance.sqrt()
+        });
+        from.map(|m| m + 1 + width / 2)
     }
 
     fn candidate(&self, n: usize) -> SettlingCandidate {
@@ -368,6 +412,7 @@ impl LongFit {
             let variance: f64 = column.iter().zip(last).map(|(a, b)| (a - b).powi(2)).sum();
             (dot(column, z) - end).abs() > DETECTION * sigma * variance.sqrt()
         });
+        let moving = moving.max(self.moving_on_average(n, sigma));
         let contradiction = (0..self.settling)
             .map(|m| {
                 let beyond = &self.weights.col_as_slice(m)[n + 1..];

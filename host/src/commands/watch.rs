@@ -159,7 +159,7 @@ impl BandReached {
             Found::Band(band) => band,
             Found::NoBounds => {
                 return Some(
-                    "no band can be given, as the errors of the model are not noise: 'servoid identify' says more".to_owned(),
+                    "no band can be given, as the bounds of the model have no level: 'servoid identify' says why".to_owned(),
                 );
             }
             Found::Nothing => {

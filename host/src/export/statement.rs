@@ -14,11 +14,10 @@ impl Export<'_> {
     pub fn warnings(&self) -> Vec<String> {
         let model = self.model;
         let mut found = Vec::new();
-        if !model.bounds_hold() {
-            found.push(
-                "no bounds can be given: what the model cannot explain is not noise, and the bounds in this file have no level"
-                    .to_owned(),
-            );
+        if let Some(reason) = model.without_level_because() {
+            found.push(format!(
+                "no bounds can be given: {reason}, and the bounds in this file have no level"
+            ));
         }
         if model.is_best_linear_description() {
             found.push(

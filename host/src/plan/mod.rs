@@ -97,7 +97,7 @@ impl Widths {
             widest_percent: 100.0 * widest,
             mean_percent: 100.0 * whole,
             mean_pointwise_percent: 100.0 * pointwise,
-            bias_percent: 100.0 * step.truncation_bias,
+            bias_percent: 100.0 * step.bias(),
             beyond_noise_percent: 0.0,
         }
     }

@@ -228,7 +228,7 @@ fn with_known_noise(question: &Question, pilot: &Model, record: &Record) -> Resu
             value,
             &spread,
             question.level,
-            pilot.step.truncation_bias,
+            pilot.step.biases(),
         ),
         ..pilot.clone()
     })

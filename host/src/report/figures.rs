@@ -83,7 +83,7 @@ fn beyond(part: &Part<'_>, index: usize) -> Vec<Shown> {
                 "Runs that lie farther apart than noise allows show what changes from run to run: supply, friction, clocks. The bounds of the model do not contain it; the p-value of a comparison does."
             }
             None => {
-                "How far the runs lie apart. What noise alone would do cannot be told here, as the errors of the model are not noise."
+                "How far the runs lie apart. What noise alone would do cannot be told here, as the bounds of the model have no level."
             }
         };
         shown.push(Shown {
@@ -121,7 +121,7 @@ fn of_bounds(figure: &Figure, page: &Page<'_>, whole: &str) -> String {
         return whole.to_owned();
     }
     let none = format!(
-        "No bounds can be given for {}: the errors are not noise.",
+        "No bounds can be given for {}: the advice says why.",
         without.join(" and ")
     );
     match without.len() < models {

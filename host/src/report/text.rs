@@ -52,10 +52,10 @@ pub(super) fn write_verdict(body: &mut String, page: &Page<'_>) -> Result {
             "<p><b>{name}</b>: from {from}{runs}, {:.1} s used.</p>",
             model.fit.samples_used as f64 * model.sample_period_s
         )?;
-        if !model.bounds_hold() {
+        if let Some(reason) = model.without_level_because() {
             writeln!(
                 body,
-                "<p class=\"verdict different\">{name}: no bounds can be given, as the errors are not noise (see the advice).</p>"
+                "<p class=\"verdict different\">{name}: no bounds can be given, as {reason} (see the advice).</p>"
             )?;
         }
         if model.is_best_linear_description() {

@@ -139,7 +139,7 @@ fn band(state: &ScopeState) -> Vec<Line<'static>> {
     let first = if state.enough() {
         Line::from(format!("enough: the band is ±{width:.2} %")).green()
     } else if !step.bounds_hold {
-        Line::from("the errors are not noise: no band").red()
+        Line::from("this recording gives no band").red()
     } else if let Some(percent) = state.until_percent {
         Line::from(format!("the band is ±{width:.2} %, ends at ±{percent} %"))
     } else {

@@ -103,7 +103,7 @@ pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String,
                     percent(found.level),
                     1e3 * bounds.at_s
                 ),
-                false => "no bounds can be given: the errors of a side are not noise".to_owned(),
+                false => "no bounds can be given: those of a side have no level".to_owned(),
             },
         ),
     ];

@@ -182,7 +182,10 @@ fn shown(interval: Interval, bounds_hold: bool) -> Interval {
 #[must_use]
 pub fn why_withheld(model: &Model) -> Option<&'static str> {
     let gain = &model.metrics.dc_gain;
-    if model.advice.iter().any(|advice| advice.check == "metrics") {
+    let has = |check: &str| model.advice.iter().any(|advice| advice.check == check);
+    if has("untold") {
+        Some("the reference does not tell them (see the advice)")
+    } else if has("metrics") {
         Some("two ways to estimate them disagree (see the advice)")
     } else if gain.value.is_some() && gain.contains(0.0) {
         Some("the gain may be zero")

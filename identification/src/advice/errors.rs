@@ -145,25 +145,6 @@ pub(super) fn nonlinear(evidence: &Evidence<'_>) -> bool {
         || linearity.is_some_and(Linearity::errors_follow_motion)
 }
 
-pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
-    let errors = evidence.explanation.model_errors.as_ref()?;
-    let untold = errors.untold_from_hz?;
-    let asked = 0.5 / evidence.model.sample_period_s;
-    Some(Advice::new(
-        "excitation",
-        format!(
-            "The input is smooth: from {untold:.1} Hz upwards it has too little power to tell the \
-             response, and a step has much of its detail there."
-        ),
-        untold,
-        asked,
-        format!(
-            "Use a reference with sharp edges, such as a staircase or random steps, which has power up \
-             to {asked:.0} Hz."
-        ),
-    ))
-}
-
 pub(super) fn figures(evidence: &Evidence<'_>) -> Option<Advice> {
     let errors = evidence.explanation.model_errors.as_ref()?;
     let apart = errors.disagreement(&evidence.model.step.value);

@@ -33,7 +33,7 @@ impl Curves {
         let map = model.basis()?.step_map();
         let last = map.nrows() - 1;
         let map = Mat::from_fn(points, map.ncols(), |m, k| map[(m.min(last), k)]);
-        let bias = model.step.truncation_bias;
+        let bias = model.step.bias();
         let parameters = model.structure.frequencies + 1 + model.structure.noise_order;
         let degrees = (model.fit.samples_used as f64 - parameters as f64).max(1.0);
         Ok(Self::new(

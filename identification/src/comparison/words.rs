@@ -28,8 +28,8 @@ fn answer(found: &Comparison) -> String {
     let margin = found.margin_percent;
     match found.verdict {
         _ if !found.bounds_hold => {
-            "Not decided: the errors of one model or both are not noise, so that no \
-                                    bounds can be given (see the advice)."
+            "Not decided: the bounds of one model or both have no level, so that none can be given (see the \
+             advice)."
                 .to_owned()
         }
         _ if found.descriptions_of_different_motions => format!(

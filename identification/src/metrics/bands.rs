@@ -85,18 +85,18 @@ impl Falling<'_> {
         // Slope and standard deviation at the crossing say where the bounds are about.
         let h = 1e-3 * omega;
         let at = |omega: f64| self.value_and_sd(omega);
-        let (value, sd) = at(omega);
+        let sd = at(omega).1;
         let slope = (at(omega + h).0 - at(omega - h).0) / (2.0 * h);
-        let reach = self.critical * sd / slope.abs();
+        let reach = (self.critical * sd + self.bias(omega)) / slope.abs();
         // Highest frequency that samples show \[rad/s\].
         let highest = PI / self.measured.timing.sample_period_s;
         // `side` is -1 for the lower bound, where the value is still surely above zero.
         let bound = |side: f64| {
             let excess = |omega: f64| {
                 let (value, sd) = at(omega);
-                -side * value - self.critical * sd
+                -side * value - self.critical * sd - self.bias(omega)
             };
-            let mut near = (omega, -side * value - self.critical * sd);
+            let mut near = (omega, excess(omega));
             let mut step = FIRST_STEP * reach;
             for _ in 0..STEPS {
                 let place = (omega + side * step).clamp(0.0, highest);
@@ -149,6 +149,29 @@ impl Falling<'_> {
         weights[0] += constant;
         let variance = dot(&weights, &times(self.measured.covariance, &weights));
         (dot(&weights, theta), variance.max(0.0).sqrt())
+    }
+
+    /// What left-out frequencies and the steps of the sensor may do to the value.
+    fn bias(&self, omega: f64) -> f64 {
+        let Measured {
+            basis,
+            theta,
+            timing,
+            frequency,
+            ..
+        } = *self.measured;
+        let of_response = frequency.bias_at(omega);
+        match self.figure {
+            _ if of_response == 0.0 => 0.0,
+            Figure::Bandwidth => {
+                let (re, im) = basis.frequency_response(theta, omega * timing.sample_period_s);
+                // Across the estimate an error adds to the magnitude by its square.
+                let across = of_response.powi(2) / (2.0 * re.hypot(im));
+                let factor = SQRT_2 * timing.magnitude_factor(omega);
+                factor * (of_response + across) + frequency.bias_at(0.0)
+            }
+            Figure::QuarterTurn => of_response,
+        }
     }
 
     /// The lowest frequency of the scan where the value has come down to zero.
@@ -267,6 +290,7 @@ pub(crate) fn servo_response(measured: &Measured<'_>, omega_rad_s: &[f64]) -> Fr
         &rows.value[..count],
         &spread,
         level,
+        bias(measured, omega_rad_s),
     );
     for (k, &omega) in omega_rad_s.iter().enumerate() {
         let (factor, lead) = (timing.magnitude_factor(omega), timing.phase_lead(omega));
@@ -275,6 +299,9 @@ pub(crate) fn servo_response(measured: &Measured<'_>, omega_rad_s: &[f64]) -> Fr
         response.re[k] = factor * (re * cos - im * sin);
         response.im[k] = factor * (re * sin + im * cos);
         let decibels = 20.0 * factor.log10();
+        if let Some(bias) = response.bias.get_mut(k) {
+            *bias *= factor;
+        }
         for magnitude in [
             &mut response.magnitude_db[k],
             &mut response.magnitude_db_lower[k],
@@ -293,6 +320,18 @@ pub(crate) fn servo_response(measured: &Measured<'_>, omega_rad_s: &[f64]) -> Fr
         }
     }
     response
+}
+
+/// Bounds of what no covariance knows of, at each of `omegas` \[rad/s\]; empty where that is nothing.
+fn bias(measured: &Measured<'_>, omegas: &[f64]) -> Vec<f64> {
+    let frequency = measured.frequency;
+    if frequency.bias.is_empty() {
+        return Vec::new();
+    }
+    omegas
+        .iter()
+        .map(|&omega| frequency.bias_at(omega))
+        .collect()
 }
 
 /// The phase of the servo at one frequency \[degrees\], continued from rest.

@@ -1,5 +1,6 @@
 //! The figures of a step response with their intervals.
 
+use super::brackets::Brackets;
 use super::draws;
 use super::interpolation::Interpolation;
 use super::inversion::{Known, Level, SureCrossing};
@@ -15,7 +16,10 @@ pub(crate) struct Figures<'a> {
     windows: Windows,
     nominal: Shape,
     level: f64,
-    truncation_bias: f64,
+    /// Of every sample but the last.
+    bias: f64,
+    /// Of the final value.
+    gain_bias: f64,
 }
 
 /// Intervals of the crossings of the rise and of the time between two of them, in samples.
@@ -38,11 +42,12 @@ impl<'a> Figures<'a> {
             curve,
             spread,
             level: step.pointwise.level,
-            truncation_bias: step.truncation_bias,
+            bias: step.bias(),
+            gain_bias: measured.frequency.bias_at(0.0),
         }
     }
 
-    /// The crossings, widened by what the truncation may move them by and by what interpolation
+    /// The crossings, widened by what left-out frequencies and rounding may move them by and by what interpolation
     /// between samples may be wrong by.
     pub(crate) fn rise(&self) -> RiseIntervals {
         let noise = self.rise_from_noise();
@@ -85,10 +90,22 @@ impl<'a> Figures<'a> {
         };
         let [delays, halves, rises] = draws::figures(&self.curve, &joint, self.level, read);
         let drawn = |value: f64, draws: Vec<f64>| draws::interval_of(value, draws, self.level);
-        RiseIntervals {
+        let found = RiseIntervals {
             delay: inverted(&sure.delay).unwrap_or_else(|| drawn(value.delay, delays)),
             half: inverted(&sure.half).unwrap_or_else(|| drawn(value.half, halves)),
             rise: rise.unwrap_or_else(|| drawn(value.rise(), rises)),
+        };
+        let Critical { one, all } = Critical::new(self.level, self.curve.len());
+        let brackets = Brackets {
+            curve: &self.curve,
+            spread: self.spread,
+            one,
+            all,
+        };
+        if brackets.are_needed(&self.windows.of_rise) {
+            brackets.intervals(&found)
+        } else {
+            found
         }
     }
 
@@ -100,22 +117,22 @@ impl<'a> Figures<'a> {
         }
     }
 
-    /// How far the crossings move when the whole response but its final value is off by the bound of
-    /// the truncation.
+    /// How far the crossings move when the whole response is off by its bound, and its final value the other way
+    /// by its own.
     fn effect_of_bias(&self) -> BiasEffect {
         let nominal = self.nominal.crossings;
         let last = self.curve.len() - 1;
         let moved = |side: f64| {
             let shifted: Vec<f64> = self.curve[..last]
                 .iter()
-                .map(|value| value + side * self.truncation_bias)
-                .chain([self.curve[last]])
+                .map(|value| value + side * self.bias)
+                .chain([self.curve[last] - side * self.gain_bias])
                 .collect();
             Windows::new(&shifted, &self.spread.sd).crossings(&shifted)
         };
         BiasEffect {
             nominal,
-            moved: if self.truncation_bias > 0.0 {
+            moved: if self.bias > 0.0 {
                 [moved(1.0), moved(-1.0)]
             } else {
                 [nominal; 2]
@@ -131,7 +148,7 @@ impl<'a> Figures<'a> {
         let peak = (0..last)
             .max_by(|&a, &b| self.curve[a].total_cmp(&self.curve[b]))
             .unwrap_or(0);
-        let bias = self.truncation_bias / gain;
+        let bias = (self.bias + (1.0 + value) * self.gain_bias) / gain;
         let critical = Critical::new(self.level, self.windows.tops());
         let edge = |factor: f64, side: f64| {
             (0..last)
@@ -151,7 +168,7 @@ impl<'a> Figures<'a> {
     pub(crate) fn settling(&self) -> Interval {
         let value = self.nominal.settling;
         let bracket = self.settling_bracket();
-        if self.truncation_bias > 0.0 || !self.closes_in(&bracket) {
+        if self.bias > 0.0 || !self.closes_in(&bracket) {
             return bracket;
         }
         let last = self.curve.len() - 1;
@@ -184,7 +201,7 @@ impl<'a> Figures<'a> {
                 [1.0, -1.0].iter().any(|side| {
                     let edge = 1.0 + side * SETTLED;
                     let over = side * (self.curve[m] - edge * gain);
-                    let bias = factor.signum() * self.truncation_bias;
+                    let bias = factor.signum() * (self.bias + edge * self.gain_bias);
                     over + factor * self.spread.sd_over(m, edge) + bias > 0.0
                 })
             })
@@ -351,6 +368,7 @@ mod tests {
             theta: &model.theta,
             covariance: &covariance,
             step: &model.step,
+            frequency: &model.frequency,
             timing: model.timing(),
         };
         let spread = Spread::new(&measured);

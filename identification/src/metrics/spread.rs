@@ -71,7 +71,7 @@ fn widening(measured: &Measured<'_>) -> Vec<f64> {
         .iter()
         .zip(step.pointwise.upper.iter().zip(&step.pointwise.lower))
         .map(|(sd, (upper, lower))| {
-            let half = (upper - lower) / 2.0 - step.truncation_bias;
+            let half = (upper - lower) / 2.0 - step.bias();
             // The quotient of two rounded numbers may fall short of one.
             if *sd > 0.0 {
                 (half / (normal * sd)).max(1.0)
