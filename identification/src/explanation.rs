@@ -131,12 +131,17 @@ impl Explanation {
             return Some(untold);
         }
         let basis = model.basis().ok()?;
-        let low_passed = self.model_errors.is_none()
-            && model.structure.selected_by == SelectedBy::Auto
-            && !basis.has_all_frequencies();
         let unbounded = self.excitation.is_some_and(|found| !found.bounded);
+        // The choice for prediction leaves out what does not help it, whether the input has it or not.
+        let lacking = match &self.model_errors {
+            Some(_) => unbounded && self.excitation.is_some_and(|found| found.is_smooth()),
+            None => {
+                let chosen = model.structure.selected_by == SelectedBy::Auto;
+                unbounded || chosen && !basis.has_all_frequencies()
+            }
+        };
         let next = (basis.highest() + 1) as f64;
-        (low_passed || unbounded).then(|| next / (basis.settling() as f64 * model.sample_period_s))
+        lacking.then(|| next / (basis.settling() as f64 * model.sample_period_s))
     }
 
     fn narrowest_bank(&self) -> Option<&BankCandidate> {
