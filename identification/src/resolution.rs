@@ -111,7 +111,7 @@ fn step_of(record: &Record) -> Option<f64> {
 impl Resolution {
     /// What G may be wrong by at `omega` \[rad/sample\] for the rounding of a step response of `settling` samples:
     /// as much as the gain, and what the errors of its moving half, evenly spread and each its own, come to
-    /// ([`RIPPLE`] standard deviations of their transform).
+    /// (`RIPPLE` standard deviations of their transform).
     #[must_use]
     pub fn allowance_at(&self, omega: f64, settling: usize) -> f64 {
         let moving = settling as f64 / 2.0;

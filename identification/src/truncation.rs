@@ -10,10 +10,10 @@
 //!
 //! so a function c'h of the impulse response is wrong by c'(T₁A - T₂)θ₂ whatever the noise. If |G| falls
 //! above q at least like a lag of first order (sampled: like 1/sin(lπ/N)) or of second (like 1/l²), that
-//! is at most a sum over the frequencies left out [`Truncation`]. The truth is often several times
+//! is at most a sum over the frequencies left out `Truncation`. The truth is often several times
 //! smaller, because the terms cancel, but nothing in the data says so.
 //!
-//! [`unit_biases`] is the part of this that knows nothing of the input, by which banks are chosen.
+//! `unit_biases` is the part of this that knows nothing of the input, by which banks are chosen.
 
 use faer::Mat;
 

@@ -185,7 +185,7 @@ fn what_an_editor_does_to_a_text_is_undone() {
 fn complete_is_what_has_the_whole_run() {
     let partial = Ending::Partial {
         reason: "the cable is out".to_owned(),
-        lost_frames: vec![4..6],
+        lost_frames: vec![4..6, 8..9],
     };
     let text = String::from_utf8(small_bytes(Some(&partial))).unwrap();
     let (rows, last) = text.split_at(text.find("# end").unwrap());

@@ -234,7 +234,6 @@ fn every_real_recording_gives_a_sensible_model() {
         );
         let fit = number("/fit/simulation_percent").unwrap();
         assert!(fit >= real.fit_percent, "{}: {fit} %", real.file);
-        let gain = ["lower", "upper"].map(|end| number(&format!("/metrics/dc_gain/{end}")));
         if let Some((least, most)) = real.gain {
             let gain = ["lower", "upper"].map(|end| number(&format!("/metrics/dc_gain/{end}")));
             let [lower, upper] = gain.map(Option::unwrap);
