@@ -119,6 +119,12 @@ pub enum Error {
          steps"
     )]
     NoDetail,
+    /// Nothing of the output follows the input.
+    #[error(
+        "the output shows no response to the input above its noise: check that the sensor is connected and \
+         that input and output belong together; if they do, use larger steps"
+    )]
+    Unanswered,
     /// The input does not excite as many frequencies as asked for.
     #[error(
         "the input excites {excited} of the {asked} frequencies asked for (up to {highest_hz:.3} \

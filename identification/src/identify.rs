@@ -121,7 +121,11 @@ impl Pipeline<'_> {
         // may be what predicts best all the same, or have been asked for.
         let asked = matches!(self.options.frequencies, Frequencies::Count(_));
         if self.plan.basis.highest() == 0 && model_errors.is_none() && !asked {
-            return Err(Error::NoDetail);
+            let excitation = Excitation::of(&estimate.information.moments);
+            return Err(match excitation.is_smooth() {
+                true => Error::NoDetail,
+                false => Error::Unanswered,
+            });
         }
         let responses = Responses::new(estimate);
         let truncation = self.truncation(estimate, &responses);

@@ -101,11 +101,11 @@ impl Asker {
 /// Why there is no answer, if not for a wrong one.
 const NO_ANSWER: &str = "the question was not answered";
 
-/// Yes or no, at a terminal.
-pub(super) fn confirm(words: &str) -> Result<bool> {
+/// Yes or no, at a terminal; `usual` is what Enter says.
+pub(super) fn confirm(words: &str, usual: bool) -> Result<bool> {
     Confirm::with_theme(theme().as_ref())
         .with_prompt(words)
-        .default(true)
+        .default(usual)
         .interact()
         .context(NO_ANSWER)
 }

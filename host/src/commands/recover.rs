@@ -33,10 +33,10 @@ impl Recover {
     pub(super) fn run(self) -> Result<String> {
         let path = &self.recording;
         let bytes = crate::input::read(path).with_context(|| format!("{path:?} cannot be read"))?;
+        if !is_recording(&bytes) {
+            bail!("{path:?} is no recording of servoid: there is nothing to recover");
+        }
         if let Ok(sound) = Recording::parse(&bytes, path) {
-            if !is_recording(&bytes) {
-                bail!("{path:?} is no recording of servoid: there is nothing to recover");
-            }
             if sound.samples.is_empty() {
                 bail!("{path:?} has no rows: there is nothing to recover");
             }

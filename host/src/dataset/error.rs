@@ -43,6 +43,16 @@ pub enum DatasetError {
         /// The first sample of the reference.
         begins: u64,
     },
+    /// One column for both.
+    #[error(
+        "{path:?}: column {column:?} cannot be both the input and the output: name two columns"
+    )]
+    OneColumn {
+        /// Which file.
+        path: PathBuf,
+        /// The column.
+        column: String,
+    },
     /// Columns are not named.
     #[error(
         "{path:?} is no recording of servoid, so say which of its columns is what; {columns}, so perhaps add: {options}"

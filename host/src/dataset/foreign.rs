@@ -16,6 +16,13 @@ pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Load
             options: suggestion::options(table.columns()),
         });
     };
+    let column = table.column(input)?;
+    if column == table.column(output)? {
+        return Err(DatasetError::OneColumn {
+            path: path.to_owned(),
+            column: column.to_owned(),
+        });
+    }
     let Columns { u, y, time, labels } = Columns::read(table, input, output, options)?;
     if u.len() < 2 {
         return Err(TableError::Empty {

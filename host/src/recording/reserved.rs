@@ -257,7 +257,9 @@ fn beside(path: &Path) -> IoResult<NamedTempFile> {
         let permissions = path.metadata().map_or(new, |there| there.permissions());
         builder.permissions(permissions);
     }
-    builder.tempfile_in(folder.unwrap_or(Path::new(".")))
+    let aside = builder.tempfile_in(folder.unwrap_or(Path::new(".")));
+    // The name of a file that nobody asked for says nothing.
+    aside.map_err(|reason| reason.kind().into())
 }
 
 /// Makes sure that nobody writes to the file.
@@ -299,6 +301,9 @@ fn require_reader(_: &Path) -> Result<(), WriteError> {
 fn not_created(path: &Path, reason: Error) -> WriteError {
     match reason.kind() {
         ErrorKind::AlreadyExists | ErrorKind::IsADirectory => WriteError::exists(path),
+        ErrorKind::NotFound => WriteError::NoFolder {
+            path: path.to_owned(),
+        },
         _ => WriteError::NotCreated {
             path: path.to_owned(),
             reason,

@@ -26,6 +26,12 @@ pub enum WriteError {
         /// Which.
         path: PathBuf,
     },
+    /// Its folder is not there.
+    #[error("{path:?} cannot be written: its folder is not there; make it first")]
+    NoFolder {
+        /// Which.
+        path: PathBuf,
+    },
     /// The file cannot be made.
     #[error("{path:?} cannot be written: {reason}")]
     NotCreated {

@@ -277,6 +277,12 @@ impl Wish {
         remarks: &mut Vec<String>,
     ) -> Result<u16, WishError> {
         let degrees = self.amplitude_deg.unwrap_or(AMPLITUDE_DEG);
+        if degrees.is_sign_negative() {
+            return Err(WishError::OutOfRange(format!(
+                "an amplitude of {degrees} degrees is none: a reference goes to both sides of neutral, so state {}",
+                -degrees
+            )));
+        }
         let microseconds = (degrees * us_per_degree).abs().round();
         if !(1.0..=LARGEST_AMPLITUDE_US).contains(&microseconds) {
             return Err(WishError::OutOfRange(format!(

@@ -68,6 +68,61 @@ fn files_that_are_not_what_they_should_be() {
     assert!(refusal(&named).contains("--period"));
 }
 
+/// Random steps, and a reading that knows nothing of them: the sensor is not connected.
+#[test]
+fn a_sensor_that_sees_nothing_is_not_blamed_on_the_reference() {
+    let dir = tempfile::tempdir().unwrap();
+    let (mut state, mut level) = (7u32, 10);
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+    };
+    let mut rows = String::from("u,y\n");
+    for k in 0..2_000 {
+        if k % 40 == 0 && next() > 0.0 {
+            level = -level;
+        }
+        rows += &format!("{level},{:.4}\n", next());
+    }
+    let file = write(dir.path(), "dead.csv", &rows);
+    let named = ["--input", "u", "--output", "y", "--period", "0.01"];
+    let output = crate::support::servoid(&[&["identify", file.as_str()], &named[..]].concat())
+        .output()
+        .unwrap();
+    let said = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
+    assert!(said.contains("no response to the input"), "{said}");
+    assert!(!said.contains("too smoothly"), "{said}");
+}
+
+#[test]
+fn one_column_for_input_and_output_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = write(dir.path(), "x.csv", &format!("u,y\n{}", good_rows(400)));
+    let args = [
+        "identify", &file, "--input", "y", "--output", "y", "--period", "0.02",
+    ];
+    assert!(refusal(&args).contains("cannot be both"));
+}
+
+#[test]
+fn an_amplitude_below_zero_and_a_folder_that_is_not_there_are_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("x.csv");
+    let args = [
+        "capture",
+        "--port",
+        "sim:bench",
+        "--amplitude=-5",
+        "-o",
+        arg(&file),
+    ];
+    assert!(refusal(&args).contains("state 5"));
+    let nowhere = dir.path().join("no/x.csv");
+    let args = ["capture", "--port", "sim:bench", "-o", arg(&nowhere)];
+    let said = refusal(&args);
+    assert!(said.contains("its folder is not there"), "{said}");
+}
+
 #[test]
 fn models_that_are_none() {
     let dir = tempfile::tempdir().unwrap();

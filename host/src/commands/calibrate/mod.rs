@@ -143,7 +143,7 @@ impl Calibrate {
             (None, Some(rig)) if self.update => Some(rig),
             (None, Some(rig)) if asked => {
                 output::tell(&text);
-                ask::confirm(&format!("Put this into {}", rig.display()))?.then_some(rig)
+                ask::confirm(&format!("Put this into {}", rig.display()), true)?.then_some(rig)
             }
             _ => None,
         };
@@ -186,7 +186,7 @@ impl Calibrate {
                 );
             }
             output::tell(self.intention(&rig.file, &pulses));
-            if !ask::confirm("May it move")? {
+            if !ask::confirm("May it move", false)? {
                 bail!("the servo was not moved");
             }
         }
