@@ -105,9 +105,20 @@ fn hidden_by_errors(hidden: f64, share: f64) -> Advice {
 
 pub(super) fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
     let choice = trusted_choice(evidence).filter(|choice| choice.detected <= 1)?;
+    let gain = &evidence.model.metrics.dc_gain;
+    let sign_is_known = gain
+        .lower
+        .zip(gain.upper)
+        .is_some_and(|(lower, upper)| lower * upper > 0.0);
+    let finding = if sign_is_known {
+        "No moment of the response stands out of the noise: that the output follows the input shows in the gain alone, \
+         and how it gets there is not known."
+    } else {
+        "The output shows no response to the input above the noise."
+    };
     Some(Advice::new(
         "response",
-        "The output shows no response to the input above the noise.".to_owned(),
+        finding.to_owned(),
         choice.detected as f64,
         1.0,
         "Check that input and output belong together, and use larger steps.",
