@@ -1,6 +1,7 @@
 //! By what a run is known again: a CRC-32 of its samples, whatever file they are in and however that is
 //! written.
 
+use crate::origin::Origin;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
 use servoid_identification::advice::Advice;
@@ -37,23 +38,27 @@ pub fn of(record: &Record) -> Vec<String> {
     record.runs().iter().map(of_run).collect()
 }
 
-/// A model with the fingerprints of the runs that it comes from, as model files have them.
+/// A model with where it comes from, and the fingerprints of its runs, as model files have them.
 #[derive(Debug, Serialize)]
 pub struct Marked<'a> {
     /// The model.
     #[serde(flatten)]
     pub model: &'a Model,
+    /// What its files say of themselves.
+    #[serde(flatten)]
+    pub origin: Origin,
     /// [`of`] its record; none where that is not known.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub runs_crc32: Vec<String>,
 }
 
 impl<'a> Marked<'a> {
-    /// A model and its record, where that is at hand.
+    /// A model, where it comes from, and its record, where that is at hand.
     #[must_use]
-    pub fn new(model: &'a Model, record: Option<&Record>) -> Self {
+    pub fn new(model: &'a Model, record: Option<&Record>, origin: Origin) -> Self {
         Self {
             model,
+            origin,
             runs_crc32: record.map(of).unwrap_or_default(),
         }
     }

@@ -25,6 +25,7 @@
 //! | [`summary`]   | results as text for a terminal                                             |
 //! | [`explain`]   | why a model has the structure that it has                                  |
 //! | [`report`]    | one page with everything, to open in a browser                             |
+//! | [`origin`]    | units of a model, and what held its command                                |
 //! | [`export`]    | models as scripts, headers and fragments for other programs                |
 //! | [`paper`]     | the paper's facts beside ours                                              |
 //! | [`template`]  | texts with gaps                                                           |
@@ -55,6 +56,7 @@ pub mod export;
 pub mod fingerprint;
 pub mod input;
 pub mod live;
+pub mod origin;
 pub mod output;
 pub mod paper;
 pub mod plan;

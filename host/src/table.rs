@@ -5,6 +5,7 @@ mod layout;
 mod number;
 
 pub use error::TableError;
+pub(crate) use layout::is_unit;
 
 use layout::{Layout, fits};
 use number::Decimal;
@@ -326,7 +327,7 @@ pub fn unit_of(column: &str) -> Option<&str> {
         column
             .rsplit_once(['_', ' '])
             .map(|(_, word)| word)
-            .filter(|word| layout::is_unit(word) && word.chars().count() > 1)
+            .filter(|word| is_unit(word) && word.chars().count() > 1)
     };
     bracketed.or_else(last).filter(|unit| !unit.is_empty())
 }

@@ -4,6 +4,7 @@ use super::table_args::TableArgs;
 use super::{Talk, listed, wrong_usage};
 use crate::dataset::{self, Dataset, DatasetOptions};
 use crate::fingerprint::{self, advice_on_sides, in_model_file};
+use crate::origin::Origin;
 use crate::{output, summary};
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -81,14 +82,19 @@ impl Compare {
             ([a], [b]) if is_model(a) && is_model(b) => {
                 let [text_a, text_b] = [output::read_text(a)?, output::read_text(b)?];
                 let [runs_a, runs_b] = [&text_a, &text_b].map(|text| in_model_file(text));
-                let a = output::parse_model(&text_a, a)?;
-                let b = output::parse_model(&text_b, b)?;
-                let found = compare_models(&a, &b, &options);
+                let [from_a, from_b] = [&text_a, &text_b].map(|text| Origin::in_model_file(text));
+                let model_a = output::parse_model(&text_a, a)?;
+                let model_b = output::parse_model(&text_b, b)?;
+                from_a.same_units(&a.display().to_string(), &from_b, &b.display().to_string())?;
+                let found = compare_models(&model_a, &model_b, &options);
                 (found, advice_on_sides(&runs_a, &runs_b))
             }
             _ => {
                 let table: DatasetOptions = self.table.into();
+                let (name_a, name_b) = (listed(a), listed(b));
                 let (a, b) = (read(a, &table, self.talk)?, read(b, &table, self.talk)?);
+                let [from_a, from_b] = [&a, &b].map(|side| Origin::from(&side.about));
+                from_a.same_units(&name_a, &from_b, &name_b)?;
                 let same =
                     advice_on_sides(&fingerprint::of(&a.record), &fingerprint::of(&b.record));
                 let options = ComparisonOptions {

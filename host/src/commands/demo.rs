@@ -5,6 +5,7 @@ use super::watch::Watch;
 use super::{Talk, interrupt};
 use crate::dataset::{self, DatasetOptions};
 use crate::fingerprint::Marked;
+use crate::origin::Origin;
 use crate::plots::figures;
 use crate::report::{self, Page, Servo};
 use crate::rig::RigFile;
@@ -161,7 +162,11 @@ impl Demo {
         let model = &found.model;
         self.write(
             &format!("{condition}.json"),
-            &output::to_json(&Marked::new(model, Some(&data.record)))?,
+            &output::to_json(&Marked::new(
+                model,
+                Some(&data.record),
+                Origin::from(&data.about),
+            ))?,
         )?;
         self.talk.say(summary::of_model(
             &file.display().to_string(),

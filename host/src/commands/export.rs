@@ -2,11 +2,11 @@
 
 use super::{Talk, stem, wrong_usage};
 use crate::export::{Export, Target};
+use crate::origin::{Origin, PULSE_FRAMES_S};
 use crate::output;
 use anyhow::Result;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use servoid_protocol::timing::FRAME_US;
 use std::path::PathBuf;
 
 /// Write a model for another program: MATLAB, Python, Julia, C, a table, or JSBSim
@@ -31,9 +31,10 @@ pub(super) struct ExportArgs {
     /// What the servo is called in it; without it, what the model's file is called
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
-    /// How long a pulse frame holds a command (ms); 0 where commands take effect at once
-    #[arg(long, default_value_t = f64::from(FRAME_US) * 1e-3, value_name = "MS")]
-    frame_ms: f64,
+    /// How long a pulse frame holds a command (ms); 0 where commands take effect at once. Without it,
+    /// what the model says: 20 ms where it comes from recordings of servoid, else it is not known
+    #[arg(long, value_name = "MS")]
+    frame_ms: Option<f64>,
     /// Replace the file if it exists
     #[arg(long)]
     force: bool,
@@ -61,22 +62,23 @@ impl ValueEnum for Target {
     }
 }
 
-/// Frames of commands: beyond a second it is a slip.
-const FRAMES_MS: std::ops::RangeInclusive<f64> = 0.0..=1000.0;
-
 impl ExportArgs {
     pub(super) fn run(self) -> Result<String> {
-        if !FRAMES_MS.contains(&self.frame_ms) {
+        let stated_s = self.frame_ms.map(|frame| 1e-3 * frame);
+        if stated_s.is_some_and(|frame| !PULSE_FRAMES_S.contains(&frame)) {
             wrong_usage("--frame-ms must be a number of milliseconds from 0 to 1000");
         }
         if let Some(out) = &self.out {
             output::check_free(out, self.force)?;
         }
-        let model = output::read_model(&self.model)?;
-        let fitted = output::read_flight_model(&self.model)?;
+        let text = output::read_text(&self.model)?;
+        let model = output::parse_model(&text, &self.model)?;
+        let fitted = output::parse_flight_model(&text, &self.model)?;
+        let mut origin = Origin::in_model_file(&text);
+        origin.pulse_frame_s = stated_s.or(origin.pulse_frame_s);
         let source = self.model.file_name().unwrap_or_default().to_string_lossy();
         let name = self.name.clone().unwrap_or_else(|| stem(&self.model));
-        let export = Export::new(&name, &source, &model, fitted, 1e-3 * self.frame_ms);
+        let export = Export::new(&name, &source, &model, fitted, origin);
         let text = export.write(self.to)?;
         let warnings = export.warnings();
         for warning in &warnings {

@@ -2,8 +2,10 @@
 
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem, wrong_usage};
+use crate::dataset::Dataset;
 use crate::dataset::suggestion::quoted;
 use crate::fingerprint::Marked;
+use crate::origin::Origin;
 use crate::plots::{figures, structure};
 use crate::{dataset, explain, output, summary};
 use anyhow::{Context, Result};
@@ -14,9 +16,8 @@ use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions
 use servoid_identification::limits::Limits;
 use servoid_identification::step::StepResponse;
 use servoid_identification::{
-    Explanation, Frequencies, Model, NoiseOrder, Options, Record, Settling, identify_explained,
+    Explanation, Frequencies, Model, NoiseOrder, Options, Settling, identify_explained,
 };
-use servoid_protocol::timing::FRAME_US;
 use std::path::PathBuf;
 
 /// Find the servo's step and frequency response, with bounds
@@ -101,8 +102,7 @@ impl Identify {
         let explanation = self.explain.then_some(&found.explanation);
         let flight = self.flight_model.then(|| {
             let options = FlightModelOptions {
-                // A recording of servoid was commanded by pulses, which change with the frame only.
-                frame_period_s: data.about.by_servoid.then(|| f64::from(FRAME_US) * 1e-6),
+                frame_period_s: Origin::from(&data.about).pulse_frame_s,
                 ..FlightModelOptions::default()
             };
             flight_model::fit(&data.record, model, &options)
@@ -110,7 +110,7 @@ impl Identify {
         if let Some(out) = &self.out {
             let beside = Identified {
                 flight_model: flight.as_ref().and_then(|fitted| fitted.as_ref().ok()),
-                ..Identified::of(model, &data.record)
+                ..Identified::of(model, &data)
             };
             output::write_file(out, self.force, &output::to_json(&beside)?)?;
             self.talk.say(format_args!("model: {}", out.display()));
@@ -135,7 +135,7 @@ impl Identify {
         text.extend(explanation.map(|e| explain::as_text(e, model)));
         let mut result = Identified {
             explanation,
-            ..Identified::of(model, &data.record)
+            ..Identified::of(model, &data)
         };
         match &flight {
             Some(Ok(fitted)) => {
@@ -201,9 +201,9 @@ struct Identified<'a> {
 }
 
 impl<'a> Identified<'a> {
-    fn of(model: &'a Model, record: &Record) -> Self {
+    fn of(model: &'a Model, data: &Dataset) -> Self {
         Self {
-            model: Marked::new(model, Some(record)),
+            model: Marked::new(model, Some(&data.record), Origin::from(&data.about)),
             explanation: None,
             flight_model: None,
             no_flight_model: None,

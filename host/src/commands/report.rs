@@ -3,6 +3,7 @@
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem, wrong_usage};
 use crate::dataset::{self, DatasetOptions};
+use crate::origin::Origin;
 use crate::report::{self, Page, Servo};
 use crate::{fingerprint, output};
 use anyhow::{Context, Result};
@@ -91,7 +92,13 @@ fn read(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Servo
     if let [file] = files
         && file.extension().is_some_and(|ending| ending == "json")
     {
-        return Ok(Servo::of_model(stem(file), output::read_model(file)?));
+        let text = output::read_text(file)?;
+        let model = output::parse_model(&text, file)?;
+        return Ok(Servo::of_model(
+            stem(file),
+            model,
+            Origin::in_model_file(&text),
+        ));
     }
     let data = dataset::load(files, options)?;
     data.about
@@ -112,6 +119,10 @@ fn comparison(a: &Servo, b: &Servo, margin: f64, talk: Talk) -> Result<Option<Co
         margin_percent: margin,
         ..ComparisonOptions::default()
     };
+    if let Err(why) = a.origin.same_units(&a.name, &b.origin, &b.name) {
+        talk.say(format_args!("no verdict: {why}"));
+        return Ok(None);
+    }
     let found = match (&a.data, &b.data) {
         (Some(a), Some(b)) => {
             let sides = [a, b].map(|side| fingerprint::of(&side.record));

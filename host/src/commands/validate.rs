@@ -2,6 +2,7 @@
 
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem};
+use crate::origin::Origin;
 use crate::plots::figures::{self, Named};
 use crate::{dataset, fingerprint, output, summary};
 use anyhow::{Context, Result};
@@ -49,6 +50,11 @@ impl Validate {
         let text = output::read_text(&self.model)?;
         let model = output::parse_model(&text, &self.model)?;
         let data = dataset::load(&self.files, &self.table.into())?;
+        Origin::in_model_file(&text).same_units(
+            &self.model.display().to_string(),
+            &Origin::from(&data.about),
+            &listed(&self.files),
+        )?;
         let seen = fingerprint::in_model_file(&text);
         let own = fingerprint::advice_on_validation(&seen, &fingerprint::of(&data.record));
         data.about

@@ -1,5 +1,6 @@
 //! Why files did not become a record.
 
+use crate::origin::UnitsDiffer;
 use crate::recording::ReadError;
 use crate::table::TableError;
 use crate::timeline::TimeFault;
@@ -43,6 +44,9 @@ pub enum DatasetError {
         /// The first sample of the reference.
         begins: u64,
     },
+    /// Files in different units.
+    #[error(transparent)]
+    MixedUnits(#[from] UnitsDiffer),
     /// One column for both.
     #[error(
         "{path:?}: column {column:?} cannot be both the input and the output: name two columns"

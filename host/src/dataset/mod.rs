@@ -15,6 +15,7 @@ pub use error::DatasetError;
 pub use time::TimeUnit;
 
 use crate::fingerprint;
+use crate::origin::Origin;
 use crate::recording::{self, Recording};
 use crate::summary::Units;
 use crate::table::{Table, TableError};
@@ -148,14 +149,13 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
                 expected,
             });
         }
+        let before = listed(paths.get(..index).unwrap_or_default());
+        let (own, another) = (Origin::from(&all.about), Origin::from(&next.about));
+        own.same_units(&before, &another, &path.display().to_string())?;
         all.runs.extend(next.runs);
         all.rest.extend(next.rest);
         all.about.merge(next.about);
     }
-    let files = || {
-        let names: Vec<_> = paths.iter().map(|p| format!("{}", p.display())).collect();
-        names.join(", ")
-    };
     let Loaded {
         runs,
         rest,
@@ -170,7 +170,7 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
         about: About::default(),
     });
     let record = Record::new(period_s, runs).map_err(|error| DatasetError::Data {
-        files: files(),
+        files: listed(paths),
         error,
     })?;
     let mut about = about;
@@ -182,6 +182,11 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
         record: record.with_sample_phase(phase_s).with_rest(rest),
         about,
     })
+}
+
+fn listed(paths: &[PathBuf]) -> String {
+    let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
+    names.join(", ")
 }
 
 /// Periods that differ by less are the same: it is far below what any result resolves, and above

@@ -21,7 +21,7 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
         Err(reason) => return Err(ExportError::NoLowOrder(reason.clone())),
     };
     let id = identifier(export.name);
-    let held = export.frame_s > 0.0;
+    let held = export.frame_s() > 0.0;
     let mut paragraphs = export.statement(held);
     let covariance: Vec<String> = flight
         .covariance
@@ -40,7 +40,7 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     let (filters, output) = filters(&flight.transfer, &id);
     let input = if held { "held" } else { "cmd" };
     let hold = if held {
-        hold(&id, export.frame_s)
+        hold(&id, export.frame_s())
     } else {
         String::new()
     };

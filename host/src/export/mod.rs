@@ -23,6 +23,7 @@ mod scripts;
 mod statement;
 mod text;
 
+use crate::origin::Origin;
 use servoid_identification::Model;
 use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
 
@@ -91,8 +92,8 @@ pub struct Export<'a> {
     pub model: &'a Model,
     /// The model of low order, or why there is none.
     pub low_order: Result<FlightModel, String>,
-    /// The time for which a command is held before the servo \[s\]: the frame of its pulses.
-    pub frame_s: f64,
+    /// Units, and the pulse frame that holds a command before the servo, where they are known.
+    pub origin: Origin,
 }
 
 impl<'a> Export<'a> {
@@ -103,10 +104,10 @@ impl<'a> Export<'a> {
         source: &'a str,
         model: &'a Model,
         fitted: Option<FlightModel>,
-        frame_s: f64,
+        origin: Origin,
     ) -> Self {
         let options = FlightModelOptions {
-            frame_period_s: Some(frame_s).filter(|frame| *frame > 0.0),
+            frame_period_s: origin.pulse_frame_s.filter(|frame| *frame > 0.0),
             ..FlightModelOptions::default()
         };
         let low_order = match fitted {
@@ -118,8 +119,13 @@ impl<'a> Export<'a> {
             source,
             model,
             low_order,
-            frame_s,
+            origin,
         }
+    }
+
+    /// The frame that holds a command in what is written \[s\]: 0 where there is none, or none is known.
+    fn frame_s(&self) -> f64 {
+        self.origin.pulse_frame_s.unwrap_or(0.0)
     }
 
     /// The text of the file.

@@ -28,7 +28,7 @@ impl Export<'_> {
             ),
             ("period", number(model.sample_period_s)),
             ("phase", number(model.sample_phase_s)),
-            ("frame", number(self.frame_s)),
+            ("frame", number(self.frame_s())),
             ("offset", number(model.offset)),
             ("taps", taps.to_string()),
             ("last", (taps - 1).to_string()),

@@ -42,6 +42,12 @@ impl Export<'_> {
         if let Some(why) = summary::why_withheld(model) {
             found.push(format!("figures are withheld: {why}"));
         }
+        if self.origin.pulse_frame_s.is_none() {
+            found.push(
+                "it is not known how the command is held: the model does not say that it comes from recordings of servoid, so no frame hold is assumed; for a servo on pulses, state their frame with --frame-ms"
+                    .to_owned(),
+            );
+        }
         match &self.low_order {
             Ok(flight) if flight.approximation => found.push(format!(
                 "the low-order model is an approximation: it is wrong by up to {:.2} % of the step",
@@ -72,7 +78,7 @@ impl Export<'_> {
         paragraphs
             .extend(advice.map(|advice| format!("Advice: {} {}", advice.finding, advice.remedy)));
         paragraphs.extend([
-            UNITS.to_owned(),
+            self.units_and_signs(),
             self.sampling(),
             self.hold(held),
             self.bounds(),
@@ -83,6 +89,24 @@ impl Export<'_> {
             flight.map(|flight| low_order(flight, self.largest_error_percent(flight), self.model)),
         );
         paragraphs
+    }
+
+    fn units_and_signs(&self) -> String {
+        let units = self.origin.units();
+        let of = |what: &str, unit: Option<&str>| match unit {
+            Some(unit) => format!("the {what} is in {unit}"),
+            None => format!("the unit of the {what} is that of the recording, and not known"),
+        };
+        let gain = match (units.gain(), units.common()) {
+            (Some(unit), _) => format!("the gain is position per command, in {unit}"),
+            (None, Some(_)) => "the gain is position per command, without a unit".to_owned(),
+            (None, None) => "the gain is position per command".to_owned(),
+        };
+        format!(
+            "Units and signs: {}, {}, {gain}, times are in seconds, frequencies in rad/s. A response has the sign of the gain times that of the command; frequency responses are for exp(+jwt), so that a lag has a negative phase.",
+            of("command", units.input),
+            of("position", units.output),
+        )
     }
 
     fn sampling(&self) -> String {
@@ -99,12 +123,17 @@ impl Export<'_> {
     fn hold(&self, held: bool) -> String {
         let milliseconds = |seconds: f64| number((seconds * 1e7).round() / 1e4);
         let begin = "Delay: all of the servo's own delay, counted from the edge of the command as it was applied, is in the model.";
-        if self.frame_s == 0.0 {
+        let Some(frame_s) = self.origin.pulse_frame_s else {
+            return format!(
+                "{begin} How the command is held is not known, and no hold is assumed."
+            );
+        };
+        if frame_s == 0.0 {
             return format!(
                 "{begin} No frame hold is assumed: the command may change at any sample."
             );
         }
-        let frame = milliseconds(self.frame_s);
+        let frame = milliseconds(frame_s);
         if held {
             return format!(
                 "{begin} The hold of the command for a pulse frame of {frame} ms is part of this file."
@@ -113,8 +142,8 @@ impl Export<'_> {
         // A uniform delay between 0 and T has the mean T/2 and the standard deviation T/sqrt(12).
         format!(
             "{begin} The frame hold is not: a servo gets a new pulse once in {frame} ms only. Put a sample and hold of {frame} ms before the model; a simulation without one must add {} ms of delay, and lacks a jitter of {} ms rms.",
-            milliseconds(self.frame_s / 2.0),
-            milliseconds(self.frame_s / 12f64.sqrt()),
+            milliseconds(frame_s / 2.0),
+            milliseconds(frame_s / 12f64.sqrt()),
         )
     }
 
@@ -144,8 +173,6 @@ impl Export<'_> {
         )
     }
 }
-
-const UNITS: &str = "Units and signs: command and position have the units of the recording (degrees in recordings of servoid), the gain is position per command, times are in seconds, frequencies in rad/s. A response has the sign of the gain times that of the command; frequency responses are for exp(+jwt), so that a lag has a negative phase.";
 
 /// The parameters of a low-order model in the order of its covariance.
 pub(super) fn parameters_of(flight: &FlightModel) -> &'static str {

@@ -12,6 +12,7 @@ mod text;
 pub use servo::Servo;
 
 use crate::fingerprint::Marked;
+use crate::origin::Origin;
 use crate::paper::Fact;
 use crate::plots::figures::Subject;
 use crate::template::fill;
@@ -38,6 +39,8 @@ pub struct Part<'a> {
     pub explanation: Option<&'a Explanation>,
     /// Models of its runs, each identified on its own, where there are several.
     pub runs: &'a [Model],
+    /// What is known of units and of what held the command.
+    pub origin: &'a Origin,
     /// Where the data come from, file by file.
     pub provenance: &'a [Facts],
 }
@@ -132,7 +135,7 @@ const MODELS_BYTES: usize = 1_000_000;
 fn models_in_page(page: &Page<'_>) -> Result<(String, &'static str)> {
     let models: Vec<Marked<'_>> = page
         .parts()
-        .map(|part| Marked::new(part.subject.model, part.subject.record))
+        .map(|part| Marked::new(part.subject.model, part.subject.record, part.origin.clone()))
         .collect();
     let whole = json_in_page(&models)?;
     if whole.len() <= MODELS_BYTES {

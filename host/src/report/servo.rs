@@ -2,8 +2,8 @@
 
 use super::{Part, runs_alone};
 use crate::dataset::Dataset;
+use crate::origin::Origin;
 use crate::plots::figures::Subject;
-use crate::summary::Units;
 use servoid_identification::{Explanation, Identification, Model};
 
 /// A servo under one condition.
@@ -17,18 +17,21 @@ pub struct Servo {
     pub explanation: Option<Explanation>,
     /// What it was identified from; not known of a model from a file.
     pub data: Option<Dataset>,
+    /// What is known of units and of what held the command.
+    pub origin: Origin,
     runs: Vec<Model>,
 }
 
 impl Servo {
     /// A model from a file.
     #[must_use]
-    pub fn of_model(name: String, model: Model) -> Self {
+    pub fn of_model(name: String, model: Model, origin: Origin) -> Self {
         Self {
             name,
             model,
             explanation: None,
             data: None,
+            origin,
             runs: Vec::new(),
         }
     }
@@ -41,6 +44,7 @@ impl Servo {
             name,
             model: found.model,
             explanation: Some(found.explanation),
+            origin: Origin::from(&data.about),
             data: Some(data),
             runs,
         }
@@ -55,10 +59,11 @@ impl Servo {
                 name: &self.name,
                 model: &self.model,
                 record: data.map(|data| &data.record),
-                units: data.map_or_else(Units::default, |data| data.about.units()),
+                units: self.origin.units(),
             },
             explanation: self.explanation.as_ref(),
             runs: &self.runs,
+            origin: &self.origin,
             provenance: data.map_or(&[], |data| &data.about.provenance),
         }
     }

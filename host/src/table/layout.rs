@@ -184,7 +184,7 @@ const UNITS: [&str; 46] = [
 ];
 
 /// Whether a word is a unit that is known.
-pub(super) fn is_unit(word: &str) -> bool {
+pub(crate) fn is_unit(word: &str) -> bool {
     UNITS.contains(&word.to_lowercase().as_str())
 }
 

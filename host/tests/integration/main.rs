@@ -32,4 +32,5 @@ mod sessions;
 mod support;
 #[cfg(target_os = "linux")]
 mod terminal;
+mod units;
 mod verdicts;

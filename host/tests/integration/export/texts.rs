@@ -35,7 +35,7 @@ fn every_export_says_what_it_is() {
             "bench 1.json",
             concat!("servoid ", env!("CARGO_PKG_VERSION")),
             "every 0.002 s",
-            "(degrees in",
+            "the command is in deg, the position is in deg",
             "negative phase",
             "20.0 ms",
             "level 99",
