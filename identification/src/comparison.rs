@@ -42,6 +42,7 @@ use crate::record::Record;
 use crate::structure::MARGIN;
 use crate::timing::Timing;
 use difference::{Curves, Differences};
+use scatter::RunToRun;
 use sides::{Identified, identified, same_period};
 
 pub use motion::Motion;
@@ -119,7 +120,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
             Curves::of_model(&b.model, points)?,
         ],
     };
-    let p_value = match scatter::p_value(a.record, b.record, a.model.basis()?, level) {
+    let run_to_run = match scatter::run_to_run(a.record, b.record, a.model.basis()?, level) {
         // A single run may be too short for a model of its own; then there is no test.
         Err(Error::TooFewSamples { .. } | Error::OneDirection) => None,
         other => other?,
@@ -137,7 +138,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         },
     );
     let runs = [a.record.runs().len(), b.record.runs().len()];
-    let mut comparison = of_curves(&a.model, &b.model, &curves, p_value, runs, options);
+    let mut comparison = of_curves(&a.model, &b.model, &curves, run_to_run, runs, options);
     comparison.split = split.is_some();
     comparison.over_prediction = over_prediction;
     comparison.levels = Some(Sides {
@@ -230,10 +231,11 @@ fn of_curves(
     a: &Model,
     b: &Model,
     curves: &[Curves; 2],
-    p_value: Option<f64>,
+    run_to_run: Option<RunToRun>,
     runs: [usize; 2],
     options: &ComparisonOptions,
 ) -> Comparison {
+    let p_value = run_to_run.map(|found| found.p);
     let level = options.identification.level;
     let differences = Differences::of(&curves[0], &curves[1], level);
     let found = differences.largest();
@@ -247,6 +249,9 @@ fn of_curves(
     };
     let verdict = match by_margin {
         Verdict::Different if explained_by_chance(p_value) => Verdict::Undecided,
+        Verdict::Same if run_to_run.is_some_and(|found| found.at_most > margin) => {
+            Verdict::Undecided
+        }
         other => other,
     };
     let timing = a.timing();
@@ -273,6 +278,7 @@ fn of_curves(
         level,
         runs,
         p_value,
+        run_to_run_at_most_percent: run_to_run.map(|found| 100.0 * found.at_most),
         delay_shift_s: shift.value,
         delay_shift_bounds_s: shift.lower.zip(shift.upper).map(<[f64; 2]>::from),
         delay_shift_definition: shift::DEFINITION.to_owned(),

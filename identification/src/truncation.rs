@@ -166,10 +166,16 @@ impl Errors {
 
     /// Of G at each of `omegas` \[rad/sample\].
     fn of_frequencies(&self, omegas: &[f64]) -> Vec<f64> {
-        let rows = Mat::from_fn(2 * omegas.len(), self.impulse.nrows(), |k, i| {
-            let (sin, cos) = (omegas[k / 2] * i as f64).sin_cos();
-            if k % 2 == 0 { cos } else { -sin }
-        });
+        let mut rows = Mat::zeros(2 * omegas.len(), self.impulse.nrows());
+        for (k, omega) in omegas.iter().enumerate() {
+            // e^{-jωi} by turning on: after as many turns as N has samples, rounding is far below what a bound needs.
+            let (turn_sin, turn_cos) = omega.sin_cos();
+            let (mut re, mut im) = (1.0, 0.0);
+            for i in 0..rows.ncols() {
+                (rows[(2 * k, i)], rows[(2 * k + 1, i)]) = (re, im);
+                (re, im) = (re * turn_cos + im * turn_sin, im * turn_cos - re * turn_sin);
+            }
+        }
         let errors = rows * &self.impulse;
         (0..omegas.len())
             .map(|k| {

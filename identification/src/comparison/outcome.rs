@@ -137,6 +137,10 @@ pub struct Comparison {
     /// Probability of the difference by scatter between runs of one servo; `None` with fewer than
     /// three runs on a side.
     pub p_value: Option<f64>,
+    /// Largest difference at a moment that the scatter between runs leaves open \[% of the step\]: the difference of
+    /// the mean responses of the runs and Welch's half width, at `level`; `None` as above. The
+    /// verdict "same" needs it within the margin.
+    pub run_to_run_at_most_percent: Option<f64>,
     /// Delay that brings the first response closest to the second, each relative to its own final
     /// value \[s\]; `None` when there is no best one.
     pub delay_shift_s: Option<f64>,

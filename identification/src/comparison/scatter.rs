@@ -24,22 +24,33 @@ const RUNS: (usize, usize) = (3, 5);
 const SPLITS: usize = 20_000;
 const SEED: u64 = 20_250_918;
 
-/// Probability of a difference at least as large if both sides are one servo; `None` with fewer
-/// than three runs on a side.
-pub(crate) fn p_value(
+/// What the scatter of runs says of a difference.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RunToRun {
+    /// Probability of a difference at least as large if both sides are one servo.
+    pub(crate) p: f64,
+    /// Largest difference of the mean responses that the scatter of the runs leaves open at a moment, of the
+    /// step of the first side: |difference| and Welch's half width, at the level asked for.
+    pub(crate) at_most: f64,
+}
+
+/// What the runs of two sides say of their difference; `None` with fewer than three runs on a side.
+pub(crate) fn run_to_run(
     a: &Record,
     b: &Record,
     basis: Basis,
     level: f64,
-) -> Result<Option<f64>, Error> {
+) -> Result<Option<RunToRun>, Error> {
     let fewest = a.runs().len().min(b.runs().len());
     if fewest < RUNS.0 {
         return Ok(None);
     }
     let ends = ends(a);
     let (a, b) = (models(a, basis, level)?, models(b, basis, level)?);
+    let at_most = largest_left_open(&a, &b, level);
+    let found = |p| Ok(Some(RunToRun { p, at_most }));
     if fewest >= RUNS.1 {
-        return Ok(Some(permutation(&a, &b)));
+        return found(permutation(&a, &b));
     }
     let figures = |models: &[DirectionModel]| -> Vec<[f64; 10]> {
         models.iter().map(|model| figures(model, ends)).collect()
@@ -48,10 +59,32 @@ pub(crate) fn p_value(
     let smallest = (0..10)
         .filter_map(|k| {
             let column = |rows: &[[f64; 10]]| rows.iter().map(|row| row[k]).collect::<Vec<f64>>();
-            welch(&column(&a), &column(&b))
+            Some(Welch::new(&column(&a), &column(&b))?.p())
         })
         .fold(1.0, f64::min);
-    Ok(Some((10.0 * smallest).min(1.0)))
+    found((10.0 * smallest).min(1.0))
+}
+
+/// max_m (|difference of the means| + Welch's half width) over the points of both strokes, of the mean final
+/// value of the first side.
+fn largest_left_open(a: &[DirectionModel], b: &[DirectionModel], level: f64) -> f64 {
+    let strokes: [fn(&DirectionModel) -> &[f64]; 2] = [|m| &m.up.value, |m| &m.down.value];
+    let mut largest = 0.0f64;
+    for stroke in strokes {
+        let points = stroke(&a[0]).len();
+        let at = |side: &[DirectionModel], m: usize| -> Vec<f64> {
+            side.iter().map(|model| stroke(model)[m]).collect()
+        };
+        let last = at(a, points - 1);
+        let step = (last.iter().sum::<f64>() / last.len() as f64).abs();
+        for m in 0..points {
+            let Some(welch) = Welch::new(&at(a, m), &at(b, m)) else {
+                continue;
+            };
+            largest = largest.max((welch.difference.abs() + welch.half_width(level)) / step);
+        }
+    }
+    largest
 }
 
 fn models(record: &Record, basis: Basis, level: f64) -> Result<Vec<DirectionModel>, Error> {
@@ -110,23 +143,46 @@ fn figures(model: &DirectionModel, (low, high): (f64, f64)) -> [f64; 10] {
     ]
 }
 
-/// Two-sided p of equal means, variances unknown and unequal; `None` without scatter to compare
-/// with.
-fn welch(a: &[f64], b: &[f64]) -> Option<f64> {
-    let moments = |values: &[f64]| {
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let square: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
-        (mean, square / (count - 1.0) / count, count - 1.0)
-    };
-    let ((mean_a, share_a, degrees_a), (mean_b, share_b, degrees_b)) = (moments(a), moments(b));
-    let variance = share_a + share_b;
-    let degrees = variance.powi(2) / (share_a.powi(2) / degrees_a + share_b.powi(2) / degrees_b);
-    let t = (mean_a - mean_b).abs() / variance.sqrt();
-    if !t.is_finite() {
-        return None;
+/// Welch's comparison of two means, variances unknown and unequal.
+struct Welch {
+    difference: f64,
+    /// Standard error of the difference.
+    error: f64,
+    distribution: StudentsT,
+}
+
+impl Welch {
+    /// `None` without scatter to compare with.
+    fn new(a: &[f64], b: &[f64]) -> Option<Self> {
+        let moments = |values: &[f64]| {
+            let count = values.len() as f64;
+            let mean = values.iter().sum::<f64>() / count;
+            let square: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+            (mean, square / (count - 1.0) / count, count - 1.0)
+        };
+        let ((mean_a, share_a, degrees_a), (mean_b, share_b, degrees_b)) = (moments(a), moments(b));
+        let variance = share_a + share_b;
+        let degrees =
+            variance.powi(2) / (share_a.powi(2) / degrees_a + share_b.powi(2) / degrees_b);
+        let welch = Self {
+            difference: mean_a - mean_b,
+            error: variance.sqrt(),
+            distribution: StudentsT::new(0.0, 1.0, degrees).ok()?,
+        };
+        (welch.difference / welch.error)
+            .is_finite()
+            .then_some(welch)
     }
-    Some(2.0 * StudentsT::new(0.0, 1.0, degrees).ok()?.sf(t))
+
+    /// Two-sided p of equal means.
+    fn p(&self) -> f64 {
+        2.0 * self.distribution.sf((self.difference / self.error).abs())
+    }
+
+    /// Half the width of the interval of the difference.
+    fn half_width(&self, level: f64) -> f64 {
+        self.error * self.distribution.inverse_cdf((1.0 + level) / 2.0)
+    }
 }
 
 fn permutation(a: &[DirectionModel], b: &[DirectionModel]) -> f64 {
@@ -229,13 +285,13 @@ mod tests {
     #[test]
     fn welch_agrees_with_a_worked_example() {
         // t = 3 / sqrt(1/3 + 4/3) = 2.3238, 2.941 degrees of freedom.
-        let p = welch(&[1.0, 2.0, 3.0], &[3.0, 5.0, 7.0]).unwrap();
+        let p = Welch::new(&[1.0, 2.0, 3.0], &[3.0, 5.0, 7.0]).unwrap().p();
         let exact = 2.0
             * StudentsT::new(0.0, 1.0, 50.0 / 17.0)
                 .unwrap()
                 .sf(3.0 / (5.0f64 / 3.0).sqrt());
         assert_abs_diff_eq!(p, exact, epsilon = 1e-12);
-        assert_eq!(welch(&[1.0, 1.0], &[1.0, 1.0]), None);
+        assert!(Welch::new(&[1.0, 1.0], &[1.0, 1.0]).is_none());
     }
 
     #[test]

@@ -45,9 +45,13 @@ fn answer(found: &Comparison) -> String {
         Verdict::Undecided if explained_by_chance(found.p_value) && bounds.at_least > margin => {
             format!("Not decided: {apart}, but runs of one servo differ as much among themselves.")
         }
-        Verdict::Undecided => {
-            format!("Not decided: {apart}, and the margin of {margin} % lies between.")
-        }
+        Verdict::Undecided => match found.run_to_run_at_most_percent {
+            Some(most) if bounds.at_most <= margin => format!(
+                "Not decided: {apart} by these runs, but as runs scatter, {most:.1} % is possible, which is beyond the \
+                 margin of {margin} %."
+            ),
+            _ => format!("Not decided: {apart}, and the margin of {margin} % lies between."),
+        },
     }
 }
 
@@ -66,10 +70,13 @@ fn feel(found: &Comparison) -> String {
     let rest = found.levels.as_ref().and_then(rest).unwrap_or_default();
     let runs = match found.p_value {
         Some(p) if p > CHANCE => {
-            format!("what differs from run to run is counted, and may be all there is (p = {p:.3})")
+            format!(
+                "the bounds are those of the noise, and what differs from run to run may be all there is \
+                 (p = {p:.3})"
+            )
         }
         Some(p) => format!(
-            "what differs from run to run is counted, and does not explain it (p {})",
+            "the bounds are those of the noise, and what differs from run to run does not explain it (p {})",
             if p < 0.001 {
                 "< 0.001".to_owned()
             } else {

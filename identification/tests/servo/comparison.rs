@@ -227,6 +227,32 @@ fn scatter_between_runs_is_counted_from_three_runs_a_side() {
     assert_eq!(different.verdict, Verdict::Different);
 }
 
+/// Servos whose gain differs by 3 % from run to run, and two sides that are 6 % apart on average: bounds of the
+/// noise alone are a third of a percent wide, and may lie anywhere.
+#[test]
+fn runs_that_scatter_are_not_called_the_same() {
+    let side = |gains: [f64; 3], first: u64| {
+        let runs = gains.iter().zip(first..).flat_map(|(gain, seed)| {
+            let servo = Linear::second_order(*gain, 0.0255, 0.5, 60.0);
+            record(&servo, &servo, 0.0, seed..seed + 1, 1.0)
+                .runs()
+                .to_vec()
+        });
+        Record::new(0.002, runs.collect()).unwrap()
+    };
+    // The means of these runs are 2 % apart.
+    let (a, b) = (side([0.97, 1.03, 0.97], 0), side([0.97, 0.98, 0.96], 10));
+    let found = compare(&a, &b, &options()).unwrap();
+    assert!(found.difference_percent.at_most < 5.0, "{}", found.summary);
+    assert_eq!(found.verdict, Verdict::Undecided, "{}", found.summary);
+    assert!(found.run_to_run_at_most_percent.unwrap() > 6.0);
+    assert!(
+        found.summary.contains("as runs scatter"),
+        "{}",
+        found.summary
+    );
+}
+
 #[test]
 fn models_can_be_compared_without_records_and_whatever_their_settling_time() {
     let model = |servo: &Linear, settling: usize, seed: u64| {
