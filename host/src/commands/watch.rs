@@ -126,7 +126,7 @@ impl Watch {
     /// What came of `--until-band`, with everything that has been captured.
     pub(super) fn band_reached(&self) -> Option<BandReached> {
         let (asked_percent, live) = self.until_percent.zip(self.live.as_ref())?;
-        live.ask_and_wait();
+        live.ask_anew_and_wait();
         let step = live.latest();
         let found = match &step {
             None => Found::Nothing,

@@ -1,7 +1,7 @@
 //! Estimating beside the capture.
 
 use super::{Estimator, LiveStep};
-use servoid_identification::Options;
+use servoid_identification::{Error, Options};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,6 +13,8 @@ enum Order {
     /// Estimate; where a percentage is given and seems to be reached, make sure of it. The answer
     /// goes to whoever waits for it.
     Estimate(Option<f64>, Option<Sender<()>>),
+    /// Estimate from all samples, with every test of what the errors are, and answer.
+    EstimateAnew(Sender<()>),
 }
 
 /// What was found last, for anybody to look at.
@@ -20,6 +22,16 @@ enum Order {
 struct Found {
     latest: Mutex<Option<Arc<LiveStep>>>,
     busy: AtomicBool,
+}
+
+impl Found {
+    /// What cannot be found yet leaves what was found before.
+    fn keep(&self, step: Result<LiveStep, Error>) {
+        if let Ok(step) = step {
+            let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+            *latest = Some(Arc::new(step));
+        }
+    }
 }
 
 /// An [`Estimator`] on a thread of its own. Handing it samples never waits.
@@ -68,8 +80,18 @@ impl LiveIdentification {
 
     /// Has an estimate made of all samples so far, and waits for it.
     pub fn ask_and_wait(&self) {
+        self.wait_for(|answer| Order::Estimate(self.until_percent, Some(answer)));
+    }
+
+    /// As [`LiveIdentification::ask_and_wait`], with what only the samples themselves show: whether the errors
+    /// are noise. For the end of a run; it takes as long as `servoid identify`.
+    pub fn ask_anew_and_wait(&self) {
+        self.wait_for(Order::EstimateAnew);
+    }
+
+    fn wait_for(&self, order: impl FnOnce(Sender<()>) -> Order) {
         let (answer, done) = channel();
-        self.tell(Order::Estimate(self.until_percent, Some(answer)));
+        self.tell(order(answer));
         // A thread that is gone answers by being gone.
         let _nothing_more_comes = done.recv();
     }
@@ -106,12 +128,12 @@ fn work(queue: &Receiver<Order>, mut estimator: Estimator, found: &Found) {
                 {
                     step = estimator.estimate_anew();
                 }
-                // What cannot be found yet leaves what was found before.
-                if let Ok(step) = step {
-                    let mut latest = found.latest.lock().unwrap_or_else(PoisonError::into_inner);
-                    *latest = Some(Arc::new(step));
-                }
+                found.keep(step);
                 found.busy.store(false, Ordering::SeqCst);
+                drop(answer);
+            }
+            Order::EstimateAnew(answer) => {
+                found.keep(estimator.estimate_anew());
                 drop(answer);
             }
         }
