@@ -39,6 +39,9 @@ const NOT_TEXT: [(&[u8], &str); 5] = [
     ),
 ];
 
+/// Columns that an error text names.
+const MOST_LISTED: usize = 30;
+
 /// What some programs put before text in UTF-8.
 pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
@@ -134,14 +137,19 @@ impl Table {
         }
     }
 
-    /// The column names as a list for error texts, one with a comma in it in quotes.
+    /// The column names as a list for error texts, one with a comma or a control character in it in quotes,
+    /// and of very many the first.
     #[must_use]
     pub fn columns_listed(&self) -> String {
-        let said = |name: &String| match name.contains(',') {
+        let said = |name: &String| match name.contains(|c: char| c == ',' || c.is_control()) {
             true => format!("{name:?}"),
             false => name.clone(),
         };
-        let names: Vec<String> = self.columns().iter().map(said).collect();
+        let columns = self.columns();
+        let mut names: Vec<String> = columns.iter().take(MOST_LISTED).map(said).collect();
+        if columns.len() > MOST_LISTED {
+            names.push(format!("and {} more", columns.len() - MOST_LISTED));
+        }
         names.join(", ")
     }
 

@@ -69,6 +69,8 @@ pub struct ComparisonOptions {
     pub zero_sd: f64,
     /// The unit of the input, for sentences; empty when it is not known.
     pub input_unit: String,
+    /// The unit of the output, likewise.
+    pub output_unit: String,
 }
 
 impl Default for ComparisonOptions {
@@ -79,6 +81,7 @@ impl Default for ComparisonOptions {
             wait_samples: None,
             zero_sd: 0.0,
             input_unit: String::new(),
+            output_unit: String::new(),
         }
     }
 }
@@ -164,7 +167,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;
     }
-    comparison.summary = words::summary(&comparison);
+    comparison.summary = words::summary(&comparison, options);
     comparison.advice = advice(&comparison, [&a.alone, &b.alone], &[&a, &b]);
     if differ {
         let finding = different_references(&motions, linear, &options.input_unit);
@@ -221,7 +224,7 @@ pub fn compare_models(
     if !(a.bounds_hold() && b.bounds_hold()) {
         comparison.without_bounds();
     }
-    comparison.summary = words::summary(&comparison);
+    comparison.summary = words::summary(&comparison, options);
     comparison.advice = advice(&comparison, [a, b], &[]);
     comparison.advice.push(one_response());
     Ok(comparison)

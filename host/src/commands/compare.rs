@@ -99,6 +99,7 @@ impl Compare {
                     advice_on_sides(&fingerprint::of(&a.record), &fingerprint::of(&b.record));
                 let options = ComparisonOptions {
                     input_unit: a.about.input_unit_with(&b.about),
+                    output_unit: a.about.output_unit_with(&b.about),
                     ..options
                 };
                 let found = compare(&a.record, &b.record, &options).map(|mut found| {

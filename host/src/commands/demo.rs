@@ -73,6 +73,8 @@ impl Demo {
         let (aircraft, aircraft_record) = self.measure("aircraft")?;
         let options = ComparisonOptions {
             wait_samples: Some(paper::WAIT_SAMPLES),
+            input_unit: "deg".to_owned(),
+            output_unit: "deg".to_owned(),
             ..ComparisonOptions::default()
         };
         let comparison = compare(&bench_record, &aircraft_record, &options)?;

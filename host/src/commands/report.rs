@@ -128,6 +128,7 @@ fn comparison(a: &Servo, b: &Servo, margin: f64, talk: Talk) -> Result<Option<Co
             let sides = [a, b].map(|side| fingerprint::of(&side.record));
             let options = ComparisonOptions {
                 input_unit: a.about.input_unit_with(&b.about),
+                output_unit: a.about.output_unit_with(&b.about),
                 ..options
             };
             compare(&a.record, &b.record, &options).map(|mut found| {

@@ -77,9 +77,13 @@ impl About {
     /// The unit of the input of both, empty where they do not have one in common.
     #[must_use]
     pub fn input_unit_with(&self, other: &Self) -> String {
-        let unit = self.input_unit.clone();
-        unit.filter(|unit| other.input_unit.as_ref() == Some(unit))
-            .unwrap_or_default()
+        in_common(self.input_unit.as_ref(), other.input_unit.as_ref())
+    }
+
+    /// The unit of the output of both, empty where they do not have one in common.
+    #[must_use]
+    pub fn output_unit_with(&self, other: &Self) -> String {
+        in_common(self.output_unit.as_ref(), other.output_unit.as_ref())
     }
 
     /// The units of the two columns.
@@ -187,6 +191,12 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
 fn listed(paths: &[PathBuf]) -> String {
     let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
     names.join(", ")
+}
+
+fn in_common(a: Option<&String>, b: Option<&String>) -> String {
+    a.filter(|unit| b == Some(unit))
+        .cloned()
+        .unwrap_or_default()
 }
 
 /// Periods that differ by less are the same: it is far below what any result resolves, and above

@@ -102,7 +102,7 @@ fn refusal_text(refusal: Refusal) -> &'static str {
         Refusal::NotArmed => "it is not armed, or has been reset since it was; start again",
         Refusal::Running => "a run is under way; wait for its end",
         Refusal::BadLimits => {
-            "the limits are outside what the board allows, or neutral is outside the limits; mend 'limits' and 'servo.neutral_us' in the rig file"
+            "the limits or the healthy readings of the sensor are outside what the board allows, or neutral is outside the limits; mend 'limits', 'servo.neutral_us' and 'sensor.healthy_counts' in the rig file"
         }
         Refusal::BeyondLimits => {
             "the reference leaves the limits; choose a smaller amplitude or wider 'limits' in the rig file"

@@ -95,6 +95,25 @@ fn a_sensor_that_sees_nothing_is_not_blamed_on_the_reference() {
 }
 
 #[test]
+fn names_of_columns_do_not_reach_the_terminal_raw_nor_without_end() {
+    let dir = tempfile::tempdir().unwrap();
+    let names: Vec<String> = (0..1_000).map(|k| format!("c{k}")).collect();
+    let cells = vec!["1"; 1_000].join(",");
+    let header = names.join(",").replace("c7,", "\u{1b}[31mred\u{7},");
+    let file = write(
+        dir.path(),
+        "wide.csv",
+        &format!("{header}\n{cells}\n{cells}\n"),
+    );
+    let said = refusal(&["identify", &file, "--input", "u", "--output", "y"]);
+    assert!(
+        !said.contains('\u{1b}') && !said.contains('\u{7}'),
+        "{said}"
+    );
+    assert!(said.contains("and 970 more"), "{said}");
+}
+
+#[test]
 fn one_column_for_input_and_output_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let file = write(dir.path(), "x.csv", &format!("u,y\n{}", good_rows(400)));

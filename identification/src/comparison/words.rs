@@ -1,13 +1,13 @@
 //! The answer in two sentences: is it different and by how much, and what that feels like.
 
 use super::outcome::{Comparison, DifferenceCurve, Levels, Sides, Stroke, Verdict};
-use super::{CHANCE, explained_by_chance};
+use super::{CHANCE, ComparisonOptions, explained_by_chance};
 
 /// A shift in time below this is not worth a word \[s\]: an eighth of a sample of the rig.
 const SHIFT_S: f64 = 0.25e-3;
 
-pub(super) fn summary(found: &Comparison) -> String {
-    format!("{} {}", answer(found), feel(found))
+pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String {
+    format!("{} {}", answer(found), feel(found, options))
 }
 
 fn answer(found: &Comparison) -> String {
@@ -60,14 +60,18 @@ fn rounded(percent: f64) -> f64 {
     (percent * 1e6).round() / 1e6
 }
 
-fn feel(found: &Comparison) -> String {
+fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
     if !found.bounds_hold {
         return "What a pilot would notice cannot be told from these recordings: record steps that are held \
                 until the servo rests."
             .to_owned();
     }
     let time = behind(found);
-    let rest = found.levels.as_ref().and_then(rest).unwrap_or_default();
+    let rest = found
+        .levels
+        .as_ref()
+        .and_then(|levels| rest(levels, options));
+    let rest = rest.unwrap_or_default();
     let runs = match found.p_value {
         Some(p) if p > CHANCE => {
             format!(
@@ -104,7 +108,7 @@ fn behind(found: &Comparison) -> String {
         };
         let level = shift.lower.is_some() && shift.contains(0.0);
         if level || seconds.abs() < SHIFT_S {
-            return "is level with the first in time".to_owned();
+            return "is not told apart from the first in time".to_owned();
         }
         let place = if seconds > 0.0 { "behind" } else { "ahead of" };
         format!("is about {:.1} ms {place} the first", 1e3 * seconds.abs())
@@ -123,7 +127,7 @@ fn behind(found: &Comparison) -> String {
 }
 
 /// The end of the command at which the two rest farthest apart.
-fn rest(levels: &Sides<Levels>) -> Option<String> {
+fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
     let (a, b) = (&levels.a, &levels.b);
     let ends = [
         (a.command_plus, b.command_plus, a.plus.value, b.plus.value),
@@ -139,6 +143,22 @@ fn rest(levels: &Sides<Levels>) -> Option<String> {
         .filter_map(|(command, _, a, b)| Some((command, a?, b?)))
         .max_by(|(_, a, b), (_, c, d)| (b - a).abs().total_cmp(&(d - c).abs()))
         .map(|(command, a, b)| {
-            format!("; told {command:+} it comes to rest at {b:.2}, the first at {a:.2}")
+            let with = |number: String, unit: &str| match unit {
+                "" => number,
+                unit => format!("{number} {unit}"),
+            };
+            // A thousandth of the larger is finer than what a difference means to a pilot.
+            let size = a.abs().max(b.abs());
+            let decimals = match size > 0.0 {
+                true => (2.0 - size.log10().floor()).clamp(0.0, 12.0) as usize,
+                false => 0,
+            };
+            let said = |level: f64| with(format!("{level:.decimals$}"), &options.output_unit);
+            format!(
+                "; told {} it comes to rest at {}, the first at {}",
+                with(format!("{command:+}"), &options.input_unit),
+                said(b),
+                said(a)
+            )
         })
 }
