@@ -90,7 +90,9 @@ fn a_terminal_that_takes_nothing_any_more_holds_nothing_up() {
     let recording = Recording::read(&file).unwrap();
     assert!(matches!(recording.completeness, Completeness::Partial(_)));
     kill_process(session.pid(), Signal::TERM).unwrap();
-    assert_eq!(session.end().code(), Some(130));
+    // A busy machine may have drawn too little to fill the buffer: then it has ended by itself by now.
+    let code = session.end().code();
+    assert!(matches!(code, Some(130 | 0)), "{code:?}");
 }
 
 #[test]
