@@ -55,6 +55,9 @@ pub use over_prediction::OverPrediction;
 /// Probability of a difference by chance below which scatter between runs does not explain it.
 const CHANCE: f64 = 0.01;
 
+/// Levels that a servo has to rest at before lost travel and stops can be told apart.
+const LEVELS_FOR_LIMITS: usize = 4;
+
 /// What is asked of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComparisonOptions {
@@ -437,20 +440,22 @@ fn advice(comparison: &Comparison, models: [&Model; 2], sides: &[&Identified<'_>
             "Record three or more runs a side, five for the sharper test.",
         ));
     }
-    let two_levels = |side: &&&Identified<'_>| {
+    let rested = |side: &&Identified<'_>| {
         let cells = Limits::level_table(side.record, &side.model);
         let mut levels: Vec<f64> = cells.iter().map(|cell| cell.command).collect();
         levels.dedup();
-        levels.len() < 4
+        levels.len()
     };
-    if sides.iter().filter(two_levels).count() > 0 {
+    let fewest = sides.iter().map(rested).min().unwrap_or(0);
+    if fewest < LEVELS_FOR_LIMITS {
         advice.push(Advice::new(
             "levels",
-            "Where between its levels a servo loses travel, and whether it meets a stop, cannot be \
-             known from two levels."
-                .to_owned(),
-            2.0,
-            4.0,
+            format!(
+                "Where between its levels a servo loses travel, and whether it meets a stop, cannot be known \
+                 from {fewest} levels at which it rests."
+            ),
+            fewest as f64,
+            LEVELS_FOR_LIMITS as f64,
             "Record stairs up and down with at least four levels, both ends included, each reached \
              from both sides three times and held for twice the settling time.",
         ));
