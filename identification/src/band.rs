@@ -1,6 +1,8 @@
 //! Critical values: how many standard deviations make a band.
 
 use statrs::distribution::{Continuous, ContinuousCDF, StudentsT};
+
+use crate::chebyshev::Chebyshev;
 use statrs::function::erf::{erfc, erfc_inv};
 
 /// Abscissae and weights of the 16-point Gauss-Legendre rule on [-1, 1], positive half.
@@ -84,14 +86,17 @@ impl Pairs {
                 weighted: angles.iter().map(|angle| (angle.cos(), 1.0)).collect(),
             };
         }
-        let nodes = chebyshev_points(low, high, PAIR_NODES);
-        let mut weighted: Vec<(f64, f64)> = nodes.iter().map(|x| (x.cos(), 0.0)).collect();
+        let nodes = Chebyshev::<PAIR_NODES>::new(low, high);
+        let mut weights = [0.0; PAIR_NODES];
         for angle in &angles {
-            for (i, (_, weight)) in weighted.iter_mut().enumerate() {
-                *weight += lagrange_basis(&nodes, i, *angle);
+            for (weight, share) in weights.iter_mut().zip(nodes.shares(*angle)) {
+                *weight += share;
             }
         }
-        Self { weighted }
+        let correlations = nodes.nodes().iter().map(|angle| angle.cos());
+        Self {
+            weighted: correlations.zip(weights).collect(),
+        }
     }
 
     /// The right side of Hunter and Worsley's inequality.
@@ -138,22 +143,6 @@ fn pair_exceedance(tail: &[(f64, f64)], c: f64, r: f64) -> f64 {
         .sum()
 }
 
-/// The Chebyshev points of an interval.
-fn chebyshev_points(low: f64, high: f64, count: usize) -> Vec<f64> {
-    (0..count)
-        .map(|k| {
-            let angle = std::f64::consts::PI * (k as f64 + 0.5) / count as f64;
-            low + (high - low) / 2.0 * (1.0 - angle.cos())
-        })
-        .collect()
-}
-
-/// The polynomial that is one at node `i` and zero at the others.
-fn lagrange_basis(nodes: &[f64], i: usize, x: f64) -> f64 {
-    let others = nodes.iter().enumerate().filter(|&(j, _)| j != i);
-    others.map(|(_, xj)| (x - xj) / (nodes[i] - xj)).product()
-}
-
 /// Student's t quantile with the tail probability of the normal quantile `normal`, for many
 /// degrees of freedom at once.
 #[must_use]
@@ -174,14 +163,13 @@ pub fn student_critical(normal: f64, degrees_of_freedom: &[f64]) -> Vec<f64> {
     }
     // The quantile is a smooth function of 1/ν (Cornish and Fisher's expansion): a polynomial
     // through a few points serves all.
-    let nodes = chebyshev_points(0.0, 1.0 / smallest, NODES);
-    let values: Vec<f64> = nodes.iter().map(|inverse| exact(1.0 / inverse)).collect();
+    let nodes = Chebyshev::<NODES>::new(0.0, 1.0 / smallest);
+    let values = nodes.nodes().map(|inverse| exact(1.0 / inverse));
     degrees_of_freedom
         .iter()
         .map(|degrees| {
-            (0..NODES)
-                .map(|i| values[i] * lagrange_basis(&nodes, i, 1.0 / degrees))
-                .sum()
+            let shares = nodes.shares(1.0 / degrees);
+            shares.iter().zip(&values).map(|(s, value)| s * value).sum()
         })
         .collect()
 }
@@ -207,8 +195,8 @@ fn student_quantile(x: f64, degrees: f64) -> f64 {
         .iter()
         .rev()
         .fold(0.0, |sum, term| (sum + term) / degrees);
-    // Beyond this its first omitted term is below 1e-12 for any level in use.
-    if degrees > 1e4 {
+    // Beyond this its first omitted term is below 1e-8 up to five standard deviations.
+    if degrees > 200.0 {
         return start;
     }
     let Ok(student) = StudentsT::new(0.0, 1.0, degrees) else {

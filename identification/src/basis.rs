@@ -106,13 +106,17 @@ impl Basis {
     /// T of eq. (2): N x n, from parameters to impulse response.
     #[must_use]
     pub fn impulse_map(&self) -> Mat<f64> {
-        let n = self.settling as f64;
+        let scale = 1.0 / self.settling as f64;
         let circle = Circle::new(self.settling);
-        Mat::from_fn(self.settling, self.frequencies, |i, j| match j {
-            0 => 1.0 / n,
-            j if j % 2 == 1 => 2.0 / n * circle.cos(j.div_ceil(2) * i),
-            j => -2.0 / n * circle.sin(j / 2 * i),
-        })
+        let mut map = Mat::zeros(self.settling, self.frequencies);
+        map.col_as_slice_mut(0).fill(scale);
+        for l in 1..=self.highest() {
+            for (i, (sin, cos)) in circle.multiples(l).enumerate() {
+                map[(i, 2 * l - 1)] = 2.0 * scale * cos;
+                map[(i, 2 * l)] = -2.0 * scale * sin;
+            }
+        }
+        map
     }
 
     /// n x N, from an impulse response of N samples to parameters (the discrete Fourier transform
@@ -298,19 +302,30 @@ fn dirichlet(n: usize, x: f64) -> (f64, f64) {
     (amplitude * cos, amplitude * sin)
 }
 
-/// cos and sin of 2πk/N, tabulated once so that k of any size costs a look-up and no accuracy.
-struct Circle {
+/// sin and cos of 2πk/N, tabulated once so that k of any size costs a look-up and no accuracy.
+pub(crate) struct Circle {
     points: Vec<(f64, f64)>,
 }
 
 impl Circle {
-    fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         Self {
             points: (0..n)
                 .map(|k| (TAU * k as f64 / n as f64).sin_cos())
                 .collect(),
         }
     }
+    /// (sin, cos) of the angles 0, l, 2l, ... (N-1)l, for l up to N.
+    pub(crate) fn multiples(&self, l: usize) -> impl Iterator<Item = (f64, f64)> {
+        let n = self.points.len();
+        std::iter::successors(Some(0), move |k| {
+            let next = k + l;
+            Some(if next < n { next } else { next - n })
+        })
+        .take(n)
+        .map(|k| self.points[k])
+    }
+
     fn cos(&self, k: usize) -> f64 {
         self.points[k % self.points.len()].1
     }

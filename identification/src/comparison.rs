@@ -35,6 +35,7 @@ mod words;
 use crate::advice::{self, Advice};
 use crate::error::Error;
 use crate::limits::Limits;
+use crate::limits::levels::LEVELS;
 use crate::metrics::{Interval, Metrics};
 use crate::model::{Model, SCHEMA};
 use crate::options::Options;
@@ -54,9 +55,6 @@ pub use over_prediction::OverPrediction;
 
 /// Probability of a difference by chance below which scatter between runs does not explain it.
 const CHANCE: f64 = 0.01;
-
-/// Levels that a servo has to rest at before lost travel and stops can be told apart.
-const LEVELS_FOR_LIMITS: usize = 4;
 
 /// What is asked of a comparison.
 #[derive(Debug, Clone, PartialEq)]
@@ -447,7 +445,7 @@ fn advice(comparison: &Comparison, models: [&Model; 2], sides: &[&Identified<'_>
         levels.len()
     };
     let fewest = sides.iter().map(rested).min().unwrap_or(0);
-    if fewest < LEVELS_FOR_LIMITS {
+    if fewest < LEVELS {
         advice.push(Advice::new(
             "levels",
             format!(
@@ -455,7 +453,7 @@ fn advice(comparison: &Comparison, models: [&Model; 2], sides: &[&Identified<'_>
                  from {fewest} levels at which it rests."
             ),
             fewest as f64,
-            LEVELS_FOR_LIMITS as f64,
+            LEVELS as f64,
             "Record stairs up and down with at least four levels, both ends included, each reached \
              from both sides three times and held for twice the settling time.",
         ));

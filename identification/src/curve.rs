@@ -92,29 +92,21 @@ fn log_variance_gradients(
     let d = with_one(&fit.ar);
     let gain: f64 = d.iter().sum();
     let rows = moments.rows as f64;
-    let response = weights.as_ref().submatrix(0, 0, p, f);
-    // Weights as impulse responses, one per column: N x f.
-    let lags = match fit.coordinates.impulse_map() {
-        Some(map) => map * response,
-        None => response.to_owned(),
+    let response = weights.as_ref().submatrix(0, 0, p, f).to_owned();
+    // Input sums at each lag, filtered and moved on by each shift.
+    let filtered = |a: usize| -> f64 {
+        let terms = d.iter().zip(&moments.u[a..]).map(|(di, u)| di * u);
+        terms.sum()
     };
-    let shifted = ShiftedProducts::new(information, fit, &d, &response.to_owned(), &lags);
-    let sum: Vec<f64> = (0..n)
-        .map(|a| {
-            d.iter()
-                .enumerate()
-                .map(|(i, di)| di * moments.u[a + i])
-                .sum()
-        })
-        .collect();
+    let sum: Vec<f64> = (0..n).map(filtered).collect();
+    let edges = Mat::from_fn(n, order, |a, k| sum[a] + gain * moments.u[a + k + 1]);
+    let edges = response.transpose() * fit.coordinates.compress(edges);
+    let shifted = ShiftedProducts::new(information, fit, &d, response);
     Mat::from_fn(order, f, |k, i| {
-        let (v, offset) = (lags.col_as_slice(i), weights[(p, i)]);
-        let shift = k + 1;
-        let response = shifted.of(i, shift);
-        let edges = offset * (dot(v, &sum) + gain * dot(v, &moments.u[shift..]));
+        let offset = weights[(p, i)];
         let constant = offset * offset * gain * rows;
         if variance[i] > 0.0 {
-            -2.0 * (response + edges + constant) / variance[i]
+            -2.0 * (shifted.of(i, k + 1) + offset * edges[(i, k)] + constant) / variance[i]
         } else {
             0.0
         }
@@ -123,25 +115,24 @@ fn log_variance_gradients(
 
 /// v' (R moved on by some lags, its other side filtered) v for each column v of the weights.
 enum ShiftedProducts {
-    /// In the coordinates of a bank: [k](c, i) for the lag k, coordinate c and column i.
+    /// In the coordinates of a bank: for each shift from 1 on (c, i) for coordinate c and column i.
     InCoordinates(Mat<f64>, Vec<Mat<f64>>),
     /// By lags: R with one side filtered times the impulse responses, (N+d) x f.
     ByLags(Mat<f64>, Mat<f64>),
 }
 
 impl ShiftedProducts {
-    /// For the weights `response` in coordinates, which are `lags` as impulse responses.
-    fn new(
-        information: &Information,
-        fit: &GlsFit,
-        d: &[f64],
-        response: &Mat<f64>,
-        lags: &Mat<f64>,
-    ) -> Self {
+    /// For the weights `response`, in coordinates.
+    fn new(information: &Information, fit: &GlsFit, d: &[f64], response: Mat<f64>) -> Self {
         if let Some(products) = information.lag_products(&fit.coordinates) {
-            let with_weights = |k: usize| products.filtered(k, d) * response;
-            return Self::InCoordinates(response.clone(), (0..d.len()).map(with_weights).collect());
+            let with_weights = |shift: usize| products.filtered(shift, d) * &response;
+            let by_shift = (1..d.len()).map(with_weights).collect();
+            return Self::InCoordinates(response, by_shift);
         }
+        let lags = match fit.coordinates.impulse_map() {
+            Some(map) => map * response,
+            None => response,
+        };
         let n = fit.coordinates.basis.settling();
         let mut filtered = Mat::<f64>::zeros(n + d.len() - 1, n);
         for b in 0..n {
@@ -152,14 +143,15 @@ impl ShiftedProducts {
                 }
             }
         }
-        Self::ByLags(lags.clone(), filtered * lags)
+        let products = filtered * &lags;
+        Self::ByLags(lags, products)
     }
 
     /// For column `i`, moved on by `shift` lags.
     fn of(&self, i: usize, shift: usize) -> f64 {
         match self {
             Self::InCoordinates(weights, products) => {
-                dot(weights.col_as_slice(i), products[shift].col_as_slice(i))
+                dot(weights.col_as_slice(i), products[shift - 1].col_as_slice(i))
             }
             Self::ByLags(lags, products) => {
                 dot(lags.col_as_slice(i), &products.col_as_slice(i)[shift..])

@@ -104,10 +104,16 @@ impl Power {
 /// it leaves out may change the step response by more than a tenth of its final value `gain`. The final value is no
 /// exception: a bank that is short of frequencies takes the doings of others for it.
 pub(crate) fn told(metrics: Metrics, step: &StepResponse, gain: f64) -> Metrics {
-    if step.truncation_bias <= DISAGREEMENT * gain.abs() {
-        return metrics;
+    if share_untold(step, gain) > DISAGREEMENT {
+        Metrics::gain_alone(Interval::default())
+    } else {
+        metrics
     }
-    Metrics::gain_alone(Interval::default())
+}
+
+/// By how much of its final value `gain` the step response may be changed by frequencies left out.
+pub(crate) fn share_untold(step: &StepResponse, gain: f64) -> f64 {
+    step.truncation_bias / gain.abs()
 }
 
 #[cfg(test)]

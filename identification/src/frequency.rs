@@ -134,16 +134,24 @@ impl FrequencyResponse {
             let radius = |critical: &[f64]| critical[2 * k].max(critical[2 * k + 1]);
             let (single, joint) = (radius(&single), radius(&joint));
             let excluded = region.distance_of_origin() > joint;
-            let (low, high) = region.magnitudes(if excluded { single } else { joint });
+            let (nearest, high) = region.magnitudes(if excluded { single } else { joint });
             let bias = response.bias.get(k).copied().unwrap_or(0.0);
-            let low = if excluded { (low - bias).max(0.0) } else { 0.0 };
+            let low = if excluded {
+                (nearest - bias).max(0.0)
+            } else {
+                0.0
+            };
             response.magnitude_db.push(decibels(re.hypot(im)));
             response.magnitude_db_lower.push(decibels(low));
             response.magnitude_db_upper.push(decibels(high + bias));
             let phase = im.atan2(re).to_degrees();
             let phase = phase + 360.0 * ((previous - phase) / 360.0_f64).round();
             previous = phase;
-            let (below, above) = region.phase_margins_with(single, bias);
+            let nearest = || match excluded {
+                true => nearest,
+                false => region.magnitudes(single).0,
+            };
+            let (below, above) = with_disc(region.phase_margins(single), bias, nearest);
             response.phase_deg.push(phase);
             response.phase_deg_lower.push(phase - below.to_degrees());
             response.phase_deg_upper.push(phase + above.to_degrees());
@@ -217,18 +225,24 @@ impl Ellipse {
         let (x, y) = self.turned();
         let (a, b) = (radius * self.axes.0, radius * self.axes.1);
         let square = |(sin, cos): (f64, f64)| (x + a * cos).powi(2) + (y + b * sin).powi(2);
-        let extreme = |sign: f64| {
-            let (mut angle, mut best) = (0.0, f64::INFINITY);
-            for (k, point) in COARSE.iter().enumerate() {
-                let distance = sign * square(*point);
-                if distance < best {
-                    (angle, best) = (TAU * k as f64 / STEPS as f64, distance);
-                }
+        let coarse = &*COARSE;
+        let (mut nearest, mut farthest) = ((0, f64::INFINITY), (0, f64::NEG_INFINITY));
+        for (k, point) in coarse.iter().enumerate() {
+            let distance = square(*point);
+            if distance < nearest.1 {
+                nearest = (k, distance);
             }
-            // Newton's rule on the derivative of the squared distance, from the best of the
-            // coarse angles; a step against the curvature or beyond the next angle is not taken.
+            if distance > farthest.1 {
+                farthest = (k, distance);
+            }
+        }
+        // Newton's rule on the derivative of the squared distance, from the best of the coarse
+        // angles; a step against the curvature or beyond the next angle is not taken.
+        let refined = |k: usize, sign: f64| {
+            let mut angle = TAU * k as f64 / STEPS as f64;
+            let mut point = coarse[k];
             for _ in 0..6 {
-                let (sin, cos) = angle.sin_cos();
+                let (sin, cos) = point;
                 let slope = b * cos * (y + b * sin) - a * sin * (x + a * cos);
                 let curvature = b * b * cos * cos - b * sin * (y + b * sin) + a * a * sin * sin
                     - a * cos * (x + a * cos);
@@ -237,24 +251,15 @@ impl Ellipse {
                     break;
                 }
                 angle += step;
+                point = angle.sin_cos();
+                // At an extreme the distance changes with the square of the angle.
+                if step.abs() < 1e-8 {
+                    break;
+                }
             }
-            square(angle.sin_cos()).sqrt()
+            square(point).sqrt()
         };
-        (extreme(1.0), extreme(-1.0))
-    }
-
-    /// [`Ellipse::phase_margins`] with a disc of radius `bias` around each point.
-    fn phase_margins_with(&self, radius: f64, bias: f64) -> (f64, f64) {
-        let margins = self.phase_margins(radius);
-        if bias == 0.0 {
-            return margins;
-        }
-        let (nearest, _) = self.magnitudes(radius);
-        if margins.0 >= PI || bias >= nearest {
-            return (PI, PI);
-        }
-        let further = (bias / nearest).asin();
-        ((margins.0 + further).min(PI), (margins.1 + further).min(PI))
+        (refined(nearest.0, 1.0), refined(farthest.0, -1.0))
     }
 
     /// How far the phase may lie below and above that of the centre \[rad\]; π when any phase is
@@ -282,6 +287,20 @@ impl Ellipse {
         };
         (bound(-1.0), bound(1.0))
     }
+}
+
+/// Margins of the phase with a disc of radius `bias` around each point of a region whose point nearest to
+/// the origin is `nearest` from it.
+fn with_disc(margins: (f64, f64), bias: f64, nearest: impl Fn() -> f64) -> (f64, f64) {
+    if bias == 0.0 || margins.0 >= PI {
+        return margins;
+    }
+    let share = bias / nearest();
+    if share >= 1.0 {
+        return (PI, PI);
+    }
+    let further = share.asin();
+    ((margins.0 + further).min(PI), (margins.1 + further).min(PI))
 }
 
 #[cfg(test)]

@@ -225,8 +225,7 @@ fn noise_of(
     correction: Option<(&Mat<f64>, f64)>,
 ) -> Option<NoiseFit> {
     let (offset, response) = solution.split_last()?;
-    let impulse = coordinates.impulse(response);
-    let mut moments = information.residual_moments(&impulse, *offset, order);
+    let mut moments = information.residual_moments_of(coordinates, response, *offset, order);
     if let Some((inverse, variance)) = correction {
         let lost = fitted_noise(information, coordinates, inverse, order);
         moments += faer::Scale(variance) * lost;

@@ -140,9 +140,8 @@ impl Pipeline<'_> {
             model.metrics = errors.told(model.metrics, &model.step.value);
         }
         let degrees_of_freedom = responses.step.degrees_of_freedom;
-        let mut explanation = self.explain(&model, considered, degrees_of_freedom);
-        explanation.excitation = Some(excitation);
-        explanation.resolution = resolution;
+        let record = (excitation, resolution);
+        let explanation = self.explain(&model, considered, degrees_of_freedom, record);
         if explanation.untold_from_hz(&model).is_some() {
             model.metrics = excitation::told(model.metrics, &model.step, model.theta[0]);
         }
@@ -267,6 +266,7 @@ impl Pipeline<'_> {
         model: &Model,
         considered: Considered,
         degrees_of_freedom: Vec<f64>,
+        (excitation, resolution): (Excitation, Option<Resolution>),
     ) -> Explanation {
         let Considered {
             estimate,
@@ -286,8 +286,8 @@ impl Pipeline<'_> {
             at_rest: self
                 .record
                 .and_then(|record| at_rest::contradicted(record, model)),
-            excitation: None,
-            resolution: None,
+            excitation: Some(excitation),
+            resolution,
             runs: self
                 .record
                 .and_then(|record| RunComparison::of(model, record.runs())),

@@ -18,9 +18,9 @@
 
 use std::sync::Arc;
 
-use faer::{Mat, Scale};
+use faer::Mat;
 
-use crate::basis::Basis;
+use crate::basis::{Basis, dot};
 use crate::moments::Moments;
 
 /// Entries of all products together beyond which they are not kept: 32 MB.
@@ -90,22 +90,39 @@ impl LagProducts {
 
     /// sum_j d_j P_ij: n x n.
     pub(crate) fn filtered(&self, i: usize, d: &[f64]) -> Mat<f64> {
-        let n = self.basis.frequencies();
-        let mut sum = Mat::zeros(n, n);
-        for (j, d) in d.iter().enumerate() {
-            sum += Scale(*d) * self.at(i, j);
-        }
-        sum
+        self.combined(d.iter().enumerate().map(|(j, d)| (*d, self.at(i, j))))
     }
 
     /// sum_ij d_i d_j P_ij: n x n.
     pub(crate) fn twice_filtered(&self, d: &[f64]) -> Mat<f64> {
+        let orders = 0..d.len();
+        let pairs = orders
+            .clone()
+            .flat_map(|j| orders.clone().map(move |i| (i, j)));
+        self.combined(pairs.map(|(i, j)| (d[i] * d[j], self.at(i, j))))
+    }
+
+    fn combined<'a>(&self, terms: impl Iterator<Item = (f64, &'a Mat<f64>)>) -> Mat<f64> {
         let n = self.basis.frequencies();
-        let mut sum = Mat::zeros(n, n);
-        for (i, factor) in d.iter().enumerate() {
-            sum += Scale(*factor) * self.filtered(i, d);
+        let mut sum = Mat::<f64>::zeros(n, n);
+        for (factor, product) in terms {
+            for k in 0..n {
+                let column = sum.col_as_slice_mut(k).iter_mut();
+                for (sum, product) in column.zip(product.col_as_slice(k)) {
+                    *sum += factor * product;
+                }
+            }
         }
         sum
+    }
+
+    /// x' P_ij x.
+    pub(crate) fn quadratic(&self, i: usize, j: usize, x: &[f64]) -> f64 {
+        let product = self.at(i, j);
+        x.iter()
+            .enumerate()
+            .map(|(k, xk)| xk * dot(x, product.col_as_slice(k)))
+            .sum()
     }
 }
 

@@ -9,7 +9,7 @@
 //! and random references these limits cannot be told.
 
 pub(crate) mod holds;
-mod levels;
+pub(crate) mod levels;
 mod rate;
 
 use serde::{Deserialize, Serialize};

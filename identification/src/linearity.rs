@@ -22,20 +22,22 @@
 //! Significance is not size: in a long record anything is significant. [`Linearity::misfit_percent`]
 //! is the part of the motion that γ explains and no linear model of this settling time could.
 
+use std::ops::Range;
+
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::basis::dot;
 use crate::convolution::causal_filter;
-use crate::fft;
 use crate::gls::GlsFit;
+use crate::lagged_sums::LaggedSums;
 use crate::linear::times;
 use crate::moments::Moments;
 use crate::normal::{Information, with_one};
-use crate::record::{Record, Run};
 use crate::residual::ScoreTest;
 use crate::rest::AgainstRest;
+use crate::simulated::Simulated;
 
 /// p-values below this count: far below what one would ask of a single test, because each of many
 /// recordings of linear servos is tested.
@@ -44,10 +46,6 @@ pub const SIGNIFICANCE: f64 = 1e-4;
 /// Percent of the motion that must be beyond any linear model before it is worth a word: less is
 /// within what a servo does to itself from day to day.
 pub const WORTH_MENTIONING: f64 = 1.0;
-
-/// Samples at the beginning of a record that are looked at: what cannot be seen in them is too small
-/// to matter.
-const SAMPLES: usize = 1 << 15;
 
 /// Functions of the simulated motion that are offered.
 const FUNCTIONS: usize = 5;
@@ -98,10 +96,15 @@ impl Linearity {
     }
 }
 
-/// Tests the fit of `record` that is in `information`; `None` when the rows do not allow it.
+/// Tests the fit that is in `information` on what it makes of its record; `None` when the rows do not allow
+/// it.
 #[must_use]
-pub(crate) fn test(record: &Record, information: &Information, fit: &GlsFit) -> Option<Linearity> {
-    let offered = Offered::new(record, &information.moments, fit)?;
+pub(crate) fn test(
+    runs: &[Simulated<'_>],
+    information: &Information,
+    fit: &GlsFit,
+) -> Option<Linearity> {
+    let offered = Offered::new(runs, &information.moments, fit)?;
     let (found, response) = offered.regress(fit)?;
     let (k, free) = (found.degrees as f64, fit.degrees_of_freedom());
     let unexplained = fit.solution.rss - found.reduction;
@@ -137,28 +140,16 @@ struct OfferedRun {
     filtered: [Vec<f64>; FUNCTIONS],
     /// D(z) (y - ŷ)(k); 0 but in the rows of the regression.
     errors: Vec<f64>,
-    /// Whether k is a row.
-    rows: Vec<bool>,
+    /// The rows of the regression.
+    rows: Vec<Range<usize>>,
 }
 
 impl Offered {
-    fn new(record: &Record, moments: &Moments, fit: &GlsFit) -> Option<Self> {
-        let impulse = fit.impulse();
-        let mut left = SAMPLES;
-        let mut parts = Vec::new();
-        for run in record.runs() {
-            let part = run.part(0..run.len().min(left));
-            left -= part.len();
-            if part.is_empty() {
-                break;
-            }
-            let simulated = simulate(&part, moments, &impulse, fit.solution.offset());
-            parts.push((part, simulated));
-        }
-        let scale = Scale::of(parts.iter().map(|(_, simulated)| simulated.as_slice()))?;
-        let runs = parts
+    fn new(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Self> {
+        let scale = Scale::of(runs.iter().map(|run| run.output.as_slice()))?;
+        let runs = runs
             .iter()
-            .map(|(run, simulated)| OfferedRun::new(run, simulated, &scale, moments, fit))
+            .map(|run| OfferedRun::new(run, &scale, moments, fit))
             .collect();
         Some(Self { runs })
     }
@@ -190,11 +181,15 @@ impl Offered {
     /// Sum over the rows of D z_j(k) times D u(k-m): FUNCTIONS x N.
     fn cross_moments(&self, fit: &GlsFit) -> Mat<f64> {
         let lags = fit.coordinates.basis.settling();
-        let mut sum = Mat::zeros(FUNCTIONS, lags);
+        let d = with_one(&fit.ar);
+        let mut sums = LaggedSums::new(lags, FUNCTIONS);
         for run in &self.runs {
-            run.add_cross_moments(&with_one(&fit.ar), &mut sum);
+            let input = filtered(&run.input, &d);
+            let functions = run.filtered.each_ref().map(Vec::as_slice);
+            sums.add(&input[run.history + 1 - lags..], &functions);
         }
-        sum
+        let sums = sums.sums();
+        Mat::from_fn(FUNCTIONS, lags, |j, lag| sums[j][lag])
     }
 
     /// Sum over the rows of D z_j(k) times D 1.
@@ -231,29 +226,23 @@ impl Offered {
         let (mut square, mut count) = (0.0, 0usize);
         for run in &self.runs {
             let explained = causal_filter(&impulse, &run.input, None);
-            for (k, _) in run.rows.iter().enumerate().filter(|(_, row)| **row) {
-                let offered: f64 = gamma
+            let explained = &explained[run.history..];
+            for rows in &run.rows {
+                let mut beyond: Vec<f64> = explained[rows.clone()]
                     .iter()
-                    .zip(&run.functions)
-                    .map(|(g, z)| g * z[k])
-                    .sum();
-                let beyond = offered - explained[run.history + k] - offset;
-                square += beyond * beyond;
-                count += 1;
+                    .map(|explained| -explained - offset)
+                    .collect();
+                for (g, z) in gamma.iter().zip(&run.functions) {
+                    for (beyond, z) in beyond.iter_mut().zip(&z[rows.clone()]) {
+                        *beyond += g * z;
+                    }
+                }
+                square += dot(&beyond, &beyond);
+                count += beyond.len();
             }
         }
         (square / count.max(1) as f64).sqrt()
     }
-}
-
-/// The simulated output relative to the centre, NaN where the input is missing.
-fn simulate(run: &Run, moments: &Moments, impulse: &[f64], offset: f64) -> Vec<f64> {
-    let centre = moments.centre.0;
-    let input: Vec<f64> = run.input().iter().map(|u| u - centre).collect();
-    causal_filter(impulse, &input, run.input_at_rest().map(|u| u - centre))
-        .into_iter()
-        .map(|s| s + offset)
-        .collect()
 }
 
 /// What brings position and speed to a size of one.
@@ -284,97 +273,66 @@ impl Scale {
 }
 
 impl OfferedRun {
-    fn new(run: &Run, simulated: &[f64], scale: &Scale, moments: &Moments, fit: &GlsFit) -> Self {
+    fn new(simulated: &Simulated<'_>, scale: &Scale, moments: &Moments, fit: &GlsFit) -> Self {
         let d = with_one(&fit.ar);
         let history = fit.coordinates.basis.settling() + fit.ar.len();
-        let centre = moments.centre;
-        let before = run.input_at_rest().map_or(0.0, |u| u - centre.0);
+        let (run, centre) = (&simulated.run, moments.centre.0);
+        let before = run.input_at_rest().map_or(0.0, |u| u - centre);
         let mut input = vec![before; history];
-        input.extend(run.input().iter().map(|u| present(u - centre.0)));
-        let functions = functions(simulated, scale);
-        let error: Vec<f64> = run
-            .output()
-            .iter()
-            .zip(simulated)
-            .map(|(y, s)| y - centre.1 - s)
-            .collect();
-        let mut rows = vec![false; run.len()];
-        for span in run.complete_rows(moments.input_lags(), moments.output_lags()) {
-            rows[span].fill(true);
-        }
-        let in_rows = |values: &[f64]| -> Vec<f64> {
-            let keep = |(value, row): (f64, &bool)| if *row { value } else { 0.0 };
-            filtered(values, &d)
-                .into_iter()
-                .zip(&rows)
-                .map(keep)
-                .collect()
-        };
+        input.extend(run.input().iter().map(|u| present(u - centre)));
+        let functions = functions(&simulated.output, scale);
+        let rows = run.complete_rows(moments.input_lags(), moments.output_lags());
+        let in_rows = |values: &[f64]| only(&rows, filtered(values, &d));
         Self {
             filtered: functions.each_ref().map(|z| in_rows(z)),
-            errors: in_rows(&error),
+            errors: in_rows(&simulated.errors),
             input,
             history,
             functions,
             rows,
         }
     }
+}
 
-    /// By transforms: the products of D z_j with all lags of D u at once. Rows have their whole
-    /// history, so nothing that is wrapped around meets one.
-    fn add_cross_moments(&self, d: &[f64], sum: &mut Mat<f64>) {
-        let size = transform_size(self.input.len());
-        let (forward, inverse) = (fft::forward(size), fft::inverse(size));
-        let spectrum = |values: &[f64], start: usize| {
-            let mut block = forward.make_input_vec();
-            block[start..start + values.len()].copy_from_slice(values);
-            let mut spectrum = forward.make_output_vec();
-            forward
-                .process(&mut block, &mut spectrum)
-                .expect("buffers come from the plan");
-            spectrum
-        };
-        let order = d.len() - 1;
-        let input = spectrum(&filtered(&self.input, d)[order..], order);
-        let mut products = inverse.make_output_vec();
-        for (j, z) in self.filtered.iter().enumerate() {
-            let mut both = spectrum(z, self.history);
-            for (z, u) in both.iter_mut().zip(&input) {
-                *z = *z * u.conj() / size as f64;
-            }
-            // Rounding is all that the imaginary parts at 0 and the highest frequency can hold.
-            both[0].im = 0.0;
-            if let Some(last) = both.last_mut().filter(|_| size.is_multiple_of(2)) {
-                last.im = 0.0;
-            }
-            inverse
-                .process(&mut both, &mut products)
-                .expect("buffers come from the plan");
-            for (lag, product) in products.iter().enumerate().take(sum.ncols()) {
-                sum[(j, lag)] += product;
-            }
-        }
+/// `values` in `rows`, 0 elsewhere.
+fn only(rows: &[Range<usize>], mut values: Vec<f64>) -> Vec<f64> {
+    let mut kept = 0;
+    for row in rows {
+        values[kept..row.start].fill(0.0);
+        kept = row.end;
     }
+    values[kept..].fill(0.0);
+    values
 }
 
 /// s², s³, v |v|, |v|, s |v|, with v the central difference; 0 where the simulation is missing.
 fn functions(simulated: &[f64], scale: &Scale) -> [Vec<f64>; FUNCTIONS] {
-    let at = |k: usize| simulated.get(k).copied().filter(|s| !s.is_nan());
-    let mut functions = [const { Vec::new() }; FUNCTIONS];
-    for (k, &s) in simulated.iter().enumerate() {
-        // At the ends of a stretch there is one neighbour only.
-        let before = k.checked_sub(1).and_then(at).unwrap_or(s);
-        let after = at(k + 1).unwrap_or(s);
-        let (s, v) = (s / scale.position, (after - before) / (2.0 * scale.speed));
-        for (function, value) in
-            functions
-                .iter_mut()
-                .zip([s * s, s * s * s, v * v.abs(), v.abs(), s * v.abs()])
-        {
-            function.push(present(value));
-        }
-    }
-    functions
+    let moving: Vec<(f64, f64)> = (0..simulated.len())
+        .map(|k| {
+            let s = simulated[k];
+            // At the ends of a stretch there is one neighbour only.
+            let neighbour = |k: usize| match simulated.get(k) {
+                Some(s) if !s.is_nan() => *s,
+                _ => s,
+            };
+            let change = neighbour(k + 1) - neighbour(k.wrapping_sub(1));
+            (s / scale.position, change / (2.0 * scale.speed))
+        })
+        .collect();
+    [
+        each(&moving, |s, _| s * s),
+        each(&moving, |s, _| s * s * s),
+        each(&moving, |_, v| v * v.abs()),
+        each(&moving, |_, v| v.abs()),
+        each(&moving, |s, v| s * v.abs()),
+    ]
+}
+
+fn each(moving: &[(f64, f64)], function: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    moving
+        .iter()
+        .map(|(s, v)| present(function(*s, *v)))
+        .collect()
 }
 
 fn present(value: f64) -> f64 {
@@ -391,22 +349,6 @@ fn filtered(values: &[f64], d: &[f64]) -> Vec<f64> {
         }
     }
     filtered
-}
-
-/// The smallest even product of 2, 3 and 5 that is at least `least`: transforms of such sizes are fast.
-fn transform_size(least: usize) -> usize {
-    let mut best = least.next_power_of_two().max(2);
-    let mut five = 1;
-    while five < best {
-        let mut three = five;
-        while three < best {
-            let two = least.div_ceil(three).next_power_of_two().max(2);
-            best = best.min(two * three);
-            three *= 3;
-        }
-        five *= 5;
-    }
-    best
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ use crate::linearity::Linearity;
 use crate::metrics::{Interval, Metrics};
 use crate::moments::{MomentStream, Moments};
 use crate::nested::NestedBanks;
-use crate::normal::{Coordinates, Information};
+use crate::normal::{Coordinates, Information, least_squares_left};
 use crate::options::NoiseOrder;
 use crate::record::Record;
 use crate::structure;
@@ -168,33 +168,42 @@ pub(crate) struct BothEstimators {
 }
 
 impl BothEstimators {
-    /// `None` when the rows do not determine the bank.
+    /// Of the bank of `generalised`, `None` when the rows do not determine it. Plain least squares may bring
+    /// a bank of its own, because whitening that has gone astray also misjudges how many frequencies can be
+    /// told; that is looked for where the errors are known to be `suspect`, or where no bank being much
+    /// better cannot be seen at once.
     pub(crate) fn new(
         information: &Information,
-        coordinates: &Coordinates,
         generalised: &gls::GlsFit,
+        suspect: bool,
     ) -> Option<Self> {
-        let spread = information.moments.output_spread();
+        let (moments, coordinates) = (&information.moments, &generalised.coordinates);
+        let (basis, spread) = (coordinates.basis, moments.output_spread());
         let percent = |fit: &gls::GlsFit| fit_percent(simulation_error(information, fit), spread);
-        let mut least_squares_percent = percent(&gls::fit(information, coordinates, &plain())?);
-        // Whitening that has gone astray also misjudges how many frequencies can be told, so
-        // plain least squares may bring its own bank.
-        let settling = coordinates.basis.settling();
-        let own_bank = || {
-            NestedBanks::scan(&information.moments, settling, &[], FIRST_ORDER)
-                .map(|banks| banks.best_predictor())
-                .filter(|frequencies| *frequencies != coordinates.basis.frequencies())
-                .and_then(|own| Basis::new(settling, own).ok())
-        };
-        if !coordinates.basis.is_complete()
-            && let Some(basis) = own_bank()
-            && let Some(fit) = gls::fit(information, &Coordinates::new(basis), &plain())
-        {
-            least_squares_percent = least_squares_percent.max(percent(&fit));
-        }
-        Some(Self {
-            least_squares_percent,
+        let plain_fit = gls::fit(information, coordinates, &plain())?;
+        let mut both = Self {
+            least_squares_percent: percent(&plain_fit),
             generalised_percent: percent(generalised),
+        };
+        if basis.is_complete() || !(suspect || both.may_be_beaten(moments, basis.settling())) {
+            return Some(both);
+        }
+        let own_bank = NestedBanks::scan(moments, basis.settling(), &[], FIRST_ORDER)
+            .map(|banks| banks.best_predictor())
+            .filter(|frequencies| *frequencies != basis.frequencies())
+            .and_then(|own| Basis::new(basis.settling(), own).ok());
+        if let Some(own) = own_bank
+            && let Some(fit) = gls::fit(information, &Coordinates::new(own), &plain())
+        {
+            both.least_squares_percent = both.least_squares_percent.max(percent(&fit));
+        }
+        Some(both)
+    }
+
+    /// Whether any response of so many samples might simulate better by more than is tolerated.
+    fn may_be_beaten(&self, moments: &Moments, settling: usize) -> bool {
+        least_squares_left(moments, settling).is_none_or(|left| {
+            fit_percent(left, moments.output_spread()) - self.generalised_percent > TOLERATED
         })
     }
 

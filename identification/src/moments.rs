@@ -61,7 +61,7 @@ impl Moments {
         for run in record.runs() {
             stream.push_run(run);
         }
-        stream.moments()
+        stream.into_moments()
     }
 
     /// L: lags of the input.

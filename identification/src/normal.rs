@@ -165,7 +165,10 @@ impl Information {
     #[must_use]
     pub fn residual_moments(&self, impulse: &[f64], offset: f64, order: usize) -> Mat<f64> {
         match &self.factor {
-            None => residual_moments(&self.moments, impulse, offset, order),
+            None => {
+                let modelled = modelled_moments(&self.moments, impulse, order);
+                residual_moments(&self.moments, impulse, offset, &modelled)
+            }
             Some(factor) => {
                 let (lags, n) = (self.moments.input_lags(), impulse.len());
                 let combination = Mat::from_fn(factor.ncols(), order + 1, |row, i| match row {
@@ -177,6 +180,27 @@ impl Information {
                 let residuals = factor * combination;
                 residuals.transpose() * &residuals
             }
+        }
+    }
+}
+
+impl Information {
+    /// [`Information::residual_moments`] of a response in `coordinates`, whose cross moments may be known.
+    pub(crate) fn residual_moments_of(
+        &self,
+        coordinates: &Coordinates,
+        response: &[f64],
+        offset: f64,
+        order: usize,
+    ) -> Mat<f64> {
+        let impulse = coordinates.impulse(response);
+        match self.lag_products(coordinates) {
+            Some(products) if self.factor.is_none() => {
+                let size = order + 1;
+                let modelled = Mat::from_fn(size, size, |i, j| products.quadratic(i, j, response));
+                residual_moments(&self.moments, &impulse, offset, &modelled)
+            }
+            _ => self.residual_moments(&impulse, offset, order),
         }
     }
 }
@@ -197,15 +221,12 @@ pub(crate) struct NormalEquations {
 impl NormalEquations {
     pub(crate) fn new(moments: &Moments, coordinates: &Coordinates, ar: &[f64]) -> Self {
         let uu = filtered_input_moments(&moments.uu, coordinates.basis.settling(), &with_one(ar));
-        let square = match &coordinates.map {
-            Some(map) => map.transpose() * (uu * map),
-            None => uu,
-        };
+        let square = coordinates.square(uu.as_ref());
         Self::with_square(moments, coordinates, ar, square)
     }
 
     /// With the coordinates' part of A known.
-    fn with_square(
+    pub(crate) fn with_square(
         moments: &Moments,
         coordinates: &Coordinates,
         ar: &[f64],
@@ -215,16 +236,16 @@ impl NormalEquations {
         let d = with_one(ar);
         let gain: f64 = d.iter().sum();
         // Columns: cross moments with the filtered output, and with the filtered offset.
-        let mut edge = Mat::zeros(n, 2);
+        let mut edge = Mat::<f64>::zeros(n, 2);
         for (i, di) in d.iter().enumerate() {
-            for a in 0..n {
-                let with_output: f64 = d
-                    .iter()
-                    .enumerate()
-                    .map(|(j, dj)| dj * moments.uy[(a + i, j)])
-                    .sum();
-                edge[(a, 0)] += di * with_output;
-                edge[(a, 1)] += di * gain * moments.u[a + i];
+            for (j, dj) in d.iter().enumerate() {
+                let output = &moments.uy.col_as_slice(j)[i..];
+                for (sum, uy) in edge.col_as_slice_mut(0).iter_mut().zip(output) {
+                    *sum += di * dj * uy;
+                }
+            }
+            for (sum, u) in edge.col_as_slice_mut(1).iter_mut().zip(&moments.u[i..]) {
+                *sum += di * gain * u;
             }
         }
         let edge = coordinates.compress(edge);
@@ -261,6 +282,28 @@ impl NormalEquations {
             scale,
         )
     }
+}
+
+/// Sum of squares that no response of `settling` samples can go below, from the rows behind `moments`; `None`
+/// where they do not determine it.
+pub(crate) fn least_squares_left(moments: &Moments, settling: usize) -> Option<f64> {
+    let n = settling;
+    let a = Mat::from_fn(n + 1, n + 1, |i, j| match (i, j) {
+        (i, j) if i < n && j < n => moments.uu[(i, j)],
+        (k, other) | (other, k) if k < n && other == n => moments.u[k],
+        _ => moments.rows as f64,
+    });
+    let mut b = moments.uy.col_as_slice(0)[..n].to_vec();
+    b.push(moments.y[0]);
+    let equations = NormalEquations {
+        a,
+        b,
+        c: moments.yy[(0, 0)],
+    };
+    let (scaled, scale) = equations.equilibrated();
+    let right: Vec<f64> = equations.b.iter().zip(&scale).map(|(b, s)| b * s).collect();
+    let projected = forward_solve(&cholesky(&scaled)?, &right);
+    Some(equations.c - dot(&projected, &projected))
 }
 
 /// sum_ij d_i d_j R[i:i+N, j:j+N].
@@ -333,7 +376,7 @@ impl Factored {
     }
 }
 
-fn solve_moments(equations: &NormalEquations) -> Option<Solution> {
+pub(crate) fn solve_moments(equations: &NormalEquations) -> Option<Solution> {
     let factored = Factored::new(equations)?;
     let x = factored.refined(equations);
     // c - 2 b'x + x'A x: the error of x enters only in second order.
@@ -416,21 +459,34 @@ fn solve_factor(
     })
 }
 
-fn residual_moments(moments: &Moments, impulse: &[f64], offset: f64, order: usize) -> Mat<f64> {
+/// sum of s(k-i) s(k-j), i, j = 0..=order, for the modelled output s = h*u.
+fn modelled_moments(moments: &Moments, impulse: &[f64], order: usize) -> Mat<f64> {
+    let n = impulse.len();
+    // The modelled output of lag i against input lag b.
+    let response = Mat::from_fn(n + order, order + 1, |b, i| {
+        dot(impulse, &moments.uu.col_as_slice(b)[i..i + n])
+    });
+    Mat::from_fn(order + 1, order + 1, |i, j| {
+        dot(impulse, &response.col_as_slice(i)[j..j + n])
+    })
+}
+
+/// Moments of the residuals from those of the modelled output.
+fn residual_moments(
+    moments: &Moments,
+    impulse: &[f64],
+    offset: f64,
+    modelled: &Mat<f64>,
+) -> Mat<f64> {
     let n = impulse.len();
     let shifted = |values: &[f64], i: usize| dot(impulse, &values[i..i + n]);
-    // response[(i, b)] = sum_a h_a R[a+i, b]: the modelled output of lag i against input lag b.
-    let response = Mat::from_fn(order + 1, n + order, |i, b| {
-        shifted(moments.uu.col_as_slice(b), i)
-    });
     let output = |i: usize, j: usize| shifted(moments.uy.col_as_slice(j), i);
     let sum = |i: usize| moments.y[i] - shifted(&moments.u, i);
     let rows = moments.rows as f64;
-    let mut e = Mat::zeros(order + 1, order + 1);
-    for i in 0..=order {
+    let mut e = Mat::zeros(modelled.nrows(), modelled.ncols());
+    for i in 0..e.nrows() {
         for j in 0..=i {
-            let modelled: f64 = (0..n).map(|b| impulse[b] * response[(i, j + b)]).sum();
-            let value = moments.yy[(i, j)] - output(i, j) - output(j, i) + modelled
+            let value = moments.yy[(i, j)] - output(i, j) - output(j, i) + modelled[(i, j)]
                 - offset * (sum(i) + sum(j))
                 + rows * offset * offset;
             e[(i, j)] = value;

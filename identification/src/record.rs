@@ -121,23 +121,28 @@ impl Run {
     /// before the first count as there only for the input and only when the run began at rest.
     #[must_use]
     pub fn complete_rows(&self, input_lags: usize, output_lags: usize) -> Vec<Range<usize>> {
-        let mut spans: Vec<Range<usize>> = Vec::new();
-        let mut inputs = if self.at_rest.is_some() {
-            input_lags
-        } else {
+        let mut spans = Vec::new();
+        let (inputs, outputs) = (input_lags.max(1), output_lags.max(1));
+        let history = if self.at_rest.is_some() {
             0
+        } else {
+            inputs - 1
         };
-        let mut outputs = 0;
-        for (k, (u, y)) in self.input.iter().zip(&self.output).enumerate() {
-            inputs = if u.is_nan() { 0 } else { inputs + 1 };
-            outputs = if y.is_nan() { 0 } else { outputs + 1 };
-            if inputs < input_lags || outputs < output_lags {
-                continue;
+        // The first row whose history no gap has interrupted so far.
+        let mut from = history.max(outputs - 1);
+        let samples = self.input.iter().zip(&self.output).enumerate();
+        for (k, (u, y)) in samples.filter(|(_, (u, y))| u.is_nan() || y.is_nan()) {
+            if from < k {
+                spans.push(from..k);
             }
-            match spans.last_mut() {
-                Some(span) if span.end == k => span.end = k + 1,
-                _ => spans.push(k..k + 1),
+            for (missing, lags) in [(u.is_nan(), inputs), (y.is_nan(), outputs)] {
+                if missing {
+                    from = from.max(k + lags);
+                }
             }
+        }
+        if from < self.len() {
+            spans.push(from..self.len());
         }
         spans
     }
@@ -173,8 +178,7 @@ impl Record {
     /// Puts runs together.
     ///
     /// # Errors
-    /// The period is not positive; a value is infinite; a column is all missing; input or output
-    /// never change.
+    /// The period is not positive; a column is all missing; input or output never change.
     pub fn new(sample_period_s: f64, runs: Vec<Run>) -> Result<Self, Error> {
         if !(sample_period_s > 0.0 && sample_period_s.is_finite()) {
             return Err(Error::SamplePeriod(sample_period_s));
@@ -273,35 +277,20 @@ impl Record {
     }
 }
 
-/// Requires that a column is finite where present, present somewhere, and not constant.
+/// Requires that a column is present somewhere, and not constant. That its values are of a sensible size,
+/// each run has seen to.
 fn check_column(
     runs: &[Run],
     column: &'static str,
     values: fn(&Run) -> &[f64],
     constant: fn(f64) -> Error,
 ) -> Result<(), Error> {
-    let mut first = None;
-    let mut moves = false;
-    for (index, run) in runs.iter().enumerate() {
-        for (sample, &value) in values(run)
-            .iter()
-            .enumerate()
-            .filter(|(_, value)| !value.is_nan())
-        {
-            if value.abs() > LARGEST {
-                return Err(Error::Infinite {
-                    column,
-                    run: index + 1,
-                    sample,
-                });
-            }
-            moves |= *first.get_or_insert(value) != value;
-        }
-    }
-    match first {
-        None => Err(Error::AllMissing { column }),
-        Some(value) if !moves => Err(constant(value)),
-        Some(_) => Ok(()),
+    let mut present = runs.iter().flat_map(values).filter(|value| !value.is_nan());
+    let first = *present.next().ok_or(Error::AllMissing { column })?;
+    if present.any(|value| *value != first) {
+        Ok(())
+    } else {
+        Err(constant(first))
     }
 }
 

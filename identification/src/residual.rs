@@ -16,8 +16,12 @@ use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use crate::basis::dot;
 use crate::linear::times;
-use crate::normal::{Coordinates, Information, filtered_input_moments};
+use crate::moments::Moments;
+use crate::normal::{
+    Coordinates, NormalEquations, filtered_input_moments, solve_moments, with_one,
+};
 
 /// Lags of the whiteness test.
 pub const WHITENESS_LAGS: usize = 25;
@@ -70,60 +74,64 @@ pub fn whiteness(errors: &[Vec<f64>], noise_order: usize, share: f64) -> Option<
         return None;
     }
     let mean_square = square / count as f64;
+    let runs: Vec<Present> = errors.iter().map(|run| Present::of(run)).collect();
     let statistic: f64 = (1..=WHITENESS_LAGS)
         .map(|lag| {
-            let (pairs, sum) = errors
-                .iter()
-                .map(|run| lagged_product(run, lag))
-                .fold((0usize, 0.0), |(n, sum), (pairs, product)| {
-                    (n + pairs, sum + product)
-                });
-            if pairs == 0 {
+            let pairs: f64 = runs.iter().map(|run| run.pairs(lag)).sum();
+            let sum: f64 = runs.iter().map(|run| run.lagged_product(lag)).sum();
+            if pairs == 0.0 {
                 return 0.0;
             }
-            (1.0 - share) * sum * sum / (pairs as f64 * mean_square * mean_square)
+            (1.0 - share) * sum * sum / (pairs * mean_square * mean_square)
         })
         .sum();
     upper_tail(statistic, WHITENESS_LAGS.saturating_sub(noise_order).max(1))
 }
 
-/// Number of pairs a lag apart, both present, and the sum of their products.
-fn lagged_product(run: &[f64], lag: usize) -> (usize, f64) {
-    if run.len() <= lag {
-        return (0, 0.0);
-    }
-    let mut counts = [0usize; 4];
-    let mut sums = [0.0; 4];
-    let (late, early) = (
-        run[lag..].chunks_exact(4),
-        run[..run.len() - lag].chunks_exact(4),
-    );
-    let rest = late.remainder().iter().zip(early.remainder());
-    let mut add = |slot: usize, product: f64| {
-        let there = !product.is_nan();
-        counts[slot] += usize::from(there);
-        sums[slot] += if there { product } else { 0.0 };
-    };
-    for (a, b) in rest {
-        add(0, a * b);
-    }
-    for (late, early) in late.zip(early) {
-        for slot in 0..4 {
-            add(slot, late[slot] * early[slot]);
+/// One run of errors from the first to the last that is there.
+struct Present {
+    /// 0 where one is missing.
+    errors: Vec<f64>,
+    /// 1 where one is there, 0 where it is missing; `None` when all are there.
+    there: Option<Vec<f64>>,
+}
+
+impl Present {
+    fn of(run: &[f64]) -> Self {
+        let first = run.iter().position(|error| !error.is_nan()).unwrap_or(0);
+        let last = run.iter().rposition(|error| !error.is_nan());
+        let run = &run[first..last.map_or(first, |last| last + 1)];
+        let there = |error: &f64| f64::from(u8::from(!error.is_nan()));
+        Self {
+            errors: run
+                .iter()
+                .map(|e| if e.is_nan() { 0.0 } else { *e })
+                .collect(),
+            there: run
+                .iter()
+                .any(|error| error.is_nan())
+                .then(|| run.iter().map(there).collect()),
         }
     }
-    (counts.iter().sum(), sums.iter().sum())
+
+    /// Number of pairs a lag apart that are both there.
+    fn pairs(&self, lag: usize) -> f64 {
+        match &self.there {
+            None => self.errors.len().saturating_sub(lag) as f64,
+            Some(there) => dot(there.get(lag..).unwrap_or_default(), there),
+        }
+    }
+
+    /// Sum of their products.
+    fn lagged_product(&self, lag: usize) -> f64 {
+        dot(self.errors.get(lag..).unwrap_or_default(), &self.errors)
+    }
 }
 
 /// The p-value of the test of independence, for the noise filter `ar`; `None` when the moments
 /// have no further lags, or further lags carry nothing new.
 #[must_use]
-pub fn input_independence(
-    information: &Information,
-    coordinates: &Coordinates,
-    ar: &[f64],
-) -> Option<f64> {
-    let moments = &information.moments;
+pub fn input_independence(moments: &Moments, coordinates: &Coordinates, ar: &[f64]) -> Option<f64> {
     let (n, order) = (coordinates.basis.settling(), ar.len());
     let beyond = moments.input_lags().checked_sub(n + order)?.min(INPUT_LAGS);
     let mut lags: Vec<usize> = (n..n + beyond).collect();
@@ -133,11 +141,13 @@ pub fn input_independence(
     if lags.is_empty() {
         return None;
     }
-    let solution = information.solve(coordinates, ar)?;
-    let impulse = coordinates.impulse(solution.response());
-    let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+    let d = with_one(ar);
     let gain: f64 = d.iter().sum();
     let uu = filtered_input_moments(&moments.uu, n + beyond, &d);
+    let square = coordinates.square(uu.as_ref().submatrix(0, 0, n, n));
+    let equations = NormalEquations::with_square(moments, coordinates, ar, square);
+    let solution = solve_moments(&equations)?;
+    let impulse = coordinates.impulse(solution.response());
     let rows = moments.rows as f64;
     let filtered = |values: &dyn Fn(usize) -> f64, lag: usize| -> f64 {
         d.iter()
@@ -155,7 +165,8 @@ pub fn input_independence(
     let score: Vec<f64> = lags
         .iter()
         .map(|&lag| {
-            let modelled: f64 = (0..n).map(|b| uu[(lag, b)] * impulse[b]).sum();
+            // uu is symmetric.
+            let modelled = dot(&impulse, uu.col_as_slice(lag));
             with_output(lag) - modelled - with_offset(lag) * solution.offset()
         })
         .collect();

@@ -23,20 +23,18 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use crate::convolution::causal_filter;
 use crate::gls::{GlsFit, MAX_AUTO_ORDER};
+use crate::limits::holds::holds;
 use crate::noise::{NoiseFit, best_order};
 use crate::normal::{Information, with_one};
-use crate::record::{Record, Run};
+use crate::record::Run;
+use crate::simulated::{SAMPLES, Simulated, beginnings};
 
 /// Shortest stretch of rest that is used \[samples\].
 const SHORTEST: usize = 32;
 
 /// Fewest samples at rest that say something about the noise.
 const FEWEST: usize = 100;
-
-/// Samples at the beginning of a record that are looked at.
-const SAMPLES: usize = 1 << 15;
 
 /// Share of the pieces of motion that is left out, the loudest ones.
 const LEFT_OUT: usize = 5;
@@ -53,18 +51,23 @@ pub struct AgainstRest {
     pub misfit_percent: f64,
 }
 
-/// Compares the errors of `fit` in `record` with the noise at rest; `None` when nothing rests for long
-/// enough.
+/// Compares the errors of `fit` in `runs` with the noise at rest, in them and in what was recorded around
+/// them, `rest`; `None` when nothing rests for long enough.
 #[must_use]
 pub(crate) fn compare(
-    record: &Record,
+    runs: &[Simulated<'_>],
+    rest: &[Run],
     information: &Information,
     fit: &GlsFit,
 ) -> Option<AgainstRest> {
-    let noise = RestNoise::of(record, fit.coordinates.basis.settling())?;
-    let errors = simulation_errors(record, information, fit);
+    let rest: Vec<_> = beginnings(rest, SAMPLES).collect();
+    let seen = Seen {
+        runs: runs.iter().map(|simulated| &*simulated.run).collect(),
+        rest: rest.iter().map(|run| &**run).collect(),
+    };
+    let noise = RestNoise::of(&seen, fit.coordinates.basis.settling())?;
     let order = noise.ar.len();
-    let mut pieces: Vec<(f64, usize)> = pieces(&errors, noise.typical)
+    let mut pieces: Vec<(f64, usize)> = pieces(runs, noise.typical)
         .map(|piece| (noise.filtered_square(piece), piece.len() - order))
         .collect();
     pieces.sort_by(|a, b| (a.0 / a.1 as f64).total_cmp(&(b.0 / b.1 as f64)));
@@ -90,6 +93,13 @@ pub(crate) fn compare(
     })
 }
 
+/// What is looked at.
+struct Seen<'a> {
+    runs: Vec<&'a Run>,
+    /// What was recorded around the runs.
+    rest: Vec<&'a Run>,
+}
+
 /// The noise while nothing moves.
 struct RestNoise {
     /// d_1..d_d of D_r.
@@ -103,8 +113,8 @@ struct RestNoise {
 }
 
 impl RestNoise {
-    fn of(record: &Record, settling: usize) -> Option<Self> {
-        let stretches = stretches(record, settling);
+    fn of(seen: &Seen<'_>, settling: usize) -> Option<Self> {
+        let stretches = seen.stretches(settling);
         let count: usize = stretches.iter().map(|stretch| stretch.len()).sum();
         if count < FEWEST {
             return None;
@@ -118,7 +128,7 @@ impl RestNoise {
             add_moments(&about_mean(stretch), &mut moments);
         }
         let rows = count - MAX_AUTO_ORDER * stretches.len();
-        let rounding = (0.5 * resolution(record)).powi(2);
+        let rounding = (0.5 * seen.smallest_step()).powi(2);
         for i in 0..size {
             moments[(i, i)] += rounding * rows as f64;
         }
@@ -184,31 +194,42 @@ fn quadratic(moments: &Mat<f64>, d: &[f64]) -> f64 {
     d.iter().enumerate().map(|(i, di)| di * row(i)).sum()
 }
 
-/// The output wherever the input has stood still for long enough: in holds of the record that are
-/// longer than the settling time, and in the rest around it.
-fn stretches(record: &Record, settling: usize) -> Vec<&[f64]> {
-    let mut found = Vec::new();
-    for run in record.runs() {
-        let from_rest = run
-            .input_at_rest()
-            .filter(|u| run.input().first() == Some(u));
-        for (index, hold) in holds(run).into_iter().enumerate() {
-            let settled = if index == 0 && from_rest.is_some() {
-                0
-            } else {
-                settling
-            };
-            add_settled(&run.output()[hold], settled, &mut found);
+impl<'a> Seen<'a> {
+    /// The output wherever the input has stood still for long enough: in holds of the runs that are
+    /// longer than the settling time, and in the rest around them.
+    fn stretches(&self, settling: usize) -> Vec<&'a [f64]> {
+        let mut found = Vec::new();
+        for run in &self.runs {
+            let from_rest = run
+                .input_at_rest()
+                .filter(|u| run.input().first() == Some(u));
+            for (index, hold) in holds(run).into_iter().enumerate() {
+                let settled = if index == 0 && from_rest.is_some() {
+                    0
+                } else {
+                    settling
+                };
+                add_settled(&run.output()[hold.samples], settled, &mut found);
+            }
         }
-    }
-    for run in record.rest() {
-        for hold in holds(run) {
-            // A settling time that was found too long must not leave nothing.
-            let settled = settling.min(hold.len() / 2);
-            add_settled(&run.output()[hold], settled, &mut found);
+        for run in &self.rest {
+            for hold in holds(run) {
+                // A settling time that was found too long must not leave nothing.
+                let settled = settling.min(hold.samples.len() / 2);
+                add_settled(&run.output()[hold.samples], settled, &mut found);
+            }
         }
+        found
     }
-    found
+
+    /// The smallest step between neighbouring values of the output.
+    fn smallest_step(&self) -> f64 {
+        let runs = self.runs.iter().chain(&self.rest);
+        runs.flat_map(|run| run.output().windows(2))
+            .map(|pair| (pair[1] - pair[0]).abs())
+            .filter(|step| *step > 0.0)
+            .fold(f64::INFINITY, f64::min)
+    }
 }
 
 fn add_settled<'a>(output: &'a [f64], settled: usize, found: &mut Vec<&'a [f64]>) {
@@ -220,50 +241,10 @@ fn add_settled<'a>(output: &'a [f64], settled: usize, found: &mut Vec<&'a [f64]>
     );
 }
 
-/// Where the input of a run stands still.
-fn holds(run: &Run) -> Vec<std::ops::Range<usize>> {
-    let mut holds: Vec<std::ops::Range<usize>> = Vec::new();
-    for (k, pair) in run.input().iter().enumerate() {
-        match holds.last_mut() {
-            Some(hold) if run.input()[hold.start] == *pair => hold.end = k + 1,
-            _ => holds.push(k..k + 1),
-        }
-    }
-    holds
-}
-
-/// The smallest step between neighbouring values of the output.
-fn resolution(record: &Record) -> f64 {
-    let runs = record.runs().iter().chain(record.rest());
-    runs.flat_map(|run| run.output().windows(2))
-        .map(|pair| (pair[1] - pair[0]).abs())
-        .filter(|step| *step > 0.0)
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// y - ŷ, run by run; NaN outside the rows of the regression.
-fn simulation_errors(record: &Record, information: &Information, fit: &GlsFit) -> Vec<Vec<f64>> {
-    let moments = &information.moments;
-    let (impulse, offset) = (fit.impulse(), fit.solution.offset());
-    let mut left = SAMPLES;
-    let mut errors = Vec::new();
-    for run in record.runs() {
-        let run = run.part(0..run.len().min(left));
-        left -= run.len();
-        let input: Vec<f64> = run.input().iter().map(|u| u - moments.centre.0).collect();
-        let at_rest = run.input_at_rest().map(|u| u - moments.centre.0);
-        let simulated = causal_filter(&impulse, &input, at_rest);
-        let of_output = |(y, s): (&f64, f64)| y - moments.centre.1 - s - offset;
-        errors.push(run.output().iter().zip(simulated).map(of_output).collect());
-    }
-    errors
-}
-
 /// Pieces of `length` samples that are all there.
-fn pieces(errors: &[Vec<f64>], length: usize) -> impl Iterator<Item = &[f64]> {
-    errors
-        .iter()
-        .flat_map(|run| run.split(|error| error.is_nan()))
+fn pieces<'a>(runs: &'a [Simulated<'_>], length: usize) -> impl Iterator<Item = &'a [f64]> {
+    runs.iter()
+        .flat_map(|run| run.errors.split(|error| error.is_nan()))
         .flat_map(move |whole| whole.chunks_exact(length))
 }
 

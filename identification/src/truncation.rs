@@ -17,7 +17,7 @@
 
 use faer::Mat;
 
-use crate::basis::Basis;
+use crate::basis::{Basis, Circle};
 use crate::linear::{cholesky, inverse_of_lower};
 use crate::moments::Moments;
 use crate::normal::{filtered_input_moments, with_one};
@@ -39,8 +39,6 @@ const LARGEST_SHARE: f64 = 0.75;
 pub(crate) struct Truncation {
     /// Of the step response, all samples.
     pub(crate) step: f64,
-    /// Of the final value.
-    pub(crate) gain: f64,
     /// Of G at each of the frequencies asked for, as a distance in the complex plane.
     pub(crate) frequency: Vec<f64>,
 }
@@ -75,7 +73,6 @@ impl Truncation {
         let step = errors.of_step();
         Some(Self {
             step: largest * step.iter().copied().fold(0.0, f64::max),
-            gain: largest * step[step.len() - 1],
             frequency: errors
                 .of_frequencies(omegas)
                 .iter()
@@ -109,9 +106,10 @@ impl Errors {
         let sums: Vec<f64> = (0..settling)
             .map(|a| d.iter().zip(&moments.u[a..]).map(|(d, u)| d * u).sum())
             .collect();
-        for b in 0..settling {
-            for a in 0..settling {
-                products[(a, b)] -= sums[a] * sums[b] / moments.rows as f64;
+        for (b, sum) in sums.iter().enumerate() {
+            let share = sum / moments.rows as f64;
+            for (product, sum) in products.col_as_slice_mut(b).iter_mut().zip(&sums) {
+                *product -= share * sum;
             }
         }
         let (kept, left_out) = (basis.impulse_map(), left_out(basis, roll_off));
@@ -158,7 +156,7 @@ impl Errors {
             let mut sum = (0.0, 0.0);
             for ((bound, re), im) in bound.iter_mut().zip(re).zip(im) {
                 sum = (sum.0 + re, sum.1 + im);
-                *bound += sum.0.hypot(sum.1);
+                *bound += length(sum.0, sum.1);
             }
         }
         bound
@@ -166,35 +164,40 @@ impl Errors {
 
     /// Of G at each of `omegas` \[rad/sample\].
     fn of_frequencies(&self, omegas: &[f64]) -> Vec<f64> {
-        let mut rows = Mat::zeros(2 * omegas.len(), self.impulse.nrows());
+        let count = omegas.len();
+        // e^{-jωi}: the real parts of all frequencies, then the imaginary parts.
+        let mut turning = Mat::zeros(self.impulse.nrows(), 2 * count);
         for (k, omega) in omegas.iter().enumerate() {
-            // e^{-jωi} by turning on: after as many turns as N has samples, rounding is far below what a bound needs.
+            // By turning on: after as many turns as N has samples, rounding is far below what a bound needs.
             let (turn_sin, turn_cos) = omega.sin_cos();
             let (mut re, mut im) = (1.0, 0.0);
-            for i in 0..rows.ncols() {
-                (rows[(2 * k, i)], rows[(2 * k + 1, i)]) = (re, im);
+            for i in 0..turning.nrows() {
+                (turning[(i, k)], turning[(i, count + k)]) = (re, im);
                 (re, im) = (re * turn_cos + im * turn_sin, im * turn_cos - re * turn_sin);
             }
         }
-        let errors = rows * &self.impulse;
-        (0..omegas.len())
-            .map(|k| {
-                let at = |part: usize, column: usize| errors[(2 * k + part, column)];
-                (0..self.pairs())
-                    .map(|l| {
-                        let column = |c: usize| (at(0, 2 * l + c), at(1, 2 * l + c));
-                        largest_stretch(column(0), column(1))
-                    })
-                    .sum()
-            })
-            .collect()
+        let errors = turning.transpose() * &self.impulse;
+        let mut bounds = vec![0.0; count];
+        for l in 0..self.pairs() {
+            let column = |c: usize| errors.col_as_slice(2 * l + c).split_at(count);
+            let ((a_re, a_im), (b_re, b_im)) = (column(0), column(1));
+            for (k, bound) in bounds.iter_mut().enumerate() {
+                *bound += largest_stretch((a_re[k], a_im[k]), (b_re[k], b_im[k]));
+            }
+        }
+        bounds
     }
+}
+
+/// Length of a vector that is far from the limits of numbers, which [`f64::hypot`] would see to at ten
+/// times the cost.
+fn length(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
 }
 
 /// The largest length of x a + y b over x² + y² = 1: the larger singular value of \[a b\].
 fn largest_stretch(a: (f64, f64), b: (f64, f64)) -> f64 {
-    let (sum, difference) = ((a.0 + b.1).hypot(a.1 - b.0), (a.0 - b.1).hypot(a.1 + b.0));
-    (sum + difference) / 2.0
+    (length(a.0 + b.1, a.1 - b.0) + length(a.0 - b.1, a.1 + b.0)) / 2.0
 }
 
 /// T₂: the impulse responses of the frequencies that a bank leaves out, each in a pair of columns, times
@@ -207,18 +210,21 @@ fn left_out(basis: &Basis, roll_off: i32) -> Mat<f64> {
         FIRST_ORDER => sine(q.max(1)) / sine(l),
         _ => (q.max(1) as f64 / l as f64).powi(roll_off),
     };
-    Mat::from_fn(n, 2 * (n / 2 - q), |i, k| {
-        let l = q + 1 + k / 2;
+    let circle = Circle::new(n);
+    let mut map = Mat::zeros(n, 2 * (n / 2 - q));
+    for l in q + 1..=n / 2 {
+        let pair = 2 * (l - q - 1);
         // The frequency N/2 of an even N stands alone, and is real.
         let alone = 2 * l == n;
-        let angle = turn * ((l * i) % n) as f64;
-        match (k % 2, alone) {
-            (0, true) => size(l) / n as f64 * angle.cos(),
-            (_, true) => 0.0,
-            (0, false) => 2.0 * size(l) / n as f64 * angle.cos(),
-            _ => -2.0 * size(l) / n as f64 * angle.sin(),
+        let scale = if alone { 1.0 } else { 2.0 } * size(l) / n as f64;
+        for (i, (sin, cos)) in circle.multiples(l).enumerate() {
+            map[(i, pair)] = scale * cos;
+            if !alone {
+                map[(i, pair + 1)] = -scale * sin;
+            }
         }
-    })
+    }
+    map
 }
 
 /// max_m sum_{l>q} 2 |S(l,m)| (q/l)^r for every q from 0 to the highest frequency of a full bank: what is
@@ -283,7 +289,8 @@ mod tests {
             let solution = information.solve(&Coordinates::new(basis), &[]).unwrap();
             let theta = solution.response();
             let exact = vec![0.0; frequencies];
-            let omegas: Vec<f64> = (0..40).map(|k| 0.01 + 0.07 * f64::from(k)).collect();
+            // The gain is the first of them.
+            let omegas: Vec<f64> = (0..40).map(|k| 0.07 * f64::from(k)).collect();
             let bounds =
                 Truncation::new(&moments, &basis, &[], (theta, &exact), FIRST_ORDER, &omegas)
                     .unwrap();
@@ -296,10 +303,6 @@ mod tests {
             assert!(
                 error <= bounds.step && bounds.step < 20.0 * error,
                 "{frequencies}: {error} {bounds:?}"
-            );
-            assert!(
-                (theta[0] - truth[0]).abs() <= bounds.gain,
-                "{frequencies}: {bounds:?}"
             );
             for (omega, bound) in omegas.iter().zip(&bounds.frequency) {
                 let (found, exact) = (

@@ -1,6 +1,7 @@
 //! Findings on the input: whether it moves fast enough to tell the response.
 
 use super::{Advice, Evidence};
+use crate::excitation::share_untold;
 use crate::model_error::DISAGREEMENT;
 
 /// The check of an input that does not tell the response at high frequencies: while it is among the
@@ -62,8 +63,7 @@ pub(super) fn smooth(evidence: &Evidence<'_>) -> Option<Advice> {
 /// Figures that were left out because they rest on frequencies that the input does not tell.
 pub(super) fn figures(evidence: &Evidence<'_>) -> Option<Advice> {
     evidence.explanation.untold_from_hz(evidence.model)?;
-    let step = &evidence.model.step;
-    let share = step.truncation_bias / evidence.model.theta[0].abs();
+    let share = share_untold(&evidence.model.step, evidence.model.theta[0]);
     (share > DISAGREEMENT).then(|| {
         Advice::new(
             "untold",

@@ -4,8 +4,8 @@ use super::Pipeline;
 use super::estimate::Estimate;
 use crate::linearity::Linearity;
 use crate::model::{Fit, Model};
-use crate::normal::Information;
 use crate::residual::{self, Residuals, WHITENESS_SAMPLES};
+use crate::simulated::beginnings;
 use crate::validation::fit_percent;
 
 impl Pipeline<'_> {
@@ -36,10 +36,13 @@ impl Pipeline<'_> {
         let Estimate {
             coordinates, fit, ..
         } = estimate;
-        let information = Information::from_moments(self.collected.extended.clone());
         let rest = linearity.and_then(|found| found.rest);
         Residuals {
-            input_correlation_p: residual::input_independence(&information, coordinates, &fit.ar),
+            input_correlation_p: residual::input_independence(
+                &self.collected.extended,
+                coordinates,
+                &fit.ar,
+            ),
             whiteness_p: self.whiteness(model, estimate),
             linearity_p: linearity.map(|found| found.p),
             beyond_linear_percent: linearity.map(|found| found.misfit_percent),
@@ -50,13 +53,9 @@ impl Pipeline<'_> {
 
     fn whiteness(&self, model: &Model, estimate: &Estimate) -> Option<f64> {
         let ar = &estimate.fit.ar;
-        let mut left = WHITENESS_SAMPLES;
-        let mut errors = Vec::new();
-        for run in self.record?.runs() {
-            let run = run.part(0..run.len().min(left));
-            left -= run.len();
-            errors.push(one_step_errors(run.output(), &model.simulate(&run), ar));
-        }
+        let errors: Vec<Vec<f64>> = beginnings(self.record?.runs(), WHITENESS_SAMPLES)
+            .map(|run| one_step_errors(run.output(), &model.simulate(&run), ar))
+            .collect();
         let parameters = (estimate.coordinates.len() + 1) as f64;
         let share = parameters / estimate.information.rows() as f64;
         residual::whiteness(&errors, ar.len(), share)

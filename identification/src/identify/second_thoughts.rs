@@ -12,6 +12,7 @@ use crate::moments::Moments;
 use crate::normal::Information;
 use crate::options::{Frequencies, NoiseOrder, Options};
 use crate::rest;
+use crate::simulated::simulated;
 use crate::structure;
 
 /// An estimate, and what its errors had to say about it.
@@ -31,7 +32,8 @@ impl Pipeline<'_> {
             linearity = self.linearity_of(&shorter).or(linearity);
             first = shorter;
         }
-        let both = BothEstimators::new(&first.information, &first.coordinates, &first.fit);
+        let suspect = linearity.is_some_and(|found| found.errors_follow_motion());
+        let both = BothEstimators::new(&first.information, &first.fit, suspect);
         let sign = both
             .as_ref()
             .and_then(|both| both.sign(linearity, || self.share_seen(&first)));
@@ -61,7 +63,8 @@ impl Pipeline<'_> {
     fn linearity_of(&self, estimate: &Estimate) -> Option<Linearity> {
         let record = self.record?;
         let (information, fit) = (&estimate.information, &estimate.fit);
-        let mut found = linearity::test(record, information, fit)?;
+        let runs = simulated(record, &information.moments, fit);
+        let mut found = linearity::test(&runs, information, fit)?;
         // A response that goes on beyond N leaves errors that are not at rest either.
         let settled = self
             .plan
@@ -69,7 +72,7 @@ impl Pipeline<'_> {
             .as_ref()
             .is_none_or(|choice| choice.settled);
         found.rest = settled
-            .then(|| rest::compare(record, information, fit))
+            .then(|| rest::compare(&runs, record.rest(), information, fit))
             .flatten();
         Some(found)
     }

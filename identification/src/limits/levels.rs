@@ -26,7 +26,7 @@ const FALSE_ALARM_OF_AN_END: f64 = 0.005;
 const SOFT: f64 = 0.9;
 const STOP: f64 = 0.1;
 /// Levels needed to see an end soften.
-const LEVELS: usize = 4;
+pub(crate) const LEVELS: usize = 4;
 
 /// The side from which a level was reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -6,6 +6,8 @@ use crate::gls::{self, GlsOptions};
 use crate::linear::column;
 use crate::normal::Coordinates;
 use crate::options::NoiseOrder;
+use crate::record::{Record, Run};
+use crate::simulated::simulated;
 use approx::assert_relative_eq;
 use faer::linalg::solvers::SolveLstsqCore;
 use rand::SeedableRng;
@@ -68,7 +70,7 @@ fn explicit(offered: &Offered, fit: &GlsFit, with_functions: bool) -> (f64, Vec<
     let columns = p + 1 + if with_functions { FUNCTIONS } else { 0 };
     let mut rows: Vec<(Vec<f64>, f64)> = Vec::new();
     for run in &offered.runs {
-        for (k, _) in run.rows.iter().enumerate().filter(|(_, row)| **row) {
+        for k in run.rows.iter().cloned().flatten() {
             let lagged = |m: usize| filtered_at(&run.input, &d, run.history + k - m);
             let lags: Vec<f64> = (0..SETTLING).map(lagged).collect();
             let mut row: Vec<f64> = match coordinates.impulse_map() {
@@ -101,7 +103,8 @@ fn moments_by_transforms_give_what_the_explicit_regression_gives() {
     for frequencies in [SETTLING, 5] {
         let record = record(0.02);
         let (information, fit) = fitted(&record, frequencies);
-        let offered = Offered::new(&record, &information.moments, &fit).unwrap();
+        let runs = simulated(&record, &information.moments, &fit);
+        let offered = Offered::new(&runs, &information.moments, &fit).unwrap();
         let (found, response) = offered.regress(&fit).unwrap();
         let (without, _) = explicit(&offered, &fit, false);
         let (with, solution) = explicit(&offered, &fit, true);
@@ -121,6 +124,11 @@ fn moments_by_transforms_give_what_the_explicit_regression_gives() {
     }
 }
 
+fn tested(record: &Record, information: &Information, fit: &GlsFit) -> Linearity {
+    let runs = simulated(record, &information.moments, fit);
+    test(&runs, information, fit).unwrap()
+}
+
 #[test]
 fn a_bent_characteristic_is_found_with_its_size() {
     // s runs over 3..5, where its square departs from a line by 0.3 rms if s is uniform: 0.09 at
@@ -128,28 +136,11 @@ fn a_bent_characteristic_is_found_with_its_size() {
     // a factor of two to each side.
     let bent = record(0.3);
     let (information, fit) = fitted(&bent, SETTLING);
-    let found = test(&bent, &information, &fit).unwrap();
+    let found = tested(&bent, &information, &fit);
     assert!(found.is_rejected(), "{found:?}");
     assert!((2.3..9.2).contains(&found.misfit_percent), "{found:?}");
     let straight = record(0.0);
     let (information, fit) = fitted(&straight, SETTLING);
-    let found = test(&straight, &information, &fit).unwrap();
+    let found = tested(&straight, &information, &fit);
     assert!(!found.is_rejected(), "{found:?}");
-}
-
-#[test]
-fn transforms_have_sizes_that_are_fast() {
-    assert_eq!(transform_size(1), 2);
-    assert_eq!(transform_size(3721), 3750);
-    assert_eq!(transform_size(4097), 4320);
-    for least in 2..2000 {
-        let mut size = transform_size(least);
-        assert!((least..=2 * least).contains(&size) && size.is_multiple_of(2));
-        for factor in [2, 3, 5] {
-            while size.is_multiple_of(factor) {
-                size /= factor;
-            }
-        }
-        assert_eq!(size, 1);
-    }
 }

@@ -57,6 +57,7 @@ pub struct MomentStream {
     present: (usize, usize),
     /// Whether the row before `summed` was complete.
     open: bool,
+    /// sum u(k) u(k-a) and sum y(k) u(k-a).
     sums: LaggedSums,
     /// sum u(k) y(k-j) and sum y(k) y(k-j).
     uy: Vec<f64>,
@@ -90,7 +91,7 @@ impl MomentStream {
             summed: 0,
             present: (0, 0),
             open: false,
-            sums: LaggedSums::new(input_lags),
+            sums: LaggedSums::new(input_lags, 2),
             uy: vec![0.0; output_lags],
             yy: vec![0.0; output_lags],
             total: (0.0, 0.0),
@@ -160,10 +161,17 @@ impl MomentStream {
     /// The moments of all samples so far.
     #[must_use]
     pub fn moments(&self) -> Moments {
-        let mut done = self.clone();
+        self.clone().into_moments()
+    }
+
+    /// The moments of all samples, with which the collection ends.
+    #[must_use]
+    pub fn into_moments(mut self) -> Moments {
+        let done = &mut self;
         done.sum_pending();
         done.close(done.u.len());
-        let (uu, yu) = done.sums.sums();
+        let sums = done.sums.sums();
+        let (uu, yu) = (&sums[0], &sums[1]);
         let edges = &done.edges;
         let square = |first_row: &[f64], first_column: &[f64], edge: &Mat<f64>| {
             let mut matrix = Mat::zeros(first_column.len(), first_row.len());
@@ -193,8 +201,8 @@ impl MomentStream {
             rows: done.rows,
             samples: done.samples,
             missing: done.missing,
-            uu: square(&uu, &uu, &edges.uu),
-            uy: square(&done.uy, &yu, &edges.uy),
+            uu: square(uu, uu, &edges.uu),
+            uy: square(&done.uy, yu, &edges.uy),
             yy: square(&done.yy, &done.yy, &edges.yy),
             u: shifted(done.total.0, &edges.u),
             y: shifted(done.total.1, &edges.y),
@@ -259,18 +267,15 @@ impl MomentStream {
 
     fn add_rows(&mut self, from: usize, to: usize) {
         let history = self.input_lags - 1;
-        for start in (from..to).step_by(self.sums.block_rows()) {
-            let end = (start + self.sums.block_rows()).min(to);
-            let (u, y) = (&self.u[start..end], &self.y[start..end]);
-            self.sums.add(&self.u[start - history..end], y);
-            for j in 0..self.output_lags {
-                let earlier = &self.y[start - j..end - j];
-                self.uy[j] += dot(u, earlier);
-                self.yy[j] += dot(y, earlier);
-            }
-            self.total.0 += u.iter().sum::<f64>();
-            self.total.1 += y.iter().sum::<f64>();
+        let (u, y) = (&self.u[from..to], &self.y[from..to]);
+        self.sums.add(&self.u[from - history..to], &[u, y]);
+        for j in 0..self.output_lags {
+            let earlier = &self.y[from - j..to - j];
+            self.uy[j] += dot(u, earlier);
+            self.yy[j] += dot(y, earlier);
         }
+        self.total.0 += u.iter().sum::<f64>();
+        self.total.1 += y.iter().sum::<f64>();
         self.rows += to - from;
     }
 }

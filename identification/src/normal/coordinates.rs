@@ -1,6 +1,6 @@
 //! The coordinates in which least squares is solved.
 
-use faer::Mat;
+use faer::{Mat, MatRef};
 
 use crate::basis::Basis;
 use crate::linear::times;
@@ -88,8 +88,16 @@ impl Coordinates {
         self.map.as_ref()
     }
 
+    /// T'M T.
+    pub(crate) fn square(&self, matrix: MatRef<'_, f64>) -> Mat<f64> {
+        match &self.map {
+            Some(map) => map.transpose() * (matrix * map),
+            None => matrix.to_owned(),
+        }
+    }
+
     /// T'M.
-    pub(super) fn compress(&self, matrix: Mat<f64>) -> Mat<f64> {
+    pub(crate) fn compress(&self, matrix: Mat<f64>) -> Mat<f64> {
         match &self.map {
             Some(map) => map.transpose() * matrix,
             None => matrix,
