@@ -3,10 +3,14 @@
 
 use std::borrow::Cow;
 
+use faer::Mat;
+
+use crate::basis::dot;
 use crate::convolution::causal_filter;
 use crate::gls::GlsFit;
 use crate::moments::Moments;
 use crate::record::{Record, Run};
+use crate::residual::ScoreTest;
 
 /// Samples at the beginning of a record that are looked at: what cannot be seen in them is too small
 /// to matter.
@@ -19,6 +23,45 @@ pub(crate) struct Simulated<'a> {
     pub(crate) output: Vec<f64>,
     /// y(k) - ŷ(k); NaN where either is missing.
     pub(crate) errors: Vec<f64>,
+}
+
+impl Simulated<'_> {
+    /// The change of the output per sample: half the difference of its neighbours; at the ends of a stretch
+    /// there is one neighbour only. NaN where the output is.
+    pub(crate) fn speed(&self) -> Vec<f64> {
+        (0..self.output.len())
+            .map(|k| {
+                let now = self.output[k];
+                let neighbour = |k: usize| match self.output.get(k) {
+                    Some(s) if !s.is_nan() => *s,
+                    _ => now,
+                };
+                (neighbour(k + 1) - neighbour(k.wrapping_sub(1))) / 2.0
+            })
+            .collect()
+    }
+
+    /// What a gain, a delay and an offset of its own leave of the errors.
+    pub(crate) fn own_errors(&self) -> Vec<f64> {
+        let row = |k: usize, speed: &[f64]| [self.output[k], speed[k], 1.0];
+        let speed = self.speed();
+        let mut moments = Mat::<f64>::zeros(3, 3);
+        let mut score = [0.0; 3];
+        for (k, error) in self.errors.iter().enumerate().filter(|(_, e)| !e.is_nan()) {
+            let row = row(k, &speed);
+            for i in 0..3 {
+                score[i] += row[i] * error;
+                for j in 0..3 {
+                    moments[(i, j)] += row[i] * row[j];
+                }
+            }
+        }
+        let Some(found) = ScoreTest::new(&moments, &moments, &score) else {
+            return self.errors.clone();
+        };
+        let left = |(k, error): (usize, &f64)| error - dot(&row(k, &speed), &found.coefficients);
+        self.errors.iter().enumerate().map(left).collect()
+    }
 }
 
 /// The runs of a record up to [`SAMPLES`], by the response of `fit`, which is one of `moments`.

@@ -1,14 +1,18 @@
 //! The fast regression against the explicit one.
 
+use super::offered::FUNCTIONS;
 use super::*;
 use crate::basis::Basis;
+use crate::basis::dot;
 use crate::gls::{self, GlsOptions};
-use crate::linear::column;
-use crate::normal::Coordinates;
+use crate::linear::{column, times};
+use crate::moments::Moments;
+use crate::normal::{Coordinates, with_one};
 use crate::options::NoiseOrder;
 use crate::record::{Record, Run};
 use crate::simulated::simulated;
 use approx::assert_relative_eq;
+use faer::Mat;
 use faer::linalg::solvers::SolveLstsqCore;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -62,64 +66,106 @@ fn filtered_at(values: &[f64], d: &[f64], k: usize) -> f64 {
     d.iter().enumerate().map(|(i, di)| di * values[k - i]).sum()
 }
 
-/// The regression with every row and column written out: sum of squares, coefficients.
-fn explicit(offered: &Offered, fit: &GlsFit, with_functions: bool) -> (f64, Vec<f64>) {
-    let d = with_one(&fit.ar);
-    let coordinates = &fit.coordinates;
-    let p = coordinates.len();
-    let columns = p + 1 + if with_functions { FUNCTIONS } else { 0 };
-    let mut rows: Vec<(Vec<f64>, f64)> = Vec::new();
-    for run in &offered.runs {
-        for k in run.rows.iter().cloned().flatten() {
-            let lagged = |m: usize| filtered_at(&run.input, &d, run.history + k - m);
-            let lags: Vec<f64> = (0..SETTLING).map(lagged).collect();
-            let mut row: Vec<f64> = match coordinates.impulse_map() {
-                Some(map) => times(&map.transpose().to_owned(), &lags),
-                None => lags,
-            };
-            row.push(d.iter().sum());
-            row.extend(run.functions.iter().map(|z| filtered_at(z, &d, k)));
-            rows.push((row, run.errors[k]));
+/// The regression with every row and column written out.
+struct Explicit {
+    /// The regressors of the fit, the offset last.
+    fit: Mat<f64>,
+    /// All columns offered.
+    offered: Mat<f64>,
+    errors: Vec<f64>,
+}
+
+impl Explicit {
+    fn new(offered: &Offered, fit: &GlsFit) -> Self {
+        let d = with_one(&fit.ar);
+        let columns = offered.runs.iter().flat_map(|run| &run.columns);
+        let columns = columns.max().unwrap() + 1;
+        let mut rows: Vec<(Vec<f64>, Vec<f64>, f64)> = Vec::new();
+        for run in &offered.runs {
+            for k in run.rows.iter().cloned().flatten() {
+                let lagged = |m: usize| filtered_at(&run.input, &d, run.history + k - m);
+                let lags: Vec<f64> = (0..SETTLING).map(lagged).collect();
+                let mut row: Vec<f64> = match fit.coordinates.impulse_map() {
+                    Some(map) => times(&map.transpose().to_owned(), &lags),
+                    None => lags,
+                };
+                row.push(d.iter().sum());
+                let mut offered = vec![0.0; columns];
+                for (z, &column) in run.functions.iter().zip(&run.columns) {
+                    offered[column] = filtered_at(z, &d, k);
+                }
+                rows.push((row, offered, run.errors[k]));
+            }
+        }
+        let p = fit.coordinates.len();
+        Self {
+            fit: Mat::from_fn(rows.len(), p + 1, |i, j| rows[i].0[j]),
+            offered: Mat::from_fn(rows.len(), columns, |i, j| rows[i].1[j]),
+            errors: rows.into_iter().map(|row| row.2).collect(),
         }
     }
-    let matrix = Mat::from_fn(rows.len(), columns, |i, j| rows[i].0[j]);
-    let errors: Vec<f64> = rows.iter().map(|(_, error)| *error).collect();
-    let mut solution = column(&errors);
-    matrix
-        .qr()
-        .solve_lstsq_in_place_with_conj(faer::Conj::No, solution.as_mut());
-    let solution = solution.col_as_slice(0)[..columns].to_vec();
-    let fitted = times(&matrix, &solution);
-    let rss = errors
-        .iter()
-        .zip(fitted)
-        .map(|(e, f)| (e - f).powi(2))
-        .sum();
-    (rss, solution)
+
+    /// What the fit's regressors and these `columns` leave of `values`, and the coefficients of both.
+    fn left(&self, values: &[f64], columns: &[usize]) -> (Vec<f64>, Vec<f64>) {
+        let p = self.fit.ncols();
+        let matrix = Mat::from_fn(values.len(), p + columns.len(), |i, j| match j {
+            j if j < p => self.fit[(i, j)],
+            j => self.offered[(i, columns[j - p])],
+        });
+        let mut solution = column(values);
+        matrix
+            .qr()
+            .solve_lstsq_in_place_with_conj(faer::Conj::No, solution.as_mut());
+        let solution = solution.col_as_slice(0)[..matrix.ncols()].to_vec();
+        let fitted = times(&matrix, &solution);
+        let left = values.iter().zip(fitted).map(|(e, f)| e - f).collect();
+        (left, solution)
+    }
+}
+
+fn square(values: &[f64]) -> f64 {
+    dot(values, values)
 }
 
 #[test]
 fn moments_by_transforms_give_what_the_explicit_regression_gives() {
-    for frequencies in [SETTLING, 5] {
-        let record = record(0.02);
-        let (information, fit) = fitted(&record, frequencies);
-        let runs = simulated(&record, &information.moments, &fit);
-        let offered = Offered::new(&runs, &information.moments, &fit).unwrap();
-        let (found, response) = offered.regress(&fit).unwrap();
-        let (without, _) = explicit(&offered, &fit, false);
-        let (with, solution) = explicit(&offered, &fit, true);
-        assert_eq!(found.degrees, FUNCTIONS);
-        // The fit is the minimum already.
-        assert_relative_eq!(without, fit.solution.rss, max_relative = 1e-9);
-        // Differences of sums of squares that are ten times as large, of columns whose condition
-        // number is some 1e3.
-        assert_relative_eq!(found.reduction, without - with, max_relative = 1e-7);
-        let p = fit.coordinates.len();
-        for (fast, slow) in found.coefficients.iter().zip(&solution[p + 1..]) {
-            assert_relative_eq!(*fast, *slow, max_relative = 1e-5);
-        }
-        for (taken_over, slow) in response.iter().zip(&solution[..=p]) {
-            assert_relative_eq!(*taken_over, -slow, max_relative = 1e-5, epsilon = 1e-7);
+    let both = record(0.02);
+    let first = Record::new(0.01, vec![both.runs()[0].clone()]).unwrap();
+    let shared: Vec<usize> = (0..FUNCTIONS).collect();
+    // The motion of all runs together and the offset are regressors of the fit already, so the last run
+    // has but its delay to itself.
+    for (record, of_runs) in [(first, vec![]), (both, vec![5, 6, 7, 9])] {
+        for frequencies in [SETTLING, 5] {
+            let (information, fit) = fitted(&record, frequencies);
+            let runs = simulated(&record, &information.moments, &fit);
+            let offered = Offered::new(&runs, &information.moments, &fit).unwrap();
+            let found = offered.regress(&fit).unwrap();
+            assert_eq!((found.degrees, found.of_runs), (FUNCTIONS, of_runs.len()));
+            let explicit = Explicit::new(&offered, &fit);
+            let all: Vec<usize> = [shared.clone(), of_runs.clone()].concat();
+            let (fitted, _) = explicit.left(&explicit.errors, &[]);
+            let (without, _) = explicit.left(&explicit.errors, &of_runs);
+            let (with, solution) = explicit.left(&explicit.errors, &all);
+            // The fit is the minimum already.
+            assert_relative_eq!(square(&fitted), fit.solution.rss, max_relative = 1e-9);
+            // Differences of sums of squares that are ten times as large, of columns whose condition
+            // number is some 1e3.
+            let reduction = square(&without) - square(&with);
+            assert_relative_eq!(found.reduction, reduction, max_relative = 1e-7);
+            assert_relative_eq!(found.unexplained, square(&with), max_relative = 1e-7);
+            let slow = &solution[fit.coordinates.len() + 1..];
+            for (fast, slow) in found.coefficients.iter().zip(&slow[..FUNCTIONS]) {
+                assert_relative_eq!(*fast, *slow, max_relative = 1e-5);
+            }
+            // The combination is what all else leaves of the shared functions.
+            let mut gamma = found.coefficients.clone();
+            gamma[FUNCTIONS..].fill(0.0);
+            let (slow, _) = explicit.left(&times(&explicit.offered, &gamma), &of_runs);
+            let taken_over = times(&explicit.fit, &found.response);
+            let combined = times(&explicit.offered, &found.coefficients);
+            for ((combined, taken_over), slow) in combined.iter().zip(taken_over).zip(&slow) {
+                assert_relative_eq!(combined - taken_over, *slow, epsilon = 1e-7);
+            }
         }
     }
 }
@@ -143,4 +189,19 @@ fn a_bent_characteristic_is_found_with_its_size() {
     let (information, fit) = fitted(&straight, SETTLING);
     let found = tested(&straight, &information, &fit);
     assert!(!found.is_rejected(), "{found:?}");
+}
+
+#[test]
+fn runs_that_differ_are_not_bent() {
+    // Two runs whose gains differ by a fifth, and which pass through different levels.
+    let straight = record(0.0);
+    let [first, second] = straight.runs() else {
+        unreachable!("there are two runs")
+    };
+    let stronger: Vec<f64> = second.output().iter().map(|y| 1.2 * y).collect();
+    let stronger = Run::new(second.input(), stronger).unwrap();
+    let record = Record::new(0.01, vec![first.clone(), stronger]).unwrap();
+    let (information, fit) = fitted(&record, SETTLING);
+    let found = tested(&record, &information, &fit);
+    assert!(found.p > 1e-3, "{found:?}");
 }
