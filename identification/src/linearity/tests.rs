@@ -193,13 +193,20 @@ fn a_bent_characteristic_is_found_with_its_size() {
 
 #[test]
 fn runs_that_differ_are_not_bent() {
-    // Two runs whose gains differ by a fifth, and which pass through different levels.
+    // Two runs whose gains differ by a fifth, the second about levels that are 4 higher: a common line does
+    // not go through both, and a bent one would.
     let straight = record(0.0);
     let [first, second] = straight.runs() else {
         unreachable!("there are two runs")
     };
-    let stronger: Vec<f64> = second.output().iter().map(|y| 1.2 * y).collect();
-    let stronger = Run::new(second.input(), stronger).unwrap();
+    let input: Vec<f64> = second.input().iter().map(|u| u + 4.0).collect();
+    let clean = input.iter().scan(input[0], |s, u| {
+        *s += 0.5 * (u - *s);
+        Some(*s)
+    });
+    let output = second.output().iter().zip(clean);
+    let stronger: Vec<f64> = output.map(|(y, s)| y + 4.0 + 0.2 * s).collect();
+    let stronger = Run::new(input, stronger).unwrap();
     let record = Record::new(0.01, vec![first.clone(), stronger]).unwrap();
     let (information, fit) = fitted(&record, SETTLING);
     let found = tested(&record, &information, &fit);
