@@ -1,25 +1,35 @@
 //! By what a run is known again: a CRC-32 of its samples, whatever file they are in and however that is
 //! written.
 
+use crate::crc32;
 use crate::origin::Origin;
-use crc::{CRC_32_ISO_HDLC, Crc};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use servoid_identification::advice::Advice;
 use servoid_identification::{Model, Record, Run};
+use std::collections::HashSet;
 
-static SAMPLES: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+/// Samples whose bytes are gathered at a time: the table of the CRC takes sixteen bytes at once, and one
+/// sample has eight.
+const GATHERED: usize = 512;
 
 /// The fingerprint of a run: the CRC-32 of its inputs and outputs, eight bytes each, the lowest first.
 fn of_run(run: &Run) -> String {
-    let mut digest = SAMPLES.digest();
-    for value in run.input().iter().chain(run.output()) {
-        // One NaN is as missing as another, and 0 is -0.
-        let value = if value.is_nan() {
-            f64::NAN
-        } else {
-            value + 0.0
-        };
-        digest.update(&value.to_le_bytes());
+    let mut digest = crc32::BULK.digest();
+    let mut bytes = [[0; 8]; GATHERED];
+    for column in [run.input(), run.output()] {
+        for values in column.chunks(GATHERED) {
+            for (bytes, value) in bytes.iter_mut().zip(values) {
+                // One NaN is as missing as another, and 0 is -0.
+                let value = if value.is_nan() {
+                    f64::NAN
+                } else {
+                    value + 0.0
+                };
+                *bytes = value.to_le_bytes();
+            }
+            let filled = bytes.get(..values.len()).unwrap_or_default();
+            digest.update(filled.as_flattened());
+        }
     }
     format!("{:08x}", digest.finalize())
 }
@@ -47,19 +57,31 @@ pub struct Marked<'a> {
     /// What its files say of themselves.
     #[serde(flatten)]
     pub origin: Origin,
-    /// [`of`] its record; none where that is not known.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub runs_crc32: Vec<String>,
+    /// The record that it is of, where that is at hand: written as [`of`] it.
+    #[serde(
+        rename = "runs_crc32",
+        serialize_with = "as_fingerprints",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub record: Option<&'a Record>,
+}
+
+/// Fingerprints cost a pass over all samples, and most models are printed for people, without them.
+fn as_fingerprints<S: Serializer>(
+    record: &Option<&Record>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    record.map(of).serialize(serializer)
 }
 
 impl<'a> Marked<'a> {
     /// A model, where it comes from, and its record, where that is at hand.
     #[must_use]
-    pub fn new(model: &'a Model, record: Option<&Record>, origin: Origin) -> Self {
+    pub fn new(model: &'a Model, record: Option<&'a Record>, origin: Origin) -> Self {
         Self {
             model,
             origin,
-            runs_crc32: record.map(of).unwrap_or_default(),
+            record,
         }
     }
 }
@@ -127,13 +149,12 @@ pub fn advice_on_validation(model: &[String], record: &[String]) -> Option<Advic
 /// What to say where a record has a run twice.
 #[must_use]
 pub fn advice_on_repeats(record: &Record) -> Option<Advice> {
+    if record.runs().len() < 2 {
+        return None; // Nothing to repeat, and no reason to read all samples again.
+    }
     let all = of(record);
-    let repeated = |index: &usize| {
-        all.iter()
-            .take(*index)
-            .any(|one| Some(one) == all.get(*index))
-    };
-    let count = (0..all.len()).filter(repeated).count();
+    let different: HashSet<&String> = all.iter().collect();
+    let count = all.len() - different.len();
     (count > 0).then(|| {
         Advice::new(
             "same_data",

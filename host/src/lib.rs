@@ -50,6 +50,7 @@
 
 pub mod calibration;
 pub mod commands;
+mod crc32;
 pub mod dataset;
 pub mod explain;
 pub mod export;

@@ -89,8 +89,7 @@ impl Identify {
         if let Some(out) = &self.out {
             output::check_free(out, self.force)?;
         }
-        let next = self.next();
-        let data = dataset::load(&self.files, &self.table.into())?;
+        let data = dataset::load(&self.files, &self.table.clone().into())?;
         data.about
             .remarks
             .iter()
@@ -98,52 +97,24 @@ impl Identify {
         let mut found =
             identify_explained(&data.record, &options).with_context(|| listed(&self.files))?;
         found.model.advice.extend(data.about.advice.iter().cloned());
-        let model = &found.model;
+        let (model, units) = (&found.model, data.about.units());
         let explanation = self.explain.then_some(&found.explanation);
-        let flight = self.flight_model.then(|| {
-            let options = FlightModelOptions {
-                frame_period_s: Origin::from(&data.about).pulse_frame_s,
-                ..FlightModelOptions::default()
-            };
-            flight_model::fit(&data.record, model, &options)
-        });
+        let flight = self.flight_model.then(|| fit_flight_model(&data, model));
+
+        let mut result = Identified::of(model, &data);
+        result.flight_model = flight.as_ref().and_then(|fitted| fitted.as_ref().ok());
         if let Some(out) = &self.out {
-            let beside = Identified {
-                flight_model: flight.as_ref().and_then(|fitted| fitted.as_ref().ok()),
-                ..Identified::of(model, &data)
-            };
-            output::write_file(out, self.force, &output::to_json(&beside)?)?;
+            output::write_file(out, self.force, &output::to_json(&result)?)?;
             self.talk.say(format_args!("model: {}", out.display()));
         }
-        if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
-            let name = stem(first);
-            let mut figures =
-                figures::identification(&name, &data.record, model, data.about.units());
-            let structure = |e| {
-                structure::structure(
-                    &format!("{name}-structure"),
-                    "Choice of structure",
-                    e,
-                    model,
-                )
-            };
-            figures.extend(explanation.map(structure));
-            let files = output::write_figures(folder, self.force, &figures)?;
-            self.talk.say(format_args!("plots: {}", listed(&files)));
-        }
-        let mut text = summary::of_model(&listed(&self.files), model, data.about.units());
+        self.draw(&data, model, explanation)?;
+
+        let mut text = summary::of_model(&listed(&self.files), model, units);
         text.extend(explanation.map(|e| explain::as_text(e, model)));
-        let mut result = Identified {
-            explanation,
-            ..Identified::of(model, &data)
-        };
+        result.explanation = explanation;
         match &flight {
-            Some(Ok(fitted)) => {
-                text += &summary::of_flight_model(fitted, model.bounds_hold());
-                result.flight_model = Some(fitted);
-            }
-            Some(Err(error)) => {
-                let reason = error.to_string();
+            Some(Ok(fitted)) => text += &summary::of_flight_model(fitted, model.bounds_hold()),
+            Some(Err(reason)) => {
                 text += &format!("\nno model of low order: {reason}\n");
                 result.no_flight_model = Some(reason);
             }
@@ -153,12 +124,29 @@ impl Identify {
             let limits = Limits::of(&data.record, model);
             // A recording with strokes of one direction only has no split; the summary says so.
             let split = direction::split(&data.record, model).ok();
-            text += &summary::of_limits(&limits, split.as_ref(), data.about.units().common());
+            text += &summary::of_limits(&limits, split.as_ref(), units.common());
             result.directions = split.map(Directions::from);
             result.limits = Some(limits);
         }
-        self.talk.say(next);
+        self.talk.say(self.next());
         self.talk.result(text, &result)
+    }
+
+    /// Writes the plots, where a folder for them was named.
+    fn draw(&self, data: &Dataset, model: &Model, explanation: Option<&Explanation>) -> Result<()> {
+        let (Some(folder), Some(first)) = (&self.plots, self.files.first()) else {
+            return Ok(());
+        };
+        let name = stem(first);
+        let mut figures = figures::identification(&name, &data.record, model, data.about.units());
+        let structure = |explanation| {
+            let file = format!("{name}-structure");
+            structure::structure(&file, "Choice of structure", explanation, model)
+        };
+        figures.extend(explanation.map(structure));
+        let files = output::write_figures(folder, self.force, &figures)?;
+        self.talk.say(format_args!("plots: {}", listed(&files)));
+        Ok(())
     }
 
     /// The command that shows all of this.
@@ -182,6 +170,15 @@ impl Identify {
     }
 }
 
+/// The model of low order, or why there is none.
+fn fit_flight_model(data: &Dataset, model: &Model) -> Result<FlightModel, String> {
+    let options = FlightModelOptions {
+        frame_period_s: Origin::from(&data.about).pulse_frame_s,
+        ..FlightModelOptions::default()
+    };
+    flight_model::fit(&data.record, model, &options).map_err(|error| error.to_string())
+}
+
 /// The model as `--json` prints it, and beside it what else was asked for.
 #[derive(Serialize)]
 struct Identified<'a> {
@@ -193,7 +190,7 @@ struct Identified<'a> {
     flight_model: Option<&'a FlightModel>,
     /// Why there is no model of low order though one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
-    no_flight_model: Option<String>,
+    no_flight_model: Option<&'a String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     limits: Option<Limits>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -201,7 +198,7 @@ struct Identified<'a> {
 }
 
 impl<'a> Identified<'a> {
-    fn of(model: &'a Model, data: &Dataset) -> Self {
+    fn of(model: &'a Model, data: &'a Dataset) -> Self {
         Self {
             model: Marked::new(model, Some(&data.record), Origin::from(&data.about)),
             explanation: None,

@@ -45,9 +45,10 @@ impl Layout {
 
     /// The layout with this separator, and how many rows and cells of numbers speak for it.
     fn with(bytes: &[u8], lines: &[Range<usize>], separator: u8) -> Option<((usize, usize), Self)> {
+        let mut reader = CellReader::new(separator);
         let cells: Vec<Vec<String>> = lines
             .iter()
-            .map(|line| cells(bytes.get(line.clone()).unwrap_or_default(), separator))
+            .map(|line| reader.cells(bytes.get(line.clone()).unwrap_or_default()))
             .collect();
         let (header, rows) = headed(&cells, separator)
             .or_else(|| headless(&cells, separator))
@@ -231,11 +232,72 @@ fn decoded(cell: &[u8]) -> String {
     }
 }
 
-/// The cells of one line, without quotes and spaces around them.
-fn cells(line: &[u8], separator: u8) -> Vec<String> {
-    let mut reader = super::reader(line, separator);
-    let mut record = csv::ByteRecord::new();
-    let read = reader.read_byte_record(&mut record).unwrap_or(false);
-    let cells = record.iter().map(|cell| decoded(cell).trim().to_owned());
-    if read { cells.collect() } else { Vec::new() }
+/// Takes single lines apart. One reader serves all of them: to build another costs more than to read a
+/// hundred lines.
+struct CellReader {
+    core: csv_core::Reader,
+    text: Vec<u8>,
+    ends: Vec<usize>,
+}
+
+impl CellReader {
+    fn new(separator: u8) -> Self {
+        let core = csv_core::ReaderBuilder::new().delimiter(separator).build();
+        Self {
+            core,
+            text: Vec::new(),
+            ends: Vec::new(),
+        }
+    }
+
+    /// The cells of one line, without quotes and spaces around them.
+    fn cells(&mut self, line: &[u8]) -> Vec<String> {
+        // Cells are no longer than the line, and one is between any two bytes of it.
+        self.text.resize(line.len(), 0);
+        self.ends.resize(line.len() + 1, 0);
+        self.core.reset();
+        let (text, ends) = (&mut self.text[..], &mut self.ends[..]);
+        let (_, _, written, count) = self.core.read_record(line, text, ends);
+        // Nothing more comes: the last cell ends there.
+        let (text, ends) = (
+            text.get_mut(written..).unwrap_or_default(),
+            ends.get_mut(count..).unwrap_or_default(),
+        );
+        let (_, _, _, last) = self.core.read_record(&[], text, ends);
+        let mut begin = 0;
+        let ends = self.ends.iter().take(count + last);
+        ends.map(|&end| {
+            let cell = self.text.get(std::mem::replace(&mut begin, end)..end);
+            decoded(cell.unwrap_or_default()).trim().to_owned()
+        })
+        .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The cells by a reader that has read nothing before.
+    fn read_alone(line: &[u8], separator: u8) -> Vec<String> {
+        let mut record = csv::ByteRecord::new();
+        let mut reader = crate::table::reader(line, separator);
+        reader.read_byte_record(&mut record).unwrap();
+        let cells = record.iter().map(|cell| decoded(cell).trim().to_owned());
+        cells.collect()
+    }
+
+    proptest! {
+        #[test]
+        fn no_line_leaves_anything_behind_for_the_next(
+            lines in prop::collection::vec("[,; \"a1.é]{1,12}", 1..5), separator in prop::sample::select(&SEPARATORS),
+        ) {
+            let mut reader = CellReader::new(separator);
+            for line in &lines {
+                let line = line.as_bytes();
+                prop_assert_eq!(reader.cells(line), read_alone(line, separator));
+            }
+        }
+    }
 }

@@ -3,17 +3,14 @@
 use super::head::comment_table;
 use super::lines::Line;
 use super::{Damage, LastLine};
+use crate::crc32::{self, BulkDigest};
 use crate::recording::exact::ExactReader;
 use crate::recording::row::{MOST_SAMPLES, Row, RowFormat};
 use crate::recording::{END_CRC, Header};
-use crc::{CRC_32_ISO_HDLC, Crc};
 use servoid_protocol::framing::CRC;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::ops::Range;
 use toml::Table;
-
-/// The CRC of rows: [`CRC`](servoid_protocol::framing::CRC), by a table that takes sixteen bytes at a time.
-static ROWS_CRC: Crc<u32, crc::Table<16>> = Crc::<u32, crc::Table<16>>::new(&CRC_32_ISO_HDLC);
 
 /// Bytes of the shortest row that can be written.
 const SHORTEST_ROW: usize = "0,0.000,0,0.0000,0\n".len();
@@ -34,7 +31,7 @@ pub(super) struct Rows<'a> {
     frame_sound: usize,
     pub(super) seen: usize,
     newest_sample: Option<u64>,
-    pub(super) digest: crc::Digest<'static, u32, crc::Table<16>>,
+    pub(super) digest: BulkDigest,
     /// Rows that are not in the digest yet: one piece of the body.
     not_summed: Range<usize>,
     pub(super) last_line: LastLine,
@@ -58,7 +55,7 @@ impl<'a> Rows<'a> {
             frame_sound: 0,
             seen: 0,
             newest_sample: None,
-            digest: ROWS_CRC.digest(),
+            digest: crc32::BULK.digest(),
             not_summed: 0..0,
             last_line: LastLine::Missing,
             last_line_number: 0,
