@@ -224,7 +224,7 @@ impl Plan {
             only_if_linear: question.relies_on_linearity(),
             wanted_percent: question.wanted_percent,
             needed: band.and_then(|band| needed(question, &band)),
-            alternatives: alternatives(question),
+            alternatives: alternatives(question, &expected),
             step: expected.model.step,
         })
     }
@@ -249,8 +249,9 @@ fn needed(question: &Question, band: &Widths) -> Option<Needed> {
     }
 }
 
-/// Every reference as it is without options, at the same amplitude.
-fn alternatives(question: &Question) -> Vec<Alternative> {
+/// Every reference as it is without options, at the same amplitude. One of them may be the question itself, of
+/// which is known what is `expected`.
+fn alternatives(question: &Question, expected: &Expected) -> Vec<Alternative> {
     let (low, high) = question.reference.extremes_us();
     let amplitude_us = f64::from(high.max(low.saturating_neg()));
     let kinds = [
@@ -276,7 +277,15 @@ fn alternatives(question: &Question) -> Vec<Alternative> {
     });
     let mut all: Vec<Alternative> = std::thread::scope(|scope| {
         let threads: Vec<_> = questions
-            .map(|question| scope.spawn(move || alternative(&question)))
+            .map(|other| {
+                scope.spawn(move || {
+                    if other.reference == question.reference && question.runs == 1 {
+                        return alternative(&other, Some(expected));
+                    }
+                    let expected = Expected::of_pilots(&other, PILOTS_OF_ALTERNATIVES).ok();
+                    alternative(&other, expected.as_ref())
+                })
+            })
             .collect();
         threads
             .into_iter()
@@ -307,11 +316,11 @@ fn rests(reference: &Reference, settling_s: f64) -> bool {
     }
 }
 
-fn alternative(question: &Question) -> Alternative {
+/// A reference, and what is `expected` of it where it can be identified.
+fn alternative(question: &Question, expected: Option<&Expected>) -> Alternative {
     const MINUTE_S: f64 = 60.0;
     let run_s = run_s(&question.reference);
-    let expected = Expected::of_pilots(question, PILOTS_OF_ALTERNATIVES).ok();
-    let band = expected.as_ref().and_then(|e| e.band);
+    let band = expected.and_then(|e| e.band);
     let answers = expected.map_or_else(Vec::new, |e| answers::of(&e.pilot, &e.record));
     Alternative {
         reference: question.reference.name(),

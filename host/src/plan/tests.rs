@@ -186,7 +186,7 @@ fn stairs_answer_on_servos_that_are_not_linear_what_the_plan_says() {
 #[test]
 fn references_that_do_not_let_a_servo_rest_rank_behind_where_only_a_model_is_known() {
     let question = question("staircase", white());
-    let all = alternatives(&question);
+    let all = alternatives(&question, &Expected::of(&question).unwrap());
     let linear: Vec<_> = all
         .iter()
         .map(|a| (a.reference, a.only_if_linear))
@@ -281,4 +281,17 @@ fn the_noise_of_first_order_is_the_textbooks() {
     let exact = 0.02 / (1.0f64 - 0.95 * 0.95).sqrt();
     assert!((noise_rms(&slow()) / exact - 1.0).abs() < 1e-6);
     assert_eq!(noise_rms(&white()), 0.05);
+}
+
+/// The reference in question has one width, however often it is printed.
+#[test]
+fn the_line_of_the_table_is_that_of_the_plan() {
+    let plan = Plan::of(&question("staircase", white())).unwrap();
+    let line = plan
+        .alternatives
+        .iter()
+        .find(|a| a.reference == "staircase");
+    let width = plan.band.map(|band| band.widest_percent);
+    assert_eq!(line.unwrap().widest_percent, width);
+    assert!(width.is_some());
 }
