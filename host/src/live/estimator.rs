@@ -31,8 +31,8 @@ pub struct LiveStep {
     pub upper: Vec<f64>,
     /// Confidence of that band.
     pub level: f64,
-    /// The part of its half width that more data do not narrow: what frequencies without power may hide
-    /// (percent of the commanded step).
+    /// The part of its half width that more data do not narrow: what frequencies without power and the steps of
+    /// the sensor may hide (percent of the commanded step).
     pub bias_percent: f64,
     /// Whether the band deserves that level: the errors are noise.
     pub bounds_hold: bool,
@@ -48,7 +48,7 @@ impl LiveStep {
             lower: step.simultaneous.lower.clone(),
             upper: step.simultaneous.upper.clone(),
             level: step.simultaneous.level,
-            bias_percent: 100.0 * step.truncation_bias,
+            bias_percent: 100.0 * step.bias(),
             bounds_hold: model.bounds_hold(),
         }
     }
@@ -319,5 +319,22 @@ mod tests {
             / one.estimate().unwrap().half_width_percent();
         // Three times the rows: 1/√3 = 0.58, a little off as another N may be chosen.
         assert!((0.45..0.75).contains(&ratio), "{ratio}");
+    }
+
+    /// A sensor whose steps are larger than the noise reads the same again and again: no more of such
+    /// samples narrow what its steps may hide.
+    #[test]
+    fn what_the_steps_of_the_sensor_may_hide_does_not_shrink() {
+        const STEP: f64 = 0.5;
+        let (u, y) = measure(2_400, 7);
+        let y: Vec<f64> = y.iter().map(|y| (y / STEP).round() * STEP).collect();
+        let mut live = Estimator::new(0.002, Options::default());
+        live.push(&u, &y);
+        let found = live.estimate_anew().unwrap();
+        let record = Record::from_slices(0.002, &u, &y).unwrap();
+        let step = identify(&record, &Options::default()).unwrap().step;
+        assert!(step.rounding_bias > 0.0);
+        let stays = 100.0 * (step.truncation_bias + step.rounding_bias);
+        assert_eq!(found.bias_percent, stays);
     }
 }
