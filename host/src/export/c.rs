@@ -15,12 +15,18 @@ const STYLE: Style = Style {
 /// The header.
 pub(super) fn write(export: &Export<'_>) -> String {
     let mut values = export.values(&STYLE);
+    let count = export.model.theta.len();
     values.extend([
         // A question mark could begin a trigraph.
         ("name", export.quoted_name(&['"', '?'])),
         (
             "bounds_hold",
             u8::from(export.model.bounds_hold()).to_string(),
+        ),
+        ("theta_count", count.to_string()),
+        (
+            "theta_bytes",
+            (size_of::<f64>() * count * (count + 1)).to_string(),
         ),
     ]);
     let parameters = vec![("parameters", parameters(export))];

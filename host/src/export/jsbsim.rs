@@ -1,5 +1,6 @@
 //! A JSBSim system: hold, delay and poles.
 
+use super::statement::low_order_covariance;
 use super::text::{Style, identifier, number};
 use super::{Export, ExportError};
 use crate::template::fill;
@@ -23,16 +24,7 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
     let mut paragraphs = export.statement(held);
-    let covariance: Vec<String> = flight
-        .covariance
-        .iter()
-        .map(|row| format!("[{}]", STYLE.short(row)))
-        .collect();
-    paragraphs.push(format!(
-        "Covariance of {}: [{}]",
-        super::statement::parameters_of(flight),
-        covariance.join(", ")
-    ));
+    paragraphs.push(low_order_covariance(flight, &STYLE));
     paragraphs.push(
         "Run it at 500 Hz or more: JSBSim replaces poles by Tustin's rule and has delays of whole steps, so that the position is right to half a step of time. Set the step before the aircraft is loaded: delays are counted out then."
             .to_owned(),

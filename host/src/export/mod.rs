@@ -6,8 +6,8 @@
 //! | python   | a module: numpy arrays, and python-control's objects where it is installed          |
 //! | julia    | a module without packages, that can make objects of ControlSystems.jl               |
 //! | c        | a C99 header: finite impulse response and discrete state space, without allocation  |
-//! | csv      | a table: step and frequency response with bounds                                    |
-//! | jsbsim   | a system with the actuator                                                          |
+//! | csv      | a table: step and frequency response with bounds, parameters with their covariance  |
+//! | jsbsim   | a system with the actuator, which is the low-order model, and the covariance of that |
 //!
 //! Each says how the samples lie, units and signs, where it comes from, what its bounds are and where
 //! they do not hold. What is exact is the finite impulse response; the low-order model, for programs

@@ -1,7 +1,7 @@
 //! What every export says of itself.
 
 use super::Export;
-use super::text::number;
+use super::text::{Style, number};
 use crate::summary;
 use servoid_identification::Model;
 use servoid_identification::flight_model::FlightModel;
@@ -168,7 +168,7 @@ impl Export<'_> {
     fn covariance(&self) -> String {
         let structure = &self.model.structure;
         format!(
-            "Parameters: theta = [G0, Re G1, Im G1, ...], {n} values, where Gl is the frequency response of the samples at l * 2 pi / (N Ts) rad/s; its covariance is {n} x {n}. The hold of the samples is part of that response: at w rad/s the servo alone has a phase that is greater by w (Ts/2 - p), where p is the time by which samples follow the edges of the command.",
+            "Parameters: theta = [G0, Re G1, Im G1, ...], {n} values, where Gl is the frequency response of the samples at l * 2 pi / (N Ts) rad/s; its covariance is {n} x {n}. With q = 2 pi l i / N, h(i) = (G0 + 2 sum (Re Gl cos q - Im Gl sin q)) / N: every response is a linear map A of theta, and has the covariance A cov(theta) A'. The hold of the samples is part of that response: at w rad/s the servo alone has a phase that is greater by w (Ts/2 - p), where p is the time by which samples follow the edges of the command.",
             n = structure.frequencies
         )
     }
@@ -181,6 +181,20 @@ pub(super) fn parameters_of(flight: &FlightModel) -> &'static str {
         2 => "[K, L, ln w, ln zeta]",
         _ => "[K, L, ln w, ln zeta, ln T]",
     }
+}
+
+/// The covariance of a low-order model in one paragraph, for files that have no place for a matrix.
+pub(super) fn low_order_covariance(flight: &FlightModel, style: &Style) -> String {
+    let rows: Vec<String> = flight
+        .covariance
+        .iter()
+        .map(|row| format!("[{}]", style.short(row)))
+        .collect();
+    format!(
+        "Covariance of {}: [{}]",
+        parameters_of(flight),
+        rows.join(", ")
+    )
 }
 
 fn low_order(flight: &FlightModel, largest_error_percent: f64, model: &Model) -> String {

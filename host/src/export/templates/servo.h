@@ -50,6 +50,18 @@ static const {{id}}_real {{id}}_step_upper_simultaneous[{{ID}}_TAPS] = {
 {{upper_all}}
 };
 
+/* The parameters of all this (see Parameters above) and their covariance, for programs that carry the
+ * uncertainty on: {{theta_bytes}} bytes, for those that define {{ID}}_WITH_THETA before they include this. */
+#ifdef {{ID}}_WITH_THETA
+#define {{ID}}_PARAMETERS {{theta_count}}
+static const double {{id}}_theta[{{ID}}_PARAMETERS] = {
+{{theta}}
+};
+static const double {{id}}_theta_covariance[{{ID}}_PARAMETERS][{{ID}}_PARAMETERS] = {
+{{theta_covariance}}
+};
+#endif
+
 typedef struct {
     {{id}}_real past[{{ID}}_TAPS]; /* a ring of commands */
     unsigned newest;

@@ -7,6 +7,7 @@ use std::process::Command;
 
 const MAIN: &str = r#"
 #include <stdio.h>
+#define SERVO_BENCH_1_WITH_THETA
 #include "servo_bench_1.h"
 #include "input.h"
 
@@ -29,11 +30,14 @@ int main(void)
         double b = servo_bench_1_ss_step(&ss, 2);
         printf("%.17g %.17g\n", a, b);
     }
+    for (unsigned k = 0; k < SERVO_BENCH_1_PARAMETERS; k++) {
+        printf("%.17g %.17g\n", servo_bench_1_theta[k], servo_bench_1_theta_covariance[k][0]);
+    }
     return 0;
 }
 "#;
 
-/// Both responses to an input, then 50 samples at rest at 2.
+/// Both responses to an input, then 50 samples at rest at 2, then theta and the first column of its covariance.
 fn responses(folder: &Path, real: &str, input: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let mut array = String::from("static const double input[] = {");
     for value in input {
@@ -71,12 +75,16 @@ fn the_header_gives_the_model_itself() {
     export("c", folder.path(), "servo_bench_1.h");
     let (subject, taps) = (&*SUBJECT, SUBJECT.model.step.value.len());
     let step = vec![1.0; taps];
-    let (fir, ss) = responses(folder.path(), "double", &step);
+    let (mut fir, mut ss) = responses(folder.path(), "double", &step);
     // The same sums in another order: rounding of some hundred terms.
     assert!(apart(&fir[..taps], &subject.model.step.value) < 1e-12);
     assert!(apart(&ss[..taps - 1], &fir[..taps - 1]) <= largest_error());
     let discrete = subject.flight.transfer.discrete(subject.model.timing());
     assert!(apart(&ss[..taps], &discrete.simulate(&step, 0.0)) < 1e-12);
+    let (theta, covariance) = (fir.split_off(taps + 50), ss.split_off(taps + 50));
+    assert_eq!(theta, subject.model.theta);
+    let first: Vec<f64> = subject.model.covariance.iter().map(|row| row[0]).collect();
+    assert_eq!(covariance, first);
     let gain = subject.model.step.value[taps - 1];
     assert!(fir[taps..].iter().all(|y| (y - 2.0 * gain).abs() < 1e-12));
     let gain = subject.flight.transfer.gain;

@@ -144,7 +144,31 @@ fn the_table_has_the_model_to_the_last_digit() {
     );
     assert_eq!(column("phase_deg_lower"), model.frequency.phase_deg_lower);
     assert_eq!(column("theta"), model.theta);
+    for (k, expected) in (1..).zip(&model.covariance) {
+        // Of a symmetric matrix columns are rows.
+        assert_eq!(&column(&format!("theta_covariance_{k}")), expected);
+    }
     assert_eq!(column("time_s")[0], model.sample_phase_s);
+}
+
+/// The sum that every export states.
+#[test]
+fn parameters_make_the_impulse_response_as_it_is_said() {
+    let model = &SUBJECT.model;
+    let n = model.structure.settling_samples as f64;
+    for (i, h) in model.impulse_response().iter().enumerate() {
+        let (mean, others) = model.theta.split_first().unwrap();
+        let sum: f64 = others
+            .chunks_exact(2)
+            .zip(1..)
+            .map(|(g, l)| {
+                let q = std::f64::consts::TAU * f64::from(l) * i as f64 / n;
+                g[0] * q.cos() - g[1] * q.sin()
+            })
+            .sum();
+        // Some hundred terms below 1, each rounded to 53 bits.
+        assert!(((mean + 2.0 * sum) / n - h).abs() < 1e-12, "h({i})");
+    }
 }
 
 /// A name that tries to end strings, comments and lines in every language, and a harmless one that
