@@ -25,9 +25,9 @@ use crate::record::{Record, Run};
 /// Over-prediction of the second servo by the first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OverPrediction {
-    /// At the largest command \[%\].
+    /// At the largest command \[%\]; empty where that is 0, of which nothing is a share.
     pub plus_percent: Interval,
-    /// At the smallest command \[%\].
+    /// At the smallest command \[%\], likewise.
     pub minus_percent: Interval,
     /// Of the travel between the two \[%\].
     pub travel_percent: Interval,
@@ -81,7 +81,10 @@ pub(crate) fn over_prediction(record: &Record, basis: &Basis<'_>) -> Option<Over
         End::new(record, basis, low)?,
     );
     let zero = basis.zero_sd;
-    let side = |end: &End, sd_at_rest: f64| {
+    let side = |level: f64, end: &End, sd_at_rest: f64| {
+        if level == 0.0 {
+            return Interval::new(f64::NAN, f64::NAN, f64::NAN);
+        }
         let (a, b) = (end.mean, end.predicted);
         let variance =
             (end.sd / b).powi(2) + (sd_at_rest * a / (b * b)).powi(2) + (zero / b).powi(2);
@@ -94,8 +97,8 @@ pub(crate) fn over_prediction(record: &Record, basis: &Basis<'_>) -> Option<Over
         + (sd_predicted * travel / (predicted * predicted)).powi(2);
     let degrees = plus.plateaus.min(minus.plateaus) - 1;
     Some(OverPrediction {
-        plus_percent: side(&plus, basis.sd_at_rest[0]),
-        minus_percent: side(&minus, basis.sd_at_rest[1]),
+        plus_percent: side(high, &plus, basis.sd_at_rest[0]),
+        minus_percent: side(low, &minus, basis.sd_at_rest[1]),
         travel_percent: interval(
             1.0 - travel / predicted,
             variance.sqrt(),
