@@ -4,6 +4,7 @@ use crate::plots::{Figure, svg};
 use crate::recording::{WholeFile, WriteError};
 use anyhow::{Context, Result, bail};
 use servoid_identification::Model;
+use servoid_identification::comparison::Comparison;
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::model::SCHEMA;
 use std::io::Write;
@@ -148,6 +149,26 @@ struct Beside {
 #[derive(serde::Deserialize)]
 struct SchemaOnly {
     schema: serde_json::Value,
+}
+
+/// Takes out of a comparison whose bounds do not hold what would be read as one: NaN stands in its place, for
+/// which JSON has `null`.
+pub fn withhold_bounds(found: &mut Comparison) {
+    if found.bounds_hold {
+        return;
+    }
+    let difference = &mut found.difference_percent;
+    for bound in [
+        &mut difference.at_least,
+        &mut difference.at_most,
+        &mut difference.at_s,
+    ] {
+        *bound = f64::NAN;
+    }
+    for curve in &mut found.curves {
+        curve.lower.fill(f64::NAN);
+        curve.upper.fill(f64::NAN);
+    }
 }
 
 /// A result as indented JSON, with a line end.

@@ -2,14 +2,15 @@
 
 use super::table_args::TableArgs;
 use super::{Talk, listed, wrong_usage};
-use crate::dataset::{self, Dataset, DatasetOptions};
+use crate::dataset::{self, DatasetOptions};
 use crate::fingerprint::{self, advice_on_sides, in_model_file};
 use crate::origin::Origin;
 use crate::{output, summary};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use servoid_identification::Options;
-use servoid_identification::comparison::{ComparisonOptions, compare, compare_models};
+use servoid_identification::advice::Advice;
+use servoid_identification::comparison::{Comparison, ComparisonOptions, compare, compare_models};
 use std::path::{Path, PathBuf};
 
 /// Say whether two servos, or one under two conditions, differ, and by how much
@@ -78,63 +79,66 @@ impl Compare {
             [a, b] => (std::slice::from_ref(a), std::slice::from_ref(b)),
             _ => (&self.a[..], &self.b[..]),
         };
-        let (found, same) = match (a, b) {
-            ([a], [b]) if is_model(a) && is_model(b) => {
-                let [text_a, text_b] = [output::read_text(a)?, output::read_text(b)?];
-                let [runs_a, runs_b] = [&text_a, &text_b].map(|text| in_model_file(text));
-                let [from_a, from_b] = [&text_a, &text_b].map(|text| Origin::in_model_file(text));
-                let model_a = output::parse_model(&text_a, a)?;
-                let model_b = output::parse_model(&text_b, b)?;
-                from_a.same_units(&a.display().to_string(), &from_b, &b.display().to_string())?;
-                let found = compare_models(&model_a, &model_b, &options);
-                (found, advice_on_sides(&runs_a, &runs_b))
-            }
-            _ => {
-                let table: DatasetOptions = self.table.into();
-                let (name_a, name_b) = (listed(a), listed(b));
-                let (a, b) = (read(a, &table, self.talk)?, read(b, &table, self.talk)?);
-                let [from_a, from_b] = [&a, &b].map(|side| Origin::from(&side.about));
-                from_a.same_units(&name_a, &from_b, &name_b)?;
-                let same =
-                    advice_on_sides(&fingerprint::of(&a.record), &fingerprint::of(&b.record));
-                let options = ComparisonOptions {
-                    input_unit: a.about.input_unit_with(&b.about),
-                    output_unit: a.about.output_unit_with(&b.about),
-                    ..options
-                };
-                let found = compare(&a.record, &b.record, &options).map(|mut found| {
-                    found.advice.extend(a.about.advice);
-                    found.advice.extend(b.about.advice);
-                    found
-                });
-                (found, same)
-            }
+        let (mut found, same) = match (a, b) {
+            ([a], [b]) if is_model(a) && is_model(b) => models(a, b, &options)?,
+            _ => recordings([a, b], &self.table.into(), options, self.talk)?,
         };
-        let mut found = found.with_context(|| format!("{} against {}", listed(a), listed(b)))?;
         // What makes all the rest pointless is said first.
         found.advice.splice(0..0, same);
+        let text = summary::of_comparison(&listed(a), &listed(b), &found);
+        output::withhold_bounds(&mut found);
         if let Some(out) = &self.out {
             output::write_file(out, self.force, &output::to_json(&found)?)?;
         }
-        self.talk.result(
-            summary::of_comparison(&listed(a), &listed(b), &found),
-            &found,
-        )
+        self.talk.result(text, &found)
     }
+}
+
+/// What comes of a comparison, and what is to be said where both sides have the same samples.
+type Compared = (Comparison, Option<Advice>);
+
+fn models(a: &Path, b: &Path, options: &ComparisonOptions) -> Result<Compared> {
+    let (name_a, name_b) = (a.display().to_string(), b.display().to_string());
+    let [text_a, text_b] = [output::read_text(a)?, output::read_text(b)?];
+    let [runs_a, runs_b] = [&text_a, &text_b].map(|text| in_model_file(text));
+    let [from_a, from_b] = [&text_a, &text_b].map(|text| Origin::in_model_file(text));
+    let model_a = output::parse_model(&text_a, a)?;
+    let model_b = output::parse_model(&text_b, b)?;
+    from_a.same_units(&name_a, &from_b, &name_b)?;
+    let found = compare_models(&model_a, &model_b, options)
+        .with_context(|| format!("{name_a} against {name_b}"))?;
+    Ok((found, advice_on_sides(&runs_a, &runs_b)))
+}
+
+fn recordings(
+    sides: [&[PathBuf]; 2],
+    table: &DatasetOptions,
+    options: ComparisonOptions,
+    talk: Talk,
+) -> Result<Compared> {
+    if let Some(model) = sides.iter().copied().flatten().find(|file| is_model(file)) {
+        bail!("{model:?} is a model: compare two models, or recordings on both sides");
+    }
+    let [name_a, name_b] = sides.map(listed);
+    let [a, b] = dataset::load_sides(sides, table)?;
+    for remark in a.about.remarks.iter().chain(&b.about.remarks) {
+        talk.say(remark);
+    }
+    let [from_a, from_b] = [&a, &b].map(|side| Origin::from(&side.about));
+    from_a.same_units(&name_a, &from_b, &name_b)?;
+    let same = advice_on_sides(&fingerprint::of(&a.record), &fingerprint::of(&b.record));
+    let options = ComparisonOptions {
+        input_unit: a.about.input_unit_with(&b.about),
+        output_unit: a.about.output_unit_with(&b.about),
+        ..options
+    };
+    let mut found = compare(&a.record, &b.record, &options)
+        .with_context(|| format!("{name_a} against {name_b}"))?;
+    found.advice.extend(a.about.advice);
+    found.advice.extend(b.about.advice);
+    Ok((found, same))
 }
 
 fn is_model(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "json")
-}
-
-fn read(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Dataset> {
-    if let Some(model) = files.iter().find(|file| is_model(file)) {
-        bail!("{model:?} is a model: compare two models, or recordings on both sides");
-    }
-    let data = dataset::load(files, options)?;
-    data.about
-        .remarks
-        .iter()
-        .for_each(|remark| talk.say(remark));
-    Ok(data)
 }

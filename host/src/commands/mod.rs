@@ -27,10 +27,11 @@ mod table_args;
 mod validate;
 mod watch;
 
+use crate::dataset::listed;
 use anyhow::Result;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Measures how an R/C servo really moves, and says how sure it is.
 #[derive(Debug, Parser)]
@@ -161,13 +162,4 @@ fn stem(path: &Path) -> String {
         .unwrap_or(path.as_os_str())
         .to_string_lossy()
         .into_owned()
-}
-
-/// "a.svg, b.svg" for remarks.
-fn listed(paths: &[PathBuf]) -> String {
-    paths
-        .iter()
-        .map(|p| p.display().to_string())
-        .collect::<Vec<_>>()
-        .join(", ")
 }

@@ -2,7 +2,7 @@
 
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem, wrong_usage};
-use crate::dataset::{self, DatasetOptions};
+use crate::dataset::{self, Dataset, DatasetOptions};
 use crate::origin::Origin;
 use crate::report::{self, Page, Servo};
 use crate::{fingerprint, output};
@@ -60,10 +60,19 @@ impl Report {
                 .collect(),
             files => files.chunks(1).collect(),
         };
-        let mut servos = Vec::new();
-        for side in sides {
-            servos.push(read(side, &options, self.talk)?);
-        }
+        let mut servos = match sides[..] {
+            [a, b] if model_file(a).is_none() && model_file(b).is_none() => {
+                let [data_a, data_b] = dataset::load_sides([a, b], &options)?;
+                vec![
+                    identified(a, data_a, self.talk)?,
+                    identified(b, data_b, self.talk)?,
+                ]
+            }
+            ref sides => sides
+                .iter()
+                .map(|side| read(side, &options, self.talk))
+                .collect::<Result<_>>()?,
+        };
         name_apart(&mut servos);
         let comparison = match &servos[..] {
             [a, b] => comparison(a, b, self.margin, self.talk)?,
@@ -88,19 +97,25 @@ impl Report {
     }
 }
 
-fn read(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Servo> {
-    if let [file] = files
-        && file.extension().is_some_and(|ending| ending == "json")
-    {
-        let text = output::read_text(file)?;
-        let model = output::parse_model(&text, file)?;
-        return Ok(Servo::of_model(
-            stem(file),
-            model,
-            Origin::in_model_file(&text),
-        ));
+/// The model that a side is, where it is one.
+fn model_file(files: &[PathBuf]) -> Option<&PathBuf> {
+    match files {
+        [file] if file.extension().is_some_and(|ending| ending == "json") => Some(file),
+        _ => None,
     }
-    let data = dataset::load(files, options)?;
+}
+
+fn read(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Servo> {
+    let Some(file) = model_file(files) else {
+        return identified(files, dataset::load(files, options)?, talk);
+    };
+    let text = output::read_text(file)?;
+    let model = output::parse_model(&text, file)?;
+    let origin = Origin::in_model_file(&text);
+    Ok(Servo::of_model(stem(file), model, origin))
+}
+
+fn identified(files: &[PathBuf], data: Dataset, talk: Talk) -> Result<Servo> {
     data.about
         .remarks
         .iter()

@@ -57,6 +57,18 @@ pub enum DatasetError {
         /// The column.
         column: String,
     },
+    /// Columns of another file were named.
+    #[error(
+        "{path:?} is a recording of servoid and has no column {column:?} (its columns are {present}): leave the names of columns out, and it is read as what it is"
+    )]
+    OtherColumns {
+        /// Which file.
+        path: PathBuf,
+        /// The column that it has not.
+        column: String,
+        /// What there is.
+        present: String,
+    },
     /// Columns are not named.
     #[error(
         "{path:?} is no recording of servoid, so say which of its columns is what; {columns}, so perhaps add: {options}"

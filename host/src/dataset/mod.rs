@@ -1,9 +1,9 @@
 //! From files to a record: recordings of this program, or any CSV file with its columns named.
 //!
 //! Of a recording of this program only the reference is identified, not the rest at neutral around it,
-//! which shows the noise of a servo that does not move and no more: the strokes from and to neutral are half as long as those of the reference, and a servo does not
-//! answer half a stroke with half the motion. On the simulated bench servo the rest made the model's
-//! error 2.6 times larger (0.128 against 0.050 degrees rms).
+//! which shows the noise of a servo that does not move and no more: the strokes from and to neutral are half
+//! as long as those of the reference, and a servo does not answer half a stroke with half the motion. On the
+//! simulated bench servo the rest made the model's error 2.6 times larger (0.128 against 0.050 degrees rms).
 
 mod error;
 mod foreign;
@@ -111,6 +111,8 @@ impl About {
     }
 }
 
+/// Without any file there are no runs, which a record refuses.
+#[derive(Default)]
 struct Loaded {
     runs: Vec<Run>,
     /// What was recorded around them while the input stood still.
@@ -121,6 +123,32 @@ struct Loaded {
     about: About,
 }
 
+impl Loaded {
+    /// Adds the runs of `next`, which is the file `path`; these are of the files `earlier`.
+    fn append(&mut self, next: Self, earlier: &[PathBuf], path: &Path) -> Result<(), DatasetError> {
+        if (next.period_s / self.period_s - 1.0).abs() > PERIOD_TOLERANCE {
+            return Err(DatasetError::MixedPeriods {
+                path: path.to_owned(),
+                found: next.period_s,
+                expected: self.period_s,
+            });
+        }
+        if next.phase_s != self.phase_s {
+            return Err(DatasetError::MixedPhases {
+                path: path.to_owned(),
+                found: next.phase_s,
+                expected: self.phase_s,
+            });
+        }
+        let (own, another) = (Origin::from(&self.about), Origin::from(&next.about));
+        own.same_units(&listed(earlier), &another, &path.display().to_string())?;
+        self.runs.extend(next.runs);
+        self.rest.extend(next.rest);
+        self.about.merge(next.about);
+        Ok(())
+    }
+}
+
 /// Reads files, each one run or more, into one record.
 ///
 /// # Errors
@@ -129,55 +157,27 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
     let mut all: Option<Loaded> = None;
     for (index, path) in paths.iter().enumerate() {
         // A run that counts twice would make bounds narrower than they are.
-        if paths.iter().take(index).any(|earlier| earlier == path) {
+        let earlier = paths.get(..index).unwrap_or_default();
+        if earlier.contains(path) {
             return Err(DatasetError::Twice { path: path.clone() });
         }
         let next = load_one(path, options)?;
-        let Some(all) = &mut all else {
-            all = Some(next);
-            continue;
-        };
-        if (next.period_s / all.period_s - 1.0).abs() > PERIOD_TOLERANCE {
-            let (found, expected) = (next.period_s, all.period_s);
-            return Err(DatasetError::MixedPeriods {
-                path: path.clone(),
-                found,
-                expected,
-            });
+        match &mut all {
+            Some(all) => all.append(next, earlier, path)?,
+            None => all = Some(next),
         }
-        if next.phase_s != all.phase_s {
-            let (found, expected) = (next.phase_s, all.phase_s);
-            return Err(DatasetError::MixedPhases {
-                path: path.clone(),
-                found,
-                expected,
-            });
-        }
-        let before = listed(paths.get(..index).unwrap_or_default());
-        let (own, another) = (Origin::from(&all.about), Origin::from(&next.about));
-        own.same_units(&before, &another, &path.display().to_string())?;
-        all.runs.extend(next.runs);
-        all.rest.extend(next.rest);
-        all.about.merge(next.about);
     }
     let Loaded {
         runs,
         rest,
         period_s,
         phase_s,
-        about,
-    } = all.unwrap_or(Loaded {
-        runs: Vec::new(),
-        rest: Vec::new(),
-        period_s: f64::NAN,
-        phase_s: 0.0,
-        about: About::default(),
-    });
+        mut about,
+    } = all.unwrap_or_default();
     let record = Record::new(period_s, runs).map_err(|error| DatasetError::Data {
         files: listed(paths),
         error,
     })?;
-    let mut about = about;
     if let Some(advice) = fingerprint::advice_on_repeats(&record) {
         about.remarks.push(advice.finding.clone());
         about.advice.push(advice);
@@ -188,7 +188,36 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
     })
 }
 
-fn listed(paths: &[PathBuf]) -> String {
+/// Reads two sides that are to be held against each other. Where one side is recordings of servoid without
+/// the columns that `options` name, and the other has them, `options` are how to read the other.
+///
+/// # Errors
+/// [`DatasetError`].
+pub fn load_sides(
+    sides: [&[PathBuf]; 2],
+    options: &DatasetOptions,
+) -> Result<[Dataset; 2], DatasetError> {
+    let as_recordings = |paths: &[PathBuf]| -> Result<Dataset, DatasetError> {
+        let plain = DatasetOptions {
+            with_rest: options.with_rest,
+            ..DatasetOptions::default()
+        };
+        let mut side = load(paths, &plain)?;
+        side.about.remarks.push(format!(
+            "{} is read as the recording that it is; how to read columns was said for the other side",
+            listed(paths)
+        ));
+        Ok(side)
+    };
+    match sides.map(|paths| load(paths, options)) {
+        [Err(DatasetError::OtherColumns { .. }), Ok(b)] => Ok([as_recordings(sides[0])?, b]),
+        [Ok(a), Err(DatasetError::OtherColumns { .. })] => Ok([a, as_recordings(sides[1])?]),
+        [a, b] => Ok([a?, b?]),
+    }
+}
+
+/// "a.csv, b.csv" for sentences.
+pub(crate) fn listed(paths: &[PathBuf]) -> String {
     let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
     names.join(", ")
 }
@@ -217,7 +246,20 @@ fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded, DatasetErro
         return Err(error);
     }
     let remark = is_recording.then(|| own::remark_on_named(&bytes, path));
-    let mut loaded = foreign::from_table(&Table::parse(path, bytes)?, options)?;
+    let mut loaded = match foreign::from_table(&Table::parse(path, bytes)?, options) {
+        Err(DatasetError::Table(TableError::NoColumn {
+            path,
+            column,
+            present,
+        })) if is_recording => {
+            return Err(DatasetError::OtherColumns {
+                path,
+                column,
+                present,
+            });
+        }
+        loaded => loaded?,
+    };
     loaded.about.remarks.extend(remark);
     Ok(loaded)
 }

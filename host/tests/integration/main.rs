@@ -29,6 +29,7 @@ mod same_data;
 #[cfg(target_os = "linux")]
 mod scope;
 mod sessions;
+mod sides;
 mod support;
 #[cfg(target_os = "linux")]
 mod terminal;

@@ -62,13 +62,32 @@ fn identify_compare_and_export_show_no_bounds() {
     let gain = table.lines().find(|line| line.contains("DC gain")).unwrap();
     assert!(gain.trim_end().ends_with("deg/us"), "{gain}");
 
-    let told = run(&[&["compare", "-q", arg(&a), arg(&b)], &NAMED[..]].concat());
+    let file = dir.path().join("compared.json");
+    let args = ["compare", "-q", arg(&a), arg(&b), "-o", arg(&file)];
+    let told = run(&[&args[..], &NAMED[..]].concat());
     let (facts, _) = told.split_once("\n\n  ! ").unwrap();
     assert!(facts.contains("Not decided"), "{told}");
     assert!(
         !facts.contains(" .. ") && !facts.contains("interval"),
         "{told}"
     );
+
+    let told = json(&file);
+    assert_eq!(told["bounds_hold"], false);
+    for bound in ["at_least", "at_most", "at_s"] {
+        assert!(told["difference_percent"][bound].is_null(), "{bound}");
+    }
+    let curves = told["curves"].as_array().unwrap();
+    assert!(!curves.is_empty());
+    for curve in curves {
+        let all = |key: &str| curve[key].as_array().unwrap().iter();
+        assert!(
+            all("lower")
+                .chain(all("upper"))
+                .all(|bound| bound.is_null())
+        );
+        assert!(all("percent").all(|difference| difference.is_number()));
+    }
 
     assert!(!json(&model)["advice"].as_array().unwrap().is_empty());
     let exported = run(&["export", arg(&model), "--to", "python", "-q"]);

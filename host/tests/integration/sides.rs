@@ -1,0 +1,117 @@
+//! Two sides that are held against each other and come from different programs.
+
+use crate::support::{arg, refusal, run, servoid};
+use std::path::{Path, PathBuf};
+
+/// A recording of the linear servo, and another one as a table of another program.
+fn recording_and_table(dir: &Path) -> [PathBuf; 2] {
+    let [own, other, table] = ["own.csv", "other.csv", "table.csv"].map(|name| dir.join(name));
+    for (file, seed) in [(&own, "1"), (&other, "2")] {
+        run(&[
+            "simulate",
+            "--servo",
+            "linear",
+            "--seed",
+            seed,
+            "-o",
+            arg(file),
+        ]);
+    }
+    let text = std::fs::read_to_string(other).unwrap();
+    let rows = text.lines().filter(|line| !line.starts_with('#'));
+    let foreign: String = rows
+        .map(|row| {
+            let cells: Vec<&str> = row.split(',').collect();
+            format!("{},{},{}\n", cells[1], cells[2], cells[3])
+        })
+        .collect();
+    std::fs::write(&table, foreign.replace("_deg", "")).unwrap();
+    [own, table]
+}
+
+const NAMED: [&str; 4] = ["--input", "reference", "--output", "position"];
+
+#[test]
+fn a_recording_and_a_table_are_held_against_each_other_in_one_call() {
+    let dir = tempfile::tempdir().unwrap();
+    let [own, table] = recording_and_table(dir.path());
+    // Without the names of columns the sentence says what to add, and that is enough.
+    let sentence = refusal(&["compare", arg(&own), arg(&table)]);
+    assert!(sentence.contains(&NAMED.join(" ")), "{sentence}");
+    for [a, b] in [[&own, &table], [&table, &own]] {
+        let args = [&["compare", arg(a), arg(b)], &NAMED[..]].concat();
+        let output = servoid(&args).output().unwrap();
+        let [told, remarks] = [output.stdout, output.stderr].map(|t| String::from_utf8(t).unwrap());
+        assert!(
+            told.contains("verdict                        same"),
+            "{told}{remarks}"
+        );
+        assert!(
+            remarks.contains("own.csv is read as the recording that it is"),
+            "{remarks}"
+        );
+    }
+    let page = dir.path().join("x.html");
+    run(&[
+        &["report", arg(&own), arg(&table), "-o", arg(&page)],
+        &NAMED[..],
+    ]
+    .concat());
+}
+
+#[test]
+fn columns_that_a_recording_has_not_are_refused_by_themselves() {
+    let dir = tempfile::tempdir().unwrap();
+    let [own, _] = recording_and_table(dir.path());
+    for command in ["identify", "compare"] {
+        let files = if command == "compare" {
+            vec![arg(&own), arg(&own)]
+        } else {
+            vec![arg(&own)]
+        };
+        let sentence = refusal(&[&[command], &files[..], &NAMED[..]].concat());
+        assert!(
+            sentence.contains("leave the names of columns out"),
+            "{sentence}"
+        );
+    }
+}
+
+/// At a command of 0 a servo goes nowhere, and no share of that is too far.
+#[test]
+fn nothing_is_over_predicted_at_a_command_of_nought() {
+    let dir = tempfile::tempdir().unwrap();
+    let steps = dir.path().join("steps.csv");
+    std::fs::write(
+        &steps,
+        "angle_deg,hold_s\n".to_owned() + &"5,0.4\n0,0.5\n5,0.3\n0,0.6\n".repeat(3),
+    )
+    .unwrap();
+    let files = ["linear", "bench"].map(|servo| {
+        let file = dir.path().join(format!("{servo}.csv"));
+        run(&[
+            "simulate",
+            "--servo",
+            servo,
+            "--reference",
+            arg(&steps),
+            "-o",
+            arg(&file),
+        ]);
+        file
+    });
+    let args = ["compare", "-q", arg(&files[1]), arg(&files[0])];
+    let told: serde_json::Value =
+        serde_json::from_str(&run(&[&args[..], &["--json"]].concat())).unwrap();
+    let over = &told["over_prediction"];
+    for (side, known) in [
+        ("plus_percent", true),
+        ("minus_percent", false),
+        ("travel_percent", true),
+    ] {
+        for key in ["value", "lower", "upper"] {
+            assert_eq!(over[side][key].is_number(), known, "{side}: {over}");
+        }
+    }
+    assert!(run(&args).contains("- side -, travel"));
+}
