@@ -3,7 +3,7 @@
 use super::{Page, Part};
 use crate::summary;
 use servoid_identification::comparison::Verdict;
-use std::fmt::{Result, Write};
+use std::fmt::{Error, Result, Write};
 
 /// Text for a page: what has a meaning in HTML loses it.
 pub(super) fn escape(text: &str) -> String {
@@ -92,53 +92,52 @@ pub(super) fn write_verdict(body: &mut String, page: &Page<'_>) -> Result {
 /// Metrics of one servo, or of two with their difference; what else a comparison found; the paper's
 /// facts.
 pub(super) fn write_numbers(body: &mut String, page: &Page<'_>) -> Result {
-    let parts: Vec<&Part<'_>> = page.parts().collect();
-    let mut heads: Vec<String> = parts
-        .iter()
-        .map(|part| {
-            let level = summary::level_text(part.subject.model);
-            format!(
-                "{}<br><span class=\"faint\">{level}</span>",
-                escape(part.subject.name)
-            )
-        })
-        .collect();
-    let models: Vec<_> = parts.iter().map(|part| part.subject.model).collect();
-    let units: Vec<_> = parts.iter().map(|part| part.subject.units).collect();
-    let alike = units.iter().all(|one| Some(one) == units.first());
-    let gain = units
-        .first()
-        .filter(|_| alike)
-        .and_then(|units| units.gain());
-    let gain = gain.unwrap_or_default();
-    let (rows, remark) = match page.comparison {
-        None => (summary::metric_rows(&models, &gain), ""),
-        Some(found) if !found.bounds_hold => {
-            (summary::metric_rows(&models, &gain), summary::NOT_COMPARED)
-        }
-        Some(found) => {
-            let level = summary::percent(found.level);
-            heads.push(format!(
-                "difference<br><span class=\"faint\">{level} %</span>"
-            ));
-            (
-                summary::difference_rows(found, &gain),
-                summary::how_compared(found),
-            )
-        }
-    };
     writeln!(
         body,
         "<h2>What was found</h2>\n<div class=\"wide\"><table class=\"numbers\">"
     )?;
-    writeln!(
-        body,
-        "<tr><th></th>{}</tr>",
-        heads
-            .iter()
-            .map(|head| format!("<th>{head}</th>"))
-            .collect::<String>()
-    )?;
+    let remark = write_metrics(body, page)?;
+    writeln!(body, "</table></div>\n<p class=\"faint\">{remark}</p>")?;
+    if let (Some(found), Some(second)) = (page.comparison, &page.second) {
+        let facts =
+            summary::facts_of_comparison(page.first.subject.name, second.subject.name, found);
+        write_facts(body, &facts)?;
+    }
+    write_paper(body, page)
+}
+
+/// The rows of the table of metrics; what is to be said below it.
+fn write_metrics(body: &mut String, page: &Page<'_>) -> std::result::Result<String, Error> {
+    let head = |name: &str, level: &str| {
+        let name = escape(name);
+        format!("<th>{name}<br><span class=\"faint\">{level}</span></th>")
+    };
+    let parts: Vec<&Part<'_>> = page.parts().collect();
+    let models: Vec<_> = parts.iter().map(|part| part.subject.model).collect();
+    let mut heads: String = parts
+        .iter()
+        .map(|part| head(part.subject.name, &summary::level_text(part.subject.model)))
+        .collect();
+    let gain = common_gain(&parts);
+    let (rows, remark) = match page.comparison {
+        None => (summary::metric_rows(&models, &gain), String::new()),
+        Some(found) if !found.bounds_hold => (
+            summary::metric_rows(&models, &gain),
+            format!(
+                "{} The figures of each side are those of its own model.",
+                summary::NOT_COMPARED
+            ),
+        ),
+        Some(found) => {
+            let level = summary::percent(found.level);
+            heads += &head("difference", &format!("{level} %"));
+            (
+                summary::difference_rows(found, &gain),
+                summary::how_compared(found).to_owned(),
+            )
+        }
+    };
+    writeln!(body, "<tr><th></th>{heads}</tr>")?;
     for row in rows {
         let cell = |(value, bounds): &(String, String)| {
             let value = escape(value);
@@ -151,30 +150,38 @@ pub(super) fn write_numbers(body: &mut String, page: &Page<'_>) -> Result {
         let cells: String = row.cells.iter().map(cell).collect();
         writeln!(body, "<tr><th>{}</th>{cells}</tr>", escape(&row.label))?;
     }
-    writeln!(body, "</table></div>\n<p class=\"faint\">{remark}</p>")?;
-    if let (Some(found), Some(second)) = (page.comparison, &page.second) {
-        let facts =
-            summary::facts_of_comparison(page.first.subject.name, second.subject.name, found);
-        write_facts(body, &facts)?;
+    Ok(remark)
+}
+
+/// The unit of the gain, where all parts have the same units.
+fn common_gain(parts: &[&Part<'_>]) -> String {
+    let mut units = parts.iter().map(|part| part.subject.units);
+    let first = units.next();
+    let alike = units.all(|other| Some(other) == first);
+    let gain = first.filter(|_| alike).and_then(|units| units.gain());
+    gain.unwrap_or_default()
+}
+
+fn write_paper(body: &mut String, page: &Page<'_>) -> Result {
+    if page.paper.is_empty() {
+        return Ok(());
     }
-    if !page.paper.is_empty() {
+    writeln!(
+        body,
+        "<h2>The paper's facts beside these</h2>\n<div class=\"wide\"><table class=\"numbers\"><tr><th></th><th>figure</th><th>paper</th><th>here</th></tr>"
+    )?;
+    for fact in page.paper {
         writeln!(
             body,
-            "<h2>The paper's facts beside these</h2>\n<div class=\"wide\"><table class=\"numbers\"><tr><th></th><th>figure</th><th>paper</th><th>here</th></tr>"
+            "<tr><th>{}</th><td>{}</td><td>{}</td><td>{:.*}</td></tr>",
+            escape(fact.fact),
+            fact.figure,
+            fact.paper,
+            fact.digits,
+            fact.here
         )?;
-        for fact in page.paper {
-            writeln!(
-                body,
-                "<tr><th>{}</th><td>{}</td><td>{}</td><td>{:.*}</td></tr>",
-                escape(fact.fact),
-                fact.figure,
-                fact.paper,
-                fact.digits,
-                fact.here
-            )?;
-        }
-        body.push_str("</table></div>\n");
     }
+    body.push_str("</table></div>\n");
     Ok(())
 }
 

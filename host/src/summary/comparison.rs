@@ -26,19 +26,16 @@ fn write_comparison(text: &mut String, a: &str, b: &str, found: &Comparison) -> 
 /// Width of the column with the names of facts \[letters\].
 const NAMES: usize = 30;
 
-/// What stands in the place of the table of figures where they are not compared.
-const NO_TABLE: &str = "No differences of figures: without bounds nothing tells whether they mean anything. \
-     'servoid identify' prints the figures of each side, and 'servoid report' both side by side.";
-
 /// Why figures of two sides are not set against each other.
-pub const NOT_COMPARED: &str = "No differences of figures: without bounds nothing tells whether they mean anything. \
-     The figures of each side are those of its own model.";
+pub const NOT_COMPARED: &str =
+    "No differences of figures: without bounds nothing tells whether they mean anything.";
 
 /// Metrics of both sides and their difference with its bounds, and how they were made.
 #[must_use]
 pub fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
     if !found.bounds_hold {
-        return format!("  {}\n", wrapped(NO_TABLE, 2));
+        let instead = "'servoid identify' prints the figures of each side, and 'servoid report' both side by side.";
+        return format!("  {}\n", wrapped(&format!("{NOT_COMPARED} {instead}"), 2));
     }
     let mut text = format!(
         "  {:32} {a:>10} {b:>10} {:>12}  {} % interval\n",
