@@ -49,7 +49,9 @@ pub struct FrequencyResponse {
     /// Upper bound of the phase; 180 above it when any phase is possible.
     pub phase_deg_upper: Vec<f64>,
     /// Bound of the error of G, as a distance in the complex plane, from leaving out high frequencies and from
-    /// the steps of the sensor; it is part of all bounds. Empty where there is neither.
+    /// the steps of the sensor, and in the response of the servo itself
+    /// ([`crate::Model::servo_response`]) from higher frequencies that samples do not tell from these; it is
+    /// part of all bounds. Empty where there is none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bias: Vec<f64>,
 }

@@ -35,6 +35,7 @@ mod bands;
 mod brackets;
 mod draws;
 mod figures;
+mod folding;
 mod interpolation;
 mod inversion;
 mod shape;

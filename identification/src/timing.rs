@@ -10,7 +10,8 @@
 //! G_servo(jω) = G(e^{jωTs}) e^{jω(Ts/2 - φ)} / sinc(ωTs/2)
 //! ```
 //!
-//! up to aliases, which are of the order of |G_servo| beyond half the rate of sampling.
+//! up to aliases, which are of the order of |G_servo| beyond half the rate of sampling; the bounds of the servo's
+//! response and of the figures that are read from it allow for them.
 
 /// When samples are taken.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,6 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 
 use faer::Mat;
 
+use super::folding::Folding;
 use super::{Interval, Measured};
 use crate::band::pointwise_critical;
 use crate::basis::dot;
@@ -28,14 +29,22 @@ const STEPS: usize = 12;
 /// degrees \[rad/s\]. Deviations count `widest` times.
 pub(crate) fn bandwidth_and_quarter_turn(measured: &Measured<'_>, widest: f64) -> [Interval; 2] {
     let scan = Scan::new(measured);
+    let folding = Folding::new(measured, Figure::Bandwidth.first_zero(measured, &scan));
     [Figure::Bandwidth, Figure::QuarterTurn].map(|figure| {
         Falling {
             measured,
             figure,
+            folding: &folding,
             critical: widest * pointwise_critical(measured.step.pointwise.level),
         }
         .interval(&scan)
     })
+}
+
+/// The folding of a response whose bandwidth has yet to be found.
+fn folding_of(measured: &Measured<'_>) -> Folding {
+    let scan = Scan::new(measured);
+    Folding::new(measured, Figure::Bandwidth.first_zero(measured, &scan))
 }
 
 /// The response from the lowest frequency of interest to the highest of the bank.
@@ -73,13 +82,14 @@ enum Figure {
 struct Falling<'a> {
     measured: &'a Measured<'a>,
     figure: Figure,
+    folding: &'a Folding,
     /// Standard deviations to each side.
     critical: f64,
 }
 
 impl Falling<'_> {
     fn interval(&self, scan: &Scan) -> Interval {
-        let Some(omega) = self.first_zero(scan) else {
+        let Some(omega) = self.figure.first_zero(self.measured, scan) else {
             return Interval::new(f64::INFINITY, f64::INFINITY, f64::INFINITY);
         };
         // Slope and standard deviation at the crossing say where the bounds are about.
@@ -151,7 +161,7 @@ impl Falling<'_> {
         (dot(&weights, theta), variance.max(0.0).sqrt())
     }
 
-    /// What left-out frequencies and the steps of the sensor may do to the value.
+    /// What left-out frequencies, the steps of the sensor and folding may do to the value.
     fn bias(&self, omega: f64) -> f64 {
         let Measured {
             basis,
@@ -160,9 +170,8 @@ impl Falling<'_> {
             frequency,
             ..
         } = *self.measured;
-        let of_response = frequency.bias_at(omega);
+        let of_response = frequency.bias_at(omega) + self.folding.at(self.measured, omega);
         match self.figure {
-            _ if of_response == 0.0 => 0.0,
             Figure::Bandwidth => {
                 let (re, im) = basis.frequency_response(theta, omega * timing.sample_period_s);
                 // Across the estimate an error adds to the magnitude by its square.
@@ -173,10 +182,12 @@ impl Falling<'_> {
             Figure::QuarterTurn => of_response,
         }
     }
+}
 
+impl Figure {
     /// The lowest frequency of the scan where the value has come down to zero.
-    fn first_zero(&self, scan: &Scan) -> Option<f64> {
-        let indicator = self.indicator();
+    fn first_zero(self, measured: &Measured<'_>, scan: &Scan) -> Option<f64> {
+        let indicator = self.indicator(measured);
         let points = scan.omegas.iter().zip(&scan.responses);
         let mut before: Option<(f64, f64)> = None;
         for (&omega, &response) in points {
@@ -186,8 +197,8 @@ impl Falling<'_> {
                 before.map_or(FRAC_PI_2, |(_, value)| value),
             );
             if let Some(inside) = before.filter(|(_, before)| *before > 0.0 && value <= 0.0) {
-                let (basis, theta) = (self.measured.basis, self.measured.theta);
-                let period = self.measured.timing.sample_period_s;
+                let (basis, theta) = (measured.basis, measured.theta);
+                let period = measured.timing.sample_period_s;
                 let at = |omega: f64| {
                     indicator(omega, basis.frequency_response(theta, omega * period), 0.0)
                 };
@@ -200,9 +211,9 @@ impl Falling<'_> {
 
     /// (ω, G, value nearby) to what the scan follows: the logarithm of the magnitude over 3 dB below
     /// the gain, or the phase over -90 degrees on the branch next to the one nearby.
-    fn indicator(&self) -> impl Fn(f64, (f64, f64), f64) -> f64 {
-        let (timing, gain, figure) = (self.measured.timing, self.measured.theta[0], self.figure);
-        move |omega, (re, im), near| match figure {
+    fn indicator(self, measured: &Measured<'_>) -> impl Fn(f64, (f64, f64), f64) -> f64 + use<> {
+        let (timing, gain) = (measured.timing, measured.theta[0]);
+        move |omega, (re, im), near| match self {
             Figure::Bandwidth => {
                 (re.hypot(im) * timing.magnitude_factor(omega) * SQRT_2 / gain.abs()).ln()
             }
@@ -322,16 +333,11 @@ pub(crate) fn servo_response(measured: &Measured<'_>, omega_rad_s: &[f64]) -> Fr
     response
 }
 
-/// Bounds of what no covariance knows of, at each of `omegas` \[rad/s\]; empty where that is nothing.
+/// Bounds of what no covariance knows of, at each of `omegas` \[rad/s\].
 fn bias(measured: &Measured<'_>, omegas: &[f64]) -> Vec<f64> {
-    let frequency = measured.frequency;
-    if frequency.bias.is_empty() {
-        return Vec::new();
-    }
-    omegas
-        .iter()
-        .map(|&omega| frequency.bias_at(omega))
-        .collect()
+    let folding = folding_of(measured);
+    let at = |&omega: &f64| measured.frequency.bias_at(omega) + folding.at(measured, omega);
+    omegas.iter().map(at).collect()
 }
 
 /// The phase of the servo at one frequency \[degrees\], continued from rest.
