@@ -1,53 +1,9 @@
 //! Any bytes as a recording: read as what they are; what is saved of them is a recording.
 #![no_main]
 
+#[path = "../../host/tests/trials/any_bytes.rs"]
+mod any_bytes;
+
 use libfuzzer_sys::fuzz_target;
-use servoid::recording::{Recording, RecordingWriter, Target, recover};
-use std::cell::RefCell;
-use std::io::{Result, Write};
-use std::path::Path;
-use std::rc::Rc;
 
-#[derive(Clone, Default)]
-struct Memory(Rc<RefCell<Vec<u8>>>);
-
-impl Write for Memory {
-    fn write(&mut self, bytes: &[u8]) -> Result<usize> {
-        self.0.borrow_mut().extend(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> Result<()> {
-        Ok(())
-    }
-}
-
-impl Target for Memory {
-    fn cut_to(&mut self, length: u64) -> Result<()> {
-        self.0.borrow_mut().truncate(length as usize);
-        Ok(())
-    }
-
-    fn settle(&mut self) -> Result<()> {
-        Ok(())
-    }
-}
-
-fuzz_target!(|bytes: &[u8]| {
-    let path = Path::new("x.csv");
-    if let Ok(recording) = Recording::parse(bytes, path) {
-        assert!(recording.samples.is_sorted_by(|a, b| a < b));
-        let (input, output) = recording.columns(recording.reference_samples());
-        assert_eq!(input.len(), output.len());
-    }
-    if let Ok(saved) = recover(bytes, path) {
-        let memory = Memory::default();
-        let target = Box::new(memory.clone());
-        // A scale from the file may have no form that reads back; then nothing is written.
-        let Ok(writer) = RecordingWriter::on(target, path, &saved.header) else { return };
-        saved.write(writer).expect("memory takes all");
-        let bytes = memory.0.borrow();
-        let again = Recording::parse(&bytes, path).expect("what is saved reads well");
-        assert_eq!(again.samples.len(), saved.rows());
-    }
-});
+fuzz_target!(|bytes: &[u8]| any_bytes::read_as_a_recording(bytes));

@@ -2,9 +2,9 @@
 //!
 //! The same properties as the fuzz targets in `fuzz/`, on fewer inputs and without their tools.
 
+use crate::any_bytes::read_as_a_recording;
 use crate::support::data;
 use proptest::prelude::*;
-use servoid::recording::{Recording, recover};
 use servoid::rig::RigFile;
 use servoid::table::Table;
 use servoid_protocol::{Degrees, PulseWidth};
@@ -31,19 +31,6 @@ fn nearly(original: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
 
 fn golden() -> Vec<u8> {
     std::fs::read(data("recording-format-2.csv")).unwrap()
-}
-
-fn read_as_a_recording(bytes: &[u8]) {
-    let path = Path::new("x.csv");
-    if let Ok(recording) = Recording::parse(bytes, path) {
-        assert!(recording.samples.is_sorted_by(|a, b| a < b));
-        let (input, output) = recording.columns(recording.reference_samples());
-        assert_eq!(input.len(), output.len());
-    }
-    if let Ok(saved) = recover(bytes, path) {
-        assert!(saved.frames.is_sorted_by(|a, b| a.index < b.index));
-        assert!(saved.rows() > 0);
-    }
 }
 
 proptest! {

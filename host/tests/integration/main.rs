@@ -1,5 +1,7 @@
 //! The program as a user meets it.
 
+#[path = "../trials/any_bytes.rs"]
+mod any_bytes;
 #[cfg(unix)]
 mod browser;
 mod calibrate;
