@@ -35,70 +35,6 @@ pub(super) fn from_recording(
         true => Vec::new(), // It is part of the run.
         false => rest(recording, &range, healthy, path)?,
     };
-    let (mut remarks, mut advice) = (Vec::new(), Vec::new());
-    let (shown, rows) = (path.display(), recording.samples.len());
-    if let Completeness::Early(reason) = &recording.completeness {
-        remarks.push(format!(
-            "{shown} was ended on purpose ({reason}): it has {rows} rows"
-        ));
-    }
-    if let Completeness::Partial(reason) = &recording.completeness {
-        let remark = format!("{shown} is partial ({reason}): it has {rows} rows");
-        let frames = u32::from(recording.header.pre_roll_frames)
-            + recording.header.reference_frames
-            + u32::from(recording.header.post_roll_frames);
-        advice.push(Advice::new(
-            "partial",
-            format!("{remark}."),
-            rows as f64,
-            f64::from(frames) * SAMPLES_PER_FRAME as f64,
-            "The missing rows are left out and the bounds are as wide as that makes them; capture again for the rest.",
-        ));
-        remarks.push(remark);
-    }
-    if !recording.header.unproved.is_empty() {
-        let remark = format!(
-            "{} was recovered from a recording whose header was damaged; check these, which nothing proves: {}",
-            path.display(),
-            recording.header.unproved
-        );
-        advice.push(Advice::new(
-            "unproved",
-            format!("{remark}."),
-            0.0,
-            0.0,
-            "Hold these values against the rig file, or capture again.",
-        ));
-        remarks.push(remark);
-    }
-    if broken > 0 {
-        remarks.push(format!(
-            "{}: in {broken} samples the sensor read outside its healthy range; they count as missing",
-            path.display()
-        ));
-    }
-    let period_s = recording.header.sample_period_s;
-    if options.period_s.is_some() {
-        remarks.push(format!(
-            "{} is a recording and says itself that its samples are {period_s} s apart; --period is not used for it",
-            path.display()
-        ));
-    }
-    let condition = Some(recording.header.condition.clone()).filter(|c| !c.is_empty());
-    let mut provenance = vec![
-        ("file".to_owned(), path.display().to_string()),
-        ("end".to_owned(), said_end(recording)),
-    ];
-    provenance.extend(recording.header.facts());
-    let about = About {
-        by_servoid: true,
-        input_unit: Some("deg".to_owned()),
-        output_unit: Some("deg".to_owned()),
-        condition,
-        provenance: vec![provenance],
-        remarks,
-        advice,
-    };
     let phase_s = recording.header.sample_phase_s;
     if !(phase_s >= 0.0 && phase_s.is_finite()) {
         let reason = "sample_phase_s is no time after an edge".to_owned();
@@ -112,10 +48,87 @@ pub(super) fn from_recording(
     Ok(Loaded {
         runs: vec![run],
         rest,
-        period_s,
+        period_s: recording.header.sample_period_s,
         phase_s,
-        about,
+        about: about(recording, path, options, broken),
     })
+}
+
+/// What a recording says of itself, `broken` of whose samples no healthy sensor gives.
+fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: usize) -> About {
+    let header = &recording.header;
+    let mut provenance = vec![
+        ("file".to_owned(), path.display().to_string()),
+        ("end".to_owned(), said_end(recording)),
+    ];
+    provenance.extend(header.facts());
+    let mut about = About {
+        by_servoid: true,
+        input_unit: Some("deg".to_owned()),
+        output_unit: Some("deg".to_owned()),
+        condition: Some(header.condition.clone()).filter(|c| !c.is_empty()),
+        provenance: vec![provenance],
+        ..About::default()
+    };
+    let (shown, rows) = (path.display(), recording.samples.len());
+    match &recording.completeness {
+        Completeness::Complete => {}
+        Completeness::Early(reason) => about.remarks.push(format!(
+            "{shown} was ended on purpose ({reason}): it has {rows} rows"
+        )),
+        Completeness::Partial(reason) => about.tell(
+            "partial",
+            format!("{shown} is partial ({reason}): it has {rows} rows"),
+            [rows as f64, samples_meant(recording)],
+            "The missing rows are left out and the bounds are as wide as that makes them; capture again for the rest.",
+        ),
+    }
+    if !header.unproved.is_empty() {
+        about.tell(
+            "unproved",
+            format!(
+                "{shown} was recovered from a recording whose header was damaged; check these, which nothing proves: {}",
+                header.unproved
+            ),
+            [0.0, 0.0],
+            "Hold these values against the rig file, or capture again.",
+        );
+    }
+    if broken > 0 {
+        about.remarks.push(format!(
+            "{shown}: in {broken} samples the sensor read outside its healthy range; they count as missing"
+        ));
+    }
+    if options.period_s.is_some() {
+        let period_s = header.sample_period_s;
+        about.remarks.push(format!(
+            "{shown} is a recording and says itself that its samples are {period_s} s apart; --period is not used for it"
+        ));
+    }
+    about
+}
+
+/// Samples that the run was to have, by a header that may say anything.
+fn samples_meant(recording: &Recording) -> f64 {
+    let header = &recording.header;
+    let rolls = f64::from(header.pre_roll_frames) + f64::from(header.post_roll_frames);
+    (rolls + f64::from(header.reference_frames)) * SAMPLES_PER_FRAME as f64
+}
+
+impl About {
+    /// Says something that every result has to carry too; it counts `value` where `threshold` was meant.
+    fn tell(
+        &mut self,
+        check: &'static str,
+        remark: String,
+        [value, threshold]: [f64; 2],
+        remedy: &str,
+    ) {
+        let finding = format!("{remark}.");
+        self.advice
+            .push(Advice::new(check, finding, value, threshold, remedy));
+        self.remarks.push(remark);
+    }
 }
 
 /// What was recorded before and after the reference, which shows the noise of a servo at rest.

@@ -15,11 +15,15 @@
 //!
 //! | part       | rule                                                                                      |
 //! |------------|-------------------------------------------------------------------------------------------|
-//! | comments   | `# key = value`, the values in TOML; the format first, the CRC-32 (ISO-HDLC) of the lines above it last |
+//! | comments   | `# key = value`, the values in TOML; the format first, the header's own CRC last          |
 //! | rows       | one per sample, appended and handed to the system frame by frame: ten rows of one pulse   |
 //! | `sample`   | counts from the first sample of the run; a lost sample is a missing row, never a shifted one |
-//! | `time_s`   | `sample` times the period; `position_deg` is `counts` on the header's scale. Said twice, so that a changed digit shows where it is |
-//! | last line  | how it ended, the number of rows, the CRC-32 of their bytes, line ends included, and last the CRC-32 of the line itself up to there |
+//! | `time_s`   | `sample` times the period; `position_deg` is `counts` on the header's scale               |
+//! | last line  | how it ended, the number of rows, the CRC of the rows, and last its own CRC               |
+//!
+//! Times and positions are said twice, so that a changed digit shows where it is. Every CRC is a CRC-32
+//! (ISO-HDLC): the header's over the lines above it, that of the rows over their bytes with their line ends,
+//! that of the last line over what stands before it there.
 //!
 //! The end is `"complete"`, `"early"` (ended on purpose, with the reason: every sample until then is
 //! there) or `"partial"` (with the reason and the lost samples).
@@ -34,6 +38,7 @@
 //! Format 1 had no CRC over the header, and early files of format 2 none over the last line; they are read
 //! too.
 
+mod ending;
 mod exact;
 mod header;
 mod reader;
@@ -41,14 +46,17 @@ mod recover;
 mod reserved;
 mod row;
 mod scan;
+mod write_error;
 mod writer;
 
+pub use ending::Ending;
 pub use header::Header;
 pub use reader::{Completeness, ReadError, Recording, is_recording};
 pub use recover::{Recovered, recover};
 pub use reserved::ReservedFile;
 pub(crate) use reserved::WholeFile;
-pub use writer::{Ending, RecordingWriter, Target, WriteError};
+pub use write_error::WriteError;
+pub use writer::{RecordingWriter, Target};
 
 /// Version of the format; a reader refuses a higher one.
 pub const FORMAT: u32 = 2;

@@ -1,7 +1,8 @@
 //! Files that recordings go to, and files that are put in place when they are whole.
 
 use super::Header;
-use super::writer::{RecordingWriter, Target, WriteError};
+use super::WriteError;
+use super::writer::{RecordingWriter, Target};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Error, ErrorKind, Result as IoResult, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};

@@ -1,119 +1,13 @@
 //! Writing a recording so that what has been captured survives whatever comes next.
 
-use super::header::on_one_line;
 use super::reserved::ReservedFile;
 use super::row::RowFormat;
-use super::{COLUMNS, END_CRC, Header};
+use super::{COLUMNS, Ending, Header, WriteError};
 use servoid_protocol::Frame;
 use servoid_protocol::framing::CRC;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::io::Write;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
-
-/// Why a recording could not be written. The text says what to do.
-#[derive(Debug, thiserror::Error)]
-pub enum WriteError {
-    /// The target is there already.
-    #[error("{path:?} exists already: choose another name, or add --force to replace it")]
-    Exists {
-        /// Which.
-        path: PathBuf,
-    },
-    /// The target is a folder.
-    #[error("{path:?} is a folder: give the name of a file in it")]
-    Folder {
-        /// Which.
-        path: PathBuf,
-    },
-    /// Its folder is not there.
-    #[error("{path:?} cannot be written: its folder is not there; make it first")]
-    NoFolder {
-        /// Which.
-        path: PathBuf,
-    },
-    /// The file cannot be made.
-    #[error("{path:?} cannot be written: {reason}")]
-    NotCreated {
-        /// Which.
-        path: PathBuf,
-        /// What the system said.
-        reason: std::io::Error,
-    },
-    /// Another program writes to it.
-    #[error(
-        "{path:?} is being written by another program: wait for its end, or choose another name"
-    )]
-    InUse {
-        /// Which.
-        path: PathBuf,
-    },
-    /// What was written had no name any more, and has got another one.
-    #[error(
-        "{path:?} was removed or replaced by another program while it was written: all of its {rows} rows are in {kept:?}"
-    )]
-    Rescued {
-        /// Where it was to be.
-        path: PathBuf,
-        /// Where it is.
-        kept: PathBuf,
-        /// Rows that are in it.
-        rows: u64,
-    },
-    /// What was written has no name any more.
-    #[error(
-        "{path:?} was removed or replaced by another program while it was written: its {rows} rows are lost"
-    )]
-    Removed {
-        /// Which.
-        path: PathBuf,
-        /// Rows that were in it.
-        rows: u64,
-    },
-    /// The disk is full or gone.
-    #[error("{path:?} could not be written on ({reason}): the {rows} rows so far are kept")]
-    Stopped {
-        /// Which.
-        path: PathBuf,
-        /// Rows that are on the disk.
-        rows: u64,
-        /// What the system said.
-        reason: std::io::Error,
-    },
-}
-
-impl WriteError {
-    /// That `path` is there already.
-    pub(crate) fn exists(path: &Path) -> Self {
-        let path = path.to_owned();
-        if path.is_dir() {
-            Self::Folder { path }
-        } else {
-            Self::Exists { path }
-        }
-    }
-}
-
-/// How a recording ends.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Ending {
-    /// Every sample of the run is in it, proved by the rig's own check.
-    Complete,
-    /// Ended on purpose before the reference was over: every sample until then is in it, proved by
-    /// the rig's own check.
-    Early {
-        /// What had been reached, in plain words.
-        reason: String,
-    },
-    /// Something is missing, or the run was cut short.
-    Partial {
-        /// Why, in plain words.
-        reason: String,
-        /// Frames of which nothing is there: those that were lost, and those that the run would
-        /// still have had.
-        lost_frames: Vec<Range<u32>>,
-    },
-}
 
 /// Where a recording is written to: a file, as a rule.
 pub trait Target: Write {
@@ -257,37 +151,7 @@ impl RecordingWriter {
     /// as partial. [`WriteError::Rescued`], [`WriteError::Removed`].
     pub fn finish(mut self, ending: &Ending) -> Result<(), WriteError> {
         self.begin_file()?;
-        let crc32 = self.digest.clone().finalize();
-        let rows = self.rows;
-        let line = match ending {
-            Ending::Complete => {
-                format!("# end = \"complete\", rows = {rows}, crc32 = \"{crc32:08x}\"")
-            }
-            Ending::Early { reason } => {
-                let reason = on_one_line(&toml::Value::from(reason.as_str()));
-                format!(
-                    "# end = \"early\", rows = {rows}, crc32 = \"{crc32:08x}\", reason = {reason}"
-                )
-            }
-            Ending::Partial {
-                reason,
-                lost_frames,
-            } => {
-                let reason = on_one_line(&toml::Value::from(reason.as_str()));
-                let samples = |frame: u32| u64::from(frame) * SAMPLES_PER_FRAME as u64;
-                let lost: Vec<_> = lost_frames
-                    .iter()
-                    .filter(|f| !f.is_empty())
-                    .map(|f| format!("[{}, {}]", samples(f.start), samples(f.end) - 1))
-                    .collect();
-                format!(
-                    "# end = \"partial\", rows = {rows}, crc32 = \"{crc32:08x}\", reason = {reason}, lost_samples = [{}]",
-                    lost.join(", ")
-                )
-            }
-        };
-        let own_crc = CRC.checksum(line.as_bytes());
-        let line = format!("{line}{END_CRC}\"{own_crc:08x}\"\n");
+        let line = ending.last_line(self.rows, self.digest.clone().finalize());
         let written = self
             .target
             .write_all(line.as_bytes())

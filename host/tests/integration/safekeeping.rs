@@ -3,7 +3,9 @@
 use crate::support::{arg, data, json, refusal, run};
 use servoid::output::{read_model, write_file};
 use servoid::port;
-use servoid::recording::{Completeness, Header, Recording, ReservedFile, WriteError};
+use servoid::recording::{
+    Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError,
+};
 use servoid::rig::capture::CaptureError;
 use servoid::rig::{Capture, RigClient, RigFile, TalkError};
 use servoid_protocol::message::Refusal;
@@ -69,14 +71,17 @@ fn an_empty_file_is_not_in_the_way() {
     assert_eq!(recording.completeness, Completeness::Complete);
 }
 
+/// A recording to a file that nobody else writes to.
+fn recording_under_way(file: &Path) -> RecordingWriter {
+    let reserved = ReservedFile::new(file, false).unwrap();
+    reserved.begin(&Header::default()).unwrap()
+}
+
 #[test]
 fn a_file_is_written_by_one_capture_at_a_time() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("x.csv");
-    let mut first = ReservedFile::new(&file, false)
-        .unwrap()
-        .begin(&Header::default())
-        .unwrap();
+    let mut first = recording_under_way(&file);
     for _ in 0..2 {
         let second = ReservedFile::new(&file, true);
         assert!(
@@ -103,9 +108,7 @@ fn a_file_that_is_removed_under_way_is_put_back_or_beside_the_one_in_its_place()
         if replaced {
             std::fs::write(&file, "another's").unwrap();
         }
-        let error = writer
-            .finish(&servoid::recording::Ending::Complete)
-            .unwrap_err();
+        let error = writer.finish(&Ending::Complete).unwrap_err();
         let WriteError::Rescued { rows: 10, kept, .. } = error else {
             panic!("{error}");
         };
@@ -122,14 +125,11 @@ fn a_file_that_is_removed_under_way_is_put_back_or_beside_the_one_in_its_place()
 fn a_recording_under_way_is_replaced_by_nothing() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("x.csv");
-    let mut first = ReservedFile::new(&file, false)
-        .unwrap()
-        .begin(&Header::default())
-        .unwrap();
+    let mut first = recording_under_way(&file);
     first.append(&frame(0)).unwrap();
     let said = write_file(&file, true, "a model").unwrap_err();
     assert!(said.to_string().contains("being written"), "{said}");
-    first.finish(&servoid::recording::Ending::Complete).unwrap();
+    first.finish(&Ending::Complete).unwrap();
     write_file(&file, true, "a model").unwrap();
 }
 
