@@ -1,6 +1,7 @@
 //! A table of steps from a CSV file.
 
-use super::{LARGEST_AMPLITUDE_US, LONGEST_S, Wish, WishError, nearest, seconds};
+use super::wish::{LARGEST_AMPLITUDE_US, LONGEST_S, nearest};
+use super::{Wish, WishError, seconds};
 use crate::table::Table;
 use servoid_protocol::reference::{MAX_STEPS, Step, Steps};
 use std::path::Path;

@@ -1,5 +1,7 @@
 use super::*;
+use servoid_protocol::Reference;
 use servoid_protocol::reference::{MAX_STEPS, Steps};
+use servoid_protocol::reference::{Staircase, Sweep};
 
 fn wish(kind: &str) -> Wish {
     Wish {
