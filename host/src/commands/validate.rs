@@ -3,7 +3,8 @@
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem};
 use crate::origin::Origin;
-use crate::plots::figures::{self, Named};
+use crate::plots::figures::Named;
+use crate::plots::signals;
 use crate::{dataset, fingerprint, output, summary};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -90,7 +91,7 @@ impl Validate {
                 .zip(1..)
                 .map(|(run, number)| {
                     let file = format!("{name}-on-{first}-run-{number}");
-                    figures::validation(
+                    signals::validation(
                         &file,
                         "Model against measurement",
                         &named,

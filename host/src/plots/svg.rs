@@ -77,10 +77,10 @@ fn draw_panel<'a>(figure: &Figure, panel: &Panel, area: &Area<'a>) -> DrawResult
     }
 }
 
-fn draw_in<'a, X>(
-    panel: &Panel,
-    mut chart: ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, RangedCoordf64>>,
-) -> DrawResult
+/// A panel's axes, plain or logarithmic along x.
+type Chart<'a, X> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, RangedCoordf64>>;
+
+fn draw_in<'a, X>(panel: &Panel, mut chart: Chart<'a, X>) -> DrawResult
 where
     X: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
@@ -95,67 +95,14 @@ where
         .axis_desc_style((FONT, 16))
         .label_style((FONT, 14))
         .draw()?;
-    for Band { name, ink, points } in &panel.bands {
-        let fill = colour(*ink).mix(0.18);
-        let upper = points.iter().map(|&(x, _, upper)| (x, upper));
-        let lower = points.iter().rev().map(|&(x, lower, _)| (x, lower));
-        let outline: Vec<_> = upper
-            .chain(lower)
-            .filter(|(x, y)| x.is_finite() && y.is_finite())
-            .collect();
-        chart
-            .draw_series(std::iter::once(Polygon::new(outline, fill)))?
-            .label(name)
-            .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 22, y + 5)], fill.filled()));
+    for band in &panel.bands {
+        draw_band(&mut chart, band)?;
     }
-    for Curve {
-        name,
-        ink,
-        dashed,
-        points,
-    } in &panel.curves
-    {
-        // A bound is thinner than what it bounds.
-        let style = ShapeStyle::from(colour(*ink)).stroke_width(if *dashed { 1 } else { 2 });
-        // A line breaks where a sample is missing; only its first piece is named in the legend.
-        let mut label = (!name.is_empty()).then_some(name);
-        for piece in points.split(|(x, y)| !(x.is_finite() && y.is_finite())) {
-            if piece.is_empty() {
-                continue;
-            }
-            let piece = piece.iter().copied();
-            let drawn = if *dashed {
-                chart.draw_series(DashedLineSeries::new(piece, 7, 5, style))?
-            } else {
-                chart.draw_series(LineSeries::new(piece, style))?
-            };
-            if let Some(name) = label.take() {
-                let length = if *dashed { 8 } else { 22 };
-                drawn
-                    .label(name)
-                    .legend(move |(x, y)| PathElement::new([(x, y), (x + length, y)], style));
-            }
-        }
+    for curve in &panel.curves {
+        draw_curve(&mut chart, curve)?;
     }
-    for Marks { name, ink, points } in &panel.marks {
-        let colour = colour(*ink);
-        let stems = points.iter().filter_map(|mark| {
-            let (low, high) = mark.line?;
-            Some(PathElement::new(
-                [(mark.x, low), (mark.x, high)],
-                colour.stroke_width(1),
-            ))
-        });
-        chart.draw_series(stems)?;
-        let dots = points
-            .iter()
-            .map(|mark| Circle::new((mark.x, mark.y), 4, colour.filled()));
-        let drawn = chart.draw_series(dots)?;
-        if !name.is_empty() {
-            drawn
-                .label(name)
-                .legend(move |(x, y)| Circle::new((x + 11, y), 4, colour.filled()));
-        }
+    for marks in &panel.marks {
+        draw_marks(&mut chart, marks)?;
     }
     chart
         .configure_series_labels()
@@ -167,6 +114,76 @@ where
         .border_style(BLACK.mix(0.2))
         .label_font((FONT, 14))
         .draw()?;
+    Ok(())
+}
+
+fn draw_band<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, band: &Band) -> DrawResult {
+    let Band { name, ink, points } = band;
+    let fill = colour(*ink).mix(0.18);
+    let upper = points.iter().map(|&(x, _, upper)| (x, upper));
+    let lower = points.iter().rev().map(|&(x, lower, _)| (x, lower));
+    let outline: Vec<_> = upper
+        .chain(lower)
+        .filter(|(x, y)| x.is_finite() && y.is_finite())
+        .collect();
+    chart
+        .draw_series(std::iter::once(Polygon::new(outline, fill)))?
+        .label(name)
+        .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 22, y + 5)], fill.filled()));
+    Ok(())
+}
+
+fn draw_curve<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, curve: &Curve) -> DrawResult {
+    let Curve {
+        name,
+        ink,
+        dashed,
+        points,
+    } = curve;
+    // A bound is thinner than what it bounds.
+    let style = ShapeStyle::from(colour(*ink)).stroke_width(if *dashed { 1 } else { 2 });
+    // A line breaks where a sample is missing; only its first piece is named in the legend.
+    let mut label = (!name.is_empty()).then_some(name);
+    for piece in points.split(|(x, y)| !(x.is_finite() && y.is_finite())) {
+        if piece.is_empty() {
+            continue;
+        }
+        let piece = piece.iter().copied();
+        let drawn = if *dashed {
+            chart.draw_series(DashedLineSeries::new(piece, 7, 5, style))?
+        } else {
+            chart.draw_series(LineSeries::new(piece, style))?
+        };
+        if let Some(name) = label.take() {
+            let length = if *dashed { 8 } else { 22 };
+            drawn
+                .label(name)
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + length, y)], style));
+        }
+    }
+    Ok(())
+}
+
+fn draw_marks<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, marks: &Marks) -> DrawResult {
+    let Marks { name, ink, points } = marks;
+    let colour = colour(*ink);
+    let stems = points.iter().filter_map(|mark| {
+        let (low, high) = mark.line?;
+        Some(PathElement::new(
+            [(mark.x, low), (mark.x, high)],
+            colour.stroke_width(1),
+        ))
+    });
+    chart.draw_series(stems)?;
+    let dots = points
+        .iter()
+        .map(|mark| Circle::new((mark.x, mark.y), 4, colour.filled()));
+    let drawn = chart.draw_series(dots)?;
+    if !name.is_empty() {
+        drawn
+            .label(name)
+            .legend(move |(x, y)| Circle::new((x + 11, y), 4, colour.filled()));
+    }
     Ok(())
 }
 

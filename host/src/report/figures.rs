@@ -3,7 +3,8 @@
 use super::text::escape;
 use super::{Page, Part};
 use crate::plots::Figure;
-use crate::plots::figures::{self, MOST_RUNS};
+use crate::plots::figures;
+use crate::plots::signals::MOST_RUNS;
 use crate::plots::{difference, residuals, scatter, structure};
 use std::fmt::Write;
 

@@ -144,66 +144,74 @@ fn panel_traces(panel: &Panel, suffix: &str, named: &[&str]) -> Vec<Value> {
         }
         trace
     };
+    let logarithmic = panel.x_logarithmic;
     let mut traces = Vec::new();
-    for Band { name, ink, points } in &panel.bands {
+    for band in &panel.bands {
         for upper in [false, true] {
-            let y = points
-                .iter()
-                .map(|&(_, low, high)| if upper { high } else { low });
-            let mut trace = json!({
-                "y": y.map(rounded).collect::<Vec<_>>(),
-                "mode": "lines",
-                "line": { "width": 0, "color": colour(*ink) },
-                "fill": if upper { "tonexty" } else { "none" },
-                "fillcolor": format!("area-{}", ink_name(*ink)),
-            });
-            place(&mut trace, points.iter().map(|p| p.0), panel.x_logarithmic);
-            traces.push(complete(trace, name, upper));
+            let mut trace = edge(band, upper);
+            place(&mut trace, band.points.iter().map(|p| p.0), logarithmic);
+            traces.push(complete(trace, &band.name, upper));
         }
     }
-    for Curve {
-        name,
-        ink,
-        dashed,
-        points,
-    } in &panel.curves
-    {
-        let mut trace = json!({
-            "y": points.iter().map(|p| rounded(p.1)).collect::<Vec<_>>(),
-            "mode": "lines",
-            "line": {
-                "width": if *dashed { 1.2 } else { 1.8 },
-                "color": colour(*ink),
-                "dash": if *dashed { "dash" } else { "solid" },
-            },
-        });
-        place(&mut trace, points.iter().map(|p| p.0), panel.x_logarithmic);
-        traces.push(complete(trace, name, true));
+    for curve in &panel.curves {
+        let mut trace = line(curve);
+        place(&mut trace, curve.points.iter().map(|p| p.0), logarithmic);
+        traces.push(complete(trace, &curve.name, true));
     }
-    for Marks { name, ink, points } in &panel.marks {
-        let away = |of: fn(f64, (f64, f64)) -> f64| -> Vec<Value> {
-            let length = points
-                .iter()
-                .map(|p| p.line.map_or(0.0, |line| of(p.y, line)));
-            length.map(rounded).collect()
-        };
-        let mut trace = json!({
-            "y": points.iter().map(|p| rounded(p.y)).collect::<Vec<_>>(),
-            "mode": "markers",
-            "marker": { "size": 6, "color": colour(*ink) },
-            "error_y": {
-                "type": "data",
-                "array": away(|y, (_, high)| high - y),
-                "arrayminus": away(|y, (low, _)| y - low),
-                "width": 0,
-                "thickness": 1.2,
-                "color": colour(*ink),
-            },
-        });
-        place(&mut trace, points.iter().map(|p| p.x), panel.x_logarithmic);
-        traces.push(complete(trace, name, true));
+    for marks in &panel.marks {
+        let mut trace = dots(marks);
+        place(&mut trace, marks.points.iter().map(|p| p.x), logarithmic);
+        traces.push(complete(trace, &marks.name, true));
     }
     traces
+}
+
+/// The lower edge of a band, or the upper one with the area between the two.
+fn edge(band: &Band, upper: bool) -> Value {
+    let bound = |&(_, low, high): &(f64, f64, f64)| rounded(if upper { high } else { low });
+    json!({
+        "y": band.points.iter().map(bound).collect::<Vec<_>>(),
+        "mode": "lines",
+        "line": { "width": 0, "color": colour(band.ink) },
+        "fill": if upper { "tonexty" } else { "none" },
+        "fillcolor": format!("area-{}", ink_name(band.ink)),
+    })
+}
+
+fn line(curve: &Curve) -> Value {
+    let (width, dash) = match curve.dashed {
+        true => (1.2, "dash"),
+        false => (1.8, "solid"),
+    };
+    json!({
+        "y": curve.points.iter().map(|p| rounded(p.1)).collect::<Vec<_>>(),
+        "mode": "lines",
+        "line": { "width": width, "color": colour(curve.ink), "dash": dash },
+    })
+}
+
+/// Dots with their intervals.
+fn dots(marks: &Marks) -> Value {
+    let away = |of: fn(f64, (f64, f64)) -> f64| -> Vec<Value> {
+        let length = marks
+            .points
+            .iter()
+            .map(|p| p.line.map_or(0.0, |line| of(p.y, line)));
+        length.map(rounded).collect()
+    };
+    json!({
+        "y": marks.points.iter().map(|p| rounded(p.y)).collect::<Vec<_>>(),
+        "mode": "markers",
+        "marker": { "size": 6, "color": colour(marks.ink) },
+        "error_y": {
+            "type": "data",
+            "array": away(|y, (_, high)| high - y),
+            "arrayminus": away(|y, (low, _)| y - low),
+            "width": 0,
+            "thickness": 1.2,
+            "color": colour(marks.ink),
+        },
+    })
 }
 
 /// Where points lie along x: as a start and a step where they are evenly spaced, which is most of the
