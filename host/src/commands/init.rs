@@ -125,109 +125,128 @@ const TEXT: &str = "a name is needed";
 impl Given {
     /// Every answer, from the options and the asker.
     fn complete(self, asker: &Asker, talk: Talk) -> Result<Answers> {
-        let usual = Answers::default();
-        let text = |option, words, default, given, check: &dyn Fn(&String) -> setup::Checked| {
-            let question = Question {
-                option,
-                words,
-                default,
-                form: TEXT,
-                check,
-            };
-            asker.ask(given, &question)
-        };
+        let mut answers = Answers::default();
+        self.ask_names(asker, talk, &mut answers)?;
+        self.ask_servo(asker, &mut answers)?;
+        self.ask_sensor(asker, &mut answers)?;
+        Ok(answers)
+    }
+
+    fn ask_names(&self, asker: &Asker, talk: Talk, answers: &mut Answers) -> Result<()> {
         let name = |name: &String| setup::check_name(name);
-        let condition = |name: &String| setup::check_condition(name);
-        let rig_name = text("--name", "Name of the rig", usual.name, self.name, &name)?;
-        let words = "Condition (bench, aircraft, or words of your own)";
-        let condition = text(
-            "--condition",
-            words,
-            usual.condition,
-            self.condition,
-            &condition,
+        answers.name = asker.ask(
+            self.name.clone(),
+            &Question {
+                option: "--name",
+                words: "Name of the rig",
+                default: answers.name.clone(),
+                form: TEXT,
+                check: &name,
+            },
         )?;
-        let port = match self.port {
-            Some(port) => Some(port),
+        answers.condition = asker.ask(
+            self.condition.clone(),
+            &Question {
+                option: "--condition",
+                words: "Condition (bench, aircraft, or words of your own)",
+                default: answers.condition.clone(),
+                form: TEXT,
+                check: &|name| setup::check_condition(name),
+            },
+        )?;
+        answers.port = match &self.port {
+            Some(port) => Some(port.clone()),
             None => ask_port(asker, talk)?,
         };
-        let words = "Name of the servo";
-        let servo = text("--servo", words, usual.servo, self.servo, &name)?;
-        let pulses_us = asker.ask(
+        answers.servo = asker.ask(
+            self.servo.clone(),
+            &Question {
+                option: "--servo",
+                words: "Name of the servo",
+                default: answers.servo.clone(),
+                form: TEXT,
+                check: &name,
+            },
+        )?;
+        Ok(())
+    }
+
+    fn ask_servo(&self, asker: &Asker, answers: &mut Answers) -> Result<()> {
+        answers.pulses_us = asker.ask(
             self.pulses,
             &Question {
                 option: "--pulses",
                 words: "Shortest and longest pulse that the servo takes (µs)",
-                default: usual.pulses_us,
+                default: answers.pulses_us,
                 form: TWO_NUMBERS,
                 check: &setup::check_pulses,
             },
         )?;
-        let neutral_us = asker.ask(
+        answers.neutral_us = asker.ask(
             self.neutral,
             &Question {
                 option: "--neutral",
                 words: "Pulse at 0 degrees, neutral (µs)",
-                default: usual.neutral_us,
+                default: answers.neutral_us,
                 form: MICROSECONDS,
-                check: &|us| setup::check_neutral(*us, &pulses_us),
+                check: &|us| setup::check_neutral(*us, &answers.pulses_us),
             },
         )?;
-        let us_per_degree = asker.ask(
+        answers.us_per_degree = asker.ask(
             self.us_per_degree,
             &Question {
                 option: "--us-per-degree",
                 words: "µs for one degree (below 0: longer pulses turn it back)",
-                default: usual.us_per_degree,
+                default: answers.us_per_degree,
                 form: NUMBER,
                 check: &|us| setup::check_us_per_degree(*us),
             },
         )?;
-        let travel_deg = asker.ask(
+        answers.travel_deg = asker.ask(
             self.travel,
             &Question {
                 option: "--travel",
                 words: "How far the linkage may be turned (degrees)",
-                default: usual.travel_deg,
+                default: answers.travel_deg,
                 form: TWO_NUMBERS,
                 check: &setup::check_travel,
             },
         )?;
-        let words = "Name of the angle sensor";
-        let sensor = text("--sensor", words, usual.sensor, self.sensor, &name)?;
-        let sensor_volts = asker.ask(
+        Ok(())
+    }
+
+    fn ask_sensor(&self, asker: &Asker, answers: &mut Answers) -> Result<()> {
+        answers.sensor = asker.ask(
+            self.sensor.clone(),
+            &Question {
+                option: "--sensor",
+                words: "Name of the angle sensor",
+                default: answers.sensor.clone(),
+                form: TEXT,
+                check: &|name| setup::check_name(name),
+            },
+        )?;
+        answers.sensor_volts = asker.ask(
             self.sensor_volts,
             &Question {
                 option: "--sensor-volts",
                 words: "Its output at the ends of its range (V)",
-                default: usual.sensor_volts,
+                default: answers.sensor_volts,
                 form: TWO_NUMBERS,
                 check: &setup::check_volts,
             },
         )?;
-        let sensor_degrees = asker.ask(
+        answers.sensor_degrees = asker.ask(
             self.sensor_degrees,
             &Question {
                 option: "--sensor-degrees",
                 words: "Degrees between them (below 0: the output falls)",
-                default: usual.sensor_degrees,
+                default: answers.sensor_degrees,
                 form: NUMBER,
                 check: &|degrees| setup::check_sensor_degrees(*degrees),
             },
         )?;
-        Ok(Answers {
-            name: rig_name,
-            port,
-            condition,
-            servo,
-            neutral_us,
-            us_per_degree,
-            pulses_us,
-            travel_deg,
-            sensor,
-            sensor_volts,
-            sensor_degrees,
-        })
+        Ok(())
     }
 }
 

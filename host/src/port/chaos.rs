@@ -14,10 +14,10 @@
 //! | corrupted   | bits flip, or its end is missing, or strange bytes are in it; its zeros may be hit |
 //! | duplicated  | it arrives once more, up to half a second later                                 |
 //! | reordered   | it arrives late by up to half a second, behind those that set out meanwhile     |
-//! | burst       | it and up to 24 that follow it arrive up to half a second later, all at once, in a mixed order; what sets out behind the last of them may overtake them all |
+//! | burst       | it and up to 24 that follow it arrive up to half a second later, all at once, mixed up |
 //! | stalled     | it and everything behind it arrive late                                         |
 //!
-//! Whatever arrives is handed over in pieces of any size.
+//! What sets out behind the last frame of a burst may overtake all of it. Whatever arrives is handed over in pieces of any size.
 
 mod lane;
 

@@ -1,6 +1,7 @@
 //! Recording one run.
 //!
-//! Frames are written in order as they come; the module `under_way` sees to it that they do. The end is *complete* only when the rig's own check over the run agrees with what was written.
+//! Frames are written in order as they come; the module `under_way` sees to it that they do. The end is
+//! *complete* only when the rig's own check over the run agrees with what was written.
 
 use super::client::{RigClient, TalkError, session_number};
 use super::file::RigFile;

@@ -5,7 +5,7 @@
 //!
 //! | what happens                      | what is done                                                   |
 //! |-----------------------------------|----------------------------------------------------------------|
-//! | a gap                             | asked for again from the board's memory until it is filled or the board has forgotten it |
+//! | a gap                             | asked for again until it is filled or the board has forgotten it |
 //! | a request or its answer is lost   | the request is said again; a repeated request has no second effect |
 //! | no frame for a while              | the rig is asked what it is doing: it may be over              |
 //! | the rig says that it knows nothing of the run | asked once more, because the answer may be an old one |
