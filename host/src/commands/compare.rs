@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid compare bench.csv aircraft.csv
+  servoid compare bench.csv mine.csv --input u --output y    a table of another program
   servoid compare --a bench1.csv bench2.csv bench3.csv --b air1.csv air2.csv air3.csv --margin 3")]
 pub(super) struct Compare {
     /// The reference condition, then the other: two recordings, or two models

@@ -212,6 +212,8 @@ pub fn load_sides(
     match sides.map(|paths| load(paths, options)) {
         [Err(DatasetError::OtherColumns { .. }), Ok(b)] => Ok([as_recordings(sides[0])?, b]),
         [Ok(a), Err(DatasetError::OtherColumns { .. })] => Ok([a, as_recordings(sides[1])?]),
+        // Columns were named for the other side, and that is where to look for the mistake.
+        [Err(DatasetError::OtherColumns { .. }), Err(error)] => Err(error),
         [a, b] => Ok([a?, b?]),
     }
 }

@@ -51,6 +51,19 @@ fn a_recording_and_a_table_are_held_against_each_other_in_one_call() {
             "{remarks}"
         );
     }
+    // A slip in the names is one of the side that they are for, whichever comes first.
+    for [a, b] in [[&own, &table], [&table, &own]] {
+        let sentence = refusal(&[
+            "compare",
+            arg(a),
+            arg(b),
+            "--input",
+            "reference",
+            "--output",
+            "positoin",
+        ]);
+        assert!(sentence.contains("table.csv\" has no column"), "{sentence}");
+    }
     let page = dir.path().join("x.html");
     run(&[
         &["report", arg(&own), arg(&table), "-o", arg(&page)],
