@@ -121,21 +121,25 @@ fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> Result<
         f64::from(hello.history_frames) * f64::from(hello.frame_us) * 1e-6
     )?;
     if let Some(status) = status {
-        writeln!(text, "doing            {}", activity(&status.activity))?;
-        writeln!(text, "sensor           {} counts", status.sensor.0)?;
-        writeln!(
-            text,
-            "frames           {} since start, {} lost on the board, at most {} waited to be sent",
-            status.frames_since_start, status.frames_lost_on_board, status.backlog_high_water
-        )?;
-        writeln!(
-            text,
-            "link             unreadable messages: {} to the rig, {} from it",
-            status.rejects,
-            rejects.total()
-        )?;
+        write_status(&mut text, status, rejects)?;
     }
     Ok(text)
+}
+
+fn write_status(text: &mut String, status: &Status, rejects: Rejects) -> std::fmt::Result {
+    writeln!(text, "doing            {}", activity(&status.activity))?;
+    writeln!(text, "sensor           {} counts", status.sensor.0)?;
+    writeln!(
+        text,
+        "frames           {} since start, {} lost on the board, at most {} waited to be sent",
+        status.frames_since_start, status.frames_lost_on_board, status.backlog_high_water
+    )?;
+    writeln!(
+        text,
+        "link             unreadable messages: {} to the rig, {} from it",
+        status.rejects,
+        rejects.total()
+    )
 }
 
 /// A mismatch, field by field.

@@ -155,13 +155,17 @@ impl Export<'_> {
         format!(
             "Bounds: level {}. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them, saturation and what changes from run to run are not.{}",
             summary::level_text(self.model),
-            match step.truncation_bias {
-                0.0 => String::new(),
-                bias => format!(
-                    " {} of their half width is a bound of what left-out high frequencies may hide.",
-                    number(bias)
-                ),
-            },
+            [
+                (step.truncation_bias, "left-out high frequencies"),
+                (step.rounding_bias, "the steps of the sensor"),
+            ]
+            .into_iter()
+            .filter(|(bias, _)| *bias != 0.0)
+            .map(|(bias, what)| format!(
+                " {} of their half width is a bound of what {what} may hide.",
+                number(bias)
+            ))
+            .collect::<String>(),
         )
     }
 

@@ -5,6 +5,7 @@ use crate::rig::capture::ROLL_FRAMES;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use servoid_identification::basis::Basis;
 use servoid_identification::curve::{self, CurveSpread};
 use servoid_identification::gls::{self, GlsOptions};
 use servoid_identification::moments::Moments;
@@ -203,22 +204,7 @@ fn with_known_noise(question: &Question, pilot: &Model, record: &Record) -> Resu
     let covariance = fit.covariance();
     let n = basis.frequencies();
     let rows = (0..n).map(|i| (0..n).map(|j| covariance[(i, j)]).collect());
-    let before = std::iter::once(&0.0).chain(&value);
-    let impulse: Vec<f64> = value
-        .iter()
-        .zip(before)
-        .map(|(g, before)| g - before)
-        .collect();
-    let analysis = basis.analysis_map();
-    let theta = (0..n)
-        .map(|l| {
-            impulse
-                .iter()
-                .zip(0..)
-                .map(|(g, k)| analysis[(l, k)] * g)
-                .sum()
-        })
-        .collect();
+    let theta = parameters(&basis, &value);
     Ok(Model {
         theta,
         covariance: rows.collect(),
@@ -232,4 +218,23 @@ fn with_known_noise(question: &Question, pilot: &Model, record: &Record) -> Resu
         ),
         ..pilot.clone()
     })
+}
+
+/// The parameters theta of which a step response is made.
+fn parameters(basis: &Basis, step: &[f64]) -> Vec<f64> {
+    let analysis = basis.analysis_map();
+    let before = std::iter::once(&0.0).chain(step);
+    let impulse: Vec<f64> = step
+        .iter()
+        .zip(before)
+        .map(|(g, before)| g - before)
+        .collect();
+    let of_row = |row| {
+        impulse
+            .iter()
+            .zip(0..)
+            .map(|(h, k)| analysis[(row, k)] * h)
+            .sum()
+    };
+    (0..basis.frequencies()).map(of_row).collect()
 }

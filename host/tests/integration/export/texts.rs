@@ -88,6 +88,17 @@ fn bounds_that_do_not_hold_are_said_in_every_file_and_on_the_terminal() {
 }
 
 #[test]
+fn what_the_bounds_contain_beside_noise_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = changed(folder.path(), |json| {
+        json["step"]["rounding_bias"] = 0.0125.into();
+    });
+    let text = text(&model, "csv", &[]);
+    let said = "0.0125 of their half width is a bound of what the steps of the sensor may hide";
+    assert!(text.replace("\n# ", " ").contains(said), "{text}");
+}
+
+#[test]
 fn a_model_without_a_low_order_one_is_exported_as_far_as_it_goes() {
     let folder = tempfile::tempdir().unwrap();
     let model = changed(folder.path(), |json| {

@@ -1,0 +1,92 @@
+use super::*;
+
+fn write(dir: &Path, name: &str, text: &str) -> PathBuf {
+    let path = dir.join(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn named() -> DatasetOptions {
+    DatasetOptions {
+        input: Some("u".into()),
+        output: Some("y".into()),
+        ..DatasetOptions::default()
+    }
+}
+
+#[test]
+fn runs_are_kept_apart_and_the_period_is_found() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = write(
+        dir.path(),
+        "a.csv",
+        "t,u,y,run\n0,1,2,1\n.02,2,3,1\n.04,1,,1\n0,5,6,2\n.02,7,8,2\n",
+    );
+    let options = DatasetOptions {
+        run: Some("run".into()),
+        at_rest: Some(0.0),
+        ..named()
+    };
+    // One of four steps is the restart: not even enough for a column of time.
+    assert!(matches!(
+        load(std::slice::from_ref(&path), &options),
+        Err(DatasetError::UnevenTime { .. })
+    ));
+    let options = DatasetOptions {
+        period_s: Some(0.02),
+        ..options
+    };
+    let again = dir.path().join("b.csv");
+    std::fs::copy(&path, &again).unwrap();
+    assert!(matches!(
+        load(&[path.clone(), path.clone()], &options),
+        Err(DatasetError::Twice { .. })
+    ));
+    let set = load(&[path, again], &options).unwrap();
+    let lengths: Vec<_> = set.record.runs().iter().map(Run::len).collect();
+    assert_eq!(lengths, [3, 2, 3, 2]);
+    assert_eq!(set.record.missing(), 2);
+    assert_eq!(set.record.runs()[1].input_at_rest(), Some(0.0));
+}
+
+#[test]
+fn an_even_column_of_time_gives_the_period() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows: String = (0..100)
+        .map(|k| format!("{:.2},{},{}\n", 0.02 * f64::from(k), k % 7, k % 5))
+        .collect();
+    let path = write(dir.path(), "a.csv", &format!("t,u,y\n{rows}"));
+    let set = load(&[path], &named()).unwrap();
+    assert_eq!(set.record.sample_period_s(), 0.02);
+    assert_eq!(set.about.remarks.len(), 1);
+}
+
+#[test]
+fn rows_that_are_missing_are_not_closed_up() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows: String = (0..200)
+        .filter(|k| !(50..70).contains(k))
+        .map(|k| format!("{:.2},{},{}\n", 0.02 * f64::from(k), k % 7, k % 5))
+        .collect();
+    let path = write(dir.path(), "a.csv", &format!("t,u,y\n{rows}"));
+    let set = load(&[path], &named()).unwrap();
+    assert_eq!((set.record.samples(), set.record.missing()), (200, 20));
+    assert!(
+        set.about.remarks.iter().any(|r| r.contains("20 samples")),
+        "{:?}",
+        set.about.remarks
+    );
+}
+
+#[test]
+fn columns_that_are_not_named_are_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = write(dir.path(), "a.csv", "t,u,y\n0,1,2\n");
+    let error = load(&[path], &DatasetOptions::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("--input") && error.contains("t, u, y"),
+        "{error}"
+    );
+}
