@@ -48,10 +48,32 @@ fn own_recording(path: &Path) {
     writer.finish(&Ending::Complete).expect("room on the disk");
 }
 
+/// How another program writes its cells.
+#[derive(Clone, Copy)]
+enum Style {
+    /// 0.002,5.0
+    Plain,
+    /// "0.002","5.0"
+    Quoted,
+    /// 0,002;5,0
+    DecimalComma,
+}
+
+impl Style {
+    /// What is written with points and commas, in this style.
+    fn of(self, row: &str) -> String {
+        match self {
+            Self::Plain => row.to_owned(),
+            Self::Quoted => format!("\"{}\"", row.replace(',', "\",\"")),
+            Self::DecimalComma => row.replace(',', ";").replace('.', ","),
+        }
+    }
+}
+
 /// A file of another program with a column of time and one that is not needed.
-fn foreign_file(path: &Path) {
+fn foreign_file(path: &Path, style: Style) {
     let mut random = ChaCha8Rng::seed_from_u64(2);
-    let mut text = String::from("t,u,y,temperature\n");
+    let mut text = style.of("t,u,y,temperature") + "\n";
     let (mut u, mut y) = (0.0, 0.0);
     for k in 0..ROWS {
         if k % 10 == 0 {
@@ -60,7 +82,8 @@ fn foreign_file(path: &Path) {
         y += 0.06 * (u - y);
         let measured = y + 0.1 * (random.random::<f64>() - 0.5);
         let t = 0.002 * f64::from(k);
-        let _infallible = writeln!(text, "{t:.3},{u:.1},{measured:.5},21.5");
+        let row = format!("{t:.3},{u:.1},{measured:.5},21.5");
+        let _infallible = writeln!(text, "{}", style.of(&row));
     }
     std::fs::write(path, text).expect("room on the disk");
 }
@@ -76,9 +99,12 @@ fn named() -> DatasetOptions {
 
 fn benches(criterion: &mut Criterion) {
     let folder = tempfile::tempdir().expect("a folder for files");
-    let (own, foreign) = (folder.path().join("own.csv"), folder.path().join("u.csv"));
+    let [own, foreign, quoted, commas] =
+        ["own.csv", "u.csv", "quoted.csv", "commas.csv"].map(|name| folder.path().join(name));
     own_recording(&own);
-    foreign_file(&foreign);
+    foreign_file(&foreign, Style::Plain);
+    foreign_file(&quoted, Style::Quoted);
+    foreign_file(&commas, Style::DecimalComma);
     let bytes = |path: &PathBuf| std::fs::metadata(path).expect("it was written").len();
 
     let mut group = criterion.benchmark_group("reading is at least 150 MB/s");
@@ -88,11 +114,17 @@ fn benches(criterion: &mut Criterion) {
     group.bench_function("recording of this program, 655 350 rows", |bencher| {
         bencher.iter(|| Recording::parse(black_box(&text), &own).expect("it is sound"));
     });
-    group.throughput(Throughput::Bytes(bytes(&foreign)));
-    group.bench_function("columns of another program's file, 1e6 rows", |bencher| {
-        let paths = [foreign.clone()];
-        bencher.iter(|| dataset::load(black_box(&paths), &named()).expect("it is sound"));
-    });
+    for (name, path) in [
+        ("columns of another program's file, 1e6 rows", &foreign),
+        ("the same in quotes", &quoted),
+        ("the same with decimal commas", &commas),
+    ] {
+        group.throughput(Throughput::Bytes(bytes(path)));
+        group.bench_function(name, |bencher| {
+            let paths = [path.clone()];
+            bencher.iter(|| dataset::load(black_box(&paths), &named()).expect("it is sound"));
+        });
+    }
     group.finish();
 
     let mut group = criterion.benchmark_group("a file is identified in well under 0.5 s");

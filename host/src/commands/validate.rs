@@ -11,6 +11,7 @@ use clap::Args;
 use serde::Serialize;
 use servoid_identification::advice::Advice;
 use servoid_identification::validation::Validation;
+use servoid_identification::{Model, Record, Run};
 use std::path::PathBuf;
 
 /// Hold a model against a recording that it has not seen
@@ -50,7 +51,7 @@ impl Validate {
         }
         let text = output::read_text(&self.model)?;
         let model = output::parse_model(&text, &self.model)?;
-        let data = dataset::load(&self.files, &self.table.into())?;
+        let data = dataset::load(&self.files, &self.table.clone().into())?;
         Origin::in_model_file(&text).same_units(
             &self.model.display().to_string(),
             &Origin::from(&data.about),
@@ -74,39 +75,28 @@ impl Validate {
         if let Some(out) = &self.out {
             output::write_file(out, self.force, &output::to_json(&validated)?)?;
         }
-        if let Some(folder) = &self.plots {
-            let name = stem(&self.model);
-            let first = self
-                .files
-                .first()
-                .map_or_else(String::new, |file| stem(file));
-            let named = [Named {
-                name: &name,
-                model: &model,
-            }];
-            let figures: Vec<_> = data
-                .record
-                .runs()
-                .iter()
-                .zip(1..)
-                .map(|(run, number)| {
-                    let file = format!("{name}-on-{first}-run-{number}");
-                    signals::validation(
-                        &file,
-                        "Model against measurement",
-                        &named,
-                        run,
-                        unit.as_deref(),
-                    )
-                })
-                .collect();
-            let files = output::write_figures(folder, self.force, &figures)?;
-            self.talk.say(format_args!("plots: {}", listed(&files)));
-        }
+        self.draw(&model, &data.record, unit.as_deref())?;
         self.talk.result(
             summary::of_validation(&result, unit.as_deref(), &advice),
             &validated,
         )
+    }
+
+    /// Writes a plot of each run, where a folder for them was named.
+    fn draw(&self, model: &Model, record: &Record, unit: Option<&str>) -> Result<()> {
+        let (Some(folder), Some(first)) = (&self.plots, self.files.first()) else {
+            return Ok(());
+        };
+        let (name, first) = (stem(&self.model), stem(first));
+        let named = [Named { name: &name, model }];
+        let of_run = |(run, number): (&Run, usize)| {
+            let file = format!("{name}-on-{first}-run-{number}");
+            signals::validation(&file, "Model against measurement", &named, run, unit)
+        };
+        let figures: Vec<_> = record.runs().iter().zip(1..).map(of_run).collect();
+        let files = output::write_figures(folder, self.force, &figures)?;
+        self.talk.say(format_args!("plots: {}", listed(&files)));
+        Ok(())
     }
 }
 
