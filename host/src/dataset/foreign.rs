@@ -1,9 +1,10 @@
 //! Any CSV file with its columns named.
 
 use super::time::{self, TimeUnit};
-use super::{About, DatasetError, DatasetOptions, Loaded, run, suggestion};
+use super::{About, DatasetError, DatasetOptions, Loaded, run, stand_in, suggestion};
 use crate::table::{Table, TableError, unit_of};
 use crate::timeline::{self, Stretch, TimeColumn};
+use servoid_identification::advice::Advice;
 use std::path::Path;
 
 /// The runs of a table.
@@ -58,13 +59,16 @@ pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Load
         ("sample period s".to_owned(), period_s.to_string()),
     ];
     let unit = |name: &str| Ok::<_, TableError>(unit_of(table.column(name)?).map(str::to_owned));
-    let about = About {
+    let mut about = About {
         input_unit: unit(input)?,
         output_unit: unit(output)?,
         provenance: vec![provenance],
         remarks,
         ..About::default()
     };
+    for (name, column) in [(input, &u), (output, &y)] {
+        tell_stand_in(&mut about, path, name, column);
+    }
     Ok(Loaded {
         runs,
         rest: Vec::new(),
@@ -72,6 +76,26 @@ pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Load
         phase_s: 0.0,
         about,
     })
+}
+
+/// Says where a number of a column seems to stand for no reading: as it is, it counts as one.
+fn tell_stand_in(about: &mut About, path: &Path, name: &str, column: &[f64]) {
+    let Some((value, rows)) = stand_in::find(column) else {
+        return;
+    };
+    let finding = format!(
+        "{}: column {name:?} is {value} in {rows} rows of {}, far from all its other values",
+        path.display(),
+        column.len()
+    );
+    about.remarks.push(format!(
+        "{finding}; where that stands for no reading, leave the cells empty"
+    ));
+    let finding = format!("{finding}.");
+    let remedy =
+        "Where that stands for no reading, leave the cells empty: they count as missing then.";
+    let advice = Advice::new("stand_in", finding, rows as f64, 0.0, remedy);
+    about.advice.push(advice);
 }
 
 /// Longest step that a column of time without a unit has in seconds: beyond it, milliseconds and

@@ -8,6 +8,7 @@
 mod error;
 mod foreign;
 mod own;
+mod stand_in;
 pub(crate) mod suggestion;
 mod time;
 

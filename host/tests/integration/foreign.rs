@@ -267,6 +267,31 @@ fn what_is_not_certain_is_asked_in_one_sentence() {
     assert!(said.contains("servoid identify"), "{said}");
 }
 
+/// A number that means that there is none counts as one, and hides all the others.
+#[test]
+fn a_number_that_stands_for_no_reading_is_pointed_out() {
+    let dir = tempfile::tempdir().unwrap();
+    let with = |name: &str, stand_in: &str| {
+        file(dir.path(), name, "u,y\n", |k, u, y| match k % 97 {
+            0 => format!("{u},{stand_in}\n"),
+            _ => format!("{u},{y:.4}\n"),
+        })
+    };
+    let options = ["--input", "u", "--output", "y", "--period", "0.002"];
+    let nines = with("nines.csv", "-9999");
+    let args = [&["identify", &nines], &options[..]].concat();
+    let said = String::from_utf8(servoid(&args).output().unwrap().stderr).unwrap();
+    assert!(
+        said.contains("column \"y\" is -9999 in 16 rows of 1500, far from all its other values"),
+        "{said}"
+    );
+    let (gain, _, said) = identified(&with("empty.csv", ""), &options);
+    assert!(
+        (gain - 1.0).abs() < 0.01 && !said.contains("far from"),
+        "{gain} {said}"
+    );
+}
+
 #[test]
 fn a_period_that_a_column_of_time_contradicts_is_taken_and_said() {
     let dir = tempfile::tempdir().unwrap();
