@@ -105,11 +105,15 @@ impl Explanation {
             });
         }
         if let Some(errors) = &self.model_errors {
-            let tried = errors.candidates.len();
-            sentences.push(format!(
-                "The errors are not noise; of {tried} structures and estimators the simplest was \
-                 taken that predicts unseen parts within half a point of the best."
-            ));
+            sentences.push(match errors.candidates.len() {
+                0 => "The errors are not noise, and no part of the record tells how well a model predicts \
+                      another; the estimator was taken that simulates the record better."
+                    .to_owned(),
+                tried => format!(
+                    "The errors are not noise; of {tried} structures and estimators the simplest was \
+                     taken that predicts unseen parts within half a point of the best."
+                ),
+            });
         }
         let path = match self.path {
             Path::Moments => "lagged moments",

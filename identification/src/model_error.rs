@@ -56,6 +56,11 @@ pub const DISAGREEMENT: f64 = 0.1;
 /// Points of fit within which predictions count as equal.
 const TIE: f64 = 0.5;
 
+/// Fit of a prediction that is no better than the mean of what it predicts \[%\]. Where that is all
+/// that can be had, parts of the record cannot stand for one another (one step in each, say), and
+/// their ranking would be one of accidents.
+const NO_PREDICTION: f64 = 0.0;
+
 /// Condition number beyond which a bank is not determined by the parts at hand. Far below it
 /// rounding is already visible, but small beside what the noise leaves open.
 const DETERMINED: f64 = 1e9;
@@ -86,7 +91,8 @@ pub struct ModelErrors {
     pub least_squares_percent: f64,
     /// Simulation fit of generalised least squares \[%\].
     pub generalised_percent: f64,
-    /// What was tried, best first; the first was taken.
+    /// What was tried and predicts parts not seen better than their mean does, best first; the first
+    /// was taken. Without any, the estimator that simulates the record better.
     pub candidates: Vec<Prediction>,
     /// Step response of the estimator that was not taken, at the same N and n.
     pub other_step: Vec<f64>,
@@ -305,7 +311,8 @@ pub(crate) fn settlings(chosen: usize, longest: usize) -> Vec<usize> {
     settlings
 }
 
-/// Ranks estimators by cross-validation, best first. `settlings` are the N to be tried.
+/// Ranks estimators by cross-validation, best first, as far as they predict anything. `settlings` are
+/// the N to be tried.
 pub(crate) fn rank(
     record: &Record,
     settlings: &[usize],
@@ -323,6 +330,10 @@ pub(crate) fn rank(
         total.add(part);
     }
     let mut ranked = Vec::new();
+    let shortest = banks(&total, settlings[0], frequencies).into_iter().next();
+    if !shortest.is_some_and(|basis| parts_determine(&total, &parts, basis)) {
+        return ranked;
+    }
     for &settling in settlings {
         for basis in banks(&total, settling, frequencies) {
             for generalised in [false, true] {
@@ -337,7 +348,8 @@ pub(crate) fn rank(
                     plain()
                 };
                 let coordinates = Coordinates::new(basis);
-                if let Some(percent) = cross_validate(&total, &parts, &coordinates, &options) {
+                let predicted = cross_validate(&total, &parts, &coordinates, &options);
+                if let Some(percent) = predicted.filter(|percent| *percent > NO_PREDICTION) {
                     ranked.push(Prediction {
                         settling,
                         frequencies: basis.frequencies(),
@@ -375,6 +387,19 @@ fn banks(total: &Moments, settling: usize, frequencies: Option<usize>) -> Vec<Ba
         banks.extend(Basis::new(settling, scan.best_predictor()));
     }
     banks
+}
+
+/// Whether the bank is still determined without any one of the parts, or never is. A step that the
+/// others lack cannot be predicted from them, and what could be ranked by predicting it are only the
+/// banks that are too small to lack it.
+fn parts_determine(total: &Moments, parts: &[Moments], basis: Basis) -> bool {
+    let coordinates = Coordinates::new(basis);
+    let determined = |moments: Moments| {
+        gls::fit(&Information::from_moments(moments), &coordinates, &plain())
+            .is_some_and(|fit| fit.solution.condition <= DETERMINED)
+    };
+    let mut present = parts.iter().filter(|part| part.rows() > 0);
+    !determined(total.clone()) || present.all(|part| determined(total.without(part)))
 }
 
 /// Fit of simulations of each part by an estimate from the others \[%\].

@@ -22,11 +22,15 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         Some(_) => " The input is too smooth to tell whether the servo or the input is the reason.",
         None => "",
     };
+    let chosen_by = match errors.candidates.is_empty() {
+        true => "how well it simulates this record, as no part of it tells of another",
+        false => "how well it predicts parts not seen",
+    };
     let (sign, value, threshold) = sign_in_words(errors);
     Some(Advice::new(
         MODEL_ERROR,
         format!(
-            "What the model cannot explain is not noise: {sign}. So no bounds can be given. The structure was chosen by how well it predicts parts not seen, and {taken} \
+            "What the model cannot explain is not noise: {sign}. So no bounds can be given. The structure was chosen by {chosen_by}, and {taken} \
              least squares was taken.{smooth}"
         ),
         value,

@@ -50,7 +50,7 @@ impl Pipeline<'_> {
                 self.adopt(*best)?;
                 Estimate::new(&self.plan, &self.collected.moments, self.record)?
             }
-            None => first,
+            None => self.better_at_simulation(first, &both)?,
         };
         let errors = self.model_errors(&adopted, &both, candidates, sign);
         Ok(Considered {
@@ -135,17 +135,52 @@ impl Pipeline<'_> {
         model_error::rank(record, &settlings, frequencies, self.options.noise_order)
     }
 
+    /// What is taken where no part of the record tells how well an estimator predicts another: the
+    /// first one, unless plain least squares simulates the record better. Then the settling time,
+    /// which was detected by the same weights, is not to be trusted either, and the longest that the
+    /// record supports is taken, if its input determines that.
+    fn better_at_simulation(
+        &mut self,
+        first: Estimate,
+        both: &BothEstimators,
+    ) -> Result<Estimate, Error> {
+        if both.generalised_percent >= both.least_squares_percent {
+            return Ok(first);
+        }
+        let planned = self.plan.basis;
+        if let Some(choice) = &self.plan.choice
+            && planned.is_complete()
+        {
+            let longest = Basis::full(choice.longest)?;
+            self.take(longest, NoiseOrder::Order(0));
+            let longest = Estimate::new(&self.plan, &self.collected.moments, self.record);
+            if longest.is_ok() {
+                return longest;
+            }
+        }
+        self.take(planned, NoiseOrder::Order(0));
+        Estimate::new(&self.plan, &self.collected.moments, self.record)
+    }
+
     /// Makes `best` the plan.
     fn adopt(&mut self, best: Prediction) -> Result<(), Error> {
-        self.plan.basis = Basis::new(best.settling, best.frequencies)?;
-        self.plan.start = Vec::new();
-        if !best.generalised {
-            self.plan.order = NoiseOrder::Order(0);
-        }
-        if let Some(record) = self.record {
-            self.collected = Collected::again(record, best.settling, self.plan.order);
-        }
+        let basis = Basis::new(best.settling, best.frequencies)?;
+        let order = match best.generalised {
+            true => self.plan.order,
+            false => NoiseOrder::Order(0),
+        };
+        self.take(basis, order);
         Ok(())
+    }
+
+    /// Makes this bank and this order of the noise the plan.
+    fn take(&mut self, basis: Basis, order: NoiseOrder) {
+        self.plan.basis = basis;
+        self.plan.start = Vec::new();
+        self.plan.order = order;
+        if let Some(record) = self.record {
+            self.collected = Collected::again(record, basis.settling(), order);
+        }
     }
 
     fn model_errors(
