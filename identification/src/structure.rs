@@ -47,6 +47,11 @@ pub const CONTRADICTION: f64 = 4.75;
 /// Smallest N that is tried: fewer lags than these tell little of the shape of a response.
 const SHORTEST: usize = 9;
 
+/// What plain least squares with an N below [`COARSE_FROM`] may leave of the motion beyond what it leaves
+/// with the best N \[% rms\]. On a servo that is not linear the long fit may take almost all of the
+/// motion for noise; then it contradicts nothing, and the shortest N would do.
+const NEARLY_BEST: f64 = 0.5;
+
 /// From here on the grid goes in steps of [`GRID_RATIO`]; up to here it has every odd N.
 const COARSE_FROM: usize = 31;
 const GRID_RATIO: f64 = 1.12;
@@ -231,12 +236,17 @@ pub(crate) fn is_low_passed(banks: &NestedBanks, settling: usize) -> bool {
 }
 
 fn choose_complete(long: &LongFit) -> Choice {
+    let grid = grid(long.settling);
+    let best = grid
+        .iter()
+        .map(|n| long.left_by_plain(*n))
+        .fold(f64::INFINITY, f64::min);
     let mut candidates = Vec::new();
-    for mut candidate in long.candidates(&grid(long.settling)) {
-        let agrees =
-            candidate.settling == long.settling || candidate.contradiction <= CONTRADICTION;
-        candidate.accepted =
-            agrees && candidate.settling as f64 >= MARGIN * candidate.detected as f64;
+    for mut candidate in long.candidates(&grid) {
+        let n = candidate.settling;
+        let agrees = n == long.settling || candidate.contradiction <= CONTRADICTION;
+        let suffices = n >= COARSE_FROM || long.left_by_plain(n) <= best + NEARLY_BEST;
+        candidate.accepted = agrees && suffices && n as f64 >= MARGIN * candidate.detected as f64;
         candidates.push(candidate);
         if candidate.accepted {
             break;
