@@ -220,10 +220,13 @@ fn choose_with_all_frequencies(
     order: NoiseOrder,
 ) -> Option<Choice> {
     let mut long = LongFit::new(moments, longest, order)?;
-    if Excitation::of(moments).is_smooth() {
+    let choice = if Excitation::of(moments).is_smooth() {
         long.look_at_averages();
-    }
-    let choice = choose_complete(&long);
+        // So few lags of it are nearly one and the same.
+        choose_complete(&long, &coarse_grid(longest))
+    } else {
+        choose_complete(&long, &grid(longest))
+    };
     let banks = NestedBanks::scan(moments, choice.settling, &long.ar, FIRST_ORDER)?;
     (!is_low_passed(&banks, choice.settling)).then_some(choice)
 }
@@ -235,14 +238,13 @@ pub(crate) fn is_low_passed(banks: &NestedBanks, settling: usize) -> bool {
         || banks.largest().half_width() > LOW_PASSED_RATIO * banks.narrowest().half_width()
 }
 
-fn choose_complete(long: &LongFit) -> Choice {
-    let grid = grid(long.settling);
+fn choose_complete(long: &LongFit, grid: &[usize]) -> Choice {
     let best = grid
         .iter()
         .map(|n| long.left_by_plain(*n))
         .fold(f64::INFINITY, f64::min);
     let mut candidates = Vec::new();
-    for mut candidate in long.candidates(&grid) {
+    for mut candidate in long.candidates(grid) {
         let n = candidate.settling;
         let agrees = n == long.settling || candidate.contradiction <= CONTRADICTION;
         let suffices = n >= COARSE_FROM || long.left_by_plain(n) <= best + NEARLY_BEST;
