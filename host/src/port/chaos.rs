@@ -17,7 +17,8 @@
 //! | burst       | it and up to 24 that follow it arrive up to half a second later, all at once, mixed up |
 //! | stalled     | it and everything behind it arrive late                                         |
 //!
-//! What sets out behind the last frame of a burst may overtake all of it. Whatever arrives is handed over in pieces of any size.
+//! What sets out behind the last frame of a burst may overtake all of it. Whatever arrives is
+//! handed over in pieces of any size.
 
 mod lane;
 
