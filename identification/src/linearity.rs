@@ -34,7 +34,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use crate::gls::GlsFit;
 use crate::normal::Information;
 use crate::rest::AgainstRest;
-use crate::simulated::Simulated;
+use crate::simulated::{Simulated, explained_by_runs};
 use offered::Offered;
 
 /// p-values below this count: far below what one would ask of a single test, because each of many
@@ -58,10 +58,22 @@ pub struct Linearity {
     /// Whether the model has all frequencies, so that what follows the motion cannot be those left
     /// out.
     pub complete: bool,
+    /// By how much runs differ from each other; `None` with a single one.
+    #[serde(default)]
+    pub runs: Option<BetweenRuns>,
     /// How the errors compare with the noise at rest; `None` where no rest was recorded, or where the
     /// response may be longer than what the model has of it, which leaves errors of its own.
     #[serde(default)]
     pub rest: Option<AgainstRest>,
+}
+
+/// What runs of one servo leave over because each has a gain, a delay and an offset of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BetweenRuns {
+    /// Probability of differences at least as large from noise alone.
+    pub p: f64,
+    /// Root mean square of what they explain of the errors, of that of the output about its mean \[%\].
+    pub misfit_percent: f64,
 }
 
 impl Linearity {
@@ -82,6 +94,13 @@ impl Linearity {
     pub fn against_rest(&self) -> Option<AgainstRest> {
         self.rest
             .filter(|rest| rest.p < SIGNIFICANCE && rest.misfit_percent > WORTH_MENTIONING)
+    }
+
+    /// How much runs differ, if that is shown, by an amount that matters.
+    #[must_use]
+    pub fn between_runs(&self) -> Option<BetweenRuns> {
+        self.runs
+            .filter(|runs| runs.p < SIGNIFICANCE && runs.misfit_percent > WORTH_MENTIONING)
     }
 
     /// Whether the servo is shown not to be linear, by an amount that matters.
@@ -108,12 +127,24 @@ pub(crate) fn test(
     if free <= k || found.unexplained <= 0.0 {
         return None;
     }
-    let f = (found.reduction / k) / (found.unexplained / (free - k));
-    let distribution = FisherSnedecor::new(k, free - k).ok()?;
+    let noise = found.unexplained / (free - k);
+    let upper_tail = |reduction: f64, degrees: f64| {
+        let distribution = FisherSnedecor::new(degrees, free - k).ok()?;
+        let tail = distribution.sf(reduction / degrees / noise);
+        Some(tail.clamp(0.0, 1.0))
+    };
     let misfit = offered.misfit(fit, &found);
     let motion = (information.moments.output_spread() / information.rows() as f64).sqrt();
+    let between_runs = |p: f64| BetweenRuns {
+        p,
+        misfit_percent: 100.0 * explained_by_runs(runs) / motion,
+    };
     Some(Linearity {
-        p: distribution.sf(f).clamp(0.0, 1.0),
+        p: upper_tail(found.reduction, k)?,
+        runs: (found.of_runs > 0)
+            .then(|| upper_tail(found.reduction_of_runs, found.of_runs as f64))
+            .flatten()
+            .map(between_runs),
         misfit_percent: 100.0 * misfit / motion,
         complete: fit.coordinates.basis.has_all_frequencies(),
         rest: None,

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::basis::Basis;
 use crate::gls::{self, GlsOptions};
-use crate::linearity::Linearity;
+use crate::linearity::{BetweenRuns, Linearity};
 use crate::metrics::{Interval, Metrics};
 use crate::moments::{MomentStream, Moments};
 use crate::nested::NestedBanks;
@@ -114,6 +114,9 @@ pub enum Sign {
     Whitening,
     /// The errors follow the motion, and the simulation leaves much of the motion unexplained.
     Misfit(Linearity),
+    /// So it does, and the runs differ from each other by more than their noise: a model of all of them is
+    /// one of none.
+    Runs(BetweenRuns),
     /// The servo is not linear, and only this share of the steps of the input are held until it has
     /// followed.
     NoSteps(Linearity, f64),
@@ -223,10 +226,13 @@ impl BothEstimators {
         if self.least_squares_percent - self.generalised_percent > TOLERATED {
             return Some(Sign::Whitening);
         }
-        let found = linearity.filter(Linearity::errors_follow_motion)?;
+        let linearity = linearity?;
+        let found = Some(linearity).filter(Linearity::errors_follow_motion);
         if unexplained_percent(self.least_squares_percent, self.generalised_percent) > UNEXPLAINED {
-            return Some(Sign::Misfit(found));
+            let runs = linearity.between_runs().map(Sign::Runs);
+            return found.map(Sign::Misfit).or(runs);
         }
+        let found = found?;
         if !found.is_rejected() {
             return None;
         }

@@ -384,6 +384,23 @@ mod tests {
     }
 
     #[test]
+    fn runs_that_differ_by_much_are_not_of_one_servo() {
+        let model = of_runs(1, 0.4);
+        let advised = |words: &str| {
+            model
+                .advice
+                .iter()
+                .any(|advice| advice.finding.contains(words))
+        };
+        assert!(
+            advised("the runs are not of one servo"),
+            "{:?}",
+            model.advice
+        );
+        assert!(!model.bounds_hold());
+    }
+
+    #[test]
     fn without_rest_there_is_no_witness() {
         let input: Vec<f64> = (0..900).map(|k| f64::from(k / 7 * 7919 % 101)).collect();
         let output: Vec<f64> = input

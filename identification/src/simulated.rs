@@ -64,6 +64,19 @@ impl Simulated<'_> {
     }
 }
 
+/// Root mean square of what [`Simulated::own_errors`] are free of.
+pub(crate) fn explained_by_runs(runs: &[Simulated<'_>]) -> f64 {
+    let (mut square, mut count) = (0.0, 0usize);
+    for run in runs {
+        let own = run.own_errors();
+        for (error, own) in run.errors.iter().zip(own).filter(|(e, _)| !e.is_nan()) {
+            square += (error - own).powi(2);
+            count += 1;
+        }
+    }
+    (square / count.max(1) as f64).sqrt()
+}
+
 /// The runs of a record up to [`SAMPLES`], by the response of `fit`, which is one of `moments`.
 pub(crate) fn simulated<'a>(
     record: &'a Record,

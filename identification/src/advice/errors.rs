@@ -69,6 +69,16 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
             );
             (words, left, UNEXPLAINED)
         }
+        Sign::Runs(found) => {
+            let left = errors.unexplained_percent();
+            let words = format!(
+                "simulation leaves {left:.0} % of the motion (rms), and gain, delay and offset differ from run to \
+                 run by {:.0} % of it ({}): the runs are not of one servo under the same conditions",
+                found.misfit_percent,
+                probability(found.p)
+            );
+            (words, left, UNEXPLAINED)
+        }
         Sign::NoSteps(found, seen) => {
             let shown = Shown::by(&found);
             let words = format!(

@@ -32,7 +32,8 @@ impl Pipeline<'_> {
             linearity = self.linearity_of(&shorter).or(linearity);
             first = shorter;
         }
-        let suspect = linearity.is_some_and(|found| found.errors_follow_motion());
+        let suspect = linearity
+            .is_some_and(|found| found.errors_follow_motion() || found.between_runs().is_some());
         let both = BothEstimators::new(&first.information, &first.fit, suspect);
         let sign = both
             .as_ref()

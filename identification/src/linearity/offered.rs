@@ -53,6 +53,8 @@ pub(super) struct Found {
     pub(super) degrees: usize,
     /// Directions in which runs differ from each other.
     pub(super) of_runs: usize,
+    /// By how much these alone reduce the sum of squares.
+    pub(super) reduction_of_runs: f64,
     /// Sum of squares that is left.
     pub(super) unexplained: f64,
     /// Coefficients of all columns whose combination is what the shared functions explain and nothing that a
@@ -101,6 +103,7 @@ impl Offered {
             reduction: all.reduction,
             degrees: all.degrees,
             of_runs: 0,
+            reduction_of_runs: 0.0,
             unexplained: fit.solution.rss - all.reduction,
             coefficients: Vec::new(),
             response: Vec::new(),
@@ -111,7 +114,7 @@ impl Offered {
         {
             found.reduction -= runs.reduction;
             found.degrees = found.degrees.checked_sub(runs.degrees).filter(|k| *k > 0)?;
-            found.of_runs = runs.degrees;
+            (found.of_runs, found.reduction_of_runs) = (runs.degrees, runs.reduction);
             // What the columns of the runs take over of the shared ones.
             let shared: Vec<f64> = of_runs
                 .clone()
