@@ -97,7 +97,7 @@ fn write_model(
         SelectedBy::Narrow => {
             "narrow: smoother, holds only if the response falls steeply above its highest frequency"
         }
-        SelectedBy::User => "as asked for",
+        SelectedBy::User => "as asked for, and what was left open from the data",
     };
     writeln!(
         text,

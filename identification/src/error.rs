@@ -72,9 +72,12 @@ pub enum Error {
     },
     /// The record is too short for an automatic choice of the structure.
     #[error(
-        "an automatic choice of the settling time needs at least {needed} samples in one piece, and of the \
-         {samples} of the record no such piece is long enough (runs and gaps part it): record longer and \
-         without gaps, or state the settling time in samples"
+        "an automatic choice of the settling time needs at least {needed} samples in one piece, and {}: record \
+         longer and without gaps, or state the settling time in samples",
+        match samples < needed {
+            true => format!("the record has {samples}"),
+            false => format!("runs and gaps part the {samples} of the record into shorter ones"),
+        }
     )]
     TooShortForAuto {
         /// Samples in the record.

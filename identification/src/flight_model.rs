@@ -7,7 +7,7 @@
 //! stable and unstable linear systems", Automatica 2005, with the projection in place of the plain
 //! frequency response, which would make the delay half a sample too long).
 //!
-//! The order is the one with the smallest χ² + dim x · ln(rank). When even that is rejected, as it is
+//! The order is the lowest whose χ² + dim x · ln(rank) is within 2 of the smallest. When even that is rejected, as it is
 //! for every nonlinear servo, the model is an approximation: intervals are widened by sqrt(χ²/dof)
 //! (Birge 1932), the largest error is stated, and the order is the lowest whose largest error is
 //! within the limit asked for.
@@ -217,19 +217,32 @@ fn choose(
             .map(|fit| fit.transfer);
         fits.extend(fitter.best(order, &guess.starts(order, second)));
     }
-    let by_bic = fits
-        .iter()
-        .min_by(|a, b| a.tried.bic.total_cmp(&b.tried.bic));
-    let chosen = match by_bic {
-        None => return Err(Error::NoResponse),
-        Some(best) if best.tried.p >= REJECT => best,
-        Some(_) => {
+    let good_enough = |fit: &&Fit| fit.tried.p >= REJECT;
+    let chosen = match simplest(&fits, |fit| fit.tried).find(good_enough) {
+        None if fits.is_empty() => return Err(Error::NoResponse),
+        Some(simplest) => simplest,
+        None => {
             let good =
                 |fit: &&Fit| fit.tried.largest_error_percent <= options.largest_error_percent;
             fits.iter().find(good).unwrap_or(&fits[fits.len() - 1])
         }
     };
     Ok(chosen.report(&fits, model.step.pointwise.level, options.frame_period_s))
+}
+
+/// Difference of Bayes' criterion that is "not worth more than a bare mention" (Kass & Raftery, Journal of the
+/// American Statistical Association, 1995): a parameter that brings no more is not taken up, since delay and further lags stand for
+/// each other, and the delay would leave its interval for a lag that is not there.
+const BARE_MENTION: f64 = 2.0;
+
+/// Of `fits`, lowest order first, those that the criterion does not tell from the best.
+fn simplest<T>(fits: &[T], tried: impl Fn(&T) -> OrderTried) -> impl Iterator<Item = &T> {
+    let least = fits
+        .iter()
+        .map(|fit| tried(fit).bic)
+        .fold(f64::INFINITY, f64::min);
+    fits.iter()
+        .filter(move |fit| tried(fit).bic <= least + BARE_MENTION)
 }
 
 /// Parameters as the search sees them: \[K, L, ln ω, ln ζ, ln T\] of those that the order has.

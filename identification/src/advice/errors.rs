@@ -26,6 +26,13 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         true => "how well it simulates this record, as no part of it tells of another",
         false => "how well it predicts parts not seen",
     };
+    let worth = match errors.candidates.first() {
+        Some(best) => format!(
+            "use this model for prediction (it met parts not seen to {:.0} %), not for comparison",
+            best.cross_validated_percent
+        ),
+        None => "use this model as a picture of this recording alone".to_owned(),
+    };
     let (sign, value, threshold) = sign_in_words(errors);
     Some(Advice::new(
         MODEL_ERROR,
@@ -35,8 +42,9 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         value,
         threshold,
-        "Record steps that are held until the servo rests, smaller ones and fewer a second; use this \
-         model for prediction, not for comparison.",
+        format!(
+            "Record steps that are held until the servo rests, smaller ones and fewer a second; {worth}."
+        ),
     ))
 }
 

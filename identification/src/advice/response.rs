@@ -153,9 +153,14 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
         )
     } else if automatic {
         (
-            format!(
-                "The input has too little power above {highest:.1} Hz to tell the response there"
-            ),
+            match highest > 0.0 {
+                true => format!(
+                    "The input has too little power above {highest:.1} Hz to tell the response there"
+                ),
+                false => {
+                    "The input moves too slowly to tell more of the response than a gain".to_owned()
+                }
+            },
             "Use a reference with sharp edges, without a filter before the servo.",
         )
     } else {

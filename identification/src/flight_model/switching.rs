@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::projection::{LENGTH, whitening, with_history};
 use super::search::{Minimum, minimise};
-use super::{FlightModelOptions, Guess, LowOrder, OrderTried, REJECT};
+use super::{FlightModelOptions, Guess, LowOrder, OrderTried, REJECT, simplest};
 use crate::band::pointwise_critical;
 use crate::basis::Basis;
 use crate::direction::two_inputs::{self, TwoInputMoments};
@@ -107,9 +107,8 @@ pub fn fit_switching(
     let mut fits = vec![second];
     fits.extend(third);
     let tried = fits.iter().map(|fit| fit.tried).collect();
-    let best = fits
-        .iter()
-        .min_by(|a, b| a.tried.bic.total_cmp(&b.tried.bic))
+    let best = simplest(&fits, |fit| fit.tried)
+        .next()
         .ok_or(Error::NoResponse)?;
     Ok(best.report(record, split, tried, options.frame_period_s))
 }
