@@ -192,8 +192,9 @@ fn different_references(motions: &Sides<Motion>, linear: bool, unit: &str) -> Ad
         "Neither shows a servo that is not linear under its own reference, and a linear servo answers both \
          alike; one that is limited in speed or torque, or has play, does not, and would differ from itself."
     } else {
-        "A servo that is not linear, as at least one of these, answers each motion in a way of its own: the \
-         two descriptions are of different motions, and their difference is no finding about the servos."
+        "At least one of these is not shown to be linear, and a servo that is not answers each motion in a way \
+         of its own: the two descriptions are then of different motions, and their difference is no finding \
+         about the servos."
     };
     let range = |motion: &Motion| motion.highest - motion.lowest;
     Advice::new(
