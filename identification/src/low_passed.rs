@@ -13,7 +13,7 @@ use crate::nested::NestedBanks;
 use crate::normal::{Coordinates, Information};
 use crate::options::NoiseOrder;
 use crate::structure::{
-    Choice, DETECTION, MARGIN, SettlingCandidate, chosen, coarse_grid, next_noise, noise_change,
+    Choice, DETECTION, MARGIN, SettlingCandidate, chosen, grid, next_noise, noise_change,
 };
 use crate::truncation::FIRST_ORDER;
 
@@ -63,7 +63,7 @@ pub(crate) fn choose(
     let long = scan(&information, longest, &ar).ok_or_else(not_excited)?;
     let mut candidates = Vec::new();
     let mut frequencies = long.frequencies;
-    for settling in coarse_grid(longest) {
+    for settling in grid(longest) {
         let Some(scan) = scan(&information, settling, &ar) else {
             continue;
         };

@@ -209,14 +209,23 @@ impl BothEstimators {
         linearity: Option<Linearity>,
         seen: impl FnOnce() -> f64,
     ) -> Option<Sign> {
+        let unexplained = unexplained_percent(self.least_squares_percent, self.generalised_percent);
+        let runs = linearity
+            .and_then(|found| found.between_runs())
+            .filter(|_| unexplained > UNEXPLAINED);
+        // Where most of what is left is what runs differ by, nothing else is the reason.
+        if let Some(runs) = runs
+            && 2.0 * runs.misfit_percent.powi(2) > unexplained.powi(2)
+        {
+            return Some(Sign::Runs(runs));
+        }
         if self.least_squares_percent - self.generalised_percent > TOLERATED {
             return Some(Sign::Whitening);
         }
         let linearity = linearity?;
         let found = Some(linearity).filter(Linearity::errors_follow_motion);
-        if unexplained_percent(self.least_squares_percent, self.generalised_percent) > UNEXPLAINED {
-            let runs = linearity.between_runs().map(Sign::Runs);
-            return found.map(Sign::Misfit).or(runs);
+        if unexplained > UNEXPLAINED {
+            return found.map(Sign::Misfit).or(runs.map(Sign::Runs));
         }
         let found = found?;
         if !found.is_rejected() {

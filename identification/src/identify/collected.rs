@@ -3,11 +3,13 @@
 use super::noise_lags;
 use super::plan::Plan;
 use crate::error::Error;
+use crate::excitation::Excitation;
+use crate::low_passed;
 use crate::moments::Moments;
 use crate::options::{NoiseOrder, Options, Settling};
 use crate::record::Record;
 use crate::residual::INPUT_LAGS;
-use crate::structure;
+use crate::structure::{self, Choice};
 
 /// Share of rows that must be gained to make another pass over the data worth while.
 const WORTHWHILE_ROWS: f64 = 0.01;
@@ -36,8 +38,20 @@ impl Collected {
     fn with_chosen_settling(record: &Record, options: &Options) -> Result<(Self, Plan), Error> {
         let order = options.noise_order;
         let longest = structure::longest_settling(record, options.longest_settling)?;
-        let long = Moments::of_record(record, longest + noise_lags(order), noise_lags(order) + 1);
-        let choice = structure::choose(&long, longest, order)?;
+        let lags = noise_lags(order);
+        let moments_for = |longest: usize| Moments::of_record(record, longest + lags, lags + 1);
+        let long = moments_for(longest);
+        let complete = structure::choose_complete_bank(&long, longest, order);
+        let (long, choice) = match complete {
+            Some(choice) => (long, choice),
+            None => match with_shorter_history(&moments_for, longest, order) {
+                Some(found) => found,
+                None => {
+                    let choice = low_passed::choose(&long, longest, order)?;
+                    (long, choice)
+                }
+            },
+        };
         let moments = with_all_rows(record, &long, choice.settling, order);
         let beyond = choice.settling + noise_lags(order) + INPUT_LAGS;
         let extended = if beyond <= long.input_lags() {
@@ -86,6 +100,23 @@ impl Collected {
             extended: Moments::of_record(record, settling + lags + INPUT_LAGS, lags + 1),
         }
     }
+}
+
+/// The first choice among shorter histories that has all frequencies, with its moments: of an input with
+/// edges, which then are in rows that they were not in.
+fn with_shorter_history(
+    moments_for: &impl Fn(usize) -> Moments,
+    longest: usize,
+    order: NoiseOrder,
+) -> Option<(Moments, Choice)> {
+    structure::shorter(longest).find_map(|longest| {
+        let moments = moments_for(longest);
+        if Excitation::of(&moments).is_smooth() {
+            return None;
+        }
+        let choice = structure::choose_complete_bank(&moments, longest, order)?;
+        Some((moments, choice))
+    })
 }
 
 /// The moments for the chosen settling time: over more rows than the choice could use, if that is

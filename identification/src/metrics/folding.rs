@@ -16,7 +16,7 @@
 //!
 //! which for a lag of 25 ms and samples every 2 ms moves the bandwidth by less than 0.2 %, and by a
 //! hundred times as much when they are ten times as far apart. r is that of a first-order lag with the gain and bandwidth
-//! of the servo, or what the upper half of the frequencies shows it to be if that is less.
+//! of the servo, unless the upper half of the frequencies shows it to be less, or more.
 
 use super::Measured;
 
@@ -34,8 +34,13 @@ impl Folding {
     pub(super) fn new(measured: &Measured<'_>, bandwidth: Option<f64>) -> Self {
         let gain = measured.theta[0].abs();
         let of_lag = bandwidth.map_or(f64::INFINITY, |omega| gain * omega);
+        let (at_least, at_most) = upper(measured);
         Self {
-            r: of_lag.min(upper(measured)),
+            r: if at_least > of_lag {
+                at_most
+            } else {
+                at_most.min(of_lag)
+            },
         }
     }
 
@@ -50,8 +55,9 @@ impl Folding {
     }
 }
 
-/// The root mean square of |G(jω)| ω over the upper half of the frequencies, less what noise adds to it.
-fn upper(measured: &Measured<'_>) -> f64 {
+/// Bounds of the root mean square of |G(jω)| ω over the upper half of the frequencies, without what noise adds
+/// to it.
+fn upper(measured: &Measured<'_>) -> (f64, f64) {
     let basis = measured.basis;
     let highest = basis.highest();
     let (mut power, mut noise) = (0.0, 0.0);
@@ -66,12 +72,13 @@ fn upper(measured: &Measured<'_>) -> f64 {
         }
     }
     if count == 0 {
-        return f64::INFINITY;
+        return (0.0, f64::INFINITY);
     }
     let count = count as f64;
     // Each power has the distribution of a sum of two squares.
-    let beyond = (power - noise).max(0.0) + CAUTION * noise / count.sqrt();
-    (beyond / count).sqrt()
+    let (seen, doubt) = (power - noise, CAUTION * noise / count.sqrt());
+    let mean = |power: f64| (power.max(0.0) / count).sqrt();
+    (mean(seen - doubt), mean(seen.max(0.0) + doubt))
 }
 
 #[cfg(test)]
@@ -86,17 +93,24 @@ mod tests {
     /// A lag of the given number of samples under random steps, sampled without a word of what it does
     /// between samples.
     fn of_lag(samples: f64) -> Model {
+        of_lags([samples, samples])
+    }
+
+    /// Two lags side by side, each with half of the gain.
+    fn of_lags(samples: [f64; 2]) -> Model {
         let mut random = ChaCha8Rng::seed_from_u64(5);
-        let keep = (-1.0 / samples).exp();
-        let (mut input, mut output, mut state) = (Vec::new(), Vec::new(), 0.0);
+        let keep = samples.map(|samples| (-1.0 / samples).exp());
+        let (mut input, mut output, mut states) = (Vec::new(), Vec::new(), [0.0; 2]);
         for _ in 0..300 {
             let level = random.random_range(-1.0..1.0);
             for _ in 0..random.random_range(2..20) {
                 let noise: f64 = StandardNormal.sample(&mut random);
                 // The input of a sample takes effect at the sample, whose output is still as before.
                 input.push(level);
-                output.push(state + 0.001 * noise);
-                state = keep * state + (1.0 - keep) * level;
+                output.push(f64::midpoint(states[0], states[1]) + 0.001 * noise);
+                for (state, keep) in states.iter_mut().zip(keep) {
+                    *state = keep * *state + (1.0 - keep) * level;
+                }
             }
         }
         identify(
@@ -132,6 +146,23 @@ mod tests {
             let exact = -10.0 * (1.0 + (3.0 * PERIOD * omega).powi(2)).log10();
             let bounds = found.magnitude_db_lower[k]..=found.magnitude_db_upper[k];
             assert!(bounds.contains(&exact), "{omega}: {exact} {bounds:?}");
+        }
+    }
+
+    #[test]
+    fn a_servo_with_more_at_high_frequencies_than_a_lag_of_its_bandwidth_is_seen_to_have_it() {
+        let samples = [10.0, 0.25];
+        let model = of_lags(samples);
+        for omega in [5.0, 10.0, 20.0, 40.0, 100.0] {
+            // Half of 1/(1 + jωT) each.
+            let parts = samples.map(|samples| {
+                let x = omega * samples * PERIOD;
+                (0.5 / (1.0 + x * x), -0.5 * x / (1.0 + x * x))
+            });
+            let (re, im) = (parts[0].0 + parts[1].0, parts[0].1 + parts[1].1);
+            let exact = im.atan2(re).to_degrees();
+            let phase = model.phase_at(&[omega]).unwrap()[0].phase_deg;
+            assert!(phase.contains(exact), "{omega}: {exact} {phase:?}");
         }
     }
 }

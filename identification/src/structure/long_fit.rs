@@ -30,8 +30,6 @@ pub(super) struct LongFit {
     projected: Vec<f64>,
     /// Sum of squares of the filtered output.
     total: f64,
-    /// Fit of plain least squares, D = 1: L^-1 b, and the sum of squares of the output.
-    plain: (Vec<f64>, f64),
     /// Smallest variance of ε that is taken seriously.
     floor: f64,
     /// F': column m holds the weights of `projected` in the step response at m; (N+1) x N.
@@ -46,13 +44,9 @@ impl LongFit {
         let basis = Basis::full(settling).ok()?;
         let coordinates = Coordinates::new(basis);
         let mut ar = Vec::new();
-        let mut plain = (Vec::new(), 0.0);
         for pass in 0..PASSES {
             let factor = OffsetFirst::new(&NormalEquations::new(moments, &coordinates, &ar))?;
             let solution = factor.solution();
-            if pass == 0 {
-                plain = (factor.projected, factor.total);
-            }
             let next = next_noise(moments, &solution[1..], solution[0], order, pass == 0);
             let change = noise_change(&ar, &next);
             ar = next;
@@ -83,7 +77,6 @@ impl LongFit {
             rows: moments.rows,
             projected: factor.projected,
             total: factor.total,
-            plain,
             floor: RESOLUTION * RESOLUTION * spread,
             weights,
             sums: None,
@@ -95,18 +88,6 @@ impl LongFit {
         let rss = self.total - self.projected[..=n].iter().map(|z| z * z).sum::<f64>();
         let dof = (self.rows as f64 - (n + 1 + self.ar.len()) as f64).max(1.0);
         (rss / dof).max(self.floor)
-    }
-
-    /// What plain least squares with the settling time `n` leaves of the motion of rows not seen, by
-    /// generalised cross-validation \[% rms\].
-    pub(super) fn left_by_plain(&self, n: usize) -> f64 {
-        let (projected, total) = &self.plain;
-        let (offset, response) = projected[..=n].split_first().expect("the offset is first");
-        let spread = total - offset * offset;
-        let rss = spread - response.iter().map(|z| z * z).sum::<f64>();
-        let rows = self.rows as f64;
-        let seen = rows / (rows - (n + 1) as f64).max(1.0);
-        100.0 * seen * (rss.max(0.0) / spread).sqrt()
     }
 
     /// Looks for the end of the response in its averages too: under a smooth input what noise leaves open of
