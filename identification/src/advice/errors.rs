@@ -63,9 +63,14 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
     match errors.sign {
         Sign::Whitening => {
             let (plain, generalised) = (errors.least_squares_percent, errors.generalised_percent);
+            let simulated = |percent: f64| match percent > 0.0 {
+                true => format!("to {percent:.1} %"),
+                false => "worse than its mean does".to_owned(),
+            };
             let words = format!(
-                "generalised least squares simulates the record to {generalised:.1} %, plain least squares \
-                 to {plain:.1} %"
+                "generalised least squares simulates the record {}, plain least squares {}",
+                simulated(generalised),
+                simulated(plain)
             );
             (words, plain - generalised, TOLERATED)
         }
