@@ -207,10 +207,18 @@ impl ScoreTest {
     /// left are passed over; `None` when there are no others.
     pub(crate) fn new(left: &Mat<f64>, own: &Mat<f64>, score: &[f64]) -> Option<Self> {
         let k = score.len();
-        let scale: Vec<f64> = (0..k).map(|i| own[(i, i)].sqrt().recip()).collect();
-        if scale.iter().any(|scale| !scale.is_finite()) {
+        if (0..k).any(|i| !own[(i, i)].is_finite()) {
             return None;
         }
+        // What is zero all along, such as the speed of a run that rests, is no direction.
+        let scale_of = |square: f64| {
+            if square > 0.0 {
+                square.sqrt().recip()
+            } else {
+                0.0
+            }
+        };
+        let scale: Vec<f64> = (0..k).map(|i| scale_of(own[(i, i)])).collect();
         let scaled = Mat::from_fn(k, k, |i, j| left[(i, j)] * scale[i] * scale[j]);
         let eigen = scaled.self_adjoint_eigen(Side::Lower).ok()?;
         let scaled_score: Vec<f64> = score.iter().zip(&scale).map(|(s, c)| s * c).collect();

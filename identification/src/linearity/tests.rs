@@ -212,3 +212,20 @@ fn runs_that_differ_are_not_bent() {
     let found = tested(&record, &information, &fit);
     assert!(found.p > 1e-3, "{found:?}");
 }
+
+#[test]
+fn a_run_that_is_too_short_or_does_not_move_hides_no_finding() {
+    let bent = record(0.3);
+    let mut runs = bent.runs().to_vec();
+    let level = runs[0].input()[0];
+    runs.push(runs[0].part(0..4));
+    runs.push(
+        Run::new(vec![level; 60], vec![level + 0.3 * level * level; 60])
+            .unwrap()
+            .with_input_at_rest(level),
+    );
+    let record = Record::new(0.01, runs).unwrap();
+    let (information, fit) = fitted(&record, SETTLING);
+    let found = tested(&record, &information, &fit);
+    assert!(found.is_rejected(), "{found:?}");
+}
