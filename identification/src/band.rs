@@ -1,9 +1,9 @@
 //! Critical values: how many standard deviations make a band.
 
 use statrs::distribution::{Continuous, ContinuousCDF, StudentsT};
+use statrs::function::erf::{erfc, erfc_inv};
 
 use crate::chebyshev::Chebyshev;
-use statrs::function::erf::{erfc, erfc_inv};
 
 /// Abscissae and weights of the 16-point Gauss-Legendre rule on [-1, 1], positive half.
 const GAUSS_LEGENDRE_16: [(f64, f64); 8] = [

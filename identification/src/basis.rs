@@ -315,6 +315,7 @@ impl Circle {
                 .collect(),
         }
     }
+
     /// (sin, cos) of the angles 0, l, 2l, ... (N-1)l, for l up to N.
     pub(crate) fn multiples(&self, l: usize) -> impl Iterator<Item = (f64, f64)> {
         let n = self.points.len();

@@ -273,10 +273,11 @@ impl Model {
             frequency: &self.frequency,
             timing: self.timing(),
         };
-        let phase = |&omega: &f64| PhaseAt {
-            omega_rad_s: omega,
-            phase_deg: bands::phase_at(&measured, omega),
+        let phases = bands::phases_at(&measured, omega_rad_s);
+        let phase = |(&omega_rad_s, phase_deg)| PhaseAt {
+            omega_rad_s,
+            phase_deg,
         };
-        Ok(omega_rad_s.iter().map(phase).collect())
+        Ok(omega_rad_s.iter().zip(phases).map(phase).collect())
     }
 }

@@ -20,8 +20,6 @@
 //! a finding, not make one. Where there are several runs, each is allowed a gain, a delay and an offset of its
 //! own, because supply and clock change them from run to run.
 
-use std::borrow::Cow;
-
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -70,12 +68,7 @@ pub(crate) fn compare(
     };
     let noise = RestNoise::of(&seen, fit.coordinates.basis.settling())?;
     let order = noise.ar.len();
-    // Runs of one servo differ, and that is no sign of errors in motion.
-    let errors: Vec<Cow<'_, [f64]>> = match runs {
-        [run] => vec![Cow::Borrowed(run.errors.as_slice())],
-        runs => runs.iter().map(|run| run.own_errors().into()).collect(),
-    };
-    let mut pieces: Vec<(f64, usize)> = pieces(&errors, noise.typical)
+    let mut pieces: Vec<(f64, usize)> = pieces(runs, noise.typical)
         .map(|piece| (noise.filtered_square(piece), piece.len() - order))
         .collect();
     pieces.sort_by(|a, b| (a.0 / a.1 as f64).total_cmp(&(b.0 / b.1 as f64)));
@@ -91,7 +84,8 @@ pub(crate) fn compare(
     let f = (filtered / degrees) / noise.variance;
     let distribution = FisherSnedecor::new(degrees, noise.degrees).ok()?;
     let error = information.residual_moments(&fit.impulse(), fit.solution.offset(), 0)[(0, 0)];
-    let own = square(errors.iter().map(|run| &**run)) / square(runs.iter().map(|run| &*run.errors));
+    let own = square(runs.iter().map(Simulated::own_errors))
+        / square(runs.iter().map(|run| &*run.errors));
     let left = (own * error / information.moments.output_spread())
         .max(0.0)
         .sqrt();
@@ -257,10 +251,10 @@ fn add_settled<'a>(output: &'a [f64], settled: usize, found: &mut Vec<&'a [f64]>
 }
 
 /// Pieces of `length` samples that are all there.
-fn pieces<'a>(errors: &'a [Cow<'_, [f64]>], length: usize) -> impl Iterator<Item = &'a [f64]> {
-    errors
-        .iter()
-        .flat_map(|run| run.split(|error| error.is_nan()))
+fn pieces<'a>(runs: &'a [Simulated<'_>], length: usize) -> impl Iterator<Item = &'a [f64]> {
+    // Runs of one servo differ, and that is no sign of errors in motion.
+    runs.iter()
+        .flat_map(|run| run.own_errors().split(|error| error.is_nan()))
         .flat_map(move |whole| whole.chunks_exact(length))
 }
 

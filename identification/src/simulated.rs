@@ -23,6 +23,8 @@ pub(crate) struct Simulated<'a> {
     pub(crate) output: Vec<f64>,
     /// y(k) - ŷ(k); NaN where either is missing.
     pub(crate) errors: Vec<f64>,
+    /// What a gain, a delay and an offset of its own leave of the errors, where there are several runs.
+    own_errors: Option<Vec<f64>>,
 }
 
 impl Simulated<'_> {
@@ -41,8 +43,13 @@ impl Simulated<'_> {
             .collect()
     }
 
+    /// The errors but for what runs differ by: of a single run, all of them.
+    pub(crate) fn own_errors(&self) -> &[f64] {
+        self.own_errors.as_deref().unwrap_or(&self.errors)
+    }
+
     /// What a gain, a delay and an offset of its own leave of the errors.
-    pub(crate) fn own_errors(&self) -> Vec<f64> {
+    fn without_own_numbers(&self) -> Vec<f64> {
         let row = |k: usize, speed: &[f64]| [self.output[k], speed[k], 1.0];
         let speed = self.speed();
         let mut moments = Mat::<f64>::zeros(3, 3);
@@ -85,7 +92,7 @@ pub(crate) fn simulated<'a>(
 ) -> Vec<Simulated<'a>> {
     let (impulse, offset) = (fit.impulse(), fit.solution.offset());
     let centre = moments.centre;
-    beginnings(record.runs(), SAMPLES)
+    let mut runs: Vec<Simulated<'a>> = beginnings(record.runs(), SAMPLES)
         .map(|run| {
             let input: Vec<f64> = run.input().iter().map(|u| u - centre.0).collect();
             let at_rest = run.input_at_rest().map(|u| u - centre.0);
@@ -99,9 +106,16 @@ pub(crate) fn simulated<'a>(
                 run,
                 output,
                 errors,
+                own_errors: None,
             }
         })
-        .collect()
+        .collect();
+    if runs.len() > 1 {
+        for run in &mut runs {
+            run.own_errors = Some(run.without_own_numbers());
+        }
+    }
+    runs
 }
 
 /// The first `samples` samples of `runs`, run by run.

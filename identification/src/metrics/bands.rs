@@ -29,22 +29,18 @@ const STEPS: usize = 12;
 /// degrees \[rad/s\]. Deviations count `widest` times.
 pub(crate) fn bandwidth_and_quarter_turn(measured: &Measured<'_>, widest: f64) -> [Interval; 2] {
     let scan = Scan::new(measured);
-    let folding = Folding::new(measured, Figure::Bandwidth.first_zero(measured, &scan));
-    [Figure::Bandwidth, Figure::QuarterTurn].map(|figure| {
+    let zeros = [Figure::Bandwidth, Figure::QuarterTurn]
+        .map(|figure| (figure, figure.first_zero(measured, &scan)));
+    let folding = Folding::new(measured, zeros[0].1);
+    zeros.map(|(figure, zero)| {
         Falling {
             measured,
             figure,
             folding: &folding,
             critical: widest * pointwise_critical(measured.step.pointwise.level),
         }
-        .interval(&scan)
+        .interval(zero)
     })
-}
-
-/// The folding of a response whose bandwidth has yet to be found.
-fn folding_of(measured: &Measured<'_>) -> Folding {
-    let scan = Scan::new(measured);
-    Folding::new(measured, Figure::Bandwidth.first_zero(measured, &scan))
 }
 
 /// The response from the lowest frequency of interest to the highest of the bank.
@@ -88,8 +84,9 @@ struct Falling<'a> {
 }
 
 impl Falling<'_> {
-    fn interval(&self, scan: &Scan) -> Interval {
-        let Some(omega) = self.figure.first_zero(self.measured, scan) else {
+    /// About the lowest frequency `zero` at which it does, if it does.
+    fn interval(&self, zero: Option<f64>) -> Interval {
+        let Some(omega) = zero else {
             return Interval::new(f64::INFINITY, f64::INFINITY, f64::INFINITY);
         };
         // Slope and standard deviation at the crossing say where the bounds are about.
@@ -335,39 +332,46 @@ pub(crate) fn servo_response(measured: &Measured<'_>, omega_rad_s: &[f64]) -> Fr
 
 /// Bounds of what no covariance knows of, at each of `omegas` \[rad/s\].
 fn bias(measured: &Measured<'_>, omegas: &[f64]) -> Vec<f64> {
-    let folding = folding_of(measured);
+    let scan = Scan::new(measured);
+    let folding = Folding::new(measured, Figure::Bandwidth.first_zero(measured, &scan));
     let at = |&omega: &f64| measured.frequency.bias_at(omega) + folding.at(measured, omega);
     omegas.iter().map(at).collect()
 }
 
-/// The phase of the servo at one frequency \[degrees\], continued from rest.
-pub(crate) fn phase_at(measured: &Measured<'_>, omega: f64) -> Interval {
+/// The phase of the servo at some frequencies \[degrees\], continued from rest.
+pub(crate) fn phases_at(measured: &Measured<'_>, omega_rad_s: &[f64]) -> Vec<Interval> {
+    let bounds = servo_response(measured, omega_rad_s);
+    let interval = |(k, &omega): (usize, &f64)| {
+        let phase = continued_phase(measured, omega).to_degrees();
+        let turn = phase - bounds.phase_deg[k];
+        let (lower, upper) = (
+            bounds.phase_deg_lower[k] + turn,
+            bounds.phase_deg_upper[k] + turn,
+        );
+        if upper - lower >= 359.999 {
+            return Interval::new(phase, f64::INFINITY, f64::INFINITY);
+        }
+        Interval::new(phase, lower, upper)
+    };
+    omega_rad_s.iter().enumerate().map(interval).collect()
+}
+
+/// The phase at one frequency \[rad\], followed from rest.
+fn continued_phase(measured: &Measured<'_>, omega: f64) -> f64 {
     // Steps of at most a quarter of the fundamental: between them no response of N samples turns
     // by half a turn.
     let step = 0.25 * measured.basis.fundamental() / measured.timing.sample_period_s;
     let steps = (omega / step).ceil().max(1.0);
-    let path: Vec<f64> = (1..=steps as usize)
-        .map(|k| omega * k as f64 / steps)
-        .collect();
     let gain = measured.theta[0].signum();
-    let mut phase = if gain < 0.0 { -PI } else { 0.0 };
-    for omega in &path {
+    let start = if gain < 0.0 { -PI } else { 0.0 };
+    (1..=steps as usize).fold(start, |phase, k| {
+        let omega = omega * k as f64 / steps;
         let (re, im) = measured
             .basis
             .frequency_response(measured.theta, omega * measured.timing.sample_period_s);
-        let next = im.atan2(re) + measured.timing.phase_lead(*omega);
-        phase = next - 2.0 * PI * ((next - phase) / (2.0 * PI)).round();
-    }
-    let bounds = servo_response(measured, &[omega]);
-    let turn = phase.to_degrees() - bounds.phase_deg[0];
-    let (lower, upper) = (
-        bounds.phase_deg_lower[0] + turn,
-        bounds.phase_deg_upper[0] + turn,
-    );
-    if upper - lower >= 359.999 {
-        return Interval::new(phase.to_degrees(), f64::INFINITY, f64::INFINITY);
-    }
-    Interval::new(phase.to_degrees(), lower, upper)
+        let next = im.atan2(re) + measured.timing.phase_lead(omega);
+        next - 2.0 * PI * ((next - phase) / (2.0 * PI)).round()
+    })
 }
 
 #[cfg(test)]
