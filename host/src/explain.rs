@@ -55,7 +55,7 @@ fn write_settling(text: &mut String, e: &Explanation, structure: &Structure) -> 
         choice.longest, "N", "settles at", "apart"
     )?;
     for c in &choice.candidates {
-        let mark = if c.accepted { "  <- chosen" } else { "" };
+        let mark = mark(c.accepted);
         writeln!(
             text,
             "  {:>8} {:>10} {:>13.1} sd{mark}",
@@ -71,6 +71,11 @@ fn write_settling(text: &mut String, e: &Explanation, structure: &Structure) -> 
     Ok(())
 }
 
+/// Behind the line of a table that was taken.
+fn mark(chosen: bool) -> &'static str {
+    if chosen { "  <- chosen" } else { "" }
+}
+
 fn write_noise_orders(
     text: &mut String,
     e: &Explanation,
@@ -84,11 +89,7 @@ fn write_noise_orders(
     let smallest = e.noise_orders.iter().map(|c| c.bic);
     let smallest = smallest.fold(f64::INFINITY, f64::min);
     for c in &e.noise_orders {
-        let mark = if c.order == structure.noise_order {
-            "  <- chosen"
-        } else {
-            ""
-        };
+        let mark = mark(c.order == structure.noise_order);
         writeln!(text, "  {:>8} {:>20.1}{mark}", c.order, c.bic - smallest)?;
     }
     Ok(())
@@ -114,7 +115,7 @@ fn write_frequencies(
     for (i, c) in e.frequencies.iter().enumerate() {
         let chosen = c.frequencies == structure.frequencies;
         if chosen || i % every == 0 {
-            let mark = if chosen { "  <- chosen" } else { "" };
+            let mark = mark(chosen);
             writeln!(
                 text,
                 "  {:>8} {:>14.4} {:>12.digits$} {:>12.digits$}{mark}",

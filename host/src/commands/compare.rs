@@ -1,7 +1,7 @@
 //! `servoid compare`
 
 use super::table_args::TableArgs;
-use super::{Talk, listed, wrong_usage};
+use super::{Talk, is_model, listed, wrong_usage};
 use crate::dataset::{self, DatasetOptions};
 use crate::fingerprint::{self, advice_on_sides, in_model_file};
 use crate::origin::Origin;
@@ -138,8 +138,4 @@ fn recordings(
     found.advice.extend(a.about.advice);
     found.advice.extend(b.about.advice);
     Ok((found, same))
-}
-
-fn is_model(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending == "json")
 }

@@ -163,3 +163,8 @@ fn stem(path: &Path) -> String {
         .to_string_lossy()
         .into_owned()
 }
+
+/// Whether a file is a model by its name; anything else is read as a recording.
+fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "json")
+}

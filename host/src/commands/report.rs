@@ -1,7 +1,7 @@
 //! `servoid report`
 
 use super::table_args::TableArgs;
-use super::{Talk, listed, stem, wrong_usage};
+use super::{Talk, is_model, listed, stem, wrong_usage};
 use crate::dataset::{self, Dataset, DatasetOptions};
 use crate::origin::Origin;
 use crate::report::{self, Page, Servo};
@@ -100,7 +100,7 @@ impl Report {
 /// The model that a side is, where it is one.
 fn model_file(files: &[PathBuf]) -> Option<&PathBuf> {
     match files {
-        [file] if file.extension().is_some_and(|ending| ending == "json") => Some(file),
+        [file] if is_model(file) => Some(file),
         _ => None,
     }
 }
