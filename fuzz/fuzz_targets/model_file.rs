@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use servoid::export::{Export, Target};
-use servoid::origin::Origin;
+use servoid::model_metadata::ModelMetadata;
 use servoid::report::{self, Page, Servo};
 use servoid::{output, plots, summary};
 use servoid_identification::Record;
@@ -22,7 +22,7 @@ fuzz_target!(|text: &str| {
     let path = Path::new("x.json");
     let Ok(model) = output::parse_model(text, path) else { return };
     let flight = output::parse_flight_model(text, path).ok().flatten();
-    let export = Export::new("x", "x.json", &model, flight, Origin::in_model_file(text));
+    let export = Export::new("x", "x.json", &model, flight, ModelMetadata::in_model_file(text));
     for target in Target::ALL {
         let _ = export.write(target);
     }
@@ -36,8 +36,8 @@ fuzz_target!(|text: &str| {
     }
     for (a, b) in [(&*OTHER, &model), (&model, &*OTHER), (&model, &model)] {
         let found = compare_models(a, b, &ComparisonOptions::default());
-        let first = Servo::of_model("a".into(), a.clone(), Origin::in_model_file(text));
-        let second = Servo::of_model("b".into(), b.clone(), Origin::default());
+        let first = Servo::of_model("a".into(), a.clone(), ModelMetadata::in_model_file(text));
+        let second = Servo::of_model("b".into(), b.clone(), ModelMetadata::default());
         let page = report::page(&Page {
             title: "x",
             first: first.part(),

@@ -48,28 +48,15 @@
     )
 )]
 
-pub mod calibration;
 pub mod commands;
-mod crc32;
-pub mod dataset;
-pub mod explain;
-pub mod export;
-pub mod fingerprint;
-pub mod input;
-pub mod live;
-pub mod origin;
-pub mod output;
-pub mod paper;
+mod data;
+mod instrument;
 pub mod plan;
-pub mod plots;
-pub mod port;
-pub mod recording;
-pub mod reference;
-pub mod report;
-pub mod rig;
-pub mod scope;
-pub mod setup;
-pub mod summary;
-pub mod table;
-pub mod template;
-pub mod timeline;
+mod presentation;
+
+pub use commands::{output_files, rig_wizard};
+pub use data::{
+    dataset, fingerprint, input_file, model_metadata, recording, rig_file, table, timeline,
+};
+pub use instrument::{calibration, live, port, reference, rig};
+pub use presentation::{explanation, export, paper_facts, plots, report, scope, summary, template};

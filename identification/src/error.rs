@@ -189,7 +189,7 @@ pub enum Error {
         "the recording does not tell the gain: no model of low order can be fitted, so record a \
          reference with steps that are held until the servo rests"
     )]
-    Untold,
+    Unexcited,
     /// Moments with different lags cannot be added.
     #[error(
         "moments of {left} lags cannot be added to moments of {right}: collect both with the same \

@@ -19,59 +19,38 @@
 //! D. W. Clarke, "Generalised least squares estimation", IFAC 1967; S. Worsley, "An improved
 //! Bonferroni inequality", Biometrika 1982; F. E. Satterthwaite, Biometrics 1946.
 
-pub mod advice;
-pub mod at_rest;
-pub mod band;
-pub mod basis;
-mod chebyshev;
 pub mod comparison;
-pub mod convolution;
-pub mod correlogram;
-pub mod curve;
-pub mod direction;
-pub mod error;
-pub mod excitation;
-pub mod explanation;
-pub mod factor;
-mod fft;
+mod data;
+mod diagnostics;
+mod error;
+mod estimation;
 pub mod flight_model;
-pub mod frequency;
-pub mod gls;
-pub mod identify;
-mod lag_products;
-mod lagged_sums;
-pub mod limits;
-mod linear;
-pub mod linearity;
-mod low_passed;
-mod matrix_serde;
-pub mod metrics;
-pub mod model;
-pub mod model_error;
-pub mod moments;
-pub mod nested;
-pub mod noise;
-pub mod normal;
+mod identify;
+mod nonlinear;
+mod numerics;
 pub mod options;
-pub mod record;
-pub mod reference;
-mod repetition;
-pub mod residual;
-pub mod resolution;
-pub mod rest;
-pub mod runs;
-mod simulated;
-pub mod step;
-pub mod structure;
-pub mod timing;
-pub mod truncation;
-pub mod validation;
+mod results;
+mod selection;
 
-pub use advice::Advice;
+pub use data::quantisation;
+pub use data::{moments, record, timing};
+pub use diagnostics::advice::Advice;
+pub use diagnostics::explanation::Explanation;
+pub use diagnostics::{
+    advice, correlogram, explanation, initial_rest, linearity, misfit, residual_tests, run_scatter,
+    standstill_noise,
+};
 pub use error::Error;
-pub use explanation::Explanation;
+pub use estimation::{
+    direct, excitation, fsf_basis, gls, least_squares, nested_banks, noise_model, qr, truncation,
+    variance,
+};
 pub use identify::{Identification, identify, identify_explained, identify_moments};
-pub use model::Model;
+pub use nonlinear::{direction, limits};
+pub use numerics::{convolution, critical_values};
 pub use options::{Frequencies, NoiseOrder, Options, Settling};
 pub use record::{Record, Run};
-pub use validation::Validation;
+pub use results::model::Model;
+pub use results::validation::Validation;
+pub use results::{frequency_response, metrics, model, step_response, validation};
+pub use selection::settling_time;

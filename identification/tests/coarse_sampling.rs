@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use servoid_identification::convolution::causal_filter;
-use servoid_identification::model_error::TOLERATED;
+use servoid_identification::misfit::TOLERATED;
 use servoid_identification::{Options, Record, Run, identify, identify_explained};
 
 /// The usual frame of a servo \[s\].

@@ -4,11 +4,11 @@ mod common;
 
 use approx::assert_relative_eq;
 use common::{Noise, PERIOD, Plant, normal, random, simulate, staircase};
-use servoid_identification::basis::Basis;
-use servoid_identification::factor::triangular_factor;
+use servoid_identification::fsf_basis::FsfBasis;
 use servoid_identification::gls::{self, GlsOptions};
+use servoid_identification::least_squares::{Coordinates, Information};
 use servoid_identification::moments::{MomentStream, Moments};
-use servoid_identification::normal::{Coordinates, Information};
+use servoid_identification::qr::triangular_factor;
 use servoid_identification::{
     Frequencies, NoiseOrder, Options, Record, Settling, identify, identify_moments,
 };
@@ -98,7 +98,7 @@ fn a_million_samples_lose_no_accuracy() {
         order: NoiseOrder::Order(2),
         ..GlsOptions::default()
     };
-    let coordinates = Coordinates::new(Basis::new(31, 15).unwrap());
+    let coordinates = Coordinates::new(FsfBasis::new(31, 15).unwrap());
     let slow = Information::from_factor(&moments, factor);
     let slow = gls::fit(&slow, &coordinates, &options).unwrap();
     let fast = gls::fit(&Information::from_moments(moments), &coordinates, &options).unwrap();

@@ -6,11 +6,11 @@ use approx::assert_relative_eq;
 use common::{Noise, PERIOD, Plant, low_passed, random, simulate, staircase};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsqCore;
-use servoid_identification::basis::{Basis, running_sum};
+use servoid_identification::direct;
+use servoid_identification::fsf_basis::{FsfBasis, running_sum};
 use servoid_identification::gls::{self, GlsOptions};
+use servoid_identification::least_squares::{Coordinates, Information, Path};
 use servoid_identification::moments::Moments;
-use servoid_identification::normal::{Coordinates, Information, Path};
-use servoid_identification::reference;
 use servoid_identification::{
     Error, Frequencies, NoiseOrder, Options, Record, Run, Settling, identify, identify_explained,
 };
@@ -74,8 +74,8 @@ fn generalised_least_squares_by_moments_is_that_by_explicit_rows() {
     ] {
         let record = record(noise, 7);
         for (settling, frequencies) in [(100, 31), (61, 61), (150, 99)] {
-            let basis = Basis::new(settling, frequencies).unwrap();
-            let slow = reference::fit(&record, basis, order, 40);
+            let basis = FsfBasis::new(settling, frequencies).unwrap();
+            let slow = direct::fit(&record, basis, order, 40);
             let information =
                 Information::from_moments(Moments::of_record(&record, settling + order, order + 1));
             let options = GlsOptions {
@@ -120,8 +120,8 @@ fn gaps_runs_and_rest_are_the_same_rows_on_both_ways() {
         simulate(Plant::A, Noise::Ar1, &short, 1.0, &mut random(4)),
     );
     let record = Record::new(PERIOD, vec![first, second.unwrap()]).unwrap();
-    let basis = Basis::new(120, 41).unwrap();
-    let slow = reference::fit(&record, basis, 1, 30);
+    let basis = FsfBasis::new(120, 41).unwrap();
+    let slow = direct::fit(&record, basis, 1, 30);
     let information = Information::from_moments(Moments::of_record(&record, 121, 2));
     let options = GlsOptions {
         order: NoiseOrder::Order(1),
@@ -149,7 +149,7 @@ fn counts_of_a_converter_far_from_zero_cost_no_accuracy() {
     let record = Record::from_slices(PERIOD, &input, &output).unwrap();
     let fast = identify_explained(&record, &fixed(100, 31, 2)).unwrap();
     assert_eq!(fast.explanation.path, Path::Moments);
-    let factor = servoid_identification::factor::triangular_factor(
+    let factor = servoid_identification::qr::triangular_factor(
         &record,
         &Moments::of_record(&record, 102, 3),
     );
@@ -158,7 +158,7 @@ fn counts_of_a_converter_far_from_zero_cost_no_accuracy() {
         order: NoiseOrder::Order(2),
         ..GlsOptions::default()
     };
-    let coordinates = Coordinates::new(Basis::new(100, 31).unwrap());
+    let coordinates = Coordinates::new(FsfBasis::new(100, 31).unwrap());
     let slow = gls::fit(&accurate, &coordinates, &options).unwrap();
     let covariance = slow.covariance();
     for (k, (a, b)) in fast.model.theta.iter().zip(slow.theta()).enumerate() {
@@ -176,7 +176,7 @@ fn an_ill_conditioned_input_goes_through_qr_and_three_sines_are_refused() {
     match identify_explained(&record, &fixed(100, 99, 0)) {
         Ok(identification) => {
             assert_eq!(identification.explanation.path, Path::Qr);
-            let slow = reference::fit(&record, Basis::new(100, 99).unwrap(), 0, 0);
+            let slow = direct::fit(&record, FsfBasis::new(100, 99).unwrap(), 0, 0);
             let sd = |k: usize| slow.covariance[(k, k)].sqrt();
             for (k, (a, b)) in identification
                 .model

@@ -1,8 +1,8 @@
 //! Questions at a terminal, of which each may have been answered by an option.
 
 use super::wrong_usage;
-use crate::output;
-use crate::setup::Checked;
+use crate::commands::output_files;
+use crate::commands::rig_wizard::Checked;
 use anyhow::{Context, Result, bail};
 use dialoguer::theme::{ColorfulTheme, SimpleTheme, Theme};
 use dialoguer::{Confirm, Input, Select};
@@ -117,14 +117,14 @@ pub(super) fn confirm(words: &str, usual: bool) -> Result<bool> {
 /// no terminal in another mode behind.
 pub(super) fn line<T>(words: &str, read: impl Fn(&str) -> Result<T, String>) -> Option<T> {
     loop {
-        output::tell(words);
+        output_files::tell(words);
         let mut text = String::new();
         if std::io::stdin().read_line(&mut text).ok()? == 0 {
             return None;
         }
         match read(text.trim()) {
             Ok(value) => return Some(value),
-            Err(sentence) => output::tell(sentence),
+            Err(sentence) => output_files::tell(sentence),
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use super::table_args::TableArgs;
 use super::{Talk, is_model, listed, wrong_usage};
-use crate::dataset::{self, DatasetOptions};
-use crate::fingerprint::{self, advice_on_sides, in_model_file};
-use crate::origin::Origin;
-use crate::{output, summary};
+use crate::commands::output_files;
+use crate::data::dataset::{self, DatasetOptions};
+use crate::data::fingerprint::{self, advice_on_sides, in_model_file};
+use crate::data::model_metadata::ModelMetadata;
+use crate::presentation::summary;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use servoid_identification::Options;
@@ -74,7 +75,7 @@ impl Compare {
             wrong_usage(error);
         }
         if let Some(out) = &self.out {
-            output::check_free(out, self.force)?;
+            output_files::check_free(out, self.force)?;
         }
         let (a, b) = match &self.sides[..] {
             [a, b] => (std::slice::from_ref(a), std::slice::from_ref(b)),
@@ -87,9 +88,9 @@ impl Compare {
         // What makes all the rest pointless is said first.
         found.advice.splice(0..0, same);
         let text = summary::of_comparison(&listed(a), &listed(b), &found);
-        output::withhold_bounds(&mut found);
+        output_files::withhold_bounds(&mut found);
         if let Some(out) = &self.out {
-            output::write_file(out, self.force, &output::to_json(&found)?)?;
+            output_files::write_file(out, self.force, &output_files::to_json(&found)?)?;
         }
         self.talk.result(text, &found)
     }
@@ -100,11 +101,11 @@ type Compared = (Comparison, Option<Advice>);
 
 fn models(a: &Path, b: &Path, options: &ComparisonOptions) -> Result<Compared> {
     let (name_a, name_b) = (a.display().to_string(), b.display().to_string());
-    let [text_a, text_b] = [output::read_text(a)?, output::read_text(b)?];
+    let [text_a, text_b] = [output_files::read_text(a)?, output_files::read_text(b)?];
     let [runs_a, runs_b] = [&text_a, &text_b].map(|text| in_model_file(text));
-    let [from_a, from_b] = [&text_a, &text_b].map(|text| Origin::in_model_file(text));
-    let model_a = output::parse_model(&text_a, a)?;
-    let model_b = output::parse_model(&text_b, b)?;
+    let [from_a, from_b] = [&text_a, &text_b].map(|text| ModelMetadata::in_model_file(text));
+    let model_a = output_files::parse_model(&text_a, a)?;
+    let model_b = output_files::parse_model(&text_b, b)?;
     from_a.same_units(&name_a, &from_b, &name_b)?;
     let found = compare_models(&model_a, &model_b, options)
         .with_context(|| format!("{name_a} against {name_b}"))?;
@@ -125,7 +126,7 @@ fn recordings(
     for remark in a.about.remarks.iter().chain(&b.about.remarks) {
         talk.say(remark);
     }
-    let [from_a, from_b] = [&a, &b].map(|side| Origin::from(&side.about));
+    let [from_a, from_b] = [&a, &b].map(|side| ModelMetadata::from(&side.about));
     from_a.same_units(&name_a, &from_b, &name_b)?;
     let same = advice_on_sides(&fingerprint::of(&a.record), &fingerprint::of(&b.record));
     let options = ComparisonOptions {

@@ -3,13 +3,15 @@
 use super::capture::{Job, capture};
 use super::watch::Watch;
 use super::{Talk, interrupt};
-use crate::dataset::{self, DatasetOptions};
-use crate::fingerprint::Marked;
-use crate::origin::Origin;
-use crate::plots::figures;
-use crate::report::{self, Page, Servo};
-use crate::rig::RigFile;
-use crate::{output, paper, summary};
+use crate::commands::output_files;
+use crate::data::dataset::{self, DatasetOptions};
+use crate::data::fingerprint::ModelDocument;
+use crate::data::model_metadata::ModelMetadata;
+use crate::instrument::rig::RigFile;
+use crate::presentation::paper_facts;
+use crate::presentation::plots::paper_figures;
+use crate::presentation::report::{self, Page, Servo};
+use crate::presentation::summary;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
@@ -60,7 +62,7 @@ const REPORT: &str = "report.html";
 struct Summary {
     bench: Metrics,
     aircraft: Metrics,
-    paper: Vec<paper::Fact>,
+    paper: Vec<paper_facts::Fact>,
 }
 
 impl Demo {
@@ -72,24 +74,24 @@ impl Demo {
         let (bench, bench_record) = self.measure("bench")?;
         let (aircraft, aircraft_record) = self.measure("aircraft")?;
         let options = ComparisonOptions {
-            wait_samples: Some(paper::WAIT_SAMPLES),
+            wait_samples: Some(paper_facts::WAIT_SAMPLES),
             input_unit: "deg".to_owned(),
             output_unit: "deg".to_owned(),
             ..ComparisonOptions::default()
         };
         let comparison = compare(&bench_record, &aircraft_record, &options)?;
-        self.write("comparison.json", &output::to_json(&comparison)?)?;
+        self.write("comparison.json", &output_files::to_json(&comparison)?)?;
         let summary = Summary {
             bench: bench.model.metrics,
             aircraft: aircraft.model.metrics,
-            paper: paper::facts(&bench.model, &aircraft.model, &comparison),
+            paper: paper_facts::facts(&bench.model, &aircraft.model, &comparison),
         };
-        self.write("summary.json", &output::to_json(&summary)?)?;
+        self.write("summary.json", &output_files::to_json(&summary)?)?;
         let plots = self.draw(&bench, &aircraft, &comparison, &summary.paper)?;
         let text = format!(
             "{}\n{}\nThe first is the bench, the second the aircraft.\n{}\n\nrecordings, models, comparison.json, summary.json and {plots} plots are in {}\nopen {} in a browser to look around\n",
             summary::table_of_comparison("bench", "aircraft", &comparison),
-            paper::as_table(&summary.paper),
+            paper_facts::as_table(&summary.paper),
             summary::wrapped(&comparison.summary, 0),
             self.out.display(),
             self.out.join(REPORT).display()
@@ -108,7 +110,7 @@ impl Demo {
             let recording = name.ends_with(".csv");
             let own = demo_was_here && (!recording || made_by_demo(name, NOTES));
             if !own {
-                output::check_free(&self.out.join(name), self.force)?;
+                output_files::check_free(&self.out.join(name), self.force)?;
             }
         }
         Ok(())
@@ -120,11 +122,11 @@ impl Demo {
         bench: &Servo,
         aircraft: &Servo,
         comparison: &Comparison,
-        paper: &[paper::Fact],
+        paper: &[paper_facts::Fact],
     ) -> Result<usize> {
         let (first, second) = (bench.part(), aircraft.part());
-        let figures = figures::paper(&first.subject, Some(&second.subject));
-        let plots = output::write_figures(&self.out.join("plots"), true, &figures)?;
+        let figures = paper_figures::paper(&first.subject, Some(&second.subject));
+        let plots = output_files::write_figures(&self.out.join("plots"), true, &figures)?;
         let page = report::page(&Page {
             title: "A servo on the bench and on the aircraft, simulated",
             first,
@@ -137,7 +139,7 @@ impl Demo {
     }
 
     fn write(&self, name: &str, content: &str) -> Result<()> {
-        output::write_file(&self.out.join(name), true, content)
+        output_files::write_file(&self.out.join(name), true, content)
     }
 
     /// Captures a simulated servo and identifies it.
@@ -164,10 +166,10 @@ impl Demo {
         let model = &found.model;
         self.write(
             &format!("{condition}.json"),
-            &output::to_json(&Marked::new(
+            &output_files::to_json(&ModelDocument::new(
                 model,
                 Some(&data.record),
-                Origin::from(&data.about),
+                ModelMetadata::from(&data.about),
             ))?,
         )?;
         self.talk.say(summary::of_model(

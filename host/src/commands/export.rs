@@ -1,9 +1,9 @@
 //! `servoid export`
 
 use super::{Talk, stem, wrong_usage};
-use crate::export::{Export, Target};
-use crate::origin::{Origin, PULSE_FRAMES_S};
-use crate::output;
+use crate::commands::output_files;
+use crate::data::model_metadata::{ModelMetadata, PULSE_FRAMES_S};
+use crate::presentation::export::{Export, Target};
 use anyhow::Result;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
@@ -69,12 +69,12 @@ impl ExportArgs {
             wrong_usage("--frame-ms must be a number of milliseconds from 0 to 1000");
         }
         if let Some(out) = &self.out {
-            output::check_free(out, self.force)?;
+            output_files::check_free(out, self.force)?;
         }
-        let text = output::read_text(&self.model)?;
-        let model = output::parse_model(&text, &self.model)?;
-        let fitted = output::parse_flight_model(&text, &self.model)?;
-        let mut origin = Origin::in_model_file(&text);
+        let text = output_files::read_text(&self.model)?;
+        let model = output_files::parse_model(&text, &self.model)?;
+        let fitted = output_files::parse_flight_model(&text, &self.model)?;
+        let mut origin = ModelMetadata::in_model_file(&text);
         origin.pulse_frame_s = stated_s.or(origin.pulse_frame_s);
         let source = self.model.file_name().unwrap_or_default().to_string_lossy();
         let name = self.name.clone().unwrap_or_else(|| stem(&self.model));
@@ -89,7 +89,7 @@ impl ExportArgs {
                 serde_json::json!({ "target": self.to.name(), "warnings": warnings, "text": text });
             return self.talk.result(text, &result);
         };
-        output::write_file(out, self.force, &text)?;
+        output_files::write_file(out, self.force, &text)?;
         let result =
             serde_json::json!({ "target": self.to.name(), "warnings": warnings, "file": out });
         self.talk.result(format!("{}\n", out.display()), &result)

@@ -2,19 +2,22 @@
 
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem, wrong_usage};
-use crate::dataset::Dataset;
-use crate::dataset::suggestion::quoted;
-use crate::fingerprint::Marked;
-use crate::origin::Origin;
-use crate::plots::{figures, structure};
-use crate::{dataset, explain, output, summary};
+use crate::commands::output_files;
+use crate::data::dataset;
+use crate::data::dataset::Dataset;
+use crate::data::dataset::suggestion::quoted;
+use crate::data::fingerprint::ModelDocument;
+use crate::data::model_metadata::ModelMetadata;
+use crate::presentation::explanation;
+use crate::presentation::plots::{paper_figures, structure};
+use crate::presentation::summary;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use servoid_identification::direction::{self, DirectionModel};
 use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
 use servoid_identification::limits::Limits;
-use servoid_identification::step::StepResponse;
+use servoid_identification::step_response::StepResponse;
 use servoid_identification::{
     Explanation, Frequencies, Model, NoiseOrder, Options, Settling, identify_explained,
 };
@@ -87,7 +90,7 @@ impl Identify {
             wrong_usage(error);
         }
         if let Some(out) = &self.out {
-            output::check_free(out, self.force)?;
+            output_files::check_free(out, self.force)?;
         }
         let data = dataset::load(&self.files, &self.table.clone().into())?;
         data.about
@@ -104,13 +107,13 @@ impl Identify {
         let mut result = Identified::of(model, &data);
         result.flight_model = flight.as_ref().and_then(|fitted| fitted.as_ref().ok());
         if let Some(out) = &self.out {
-            output::write_file(out, self.force, &output::to_json(&result)?)?;
+            output_files::write_file(out, self.force, &output_files::to_json(&result)?)?;
             self.talk.say(format_args!("model: {}", out.display()));
         }
         self.draw(&data, model, explanation)?;
 
         let mut text = summary::of_model(&listed(&self.files), model, units);
-        text.extend(explanation.map(|e| explain::as_text(e, model)));
+        text.extend(explanation.map(|e| explanation::as_text(e, model)));
         result.explanation = explanation;
         match &flight {
             Some(Ok(fitted)) => text += &summary::of_flight_model(fitted, model.bounds_hold()),
@@ -138,13 +141,14 @@ impl Identify {
             return Ok(());
         };
         let name = stem(first);
-        let mut figures = figures::identification(&name, &data.record, model, data.about.units());
+        let mut figures =
+            paper_figures::identification(&name, &data.record, model, data.about.units());
         let structure = |explanation| {
             let file = format!("{name}-structure");
             structure::structure(&file, "Choice of structure", explanation, model)
         };
         figures.extend(explanation.map(structure));
-        let files = output::write_figures(folder, self.force, &figures)?;
+        let files = output_files::write_figures(folder, self.force, &figures)?;
         self.talk.say(format_args!("plots: {}", listed(&files)));
         Ok(())
     }
@@ -173,7 +177,7 @@ impl Identify {
 /// The model of low order, or why there is none.
 fn fit_flight_model(data: &Dataset, model: &Model) -> Result<FlightModel, String> {
     let options = FlightModelOptions {
-        frame_period_s: Origin::from(&data.about).pulse_frame_s,
+        frame_period_s: ModelMetadata::from(&data.about).pulse_frame_s,
         ..FlightModelOptions::default()
     };
     flight_model::fit(&data.record, model, &options).map_err(|error| error.to_string())
@@ -183,7 +187,7 @@ fn fit_flight_model(data: &Dataset, model: &Model) -> Result<FlightModel, String
 #[derive(Serialize)]
 struct Identified<'a> {
     #[serde(flatten)]
-    model: Marked<'a>,
+    model: ModelDocument<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
     explanation: Option<&'a Explanation>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -200,7 +204,7 @@ struct Identified<'a> {
 impl<'a> Identified<'a> {
     fn of(model: &'a Model, data: &'a Dataset) -> Self {
         Self {
-            model: Marked::new(model, Some(&data.record), Origin::from(&data.about)),
+            model: ModelDocument::new(model, Some(&data.record), ModelMetadata::from(&data.about)),
             explanation: None,
             flight_model: None,
             no_flight_model: None,

@@ -1,9 +1,9 @@
 //! `servoid info`
 
 use super::{Talk, suggest};
-use crate::port;
-use crate::rig::mismatch::{Mismatch, mismatches};
-use crate::rig::{RigClient, TalkError};
+use crate::instrument::port;
+use crate::instrument::rig::mismatch::{Mismatch, mismatches};
+use crate::instrument::rig::{RigClient, TalkError};
 use anyhow::Result;
 use clap::Args;
 use servoid_protocol::hello::{ClockSource, PROTOCOL_VERSION, ResetCause, SCHEMA_HASH};

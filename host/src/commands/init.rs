@@ -2,9 +2,9 @@
 
 use super::ask::{Asker, Question};
 use super::{Talk, ports, suggest};
-use crate::output;
-use crate::rig::RigFile;
-use crate::setup::{self, Answers, Range};
+use crate::commands::output_files;
+use crate::commands::rig_wizard::{self, Answers, Range};
+use crate::instrument::rig::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueHint};
 use serde::Serialize;
@@ -87,14 +87,14 @@ struct Written<'a> {
 
 impl Init {
     pub(super) fn run(self) -> Result<String> {
-        output::check_free(&self.out, self.force)?;
+        output_files::check_free(&self.out, self.force)?;
         let asker = Asker::new(
             self.yes,
             "add --yes, and options for what is not as usual ('servoid init --help' has them)",
         )?;
         let answers = self.given.complete(&asker, self.talk)?;
         let (text, rig) = answers.to_rig_file(&self.out)?;
-        output::write_file(&self.out, self.force, &text)?;
+        output_files::write_file(&self.out, self.force, &text)?;
         let file = self.out.display();
         let next = match &answers.port {
             Some(_) => format!("servoid calibrate --rig {file}"),
@@ -133,7 +133,7 @@ impl Given {
     }
 
     fn ask_names(&self, asker: &Asker, talk: Talk, answers: &mut Answers) -> Result<()> {
-        let name = |name: &String| setup::check_name(name);
+        let name = |name: &String| rig_wizard::check_name(name);
         answers.name = asker.ask(
             self.name.clone(),
             &Question {
@@ -151,7 +151,7 @@ impl Given {
                 words: "Condition (bench, aircraft, or words of your own)",
                 default: answers.condition.clone(),
                 form: TEXT,
-                check: &|name| setup::check_condition(name),
+                check: &|name| rig_wizard::check_condition(name),
             },
         )?;
         answers.port = match &self.port {
@@ -179,7 +179,7 @@ impl Given {
                 words: "Shortest and longest pulse that the servo takes (µs)",
                 default: answers.pulses_us,
                 form: TWO_NUMBERS,
-                check: &setup::check_pulses,
+                check: &rig_wizard::check_pulses,
             },
         )?;
         answers.neutral_us = asker.ask(
@@ -189,7 +189,7 @@ impl Given {
                 words: "Pulse at 0 degrees, neutral (µs)",
                 default: answers.neutral_us,
                 form: MICROSECONDS,
-                check: &|us| setup::check_neutral(*us, &answers.pulses_us),
+                check: &|us| rig_wizard::check_neutral(*us, &answers.pulses_us),
             },
         )?;
         answers.us_per_degree = asker.ask(
@@ -199,7 +199,7 @@ impl Given {
                 words: "µs for one degree (below 0: longer pulses turn it back)",
                 default: answers.us_per_degree,
                 form: NUMBER,
-                check: &|us| setup::check_us_per_degree(*us),
+                check: &|us| rig_wizard::check_us_per_degree(*us),
             },
         )?;
         answers.travel_deg = asker.ask(
@@ -209,7 +209,7 @@ impl Given {
                 words: "How far the linkage may be turned (degrees)",
                 default: answers.travel_deg,
                 form: TWO_NUMBERS,
-                check: &setup::check_travel,
+                check: &rig_wizard::check_travel,
             },
         )?;
         Ok(())
@@ -223,7 +223,7 @@ impl Given {
                 words: "Name of the angle sensor",
                 default: answers.sensor.clone(),
                 form: TEXT,
-                check: &|name| setup::check_name(name),
+                check: &|name| rig_wizard::check_name(name),
             },
         )?;
         answers.sensor_volts = asker.ask(
@@ -233,7 +233,7 @@ impl Given {
                 words: "Its output at the ends of its range (V)",
                 default: answers.sensor_volts,
                 form: TWO_NUMBERS,
-                check: &setup::check_volts,
+                check: &rig_wizard::check_volts,
             },
         )?;
         answers.sensor_degrees = asker.ask(
@@ -243,7 +243,7 @@ impl Given {
                 words: "Degrees between them (below 0: the output falls)",
                 default: answers.sensor_degrees,
                 form: NUMBER,
-                check: &|degrees| setup::check_sensor_degrees(*degrees),
+                check: &|degrees| rig_wizard::check_sensor_degrees(*degrees),
             },
         )?;
         Ok(())
@@ -282,7 +282,7 @@ fn ask_port(asker: &Asker, talk: Talk) -> Result<Option<String>> {
                     words: "Serial device or tcp:HOST:PORT",
                     default: "/dev/ttyUSB0".to_owned(),
                     form: TEXT,
-                    check: &|port| setup::check_name(port),
+                    check: &|port| rig_wizard::check_name(port),
                 },
             )?;
             Ok(Some(port))

@@ -1,6 +1,6 @@
 //! Ctrl-C, and the signals that a system sends to end a program.
 
-use crate::scope::terminal;
+use crate::presentation::scope::terminal;
 use anyhow::{Context, Result};
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -1,7 +1,7 @@
 //! `servoid man`
 
 use super::Cli;
-use crate::output;
+use crate::commands::output_files;
 use anyhow::{Context, Result};
 use clap::{Args, Command, CommandFactory};
 use clap_mangen::Man;
@@ -40,7 +40,7 @@ impl ManArgs {
         for command in commands {
             let name = command.get_display_name().unwrap_or(command.get_name());
             let path = folder.join(format!("{name}.1"));
-            output::write_file(&path, self.force, &page(command)?)?;
+            output_files::write_file(&path, self.force, &page(command)?)?;
             files += &format!("{}\n", path.display());
         }
         Ok(files)

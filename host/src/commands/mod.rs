@@ -14,6 +14,7 @@ mod info;
 mod init;
 mod interrupt;
 mod man;
+pub mod output_files;
 mod plan;
 mod ports;
 mod progress;
@@ -21,13 +22,14 @@ mod recover;
 mod reference_args;
 mod report;
 mod rig_args;
+pub mod rig_wizard;
 mod simulate;
 mod suggest;
 mod table_args;
 mod validate;
 mod watch;
 
-use crate::dataset::listed;
+use crate::data::dataset::listed;
 use anyhow::Result;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
@@ -113,14 +115,14 @@ impl Talk {
     /// A remark for the person at the terminal.
     fn say(self, remark: impl std::fmt::Display) {
         if !self.quiet {
-            crate::output::tell(remark);
+            crate::commands::output_files::tell(remark);
         }
     }
 
     /// The result in the form that was asked for.
     fn result(self, text: String, value: &impl serde::Serialize) -> Result<String> {
         if self.json {
-            crate::output::to_json(value)
+            crate::commands::output_files::to_json(value)
         } else {
             Ok(text)
         }

@@ -2,9 +2,10 @@
 
 use super::reference_args::ReferenceArgs;
 use super::{Talk, listed, wrong_usage};
+use crate::commands::output_files;
+use crate::instrument::reference;
+use crate::instrument::rig::RigFile;
 use crate::plan::{Assumed, Plan, Question, figure, of_plan};
-use crate::rig::RigFile;
-use crate::{output, reference};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use servoid_protocol::timing::SAMPLE_US;
@@ -73,7 +74,7 @@ impl PlanArgs {
             wrong_usage("--level has to be from 0.5 to 0.99999");
         }
         if let Some(out) = &self.out {
-            output::check_free(out, self.force)?;
+            output_files::check_free(out, self.force)?;
         }
         let assumed = self.assumed()?;
         let us_per_degree = match &self.rig {
@@ -95,12 +96,12 @@ impl PlanArgs {
             format!("a run of {words} could not be identified")
         })?;
         if let Some(out) = &self.out {
-            output::write_file(out, self.force, &output::to_json(&plan)?)?;
+            output_files::write_file(out, self.force, &output_files::to_json(&plan)?)?;
             self.talk.say(format_args!("plan: {}", out.display()));
         }
         if let Some(folder) = &self.plots {
             let figure = figure(&plan, &format!("plan-{}", question.reference.name()));
-            let files = output::write_figures(folder, self.force, &[figure])?;
+            let files = output_files::write_figures(folder, self.force, &[figure])?;
             self.talk.say(format_args!("plots: {}", listed(&files)));
         }
         self.talk.result(of_plan(&plan), &plan)
@@ -109,7 +110,7 @@ impl PlanArgs {
     fn assumed(&self) -> Result<Assumed> {
         let assumed = match &self.model {
             Some(path) => {
-                let model = output::read_model(path)?;
+                let model = output_files::read_model(path)?;
                 let period_us = model.sample_period_s * 1e6;
                 // Written with as many digits as there are: only another period is another one.
                 if (period_us - f64::from(SAMPLE_US)).abs() > 1e-3 {

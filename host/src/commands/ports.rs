@@ -1,8 +1,8 @@
 //! `servoid ports`
 
 use super::Talk;
-use crate::port;
-use crate::rig::{RigClient, TalkError};
+use crate::instrument::port;
+use crate::instrument::rig::{RigClient, TalkError};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;

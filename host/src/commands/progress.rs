@@ -1,7 +1,7 @@
 //! What a person sees while a capture goes on.
 
 use super::Talk;
-use crate::rig::Progress;
+use crate::instrument::rig::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLES_PER_FRAME};
 use servoid_protocol::{SensorScale, ServoScale};

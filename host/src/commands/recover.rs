@@ -1,7 +1,7 @@
 //! `servoid recover`
 
 use super::Talk;
-use crate::recording::{
+use crate::data::recording::{
     Completeness, Recording, RecordingWriter, WholeFile, is_recording, recover,
 };
 use anyhow::{Context, Result, bail};
@@ -32,7 +32,8 @@ pub(super) struct Recover {
 impl Recover {
     pub(super) fn run(self) -> Result<String> {
         let path = &self.recording;
-        let bytes = crate::input::read(path).with_context(|| format!("{path:?} cannot be read"))?;
+        let bytes = crate::data::input_file::read(path)
+            .with_context(|| format!("{path:?} cannot be read"))?;
         if !is_recording(&bytes) {
             bail!("{path:?} is no recording of servoid: there is nothing to recover");
         }

@@ -1,7 +1,7 @@
 //! The options that say what the servo is told.
 
 use super::{Talk, suggest, wrong_usage};
-use crate::reference::{Band, Kind, Wish, WishError};
+use crate::instrument::reference::{Band, Kind, ReferenceError, ReferenceSpec};
 use anyhow::Result;
 use clap::Args;
 use servoid_protocol::Reference;
@@ -42,7 +42,7 @@ pub(super) struct ReferenceArgs {
 impl ReferenceArgs {
     /// The reference; options that contradict it are wrong usage.
     pub(super) fn grant(self, us_per_degree: f64, talk: Talk) -> Result<Reference> {
-        let wish = Wish {
+        let wish = ReferenceSpec {
             kind: self.reference,
             amplitude_deg: self.amplitude,
             hold_s: self.hold,
@@ -52,7 +52,7 @@ impl ReferenceArgs {
             frequencies_hz: self.frequencies,
         };
         let granted = match wish.grant(us_per_degree) {
-            Err(error @ WishError::NotFor { .. }) => wrong_usage(error),
+            Err(error @ ReferenceError::NotFor { .. }) => wrong_usage(error),
             other => other?,
         };
         granted.remarks.iter().for_each(|remark| talk.say(remark));

@@ -2,10 +2,11 @@
 
 use super::table_args::TableArgs;
 use super::{Talk, is_model, listed, stem, wrong_usage};
-use crate::dataset::{self, Dataset, DatasetOptions};
-use crate::origin::Origin;
-use crate::report::{self, Page, Servo};
-use crate::{fingerprint, output};
+use crate::commands::output_files;
+use crate::data::dataset::{self, Dataset, DatasetOptions};
+use crate::data::fingerprint;
+use crate::data::model_metadata::ModelMetadata;
+use crate::presentation::report::{self, Page, Servo};
 use anyhow::{Context, Result};
 use clap::Args;
 use servoid_identification::comparison::{Comparison, ComparisonOptions, compare, compare_models};
@@ -51,7 +52,7 @@ pub(super) struct Report {
 
 impl Report {
     pub(super) fn run(self) -> Result<String> {
-        output::check_free(&self.out, self.force)?;
+        output_files::check_free(&self.out, self.force)?;
         let options: DatasetOptions = self.table.into();
         let sides: Vec<&[PathBuf]> = match &self.files[..] {
             [] => [&self.a[..], &self.b[..]]
@@ -88,7 +89,7 @@ impl Report {
             comparison: comparison.as_ref(),
             paper: &[],
         })?;
-        output::write_file(&self.out, self.force, &page)?;
+        output_files::write_file(&self.out, self.force, &page)?;
         let result = serde_json::json!({ "file": self.out });
         self.talk.result(
             format!("{}: open it in a browser\n", self.out.display()),
@@ -109,9 +110,9 @@ fn read(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Servo
     let Some(file) = model_file(files) else {
         return identified(files, dataset::load(files, options)?, talk);
     };
-    let text = output::read_text(file)?;
-    let model = output::parse_model(&text, file)?;
-    let origin = Origin::in_model_file(&text);
+    let text = output_files::read_text(file)?;
+    let model = output_files::parse_model(&text, file)?;
+    let origin = ModelMetadata::in_model_file(&text);
     Ok(Servo::of_model(stem(file), model, origin))
 }
 

@@ -4,7 +4,7 @@ use super::Talk;
 use super::capture::{Job, capture};
 use super::reference_args::ReferenceArgs;
 use super::watch::Watch;
-use crate::rig::RigFile;
+use crate::instrument::rig::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;

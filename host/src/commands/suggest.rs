@@ -1,6 +1,6 @@
 //! What shells suggest for options that take more than a list of words.
 
-use crate::reference::Kind;
+use crate::instrument::reference::Kind;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::error::Error;
 use clap::{Arg, Command};

@@ -1,7 +1,7 @@
 //! The options that say how to read files.
 
-use crate::dataset::suggestion::quoted;
-use crate::dataset::{DatasetOptions, TimeUnit};
+use crate::data::dataset::suggestion::quoted;
+use crate::data::dataset::{DatasetOptions, TimeUnit};
 use clap::Args;
 
 #[derive(Clone, Debug, Args)]

@@ -2,10 +2,13 @@
 
 use super::table_args::TableArgs;
 use super::{Talk, listed, stem};
-use crate::origin::Origin;
-use crate::plots::figures::Named;
-use crate::plots::signals;
-use crate::{dataset, fingerprint, output, summary};
+use crate::commands::output_files;
+use crate::data::dataset;
+use crate::data::fingerprint;
+use crate::data::model_metadata::ModelMetadata;
+use crate::presentation::plots::paper_figures::Named;
+use crate::presentation::plots::signals;
+use crate::presentation::summary;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
@@ -47,14 +50,14 @@ pub(super) struct Validate {
 impl Validate {
     pub(super) fn run(self) -> Result<String> {
         if let Some(out) = &self.out {
-            output::check_free(out, self.force)?;
+            output_files::check_free(out, self.force)?;
         }
-        let text = output::read_text(&self.model)?;
-        let model = output::parse_model(&text, &self.model)?;
+        let text = output_files::read_text(&self.model)?;
+        let model = output_files::parse_model(&text, &self.model)?;
         let data = dataset::load(&self.files, &self.table.clone().into())?;
-        Origin::in_model_file(&text).same_units(
+        ModelMetadata::in_model_file(&text).same_units(
             &self.model.display().to_string(),
-            &Origin::from(&data.about),
+            &ModelMetadata::from(&data.about),
             &listed(&self.files),
         )?;
         let seen = fingerprint::in_model_file(&text);
@@ -73,7 +76,7 @@ impl Validate {
             advice: &advice,
         };
         if let Some(out) = &self.out {
-            output::write_file(out, self.force, &output::to_json(&validated)?)?;
+            output_files::write_file(out, self.force, &output_files::to_json(&validated)?)?;
         }
         self.draw(&model, &data.record, unit.as_deref())?;
         self.talk.result(
@@ -94,7 +97,7 @@ impl Validate {
             signals::validation(&file, "Model against measurement", &named, run, unit)
         };
         let figures: Vec<_> = record.runs().iter().zip(1..).map(of_run).collect();
-        let files = output::write_figures(folder, self.force, &figures)?;
+        let files = output_files::write_figures(folder, self.force, &figures)?;
         self.talk.say(format_args!("plots: {}", listed(&files)));
         Ok(())
     }

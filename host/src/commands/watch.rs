@@ -2,11 +2,11 @@
 
 use super::progress::CaptureProgress;
 use super::{Talk, interrupt, wrong_usage};
-use crate::live::{LiveIdentification, LiveStep, RunSamples, second_cycle};
+use crate::instrument::live::{LiveIdentification, LiveStep, RunSamples, second_cycle};
+use crate::instrument::rig::{Capture, Progress, StopReason};
 use crate::plan::Shrinking;
-use crate::rig::{Capture, Progress, StopReason};
-use crate::scope::state::{FrameSeen, Link};
-use crate::scope::{Scope, ScopeEvent, ScopeState, terminal};
+use crate::presentation::scope::state::{FrameSeen, Link};
+use crate::presentation::scope::{Scope, ScopeEvent, ScopeState, terminal};
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;

@@ -1,6 +1,6 @@
 //! The servo and the noise that a plan assumes.
 
-use servoid_identification::noise::Noise;
+use servoid_identification::noise_model::Noise;
 use servoid_identification::{Error, Model, Options, Record, identify};
 use servoid_protocol::PulseWidth;
 use servoid_protocol::reference::Staircase;

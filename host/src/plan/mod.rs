@@ -22,13 +22,14 @@ pub use needed::{MOST_RUNS, Needed, Reach, Shrinking};
 pub use spectrum::{Line, Octave, Spectrum};
 pub use text::{figure, of_plan};
 
-use crate::reference::{Kind, Wish, as_toml, in_words, seconds};
-use crate::rig::capture::ROLL_FRAMES;
+use crate::data::recording::as_toml;
+use crate::instrument::reference::{Kind, ReferenceSpec, in_words, seconds};
+use crate::instrument::rig::capture::ROLL_FRAMES;
 use pilot::Expected;
 use serde::Serialize;
 use servoid_identification::metrics::Metrics;
-use servoid_identification::step::StepResponse;
-use servoid_identification::structure::MARGIN;
+use servoid_identification::settling_time::MARGIN;
+use servoid_identification::step_response::StepResponse;
 use servoid_identification::{Error, Model};
 use servoid_protocol::Reference;
 
@@ -261,10 +262,10 @@ fn alternatives(question: &Question, expected: &Expected) -> Vec<Alternative> {
         Kind::Sweep,
         Kind::Multisine,
     ];
-    let wishes = kinds.map(|kind| Wish {
+    let wishes = kinds.map(|kind| ReferenceSpec {
         kind,
         amplitude_deg: Some(amplitude_us / question.us_per_degree.abs()),
-        ..Wish::default()
+        ..ReferenceSpec::default()
     });
     // At an amplitude at which one of them cannot be, it is no alternative.
     let questions = wishes.iter().filter_map(|wish| {

@@ -1,16 +1,16 @@
 //! Simulated runs for the structure, and the covariance that they will have.
 
 use super::{Question, Widths};
-use crate::rig::capture::ROLL_FRAMES;
+use crate::instrument::rig::capture::ROLL_FRAMES;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use servoid_identification::basis::Basis;
-use servoid_identification::curve::{self, CurveSpread};
+use servoid_identification::fsf_basis::FsfBasis;
 use servoid_identification::gls::{self, GlsOptions};
+use servoid_identification::least_squares::{Coordinates, Information};
 use servoid_identification::moments::Moments;
-use servoid_identification::normal::{Coordinates, Information};
-use servoid_identification::step::StepResponse;
+use servoid_identification::step_response::StepResponse;
+use servoid_identification::variance::{self, CurveVariance};
 use servoid_identification::{Error, Model, NoiseOrder, Options, Record, Run, identify};
 use servoid_protocol::Degrees;
 use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
@@ -193,7 +193,7 @@ fn with_known_noise(question: &Question, pilot: &Model, record: &Record) -> Resu
     fit.solution = information
         .solve(&coordinates, &fit.ar)
         .ok_or_else(not_excited)?;
-    let spread: CurveSpread = curve::spread(&information, &fit, &coordinates.step_map());
+    let spread: CurveVariance = variance::spread(&information, &fit, &coordinates.step_map());
     let last = truth.step.value.last().copied().unwrap_or(0.0);
     let mut value: Vec<f64> = truth.step.value.iter().copied().take(settling).collect();
     value.resize(settling, last);
@@ -221,7 +221,7 @@ fn with_known_noise(question: &Question, pilot: &Model, record: &Record) -> Resu
 }
 
 /// The parameters theta of which a step response is made.
-fn parameters(basis: &Basis, step: &[f64]) -> Vec<f64> {
+fn parameters(basis: &FsfBasis, step: &[f64]) -> Vec<f64> {
     let analysis = basis.analysis_map();
     let before = std::iter::once(&0.0).chain(step);
     let impulse: Vec<f64> = step

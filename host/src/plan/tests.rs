@@ -1,6 +1,6 @@
 use super::pilot::simulated;
 use super::*;
-use servoid_identification::noise::Noise;
+use servoid_identification::noise_model::Noise;
 use servoid_identification::{Options, identify};
 use servoid_protocol::reference::{Step, Steps};
 
@@ -9,9 +9,9 @@ fn question(kind: &str, noise: Noise) -> Question {
     assumed.model.noise = noise;
     // Its model alone: for the linear servo that is all, but for the noise that a test wants.
     assumed.simulation = None;
-    let wish = Wish {
+    let wish = ReferenceSpec {
         kind: kind.parse().unwrap(),
-        ..Wish::default()
+        ..ReferenceSpec::default()
     };
     Question {
         reference: wish.grant(10.0).unwrap().reference,
@@ -135,10 +135,10 @@ fn stairs_answer_what_the_staircase_cannot() {
 fn where_identification_gives_bounds_the_plan_has_them_too_and_else_neither() {
     let bench = Assumed::simulated(&"bench".parse().unwrap()).unwrap();
     let both = |hold_s: f64| {
-        let wish = Wish {
+        let wish = ReferenceSpec {
             kind: Kind::Prbs,
             hold_s: Some(hold_s),
-            ..Wish::default()
+            ..ReferenceSpec::default()
         };
         let question = Question {
             reference: wish.grant(10.0).unwrap().reference,
@@ -222,10 +222,10 @@ fn the_spectrum_has_the_references_power_where_its_documentation_says() {
     let spectrum = |kind: &str| {
         let mut question = question(kind, white());
         if kind == "prbs" {
-            let short = Wish {
+            let short = ReferenceSpec {
                 kind: Kind::Prbs,
                 hold_s: Some(0.02),
-                ..Wish::default()
+                ..ReferenceSpec::default()
             };
             question.reference = short.grant(10.0).unwrap().reference;
         }

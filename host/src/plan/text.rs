@@ -1,8 +1,8 @@
 //! A plan as text and as a picture.
 
 use super::{Alternative, MOST_RUNS, Needed, Plan, Widths};
-use crate::plots::figure::{Band, Curve, Figure, Ink, Legend, Panel};
-use crate::summary;
+use crate::presentation::plots::figure::{Band, Curve, Figure, Ink, Legend, Panel};
+use crate::presentation::summary;
 use std::fmt::Write;
 
 /// A plan for a terminal.

@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use serde_json::Value;
 use servoid::export::{Export, Target};
-use servoid::origin::Origin;
-use servoid::output::{parse_flight_model, parse_model};
+use servoid::model_metadata::ModelMetadata;
+use servoid::output_files::{parse_flight_model, parse_model};
 use servoid::plots::{difference::difference, svg};
 use servoid::report::{self, Page, Servo};
 use servoid::summary;
@@ -129,7 +129,13 @@ fn a_model_that_contradicts_itself_is_refused() {
 fn use_model(text: &str) {
     let Ok(model) = read(text) else { return };
     let flight = parse_flight_model(text, Path::new("m.json")).ok().flatten();
-    let export = Export::new("m", "m.json", &model, flight, Origin::in_model_file(text));
+    let export = Export::new(
+        "m",
+        "m.json",
+        &model,
+        flight,
+        ModelMetadata::in_model_file(text),
+    );
     for target in Target::ALL {
         let _some_have_no_form = export.write(target);
     }
@@ -142,7 +148,9 @@ fn use_model(text: &str) {
     for (a, b) in [(&other, &model), (&model, &other)] {
         let found = compare_models(a, b, &ComparisonOptions::default()).ok();
         let (first, second) = [(a, "a"), (b, "b")]
-            .map(|(model, name)| Servo::of_model(name.into(), model.clone(), Origin::default()))
+            .map(|(model, name)| {
+                Servo::of_model(name.into(), model.clone(), ModelMetadata::default())
+            })
             .into();
         let _may_have_no_form = report::page(&Page {
             title: "m",

@@ -1,7 +1,7 @@
 //! What is on the disk stays until something better takes its place; a rig in use is left alone.
 
 use crate::support::{arg, data, json, refusal, run};
-use servoid::output::{read_model, write_file};
+use servoid::output_files::{read_model, write_file};
 use servoid::port;
 use servoid::recording::{
     Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError,

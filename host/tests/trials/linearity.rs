@@ -2,7 +2,7 @@
 //! that are not linear, and what the figures are worth that keep their level.
 
 use super::recordings::{US_PER_DEGREE, recording};
-use servoid::reference::{Band, Kind, Wish};
+use servoid::reference::{Band, Kind, ReferenceSpec};
 use servoid_identification::advice::NOT_LINEAR;
 use servoid_identification::{Error, Options, identify_explained};
 use servoid_protocol::reference::Reference;
@@ -11,18 +11,18 @@ use servoid_protocol::reference::Reference;
 pub struct Motion {
     /// As the table calls it.
     pub name: String,
-    wish: Wish,
+    wish: ReferenceSpec,
 }
 
 impl Motion {
-    fn new(name: &str, wish: Wish) -> Self {
+    fn new(name: &str, wish: ReferenceSpec) -> Self {
         let name = name.to_owned();
         Self { name, wish }
     }
 
     /// With steps or sines of so many degrees to each side.
     pub fn of_size(&self, degrees: f64) -> Reference {
-        let wish = Wish {
+        let wish = ReferenceSpec {
             amplitude_deg: Some(degrees),
             ..self.wish.clone()
         };
@@ -32,11 +32,11 @@ impl Motion {
 
 /// References of every kind.
 pub fn motions() -> Vec<Motion> {
-    let of = |kind| Wish {
+    let of = |kind| ReferenceSpec {
         kind,
-        ..Wish::default()
+        ..ReferenceSpec::default()
     };
-    let hold = |kind, hold_s| Wish {
+    let hold = |kind, hold_s| ReferenceSpec {
         hold_s: Some(hold_s),
         ..of(kind)
     };
@@ -52,7 +52,7 @@ pub fn motions() -> Vec<Motion> {
     for last in [5.0, 15.0] {
         let frequencies_hz = Some(Band { first: 0.2, last });
         for (kind, name) in [(Kind::Sweep, "sweep"), (Kind::Multisine, "sum of sines")] {
-            let wish = Wish {
+            let wish = ReferenceSpec {
                 frequencies_hz,
                 ..of(kind)
             };

@@ -2,13 +2,13 @@
 
 use faer::Mat;
 
-use crate::band::{simultaneous_critical, student_critical};
-use crate::basis::dot;
-use crate::direction::DirectionModel;
 use crate::error::Error;
-use crate::linear::times;
-use crate::metrics::covariance_of;
-use crate::model::Model;
+use crate::estimation::fsf_basis::dot;
+use crate::nonlinear::direction::DirectionModel;
+use crate::numerics::critical_values::{simultaneous_critical, student_critical};
+use crate::numerics::linear_algebra::times;
+use crate::results::metrics::covariance_of;
+use crate::results::model::Model;
 
 /// One or more response curves, one after the other, with their second moments.
 #[derive(Debug, Clone)]

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::motion::Motion;
 use super::over_prediction::OverPrediction;
-use crate::advice::Advice;
-use crate::metrics::Interval;
+use crate::diagnostics::advice::Advice;
+use crate::results::metrics::Interval;
 
 /// The answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -17,10 +17,10 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::limits::holds::{Hold, holds, mean_output};
-use crate::metrics::Interval;
-use crate::model::Model;
-use crate::record::{Record, Run};
+use crate::data::holds::{Hold, holds, mean_output};
+use crate::data::record::{Record, Run};
+use crate::results::metrics::Interval;
+use crate::results::model::Model;
 
 /// Over-prediction of the second servo by the first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,7 +38,7 @@ pub struct OverPrediction {
 }
 
 /// What the intervals rest on, beside the record.
-pub(crate) struct Basis<'a> {
+pub(crate) struct FsfBasis<'a> {
     /// Model of the first servo.
     pub(crate) model: &'a Model,
     /// Standard deviation of its output at rest, at the largest and smallest command.
@@ -60,7 +60,7 @@ struct End {
 }
 
 /// `None` when the record has no two ends with two plateaus each.
-pub(crate) fn over_prediction(record: &Record, basis: &Basis<'_>) -> Option<OverPrediction> {
+pub(crate) fn over_prediction(record: &Record, basis: &FsfBasis<'_>) -> Option<OverPrediction> {
     let levels: Vec<f64> = record
         .runs()
         .iter()
@@ -123,7 +123,7 @@ pub(crate) fn over_prediction(record: &Record, basis: &Basis<'_>) -> Option<Over
 }
 
 impl End {
-    fn new(record: &Record, basis: &Basis<'_>, level: f64) -> Option<Self> {
+    fn new(record: &Record, basis: &FsfBasis<'_>, level: f64) -> Option<Self> {
         let mut plateaus: Vec<(f64, f64, f64)> = Vec::new();
         for run in record.runs() {
             let predicted = Run::new(run.input(), basis.model.simulate(run)).ok()?;

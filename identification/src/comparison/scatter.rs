@@ -10,11 +10,11 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::basis::Basis;
-use crate::direction::{DirectionModel, split_with};
+use crate::data::record::Record;
 use crate::error::Error;
+use crate::estimation::fsf_basis::FsfBasis;
+use crate::nonlinear::direction::{DirectionModel, split_with};
 use crate::options::NoiseOrder;
-use crate::record::Record;
 
 /// Runs a side needed for t tests, and for permutations: with four, the smallest possible p is
 /// 2/70.
@@ -38,7 +38,7 @@ pub(crate) struct RunToRun {
 pub(crate) fn run_to_run(
     a: &Record,
     b: &Record,
-    basis: Basis,
+    basis: FsfBasis,
     level: f64,
 ) -> Result<Option<RunToRun>, Error> {
     let fewest = a.runs().len().min(b.runs().len());
@@ -87,8 +87,8 @@ fn largest_left_open(a: &[DirectionModel], b: &[DirectionModel], level: f64) -> 
     largest
 }
 
-fn models(record: &Record, basis: Basis, level: f64) -> Result<Vec<DirectionModel>, Error> {
-    let alone = |run: &crate::record::Run| {
+fn models(record: &Record, basis: FsfBasis, level: f64) -> Result<Vec<DirectionModel>, Error> {
+    let alone = |run: &crate::data::record::Run| {
         let record = Record::new(record.sample_period_s(), vec![run.clone()])?
             .with_sample_phase(record.sample_phase_s());
         split_with(&record, basis, NoiseOrder::Auto, level)

@@ -20,8 +20,8 @@
 //!
 //! to which the bound of what no variance covers is added as if it had the worst sign at every sample.
 
-use crate::band::{pointwise_critical, student_critical};
-use crate::metrics::Interval;
+use crate::numerics::critical_values::{pointwise_critical, student_critical};
+use crate::results::metrics::Interval;
 
 use super::difference::Curves;
 

@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::{LowOrder, Oscillator};
-use crate::timing::Timing;
+use crate::data::timing::Timing;
 
 /// A state-space form that gives, sample by sample, exactly what the continuous transfer function
 /// gives for an input that is held between samples:

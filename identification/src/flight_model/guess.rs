@@ -1,8 +1,8 @@
 //! Where the search for a flight model starts from.
 
 use super::{LowOrder, Oscillator};
-use crate::model::Model;
-use crate::timing::Timing;
+use crate::data::timing::Timing;
+use crate::results::model::Model;
 
 /// Where to start from, by the figures of the response.
 pub(super) struct Guess {

@@ -13,14 +13,14 @@
 
 use faer::{Mat, Side};
 
-use crate::basis::dot;
+use crate::data::moments::Moments;
+use crate::data::record::{Record, Run};
 use crate::error::Error;
-use crate::linear::times;
-use crate::metrics::covariance_of;
-use crate::model::Model;
-use crate::moments::Moments;
-use crate::normal::{Coordinates, Information, filtered_input_moments};
-use crate::record::{Record, Run};
+use crate::estimation::fsf_basis::dot;
+use crate::estimation::least_squares::{Coordinates, Information, filtered_input_moments};
+use crate::numerics::linear_algebra::times;
+use crate::results::metrics::covariance_of;
+use crate::results::model::Model;
 
 /// Length of h in settling times: N leaves a margin over the response, and twice N what is slower
 /// than the data could show.

@@ -2,8 +2,10 @@
 
 use faer::Mat;
 
-use crate::basis::dot;
-use crate::linear::{backward_solve, cholesky, forward_solve, inverse_of_lower, times};
+use crate::estimation::fsf_basis::dot;
+use crate::numerics::linear_algebra::{
+    backward_solve, cholesky, forward_solve, inverse_of_lower, times,
+};
 
 /// Most steps; a good start needs about ten.
 const STEPS: usize = 60;

@@ -2,7 +2,7 @@
 //!
 //! Each change a of the command starts a response of its own, a g_up(t) when it leads upwards and
 //! a g_down(t) when it leads downwards, with one gain K and two sets of delay and poles. The direction-split
-//! estimate (see [`crate::direction`]) is linear in the output just as the plain one, so the same
+//! estimate (see [`crate::nonlinear::direction`]) is linear in the output just as the plain one, so the same
 //! projection serves, on both of its banks at once.
 //!
 //! The output at rest is on the line c + K u. Where strokes overlap this is a superposition, which a
@@ -15,19 +15,19 @@ use serde::{Deserialize, Serialize};
 use super::projection::{LENGTH, whitening, with_history};
 use super::search::{Minimum, minimise};
 use super::{FlightModelOptions, Guess, LowOrder, OrderTried, REJECT, simplest};
-use crate::band::pointwise_critical;
-use crate::basis::Basis;
-use crate::direction::two_inputs::{self, TwoInputMoments};
-use crate::direction::{DirectionModel, FREQUENCIES};
+use crate::data::record::Record;
+use crate::data::timing::Timing;
 use crate::error::Error;
-use crate::linear::times;
-use crate::matrix_serde::to_rows;
-use crate::metrics::Interval;
-use crate::model::Model;
-use crate::normal::Coordinates;
+use crate::estimation::fsf_basis::FsfBasis;
+use crate::estimation::least_squares::Coordinates;
+use crate::nonlinear::direction::two_inputs::{self, TwoInputMoments};
+use crate::nonlinear::direction::{DirectionModel, FREQUENCIES};
+use crate::numerics::critical_values::pointwise_critical;
+use crate::numerics::linear_algebra::times;
+use crate::numerics::matrix_rows::to_rows;
 use crate::options::NoiseOrder;
-use crate::record::Record;
-use crate::timing::Timing;
+use crate::results::metrics::Interval;
+use crate::results::model::Model;
 
 /// The answer to strokes of one direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -148,7 +148,7 @@ impl Fitter {
         let settling = basis.settling();
         let length = LENGTH * settling;
         let odd = settling - usize::from(settling.is_multiple_of(2));
-        let second = Basis::new(settling, FREQUENCIES.min(odd))?;
+        let second = FsfBasis::new(settling, FREQUENCIES.min(odd))?;
         let coordinates = Coordinates::new(basis);
         let moments = TwoInputMoments::of_record(&with_history(record, settling)?, length);
         let fit = two_inputs::fit(&moments, &coordinates, &second, NoiseOrder::Auto)

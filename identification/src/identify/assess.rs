@@ -2,11 +2,11 @@
 
 use super::Pipeline;
 use super::estimate::Estimate;
-use crate::linearity::Linearity;
-use crate::model::{Fit, Model};
-use crate::residual::{self, Residuals, WHITENESS_SAMPLES};
-use crate::simulated::beginnings;
-use crate::validation::fit_percent;
+use crate::diagnostics::linearity::Linearity;
+use crate::diagnostics::residual_tests::{self, Residuals, WHITENESS_SAMPLES};
+use crate::diagnostics::simulation_error::beginnings;
+use crate::results::model::{Fit, Model};
+use crate::results::validation::fit_percent;
 
 impl Pipeline<'_> {
     /// The figures of merit that follow from the moments.
@@ -38,7 +38,7 @@ impl Pipeline<'_> {
         } = estimate;
         let rest = linearity.and_then(|found| found.rest);
         Residuals {
-            input_correlation_p: residual::input_independence(
+            input_correlation_p: residual_tests::input_independence(
                 &self.collected.extended,
                 coordinates,
                 &fit.ar,
@@ -58,7 +58,7 @@ impl Pipeline<'_> {
             .collect();
         let parameters = (estimate.coordinates.len() + 1) as f64;
         let share = parameters / estimate.information.rows() as f64;
-        residual::whiteness(&errors, ar.len(), share)
+        residual_tests::whiteness(&errors, ar.len(), share)
     }
 }
 

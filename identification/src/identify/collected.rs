@@ -2,14 +2,14 @@
 
 use super::noise_lags;
 use super::plan::Plan;
+use crate::data::moments::Moments;
+use crate::data::record::Record;
+use crate::diagnostics::residual_tests::INPUT_LAGS;
 use crate::error::Error;
-use crate::excitation::Excitation;
-use crate::low_passed;
-use crate::moments::Moments;
+use crate::estimation::excitation::Excitation;
 use crate::options::{NoiseOrder, Options, Settling};
-use crate::record::Record;
-use crate::residual::INPUT_LAGS;
-use crate::structure::{self, Choice};
+use crate::selection::settling_time::{self, Choice};
+use crate::selection::smooth_input;
 
 /// Share of rows that must be gained to make another pass over the data worth while.
 const WORTHWHILE_ROWS: f64 = 0.01;
@@ -37,17 +37,17 @@ impl Collected {
 
     fn with_chosen_settling(record: &Record, options: &Options) -> Result<(Self, Plan), Error> {
         let order = options.noise_order;
-        let longest = structure::longest_settling(record, options.longest_settling)?;
+        let longest = settling_time::longest_settling(record, options.longest_settling)?;
         let lags = noise_lags(order);
         let moments_for = |longest: usize| Moments::of_record(record, longest + lags, lags + 1);
         let long = moments_for(longest);
-        let complete = structure::choose_complete_bank(&long, longest, order);
+        let complete = settling_time::choose_complete_bank(&long, longest, order);
         let (long, choice) = match complete {
             Some(choice) => (long, choice),
             None => match with_shorter_history(&moments_for, longest, order) {
                 Some(found) => found,
                 None => {
-                    let choice = low_passed::choose(&long, longest, order)?;
+                    let choice = smooth_input::choose(&long, longest, order)?;
                     (long, choice)
                 }
             },
@@ -74,7 +74,7 @@ impl Collected {
             Settling::Auto => {
                 let longest = available - usize::from(available.is_multiple_of(2));
                 let longest = longest.min(options.longest_settling.unwrap_or(longest));
-                let choice = structure::choose(moments, longest, options.noise_order)?;
+                let choice = settling_time::choose(moments, longest, options.noise_order)?;
                 Plan::of_choice(choice, moments, options)?
             }
             Settling::Samples(settling) if settling > available => {
@@ -109,12 +109,12 @@ fn with_shorter_history(
     longest: usize,
     order: NoiseOrder,
 ) -> Option<(Moments, Choice)> {
-    structure::shorter(longest).find_map(|longest| {
+    settling_time::shorter(longest).find_map(|longest| {
         let moments = moments_for(longest);
         if Excitation::of(&moments).is_smooth() {
             return None;
         }
-        let choice = structure::choose_complete_bank(&moments, longest, order)?;
+        let choice = settling_time::choose_complete_bank(&moments, longest, order)?;
         Some((moments, choice))
     })
 }

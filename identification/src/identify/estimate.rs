@@ -1,14 +1,14 @@
 //! The fit, through moments if they are accurate enough, else through QR.
 
 use super::plan::Plan;
+use crate::data::moments::Moments;
+use crate::data::record::Record;
 use crate::error::Error;
-use crate::factor::triangular_factor;
-use crate::gls::{self, GlsFit, GlsOptions};
-use crate::moments::Moments;
-use crate::nested::NestedBanks;
-use crate::normal::{Coordinates, Information};
-use crate::record::Record;
-use crate::truncation::FIRST_ORDER;
+use crate::estimation::gls::{self, GlsFit, GlsOptions};
+use crate::estimation::least_squares::{Coordinates, Information};
+use crate::estimation::nested_banks::NestedBanks;
+use crate::estimation::qr::triangular_factor;
+use crate::estimation::truncation::FIRST_ORDER;
 
 /// Estimated relative error of an estimate through moments above which the rows themselves are
 /// factorised.

@@ -1,19 +1,19 @@
 //! The structure that an identification goes by: N, n, d, and how they were chosen.
 
-use crate::basis::Basis;
+use crate::data::moments::Moments;
 use crate::error::Error;
-use crate::gls::{self, GlsOptions};
-use crate::model::SelectedBy;
-use crate::moments::Moments;
-use crate::nested::{BankCandidate, NestedBanks};
-use crate::normal::{Coordinates, Information};
+use crate::estimation::fsf_basis::FsfBasis;
+use crate::estimation::gls::{self, GlsOptions};
+use crate::estimation::least_squares::{Coordinates, Information};
+use crate::estimation::nested_banks::{BankCandidate, NestedBanks};
+use crate::estimation::truncation::{FIRST_ORDER, SECOND_ORDER};
 use crate::options::{Frequencies, NoiseOrder, Options};
-use crate::structure::{self, Choice};
-use crate::truncation::{FIRST_ORDER, SECOND_ORDER};
+use crate::results::model::SelectedBy;
+use crate::selection::settling_time::{self, Choice};
 
 /// A decided structure.
 pub(super) struct Plan {
-    pub(super) basis: Basis,
+    pub(super) basis: FsfBasis,
     pub(super) selected_by: SelectedBy,
     /// Roll-off assumed above the highest frequency.
     pub(super) roll_off: i32,
@@ -33,7 +33,7 @@ impl Plan {
     ) -> Result<Self, Error> {
         let mut plan = Self::for_frequencies(choice.settling, moments, options, &choice.ar)?;
         if let (Some(frequencies), Frequencies::Auto) = (choice.frequencies, options.frequencies) {
-            plan.basis = Basis::new(choice.settling, frequencies)?;
+            plan.basis = FsfBasis::new(choice.settling, frequencies)?;
         }
         plan.selected_by = match options.frequencies {
             Frequencies::Auto => SelectedBy::Auto,
@@ -51,11 +51,11 @@ impl Plan {
         options: &Options,
     ) -> Result<Self, Error> {
         let needed = match options.frequencies {
-            Frequencies::Count(frequencies) => Basis::new(settling, frequencies)?.frequencies(),
+            Frequencies::Count(frequencies) => FsfBasis::new(settling, frequencies)?.frequencies(),
             _ => 1,
         };
         check_rows(moments, needed)?;
-        let coordinates = Coordinates::new(Basis::full(settling)?);
+        let coordinates = Coordinates::new(FsfBasis::full(settling)?);
         let start = match options.frequencies {
             Frequencies::Count(_) => Vec::new(),
             _ => {
@@ -86,7 +86,7 @@ impl Plan {
         ar: &[f64],
     ) -> Result<Self, Error> {
         let mut plan = Self {
-            basis: Basis::full(settling)?,
+            basis: FsfBasis::full(settling)?,
             selected_by: SelectedBy::User,
             roll_off: FIRST_ORDER,
             order: options.noise_order,
@@ -95,7 +95,7 @@ impl Plan {
             banks: Vec::new(),
         };
         if let Frequencies::Count(frequencies) = options.frequencies {
-            plan.basis = Basis::new(settling, frequencies)?;
+            plan.basis = FsfBasis::new(settling, frequencies)?;
             return Ok(plan);
         }
         let Some(scan) = NestedBanks::scan(moments, settling, ar, FIRST_ORDER) else {
@@ -109,10 +109,10 @@ impl Plan {
         if options.frequencies == Frequencies::Narrow {
             let narrow = 2 * scan.best_predictor() + 1;
             let largest = plan.basis.frequencies().min(scan.excited());
-            plan.basis = Basis::new(settling, narrow.min(largest))?;
+            plan.basis = FsfBasis::new(settling, narrow.min(largest))?;
             plan.roll_off = SECOND_ORDER;
-        } else if structure::is_low_passed(&scan, settling) {
-            plan.basis = Basis::new(settling, scan.narrowest().frequencies)?;
+        } else if settling_time::is_low_passed(&scan, settling) {
+            plan.basis = FsfBasis::new(settling, scan.narrowest().frequencies)?;
         }
         Ok(plan)
     }

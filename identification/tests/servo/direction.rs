@@ -1,8 +1,8 @@
 //! Symmetric servos stay symmetric, and asymmetric ones are described.
 
 use rayon::prelude::*;
-use servoid_identification::basis::Basis;
 use servoid_identification::direction::{DirectionModel, split_with};
+use servoid_identification::fsf_basis::FsfBasis;
 use servoid_identification::{NoiseOrder, Record};
 
 use crate::plants::{Linear, PERIOD, measured, respond_by_stroke, staircase};
@@ -26,7 +26,7 @@ fn model(up: &Linear, down: &Linear, zero: f64, seed: u64, level: f64) -> Direct
     let record = Record::from_slices(PERIOD, &input, &measured(&clean, 1.0, seed)).unwrap();
     split_with(
         &record,
-        Basis::full(SETTLING).unwrap(),
+        FsfBasis::full(SETTLING).unwrap(),
         NoiseOrder::Auto,
         level,
     )
@@ -61,7 +61,8 @@ fn both_strokes_and_both_levels_of_an_asymmetric_servo_are_found() {
                 "{}",
                 both.simulation_percent
             );
-            let inside = |step: &servoid_identification::step::StepResponse, servo: &Linear| {
+            let inside = |step: &servoid_identification::step_response::StepResponse,
+                          servo: &Linear| {
                 let (lower, upper) = (&step.pointwise.lower, &step.pointwise.upper);
                 let held = (0..SETTLING).filter(|&m| {
                     let exact = servo.step(m as f64 * PERIOD);

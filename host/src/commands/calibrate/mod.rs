@@ -5,12 +5,13 @@ mod text;
 
 use super::rig_args::RigArgs;
 use super::{Talk, ask, interrupt, wrong_usage};
-use crate::calibration::{
+use crate::commands::output_files;
+use crate::data::rig_file::SensorSection;
+use crate::instrument::calibration::{
     Calibration, Estimate, Found, LEVEL, Mover, Reading, Rest, Travel, put_into, require_followed,
 };
-use crate::rig::file::SensorSection;
-use crate::rig::{RigClient, RigFile};
-use crate::{output, port};
+use crate::instrument::port;
+use crate::instrument::rig::{RigClient, RigFile};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
 use serde::Serialize;
@@ -123,7 +124,7 @@ impl Calibrate {
             None => String::new(),
         };
         if let Some(out) = &self.out {
-            output::check_free(out, self.force)?;
+            output_files::check_free(out, self.force)?;
         }
         let measured = if self.pairs.is_empty() {
             self.measure()?
@@ -142,7 +143,7 @@ impl Calibrate {
             (Some(out), _) => Some(out),
             (None, Some(rig)) if self.update => Some(rig),
             (None, Some(rig)) if asked => {
-                output::tell(&text);
+                output_files::tell(&text);
                 ask::confirm(&format!("Put this into {}", rig.display()), true)?.then_some(rig)
             }
             _ => None,
@@ -185,7 +186,7 @@ impl Calibrate {
                     "there is no terminal to ask for angles at: give them with --angles, take those that the pulses command with --by-servo, or leave the sensor's scale as it is with --travel-only"
                 );
             }
-            output::tell(self.intention(&rig.file, &pulses));
+            output_files::tell(self.intention(&rig.file, &pulses));
             if !ask::confirm("May it move", false)? {
                 bail!("the servo was not moved");
             }
@@ -301,7 +302,7 @@ impl Calibrate {
         let after = put_into(before, &found).map_err(anyhow::Error::msg)?;
         // What the reader would refuse is not written.
         RigFile::parse(&after, path)?;
-        output::write_file(path, self.force || self.update || self.asks(), &after)
+        output_files::write_file(path, self.force || self.update || self.asks(), &after)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Angles that somebody reads on a protractor while the servo holds its position.
 
-use crate::calibration::{Mover, Reading, Rest};
 use crate::commands::ask;
+use crate::instrument::calibration::{Mover, Reading, Rest};
 use anyhow::{Context, Result};
 use std::cell::{Cell, RefCell};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -47,7 +47,7 @@ fn read_one(
     mover: &mut Mover<'_>,
     pulse_us: u16,
     position: &str,
-) -> Result<(Rest, Option<f64>), crate::calibration::MoveError> {
+) -> Result<(Rest, Option<f64>), crate::instrument::calibration::MoveError> {
     let waits = mover.is_paced_by_reader();
     let asked: RefCell<Option<Receiver<Option<f64>>>> = RefCell::new(None);
     let answer: Cell<Option<Option<f64>>> = Cell::new(None);

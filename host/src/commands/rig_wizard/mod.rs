@@ -1,0 +1,279 @@
+//! A rig file for a new rig: what is asked of its user, what each answer has to be, and the file.
+
+mod range;
+
+pub use range::Range;
+
+use crate::data::rig_file::{
+    FULL_SCALE_VOLTS, LimitsSection, RTY_DEGREES, RTY_VOLTS, RigFile, RigFileError, SensorSection,
+    ServoSection,
+};
+use crate::presentation::template;
+use servoid_firmware::limits::{LONGEST_PULSE, SHORTEST_PULSE};
+use std::path::Path;
+
+/// The answers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answers {
+    /// What the rig is called.
+    pub name: String,
+    /// Where it is; `None` where that is said with every command.
+    pub port: Option<String>,
+    /// The condition that captures note.
+    pub condition: String,
+    /// What the servo is called.
+    pub servo: String,
+    /// The pulse at 0 degrees (µs).
+    pub neutral_us: u16,
+    /// Change of the pulse for one degree (µs/deg), either sign.
+    pub us_per_degree: f64,
+    /// The shortest and the longest pulse that the servo takes (µs).
+    pub pulses_us: Range,
+    /// How far the linkage may be turned (deg).
+    pub travel_deg: Range,
+    /// What the sensor is called.
+    pub sensor: String,
+    /// Volts of the sensor at the ends of its range.
+    pub sensor_volts: Range,
+    /// The angle that the sensor's volts span (deg), negative where they fall as the angle grows.
+    pub sensor_degrees: f64,
+}
+
+/// How far a linkage may be turned that nobody has said anything of (deg). Twice what a reference turns it
+/// unless it is told otherwise (5 degrees): room for what comes without `--amplitude`, for a step up to
+/// `--amplitude 10`, and little enough for most linkages. Servos of helicopters take 50 degrees, and many
+/// linkages jam long before.
+pub const CAREFUL_DEG: Range = Range {
+    low: -10.0,
+    high: 10.0,
+};
+
+impl Default for Answers {
+    /// What [`RigFile::default`] has: the paper's servo and sensor; and a travel of [`CAREFUL_DEG`].
+    fn default() -> Self {
+        let (servo, limits) = (ServoSection::default(), LimitsSection::default());
+        let [low, high] = RTY_VOLTS;
+        Self {
+            name: "my rig".into(),
+            port: None,
+            condition: "bench".into(),
+            servo: String::new(),
+            neutral_us: servo.neutral_us,
+            us_per_degree: servo.us_per_degree,
+            pulses_us: Range {
+                low: limits.shortest_us.into(),
+                high: limits.longest_us.into(),
+            },
+            travel_deg: CAREFUL_DEG,
+            sensor: "Honeywell RTY120".into(),
+            sensor_volts: Range { low, high },
+            sensor_degrees: RTY_DEGREES,
+        }
+    }
+}
+
+/// Whether an answer can be; else the sentence that says what is expected.
+pub type Checked = Result<(), String>;
+
+/// A name on one line.
+///
+/// # Errors
+/// One sentence.
+pub fn check_name(name: &str) -> Checked {
+    require(
+        !name.chars().any(char::is_control) && name.chars().count() <= LONGEST_NAME,
+        || format!("a name is one line of {LONGEST_NAME} letters at most"),
+    )
+}
+
+/// Beyond this a slip of the clipboard is more likely than a name.
+const LONGEST_NAME: usize = 80;
+
+/// A name that is not empty, as a condition has to have one.
+///
+/// # Errors
+/// One sentence.
+pub fn check_condition(condition: &str) -> Checked {
+    check_name(condition)?;
+    require(!condition.trim().is_empty(), || {
+        "a condition needs a name: bench, aircraft, or words of your own".into()
+    })
+}
+
+/// The shortest and the longest pulse.
+///
+/// # Errors
+/// One sentence.
+pub fn check_pulses(pulses: &Range) -> Checked {
+    let [shortest, longest] = BOARD_US.map(f64::from);
+    let whole = |us: f64| us.fract() == 0.0;
+    require(
+        shortest <= pulses.low && pulses.high <= longest && whole(pulses.low) && whole(pulses.high),
+        || format!("the board makes pulses of {shortest} to {longest} whole microseconds"),
+    )
+}
+
+/// What the board makes at all (µs).
+const BOARD_US: [u16; 2] = [SHORTEST_PULSE.0, LONGEST_PULSE.0];
+
+/// The pulse at 0 degrees, for a servo that takes `pulses`.
+///
+/// # Errors
+/// One sentence.
+pub fn check_neutral(neutral_us: u16, pulses: &Range) -> Checked {
+    require(pulses.contains(neutral_us.into()), || {
+        format!("neutral has to be a pulse that the servo takes, {pulses} µs")
+    })
+}
+
+/// Microseconds for a degree.
+///
+/// # Errors
+/// One sentence.
+pub fn check_us_per_degree(us: f64) -> Checked {
+    require((0.5..=200.0).contains(&us.abs()), || {
+        "R/C servos take about 10 µs for a degree: a number from 0.5 to 200 is needed, negative where a longer pulse turns it the other way".into()
+    })
+}
+
+/// How far the linkage may be turned.
+///
+/// # Errors
+/// One sentence.
+pub fn check_travel(travel: &Range) -> Checked {
+    require(travel.low < 0.0 && travel.high > 0.0, || {
+        "neutral is at 0 degrees, so the travel goes from below 0 to above it, such as -20:20"
+            .into()
+    })
+}
+
+/// Volts at the ends of the sensor's range.
+///
+/// # Errors
+/// One sentence.
+pub fn check_volts(volts: &Range) -> Checked {
+    require(volts.low >= 0.0 && volts.high <= FULL_SCALE_VOLTS, || {
+        format!("the divider takes 0 to {FULL_SCALE_VOLTS} V: a range such as 0.5:4.5 is needed")
+    })
+}
+
+/// The angle that the sensor's volts span.
+///
+/// # Errors
+/// One sentence.
+pub fn check_sensor_degrees(degrees: f64) -> Checked {
+    require((1.0..=3600.0).contains(&degrees.abs()), || {
+        "the sensor's range is a number of degrees from 1 to 3600, negative where its volts fall as the angle grows".into()
+    })
+}
+
+fn require(holds: bool, sentence: impl FnOnce() -> String) -> Checked {
+    if holds { Ok(()) } else { Err(sentence()) }
+}
+
+impl Answers {
+    /// Whether all answers can be, each by itself and together.
+    ///
+    /// # Errors
+    /// One sentence.
+    pub fn check(&self) -> Checked {
+        check_name(&self.name)?;
+        check_condition(&self.condition)?;
+        check_name(&self.servo)?;
+        check_pulses(&self.pulses_us)?;
+        check_neutral(self.neutral_us, &self.pulses_us)?;
+        check_us_per_degree(self.us_per_degree)?;
+        check_travel(&self.travel_deg)?;
+        check_name(&self.sensor)?;
+        check_volts(&self.sensor_volts)?;
+        check_sensor_degrees(self.sensor_degrees)
+    }
+
+    /// The pulses that neither leave what the servo takes nor turn the linkage beyond its travel (µs),
+    /// in whole microseconds to the safe side.
+    #[must_use]
+    pub fn limits_us(&self) -> [u16; 2] {
+        let pulse = |angle: f64| f64::from(self.neutral_us) + angle * self.us_per_degree;
+        let Range { low, high } = self.travel_deg;
+        let ends = [pulse(low), pulse(high)];
+        let low = self.pulses_us.low.max(ends[0].min(ends[1]).ceil());
+        let high = self.pulses_us.high.min(ends[0].max(ends[1]).floor());
+        [low, high].map(|us| us as u16)
+    }
+
+    /// The rig file, with a comment for every line that needs one.
+    ///
+    /// ```
+    /// use servoid::rig_wizard::{Answers, Range};
+    /// let answers = Answers { travel_deg: Range { low: -20.0, high: 30.0 }, ..Answers::default() };
+    /// let (text, rig) = answers.to_rig_file("rig.toml".as_ref())?;
+    /// assert!(text.contains("# reading at 0 degrees"));
+    /// assert_eq!((rig.limits.shortest_us, rig.limits.longest_us), (1300, 1800));
+    /// # Ok::<(), servoid::rig::file::RigFileError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RigFileError`] where the answers, taken together, make no rig; `path` is what the error calls
+    /// the file.
+    pub fn to_rig_file(&self, path: &Path) -> Result<(String, RigFile), RigFileError> {
+        let quoted = |text: &str| toml_edit::Value::from(text).to_string();
+        let number = |number: f64| toml_edit::Value::from(number).to_string();
+        let Range { low, high } = self.sensor_volts;
+        let sensor = SensorSection::from_data_sheet([low, high], self.sensor_degrees);
+        let [shortest, longest] = self.limits_us();
+        let port = match &self.port {
+            Some(port) => format!("port = {}", quoted(port)),
+            None => "# port = \"/dev/ttyUSB0\"".to_owned(),
+        };
+        let text = template::fill(
+            include_str!("rig.toml"),
+            &[
+                ("name", quoted(&self.name)),
+                ("port", port),
+                ("condition", quoted(&self.condition)),
+                ("servo", quoted(&self.servo)),
+                ("neutral_us", self.neutral_us.to_string()),
+                ("us_per_degree", number(self.us_per_degree)),
+                ("sensor", quoted(&self.sensor)),
+                ("volts", format!("{low} to {high} V")),
+                ("degrees", self.sensor_degrees.to_string()),
+                ("zero_counts", number(sensor.zero_counts)),
+                ("degrees_per_count", number(sensor.degrees_per_count)),
+                ("zero_sd_deg", number(sensor.zero_sd_deg)),
+                ("scale_sd_percent", number(sensor.scale_sd_percent)),
+                ("healthy_counts", format!("{:?}", sensor.healthy_counts)),
+                ("travel", self.travel_in_words()),
+                ("shortest_us", shortest.to_string()),
+                ("longest_us", longest.to_string()),
+            ],
+        );
+        let rig = RigFile::parse(&text, path)?;
+        Ok((text, rig))
+    }
+
+    /// How far the limits let the servo turn (deg).
+    #[must_use]
+    pub fn travel(&self) -> Range {
+        let angle = |us: u16| (f64::from(us) - f64::from(self.neutral_us)) / self.us_per_degree;
+        let [a, b] = self.limits_us().map(angle);
+        Range {
+            low: a.min(b),
+            high: a.max(b),
+        }
+    }
+
+    /// What the limits are in degrees, and where they come from.
+    #[must_use]
+    pub fn travel_in_words(&self) -> String {
+        let Range { low, high } = self.travel();
+        let because = if self.travel_deg == CAREFUL_DEG {
+            "a careful beginning; widen it once you know that the linkage stands more"
+        } else {
+            "what the linkage stands, as far as the servo takes such pulses"
+        };
+        format!("From {low:.1} to {high:.1} degrees: {because}.")
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,84 @@
+use super::*;
+use crate::instrument::reference::ReferenceSpec;
+
+#[test]
+fn default_answers_are_the_default_rig() {
+    let (text, rig) = Answers::default().to_rig_file("rig.toml".as_ref()).unwrap();
+    let default = RigFile::default();
+    // Within what the board takes by itself, and with room for what a reference does by itself.
+    let [shortest, longest] = [rig.limits.shortest_us, rig.limits.longest_us];
+    assert_eq!([shortest, longest], [1400, 1600]);
+    let granted = ReferenceSpec::default()
+        .grant(default.servo.us_per_degree)
+        .unwrap();
+    let (_, farthest) = granted.reference.extremes_us();
+    let room = i32::from(longest) - i32::from(default.servo.neutral_us);
+    assert_eq!(room, 2 * i32::from(farthest));
+    assert_eq!(rig.servo, default.servo);
+    let sensor = SensorSection {
+        name: rig.sensor.name.clone(),
+        ..default.sensor
+    };
+    assert_eq!(rig.sensor, sensor);
+    assert!(!text.contains("{{"), "{text}");
+}
+
+#[test]
+fn each_answer_arrives_whatever_is_in_it() {
+    let answers = Answers {
+        name: "a \"quoted\" name \\ {{port}} # ü".into(),
+        port: Some("tcp:localhost:7000".into()),
+        condition: "aircraft, rotor off".into(),
+        servo: "S1".into(),
+        neutral_us: 1520,
+        us_per_degree: -9.5,
+        pulses_us: "900:2100".parse().unwrap(),
+        travel_deg: "-20:30".parse().unwrap(),
+        sensor: "H".into(),
+        sensor_volts: "0.25:4.75".parse().unwrap(),
+        sensor_degrees: -90.0,
+    };
+    answers.check().unwrap();
+    let (text, rig) = answers.to_rig_file("rig.toml".as_ref()).unwrap();
+    assert_eq!(rig.name, answers.name);
+    assert_eq!(rig.port, answers.port);
+    assert_eq!(rig.condition.as_deref(), Some("aircraft, rotor off"));
+    assert_eq!(
+        (rig.servo.neutral_us, rig.servo.us_per_degree),
+        (1520, -9.5)
+    );
+    // The longer pulse is the lower angle: 1520 - 30 · 9.5 and 1520 + 20 · 9.5, rounded inwards.
+    assert_eq!(
+        (rig.limits.shortest_us, rig.limits.longest_us),
+        (1235, 1710)
+    );
+    assert!(text.contains("From -20.0 to 30.0 degrees"), "{text}");
+    let scale = rig.sensor_scale();
+    let counts = |volts: f64| volts / FULL_SCALE_VOLTS * 4.0 * 4096.0;
+    let at = |volts: f64| (counts(volts) - scale.zero_counts) * scale.degrees_per_count;
+    // Rounding of numbers of 1e4 counts.
+    assert!((at(0.25) - 45.0).abs() < 1e-9 && (at(4.75) + 45.0).abs() < 1e-9);
+}
+
+#[test]
+fn each_mistake_is_told_in_one_sentence() {
+    type Change = fn(&mut Answers);
+    let cases: [(Change, &str); 10] = [
+        (|a| a.name = "a\nb".into(), "one line"),
+        (|a| a.condition = " ".into(), "needs a name"),
+        (|a| a.pulses_us = "700:2000".parse().unwrap(), "800 to 2200"),
+        (|a| a.pulses_us = "1000.5:2000".parse().unwrap(), "whole"),
+        (|a| a.neutral_us = 900, "1000:2000"),
+        (|a| a.us_per_degree = 0.0, "10 µs"),
+        (|a| a.us_per_degree = f64::NAN, "10 µs"),
+        (|a| a.travel_deg = "5:20".parse().unwrap(), "below 0"),
+        (|a| a.sensor_volts = "0.5:5.5".parse().unwrap(), "divider"),
+        (|a| a.sensor_degrees = 0.0, "3600"),
+    ];
+    for (change, word) in cases {
+        let mut answers = Answers::default();
+        change(&mut answers);
+        let said = answers.check().unwrap_err();
+        assert!(said.contains(word), "{said}");
+    }
+}

@@ -1,0 +1,161 @@
+//! Which column of a foreign file is what, guessed by its name: for a command to try, never to compute
+//! with.
+
+/// Names that people give to what was commanded, and to what was measured, the plainest first.
+const INPUTS: [&str; 22] = [
+    "u",
+    "input",
+    "in",
+    "command",
+    "commanded",
+    "cmd",
+    "reference",
+    "ref",
+    "setpoint",
+    "set",
+    "desired",
+    "target",
+    "demand",
+    "goal",
+    "pwm",
+    "pulse",
+    "soll",
+    "sollwert",
+    "vorgabe",
+    "consigne",
+    "consigna",
+    "stick",
+];
+const OUTPUTS: [&str; 20] = [
+    "y",
+    "output",
+    "out",
+    "position",
+    "pos",
+    "angle",
+    "measured",
+    "measurement",
+    "meas",
+    "actual",
+    "response",
+    "feedback",
+    "sensor",
+    "ist",
+    "istwert",
+    "winkel",
+    "lage",
+    "ángulo",
+    "posición",
+    "posizione",
+];
+
+/// Names of a column that tells runs apart.
+const RUNS: [&str; 6] = [
+    "run",
+    "run_id",
+    "trial",
+    "repetition",
+    "experiment",
+    "episode",
+];
+
+/// "--input u --output y --period SECONDS" for a file with these columns; words in capitals where no name
+/// tells.
+pub(super) fn options(columns: &[String]) -> String {
+    let input = named(columns, &INPUTS, None);
+    let output = named(columns, &OUTPUTS, input);
+    let word = |column: Option<&String>| column.map_or_else(|| "COLUMN".to_owned(), |c| quoted(c));
+    let timed = crate::data::dataset::time_column::column(columns).is_some();
+    let taken = |column: &&String| Some(*column) != input && Some(*column) != output;
+    let run = columns
+        .iter()
+        .filter(taken)
+        .find(|column| RUNS.contains(&column.to_lowercase().as_str()));
+    format!(
+        "--input {} --output {}{}{}",
+        word(input),
+        word(output),
+        if timed { "" } else { " --period SECONDS" },
+        run.map_or_else(String::new, |run| format!(" --run {}", quoted(run)))
+    )
+}
+
+/// The first column that is called so, or else whose name has such a word in it, and is not `taken`.
+fn named<'a>(columns: &'a [String], names: &[&str], taken: Option<&String>) -> Option<&'a String> {
+    let free = || columns.iter().filter(move |column| Some(*column) != taken);
+    let whole = |name: &&str| free().find(|column| column.to_lowercase() == **name);
+    let part = |name: &&str| {
+        free().find(|column| {
+            let lower = column.to_lowercase();
+            // "pos_cmd" and "Command [deg]" are two words each.
+            lower
+                .split(|letter: char| !letter.is_alphanumeric())
+                .any(|word| word == *name)
+        })
+    };
+    names
+        .iter()
+        .find_map(whole)
+        .or_else(|| names.iter().find_map(part))
+}
+
+/// A name for a command line.
+pub(crate) fn quoted(name: &str) -> String {
+    let plain = |letter: char| letter.is_alphanumeric() || "_-./:=+,".contains(letter);
+    if !name.is_empty() && name.chars().all(plain) {
+        return name.to_owned();
+    }
+    format!("'{}'", name.replace('\'', r"'\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(columns: &[&str]) -> String {
+        options(
+            &columns
+                .iter()
+                .map(|&column| column.to_owned())
+                .collect::<Vec<_>>(),
+        )
+    }
+
+    #[test]
+    fn a_word_that_both_names_have_goes_to_the_one_that_is_left() {
+        assert_eq!(
+            of(&["Time [s]", "Set angle", "Meas angle"]),
+            "--input 'Set angle' --output 'Meas angle'"
+        );
+    }
+
+    #[test]
+    fn names_in_other_languages_are_known() {
+        assert_eq!(
+            of(&["Zeit", "Sollwert", "Istwert"]),
+            "--input Sollwert --output Istwert"
+        );
+        assert_eq!(
+            of(&["Temps [ms]", "Consigne [°]", "Position [°]"]),
+            "--input 'Consigne [°]' --output 'Position [°]'"
+        );
+    }
+
+    #[test]
+    fn columns_are_guessed_by_name_and_left_open_otherwise() {
+        assert_eq!(of(&["t", "u", "y"]), "--input u --output y");
+        assert_eq!(
+            of(&["Command [deg]", "Measured Angle"]),
+            "--input 'Command [deg]' --output 'Measured Angle' --period SECONDS"
+        );
+        assert_eq!(of(&["time", "a", "b"]), "--input COLUMN --output COLUMN");
+        assert_eq!(
+            of(&["t", "u", "y", "Run"]),
+            "--input u --output y --run Run"
+        );
+        assert_eq!(
+            of(&["pos_cmd", "pos"]),
+            "--input pos_cmd --output pos --period SECONDS"
+        );
+    }
+}

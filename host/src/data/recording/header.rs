@@ -1,0 +1,272 @@
+//! The comment lines above the rows: where a recording comes from.
+
+use super::FORMAT;
+use crate::data::recording::as_toml;
+use crate::instrument::rig::RigFile;
+use serde::{Deserialize, Serialize};
+use servoid_protocol::framing::CRC;
+use servoid_protocol::message::Start;
+use servoid_protocol::{Counts, Hello, PulseWidth, SensorScale, ServoScale};
+use toml::{Table, Value};
+
+/// How every recording begins.
+pub(super) const FIRST_LINE: &str = "# format = ";
+
+/// The key of the header's own CRC-32.
+pub(super) const HEADER_CRC: &str = "header_crc32";
+
+/// What a recording says of itself. One `# key = value` line each, in this order.
+///
+/// Keys that are missing get their defaults and keys that are not known are passed over, so that
+/// recordings of other versions of the same format can be read.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Header {
+    /// [`FORMAT`].
+    pub format: u32,
+    /// Version of the program that wrote it.
+    pub servoid: String,
+    /// When the run began, UTC, RFC 3339.
+    pub started: String,
+    /// What the servo is called.
+    pub servo: String,
+    /// Under what condition: `bench`, `aircraft`, or the user's word.
+    pub condition: String,
+    /// What the rig is called.
+    pub rig: String,
+    /// The user's remarks.
+    pub notes: String,
+    /// What was lost when the recording was rescued from a damaged file; empty where it was not.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub recovered: String,
+    /// Values that nothing proves, where the recording was rescued from one whose header was damaged:
+    /// their names and what the damaged header said; empty where it was not.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub unproved: String,
+    /// Where the rig was.
+    pub port: String,
+    /// Kind of board, its unique number, and the firmware's version.
+    pub board: String,
+    /// The board's unique number, hexadecimal.
+    pub board_id: String,
+    /// The firmware's version.
+    pub firmware: String,
+    /// Where the board's clock came from.
+    pub clock: String,
+    /// The reference signal, in microseconds from neutral and frames of 20 ms.
+    pub reference: Option<Table>,
+    /// Frames at neutral before the reference.
+    pub pre_roll_frames: u16,
+    /// Frames of the reference; 0 where it is not known.
+    pub reference_frames: u32,
+    /// Frames at neutral after the reference.
+    pub post_roll_frames: u16,
+    /// Time between samples (s).
+    pub sample_period_s: f64,
+    /// From a change of the reference to the moment that the first sample after it stands for (s).
+    pub sample_phase_s: f64,
+    /// The pulse that commands 0 degrees (µs).
+    pub neutral_us: u16,
+    /// Change of the pulse for one degree (µs/deg).
+    pub us_per_degree: f64,
+    /// What the sensor is called.
+    pub sensor: String,
+    /// Sensor reading at 0 degrees (counts).
+    pub zero_counts: f64,
+    /// Degrees for one count.
+    pub degrees_per_count: f64,
+    /// Standard deviation of the sensor's zero (deg).
+    pub zero_sd_deg: f64,
+    /// Standard deviation of the sensor's scale (percent of it).
+    pub scale_sd_percent: f64,
+    /// Smallest and largest reading of a healthy sensor (counts), where they were written down.
+    pub healthy_counts: Option<[u16; 2]>,
+}
+
+impl Default for Header {
+    fn default() -> Self {
+        let rig = RigFile::default();
+        Self {
+            format: FORMAT,
+            servoid: String::new(),
+            started: String::new(),
+            servo: String::new(),
+            condition: String::new(),
+            rig: String::new(),
+            notes: String::new(),
+            recovered: String::new(),
+            unproved: String::new(),
+            port: String::new(),
+            board: String::new(),
+            board_id: String::new(),
+            firmware: String::new(),
+            clock: String::new(),
+            reference: None,
+            pre_roll_frames: 0,
+            reference_frames: 0,
+            post_roll_frames: 0,
+            sample_period_s: f64::from(servoid_protocol::timing::SAMPLE_US) * 1e-6,
+            sample_phase_s: 0.0,
+            neutral_us: rig.servo.neutral_us,
+            us_per_degree: rig.servo.us_per_degree,
+            sensor: String::new(),
+            zero_counts: rig.sensor.zero_counts,
+            degrees_per_count: rig.sensor.degrees_per_count,
+            zero_sd_deg: rig.sensor.zero_sd_deg,
+            scale_sd_percent: rig.sensor.scale_sd_percent,
+            healthy_counts: None,
+        }
+    }
+}
+
+impl Header {
+    /// The header of a run that begins now.
+    #[must_use]
+    pub fn of_run(hello: &Hello, rig: &RigFile, start: &Start) -> Self {
+        let now = std::time::SystemTime::now();
+        Self {
+            servoid: env!("CARGO_PKG_VERSION").to_owned(),
+            started: humantime::format_rfc3339_seconds(now).to_string(),
+            servo: rig.servo.name.clone(),
+            rig: rig.name.clone(),
+            board: hello.board.as_str().to_owned(),
+            board_id: hello
+                .unique_id
+                .iter()
+                .map(|byte| format!("{byte:02x}"))
+                .collect(),
+            firmware: hello.build.as_str().to_owned(),
+            clock: format!("{:?}", hello.clock),
+            reference: Some(as_toml(&start.reference)),
+            pre_roll_frames: start.pre_roll_frames,
+            reference_frames: start.reference.frames(),
+            post_roll_frames: start.post_roll_frames,
+            sample_period_s: f64::from(hello.sample_us) * 1e-6,
+            sample_phase_s: sample_phase_s(hello),
+            neutral_us: rig.servo.neutral_us,
+            us_per_degree: rig.servo.us_per_degree,
+            sensor: rig.sensor.name.clone(),
+            zero_counts: rig.sensor.zero_counts,
+            degrees_per_count: rig.sensor.degrees_per_count,
+            zero_sd_deg: rig.sensor.zero_sd_deg,
+            scale_sd_percent: rig.sensor.scale_sd_percent,
+            healthy_counts: Some(rig.sensor.healthy_counts),
+            ..Self::default()
+        }
+    }
+
+    /// What is known, in words and in the file's order: name and value, what is empty left out.
+    #[must_use]
+    pub fn facts(&self) -> Vec<(String, String)> {
+        // A header always has a form in TOML; were it not so, there would be nothing to tell.
+        let value = Value::try_from(self).unwrap_or_else(|_| Value::Table(Table::new()));
+        let text = |value: &Value| {
+            value
+                .as_str()
+                .map_or_else(|| value.to_string(), str::to_owned)
+        };
+        let fields = value.as_table().into_iter().flatten();
+        fields
+            .map(|(key, value)| (key.replace('_', " "), text(value)))
+            .filter(|(_, value)| !value.is_empty())
+            .collect()
+    }
+
+    /// Marks what the rows of a recording with a damaged header do not prove.
+    ///
+    /// Each row has its time beside its sample number and its position beside its counts: they prove
+    /// the period, and as soon as two different counts are there, the sensor's scale. All else is
+    /// taken as the damaged header has it.
+    pub(super) fn mark_unproved(&mut self, scale_is_proved: bool) {
+        let proved: &[&str] = if scale_is_proved {
+            &[
+                "format",
+                "sample_period_s",
+                "zero_counts",
+                "degrees_per_count",
+            ]
+        } else {
+            &["format", "sample_period_s"]
+        };
+        let value = Value::try_from(&*self).unwrap_or_else(|_| Value::Table(Table::new()));
+        let fields = value.as_table().into_iter().flatten();
+        let unproved: Vec<String> = fields
+            .filter(|(key, value)| {
+                let numbers = !value.is_str();
+                let matters = numbers || ["condition", "servo", "sensor"].contains(&key.as_str());
+                matters && !proved.contains(&key.as_str())
+            })
+            .map(|(key, value)| format!("{key} = {}", on_one_line(value)))
+            .collect();
+        self.unproved = unproved.join(", ");
+    }
+
+    /// The comment lines: the format first, a CRC-32 over all of them last.
+    ///
+    /// # Errors
+    /// When a value has no form in TOML.
+    pub fn to_lines(&self) -> Result<String, toml::ser::Error> {
+        let value = Value::try_from(self)?;
+        let fields = value.as_table().into_iter().flatten();
+        let lines: String = fields
+            .filter(|(key, _)| *key != "format")
+            .map(|(key, value)| format!("# {key} = {}\n", on_one_line(value)))
+            .collect();
+        let lines = format!("{FIRST_LINE}{}\n{lines}", self.format);
+        let crc32 = CRC.checksum(lines.as_bytes());
+        Ok(format!("{lines}# {HEADER_CRC} = \"{crc32:08x}\"\n"))
+    }
+
+    /// How pulses become degrees.
+    #[must_use]
+    pub fn servo_scale(&self) -> ServoScale {
+        ServoScale {
+            neutral: PulseWidth(self.neutral_us),
+            us_per_degree: self.us_per_degree,
+        }
+    }
+
+    /// The smallest and the largest angle that a healthy sensor can report (deg), where that was
+    /// written down.
+    #[must_use]
+    pub fn healthy_degrees(&self) -> Option<(f64, f64)> {
+        let sensor = self.sensor_scale();
+        let [a, b] = self
+            .healthy_counts?
+            .map(|counts| sensor.degrees(Counts(counts)).0);
+        Some((a.min(b), a.max(b)))
+    }
+
+    /// How counts become degrees.
+    #[must_use]
+    pub fn sensor_scale(&self) -> SensorScale {
+        SensorScale {
+            zero_counts: self.zero_counts,
+            degrees_per_count: self.degrees_per_count,
+        }
+    }
+}
+
+/// From an edge to the moment that a sample stands for (s): the mean of the ends of its conversions.
+/// (The converter holds the voltage about a microsecond before each end, which is below what any
+/// result resolves.)
+fn sample_phase_s(hello: &Hello) -> f64 {
+    let conversions = f64::from(hello.oversampling.max(1));
+    let mean_end = f64::from(hello.aperture_us) * (conversions + 1.0) / (2.0 * conversions);
+    (f64::from(hello.first_sample_us) + mean_end) * 1e-6
+}
+
+/// A value in TOML, on one line whatever texts are in it: TOML would write a text with a line end over
+/// several lines, which would then be no comments any more.
+pub(super) fn on_one_line(value: &Value) -> String {
+    let Value::String(text) = value else {
+        return value.to_string();
+    };
+    let escaped = |letter: char| match letter {
+        '"' => "\\\"".to_owned(),
+        '\\' => "\\\\".to_owned(),
+        control if control.is_control() => format!("\\u{:04X}", u32::from(control)),
+        other => other.to_string(),
+    };
+    format!("\"{}\"", text.chars().map(escaped).collect::<String>())
+}

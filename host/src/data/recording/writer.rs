@@ -1,0 +1,268 @@
+//! Writing a recording so that what has been captured survives whatever comes next.
+
+use super::reserved::ReservedFile;
+use super::row::RowFormat;
+use super::{COLUMNS, Ending, Header, WriteError};
+use servoid_protocol::Frame;
+use servoid_protocol::framing::CRC;
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Where a recording is written to: a file, as a rule.
+pub trait Target: Write {
+    /// Takes back everything beyond the first `length` bytes.
+    ///
+    /// # Errors
+    /// When that cannot be done.
+    fn cut_to(&mut self, length: u64) -> std::io::Result<()>;
+
+    /// Waits until everything is where a power cut cannot touch it.
+    ///
+    /// # Errors
+    /// When that cannot be done.
+    fn settle(&mut self) -> std::io::Result<()>;
+
+    /// Puts what was written where it can be found, after its own name has been taken from it; returns where
+    /// that is.
+    fn rescue(&mut self) -> Option<PathBuf> {
+        None
+    }
+}
+
+/// A recording that is being written.
+pub struct RecordingWriter {
+    target: Box<dyn Target>,
+    path: PathBuf,
+    /// The lines above the rows, until they are written.
+    header: Option<String>,
+    format: RowFormat,
+    rows: u64,
+    /// Length of the file up to the last whole frame (bytes).
+    bytes: u64,
+    digest: crc::Digest<'static, u32, crc::Table<1>>,
+}
+
+impl RecordingWriter {
+    /// Makes the file and writes its header.
+    ///
+    /// # Errors
+    /// [`WriteError`].
+    pub fn create(path: &Path, force: bool, header: &Header) -> Result<Self, WriteError> {
+        let mut writer = ReservedFile::new(path, force)?.begin(header)?;
+        writer.begin_file()?;
+        Ok(writer)
+    }
+
+    /// Writes the header to `target`; `path` is what error texts call it.
+    ///
+    /// # Errors
+    /// [`WriteError::NotCreated`].
+    pub fn on(target: Box<dyn Target>, path: &Path, header: &Header) -> Result<Self, WriteError> {
+        let mut writer = Self::waiting(target, path, header)?;
+        writer.begin_file()?;
+        Ok(writer)
+    }
+
+    /// A writer that leaves `target` as it is until the first frame or the end.
+    pub(super) fn waiting(
+        target: Box<dyn Target>,
+        path: &Path,
+        header: &Header,
+    ) -> Result<Self, WriteError> {
+        let lines = header.to_lines().map_err(|error| WriteError::NotCreated {
+            path: path.to_owned(),
+            reason: std::io::Error::other(error),
+        })?;
+        Ok(Self {
+            target,
+            path: path.to_owned(),
+            header: Some(format!("{lines}{}\n", COLUMNS.join(","))),
+            format: RowFormat::new(header),
+            rows: 0,
+            bytes: 0,
+            digest: CRC.digest(),
+        })
+    }
+
+    /// Whether anything of it is in the file; before, the file is what it was.
+    #[must_use]
+    pub fn has_begun(&self) -> bool {
+        self.header.is_none()
+    }
+
+    /// Replaces what is in the file by the lines above the rows, unless that has been done.
+    fn begin_file(&mut self) -> Result<(), WriteError> {
+        let Some(text) = self.header.take() else {
+            return Ok(());
+        };
+        // What is not a plain file has no length to cut.
+        let _best_effort = self.target.cut_to(0);
+        self.target.write_all(text.as_bytes()).map_err(|reason| {
+            // An empty file is in nobody's way.
+            let _best_effort = self.target.cut_to(0);
+            WriteError::NotCreated {
+                path: self.path.clone(),
+                reason,
+            }
+        })?;
+        self.bytes = text.len() as u64;
+        Ok(())
+    }
+
+    /// Where it goes.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Rows so far.
+    #[must_use]
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Appends a frame's rows. They are the system's when this returns: the death of this program
+    /// no longer touches them.
+    ///
+    /// # Errors
+    /// [`WriteError::Stopped`]; the rows before this frame are kept.
+    pub fn append(&mut self, frame: &Frame) -> Result<(), WriteError> {
+        self.begin_file()?;
+        let mut text = String::with_capacity(SAMPLES_PER_FRAME * 40);
+        let first = u64::from(frame.index) * SAMPLES_PER_FRAME as u64;
+        for (sample, counts) in (first..).zip(frame.samples) {
+            self.format.write(&mut text, sample, frame.pulse, counts);
+        }
+        // In one piece, so that a program that dies leaves whole frames.
+        self.target
+            .write_all(text.as_bytes())
+            .map_err(|reason| self.stopped(reason))?;
+        self.bytes += text.len() as u64;
+        self.digest.update(text.as_bytes());
+        self.rows += SAMPLES_PER_FRAME as u64;
+        Ok(())
+    }
+
+    /// Writes the last line and waits until everything is on the disk.
+    ///
+    /// # Errors
+    /// [`WriteError::Stopped`]; the rows are kept, and without its last line the recording is read
+    /// as partial. [`WriteError::Rescued`], [`WriteError::Removed`].
+    pub fn finish(mut self, ending: &Ending) -> Result<(), WriteError> {
+        self.begin_file()?;
+        let line = ending.last_line(self.rows, self.digest.clone().finalize());
+        let written = self
+            .target
+            .write_all(line.as_bytes())
+            .and_then(|()| self.target.settle());
+        written.map_err(|reason| self.stopped(reason))
+    }
+
+    fn stopped(&mut self, reason: std::io::Error) -> WriteError {
+        if reason.kind() == std::io::ErrorKind::NotFound {
+            let (path, rows) = (self.path.clone(), self.rows);
+            return match self.target.rescue() {
+                Some(kept) => WriteError::Rescued { path, kept, rows },
+                None => WriteError::Removed { path, rows },
+            };
+        }
+        // Part of a frame may have got through; if the system cannot take it back, the reader
+        // passes over a last line that has no end.
+        let _best_effort = self.target.cut_to(self.bytes);
+        WriteError::Stopped {
+            path: self.path.clone(),
+            rows: self.rows,
+            reason,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::recording::{Completeness, Recording};
+    use servoid_protocol::{Counts, PulseWidth};
+    use std::cell::RefCell;
+    use std::io::{Error, ErrorKind, Result as IoResult};
+    use std::rc::Rc;
+
+    /// A disk with room for so many bytes, which takes part of what does not fit.
+    #[derive(Clone)]
+    struct SmallDisk {
+        bytes: Rc<RefCell<Vec<u8>>>,
+        room: usize,
+        can_cut: bool,
+    }
+
+    impl Write for SmallDisk {
+        fn write(&mut self, bytes: &[u8]) -> IoResult<usize> {
+            let mut disk = self.bytes.borrow_mut();
+            let count = bytes.len().min(self.room - disk.len());
+            disk.extend(&bytes[..count]);
+            if count == 0 {
+                return Err(ErrorKind::StorageFull.into());
+            }
+            Ok(count)
+        }
+
+        fn flush(&mut self) -> IoResult<()> {
+            Ok(())
+        }
+    }
+
+    impl Target for SmallDisk {
+        fn cut_to(&mut self, length: u64) -> IoResult<()> {
+            if !self.can_cut {
+                return Err(Error::other("no"));
+            }
+            self.bytes.borrow_mut().truncate(length as usize);
+            Ok(())
+        }
+
+        fn settle(&mut self) -> IoResult<()> {
+            Ok(())
+        }
+    }
+
+    /// Wherever the disk ends, in a row, in a frame or in the last line: what is on it is whole
+    /// frames, and the error says how many rows they are.
+    #[test]
+    fn a_full_disk_keeps_every_whole_frame() {
+        for can_cut in [true, false] {
+            for room in 800..2_600 {
+                let disk = SmallDisk {
+                    bytes: Rc::default(),
+                    room,
+                    can_cut,
+                };
+                let path = Path::new("x.csv");
+                let begun = RecordingWriter::on(Box::new(disk.clone()), path, &Header::default());
+                let Ok(mut writer) = begun else { continue };
+                let mut index = 0;
+                let stopped = loop {
+                    let frame = Frame {
+                        run: 1,
+                        index,
+                        pulse: PulseWidth(1_500),
+                        samples: [Counts(8_000 + index); SAMPLES_PER_FRAME],
+                    };
+                    match writer.append(&frame) {
+                        Ok(()) => index += 1,
+                        Err(error) => break error,
+                    }
+                };
+                let closed = writer.finish(&Ending::Complete);
+                let recording = Recording::parse(&disk.bytes.borrow(), path).unwrap();
+                let rows = recording.samples.len() as u64;
+                assert_eq!(rows, u64::from(index) * 10, "{room}");
+                let said = matches!(stopped, WriteError::Stopped { rows: r, .. } if r == rows);
+                assert!(said, "{stopped}");
+                // The room that the frame did not need may be enough for the last line.
+                if closed.is_err() || !can_cut {
+                    assert!(matches!(recording.completeness, Completeness::Partial(_)));
+                }
+            }
+        }
+    }
+}

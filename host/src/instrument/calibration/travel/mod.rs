@@ -1,0 +1,312 @@
+//! Where neutral is, how far a microsecond turns the servo, and where its travel ends.
+//!
+//! A slow staircase goes from neutral to one limit and back, then to the other one and back. Through the
+//! readings goes a line that may break at a knee on each side,
+//!
+//! ```text
+//!  counts = c0 + b clamp(x, low, high) + b_low min(x - low, 0) + b_high max(x - high, 0) + error
+//! ```
+//!
+//! with x = pulse - neutral, by least squares over both knees. A knee is there where the line without it is
+//! worse by more than scatter explains: F(2, ν) on the sums of squares, ν = readings - 6. Its interval is
+//! where the sum of squares stays within F(1, ν) of its minimum (the profile likelihood of a change point:
+//! D. V. Hinkley, *Inference in two-phase regression*, JASA 66, 1971), and whether the servo stops there or
+//! only answers less is told by the slope beyond it, over all places in that interval.
+
+use super::mover::{MoveError, Mover, Rest};
+use super::sensor::LEVEL;
+use super::{Estimate, knee};
+use crate::data::rig_file::SensorSection;
+use crate::instrument::rig::RigFile;
+use serde::Serialize;
+use servoid_identification::critical_values::{pointwise_critical, student_critical};
+
+/// Levels on each side of neutral.
+const LEVELS: u16 = 8;
+
+/// A slope beyond a knee that is surely below this part of the slope before it is an end.
+pub(super) const STANDS_STILL: f64 = 0.25;
+
+/// A knee beyond which less than this part of the way is lost is none: no servo is straighter.
+const SLIGHT: f64 = 0.02;
+
+/// How the travel ends on one side.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum End {
+    /// It does not end within the limits.
+    NotWithin {
+        /// The limit (µs).
+        limit_us: u16,
+        /// The angle there (deg).
+        angle_deg: f64,
+    },
+    /// The servo goes no further.
+    Stops {
+        /// The pulse from which on it stands still (µs).
+        at_us: Estimate,
+        /// Where it stands (deg).
+        angle_deg: Estimate,
+    },
+    /// From there on it answers less, and does not stop.
+    Softens {
+        /// From about this pulse on (µs).
+        from_us: Estimate,
+        /// What is left of the gain (percent).
+        gain_percent: Estimate,
+    },
+    /// From there on it answers more: what is nearer to neutral answers less, by load, friction or linkage.
+    AnswersMore {
+        /// From about this pulse on (µs).
+        from_us: Estimate,
+        /// The gain there, of that around neutral (percent).
+        gain_percent: Estimate,
+    },
+    /// It stops or answers less, and which of them the readings beyond cannot tell.
+    Unclear {
+        /// From about this pulse on (µs).
+        from_us: Estimate,
+    },
+}
+
+/// What a slow staircase has shown.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Travel {
+    /// The pulse at neutral (µs).
+    pub neutral_us: u16,
+    /// The sensor there (counts).
+    pub neutral_counts: Estimate,
+    /// The angle there (deg), what is known of the sensor included.
+    pub neutral_deg: Estimate,
+    /// Change of the pulse for one degree (µs/deg), what is known of the sensor included.
+    pub us_per_degree: Estimate,
+    /// On the side of the shortest pulse.
+    pub short_end: End,
+    /// On the side of the longest pulse.
+    pub long_end: End,
+    /// The reading farthest from the line (deg): dead band, friction, and what is not straight.
+    pub largest_residual_deg: f64,
+    /// The readings, in their order.
+    pub rests: Vec<Rest>,
+}
+
+/// Why a staircase tells nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum TravelError {
+    /// It could not be made.
+    #[error(transparent)]
+    Move(#[from] MoveError),
+    /// The servo stays where it is.
+    #[error(
+        "the servo does not follow the pulses: between {shortest} and {longest} µs the sensor's reading changes by {counts:.0} counts only; look at the servo's supply, its signal wire, and whether the sensor sits on its shaft"
+    )]
+    StandsStill {
+        /// The shortest pulse of the readings (µs).
+        shortest: u16,
+        /// The longest one (µs).
+        longest: u16,
+        /// How far apart the readings are (counts).
+        counts: f64,
+    },
+    /// Neutral is at a limit, or next to it.
+    #[error(
+        "the limits of the rig file leave no room on both sides of neutral for a staircase: {0} to {1} µs"
+    )]
+    NoRoom(u16, u16),
+}
+
+/// The pulses of one side's staircase, from neutral to the limit and back (µs).
+fn staircase(neutral: u16, limit: u16) -> Vec<u16> {
+    let level = |k: u16| {
+        let way = f64::from(limit) - f64::from(neutral);
+        (f64::from(neutral) + way * f64::from(k) / f64::from(LEVELS)).round() as u16
+    };
+    (0..=LEVELS).chain((0..LEVELS).rev()).map(level).collect()
+}
+
+/// Whether the servo has stood still for two levels in a row: pushing it further could do harm.
+fn stands_still(rests: &[Rest], counts_per_us: f64) -> bool {
+    let moved_too_little = |pair: &[Rest]| {
+        let [a, b] = pair else { return false };
+        let wanted = (f64::from(b.pulse_us) - f64::from(a.pulse_us)) * counts_per_us;
+        (b.counts - a.counts).abs() < STANDS_STILL * wanted.abs()
+    };
+    let outwards = rests.len() <= usize::from(LEVELS) + 1;
+    let last = rests.windows(2).rev().take(2);
+    outwards && rests.len() > 2 && last.into_iter().all(moved_too_little)
+}
+
+impl Travel {
+    /// Makes the staircase and tells what it shows; `sensor` turns counts into degrees. On a side on which
+    /// the servo stands still for two levels in a row the staircase turns back there.
+    ///
+    /// # Errors
+    /// [`TravelError`].
+    pub fn measure(mover: &mut Mover<'_>, sensor: &SensorSection) -> Result<Self, TravelError> {
+        let RigFile { servo, limits, .. } = mover.rig().clone();
+        let [shortest, longest] = [limits.shortest_us, limits.longest_us];
+        if longest.saturating_sub(servo.neutral_us) < LEVELS
+            || servo.neutral_us.saturating_sub(shortest) < LEVELS
+        {
+            return Err(TravelError::NoRoom(shortest, longest));
+        }
+        let counts_per_us = 1.0 / (servo.us_per_degree * sensor.degrees_per_count);
+        let mut rests = Vec::new();
+        for limit in [longest, shortest] {
+            let levels = staircase(servo.neutral_us, limit);
+            let seen = mover.visit(&levels, &|rests| stands_still(rests, counts_per_us))?;
+            // The way back that it did not make from its end; the first position is reached from inside.
+            let back: Vec<u16> = match seen.len() == levels.len() {
+                true => Vec::new(),
+                false => seen
+                    .iter()
+                    .rev()
+                    .skip(1)
+                    .map(|rest| rest.pulse_us)
+                    .collect(),
+            };
+            rests.extend(seen);
+            rests.extend(mover.visit(&back, &|_| false)?.into_iter().skip(1));
+        }
+        Self::of(rests, servo.neutral_us, [shortest, longest], sensor)
+    }
+
+    /// What readings show that go to both sides of `neutral_us`.
+    ///
+    /// # Errors
+    /// [`TravelError::StandsStill`], also where there are fewer than twelve readings.
+    pub fn of(
+        rests: Vec<Rest>,
+        neutral_us: u16,
+        limits_us: [u16; 2],
+        sensor: &SensorSection,
+    ) -> Result<Self, TravelError> {
+        let points: Vec<(f64, f64)> = rests
+            .iter()
+            .map(|rest| {
+                (
+                    f64::from(rest.pulse_us) - f64::from(neutral_us),
+                    rest.counts,
+                )
+            })
+            .collect();
+        let stands_still = || {
+            let pulses = || rests.iter().map(|rest| rest.pulse_us);
+            let counts = |pick: fn(f64, f64) -> f64| rests.iter().map(|r| r.counts).reduce(pick);
+            TravelError::StandsStill {
+                shortest: pulses().min().unwrap_or(neutral_us),
+                longest: pulses().max().unwrap_or(neutral_us),
+                counts: counts(f64::max).unwrap_or(0.0) - counts(f64::min).unwrap_or(0.0),
+            }
+        };
+        let line = knee::Line::through(&points).ok_or_else(stands_still)?;
+        let degrees = |counts: f64| (counts - sensor.zero_counts) * sensor.degrees_per_count;
+        let normal = pointwise_critical(LEVEL);
+        let t = student_critical(normal, &[line.degrees_of_freedom])
+            .first()
+            .copied()
+            .unwrap_or(f64::INFINITY);
+        let slope_half = t * line.slope_se;
+        if line.slope.abs() <= slope_half || !slope_half.is_finite() {
+            return Err(stands_still());
+        }
+        let zero_half = t * line.zero_se;
+        let us_per_degree = 1.0 / (line.slope * sensor.degrees_per_count);
+        // Errors of the line and of the sensor are independent.
+        let relative = (slope_half / line.slope).hypot(normal * sensor.scale_sd_percent / 100.0);
+        let zero_deg = (zero_half * sensor.degrees_per_count).hypot(normal * sensor.zero_sd_deg);
+        let view = View {
+            line: &line,
+            points: &points,
+            neutral_us,
+            t,
+            degrees: &degrees,
+            degrees_per_count: sensor.degrees_per_count,
+            sensor_half: normal * sensor.zero_sd_deg,
+        };
+        Ok(Self {
+            neutral_us,
+            neutral_counts: Estimate::around(line.zero, zero_half),
+            neutral_deg: Estimate::around(degrees(line.zero), zero_deg),
+            us_per_degree: Estimate::around(us_per_degree, (us_per_degree * relative).abs()),
+            short_end: view.end(knee::Side::Low, limits_us[0]),
+            long_end: view.end(knee::Side::High, limits_us[1]),
+            largest_residual_deg: line.largest_residual * sensor.degrees_per_count.abs(),
+            rests,
+        })
+    }
+}
+
+/// A fitted line, and what an end is told by.
+struct View<'a> {
+    line: &'a knee::Line,
+    points: &'a [(f64, f64)],
+    neutral_us: u16,
+    /// Student's t at [`LEVEL`].
+    t: f64,
+    degrees: &'a dyn Fn(f64) -> f64,
+    degrees_per_count: f64,
+    /// Half width of the interval of the sensor's zero (deg).
+    sensor_half: f64,
+}
+
+/// An end beyond which the servo goes on, with a gain from `least` to `most` of that before it; `None` where
+/// that may be the same gain.
+fn bent(from_us: Estimate, least: f64, most: f64) -> Option<End> {
+    let gain_percent = Estimate {
+        value: 50.0 * (least + most),
+        lower: 100.0 * least,
+        upper: 100.0 * most,
+    };
+    if most < 1.0 {
+        Some(End::Softens {
+            from_us,
+            gain_percent,
+        })
+    } else if least > 1.0 {
+        Some(End::AnswersMore {
+            from_us,
+            gain_percent,
+        })
+    } else {
+        None
+    }
+}
+
+impl View<'_> {
+    fn end(&self, side: knee::Side, limit_us: u16) -> End {
+        let us = |offset: f64| f64::from(self.neutral_us) + offset;
+        let outermost = side.outermost(self.points);
+        let not_within = End::NotWithin {
+            limit_us,
+            angle_deg: (self.degrees)(self.line.at(outermost)),
+        };
+        let Some(knee) = self.line.knee(self.points, side, LEVEL, self.t) else {
+            return not_within;
+        };
+        if (outermost - knee.at).abs() < SLIGHT * outermost.abs() {
+            return not_within;
+        }
+        let from_us = Estimate {
+            value: us(knee.at),
+            lower: us(knee.interval[0]),
+            upper: us(knee.interval[1]),
+        };
+        let [least, most] = knee.gain;
+        if -STANDS_STILL < least && most < STANDS_STILL {
+            let [counts, half] = knee.beyond;
+            let half = (half * self.degrees_per_count).hypot(self.sensor_half);
+            End::Stops {
+                at_us: from_us,
+                angle_deg: Estimate::around((self.degrees)(counts), half),
+            }
+        } else if least <= STANDS_STILL {
+            End::Unclear { from_us }
+        } else {
+            bent(from_us, least, most).unwrap_or(not_within)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

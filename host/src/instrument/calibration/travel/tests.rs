@@ -1,0 +1,155 @@
+use super::*;
+use crate::instrument::port;
+use crate::instrument::rig::RigClient;
+use servoid_simulator::sensor::SENSOR_SCALE;
+
+/// A sensor of which everything is known.
+fn exact(gain: f64) -> SensorSection {
+    SensorSection {
+        zero_counts: SENSOR_SCALE.zero_counts,
+        degrees_per_count: SENSOR_SCALE.degrees_per_count / gain,
+        zero_sd_deg: 0.0,
+        scale_sd_percent: 0.0,
+        ..SensorSection::default()
+    }
+}
+
+fn measure(address: &str, sensor: &SensorSection) -> Result<Travel, TravelError> {
+    let client = RigClient::connect(port::open(address).unwrap(), address).unwrap();
+    let mut mover = Mover::new(client, RigFile::default(), &|| false);
+    Travel::measure(&mut mover, sensor)
+}
+
+fn stop(end: &End) -> (Estimate, Estimate) {
+    match end {
+        End::Stops { at_us, angle_deg } => (*at_us, *angle_deg),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Stops at angles that no level of the staircase commands, 62.5 µs being 6.25 degrees.
+#[test]
+fn neutral_scale_and_ends_of_the_simulated_servo_lie_within_their_intervals() {
+    const RUNS: u64 = 40;
+    let mut missed = [0; 6];
+    for seed in 0..RUNS {
+        let gain = 0.98 + 0.001 * seed as f64;
+        let (low, high) = (-33.3, 20.0 + 0.1 * seed as f64);
+        let address = format!("sim:bench?seed={seed}&sensor-gain={gain}&stops-deg={low}:{high}");
+        let travel = measure(&address, &exact(gain)).unwrap();
+        let [short, long] = [&travel.short_end, &travel.long_end].map(stop);
+        // The simulated servo's play is 0.04 degrees wide: at a stop the output is half of it short.
+        let truths = [
+            (travel.us_per_degree, 10.0),
+            (travel.neutral_deg, 0.0),
+            (short.0, 1500.0 + 10.0 * low),
+            (long.0, 1500.0 + 10.0 * high),
+            (short.1, low + 0.02),
+            (long.1, high - 0.02),
+        ];
+        for (missed, (found, truth)) in missed.iter_mut().zip(truths) {
+            *missed += u64::from(!found.covers(truth));
+        }
+    }
+    // At 1 % four misses or more of 40 happen once in a thousand.
+    assert!(
+        missed.iter().all(|missed| *missed < 4),
+        "{missed:?} of {RUNS}"
+    );
+}
+
+#[test]
+fn a_servo_without_ends_has_none_and_its_gain_is_in_its_scale() {
+    for (servo, us_per_degree) in [("bench", 10.0), ("linear?gain=0.9", 10.0 / 0.9)] {
+        for seed in 0..10 {
+            let sign = if servo.contains('?') { '&' } else { '?' };
+            let travel = measure(&format!("sim:{servo}{sign}seed={seed}"), &exact(1.0)).unwrap();
+            for end in [&travel.short_end, &travel.long_end] {
+                assert!(
+                    matches!(end, End::NotWithin { .. }),
+                    "{servo} {seed}: {end:?}"
+                );
+            }
+            // At 99 %: one of 20 outside happens in one of five such tests, half as far again in none.
+            let Estimate {
+                value,
+                lower,
+                upper,
+            } = travel.us_per_degree;
+            let half = (upper - lower) / 2.0;
+            assert!(
+                (value - us_per_degree).abs() < 1.5 * half,
+                "{servo} {seed}: {value} ± {half}"
+            );
+            assert!(half / value < 0.01, "{half}");
+        }
+    }
+}
+
+#[test]
+fn a_servo_that_stands_still_is_told_from_one_that_ends() {
+    let error = measure("sim:linear?gain=0", &exact(1.0)).unwrap_err();
+    assert!(error.to_string().contains("does not follow"), "{error}");
+}
+
+/// A staircase over a plant that is told: counts at each pulse, out and back on both sides.
+fn of(counts: impl Fn(f64) -> f64) -> Travel {
+    let levels = [staircase(1500, 2000), staircase(1500, 1000)].concat();
+    let rest = |(k, pulse_us): (usize, u16)| Rest {
+        pulse_us,
+        // Alternating by two counts: scatter.
+        counts: counts(f64::from(pulse_us)) + if k % 2 == 0 { 2.0 } else { -2.0 },
+        sd_counts: 5.0,
+        samples: 250,
+    };
+    let rests = levels.into_iter().enumerate().map(rest).collect();
+    Travel::of(rests, 1500, [1000, 2000], &exact(1.0)).unwrap()
+}
+
+#[test]
+fn an_end_that_only_softens_is_no_stop() {
+    let line = |us: f64| 8192.0 + 10.923 * (us - 1500.0);
+    let softened = of(|us| {
+        if us > 1800.0 {
+            line(1800.0) + 0.5 * (line(us) - line(1800.0))
+        } else {
+            line(us)
+        }
+    });
+    let End::Softens {
+        gain_percent,
+        from_us,
+    } = softened.long_end
+    else {
+        panic!("{:?}", softened.long_end)
+    };
+    assert!((gain_percent.value - 50.0).abs() < 5.0, "{gain_percent:?}");
+    assert!(
+        from_us.value > 1750.0 && from_us.value < 1950.0,
+        "{from_us:?}"
+    );
+    assert!(matches!(softened.short_end, End::NotWithin { .. }));
+    let steeper = of(|us| {
+        if us < 1300.0 {
+            line(1300.0) + 1.15 * (line(us) - line(1300.0))
+        } else {
+            line(us)
+        }
+    });
+    let End::AnswersMore { gain_percent, .. } = steeper.short_end else {
+        panic!("{:?}", steeper.short_end)
+    };
+    assert!(gain_percent.lower > 100.0, "{gain_percent:?}");
+    assert!((gain_percent.value - 115.0).abs() < 5.0, "{gain_percent:?}");
+    // One level beyond the knee: it may be either.
+    let late = of(|us| line(us.min(1960.0)));
+    assert!(
+        matches!(late.long_end, End::Unclear { .. }),
+        "{:?}",
+        late.long_end
+    );
+    let stopped = of(|us| line(us.max(1234.0)));
+    let (at, angle) = stop(&stopped.short_end);
+    assert!(at.covers(1234.0) && at.upper - at.lower < 10.0, "{at:?}");
+    assert!((angle.value + 26.6).abs() < 0.1, "{angle:?}");
+}

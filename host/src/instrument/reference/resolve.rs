@@ -1,0 +1,330 @@
+//! From what is asked for to a reference of whole frames and microseconds.
+
+use super::{Band, Kind, seconds, steps_file};
+use crate::data::table::TableError;
+use servoid_protocol::reference::{
+    MAX_LEVELS, MAX_TONES, Multisine, Prbs, Reference, Staircase, Stairs, Sweep,
+};
+use servoid_protocol::timing::FRAMES_PER_SECOND;
+
+/// A reference as it is asked for; what is `None` gets its default.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReferenceSpec {
+    /// Which.
+    pub kind: Kind,
+    /// How far it goes to each side (degrees); not for a table.
+    pub amplitude_deg: Option<f64>,
+    /// How long a level of `stairs` or a chip of `prbs` is held (s).
+    pub hold_s: Option<f64>,
+    /// How long it takes (s): as near to it as whole cycles and periods come; not for the staircase.
+    pub length_s: Option<f64>,
+    /// Number of levels of `stairs`.
+    pub levels: Option<u16>,
+    /// Where `prbs` begins in its sequence.
+    pub seed: Option<u16>,
+    /// Lowest and highest frequency of `sweep` and `multisine` (Hz).
+    pub frequencies_hz: Option<Band>,
+}
+
+/// Why a wish cannot be fulfilled. The text says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum ReferenceError {
+    /// An option that says nothing about this reference.
+    #[error("{option} is not for the reference {kind}: it is for {instead}")]
+    NotFor {
+        /// The option.
+        option: &'static str,
+        /// The reference.
+        kind: Kind,
+        /// What it is for.
+        instead: &'static str,
+    },
+    /// A number out of its range.
+    #[error("{0}")]
+    OutOfRange(String),
+    /// The table of steps.
+    #[error(transparent)]
+    Table(#[from] TableError),
+}
+
+/// A reference, and what a user should know about how it came about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResolvedReference {
+    /// The reference.
+    pub reference: Reference,
+    /// What was rounded, and what is hardly enough.
+    pub remarks: Vec<String>,
+}
+
+/// Degrees of the paper's staircase to each side.
+pub const AMPLITUDE_DEG: f64 = 5.0;
+
+/// Five levels: four sizes of strokes in each direction, three levels reached from both sides, and four
+/// gains from level to level, as many as the ends of the travel are judged by.
+const LEVELS: u16 = 5;
+/// Longer than the 599 samples that a settling time may have. Where strokes of different size differ in shape,
+/// identification with shorter holds takes the differences for a slow tail: on the simulated bench servo it
+/// chooses N = 599 for holds of 0.2 to 1.1 s, with a band of 6 to 3 % and nothing to say of limits, and
+/// N = 85 from 1.2 s on, with 1.4 % and all of them (aircraft: N = 121, 2.3 %).
+const STAIRS_HOLD_S: f64 = 1.2;
+/// A third longer than the paper's servo takes to settle (0.12 s). A servo that is not linear does not answer
+/// chips that end before it rests as it answers longer ones: on the simulated bench servo the band is 14 to 29 % at
+/// 0.02 s, 13 % at 0.06 s, 1.3 % at 0.08 s, and 0.42 % from 0.12 to 0.16 s; on the aircraft 22, 15, 4.8 and 3 %.
+/// On the linear one it is 0.45 to 0.65 % at all of them.
+const CHIP_S: f64 = 0.16;
+/// Each level has to be reached from each side twice, or there is no scatter to judge by.
+const CYCLES: u32 = 2;
+/// What the other references take if nothing is said: 63 chips of 8 frames, a whole sequence of 6 bits, fit
+/// just so.
+const LENGTH_FRAMES: u32 = 512;
+/// From a stroke a second or so up to where frames still make a good sine (three a turn).
+const FREQUENCIES_HZ: Band = Band {
+    first: 0.2,
+    last: 15.0,
+};
+/// Periods of a multisine: the second one shows what the servo repeats.
+const PERIODS: u16 = 2;
+
+/// Below this, rounding to whole microseconds alone is more than 5 % of the step (µs).
+const SMALL_AMPLITUDE_US: f64 = 10.0;
+
+/// Beyond this nothing on the board is allowed anyway (µs).
+pub(super) const LARGEST_AMPLITUDE_US: f64 = 1000.0;
+
+/// The longest reference that leaves room for the rest around it within 16 bits of frames (s): 20
+/// minutes.
+pub(super) const LONGEST_S: f64 = 1200.0;
+
+impl ReferenceSpec {
+    /// The reference for a servo of `us_per_degree`.
+    ///
+    /// ```
+    /// use servoid::reference::{Kind, ReferenceSpec};
+    /// let wish = ReferenceSpec { kind: Kind::Stairs, ..ReferenceSpec::default() };
+    /// let granted = wish.grant(10.0)?;
+    /// assert_eq!(granted.reference.frames(), 2400); // 5 levels, 20 strokes of 1.2 s, twice
+    /// # Ok::<(), servoid::reference::ReferenceError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ReferenceError`].
+    pub fn grant(&self, us_per_degree: f64) -> Result<ResolvedReference, ReferenceError> {
+        self.refuse_what_does_not_apply()?;
+        let mut remarks = Vec::new();
+        let mut amplitude = || self.amplitude_us(us_per_degree, &mut remarks);
+        let reference = match &self.kind {
+            Kind::Staircase => Reference::Staircase(Staircase {
+                amplitude_us: amplitude()?,
+                ..Staircase::PAPER
+            }),
+            Kind::Stairs => Reference::Stairs(self.stairs(amplitude()?)?),
+            Kind::Prbs => Reference::Prbs(self.prbs(amplitude()?)?),
+            Kind::Sweep => Reference::Sweep(self.sweep(amplitude()?)?),
+            Kind::Multisine => Reference::Multisine(self.multisine(amplitude()?)?),
+            Kind::Steps(file) => Reference::Steps(steps_file::read(
+                file,
+                us_per_degree,
+                self.length_s,
+                &mut remarks,
+            )?),
+        };
+        let seconds = seconds(reference.frames());
+        if !reference.is_well_formed() || seconds > LONGEST_S {
+            return Err(ReferenceError::OutOfRange(format!(
+                "that makes a reference of {seconds} s that moves too little or lasts too long: it has to move, and to end within {LONGEST_S} s"
+            )));
+        }
+        Ok(ResolvedReference { reference, remarks })
+    }
+
+    fn refuse_what_does_not_apply(&self) -> Result<(), ReferenceError> {
+        use Kind::{Multisine, Prbs, Staircase, Stairs, Steps, Sweep};
+        let kind = &self.kind;
+        let wished = [
+            (
+                "--amplitude",
+                self.amplitude_deg.is_some() && matches!(kind, Steps(_)),
+                "every other reference; a table has its angles",
+            ),
+            (
+                "--hold",
+                self.hold_s.is_some() && !matches!(kind, Stairs | Prbs),
+                "stairs and prbs",
+            ),
+            (
+                "--length",
+                self.length_s.is_some() && matches!(kind, Staircase),
+                "every other reference; the paper's staircase takes 7.2 s",
+            ),
+            (
+                "--levels",
+                self.levels.is_some() && !matches!(kind, Stairs),
+                "stairs",
+            ),
+            (
+                "--prbs-seed",
+                self.seed.is_some() && !matches!(kind, Prbs),
+                "prbs",
+            ),
+            (
+                "--frequencies",
+                self.frequencies_hz.is_some() && !matches!(kind, Sweep | Multisine),
+                "sweep and multisine",
+            ),
+        ];
+        match wished
+            .into_iter()
+            .find(|(_, does_not_apply, _)| *does_not_apply)
+        {
+            Some((option, _, instead)) => Err(ReferenceError::NotFor {
+                option,
+                kind: kind.clone(),
+                instead,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn amplitude_us(
+        &self,
+        us_per_degree: f64,
+        remarks: &mut Vec<String>,
+    ) -> Result<u16, ReferenceError> {
+        let degrees = self.amplitude_deg.unwrap_or(AMPLITUDE_DEG);
+        if degrees.is_sign_negative() {
+            return Err(ReferenceError::OutOfRange(format!(
+                "an amplitude of {degrees} degrees is none: a reference goes to both sides of neutral, so state {}",
+                -degrees
+            )));
+        }
+        let microseconds = (degrees * us_per_degree).abs().round();
+        if !(1.0..=LARGEST_AMPLITUDE_US).contains(&microseconds) {
+            return Err(ReferenceError::OutOfRange(format!(
+                "an amplitude of {degrees} degrees is {microseconds} µs of pulse: choose one between 1 and {LARGEST_AMPLITUDE_US} µs"
+            )));
+        }
+        if microseconds < SMALL_AMPLITUDE_US {
+            remarks.push(format!(
+                "an amplitude of {degrees} degrees is only {microseconds} µs of pulse: it is sent in whole microseconds, and friction and dead band may swallow much of it"
+            ));
+        }
+        Ok(microseconds as u16)
+    }
+
+    /// A number of whole frames, at least one.
+    pub(super) fn frames(name: &str, wished_s: f64) -> Result<u16, ReferenceError> {
+        let frames = (wished_s * f64::from(FRAMES_PER_SECOND)).round();
+        if (1.0..=LONGEST_S * f64::from(FRAMES_PER_SECOND)).contains(&frames) {
+            Ok(frames as u16)
+        } else {
+            Err(ReferenceError::OutOfRange(format!(
+                "a {name} of {wished_s} s is no number of frames of 20 ms: choose one from 0.02 to {LONGEST_S} s"
+            )))
+        }
+    }
+
+    fn hold_frames(&self, otherwise_s: f64) -> Result<u16, ReferenceError> {
+        Self::frames("hold", self.hold_s.unwrap_or(otherwise_s))
+    }
+
+    fn length_frames(&self) -> Result<u16, ReferenceError> {
+        Self::frames("length", self.length_s.unwrap_or(seconds(LENGTH_FRAMES)))
+    }
+
+    fn stairs(&self, amplitude_us: u16) -> Result<Stairs, ReferenceError> {
+        let levels = self.levels.unwrap_or(LEVELS);
+        if !(2..=MAX_LEVELS).contains(&levels) {
+            return Err(ReferenceError::OutOfRange(format!(
+                "{levels} levels cannot be: choose 2 to {MAX_LEVELS}"
+            )));
+        }
+        let once = Stairs {
+            amplitude_us,
+            levels,
+            hold_frames: self.hold_frames(STAIRS_HOLD_S)?,
+            cycles: 1,
+        };
+        let cycles = match self.length_s {
+            Some(_) => nearest(self.length_frames()?.into(), once.frames()),
+            None => CYCLES,
+        };
+        Ok(Stairs {
+            cycles: u16::try_from(cycles).unwrap_or(u16::MAX),
+            ..once
+        })
+    }
+
+    /// As many chips as fit; without a length, the longest whole sequence that does.
+    fn prbs(&self, amplitude_us: u16) -> Result<Prbs, ReferenceError> {
+        let chip_frames = self.hold_frames(CHIP_S)?;
+        let chips = (self.length_frames()? / chip_frames).max(1);
+        let bits = |value: u16| (u16::BITS - value.leading_zeros()) as u16;
+        let (register, chips) = match self.length_s {
+            // The shortest register whose sequence is not over before the end.
+            Some(_) => (bits(chips).clamp(2, 15), chips),
+            None => {
+                let register = (bits(chips + 1) - 1).clamp(2, 15);
+                (register, (1 << register) - 1)
+            }
+        };
+        let largest_seed = (1u16 << register) - 1;
+        let seed = self.seed.unwrap_or(largest_seed);
+        if !(1..=largest_seed).contains(&seed) {
+            return Err(ReferenceError::OutOfRange(format!(
+                "a sequence from a register of {register} bits begins at a seed from 1 to {largest_seed}, not {seed}"
+            )));
+        }
+        Ok(Prbs {
+            amplitude_us,
+            register,
+            seed,
+            chip_frames,
+            chips,
+        })
+    }
+
+    fn sweep(&self, amplitude_us: u16) -> Result<Sweep, ReferenceError> {
+        let Band { first, last } = self.frequencies_hz.unwrap_or(FREQUENCIES_HZ);
+        let millihertz = |hz: f64| (hz * 1e3).round() as u16;
+        Ok(Sweep {
+            amplitude_us,
+            first_millihertz: millihertz(first),
+            last_millihertz: millihertz(last),
+            frames: self.length_frames()?,
+        })
+    }
+
+    fn multisine(&self, amplitude_us: u16) -> Result<Multisine, ReferenceError> {
+        let Band { first, last } = self.frequencies_hz.unwrap_or(FREQUENCIES_HZ);
+        let (low, high) = (first.min(last), first.max(last));
+        let period_frames = self.length_frames()? / PERIODS;
+        let period_s = seconds(period_frames.into());
+        let lowest = (low * period_s).ceil().max(1.0) as u16;
+        // Half the frame rate itself cannot be told from nothing.
+        let below_half = period_frames.saturating_sub(1) / 2;
+        let highest = ((high * period_s).floor() as u16).min(below_half);
+        let Some(beyond) = highest.checked_sub(lowest) else {
+            return Err(ReferenceError::OutOfRange(format!(
+                "in a period of {period_s} s no tone fits between {low} and {high} Hz: they are {:.3} Hz apart; make --length longer or --frequencies wider",
+                1.0 / period_s
+            )));
+        };
+        let spacing = (beyond + 1).div_ceil(MAX_TONES);
+        Ok(Multisine {
+            amplitude_us,
+            tone_64ths_us: 0,
+            period_frames,
+            first: lowest,
+            spacing,
+            tones: beyond / spacing + 1,
+            periods: PERIODS,
+        }
+        .with_largest_tones())
+    }
+}
+
+/// How many times `once` comes nearest to `length`; at least one.
+pub(super) fn nearest(length: u32, once: u32) -> u32 {
+    let twice = (2 * length).checked_div(once).unwrap_or(0);
+    (twice / 2 + twice % 2).max(1)
+}

@@ -1,0 +1,244 @@
+//! What every export says of itself.
+
+use super::Export;
+use super::text::{Style, number};
+use crate::presentation::summary;
+use servoid_identification::Model;
+use servoid_identification::flight_model::FlightModel;
+use servoid_identification::metrics::Interval;
+use servoid_identification::model::SelectedBy;
+
+impl Export<'_> {
+    /// Why the numbers, or their bounds, should not be trusted as they stand; a sentence each.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let model = self.model;
+        let mut found = Vec::new();
+        if let Some(reason) = model.without_level_because() {
+            found.push(format!(
+                "no bounds can be given: {reason}, and the bounds in this file have no level"
+            ));
+        }
+        if model.is_best_linear_description() {
+            found.push(
+                "the servo is not linear: the bounds are those of the linear description that fits the reference best"
+                    .to_owned(),
+            );
+        }
+        if !model.is_consistent() {
+            found.push("the model contradicts itself: identify again".to_owned());
+        }
+        if model.structure.selected_by == SelectedBy::Narrow {
+            found.push(
+                "the bounds are narrow: they hold only if the response falls by at least 40 dB/decade above the highest frequency"
+                    .to_owned(),
+            );
+        }
+        if !model.converged {
+            found.push(
+                "the noise model did not come to rest: the bounds are approximate".to_owned(),
+            );
+        }
+        if let Some(why) = summary::why_withheld(model) {
+            found.push(format!("figures are withheld: {why}"));
+        }
+        if self.origin.pulse_frame_s.is_none() {
+            found.push(
+                "it is not known how the command is held: the model does not say that it comes from recordings of servoid, so no frame hold is assumed; for a servo on pulses, state their frame with --frame-ms"
+                    .to_owned(),
+            );
+        }
+        match &self.low_order {
+            Ok(flight) if flight.approximation => found.push(format!(
+                "the low-order model is an approximation: it is wrong by up to {:.2} % of the step",
+                self.largest_error_percent(flight)
+            )),
+            Ok(_) => {}
+            Err(reason) => found.push(format!("there is no low-order model: {reason}")),
+        }
+        found
+    }
+
+    /// Everything that someone who reads the file has to know, a paragraph each. `held` says that the
+    /// frame hold is part of the file.
+    pub(super) fn statement(&self, held: bool) -> Vec<String> {
+        let mut paragraphs = vec![format!(
+            "{}: servo model, exported by servoid {} from {}.",
+            self.name,
+            env!("CARGO_PKG_VERSION"),
+            self.source
+        )];
+        let warnings = self.warnings();
+        paragraphs.extend(
+            warnings
+                .iter()
+                .map(|warning| format!("WARNING: {warning}.")),
+        );
+        let advice = self.model.advice.iter();
+        paragraphs
+            .extend(advice.map(|advice| format!("Advice: {} {}", advice.finding, advice.remedy)));
+        paragraphs.extend([
+            self.units_and_signs(),
+            self.sampling(),
+            self.hold(held),
+            self.bounds(),
+            self.covariance(),
+        ]);
+        let flight = self.low_order.as_ref().ok();
+        paragraphs.extend(
+            flight.map(|flight| low_order(flight, self.largest_error_percent(flight), self.model)),
+        );
+        paragraphs
+    }
+
+    fn units_and_signs(&self) -> String {
+        let units = self.origin.units();
+        let of = |what: &str, unit: Option<&str>| match unit {
+            Some(unit) => format!("the {what} is in {unit}"),
+            None => format!("the unit of the {what} is that of the recording, and not known"),
+        };
+        let gain = match (units.gain(), units.common()) {
+            (Some(unit), _) => format!("the gain is position per command, in {unit}"),
+            (None, Some(_)) => "the gain is position per command, without a unit".to_owned(),
+            (None, None) => "the gain is position per command".to_owned(),
+        };
+        format!(
+            "Units and signs: {}, {}, {gain}, times are in seconds, frequencies in rad/s. A response has the sign of the gain times that of the command; frequency responses are for exp(+jwt), so that a lag has a negative phase.",
+            of("command", units.input),
+            of("position", units.output),
+        )
+    }
+
+    fn sampling(&self) -> String {
+        let model = self.model;
+        format!(
+            "Sampling: every {period} s. The command u(k) is held from {period} k to {period} (k+1) s, and y(k) is the position at {period} k + {phase} s. The model is y(k) = h(0) u(k) + ... + h(N-1) u(k-N+1) + offset with N = {taps}: after N samples a response is over, and what comes later is in the last of them. The offset of {offset} is left out of every response: add it to have the position itself.",
+            period = number(model.sample_period_s),
+            phase = number(model.sample_phase_s),
+            taps = model.structure.settling_samples,
+            offset = number(model.offset),
+        )
+    }
+
+    fn hold(&self, held: bool) -> String {
+        let milliseconds = |seconds: f64| number((seconds * 1e7).round() / 1e4);
+        let begin = "Delay: all of the servo's own delay, counted from the edge of the command as it was applied, is in the model.";
+        let Some(frame_s) = self.origin.pulse_frame_s else {
+            return format!(
+                "{begin} How the command is held is not known, and no hold is assumed."
+            );
+        };
+        if frame_s == 0.0 {
+            return format!(
+                "{begin} No frame hold is assumed: the command may change at any sample."
+            );
+        }
+        let frame = milliseconds(frame_s);
+        if held {
+            return format!(
+                "{begin} The hold of the command for a pulse frame of {frame} ms is part of this file."
+            );
+        }
+        // A uniform delay between 0 and T has the mean T/2 and the standard deviation T/sqrt(12).
+        format!(
+            "{begin} The frame hold is not: a servo gets a new pulse once in {frame} ms only. Put a sample and hold of {frame} ms before the model; a simulation without one must add {} ms of delay, and lacks a jitter of {} ms rms.",
+            milliseconds(frame_s / 2.0),
+            milliseconds(frame_s / 12f64.sqrt()),
+        )
+    }
+
+    fn bounds(&self) -> String {
+        let step = &self.model.step;
+        if !self.model.bounds_hold() {
+            return "Bounds: none can be given (see the warning). What this file has in their place is what noise alone would leave, and has no level.".to_owned();
+        }
+        format!(
+            "Bounds: level {}. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them, saturation and what changes from run to run are not.{}",
+            summary::level_text(self.model),
+            [
+                (step.truncation_bias, "left-out high frequencies"),
+                (step.rounding_bias, "the steps of the sensor"),
+            ]
+            .into_iter()
+            .filter(|(bias, _)| *bias != 0.0)
+            .map(|(bias, what)| format!(
+                " {} of their half width is a bound of what {what} may hide.",
+                number(bias)
+            ))
+            .collect::<String>(),
+        )
+    }
+
+    fn covariance(&self) -> String {
+        let structure = &self.model.structure;
+        format!(
+            "Parameters: theta = [G0, Re G1, Im G1, ...], {n} values, where Gl is the frequency response of the samples at l * 2 pi / (N Ts) rad/s; its covariance is {n} x {n}. With q = 2 pi l i / N, h(i) = (G0 + 2 sum (Re Gl cos q - Im Gl sin q)) / N: every response is a linear map A of theta, and has the covariance A cov(theta) A'. The hold of the samples is part of that response: at w rad/s the servo alone has a phase that is greater by w (Ts/2 - p), where p is the time by which samples follow the edges of the command.",
+            n = structure.frequencies
+        )
+    }
+}
+
+/// The parameters of a low-order model in the order of its covariance.
+pub(super) fn parameters_of(flight: &FlightModel) -> &'static str {
+    match flight.order {
+        1 => "[K, L, ln T]",
+        2 => "[K, L, ln w, ln zeta]",
+        _ => "[K, L, ln w, ln zeta, ln T]",
+    }
+}
+
+/// The covariance of a low-order model in one paragraph, for files that have no place for a matrix.
+pub(super) fn low_order_covariance(flight: &FlightModel, style: &Style) -> String {
+    let rows: Vec<String> = flight
+        .covariance
+        .iter()
+        .map(|row| format!("[{}]", style.short(row)))
+        .collect();
+    format!(
+        "Covariance of {}: [{}]",
+        parameters_of(flight),
+        rows.join(", ")
+    )
+}
+
+fn low_order(flight: &FlightModel, largest_error_percent: f64, model: &Model) -> String {
+    let form = match flight.order {
+        1 => "K exp(-L s) / (1 + T s)",
+        2 => "K exp(-L s) / (1 + 2 zeta s/w + s^2/w^2)",
+        _ => "K exp(-L s) / ((1 + 2 zeta s/w + s^2/w^2) (1 + T s))",
+    };
+    let mut text = format!("Low-order model, continuous: {form} with");
+    for (name, unit, interval) in [
+        ("K", "", Some(flight.gain)),
+        ("L", " s", Some(flight.delay_s)),
+        ("w", " rad/s", flight.omega_rad_s),
+        ("zeta", "", flight.damping),
+        ("T", " s", flight.lag_s),
+    ] {
+        let Some(Interval {
+            value: Some(value),
+            lower,
+            upper,
+        }) = interval
+        else {
+            continue;
+        };
+        let bound = |bound: Option<f64>| bound.map_or("-".to_owned(), |b| format!("{b:.6}"));
+        text += &match model.bounds_hold() {
+            true => format!(
+                " {name} = {value:.6}{unit} ({} to {}),",
+                bound(lower),
+                bound(upper)
+            ),
+            false => format!(" {name} = {value:.6}{unit},"),
+        };
+    }
+    let intervals = match model.bounds_hold() {
+        true => format!("intervals of {} %", summary::percent(flight.level)),
+        false => "of which no intervals can be given".to_owned(),
+    };
+    format!(
+        "{text} {intervals}. Largest error of its step response: {largest_error_percent:.3} % of the step. {}",
+        flight.statement
+    )
+}

@@ -1,0 +1,10 @@
+//! Results for people and other programs.
+
+pub mod explanation;
+pub mod export;
+pub mod paper_facts;
+pub mod plots;
+pub mod report;
+pub mod scope;
+pub mod summary;
+pub mod template;

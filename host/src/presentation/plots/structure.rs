@@ -1,0 +1,175 @@
+//! The choice of structure as a picture: a panel for each choice that was made from the data, and
+//! what is left of the response at the end of the settling time.
+
+use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
+use servoid_identification::critical_values::pointwise_critical;
+use servoid_identification::nested_banks::BankCandidate;
+use servoid_identification::settling_time::{Choice, MARGIN};
+use servoid_identification::{Explanation, Model};
+
+/// Settling time, noise order, number of frequencies, and the tail.
+#[must_use]
+pub fn structure(name: &str, title: &str, explanation: &Explanation, model: &Model) -> Figure {
+    let mut panels = Vec::new();
+    panels.extend(
+        explanation
+            .settling
+            .as_ref()
+            .map(|choice| settling(choice, model)),
+    );
+    panels.extend(tail(model));
+    if !explanation.noise_orders.is_empty() {
+        panels.push(noise_order(explanation, model));
+    }
+    if explanation.frequencies.len() > 1 {
+        panels.push(frequencies(explanation, model));
+    }
+    Figure {
+        name: name.into(),
+        title: title.into(),
+        panels,
+    }
+}
+
+fn chosen(x: f64, y: f64) -> Vec<Marks> {
+    vec![Marks {
+        name: "chosen".into(),
+        ink: Ink::Model,
+        points: vec![Mark { x, y, line: None }],
+    }]
+}
+
+fn settling(choice: &Choice, model: &Model) -> Panel {
+    let line = |of: &dyn Fn(usize, usize) -> f64| -> Vec<(f64, f64)> {
+        let points = choice.candidates.iter();
+        points
+            .map(|c| (c.settling as f64, of(c.settling, c.detected)))
+            .collect()
+    };
+    let settling = model.structure.settling_samples;
+    let found = choice.candidates.iter().find(|c| c.settling == settling);
+    Panel {
+        x_label: "settling time N considered (samples)".into(),
+        y_label: "length needed (samples)".into(),
+        curves: vec![
+            Curve::solid(
+                format!("{MARGIN} x the settling found with it"),
+                Ink::Measured,
+                line(&|_, detected| MARGIN * detected as f64),
+            ),
+            Curve::dashed(
+                "N itself: enough below it",
+                Ink::Reference,
+                line(&|n, _| n as f64),
+            ),
+        ],
+        marks: found.map_or_else(Vec::new, |c| {
+            chosen(c.settling as f64, MARGIN * c.detected as f64)
+        }),
+        ..Panel::default()
+    }
+}
+
+/// What the response still does in the second half of its settling time, with pointwise bounds of its
+/// distance from the final value where they can be given. `None` for a document that describes no filter bank.
+fn tail(model: &Model) -> Option<Panel> {
+    let map = model.basis().ok()?.step_map();
+    let (last, step) = (map.nrows().checked_sub(1)?, &model.step.value);
+    let final_value = *step.last()?;
+    let gain = final_value.abs();
+    let critical = pointwise_critical(model.step.pointwise.level);
+    let timing = model.timing();
+    let second_half = (last / 2..=last).zip(step.iter().skip(last / 2));
+    let points = second_half.map(|(m, value)| {
+        let q: Vec<f64> = (0..map.ncols())
+            .map(|k| map[(m, k)] - map[(last, k)])
+            .collect();
+        let variance: f64 = model
+            .covariance
+            .iter()
+            .zip(&q)
+            .map(|(row, a)| a * row.iter().zip(&q).map(|(c, b)| c * b).sum::<f64>())
+            .sum();
+        let distance = value - final_value;
+        let half = critical * variance.max(0.0).sqrt();
+        let percent = [distance, distance - half, distance + half].map(|x| 100.0 * x / gain);
+        (timing.seconds(m as f64), percent)
+    });
+    let points: Vec<(f64, [f64; 3])> = points.collect();
+    Some(Panel {
+        x_label: "time since the edge of the command (s)".into(),
+        y_label: "still to go (% of the step)".into(),
+        legend: Legend::UpperRight,
+        bands: model
+            .bounds_hold()
+            .then(|| Band {
+                name: "each point, no motion left where 0 is inside".into(),
+                ink: Ink::Measured,
+                points: points
+                    .iter()
+                    .map(|(t, [_, low, high])| (*t, *low, *high))
+                    .collect(),
+            })
+            .into_iter()
+            .collect(),
+        curves: vec![
+            Curve::solid(
+                "tail of the step response",
+                Ink::Measured,
+                points.iter().map(|(t, p)| (*t, p[0])),
+            ),
+            Curve::dashed("", Ink::Reference, points.iter().map(|(t, _)| (*t, 0.0))),
+        ],
+        ..Panel::default()
+    })
+}
+
+fn noise_order(explanation: &Explanation, model: &Model) -> Panel {
+    let orders = &explanation.noise_orders;
+    let best = orders.iter().map(|c| c.bic).fold(f64::INFINITY, f64::min);
+    let points = orders.iter().map(|c| (c.order as f64, c.bic - best));
+    let order = model.structure.noise_order;
+    let found = orders.iter().find(|c| c.order == order);
+    Panel {
+        x_label: "noise order d".into(),
+        y_label: "BIC above the smallest".into(),
+        legend: Legend::UpperRight,
+        curves: vec![Curve::solid("Bayes' criterion", Ink::Measured, points)],
+        marks: found.map_or_else(Vec::new, |c| chosen(c.order as f64, c.bic - best)),
+        ..Panel::default()
+    }
+}
+
+/// Banks whose band is wider than the narrowest by more than this are not drawn: they would flatten the
+/// rest.
+const WIDEST: f64 = 20.0;
+
+fn frequencies(explanation: &Explanation, model: &Model) -> Panel {
+    let widths = explanation
+        .frequencies
+        .iter()
+        .map(BankCandidate::half_width);
+    let narrowest = widths.fold(f64::INFINITY, f64::min);
+    let worth = |bank: &&BankCandidate| bank.half_width() <= WIDEST * narrowest;
+    let banks: Vec<&BankCandidate> = explanation.frequencies.iter().filter(worth).collect();
+    let each =
+        |of: fn(&BankCandidate) -> f64| banks.iter().map(move |c| (c.frequencies as f64, of(c)));
+    let found = banks
+        .iter()
+        .find(|c| c.frequencies == model.structure.frequencies);
+    Panel {
+        x_label: "number of frequencies n".into(),
+        y_label: "half width of the band".into(),
+        legend: Legend::UpperRight,
+        curves: vec![
+            Curve::solid(
+                "noise and what is left out",
+                Ink::Measured,
+                each(BankCandidate::half_width),
+            ),
+            Curve::dashed("noise alone", Ink::Reference, each(|c| c.noise_half_width)),
+        ],
+        marks: found.map_or_else(Vec::new, |c| chosen(c.frequencies as f64, c.half_width())),
+        ..Panel::default()
+    }
+}

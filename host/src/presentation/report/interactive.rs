@@ -1,0 +1,303 @@
+//! Figures for plotly.js: zoom, values under the pointer, saving as a picture.
+//!
+//! Colours are names here ("ink-model", "area-model"): the page gives them a value for light, dark
+//! and paper.
+
+use crate::presentation::plots::figure::{Band, Curve, Figure, Ink, Marks, Panel};
+use serde_json::{Value, json};
+
+/// The plotting library itself, as a `<script>` element: it travels inside the report, so that the
+/// report needs no network.
+pub(super) fn library() -> String {
+    let scripts = plotly::Plot::offline_js_sources();
+    // The library comes with one for formulas, which the report has none of.
+    let end = scripts
+        .find("</script>")
+        .map_or(scripts.len(), |at| at + "</script>".len());
+    scripts.get(..end).unwrap_or_default().to_owned()
+}
+
+/// Data and layout of a figure, as plotly.js wants them; `panels` is their number. Where panels and
+/// their legends lie depends on the width of the page, so the page's script says that.
+pub(super) fn plotly_json(figure: &Figure) -> Value {
+    let mut traces = Vec::new();
+    let mut layout = json!({
+        "hovermode": "x unified",
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "rgba(0,0,0,0)",
+    });
+    for (index, panel) in figure.panels.iter().enumerate() {
+        let suffix = axis_suffix(index);
+        // Panels over the same quantity are zoomed together.
+        let like = figure
+            .panels
+            .iter()
+            .position(|other| other.x_label == panel.x_label);
+        let matches = like
+            .filter(|&first| first < index)
+            .map(|first| format!("x{}", axis_suffix(first)));
+        let x_axis = json!({
+            "matches": matches,
+            "title": { "text": text(&panel.x_label), "standoff": 8 },
+            "type": if panel.x_logarithmic { "log" } else { "linear" },
+            "anchor": format!("y{suffix}"),
+            // The last tick and the value under the pointer carry the unit.
+            "dtick": ticks(panel),
+            "ticksuffix": unit(&panel.x_label),
+            "showticksuffix": "last",
+            "hoverformat": ".4~g",
+        });
+        let y_axis = json!({
+            "title": { "text": text(&panel.y_label), "standoff": 8 },
+            "anchor": format!("x{suffix}"),
+            "automargin": true,
+        });
+        put(&mut layout, &format!("xaxis{suffix}"), x_axis);
+        put(&mut layout, &format!("yaxis{suffix}"), y_axis);
+        // The legend names what the panels above have not named.
+        let named: Vec<&str> = figure.panels.iter().take(index).flat_map(names).collect();
+        traces.extend(panel_traces(panel, &suffix, &named));
+    }
+    let panels = figure.panels.len();
+    json!({ "data": traces, "layout": layout, "name": figure.name, "panels": panels })
+}
+
+/// Where ticks lie, unless the plotting library is to choose: at 2, 5 and 10 of a decade, and at each of a
+/// few whole numbers.
+fn ticks(panel: &Panel) -> Option<Value> {
+    if panel.x_logarithmic {
+        return Some(json!("D2"));
+    }
+    let ((low, high), _) = panel.extent()?;
+    let curves = panel
+        .curves
+        .iter()
+        .flat_map(|curve| curve.points.iter().map(|p| p.0));
+    let mut x = curves.chain(
+        panel
+            .marks
+            .iter()
+            .flat_map(|marks| marks.points.iter().map(|p| p.x)),
+    );
+    (high - low <= FEW && x.all(|x| x.fract() == 0.0)).then(|| json!(1))
+}
+
+/// So many ticks have room on a telephone.
+const FEW: f64 = 12.0;
+
+/// Sets one entry of an object.
+fn put(object: &mut Value, key: &str, value: impl Into<Value>) {
+    if let Value::Object(entries) = object {
+        entries.insert(key.to_owned(), value.into());
+    }
+}
+
+/// "" for the first panel, "2" for the second.
+fn axis_suffix(index: usize) -> String {
+    match index {
+        0 => String::new(),
+        _ => (index + 1).to_string(),
+    }
+}
+
+fn names(panel: &Panel) -> impl Iterator<Item = &str> {
+    let bands = panel.bands.iter().map(|band| band.name.as_str());
+    let curves = panel.curves.iter().map(|curve| curve.name.as_str());
+    let marks = panel.marks.iter().map(|marks| marks.name.as_str());
+    bands.chain(curves).chain(marks)
+}
+
+/// " deg" of "position (deg)", "" where there is none.
+fn unit(label: &str) -> String {
+    let unit = label
+        .rsplit_once('(')
+        .and_then(|(_, rest)| rest.strip_suffix(')'));
+    unit.map_or_else(String::new, |unit| {
+        format!(" {}", text(unit.trim_end_matches(" of the step")))
+    })
+}
+
+/// The plotting library reads texts as a small markup, in which names from files have no part.
+fn text(plain: &str) -> String {
+    plain
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
+
+/// The traces of one panel; `named` has been in the legend before.
+fn panel_traces(panel: &Panel, suffix: &str, named: &[&str]) -> Vec<Value> {
+    let hover = format!("%{{y:.4~g}}{}", unit(&panel.y_label));
+    let complete = |mut trace: Value, name: &str, in_legend: bool| {
+        put(&mut trace, "xaxis", format!("x{suffix}"));
+        put(&mut trace, "yaxis", format!("y{suffix}"));
+        put(&mut trace, "name", text(name));
+        put(&mut trace, "legend", format!("legend{suffix}"));
+        put(&mut trace, "legendgroup", text(name));
+        let shown = in_legend && !name.is_empty() && !named.contains(&name);
+        put(&mut trace, "showlegend", shown);
+        // What has no name is the other edge of something that has, or a line to guide the eye.
+        if name.is_empty() {
+            put(&mut trace, "hoverinfo", "skip");
+        } else {
+            put(&mut trace, "hovertemplate", hover.clone());
+        }
+        trace
+    };
+    let logarithmic = panel.x_logarithmic;
+    let mut traces = Vec::new();
+    for band in &panel.bands {
+        for upper in [false, true] {
+            let mut trace = edge(band, upper);
+            place(&mut trace, band.points.iter().map(|p| p.0), logarithmic);
+            traces.push(complete(trace, &band.name, upper));
+        }
+    }
+    for curve in &panel.curves {
+        let mut trace = line(curve);
+        place(&mut trace, curve.points.iter().map(|p| p.0), logarithmic);
+        traces.push(complete(trace, &curve.name, true));
+    }
+    for marks in &panel.marks {
+        let mut trace = dots(marks);
+        place(&mut trace, marks.points.iter().map(|p| p.x), logarithmic);
+        traces.push(complete(trace, &marks.name, true));
+    }
+    traces
+}
+
+/// The lower edge of a band, or the upper one with the area between the two.
+fn edge(band: &Band, upper: bool) -> Value {
+    let bound = |&(_, low, high): &(f64, f64, f64)| rounded(if upper { high } else { low });
+    json!({
+        "y": band.points.iter().map(bound).collect::<Vec<_>>(),
+        "mode": "lines",
+        "line": { "width": 0, "color": colour(band.ink) },
+        "fill": if upper { "tonexty" } else { "none" },
+        "fillcolor": format!("area-{}", ink_name(band.ink)),
+    })
+}
+
+fn line(curve: &Curve) -> Value {
+    let (width, dash) = match curve.dashed {
+        true => (1.2, "dash"),
+        false => (1.8, "solid"),
+    };
+    json!({
+        "y": curve.points.iter().map(|p| rounded(p.1)).collect::<Vec<_>>(),
+        "mode": "lines",
+        "line": { "width": width, "color": colour(curve.ink), "dash": dash },
+    })
+}
+
+/// Dots with their intervals.
+fn dots(marks: &Marks) -> Value {
+    let away = |of: fn(f64, (f64, f64)) -> f64| -> Vec<Value> {
+        let length = marks
+            .points
+            .iter()
+            .map(|p| p.line.map_or(0.0, |line| of(p.y, line)));
+        length.map(rounded).collect()
+    };
+    json!({
+        "y": marks.points.iter().map(|p| rounded(p.y)).collect::<Vec<_>>(),
+        "mode": "markers",
+        "marker": { "size": 6, "color": colour(marks.ink) },
+        "error_y": {
+            "type": "data",
+            "array": away(|y, (_, high)| high - y),
+            "arrayminus": away(|y, (low, _)| y - low),
+            "width": 0,
+            "thickness": 1.2,
+            "color": colour(marks.ink),
+        },
+    })
+}
+
+/// Where points lie along x: as a start and a step where they are evenly spaced, which is most of the
+/// file otherwise.
+fn place(trace: &mut Value, x: impl Iterator<Item = f64>, logarithmic: bool) {
+    let x: Vec<f64> = x.collect();
+    if let [first, second, ..] = x[..] {
+        let step = second - first;
+        let even = x
+            .iter()
+            .enumerate()
+            .all(|(k, x)| (x - first - k as f64 * step).abs() <= 1e-6 * step.abs());
+        if even && !logarithmic && step > 0.0 {
+            // The step counts as often as there are points, so it is not rounded.
+            (trace["x0"], trace["dx"]) = (json!(first), json!(step));
+            return;
+        }
+    }
+    trace["x"] = x.into_iter().map(rounded).collect();
+}
+
+/// Six digits, more than any screen shows; JSON has no NaN, and null breaks a line where a sample is
+/// missing.
+fn rounded(value: f64) -> Value {
+    if !value.is_finite() {
+        return Value::Null;
+    }
+    format!("{value:.5e}")
+        .parse::<f64>()
+        .map_or(Value::Null, |value| json!(value))
+}
+
+fn colour(ink: Ink) -> String {
+    format!("ink-{}", ink_name(ink))
+}
+
+fn ink_name(ink: Ink) -> &'static str {
+    match ink {
+        Ink::Reference => "reference",
+        Ink::Measured => "measured",
+        Ink::Model => "model",
+        Ink::SecondModel => "second",
+        Ink::Third => "third",
+        Ink::Fourth => "fourth",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_library_is_one_script() {
+        let library = library();
+        assert!(library.starts_with("<script") && library.ends_with("</script>"));
+        assert_eq!(library.matches("</script>").count(), 1);
+    }
+
+    #[test]
+    fn units_even_steps_and_gaps_survive() {
+        let hostile = "<b>%{x}";
+        let panel = Panel {
+            x_label: "time (s)".into(),
+            y_label: "way (% of the step)".into(),
+            curves: vec![
+                Curve::solid(
+                    hostile,
+                    Ink::Model,
+                    [(0.5, 1.0 / 3.0), (1.0, f64::NAN), (1.5, 2.0)],
+                ),
+                Curve::solid("", Ink::Model, [(0.0, 1.0), (1.0, 1.0), (1.5, 1.0)]),
+            ],
+            ..Panel::default()
+        };
+        let figure = Figure {
+            name: "x".into(),
+            title: "x".into(),
+            panels: vec![panel],
+        };
+        let drawn = plotly_json(&figure);
+        let even = &drawn["data"][0];
+        assert_eq!((&even["x0"], &even["dx"]), (&json!(0.5), &json!(0.5)));
+        assert_eq!(even["y"], json!([0.333333, null, 2.0]));
+        assert_eq!(even["name"], "&lt;b&gt;%{x}");
+        assert!(even["hovertemplate"].as_str().unwrap().ends_with(" %"));
+        assert_eq!(drawn["data"][1]["x"], json!([0.0, 1.0, 1.5]));
+        assert_eq!(drawn["layout"]["xaxis"]["ticksuffix"], " s");
+    }
+}

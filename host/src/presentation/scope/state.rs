@@ -1,0 +1,241 @@
+//! All that the scope shows.
+
+use crate::instrument::live::LiveStep;
+use servoid_protocol::Rejects;
+use servoid_protocol::message::{Start, Status};
+use servoid_protocol::timing::{FRAME_US, SAMPLE_US, SAMPLES_PER_FRAME};
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// So much of the run is shown (s): two of the paper's longest cycles and a half.
+pub const WINDOW_S: f64 = 4.0;
+
+/// How many widths of the band are remembered.
+const WIDTHS: usize = 6;
+
+const FRAME_S: f64 = FRAME_US as f64 * 1e-6;
+const SAMPLE_S: f64 = SAMPLE_US as f64 * 1e-6;
+
+/// Something that has happened in the capture.
+#[derive(Clone, Debug)]
+pub enum ScopeEvent {
+    /// Another frame is on the disk.
+    Frame(FrameSeen),
+    /// Another estimate of the step response.
+    Step(Arc<LiveStep>),
+    /// The capture is being stopped.
+    Stopping,
+}
+
+/// A frame, in degrees, and how the link is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameSeen {
+    /// Frames of the run before it.
+    pub index: u32,
+    /// What the servo was told (deg).
+    pub reference_deg: f64,
+    /// Where it was (deg).
+    pub positions_deg: [f64; SAMPLES_PER_FRAME],
+    /// How the link is.
+    pub link: Link,
+}
+
+/// How the link to the rig is, and the rig itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Link {
+    /// Messages from the rig that could not be read, by class.
+    pub rejects: Rejects,
+    /// Frames that were asked for again.
+    pub asked_again: u32,
+    /// Frames that have been given up.
+    pub lost: u32,
+    /// What the rig last said of itself.
+    pub status: Option<Status>,
+}
+
+/// A point in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracePoint {
+    /// Since the run began (s).
+    pub time_s: f64,
+    /// What the servo was told (deg).
+    pub reference_deg: f64,
+    /// Where it was (deg).
+    pub position_deg: f64,
+}
+
+/// All that the scope shows.
+#[derive(Clone, Debug)]
+pub struct ScopeState {
+    /// What is captured, from where, to where.
+    pub title: String,
+    /// The run.
+    pub start: Start,
+    /// The band's half width that is enough (percent of the step), if the run is to end there.
+    pub until_percent: Option<f64>,
+    /// Frames on the disk.
+    pub frames: u32,
+    /// The newest [`WINDOW_S`] seconds.
+    pub trace: VecDeque<TracePoint>,
+    /// How the link is.
+    pub link: Link,
+    /// The newest estimate of the step response.
+    pub step: Option<Arc<LiveStep>>,
+    /// Half widths of its band so far (percent of the step), the newest last.
+    pub widths: VecDeque<f64>,
+    /// Whether the capture is being stopped.
+    pub stopping: bool,
+}
+
+/// Where in a run a frame lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// At neutral, before the reference.
+    RestBefore,
+    /// The reference.
+    Reference,
+    /// At neutral, after the reference.
+    RestAfter,
+}
+
+impl ScopeState {
+    /// Before the first frame.
+    #[must_use]
+    pub fn new(title: String, start: Start, until_percent: Option<f64>) -> Self {
+        Self {
+            title,
+            start,
+            until_percent,
+            frames: 0,
+            trace: VecDeque::new(),
+            link: Link::default(),
+            step: None,
+            widths: VecDeque::new(),
+            stopping: false,
+        }
+    }
+
+    /// Takes in what has happened.
+    pub fn apply(&mut self, event: ScopeEvent) {
+        match event {
+            ScopeEvent::Frame(frame) => self.take_frame(&frame),
+            ScopeEvent::Step(step) => {
+                if self.widths.len() == WIDTHS {
+                    self.widths.pop_front();
+                }
+                self.widths.push_back(step.half_width_percent());
+                self.step = Some(step);
+            }
+            ScopeEvent::Stopping => self.stopping = true,
+        }
+    }
+
+    fn take_frame(&mut self, frame: &FrameSeen) {
+        self.frames = frame.index + 1;
+        self.link = frame.link;
+        let begin = f64::from(frame.index) * FRAME_S;
+        let times = (0..).map(|sample| begin + f64::from(sample) * SAMPLE_S);
+        let points = times.zip(frame.positions_deg);
+        self.trace
+            .extend(points.map(|(time_s, position_deg)| TracePoint {
+                time_s,
+                reference_deg: frame.reference_deg,
+                position_deg,
+            }));
+        let newest = self.time_s();
+        while self
+            .trace
+            .front()
+            .is_some_and(|point| point.time_s < newest - WINDOW_S)
+        {
+            self.trace.pop_front();
+        }
+    }
+
+    /// How long the run has gone on (s).
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        f64::from(self.frames) * FRAME_S
+    }
+
+    /// Frames that the run will have.
+    #[must_use]
+    pub fn frames_total(&self) -> u32 {
+        self.start.frames()
+    }
+
+    /// How long the run will go on (s), if nothing ends it.
+    #[must_use]
+    pub fn left_s(&self) -> f64 {
+        f64::from(self.frames_total().saturating_sub(self.frames)) * FRAME_S
+    }
+
+    /// How much of the run is done, 0 to 1.
+    #[must_use]
+    pub fn done(&self) -> f64 {
+        let total = self.frames_total().max(1);
+        (f64::from(self.frames) / f64::from(total)).clamp(0.0, 1.0)
+    }
+
+    /// Where in the run it is.
+    #[must_use]
+    pub fn phase(&self) -> Phase {
+        let before = u32::from(self.start.pre_roll_frames);
+        if self.frames < before {
+            Phase::RestBefore
+        } else if self.frames < before + self.start.reference.frames() {
+            Phase::Reference
+        } else {
+            Phase::RestAfter
+        }
+    }
+
+    /// Whether the band is as narrow as was wanted.
+    #[must_use]
+    pub fn enough(&self) -> bool {
+        match (&self.step, self.until_percent) {
+            (Some(step), Some(percent)) => step.is_within(percent),
+            _ => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instrument::rig::capture::ROLL_FRAMES;
+    use servoid_protocol::Reference;
+    use servoid_protocol::reference::Staircase;
+
+    #[test]
+    fn the_window_moves_and_the_counters_count() {
+        let start = Start {
+            run: 1,
+            pre_roll_frames: ROLL_FRAMES,
+            reference: Reference::Staircase(Staircase::PAPER),
+            post_roll_frames: ROLL_FRAMES,
+        };
+        let mut state = ScopeState::new("x".to_owned(), start, None);
+        assert_eq!((state.phase(), state.left_s()), (Phase::RestBefore, 8.8));
+        for index in 0..440 {
+            state.apply(ScopeEvent::Frame(FrameSeen {
+                index,
+                reference_deg: 5.0,
+                positions_deg: [4.0; SAMPLES_PER_FRAME],
+                link: Link::default(),
+            }));
+            if index == 200 {
+                assert_eq!(state.phase(), Phase::Reference);
+            }
+        }
+        assert_eq!(
+            (state.frames, state.left_s(), state.done()),
+            (440, 0.0, 1.0)
+        );
+        assert_eq!(state.phase(), Phase::RestAfter);
+        let span = state.time_s() - state.trace[0].time_s;
+        // Whole samples, the last one of which is now.
+        let period_s = f64::from(SAMPLE_US) * 1e-6;
+        assert!((span + period_s - WINDOW_S).abs() < 1e-9, "{span}");
+    }
+}

@@ -1,0 +1,145 @@
+//! One side of a comparison, identified.
+
+use super::{Asymmetry, Levels, scatter};
+use crate::data::record::Record;
+use crate::error::Error;
+use crate::identify::{identify, identify_explained};
+use crate::nonlinear::direction::{DirectionModel, split};
+use crate::nonlinear::limits::Limits;
+use crate::numerics::critical_values::pointwise_critical;
+use crate::options::{Frequencies, Options, Settling};
+use crate::results::metrics::Interval;
+use crate::results::model::Model;
+
+/// One side, identified.
+pub(super) struct Identified<'a> {
+    pub(super) record: &'a Record,
+    pub(super) model: Model,
+    pub(super) split: Option<DirectionModel>,
+    /// The model with a structure of its own, whose choice carries findings too.
+    pub(super) alone: Model,
+}
+
+impl<'a> Identified<'a> {
+    fn new(record: &'a Record, alone: Model, options: &Options) -> Result<Self, Error> {
+        let model = identify(record, options)?;
+        // What one record cannot tell, such as strokes in one direction only, is no error here.
+        let split = split(record, &model).ok();
+        Ok(Self {
+            record,
+            model,
+            split,
+            alone,
+        })
+    }
+
+    pub(super) fn asymmetric(&self) -> bool {
+        self.split
+            .as_ref()
+            .is_some_and(|split| split.symmetry.asymmetric)
+    }
+
+    pub(super) fn asymmetry(&self) -> Asymmetry {
+        let symmetry = self.split.as_ref().map(|split| &split.symmetry);
+        Asymmetry {
+            p: symmetry.map(|symmetry| symmetry.p),
+            largest_percent: symmetry.map(|s| {
+                100.0 * s.largest_difference / self.model.metrics.dc_gain.value.unwrap_or(1.0)
+            }),
+        }
+    }
+
+    /// Rest at the ends of the command: from the plateaus of a record with several levels, from the
+    /// static line of one with two.
+    pub(super) fn levels(&self) -> Levels {
+        let (low, high) = scatter::ends(self.record);
+        let cells = Limits::level_table(self.record, &self.model);
+        let mut commands: Vec<f64> = cells.iter().map(|cell| cell.command).collect();
+        commands.dedup();
+        let rest = |command: f64| {
+            let cell = cells
+                .iter()
+                .find(|cell| cell.command == command && cell.visits > 1);
+            match (cell, &self.split) {
+                (Some(cell), _) if commands.len() > 2 => cell.reached,
+                (_, Some(split)) => split.level_at(command),
+                (Some(cell), None) => cell.reached,
+                (None, None) => Interval::default(),
+            }
+        };
+        Levels {
+            command_plus: high,
+            plus: rest(high),
+            command_minus: low,
+            minus: rest(low),
+        }
+    }
+
+    /// Standard deviation of the rest at the largest and the smallest command.
+    pub(super) fn sd_at_rest(&self) -> [f64; 2] {
+        let (low, high) = scatter::ends(self.record);
+        let critical = pointwise_critical(self.model.step.pointwise.level);
+        [high, low].map(|command| match &self.split {
+            Some(split) => {
+                let rest = split.level_at(command);
+                rest.upper
+                    .zip(rest.lower)
+                    .map_or(0.0, |(up, low)| (up - low) / 2.0 / critical)
+            }
+            None => command.abs() * self.model.covariance[0][0].max(0.0).sqrt(),
+        })
+    }
+}
+
+/// Both sides with one structure: the longer settling time of the two, as far as the references of
+/// both tell lags apart.
+pub(super) fn identified<'a>(
+    a: &'a Record,
+    b: &'a Record,
+    options: &Options,
+) -> Result<(Identified<'a>, Identified<'a>), Error> {
+    same_period(a.sample_period_s(), b.sample_period_s())?;
+    let found = [
+        identify_explained(a, options)?,
+        identify_explained(b, options)?,
+    ];
+    let told = found.iter().filter_map(|side| {
+        let choice = side.explanation.settling.as_ref()?;
+        // An odd number of lags, as every complete bank has.
+        Some((choice.repeats_after? - 1) | 1)
+    });
+    let told = told.min().unwrap_or(usize::MAX);
+    let models = found.map(|side| side.model);
+    let structure = [&models[0].structure, &models[1].structure];
+    let longer = structure[0]
+        .settling_samples
+        .max(structure[1].settling_samples);
+    let common = Options {
+        settling: Settling::Samples(longer.min(told)),
+        frequencies: match options.frequencies {
+            // Where one side is low-passed, both are seen through its bank.
+            Frequencies::Auto
+                if structure
+                    .iter()
+                    .any(|s| s.frequencies < s.settling_samples - 1) =>
+            {
+                Frequencies::Count(structure[0].frequencies.min(structure[1].frequencies))
+            }
+            other => other,
+        },
+        ..*options
+    };
+    let [alone_a, alone_b] = models;
+    Ok((
+        Identified::new(a, alone_a, &common)?,
+        Identified::new(b, alone_b, &common)?,
+    ))
+}
+
+pub(super) fn same_period(expected: f64, found: f64) -> Result<(), Error> {
+    // Clocks of one rig agree far better, and another rate differs far more.
+    if ((found - expected) / expected).abs() > 1e-6 {
+        return Err(Error::PeriodMismatch { expected, found });
+    }
+    Ok(())
+}

@@ -1,0 +1,7 @@
+//! What was recorded, and the moments that all estimates are made from.
+
+pub mod holds;
+pub mod moments;
+pub mod quantisation;
+pub mod record;
+pub mod timing;

@@ -1,0 +1,179 @@
+//! When the steps of the sensor are larger than the noise.
+//!
+//! A converter with steps of δ rounds. Under noise of half a step or more its error is as good as noise: white,
+//! of variance δ²/12, and independent of the motion. Without it the same position always has the same
+//! error, and no number of repetitions averages it out: at rest on a level u the output is wrong by up to
+//! δ/2, and a gain fitted to such levels by up to
+//!
+//! ```text
+//! (δ/2) sum |u - ū| / sum (u - ū)²
+//! ```
+//!
+//! which for a square wave is δ over its height. Between the two, noise of standard deviation σ leaves
+//! exp(-2π²σ²/δ²) of it (the first harmonic of the sawtooth under a normal dither; B. Widrow and I. Kollár,
+//! *Quantization Noise*, 2008). Bounds from the scatter of the residuals know nothing of that, so it is added.
+
+use serde::{Deserialize, Serialize};
+
+use crate::data::record::Record;
+
+/// Share of samples that repeat the one before beyond which a record may be of coarse steps.
+const REPEATED: f64 = 0.1;
+
+/// Differences of up to this many steps must be whole multiples of the step, for larger ones may have been
+/// rounded again.
+const MULTIPLES: f64 = 3.5;
+
+/// What such a difference may lie beside a whole multiple, as a share of the step.
+const BESIDE: f64 = 0.1;
+
+/// Share of the small differences that must be whole multiples.
+const ON_GRID: f64 = 0.95;
+
+/// Differences below this share of the range are the rounding of arithmetic.
+const ARITHMETIC: f64 = 1e-9;
+
+/// Residuals (rms) below this share of a step are not noise that dithers: for normal noise of half a step
+/// and the rounding together it is sqrt(1/4 + 1/12).
+pub(crate) const DITHERED: f64 = 0.577;
+
+/// Variance of residuals, in squared steps, that rounding alone can account for: twice that of errors that are
+/// evenly spread, because those of a few levels at rest need not be.
+const OF_ROUNDING: f64 = 1.0 / 6.0;
+
+/// Radius that holds 99 % of a complex normal quantity, in standard deviations of its parts: sqrt(-2 ln 0.01).
+const RIPPLE: f64 = 3.03;
+
+/// Samples that are looked at for steps: a sensor has the same ones throughout.
+const LOOKED_AT: usize = 1 << 16;
+
+/// The steps of a sensor, where they are too large for its noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Quantisation {
+    /// δ \[output\].
+    pub step: f64,
+    /// Root mean square of the residuals, in steps.
+    pub residual: f64,
+    /// What a gain may be wrong by for the rounding \[output per input\].
+    pub allowance: f64,
+}
+
+impl Quantisation {
+    /// Of `record` and its residuals \[rms\]; `None` where the noise dithers, or the output has no steps.
+    #[must_use]
+    pub fn of(record: &Record, residual: f64) -> Option<Self> {
+        let step = step_of(record)?;
+        let residual = residual / step;
+        if residual >= DITHERED {
+            return None;
+        }
+        let dither = (residual * residual - OF_ROUNDING).max(0.0);
+        let left = (-2.0 * std::f64::consts::PI.powi(2) * dither).exp();
+        Some(Self {
+            step,
+            residual,
+            allowance: 0.5 * step * left * leverage(record),
+        })
+    }
+}
+
+/// The steps that the output is rounded to, if many samples repeat the one before.
+fn step_of(record: &Record) -> Option<f64> {
+    let differences = || {
+        let runs = record.runs().iter();
+        runs.flat_map(|run| {
+            run.output()
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]).abs())
+        })
+        .take(LOOKED_AT)
+        .filter(|difference| !difference.is_nan())
+    };
+    let largest = differences().fold(0.0, f64::max);
+    let moved = |difference: &f64| *difference > ARITHMETIC * largest;
+    let (count, still) = differences().fold((0usize, 0usize), |(count, still), difference| {
+        (count + 1, still + usize::from(!moved(&difference)))
+    });
+    if (still as f64) < REPEATED * count as f64 {
+        return None;
+    }
+    let step = differences().filter(moved).fold(f64::INFINITY, f64::min);
+    let small = || {
+        differences()
+            .filter(moved)
+            .map(|difference| difference / step)
+            .filter(|steps| *steps < MULTIPLES)
+    };
+    let on_grid = small().filter(|steps| (steps - steps.round()).abs() < BESIDE);
+    (step.is_finite() && on_grid.count() as f64 >= ON_GRID * small().count() as f64).then_some(step)
+}
+
+impl Quantisation {
+    /// What G may be wrong by at `omega` \[rad/sample\] for the rounding of a step response of `settling` samples:
+    /// as much as the gain, and what the errors of its moving half, evenly spread and each its own, come to
+    /// (`RIPPLE` standard deviations of their transform).
+    #[must_use]
+    pub fn allowance_at(&self, omega: f64, settling: usize) -> f64 {
+        let moving = settling as f64 / 2.0;
+        let change = 2.0 * (omega / 2.0).sin().abs();
+        self.allowance * (1.0 + RIPPLE * change * (moving / 12.0).sqrt())
+    }
+}
+
+/// sum |u - ū| / sum (u - ū)².
+fn leverage(record: &Record) -> f64 {
+    let inputs = || {
+        let runs = record.runs().iter();
+        runs.flat_map(|run| run.input())
+            .copied()
+            .filter(|u| !u.is_nan())
+    };
+    let mean = inputs().sum::<f64>() / inputs().count().max(1) as f64;
+    let (sum, squares) = inputs().fold((0.0, 0.0), |(sum, squares): (f64, f64), u| {
+        (sum + (u - mean).abs(), squares + (u - mean).powi(2))
+    });
+    if squares > 0.0 { sum / squares } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// A square wave of height 10 behind a lag, under uniform noise, in steps of 0.04.
+    fn record(noise: f64) -> Record {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let input: Vec<f64> = (0..2000).map(|k| f64::from(k / 100 % 2) * 10.0).collect();
+        let mut y = 0.0;
+        let output: Vec<f64> = input
+            .iter()
+            .map(|u| {
+                y += 0.1 * (u - y);
+                let seen = y + noise * (random.random::<f64>() - 0.5);
+                (seen / 0.04).round() * 0.04
+            })
+            .collect();
+        Record::from_slices(0.002, &input, &output).unwrap()
+    }
+
+    #[test]
+    fn the_step_of_a_converter_is_found_and_costs_a_gain_its_share_of_the_height() {
+        let found = Quantisation::of(&record(0.0), 0.01).unwrap();
+        assert!((found.step - 0.04).abs() < 1e-9, "{found:?}");
+        assert!((found.allowance - 0.004).abs() < 1e-6, "{found:?}");
+    }
+
+    #[test]
+    fn noise_as_large_as_a_step_dithers() {
+        assert_eq!(Quantisation::of(&record(0.1), 0.03), None);
+    }
+
+    #[test]
+    fn an_output_without_steps_has_no_resolution() {
+        let input: Vec<f64> = (0..500).map(|k| f64::from(k / 50 % 2)).collect();
+        let output: Vec<f64> = (0..500).map(|k| (f64::from(k) * 0.37).sin()).collect();
+        let record = Record::from_slices(0.002, &input, &output).unwrap();
+        assert_eq!(Quantisation::of(&record, 0.0), None);
+    }
+}

@@ -1,0 +1,353 @@
+//! A record: what was commanded and what was measured, in one or more runs.
+//!
+//! Samples are evenly spaced. A missing sample is NaN and keeps its place; nothing is ever shifted
+//! or concatenated. Which rows of a record can be used follows from that: row k of the regression
+//! y(k) = φ(k)'θ + v(k) needs the output at k and the input at k, k-1, ..., so a gap takes out
+//! the rows whose history it interrupts and no others.
+
+use std::ops::Range;
+
+use crate::error::Error;
+
+/// Largest magnitude of a sample: sums of products of many such are still finite.
+const LARGEST: f64 = 1e100;
+
+/// One uninterrupted experiment: input and output side by side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    input: Vec<f64>,
+    output: Vec<f64>,
+    at_rest: Option<f64>,
+}
+
+impl Run {
+    /// Pairs input u and output y, one value of each per sample, NaN where a sample is missing.
+    ///
+    /// # Errors
+    /// The two differ in length, or a value is infinite or beyond 1e100 (the run is then called run 1).
+    pub fn new(input: impl Into<Vec<f64>>, output: impl Into<Vec<f64>>) -> Result<Self, Error> {
+        let (input, output) = (input.into(), output.into());
+        if input.len() != output.len() {
+            return Err(Error::LengthMismatch {
+                input: input.len(),
+                output: output.len(),
+            });
+        }
+        for (column, values) in [("input", &input), ("output", &output)] {
+            if let Some(sample) = values.iter().position(|value| value.abs() > LARGEST) {
+                return Err(Error::Infinite {
+                    column,
+                    run: 1,
+                    sample,
+                });
+            }
+        }
+        Ok(Self {
+            input,
+            output,
+            at_rest: None,
+        })
+    }
+
+    /// States that the input had stood at `input` for at least a settling time before the first
+    /// sample.
+    ///
+    /// Without it the first N-1 rows have no history and are left out. A wrong value is far worse
+    /// than none: it can move the step response by several times its band.
+    #[must_use]
+    pub fn with_input_at_rest(mut self, input: f64) -> Self {
+        self.at_rest = Some(input);
+        self
+    }
+
+    /// The input u, one value per sample, NaN where missing.
+    #[must_use]
+    pub fn input(&self) -> &[f64] {
+        &self.input
+    }
+
+    /// The output y, one value per sample, NaN where missing.
+    #[must_use]
+    pub fn output(&self) -> &[f64] {
+        &self.output
+    }
+
+    /// The input before the first sample, if it was stated.
+    #[must_use]
+    pub fn input_at_rest(&self) -> Option<f64> {
+        self.at_rest
+    }
+
+    /// Number of samples, missing ones included.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.input.len()
+    }
+
+    /// Whether the run has no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.input.is_empty()
+    }
+
+    /// Samples that lack the input or the output.
+    #[must_use]
+    pub fn missing(&self) -> usize {
+        self.input
+            .iter()
+            .zip(&self.output)
+            .filter(|(u, y)| u.is_nan() || y.is_nan())
+            .count()
+    }
+
+    /// The part of the run from `range.start` up to `range.end`, as a run of its own.
+    ///
+    /// The input before the part is not carried along: only a part that starts at sample 0 keeps
+    /// the statement about rest.
+    ///
+    /// # Panics
+    /// When `range` reaches beyond the run.
+    #[must_use]
+    pub fn part(&self, range: Range<usize>) -> Self {
+        Self {
+            at_rest: self.at_rest.filter(|_| range.start == 0),
+            input: self.input[range.clone()].to_vec(),
+            output: self.output[range].to_vec(),
+        }
+    }
+
+    /// The longest stretches of rows that are complete: row k is complete when the output is
+    /// there from k-`output_lags`+1 to k and the input from k-`input_lags`+1 to k, where samples
+    /// before the first count as there only for the input and only when the run began at rest.
+    #[must_use]
+    pub fn complete_rows(&self, input_lags: usize, output_lags: usize) -> Vec<Range<usize>> {
+        let mut spans = Vec::new();
+        let (inputs, outputs) = (input_lags.max(1), output_lags.max(1));
+        let history = if self.at_rest.is_some() {
+            0
+        } else {
+            inputs - 1
+        };
+        // The first row whose history no gap has interrupted so far.
+        let mut from = history.max(outputs - 1);
+        let samples = self.input.iter().zip(&self.output).enumerate();
+        for (k, (u, y)) in samples.filter(|(_, (u, y))| u.is_nan() || y.is_nan()) {
+            if from < k {
+                spans.push(from..k);
+            }
+            for (missing, lags) in [(u.is_nan(), inputs), (y.is_nan(), outputs)] {
+                if missing {
+                    from = from.max(k + lags);
+                }
+            }
+        }
+        if from < self.len() {
+            spans.push(from..self.len());
+        }
+        spans
+    }
+
+    /// Input at sample `k`, which may lie before the run when it began at rest.
+    pub(crate) fn input_at(&self, k: isize) -> f64 {
+        match usize::try_from(k) {
+            Ok(k) => self.input[k],
+            Err(_) => self.at_rest.unwrap_or(f64::NAN),
+        }
+    }
+}
+
+/// One or more runs of the same servo under the same conditions, at one sample period.
+///
+/// ```
+/// use servoid_identification::{Record, Run};
+/// let first = Run::new(vec![0.0, 1.0, 1.0], vec![0.0, 0.2, f64::NAN])?;
+/// let second = Run::new(vec![1.0, 0.0, 0.0], vec![1.0, 1.0, 0.7])?.with_input_at_rest(1.0);
+/// let record = Record::new(0.002, vec![first, second])?;
+/// assert_eq!((record.samples(), record.missing()), (6, 1));
+/// # Ok::<(), servoid_identification::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    sample_period_s: f64,
+    sample_phase_s: f64,
+    runs: Vec<Run>,
+    rest: Vec<Run>,
+}
+
+impl Record {
+    /// Puts runs together.
+    ///
+    /// # Errors
+    /// The period is not positive; a column is all missing; input or output never change.
+    pub fn new(sample_period_s: f64, runs: Vec<Run>) -> Result<Self, Error> {
+        if !(sample_period_s > 0.0 && sample_period_s.is_finite()) {
+            return Err(Error::SamplePeriod(sample_period_s));
+        }
+        check_column(&runs, "input", Run::input, |value| Error::ConstantInput {
+            value,
+        })?;
+        check_column(&runs, "output", Run::output, |value| {
+            Error::ConstantOutput { value }
+        })?;
+        Ok(Self {
+            sample_period_s,
+            sample_phase_s: 0.0,
+            runs,
+            rest: Vec::new(),
+        })
+    }
+
+    /// States that the output is sampled `seconds` after the instant at which the input of the same
+    /// sample takes effect: sample m after an edge is then the servo m Ts + `seconds` after it. The
+    /// times and phases of [`crate::results::metrics`] count from the edge.
+    ///
+    /// # Panics
+    /// When `seconds` is negative or not finite.
+    #[must_use]
+    pub fn with_sample_phase(mut self, seconds: f64) -> Self {
+        assert!(
+            seconds >= 0.0 && seconds.is_finite(),
+            "a sample phase of {seconds} s is not a time after an edge"
+        );
+        self.sample_phase_s = seconds;
+        self
+    }
+
+    /// Adds what was recorded around the runs while the input stood still, such as the rest before and
+    /// after a reference. Nothing is estimated from it; it shows the noise of a servo that does not move,
+    /// which the errors in motion are held against ([`crate::diagnostics::standstill_noise`]).
+    #[must_use]
+    pub fn with_rest(mut self, rest: Vec<Run>) -> Self {
+        self.rest = rest;
+        self
+    }
+
+    /// What was recorded around the runs while the input stood still.
+    #[must_use]
+    pub fn rest(&self) -> &[Run] {
+        &self.rest
+    }
+
+    /// Time from the edge of the input to the sample of the output that belongs to it \[s\].
+    #[must_use]
+    pub fn sample_phase_s(&self) -> f64 {
+        self.sample_phase_s
+    }
+
+    /// A record of a single run.
+    ///
+    /// # Errors
+    /// As [`Run::new`] and [`Record::new`].
+    pub fn from_slices(sample_period_s: f64, input: &[f64], output: &[f64]) -> Result<Self, Error> {
+        Self::new(sample_period_s, vec![Run::new(input, output)?])
+    }
+
+    /// Time between samples \[s\].
+    #[must_use]
+    pub fn sample_period_s(&self) -> f64 {
+        self.sample_period_s
+    }
+
+    /// The runs, in the order given.
+    #[must_use]
+    pub fn runs(&self) -> &[Run] {
+        &self.runs
+    }
+
+    /// Samples of all runs, missing ones included.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.runs.iter().map(Run::len).sum()
+    }
+
+    /// Samples of all runs that lack the input or the output.
+    #[must_use]
+    pub fn missing(&self) -> usize {
+        self.runs.iter().map(Run::missing).sum()
+    }
+
+    /// Number of complete rows (see [`Run::complete_rows`]).
+    #[must_use]
+    pub fn count_rows(&self, input_lags: usize, output_lags: usize) -> usize {
+        self.runs
+            .iter()
+            .flat_map(|run| run.complete_rows(input_lags, output_lags))
+            .map(|span| span.len())
+            .sum()
+    }
+}
+
+/// Requires that a column is present somewhere, and not constant. That its values are of a sensible size,
+/// each run has seen to.
+fn check_column(
+    runs: &[Run],
+    column: &'static str,
+    values: fn(&Run) -> &[f64],
+    constant: fn(f64) -> Error,
+) -> Result<(), Error> {
+    let mut present = runs.iter().flat_map(values).filter(|value| !value.is_nan());
+    let first = *present.next().ok_or(Error::AllMissing { column })?;
+    if present.any(|value| *value != first) {
+        Ok(())
+    } else {
+        Err(constant(first))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gap_takes_out_the_rows_whose_history_it_interrupts_and_no_others() {
+        let nan = f64::NAN;
+        let run = Run::new(
+            vec![0.0, 1.0, 2.0, 3.0, nan, 5.0, 6.0, 7.0, 8.0],
+            vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, nan],
+        )
+        .unwrap();
+        assert_eq!(run.complete_rows(3, 1), vec![2..4, 7..8]);
+        assert_eq!(run.complete_rows(1, 2), vec![1..4, 5..8]);
+        assert_eq!(
+            run.with_input_at_rest(0.0).complete_rows(3, 1),
+            vec![0..4, 7..8]
+        );
+    }
+
+    #[test]
+    fn unusable_columns_are_named() {
+        let record = |u: &[f64], y: &[f64]| Record::from_slices(0.1, u, y).unwrap_err();
+        assert_eq!(
+            record(&[1.0, 1.0], &[0.0, 1.0]),
+            Error::ConstantInput { value: 1.0 }
+        );
+        assert_eq!(
+            record(&[1.0, 2.0], &[3.0, 3.0]),
+            Error::ConstantOutput { value: 3.0 }
+        );
+        assert_eq!(
+            record(&[f64::NAN, f64::NAN], &[0.0, 1.0]),
+            Error::AllMissing { column: "input" }
+        );
+        assert_eq!(record(&[], &[]), Error::AllMissing { column: "input" });
+        assert_eq!(
+            record(&[0.0, 1.0], &[0.0, f64::INFINITY]),
+            Error::Infinite {
+                column: "output",
+                run: 1,
+                sample: 1
+            }
+        );
+        assert_eq!(
+            record(&[1.0], &[1.0, 2.0]),
+            Error::LengthMismatch {
+                input: 1,
+                output: 2
+            }
+        );
+        for period in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let error = Record::from_slices(period, &[0.0, 1.0], &[0.0, 1.0]).unwrap_err();
+            assert!(matches!(error, Error::SamplePeriod(_)));
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Findings on the record: whether it is enough, sound for the arithmetic, and of one piece.
+
+use super::{Advice, Evidence, SIGNIFICANCE};
+use crate::diagnostics::initial_rest::CONTRADICTION;
+use crate::diagnostics::run_scatter::RunComparison;
+use crate::estimation::least_squares::Path;
+use crate::identify::WELL_CONDITIONED;
+
+/// More parameters than this share of the rows leave too little to judge the noise by.
+const LARGE_SHARE: f64 = 0.25;
+
+pub(super) fn parameters(evidence: &Evidence<'_>) -> Option<Advice> {
+    let rows = evidence.explanation.rows as f64;
+    let share = (evidence.model.theta.len() + 1) as f64 / rows;
+    (share > LARGE_SHARE).then(|| {
+        Advice::new(
+            "parameters",
+            format!(
+                "The model has a parameter for every {:.1} samples.",
+                1.0 / share
+            ),
+            share,
+            LARGE_SHARE,
+            "Record longer, or ask for a shorter settling time.",
+        )
+    })
+}
+
+pub(super) fn conditioning(evidence: &Evidence<'_>) -> Option<Advice> {
+    (evidence.explanation.path == Path::Qr).then(|| {
+        Advice::new(
+            "conditioning",
+            "The moments were not accurate enough for this input or this little noise; the rows \
+             were factorised by QR instead, which is slower and as accurate as ever."
+                .to_owned(),
+            evidence.explanation.condition,
+            WELL_CONDITIONED,
+            "Nothing needs to be done; sharper edges in the input make the moments suffice.",
+        )
+    })
+}
+
+pub(super) fn converged(evidence: &Evidence<'_>) -> Option<Advice> {
+    (!evidence.model.converged).then(|| {
+        Advice::new(
+            "converged",
+            "The noise model did not come to rest.".to_owned(),
+            evidence.model.iterations as f64,
+            evidence.model.iterations as f64,
+            "Fix the noise order, or look for a disturbance that comes and goes.",
+        )
+    })
+}
+
+pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
+    let runs = evidence.explanation.runs.as_ref()?;
+    let p = [runs.gain_percent, runs.delay_s, runs.offset]
+        .iter()
+        .map(|s| s.p)
+        .fold(1.0, f64::min);
+    // Three numbers are tested.
+    let threshold = SIGNIFICANCE / 3.0;
+    (p < threshold).then(|| {
+        Advice::new(
+            "run_scatter",
+            format!(
+                "The runs differ by more than their noise: gain by {:.2} %, delay by {:.2} ms, offset \
+                 by {:.3} (standard deviations between runs).{}{}",
+                runs.gain_percent.sd,
+                1000.0 * runs.delay_s.sd,
+                runs.offset.sd,
+                match evidence.explanation.model_errors {
+                    Some(_) => "",
+                    None => " The bounds hold for the mean of these runs, not for the next one.",
+                },
+                farthest(runs).unwrap_or_default()
+            ),
+            p,
+            threshold,
+            "Look for what changes from run to run, such as supply voltage or temperature; compare \
+             servos by several runs each.",
+        )
+    })
+}
+
+/// Which run lies farthest from the others, where that is no finding of its own.
+fn farthest(runs: &RunComparison) -> Option<String> {
+    let farthest = runs.farthest.filter(|_| runs.deviating.is_none())?;
+    let run = runs.runs.iter().find(|run| run.run == farthest.run)?;
+    let chance = match 100.0 * farthest.p {
+        percent if percent < 99.5 => format!("in at most {percent:.0} %"),
+        _ => "in any number".to_owned(),
+    };
+    Some(format!(
+        " Run {} lies farthest from the others (gain {:+.2} %, delay {:+.2} ms, offset {:+.3} against the common \
+         model; {:.1} of their standard deviations), which {} runs of one kind bring about by chance {chance} \
+         of records.",
+        run.run,
+        run.gain_percent.value,
+        1000.0 * run.delay_s.value,
+        run.offset.value,
+        farthest.distance,
+        runs.runs.len()
+    ))
+}
+
+pub(super) fn deviating(evidence: &Evidence<'_>) -> Option<Advice> {
+    let runs = evidence.explanation.runs.as_ref()?;
+    let deviating = runs.deviating?;
+    let run = runs.runs.iter().find(|run| run.run == deviating.run)?;
+    Some(Advice::new(
+        "deviating_run",
+        format!(
+            "Run {} stands out from the others: gain {:+.2} %, delay {:+.2} ms, offset {:+.3} against \
+             the common model.",
+            run.run,
+            run.gain_percent.value,
+            1000.0 * run.delay_s.value,
+            run.offset.value
+        ),
+        deviating.distance,
+        deviating.threshold,
+        format!(
+            "Look at run {} before using it; identify again without it and compare.",
+            run.run
+        ),
+    ))
+}
+
+/// Share of the samples that may be lost to history without a word.
+const LOST_TO_HISTORY: f64 = 0.2;
+
+pub(super) fn history(evidence: &Evidence<'_>) -> Option<Advice> {
+    let fit = &evidence.model.fit;
+    let present = (evidence.samples - fit.samples_missing) as f64;
+    let lost = 1.0 - evidence.explanation.rows as f64 / present;
+    (lost > LOST_TO_HISTORY).then(|| {
+        Advice::new(
+            "history",
+            format!(
+                "{:.0} % of the samples only serve as history of others, because each run begins \
+                 with an unknown past, and so does what follows a gap.",
+                100.0 * lost
+            ),
+            lost,
+            LOST_TO_HISTORY,
+            "State the input before the runs (at rest), if it is known; or record fewer and longer \
+             runs.",
+        )
+    })
+}
+
+pub(super) fn at_rest(evidence: &Evidence<'_>) -> Option<Advice> {
+    let found = evidence.explanation.at_rest?;
+    Some(Advice::new(
+        "at_rest",
+        format!(
+            "Run {} does not begin where an input of {} at rest would have brought the servo: its first readings are \
+             {:+.3} from there, {:.0} times the usual error, as if the input had been {:.3}. A wrong statement \
+             bends the whole response.",
+            found.run, found.stated, found.error, found.times_usual, found.rather
+        ),
+        found.times_usual,
+        CONTRADICTION,
+        "State the input that the servo had rested at (--at-rest), or none.",
+    ))
+}

@@ -1,0 +1,133 @@
+//! Whether a run began where it is said to have rested.
+//!
+//! A statement about the input before a run puts N-1 rows into the regression that would have no
+//! history otherwise, and a wrong one costs several times the band. The first readings of the run show
+//! it: before the servo has moved, they are where the stated input would have brought it, or they are not.
+
+use serde::{Deserialize, Serialize};
+
+use crate::data::record::{Record, Run};
+use crate::results::model::Model;
+
+/// Readings at the beginning of a run that are looked at: a servo has not gone far by the last one.
+const FIRST: usize = 3;
+
+/// Times the usual error (rms) from which a beginning contradicts the statement. The errors of a servo that
+/// is not linear come to four, but in motion and not at rest.
+pub(crate) const CONTRADICTION: f64 = 6.0;
+
+/// A run that did not begin where it was said to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Contradicted {
+    /// Run, counted from 1.
+    pub run: usize,
+    /// The input that was stated.
+    pub stated: f64,
+    /// How far from there it began, by its first readings \[output\].
+    pub error: f64,
+    /// The same in usual errors (rms).
+    pub times_usual: f64,
+    /// The input that would have brought the servo there, by the model's gain.
+    pub rather: f64,
+}
+
+/// The run of `record` that contradicts its statement most, if one does.
+#[must_use]
+pub(crate) fn contradicted(record: &Record, model: &Model) -> Option<Contradicted> {
+    record.runs().iter().find_map(Run::input_at_rest)?;
+    let errors: Vec<Vec<f64>> = record
+        .runs()
+        .iter()
+        .map(|run| {
+            let pairs = run.output().iter().zip(model.simulate(run));
+            pairs.map(|(y, s)| y - s).collect()
+        })
+        .collect();
+    let usual = usual(&errors, model.structure.settling_samples)?;
+    let gain = *model.theta.first()?;
+    // What is left, sample by sample, of an error at the beginning.
+    let left: Vec<f64> = model.step.value.iter().map(|g| 1.0 - g / gain).collect();
+    let of_run = |(index, (run, errors)): (usize, (&Run, &Vec<f64>))| {
+        let stated = run.input_at_rest()?;
+        let first = errors.iter().take(FIRST).zip(&left);
+        let (square, product) = first
+            .filter(|(error, _)| !error.is_nan())
+            .fold((0.0, 0.0), |(square, product), (error, left)| {
+                (square + left * left, product + left * error)
+            });
+        let error = product / square;
+        (square > 0.0).then_some(Contradicted {
+            run: index + 1,
+            stated,
+            error,
+            times_usual: error.abs() / usual,
+            rather: stated + error / gain,
+        })
+    };
+    record
+        .runs()
+        .iter()
+        .zip(&errors)
+        .enumerate()
+        .filter_map(of_run)
+        .filter(|found| found.times_usual > CONTRADICTION)
+        .max_by(|a, b| a.times_usual.total_cmp(&b.times_usual))
+}
+
+/// Root mean square of the errors that have nothing to do with how runs began; of all, where runs are
+/// too short for that.
+fn usual(errors: &[Vec<f64>], settling: usize) -> Option<f64> {
+    let rms = |skipped: usize| {
+        let later = errors.iter().flat_map(|run| run.iter().skip(skipped));
+        let (count, square) = later
+            .filter(|error| !error.is_nan())
+            .fold((0usize, 0.0), |(n, sum), error| {
+                (n + 1, sum + error * error)
+            });
+        let rms = (square / count as f64).sqrt();
+        (count >= settling && rms > 0.0).then_some(rms)
+    };
+    rms(settling).or_else(|| rms(0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Options, identify};
+
+    /// A first-order servo that has rested at 2, and is then told random levels.
+    fn record(stated: f64) -> Record {
+        let level = |k: usize| (k / 9 * 7919 % 101) as f64 / 25.0;
+        let input: Vec<f64> = (0..900).map(level).collect();
+        let mut s = 2.0;
+        let noise = |k: usize| 0.02 * ((k * 7919 % 101) as f64 - 50.0) / 50.0;
+        let output: Vec<f64> = input
+            .iter()
+            .enumerate()
+            .map(|(k, u)| {
+                s += 0.3 * (u - s);
+                s + noise(k)
+            })
+            .collect();
+        let run = Run::new(input, output).unwrap().with_input_at_rest(stated);
+        Record::new(0.01, vec![run]).unwrap()
+    }
+
+    #[test]
+    fn a_wrong_statement_is_contradicted_and_a_right_one_is_not() {
+        let found = |stated: f64| {
+            let record = record(stated);
+            let model = identify(&record, &Options::default()).unwrap();
+            (contradicted(&record, &model), model)
+        };
+        let (right, model) = found(2.0);
+        assert_eq!(right, None);
+        assert!(model.advice.iter().all(|advice| advice.check != "at_rest"));
+        let (wrong, model) = found(-1.0);
+        let wrong = wrong.unwrap();
+        // The wrong rows bend the model.
+        assert!((1.0..3.0).contains(&wrong.rather), "{wrong:?}");
+        let advice = model.advice.iter().find(|advice| advice.check == "at_rest");
+        assert!(advice.unwrap().finding.contains("-1"), "{advice:?}");
+    }
+}

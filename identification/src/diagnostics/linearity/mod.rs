@@ -1,0 +1,155 @@
+//! Whether what the model leaves over is a function of what it explains.
+//!
+//! A linear servo leaves over noise, which knows nothing of the input. One that is limited in speed,
+//! has play or reaches its two ends differently leaves over something that follows the motion, and
+//! a noise model that is flexible enough explains it away one step ahead: whiteness and
+//! independence of further *lags* of the input may pass, and the bounds are far too narrow all the
+//! same. So functions of the simulated output s and its speed v that no linear model has are
+//! offered to the regression,
+//!
+//! ```text
+//! D(z) (y - ŷ)(k) = D(z) Σ_j γ_j z_j(k) + ε(k),    z = s², s³, v |v|, |v|, s |v|,
+//! ```
+//!
+//! together with all the parameters of the model (Ramsey's RESET, 1969). Because the z_j depend on
+//! the data through the fitted response alone, which is independent of the residuals, the usual F
+//! statistic of γ = 0 has its F distribution for any z (Milliken & Graybill 1970), given D.
+//!
+//! Runs of one servo differ: its supply and its clock do. What several runs leave over because each has a
+//! gain, a delay and an offset of its own is no sign of a servo that is not linear, so these, D(z) s, D(z) v and
+//! D(z) 1 for each run, stand beside the parameters of the model where there are several runs.
+//!
+//! A bank that leaves out frequencies leaves over their share of the motion, which no function of lags
+//! can be told from: there a small p says that the errors are not noise, but not why
+//! ([`Linearity::complete`]).
+//!
+//! Significance is not size: in a long record anything is significant. [`Linearity::misfit_percent`]
+//! is the part of the motion that γ explains and no linear model of this settling time could.
+
+mod reset_test;
+
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use crate::diagnostics::simulation_error::{Simulated, explained_by_runs};
+use crate::diagnostics::standstill_noise::StandstillNoise;
+use crate::estimation::gls::GlsFit;
+use crate::estimation::least_squares::Information;
+use reset_test::ResetTest;
+
+/// p-values below this count: far below what one would ask of a single test, because each of many
+/// recordings of linear servos is tested.
+pub const SIGNIFICANCE: f64 = 1e-4;
+
+/// Percent of the motion that must be beyond any linear model before it is worth a word: less is
+/// within what a servo does to itself from day to day.
+pub const WORTH_MENTIONING: f64 = 1.0;
+
+/// What the test found.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Linearity {
+    /// Probability of a relation to functions of the motion at least as strong if the servo is
+    /// linear.
+    pub p: f64,
+    /// Root mean square of what these functions explain and no linear model does, of that of the
+    /// output about its mean \[%\]. Without a finding, noise alone makes it about
+    /// sqrt(5/rows) times the noise.
+    pub misfit_percent: f64,
+    /// Whether the model has all frequencies, so that what follows the motion cannot be those left
+    /// out.
+    pub complete: bool,
+    /// By how much runs differ from each other; `None` with a single one.
+    #[serde(default)]
+    pub runs: Option<BetweenRuns>,
+    /// How the errors compare with the noise at rest; `None` where no rest was recorded, or where the
+    /// response may be longer than what the model has of it, which leaves errors of its own.
+    #[serde(default)]
+    pub rest: Option<StandstillNoise>,
+}
+
+/// What runs of one servo leave over because each has a gain, a delay and an offset of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BetweenRuns {
+    /// Probability of differences at least as large from noise alone.
+    pub p: f64,
+    /// Root mean square of what they explain of the errors, of that of the output about its mean \[%\].
+    pub misfit_percent: f64,
+}
+
+impl Linearity {
+    /// Whether errors are shown to follow the motion, by an amount that matters.
+    #[must_use]
+    pub fn errors_follow_motion(&self) -> bool {
+        self.by_functions() || self.against_rest().is_some()
+    }
+
+    /// Whether functions of the motion explain errors, by an amount that matters.
+    #[must_use]
+    pub fn by_functions(&self) -> bool {
+        self.p < SIGNIFICANCE && self.misfit_percent > WORTH_MENTIONING
+    }
+
+    /// How much larger errors are in motion than at rest, if that is shown, by an amount that matters.
+    #[must_use]
+    pub fn against_rest(&self) -> Option<StandstillNoise> {
+        self.rest
+            .filter(|rest| rest.p < SIGNIFICANCE && rest.misfit_percent > WORTH_MENTIONING)
+    }
+
+    /// How much runs differ, if that is shown, by an amount that matters.
+    #[must_use]
+    pub fn between_runs(&self) -> Option<BetweenRuns> {
+        self.runs
+            .filter(|runs| runs.p < SIGNIFICANCE && runs.misfit_percent > WORTH_MENTIONING)
+    }
+
+    /// Whether the servo is shown not to be linear, by an amount that matters.
+    #[must_use]
+    pub fn is_rejected(&self) -> bool {
+        self.complete && self.errors_follow_motion()
+    }
+}
+
+/// Tests the fit that is in `information` on what it makes of its record; `None` when the rows do not allow
+/// it.
+#[must_use]
+pub(crate) fn test(
+    runs: &[Simulated<'_>],
+    information: &Information,
+    fit: &GlsFit,
+) -> Option<Linearity> {
+    let offered = ResetTest::new(runs, &information.moments, fit)?;
+    let found = offered.regress(fit)?;
+    let (k, free) = (
+        found.degrees as f64,
+        fit.degrees_of_freedom() - found.of_runs as f64,
+    );
+    if free <= k || found.unexplained <= 0.0 {
+        return None;
+    }
+    let noise = found.unexplained / (free - k);
+    let upper_tail = |reduction: f64, degrees: f64| {
+        let distribution = FisherSnedecor::new(degrees, free - k).ok()?;
+        let tail = distribution.sf(reduction / degrees / noise);
+        Some(tail.clamp(0.0, 1.0))
+    };
+    let misfit = offered.misfit(fit, &found);
+    let motion = (information.moments.output_spread() / information.rows() as f64).sqrt();
+    let between_runs = |p: f64| BetweenRuns {
+        p,
+        misfit_percent: 100.0 * explained_by_runs(runs) / motion,
+    };
+    Some(Linearity {
+        p: upper_tail(found.reduction, k)?,
+        runs: (found.of_runs > 0)
+            .then(|| upper_tail(found.reduction_of_runs, found.of_runs as f64))
+            .flatten()
+            .map(between_runs),
+        misfit_percent: 100.0 * misfit / motion,
+        complete: fit.coordinates.basis.has_all_frequencies(),
+        rest: None,
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,324 @@
+//! The regression on functions of the motion.
+
+use std::ops::Range;
+
+use faer::Mat;
+
+use crate::data::moments::Moments;
+use crate::diagnostics::residual_tests::ScoreTest;
+use crate::diagnostics::simulation_error::Simulated;
+use crate::estimation::fsf_basis::dot;
+use crate::estimation::gls::GlsFit;
+use crate::estimation::least_squares::with_one;
+use crate::numerics::convolution::causal_filter;
+use crate::numerics::lagged_sums::LaggedSums;
+use crate::numerics::linear_algebra::times;
+
+/// Functions of the simulated motion that are offered.
+pub(super) const FUNCTIONS: usize = 5;
+
+/// Functions that each of several runs has for itself.
+const OF_A_RUN: usize = 3;
+
+/// The functions of the motion, run by run. Of all columns the functions that runs share are the first; those that
+/// each run has for itself follow, run by run.
+pub(super) struct ResetTest {
+    pub(super) runs: Vec<OfferedRun>,
+    columns: usize,
+}
+
+/// One run: everything is relative to the centre of the moments.
+pub(super) struct OfferedRun {
+    /// u, with its history before the run; 0 where it is missing.
+    pub(super) input: Vec<f64>,
+    /// Samples of history at the beginning of `input`.
+    pub(super) history: usize,
+    /// The columns that are not 0 in this run.
+    pub(super) columns: Vec<usize>,
+    /// z_j(k) of these columns, 0 where the simulation is missing.
+    pub(super) functions: Vec<Vec<f64>>,
+    /// D(z) z_j(k); 0 but in the rows of the regression.
+    filtered: Vec<Vec<f64>>,
+    /// D(z) (y - ŷ)(k); 0 but in the rows of the regression.
+    pub(super) errors: Vec<f64>,
+    /// The rows of the regression.
+    pub(super) rows: Vec<Range<usize>>,
+}
+
+/// What the regression found.
+pub(super) struct Found {
+    /// By how much the functions that runs share reduce the sum of squares, beside all else.
+    pub(super) reduction: f64,
+    /// In how many directions.
+    pub(super) degrees: usize,
+    /// Directions in which runs differ from each other.
+    pub(super) of_runs: usize,
+    /// By how much these alone reduce the sum of squares.
+    pub(super) reduction_of_runs: f64,
+    /// Sum of squares that is left.
+    pub(super) unexplained: f64,
+    /// Coefficients of all columns whose combination is what the shared functions explain and nothing that a
+    /// run has for itself does.
+    pub(super) coefficients: Vec<f64>,
+    /// What the fit's own parameters, the offset last, take over of that combination.
+    pub(super) response: Vec<f64>,
+}
+
+impl ResetTest {
+    pub(super) fn new(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Self> {
+        let scale = Scale::of(runs.iter().map(|run| run.output.as_slice()))?;
+        let several = runs.len() > 1;
+        let runs: Vec<OfferedRun> = runs
+            .iter()
+            .enumerate()
+            .map(|(index, run)| {
+                let of_run = FUNCTIONS + OF_A_RUN * index;
+                let own = several.then_some(of_run..of_run + OF_A_RUN);
+                OfferedRun::new(run, &scale, own, moments, fit)
+            })
+            .collect();
+        let columns = runs.iter().filter_map(|run| run.columns.last()).max()? + 1;
+        Some(Self { runs, columns })
+    }
+
+    /// The regression on all columns beside the parameters of the fit, from cross moments alone.
+    pub(super) fn regress(&self, fit: &GlsFit) -> Option<Found> {
+        let cross = self.cross_moments(fit);
+        let (own, score) = self.own_moments();
+        let taken_over = &cross * &fit.solution.inverse;
+        let left = &own - &taken_over * cross.transpose();
+        let of = |columns: Range<usize>, score: &[f64]| {
+            let (start, count) = (columns.start, columns.len());
+            let block = |matrix: &Mat<f64>| {
+                matrix
+                    .as_ref()
+                    .submatrix(start, start, count, count)
+                    .to_owned()
+            };
+            ScoreTest::new(&block(&left), &block(&own), score)
+        };
+        let all = of(0..self.columns, &score)?;
+        let mut coefficients = all.coefficients[..FUNCTIONS].to_vec();
+        let mut found = Found {
+            reduction: all.reduction,
+            degrees: all.degrees,
+            of_runs: 0,
+            reduction_of_runs: 0.0,
+            unexplained: fit.solution.rss - all.reduction,
+            coefficients: Vec::new(),
+            response: Vec::new(),
+        };
+        let of_runs = FUNCTIONS..self.columns;
+        if !of_runs.is_empty()
+            && let Some(runs) = of(of_runs.clone(), &score[of_runs.clone()])
+        {
+            found.reduction -= runs.reduction;
+            found.degrees = found.degrees.checked_sub(runs.degrees).filter(|k| *k > 0)?;
+            (found.of_runs, found.reduction_of_runs) = (runs.degrees, runs.reduction);
+            // What the columns of the runs take over of the shared ones.
+            let shared: Vec<f64> = of_runs
+                .clone()
+                .map(|i| (0..FUNCTIONS).map(|j| left[(i, j)] * coefficients[j]).sum())
+                .collect();
+            let taken = of(of_runs, &shared)?.coefficients;
+            coefficients.extend(taken.iter().map(|taken| -taken));
+        }
+        found.response = times(&taken_over.transpose().to_owned(), &coefficients);
+        found.coefficients = coefficients;
+        Some(found)
+    }
+
+    /// Sum over the rows of D z_j(k) times the filtered regressors of the fit, the offset last: columns x
+    /// (n+1).
+    fn cross_moments(&self, fit: &GlsFit) -> Mat<f64> {
+        let lags = fit.coordinates.basis.settling();
+        let d = with_one(&fit.ar);
+        let gain: f64 = d.iter().sum();
+        let mut by_lag = Mat::<f64>::zeros(lags, self.columns);
+        let mut with_offset = vec![0.0; self.columns];
+        for run in &self.runs {
+            let input = filtered(&run.input, &d);
+            let functions: Vec<&[f64]> = run.filtered.iter().map(Vec::as_slice).collect();
+            let mut sums = LaggedSums::new(lags, functions.len());
+            sums.add(&input[run.history + 1 - lags..], &functions);
+            for ((sums, function), &column) in sums.sums().iter().zip(functions).zip(&run.columns) {
+                let total = by_lag.col_as_slice_mut(column).iter_mut();
+                total.zip(sums).for_each(|(total, sum)| *total += sum);
+                with_offset[column] += gain * function.iter().sum::<f64>();
+            }
+        }
+        let by_coordinate = fit.coordinates.compress(by_lag);
+        let p = by_coordinate.nrows();
+        Mat::from_fn(self.columns, p + 1, |j, i| match i {
+            i if i < p => by_coordinate[(i, j)],
+            _ => with_offset[j],
+        })
+    }
+
+    /// Sums over the rows of the products of the filtered columns with each other, and with the errors.
+    fn own_moments(&self) -> (Mat<f64>, Vec<f64>) {
+        let mut own = Mat::zeros(self.columns, self.columns);
+        let mut score = vec![0.0; self.columns];
+        for run in &self.runs {
+            for (&i, z) in run.columns.iter().zip(&run.filtered) {
+                score[i] += dot(z, &run.errors);
+                for (&j, other) in run.columns.iter().zip(&run.filtered) {
+                    own[(i, j)] += dot(z, other);
+                }
+            }
+        }
+        (own, score)
+    }
+
+    /// Root mean square over the rows of the combination found, less what the model explains of it.
+    pub(super) fn misfit(&self, fit: &GlsFit, found: &Found) -> f64 {
+        let (offset, coordinates) = found.response.split_last().unwrap_or((&0.0, &[]));
+        let impulse = fit.coordinates.impulse(coordinates);
+        let (mut square, mut count) = (0.0, 0usize);
+        for run in &self.runs {
+            let explained = causal_filter(&impulse, &run.input, None);
+            let explained = &explained[run.history..];
+            for rows in &run.rows {
+                let mut beyond: Vec<f64> = explained[rows.clone()]
+                    .iter()
+                    .map(|explained| -explained - offset)
+                    .collect();
+                for (z, &column) in run.functions.iter().zip(&run.columns) {
+                    let coefficient = found.coefficients.get(column).unwrap_or(&0.0);
+                    for (beyond, z) in beyond.iter_mut().zip(&z[rows.clone()]) {
+                        *beyond += coefficient * z;
+                    }
+                }
+                square += dot(&beyond, &beyond);
+                count += beyond.len();
+            }
+        }
+        (square / count.max(1) as f64).sqrt()
+    }
+}
+
+/// What brings position and speed to a size of one.
+struct Scale {
+    position: f64,
+    speed: f64,
+}
+
+impl Scale {
+    /// `None` when nothing moves.
+    fn of<'a>(runs: impl Iterator<Item = &'a [f64]>) -> Option<Self> {
+        let (mut position, mut speed, mut count) = (0.0, 0.0, 0usize);
+        for simulated in runs {
+            for pair in simulated
+                .windows(2)
+                .filter(|pair| !(pair[0] + pair[1]).is_nan())
+            {
+                position += pair[1] * pair[1];
+                speed += (pair[1] - pair[0]).powi(2);
+                count += 1;
+            }
+        }
+        (position > 0.0 && speed > 0.0).then(|| Self {
+            position: (position / count as f64).sqrt(),
+            speed: (speed / count as f64).sqrt(),
+        })
+    }
+}
+
+impl OfferedRun {
+    fn new(
+        simulated: &Simulated<'_>,
+        scale: &Scale,
+        of_run: Option<Range<usize>>,
+        moments: &Moments,
+        fit: &GlsFit,
+    ) -> Self {
+        let d = with_one(&fit.ar);
+        let history = fit.coordinates.basis.settling() + fit.ar.len();
+        let (run, centre) = (&simulated.run, moments.centre.0);
+        let before = run.input_at_rest().map_or(0.0, |u| u - centre);
+        let mut input = vec![before; history];
+        input.extend(run.input().iter().map(|u| present(u - centre)));
+        let motion = Motion::new(simulated, scale);
+        let mut functions = motion.bent();
+        let mut columns: Vec<usize> = (0..FUNCTIONS).collect();
+        if let Some(of_run) = of_run {
+            functions.extend(motion.of_a_run());
+            columns.extend(of_run);
+        }
+        let rows = run.complete_rows(moments.input_lags(), moments.output_lags());
+        let in_rows = |values: &[f64]| only(&rows, filtered(values, &d));
+        Self {
+            filtered: functions.iter().map(|z| in_rows(z)).collect(),
+            errors: in_rows(&simulated.errors),
+            input,
+            history,
+            columns,
+            functions,
+            rows,
+        }
+    }
+}
+
+/// `values` in `rows`, 0 elsewhere.
+fn only(rows: &[Range<usize>], mut values: Vec<f64>) -> Vec<f64> {
+    let mut kept = 0;
+    for row in rows {
+        values[kept..row.start].fill(0.0);
+        kept = row.end;
+    }
+    values[kept..].fill(0.0);
+    values
+}
+
+/// Position s and speed v of a simulated run, of a size of one.
+struct Motion(Vec<(f64, f64)>);
+
+impl Motion {
+    fn new(simulated: &Simulated<'_>, scale: &Scale) -> Self {
+        let speed = simulated.speed();
+        let scaled = |(s, v): (&f64, f64)| (s / scale.position, v / scale.speed);
+        Self(simulated.output.iter().zip(speed).map(scaled).collect())
+    }
+
+    /// s², s³, v |v|, |v|, s |v|.
+    fn bent(&self) -> Vec<Vec<f64>> {
+        vec![
+            self.each(|s, _| s * s),
+            self.each(|s, _| s * s * s),
+            self.each(|_, v| v * v.abs()),
+            self.each(|_, v| v.abs()),
+            self.each(|s, v| s * v.abs()),
+        ]
+    }
+
+    /// s, v, 1: by a gain, a delay and an offset of its own.
+    fn of_a_run(&self) -> [Vec<f64>; OF_A_RUN] {
+        [
+            self.each(|s, _| s),
+            self.each(|_, v| v),
+            self.each(|_, _| 1.0),
+        ]
+    }
+
+    /// 0 where the simulation is missing.
+    fn each(&self, function: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+        let each = |(s, v): &(f64, f64)| present(function(*s, *v));
+        self.0.iter().map(each).collect()
+    }
+}
+
+fn present(value: f64) -> f64 {
+    if value.is_nan() { 0.0 } else { value }
+}
+
+/// sum_i d_i x(k-i) for each k, what is before the first value left out. A pass for each i, so that
+/// each can be done in vector registers.
+fn filtered(values: &[f64], d: &[f64]) -> Vec<f64> {
+    let mut filtered = vec![0.0; values.len()];
+    for (i, di) in d.iter().enumerate() {
+        for (sum, value) in filtered.iter_mut().skip(i).zip(values) {
+            *sum += di * value;
+        }
+    }
+    filtered
+}

@@ -1,0 +1,266 @@
+//! Several runs of one servo: how much they differ, and whether one stands out.
+//!
+//! The model is that of all runs together. Each run is then compared with it by three numbers that
+//! mean something at the bench: its gain, its delay and its offset relative to the common model, from
+//! least squares of the run's D-filtered error on the simulated output, its slope and a constant,
+//!
+//! ```text
+//! D(z) (y - ŷ)(k) = D(z) [a ŷ_0(k) - τ (ŷ(k+1) - ŷ(k-1))/2 + b] + ε(k)
+//! ```
+//!
+//! with ŷ_0 the output without offset. The noise gives each number a standard deviation; what the
+//! numbers scatter beyond it is the scatter between runs (method of moments, as for random effects).
+//! Bounds of the model are those of noise alone: they do not contain that scatter.
+
+use faer::Mat;
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+
+use crate::data::record::Run;
+use crate::estimation::fsf_basis::dot;
+use crate::numerics::critical_values::{normal_upper_quantile, student_critical};
+use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
+use crate::results::model::Model;
+
+/// Level at which scatter counts as shown, and a run as deviating.
+pub const SIGNIFICANCE: f64 = 0.01;
+
+/// Gain, delay, offset.
+const NUMBERS: usize = 3;
+
+/// One number of one run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Difference {
+    /// Difference from the common model.
+    pub value: f64,
+    /// Its standard deviation from the noise.
+    pub sd: f64,
+}
+
+/// One run against the common model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RunDifference {
+    /// Run, counted from 1.
+    pub run: usize,
+    /// Gain relative to that of the model \[%\].
+    pub gain_percent: Difference,
+    /// Additional delay \[s\].
+    pub delay_s: Difference,
+    /// Additional offset \[units of the output\].
+    pub offset: Difference,
+}
+
+impl RunDifference {
+    fn number(&self, index: usize) -> Difference {
+        [self.gain_percent, self.delay_s, self.offset][index]
+    }
+}
+
+/// Scatter of one number between runs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Scatter {
+    /// Standard deviation between runs, beyond the noise.
+    pub sd: f64,
+    /// Probability of differences at least as large from the noise alone.
+    pub p: f64,
+}
+
+/// A run that stands out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Deviation {
+    /// Run, counted from 1.
+    pub run: usize,
+    /// Distance from the mean of the other runs, in standard deviations of a single run.
+    pub distance: f64,
+    /// Distance that one run in a hundred records would reach by chance.
+    pub threshold: f64,
+    /// Probability of a run at least as far from the others if all are of one kind, whatever they
+    /// scatter by.
+    #[serde(default = "certain")]
+    pub p: f64,
+}
+
+fn certain() -> f64 {
+    1.0
+}
+
+/// How the runs of a record compare.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunComparison {
+    /// Each run that is long enough.
+    pub runs: Vec<RunDifference>,
+    /// Scatter of the gain \[%\].
+    pub gain_percent: Scatter,
+    /// Scatter of the delay \[s\].
+    pub delay_s: Scatter,
+    /// Scatter of the offset.
+    pub offset: Scatter,
+    /// The run that stands out most, if one does; it takes three runs to tell which.
+    pub deviating: Option<Deviation>,
+    /// The run that lies farthest from the others, whether that is more than chance or not.
+    #[serde(default)]
+    pub farthest: Option<Deviation>,
+}
+
+impl RunComparison {
+    /// Compares `runs` with the model of all of them. `None` with fewer than two usable runs.
+    #[must_use]
+    pub fn of(model: &Model, runs: &[Run]) -> Option<Self> {
+        if runs.len() < 2 {
+            return None;
+        }
+        let compared: Vec<RunDifference> = runs
+            .iter()
+            .enumerate()
+            .filter_map(|(index, run)| difference(model, run, index + 1))
+            .collect();
+        if compared.len() < 2 {
+            return None;
+        }
+        let scatter = |number: usize| scatter(compared.iter().map(|run| run.number(number)));
+        let farthest = farthest(&compared);
+        Some(Self {
+            gain_percent: scatter(0),
+            delay_s: scatter(1),
+            offset: scatter(2),
+            deviating: farthest.filter(|run| run.distance > run.threshold),
+            farthest,
+            runs: compared,
+        })
+    }
+}
+
+/// The three numbers of one run; `None` when it is too short or does not move.
+fn difference(model: &Model, run: &Run, number: usize) -> Option<RunDifference> {
+    let simulated = model.simulate(run);
+    let order = model.noise.ar.len();
+    let d: Vec<f64> = std::iter::once(1.0)
+        .chain(model.noise.ar.iter().copied())
+        .collect();
+    let filtered = |k: usize, value: &dyn Fn(usize) -> f64| -> f64 {
+        d.iter().enumerate().map(|(i, d)| d * value(k - i)).sum()
+    };
+    let gain: f64 = d.iter().sum();
+    let mut normal = Mat::<f64>::zeros(NUMBERS, NUMBERS);
+    let mut right = [0.0; NUMBERS];
+    let mut rows = 0;
+    for k in order + 1..run.len().saturating_sub(1) {
+        let row = [
+            filtered(k, &|k| simulated[k] - model.offset),
+            filtered(k, &|k| (simulated[k - 1] - simulated[k + 1]) / 2.0),
+            gain,
+        ];
+        let error = filtered(k, &|k| run.output()[k] - simulated[k]);
+        if (row.iter().sum::<f64>() + error).is_nan() {
+            continue;
+        }
+        rows += 1;
+        for i in 0..NUMBERS {
+            right[i] += row[i] * error;
+            for j in 0..NUMBERS {
+                normal[(i, j)] += row[i] * row[j];
+            }
+        }
+    }
+    // Ten rows for each number: fewer say nothing about a run.
+    if rows < 10 * NUMBERS {
+        return None;
+    }
+    let scale: Vec<f64> = (0..NUMBERS)
+        .map(|i| normal[(i, i)].sqrt().recip())
+        .collect();
+    let scaled = Mat::from_fn(NUMBERS, NUMBERS, |i, j| {
+        normal[(i, j)] * scale[i] * scale[j]
+    });
+    let lower = cholesky(&scaled)?;
+    let right: Vec<f64> = right.iter().zip(&scale).map(|(r, s)| r * s).collect();
+    let x = backward_solve(&lower, &forward_solve(&lower, &right));
+    let inverse = inverse_of_lower(&lower);
+    let number_of = |i: usize, unit: f64| Difference {
+        value: unit * x[i] * scale[i],
+        sd: unit * model.noise.sigma * scale[i] * inverse.col(i).norm_l2(),
+    };
+    Some(RunDifference {
+        run: number,
+        gain_percent: number_of(0, 100.0),
+        delay_s: number_of(1, model.sample_period_s),
+        offset: number_of(2, 1.0),
+    })
+}
+
+/// Method of moments: what the weighted squares exceed their expectation by.
+fn scatter(values: impl Iterator<Item = Difference>) -> Scatter {
+    let values: Vec<Difference> = values.collect();
+    let weights: Vec<f64> = values.iter().map(|v| v.sd.powi(-2)).collect();
+    let total: f64 = weights.iter().sum();
+    if !total.is_finite() {
+        return Scatter { sd: 0.0, p: 1.0 }; // No noise, so no measure of what is more than it.
+    }
+    let numbers: Vec<f64> = values.iter().map(|v| v.value).collect();
+    let mean = dot(&weights, &numbers) / total;
+    let q: f64 = weights
+        .iter()
+        .zip(&numbers)
+        .map(|(w, x)| w * (x - mean).powi(2))
+        .sum();
+    let degrees = (values.len() - 1) as f64;
+    let denominator = total - weights.iter().map(|w| w * w).sum::<f64>() / total;
+    let sd = ((q - degrees) / denominator).max(0.0).sqrt();
+    let p = ChiSquared::new(degrees).map_or(1.0, |chi| chi.sf(q));
+    Scatter {
+        sd,
+        p: p.clamp(0.0, 1.0),
+    }
+}
+
+/// The run farthest from the others. Each number is held against the spread of the others (at
+/// least their noise) by Student's t, Bonferroni over runs and numbers.
+///
+/// How much runs of this servo scatter is known from the other runs alone: by the clock of a servo they may
+/// scatter fifty times as much as by the noise, and three of four then agree by chance more often than one
+/// would think. So at four runs it takes 35 standard deviations of the others to call the fourth
+/// another, and no test that holds for every scatter does with less; at five it takes 16.
+fn farthest(runs: &[RunDifference]) -> Option<Deviation> {
+    let others = runs.len() - 1;
+    if others < 2 {
+        return None;
+    }
+    let share = SIGNIFICANCE / (2 * NUMBERS * runs.len()) as f64;
+    let degrees = (others - 1) as f64;
+    let threshold = student_critical(normal_upper_quantile(share), &[degrees])[0];
+    let distance = |r: usize, number: usize| {
+        let rest: Vec<Difference> = (0..runs.len())
+            .filter(|&other| other != r)
+            .map(|other| runs[other].number(number))
+            .collect();
+        let count = rest.len() as f64;
+        let mean = rest.iter().map(|v| v.value).sum::<f64>() / count;
+        let spread = rest.iter().map(|v| (v.value - mean).powi(2)).sum::<f64>() / degrees;
+        let noise = rest.iter().map(|v| v.sd.powi(2)).sum::<f64>() / count;
+        let own = runs[r].number(number);
+        let variance = spread.max(noise) / count + spread.max(own.sd.powi(2));
+        if variance > 0.0 {
+            (own.value - mean).abs() / variance.sqrt()
+        } else {
+            0.0
+        }
+    };
+    let (run, distance) = (0..runs.len())
+        .map(|r| {
+            (
+                r,
+                (0..NUMBERS)
+                    .map(|number| distance(r, number))
+                    .fold(0.0, f64::max),
+            )
+        })
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let tests = (2 * NUMBERS * runs.len()) as f64;
+    let p = StudentsT::new(0.0, 1.0, degrees).map_or(1.0, |t| tests * t.sf(distance));
+    Some(Deviation {
+        run: runs[run].run,
+        distance,
+        threshold,
+        p: p.clamp(0.0, 1.0),
+    })
+}

@@ -1,0 +1,134 @@
+//! What a fit makes of the input of a record, beside what was measured: the tests of the errors look at
+//! the beginning of it.
+
+use std::borrow::Cow;
+
+use faer::Mat;
+
+use crate::data::moments::Moments;
+use crate::data::record::{Record, Run};
+use crate::diagnostics::residual_tests::ScoreTest;
+use crate::estimation::fsf_basis::dot;
+use crate::estimation::gls::GlsFit;
+use crate::numerics::convolution::causal_filter;
+
+/// Samples at the beginning of a record that are looked at: what cannot be seen in them is too small
+/// to matter.
+pub(crate) const SAMPLES: usize = 1 << 15;
+
+/// One run, or its beginning; simulation and errors are relative to the centre of the moments.
+pub(crate) struct Simulated<'a> {
+    pub(crate) run: Cow<'a, Run>,
+    /// ŷ(k); NaN where an input is missing.
+    pub(crate) output: Vec<f64>,
+    /// y(k) - ŷ(k); NaN where either is missing.
+    pub(crate) errors: Vec<f64>,
+    /// What a gain, a delay and an offset of its own leave of the errors, where there are several runs.
+    own_errors: Option<Vec<f64>>,
+}
+
+impl Simulated<'_> {
+    /// The change of the output per sample: half the difference of its neighbours; at the ends of a stretch
+    /// there is one neighbour only. NaN where the output is.
+    pub(crate) fn speed(&self) -> Vec<f64> {
+        (0..self.output.len())
+            .map(|k| {
+                let now = self.output[k];
+                let neighbour = |k: usize| match self.output.get(k) {
+                    Some(s) if !s.is_nan() => *s,
+                    _ => now,
+                };
+                (neighbour(k + 1) - neighbour(k.wrapping_sub(1))) / 2.0
+            })
+            .collect()
+    }
+
+    /// The errors but for what runs differ by: of a single run, all of them.
+    pub(crate) fn own_errors(&self) -> &[f64] {
+        self.own_errors.as_deref().unwrap_or(&self.errors)
+    }
+
+    /// What a gain, a delay and an offset of its own leave of the errors.
+    fn without_own_numbers(&self) -> Vec<f64> {
+        let row = |k: usize, speed: &[f64]| [self.output[k], speed[k], 1.0];
+        let speed = self.speed();
+        let mut moments = Mat::<f64>::zeros(3, 3);
+        let mut score = [0.0; 3];
+        for (k, error) in self.errors.iter().enumerate().filter(|(_, e)| !e.is_nan()) {
+            let row = row(k, &speed);
+            for i in 0..3 {
+                score[i] += row[i] * error;
+                for j in 0..3 {
+                    moments[(i, j)] += row[i] * row[j];
+                }
+            }
+        }
+        let Some(found) = ScoreTest::new(&moments, &moments, &score) else {
+            return self.errors.clone();
+        };
+        let left = |(k, error): (usize, &f64)| error - dot(&row(k, &speed), &found.coefficients);
+        self.errors.iter().enumerate().map(left).collect()
+    }
+}
+
+/// Root mean square of what [`Simulated::own_errors`] are free of.
+pub(crate) fn explained_by_runs(runs: &[Simulated<'_>]) -> f64 {
+    let (mut square, mut count) = (0.0, 0usize);
+    for run in runs {
+        let own = run.own_errors();
+        for (error, own) in run.errors.iter().zip(own).filter(|(e, _)| !e.is_nan()) {
+            square += (error - own).powi(2);
+            count += 1;
+        }
+    }
+    (square / count.max(1) as f64).sqrt()
+}
+
+/// The runs of a record up to [`SAMPLES`], by the response of `fit`, which is one of `moments`.
+pub(crate) fn simulated<'a>(
+    record: &'a Record,
+    moments: &Moments,
+    fit: &GlsFit,
+) -> Vec<Simulated<'a>> {
+    let (impulse, offset) = (fit.impulse(), fit.solution.offset());
+    let centre = moments.centre;
+    let mut runs: Vec<Simulated<'a>> = beginnings(record.runs(), SAMPLES)
+        .map(|run| {
+            let input: Vec<f64> = run.input().iter().map(|u| u - centre.0).collect();
+            let at_rest = run.input_at_rest().map(|u| u - centre.0);
+            let mut output = causal_filter(&impulse, &input, at_rest);
+            for value in &mut output {
+                *value += offset;
+            }
+            let of_output = |(y, s): (&f64, &f64)| y - centre.1 - s;
+            let errors = run.output().iter().zip(&output).map(of_output).collect();
+            Simulated {
+                run,
+                output,
+                errors,
+                own_errors: None,
+            }
+        })
+        .collect();
+    if runs.len() > 1 {
+        for run in &mut runs {
+            run.own_errors = Some(run.without_own_numbers());
+        }
+    }
+    runs
+}
+
+/// The first `samples` samples of `runs`, run by run.
+pub(crate) fn beginnings(runs: &[Run], samples: usize) -> impl Iterator<Item = Cow<'_, Run>> {
+    runs.iter()
+        .scan(samples, |left, run| {
+            let taken = run.len().min(*left);
+            *left -= taken;
+            Some(if taken == run.len() {
+                Cow::Borrowed(run)
+            } else {
+                Cow::Owned(run.part(0..taken))
+            })
+        })
+        .filter(|run| !run.is_empty())
+}

@@ -1,0 +1,414 @@
+//! The noise at rest as a witness of the noise in motion.
+//!
+//! Whatever follows the motion slowly enough, a flexible noise model takes for drift: nothing in the
+//! recording of the motion itself tells the two apart. A servo at rest can: its noise is measured
+//! there, whatever the motion is like. So D_r(z) is fitted to the output while the input stands still, and
+//! the errors of the simulation in motion must be as small behind that filter as those at rest,
+//!
+//! ```text
+//! s_m² / s_r² ~ F,     s_m² = mean (D_r(z) v)²  in motion,     s_r² = mean (D_r(z) (y - ȳ))²  at rest.
+//! ```
+//!
+//! The comparison is like with like, so that it does not matter how good D_r is: the motion is cut into
+//! pieces as long as a stretch of rest, each of them about its own mean. Drift that is too slow
+//! to be seen in a stretch of rest is not seen in a piece of motion either.
+//!
+//! What can make rest look quieter than the same noise is in motion is allowed for: rounding to the
+//! steps of the output, which a servo at rest may hide altogether, is never larger than half a step, and
+//! that much is added to the noise at rest; the loudest fifth of the pieces is left out, so
+//! that a few glitches say nothing. What makes rest look louder (a servo that still creeps) can only hide
+//! a finding, not make one. Where there are several runs, each is allowed a gain, a delay and an offset of its
+//! own, because supply and clock change them from run to run.
+
+use faer::Mat;
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use crate::data::holds::holds;
+use crate::data::record::Run;
+use crate::diagnostics::simulation_error::{SAMPLES, Simulated, beginnings};
+use crate::estimation::gls::{GlsFit, MAX_AUTO_ORDER};
+use crate::estimation::least_squares::{Information, with_one};
+use crate::estimation::noise_model::{NoiseFit, best_order};
+
+/// Shortest stretch of rest that is used \[samples\].
+const SHORTEST: usize = 32;
+
+/// Fewest samples at rest that say something about the noise.
+const FEWEST: usize = 100;
+
+/// Share of the pieces of motion that is left out, the loudest ones.
+const LEFT_OUT: usize = 5;
+
+/// How the errors in motion compare with the noise at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StandstillNoise {
+    /// Probability of errors at least as large if they are the noise that there is at rest.
+    pub p: f64,
+    /// Root mean square of the errors in motion over that of the noise at rest, both behind the filter
+    /// that makes the noise at rest white.
+    pub ratio: f64,
+    /// What the simulation leaves and noise does not explain, of the output about its mean \[% rms\].
+    pub misfit_percent: f64,
+}
+
+/// Compares the errors of `fit` in `runs` with the noise at rest, in them and in what was recorded around
+/// them, `rest`; `None` when nothing rests for long enough.
+#[must_use]
+pub(crate) fn compare(
+    runs: &[Simulated<'_>],
+    rest: &[Run],
+    information: &Information,
+    fit: &GlsFit,
+) -> Option<StandstillNoise> {
+    let rest: Vec<_> = beginnings(rest, SAMPLES).collect();
+    let seen = Seen {
+        runs: runs.iter().map(|simulated| &*simulated.run).collect(),
+        rest: rest.iter().map(|run| &**run).collect(),
+    };
+    let noise = RestNoise::of(&seen, fit.coordinates.basis.settling())?;
+    let order = noise.ar.len();
+    let mut pieces: Vec<(f64, usize)> = pieces(runs, noise.typical)
+        .map(|piece| (noise.filtered_square(piece), piece.len() - order))
+        .collect();
+    pieces.sort_by(|a, b| (a.0 / a.1 as f64).total_cmp(&(b.0 / b.1 as f64)));
+    pieces.truncate(pieces.len() - pieces.len() / LEFT_OUT);
+    let filtered: f64 = pieces.iter().map(|(square, _)| square).sum();
+    let count: usize = pieces.iter().map(|(_, count)| count).sum();
+    // What the fitted response has taken of the noise, spread over all rows.
+    let share = fit.degrees_of_freedom() / information.rows() as f64;
+    let degrees = (count as f64 - pieces.len() as f64) * share;
+    if degrees < FEWEST as f64 {
+        return None;
+    }
+    let f = (filtered / degrees) / noise.variance;
+    let distribution = FisherSnedecor::new(degrees, noise.degrees).ok()?;
+    let error = information.residual_moments(&fit.impulse(), fit.solution.offset(), 0)[(0, 0)];
+    let own = square(runs.iter().map(Simulated::own_errors))
+        / square(runs.iter().map(|run| &*run.errors));
+    let left = (own * error / information.moments.output_spread())
+        .max(0.0)
+        .sqrt();
+    Some(StandstillNoise {
+        p: distribution.sf(f).clamp(0.0, 1.0),
+        ratio: f.sqrt(),
+        misfit_percent: 100.0 * left * (1.0 - 1.0 / f).max(0.0).sqrt(),
+    })
+}
+
+/// Sum of the squares that are there.
+fn square<'a>(runs: impl Iterator<Item = &'a [f64]>) -> f64 {
+    let present = runs.flatten().filter(|error| !error.is_nan());
+    present.map(|error| error * error).sum()
+}
+
+/// What is looked at.
+struct Seen<'a> {
+    runs: Vec<&'a Run>,
+    /// What was recorded around the runs.
+    rest: Vec<&'a Run>,
+}
+
+/// The noise while nothing moves.
+struct RestNoise {
+    /// d_1..d_d of D_r.
+    ar: Vec<f64>,
+    /// What to expect of (D_r v)² in samples that D_r has not been fitted to.
+    variance: f64,
+    /// Degrees of freedom of the variance.
+    degrees: f64,
+    /// The usual length of a stretch \[samples\].
+    typical: usize,
+}
+
+impl RestNoise {
+    fn of(seen: &Seen<'_>, settling: usize) -> Option<Self> {
+        let stretches = seen.stretches(settling);
+        let count: usize = stretches.iter().map(|stretch| stretch.len()).sum();
+        if count < FEWEST {
+            return None;
+        }
+        let mut lengths: Vec<usize> = stretches.iter().map(|stretch| stretch.len()).collect();
+        lengths.sort_unstable();
+        let typical = lengths[lengths.len() / 2];
+        let size = MAX_AUTO_ORDER + 1;
+        let mut moments = Mat::zeros(size, size);
+        for stretch in &stretches {
+            add_moments(&about_mean(stretch), &mut moments);
+        }
+        let rows = count - MAX_AUTO_ORDER * stretches.len();
+        let rounding = (0.5 * seen.smallest_step()).powi(2);
+        for i in 0..size {
+            moments[(i, i)] += rounding * rows as f64;
+        }
+        // Noise is never too small for this: the steps of numbers are steps as well.
+        let noise = NoiseFit::new(&moments, 0.0)?;
+        let order = best_order(&noise.candidates(rows));
+        let ar = noise.coefficients(order);
+        let degrees = (rows - order - stretches.len()) as f64;
+        let square = quadratic(&moments, &with_one(&ar));
+        // Akaike's final prediction error: D_r fits the samples that it is from better than others.
+        let unseen = 1.0 + order as f64 / rows as f64;
+        Some(Self {
+            ar,
+            variance: unseen * square / degrees,
+            degrees,
+            typical,
+        })
+    }
+
+    /// Sum of (D_r v)², v being `piece` about its mean.
+    fn filtered_square(&self, piece: &[f64]) -> f64 {
+        let d = with_one(&self.ar);
+        about_mean(piece)
+            .windows(d.len())
+            .map(|window| {
+                let filtered: f64 = window.iter().rev().zip(&d).map(|(v, d)| d * v).sum();
+                filtered * filtered
+            })
+            .sum()
+    }
+}
+
+fn about_mean(values: &[f64]) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter().map(|value| value - mean).collect()
+}
+
+/// E[i,j] += sum v(k-i) v(k-j), over the k that have all of it.
+fn add_moments(values: &[f64], moments: &mut Mat<f64>) {
+    let order = moments.nrows() - 1;
+    let rows = values.len() - order;
+    for i in 0..=order {
+        for j in 0..=i {
+            let late = &values[order - i..order - i + rows];
+            let early = &values[order - j..order - j + rows];
+            let sum: f64 = late.iter().zip(early).map(|(a, b)| a * b).sum();
+            moments[(i, j)] += sum;
+            if i != j {
+                moments[(j, i)] += sum;
+            }
+        }
+    }
+}
+
+/// d'E d, E being larger than d needs.
+fn quadratic(moments: &Mat<f64>, d: &[f64]) -> f64 {
+    let row = |i: usize| {
+        d.iter()
+            .enumerate()
+            .map(|(j, dj)| moments[(i, j)] * dj)
+            .sum::<f64>()
+    };
+    d.iter().enumerate().map(|(i, di)| di * row(i)).sum()
+}
+
+impl<'a> Seen<'a> {
+    /// The output wherever the input has stood still for long enough: in holds of the runs that are
+    /// longer than the settling time, and in the rest around them.
+    fn stretches(&self, settling: usize) -> Vec<&'a [f64]> {
+        let mut found = Vec::new();
+        for run in &self.runs {
+            let from_rest = run
+                .input_at_rest()
+                .filter(|u| run.input().first() == Some(u));
+            for (index, hold) in holds(run).into_iter().enumerate() {
+                let settled = if index == 0 && from_rest.is_some() {
+                    0
+                } else {
+                    settling
+                };
+                add_settled(&run.output()[hold.samples], settled, &mut found);
+            }
+        }
+        for run in &self.rest {
+            for hold in holds(run) {
+                // A settling time that was found too long must not leave nothing.
+                let settled = settling.min(hold.samples.len() / 2);
+                add_settled(&run.output()[hold.samples], settled, &mut found);
+            }
+        }
+        found
+    }
+
+    /// The smallest step between neighbouring values of the output.
+    fn smallest_step(&self) -> f64 {
+        let runs = self.runs.iter().chain(&self.rest);
+        runs.flat_map(|run| run.output().windows(2))
+            .map(|pair| (pair[1] - pair[0]).abs())
+            .filter(|step| *step > 0.0)
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+fn add_settled<'a>(output: &'a [f64], settled: usize, found: &mut Vec<&'a [f64]>) {
+    let settled = output.get(settled..).unwrap_or_default();
+    found.extend(
+        settled
+            .split(|y| y.is_nan())
+            .filter(|part| part.len() >= SHORTEST),
+    );
+}
+
+/// Pieces of `length` samples that are all there.
+fn pieces<'a>(runs: &'a [Simulated<'_>], length: usize) -> impl Iterator<Item = &'a [f64]> {
+    // Runs of one servo differ, and that is no sign of errors in motion.
+    runs.iter()
+        .flat_map(|run| run.own_errors().split(|error| error.is_nan()))
+        .flat_map(move |whole| whole.chunks_exact(length))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Model, Options, Record, Run, identify};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const REST: usize = 300;
+
+    /// A first-order servo that is told random levels, after rest and before rest, under noise of first
+    /// order; it comes to rest `off` (standard deviation) from where it should, another time each time.
+    fn identified(seed: u64, off: f64, step: f64) -> Model {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let holds: Vec<(f64, f64)> = (0..100).map(|_| (3.0 * normal(), off * normal())).collect();
+        let mut input = vec![0.0; REST];
+        let mut error = vec![0.0; REST];
+        for (level, off) in holds {
+            input.extend([level; 20]);
+            error.extend([off; 20]);
+        }
+        input.extend([0.0; REST]);
+        error.extend([0.0; REST]);
+        let (mut s, mut e, mut v) = (0.0, 0.0, 0.0);
+        let output: Vec<f64> = input
+            .iter()
+            .zip(error)
+            .map(|(u, off)| {
+                s += 0.4 * (u - s);
+                e += 0.4 * (off - e);
+                v = 0.8 * v + 0.03 * normal();
+                let y = s + e + v;
+                if step > 0.0 {
+                    (y / step).round() * step
+                } else {
+                    y
+                }
+            })
+            .collect();
+        let all = Run::new(input, output).unwrap();
+        let end = all.len() - REST;
+        let record = Record::new(0.01, vec![all.part(REST..end)])
+            .unwrap()
+            .with_rest(vec![all.part(0..REST), all.part(end..all.len())]);
+        identify(&record, &Options::default()).unwrap()
+    }
+
+    fn is_found(model: &Model) -> bool {
+        let found = |check: &str| model.advice.iter().any(|advice| advice.check == check);
+        found(crate::diagnostics::advice::NOT_LINEAR)
+            || found(crate::diagnostics::advice::MODEL_ERROR)
+    }
+
+    #[test]
+    fn noise_at_rest_tells_errors_that_pass_for_drift() {
+        // 0.2 beside levels of 3: 7 % of the motion, and four times the noise of 0.05.
+        let model = identified(1, 0.2, 0.0);
+        assert!(is_found(&model), "{:?}", model.residuals);
+        let percent = model.residuals.beyond_rest_percent.unwrap();
+        // The servo follows each hold to the end, so that the errors are 0.2 rms less what is lost
+        // on the way, and the response takes up some of them.
+        assert!((4.0..7.5).contains(&percent), "{percent}");
+        assert!(model.residuals.rest_p.unwrap() < 1e-4);
+        let size = |words: &str| words.contains("times the noise at rest");
+        assert!(model.advice.iter().any(|advice| size(&advice.finding)));
+    }
+
+    #[test]
+    fn the_same_noise_is_no_finding_whatever_the_steps_of_the_sensor() {
+        // Steps from none to ten times the noise, which rest at one code or between two.
+        for step in [0.0, 0.02, 0.1, 0.5] {
+            for seed in 0..6 {
+                let model = identified(seed, 0.0, step);
+                let p = model.residuals.rest_p.unwrap();
+                assert!(p > 1e-3 && !is_found(&model), "{step}, seed {seed}: {p}");
+            }
+        }
+    }
+
+    /// Runs of a linear servo whose gain changes from run to run by `scatter` (standard deviation), under
+    /// random levels of their own, each from rest to rest.
+    fn of_runs(seed: u64, scatter: f64) -> Model {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let (mut runs, mut rest) = (Vec::new(), Vec::new());
+        for _ in 0..4 {
+            let gain = 1.0 + scatter * normal();
+            let levels: Vec<f64> = (0..60).map(|_| 3.0 * normal()).collect();
+            let held = levels.iter().flat_map(|level| [*level; 20]);
+            let still = [0.0; REST];
+            let input: Vec<f64> = still.into_iter().chain(held).chain(still).collect();
+            let (mut s, mut v) = (0.0, 0.0);
+            let output: Vec<f64> = input
+                .iter()
+                .map(|u| {
+                    s += 0.4 * (gain * u - s);
+                    v = 0.8 * v + 0.03 * normal();
+                    s + v
+                })
+                .collect();
+            let all = Run::new(input, output).unwrap();
+            let end = all.len() - REST;
+            runs.push(all.part(REST..end));
+            rest.extend([all.part(0..REST), all.part(end..all.len())]);
+        }
+        let record = Record::new(0.01, runs).unwrap().with_rest(rest);
+        identify(&record, &Options::default()).unwrap()
+    }
+
+    #[test]
+    fn runs_that_differ_are_not_taken_for_a_servo_that_is_not_linear() {
+        for seed in 0..6 {
+            let model = of_runs(seed, 0.04);
+            let advised = |check: &str| model.advice.iter().any(|advice| advice.check == check);
+            assert!(advised("run_scatter"), "seed {seed}");
+            let p = model.residuals.rest_p.unwrap();
+            assert!(p > 1e-3 && !is_found(&model), "seed {seed}: {p}");
+        }
+    }
+
+    #[test]
+    fn runs_that_differ_by_much_are_not_of_one_servo() {
+        let model = of_runs(1, 0.4);
+        let advised = |words: &str| {
+            model
+                .advice
+                .iter()
+                .any(|advice| advice.finding.contains(words))
+        };
+        assert!(
+            advised("the runs are not of one servo"),
+            "{:?}",
+            model.advice
+        );
+        assert!(!model.bounds_hold());
+    }
+
+    #[test]
+    fn without_rest_there_is_no_witness() {
+        let input: Vec<f64> = (0..900).map(|k| f64::from(k / 7 * 7919 % 101)).collect();
+        let output: Vec<f64> = input
+            .iter()
+            .scan(0.0, |s, u| {
+                *s += 0.4 * (u - *s);
+                Some(*s)
+            })
+            .enumerate()
+            .map(|(k, s)| s + 0.01 * (k * 7919 % 101) as f64)
+            .collect();
+        let record = Record::from_slices(0.01, &input, &output).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        assert_eq!(model.residuals.rest_p, None);
+    }
+}

@@ -1,0 +1,298 @@
+//! Generalised least squares: the response and the noise in turn, until both agree.
+//!
+//! With D fixed, the response is least squares on D-filtered rows; with the response fixed, D is
+//! least squares on the residuals of the same rows (Clarke 1967; Söderström 1975). Both half steps
+//! lower the same sum of squares J(θ, D), so J never rises.
+//!
+//! Residuals of a fit are smaller than the noise, because the response has followed part of it.
+//! Their moments are therefore corrected by what the covariance of the fit says was lost,
+//! E\[i,j\] += σ² tr(R_ij (Z'Z)^-1), before the final D is taken; this is the restricted likelihood's
+//! idea, and it keeps bands from shrinking when there are many parameters.
+
+use std::sync::Arc;
+
+use faer::Mat;
+
+use crate::estimation::fsf_basis::dot;
+use crate::estimation::lag_products::LagProducts;
+use crate::estimation::least_squares::{Coordinates, Information, Solution};
+use crate::estimation::noise_model::{NoiseFit, OrderCandidate, best_order};
+use crate::numerics::linear_algebra::times;
+use crate::options::NoiseOrder;
+
+/// Largest order that the automatic choice considers.
+pub const MAX_AUTO_ORDER: usize = 8;
+
+/// Passes in which the order may still change; after that it is kept, so that two orders of
+/// nearly equal merit cannot alternate for ever.
+const FREE_ORDER_PASSES: usize = 6;
+
+/// Passes with corrected residual moments: the correction converges faster than it matters.
+const CORRECTED_PASSES: usize = 3;
+
+/// How the alternation is run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GlsOptions {
+    /// Order of D.
+    pub order: NoiseOrder,
+    /// Largest change of a coefficient of D that counts as rest.
+    pub tolerance: f64,
+    /// Most passes.
+    pub max_iterations: usize,
+    /// Whether the residual moments are corrected for the parameters fitted.
+    pub corrected: bool,
+    /// Coefficients of D to start from.
+    pub start: Vec<f64>,
+}
+
+impl Default for GlsOptions {
+    fn default() -> Self {
+        Self {
+            order: NoiseOrder::Auto,
+            tolerance: 1e-8,
+            max_iterations: 100,
+            corrected: true,
+            start: Vec::new(),
+        }
+    }
+}
+
+/// A generalised least-squares fit.
+pub struct GlsFit {
+    /// The bank and its coordinates.
+    pub coordinates: Coordinates,
+    /// Least squares with the final D.
+    pub solution: Solution,
+    /// d_1..d_d.
+    pub ar: Vec<f64>,
+    /// Covariance of d_1..d_d.
+    pub ar_covariance: Mat<f64>,
+    /// Variance of ε: RSS / (rows - parameters - d), the offset being one of the parameters.
+    pub variance: f64,
+    /// Rows used.
+    pub rows: usize,
+    /// Passes made.
+    pub iterations: usize,
+    /// Whether D came to rest.
+    pub converged: bool,
+    /// Orders of the noise considered, with their criterion.
+    pub orders: Vec<OrderCandidate>,
+}
+
+impl GlsFit {
+    /// Degrees of freedom of the variance: rows - parameters - offset - d.
+    #[must_use]
+    pub fn degrees_of_freedom(&self) -> f64 {
+        degrees_of_freedom(self.rows, self.coordinates.len(), self.ar.len())
+    }
+
+    /// The impulse response, N samples.
+    #[must_use]
+    pub fn impulse(&self) -> Vec<f64> {
+        self.coordinates.impulse(self.solution.response())
+    }
+
+    /// θ.
+    #[must_use]
+    pub fn theta(&self) -> Vec<f64> {
+        match self.coordinates.theta_map() {
+            Some(map) => times(&map, self.solution.response()),
+            None => self.solution.response().to_vec(),
+        }
+    }
+
+    /// Covariance of θ and, as last row and column, the offset: (n+1) x (n+1).
+    #[must_use]
+    pub fn covariance(&self) -> Mat<f64> {
+        let p = self.coordinates.len();
+        let mut covariance = match self.coordinates.theta_map() {
+            None => self.solution.inverse.clone(),
+            Some(map) => {
+                let bordered = Mat::from_fn(p + 1, p + 1, |i, j| match (i, j) {
+                    (i, j) if i < p && j < p => map[(i, j)],
+                    (i, j) => f64::from(u8::from(i == j)),
+                });
+                &bordered * &self.solution.inverse * bordered.transpose()
+            }
+        };
+        for j in 0..=p {
+            for i in 0..=j {
+                let value = self.variance * (covariance[(i, j)] + covariance[(j, i)]) / 2.0;
+                covariance[(i, j)] = value;
+                covariance[(j, i)] = value;
+            }
+        }
+        covariance
+    }
+
+    /// The offset c of y = G u + c, back from the centre of the moments.
+    #[must_use]
+    pub fn offset(&self, information: &Information) -> f64 {
+        let gain: f64 = self.impulse().iter().sum();
+        let (u, y) = information.moments.centre;
+        self.solution.offset() + y - gain * u
+    }
+}
+
+fn degrees_of_freedom(rows: usize, parameters: usize, order: usize) -> f64 {
+    (rows as f64 - (parameters + 1 + order) as f64).max(1.0)
+}
+
+/// Fits response and noise. `None` when the rows do not determine the response.
+#[must_use]
+pub fn fit(
+    information: &Information,
+    coordinates: &Coordinates,
+    options: &GlsOptions,
+) -> Option<GlsFit> {
+    let lags = information.moments.input_lags() - coordinates.basis.settling();
+    let available = lags.min(information.moments.output_lags() - 1);
+    let max_order = match options.order {
+        NoiseOrder::Auto => MAX_AUTO_ORDER.min(available),
+        NoiseOrder::Order(order) => order.min(available),
+    };
+    let spread = information.moments.output_spread();
+    let mut ar = options.start.clone();
+    ar.truncate(available);
+    let mut orders = Vec::new();
+    let (mut iterations, mut converged) = (0, false);
+    while iterations < options.max_iterations && !converged {
+        iterations += 1;
+        let solution = information.solve_coordinates(coordinates, &ar)?;
+        let next = match noise_of(information, coordinates, &solution, max_order, None) {
+            Some(noise) => {
+                let order = match options.order {
+                    NoiseOrder::Order(_) => max_order,
+                    NoiseOrder::Auto if iterations > FREE_ORDER_PASSES => ar.len(),
+                    NoiseOrder::Auto => {
+                        orders = noise.candidates(information.rows());
+                        best_order(&orders)
+                    }
+                };
+                noise.coefficients(order)
+            }
+            None => Vec::new(), // The fit is exact: there is no noise to describe.
+        };
+        converged = spread == 0.0 || distance(&ar, &next) <= options.tolerance;
+        ar = next;
+    }
+    let mut solution = information.solve(coordinates, &ar)?;
+    let variance = |solution: &Solution, order: usize| {
+        solution.rss / degrees_of_freedom(information.rows(), coordinates.len(), order)
+    };
+    if options.corrected && !ar.is_empty() {
+        for _ in 0..CORRECTED_PASSES {
+            let correction = Some((&solution.inverse, variance(&solution, ar.len())));
+            let found = &solution.coordinates;
+            let noise = noise_of(information, coordinates, found, ar.len(), correction);
+            let Some(noise) = noise else { break };
+            let corrected = noise.coefficients(ar.len());
+            let Some(next) = information.solve(coordinates, &corrected) else {
+                break;
+            };
+            ar = corrected;
+            solution = next;
+        }
+    }
+    let variance = variance(&solution, ar.len());
+    let correction = options.corrected.then_some((&solution.inverse, variance));
+    let found = &solution.coordinates;
+    let ar_covariance = noise_of(information, coordinates, found, ar.len(), correction)
+        .map_or_else(
+            || Mat::zeros(ar.len(), ar.len()),
+            |noise| faer::Scale(variance) * noise.unit_covariance(ar.len()),
+        );
+    Some(GlsFit {
+        coordinates: coordinates.clone(),
+        solution,
+        ar,
+        ar_covariance,
+        variance,
+        rows: information.rows(),
+        iterations,
+        converged,
+        orders,
+    })
+}
+
+/// The noise fit of the residuals of coordinates and offset; with the inverse and the variance of
+/// ε, their moments are corrected for the parameters fitted.
+fn noise_of(
+    information: &Information,
+    coordinates: &Coordinates,
+    solution: &[f64],
+    order: usize,
+    correction: Option<(&Mat<f64>, f64)>,
+) -> Option<NoiseFit> {
+    let (offset, response) = solution.split_last()?;
+    let mut moments = information.residual_moments_of(coordinates, response, *offset, order);
+    if let Some((inverse, variance)) = correction {
+        let lost = fitted_noise(information, coordinates, inverse, order);
+        moments += faer::Scale(variance) * lost;
+    }
+    NoiseFit::new(&moments, information.moments.output_spread())
+}
+
+/// tr(R_ij (Z'Z)^-1), i, j = 0..=order: the part of the lagged noise moments, per unit variance,
+/// that the fitted parameters have absorbed.
+fn fitted_noise(
+    information: &Information,
+    coordinates: &Coordinates,
+    inverse: &Mat<f64>,
+    order: usize,
+) -> Mat<f64> {
+    let moments = &information.moments;
+    let p = coordinates.len();
+    let block = inverse.as_ref().submatrix(0, 0, p, p).to_owned();
+    let border: Vec<f64> = (0..p).map(|k| inverse[(k, p)]).collect();
+    let border = coordinates.impulse(&border);
+    let traces = Traces::new(information, coordinates, block);
+    let mut lost = Mat::zeros(order + 1, order + 1);
+    for i in 0..=order {
+        for j in 0..=i {
+            let response = traces.of(i, j);
+            let edges = dot(&border, &moments.u[i..]) + dot(&border, &moments.u[j..]);
+            let value = response + edges + moments.rows as f64 * inverse[(p, p)];
+            lost[(i, j)] = value;
+            lost[(j, i)] = value;
+        }
+    }
+    lost
+}
+
+/// tr(R_ij T C T') for a covariance C of the coordinates.
+enum Traces<'a> {
+    /// As tr(T'R_ij T C).
+    InCoordinates(Arc<LagProducts>, Mat<f64>),
+    /// With the covariance of the impulse response.
+    ByLags(&'a Mat<f64>, Mat<f64>),
+}
+
+impl<'a> Traces<'a> {
+    fn new(information: &'a Information, coordinates: &Coordinates, covariance: Mat<f64>) -> Self {
+        match information.lag_products(coordinates) {
+            Some(products) => Self::InCoordinates(products, covariance),
+            None => Self::ByLags(&information.moments.uu, coordinates.expand(covariance)),
+        }
+    }
+
+    fn of(&self, i: usize, j: usize) -> f64 {
+        match self {
+            Self::InCoordinates(products, covariance) => {
+                let product = products.at(i, j);
+                (0..covariance.ncols())
+                    .map(|k| dot(covariance.col_as_slice(k), product.col_as_slice(k)))
+                    .sum()
+            }
+            Self::ByLags(uu, covariance) => (0..covariance.ncols())
+                .map(|b| dot(covariance.col_as_slice(b), &uu.col_as_slice(b + j)[i..]))
+                .sum(),
+        }
+    }
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    (0..a.len().max(b.len()))
+        .map(|i| (a.get(i).unwrap_or(&0.0) - b.get(i).unwrap_or(&0.0)).abs())
+        .fold(0.0, f64::max)
+}

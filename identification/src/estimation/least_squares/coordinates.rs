@@ -1,0 +1,106 @@
+//! The coordinates in which least squares is solved.
+
+use faer::{Mat, MatRef};
+
+use crate::estimation::fsf_basis::FsfBasis;
+use crate::numerics::linear_algebra::times;
+
+/// The coordinates in which a bank is solved: a complete bank directly in its impulse response
+/// (T only rotates it), a smaller one in θ.
+#[derive(Clone)]
+pub struct Coordinates {
+    /// The bank.
+    pub basis: FsfBasis,
+    /// T, unless the bank is complete.
+    pub(super) map: Option<Mat<f64>>,
+}
+
+impl Coordinates {
+    /// Coordinates for `basis`.
+    #[must_use]
+    pub fn new(basis: FsfBasis) -> Self {
+        Self {
+            basis,
+            map: (!basis.is_complete()).then(|| basis.impulse_map()),
+        }
+    }
+
+    /// Coordinates θ, also for a complete bank.
+    #[must_use]
+    pub fn in_theta(basis: FsfBasis) -> Self {
+        Self {
+            basis,
+            map: Some(basis.impulse_map()),
+        }
+    }
+
+    /// Number of parameters without the offset.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.basis.frequencies()
+    }
+
+    /// Never: a bank has at least one frequency.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// The impulse response of a vector of coordinates.
+    #[must_use]
+    pub fn impulse(&self, coordinates: &[f64]) -> Vec<f64> {
+        match &self.map {
+            Some(map) => times(map, coordinates),
+            None => coordinates.to_vec(),
+        }
+    }
+
+    /// From coordinates to step response: N x n.
+    #[must_use]
+    pub fn step_map(&self) -> Mat<f64> {
+        match self.map {
+            Some(_) => self.basis.step_map(),
+            None => {
+                let n = self.basis.settling();
+                Mat::from_fn(n, n, |m, i| f64::from(u8::from(i <= m)))
+            }
+        }
+    }
+
+    /// From coordinates to θ: n x n, `None` when they are θ.
+    #[must_use]
+    pub fn theta_map(&self) -> Option<Mat<f64>> {
+        self.map.is_none().then(|| self.basis.analysis_map())
+    }
+
+    /// T C T': the covariance of the impulse response from that of the coordinates.
+    #[must_use]
+    pub fn expand(&self, covariance: Mat<f64>) -> Mat<f64> {
+        match &self.map {
+            Some(map) => map * (covariance * map.transpose()),
+            None => covariance,
+        }
+    }
+
+    /// From coordinates to impulse response, `None` when they are the impulse response.
+    #[must_use]
+    pub fn impulse_map(&self) -> Option<&Mat<f64>> {
+        self.map.as_ref()
+    }
+
+    /// T'M T.
+    pub(crate) fn square(&self, matrix: MatRef<'_, f64>) -> Mat<f64> {
+        match &self.map {
+            Some(map) => map.transpose() * (matrix * map),
+            None => matrix.to_owned(),
+        }
+    }
+
+    /// T'M.
+    pub(crate) fn compress(&self, matrix: Mat<f64>) -> Mat<f64> {
+        match &self.map {
+            Some(map) => map.transpose() * matrix,
+            None => matrix,
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! From moments to parameters and their covariance, for a given structure.
+
+pub mod direct;
+pub mod excitation;
+pub mod fsf_basis;
+pub mod gls;
+pub mod lag_products;
+pub mod least_squares;
+pub mod nested_banks;
+pub mod noise_model;
+pub mod qr;
+pub mod truncation;
+pub mod variance;

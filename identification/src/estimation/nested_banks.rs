@@ -1,0 +1,251 @@
+//! All banks n = 1, 3, 5, ... of one settling time from one factorisation.
+//!
+//! With the offset first and the frequencies ascending, the Cholesky factor of the largest bank
+//! contains that of every smaller one, so the residual sum of squares, the standard deviations and
+//! the uppermost frequencies of all banks cost no more than those of one.
+
+use std::cell::OnceCell;
+
+use faer::Mat;
+
+use crate::data::moments::Moments;
+use crate::estimation::fsf_basis::{FsfBasis, dot};
+use crate::estimation::least_squares::{Coordinates, NormalEquations};
+use crate::estimation::truncation::unit_biases;
+use crate::numerics::linear_algebra::inverse_of_lower;
+
+/// A squared pivot of the equilibrated equations below this means: a combination of lower
+/// frequencies, not excited by itself.
+const SMALLEST_PIVOT: f64 = 1e-9;
+
+/// What one bank would give.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct BankCandidate {
+    /// n.
+    pub frequencies: usize,
+    /// Generalised cross-validation: rows RSS / (rows - n - 1)².
+    pub gcv: f64,
+    /// Mean 99 % half width of the step response from the noise alone.
+    pub noise_half_width: f64,
+    /// Bound of the error from the frequencies left out, at 20 dB/decade.
+    pub truncation_bias: f64,
+}
+
+impl BankCandidate {
+    /// Half width of the honest band: noise and truncation together.
+    #[must_use]
+    pub fn half_width(&self) -> f64 {
+        self.noise_half_width + self.truncation_bias
+    }
+}
+
+/// Every bank of one settling time that the input excites.
+pub(crate) struct NestedBanks {
+    settling: usize,
+    roll_off: i32,
+    rows: f64,
+    noise_order: usize,
+    factor: PivotedPrefix,
+    /// Found when first asked for: most of the work is in the widths of the bands.
+    candidates: OnceCell<Vec<BankCandidate>>,
+}
+
+impl NestedBanks {
+    /// Scans the banks for one settling time and noise filter. `None` when not even the gain is
+    /// determined.
+    pub(crate) fn scan(
+        moments: &Moments,
+        settling: usize,
+        ar: &[f64],
+        roll_off: i32,
+    ) -> Option<Self> {
+        let basis = FsfBasis::full(settling).ok()?;
+        let in_theta = Coordinates::in_theta(basis);
+        let factor = PivotedPrefix::new(basis, &NormalEquations::new(moments, &in_theta, ar));
+        (factor.excited() > 0).then(|| Self {
+            settling,
+            roll_off,
+            rows: moments.rows as f64,
+            noise_order: ar.len(),
+            factor,
+            candidates: OnceCell::new(),
+        })
+    }
+
+    /// Each bank, smallest first.
+    pub(crate) fn candidates(&self) -> &[BankCandidate] {
+        self.candidates.get_or_init(|| self.widths())
+    }
+
+    /// Residual sum of squares of each bank n = 1, 3, 5, ...
+    fn residual_squares(&self) -> impl Iterator<Item = (usize, f64)> {
+        let z = &self.factor.projected;
+        let without_offset = self.factor.total - z[0].powi(2);
+        let left = z[1..].iter().scan(without_offset, |left, z| {
+            *left -= z * z;
+            Some(left.max(0.0))
+        });
+        (1..).zip(left).step_by(2)
+    }
+
+    /// Generalised cross-validation of the bank of `n` frequencies.
+    fn gcv(&self, n: usize, rss: f64) -> f64 {
+        self.rows * rss / (self.rows - (n + 1) as f64).max(1.0).powi(2)
+    }
+
+    fn widths(&self) -> Vec<BankCandidate> {
+        let (factor, settling) = (&self.factor, self.settling);
+        let inverse = inverse_of_lower(&factor.lower);
+        // F = Q L^-T for the step response, columns: offset first.
+        let step = factor.basis.step_map();
+        let size = factor.excited() + 1;
+        let scaled = Mat::from_fn(size, settling, |k, m| {
+            if k == 0 {
+                0.0
+            } else {
+                step[(m, k - 1)] * factor.scale[k]
+            }
+        });
+        // F, one bank's share of the response in each column: N x size.
+        let spread = scaled.transpose() * inverse.transpose();
+        let biases = unit_biases(settling, self.roll_off);
+        let critical = crate::numerics::critical_values::pointwise_critical(0.99);
+        let mut variances = vec![0.0; settling];
+        let mut added = 0;
+        self.residual_squares()
+            .map(|(n, rss)| {
+                for k in added + 1..=n {
+                    for (variance, share) in variances.iter_mut().zip(spread.col_as_slice(k)) {
+                        *variance += share * share;
+                    }
+                }
+                added = n;
+                let dof = (self.rows - (n + 1 + self.noise_order) as f64).max(1.0);
+                let sigma = (rss / dof).sqrt();
+                let sd: f64 = variances.iter().map(|v| v.sqrt()).sum();
+                BankCandidate {
+                    frequencies: n,
+                    gcv: self.gcv(n, rss),
+                    noise_half_width: critical * sigma * sd / settling as f64,
+                    truncation_bias: factor.edge_magnitude(&inverse, n, sigma) * biases[n / 2],
+                }
+            })
+            .collect()
+    }
+
+    /// The bank with the narrowest honest band.
+    pub(crate) fn narrowest(&self) -> BankCandidate {
+        *self
+            .candidates()
+            .iter()
+            .min_by(|a, b| a.half_width().total_cmp(&b.half_width()))
+            .expect("a scan has at least the bank of the gain")
+    }
+
+    /// Frequencies of the bank that predicts best.
+    pub(crate) fn best_predictor(&self) -> usize {
+        self.residual_squares()
+            .map(|(n, rss)| (n, self.gcv(n, rss)))
+            .min_by(|(_, a), (_, b)| a.total_cmp(b))
+            .map_or(1, |(n, _)| n)
+    }
+
+    /// The largest bank that the input excites.
+    pub(crate) fn largest(&self) -> BankCandidate {
+        let candidates = self.candidates();
+        candidates[candidates.len() - 1]
+    }
+
+    /// Frequencies of the largest bank that the input excites.
+    pub(crate) fn excited(&self) -> usize {
+        self.factor.excited()
+    }
+}
+
+/// The Cholesky factor of the equilibrated equations, offset first, as far as pivots are sound.
+struct PivotedPrefix {
+    basis: FsfBasis,
+    lower: Mat<f64>,
+    scale: Vec<f64>,
+    /// L^-1 b.
+    projected: Vec<f64>,
+    /// Sum of squares of the filtered output.
+    total: f64,
+}
+
+impl PivotedPrefix {
+    fn new(basis: FsfBasis, equations: &NormalEquations) -> Self {
+        let (a, scale) = equations.equilibrated();
+        let p = scale.len();
+        // The offset is last in the equations and first here.
+        let original = |k: usize| if k == 0 { p - 1 } else { k - 1 };
+        let mut lower = Mat::<f64>::zeros(p, p);
+        let mut projected = Vec::with_capacity(p);
+        for k in 0..p {
+            let mut pivot = a[(original(k), original(k))];
+            for j in 0..k {
+                // Row k of L: earlier rows are known.
+                let known = dot(&lower.col_as_slice(k)[..j], &lower.col_as_slice(j)[..j]);
+                let entry = (a[(original(k), original(j))] - known) / lower[(j, j)];
+                lower[(j, k)] = entry;
+                pivot -= entry * entry;
+            }
+            if pivot.is_nan() || pivot < SMALLEST_PIVOT {
+                break;
+            }
+            lower[(k, k)] = pivot.sqrt();
+            let known = dot(&lower.col_as_slice(k)[..k], &projected);
+            let b = equations.b[original(k)] * scale[original(k)];
+            projected.push((b - known) / lower[(k, k)]);
+        }
+        // Whole frequencies only: the offset, the gain and pairs.
+        let sound = projected.len().saturating_sub(1);
+        let sound = if sound == 0 {
+            0
+        } else {
+            sound - usize::from(sound.is_multiple_of(2))
+        };
+        let size = sound + 1;
+        projected.truncate(size);
+        Self {
+            basis,
+            // Built as rows of L in columns, for contiguous inner products.
+            lower: Mat::from_fn(size, size, |i, j| if j <= i { lower[(j, i)] } else { 0.0 }),
+            scale: (0..size).map(|k| scale[original(k)]).collect(),
+            projected,
+            total: equations.c,
+        }
+    }
+
+    /// Odd number of frequencies that are excited.
+    fn excited(&self) -> usize {
+        self.scale.len() - 1
+    }
+
+    /// Largest |G_l| + 2 sd over the last three frequencies of the bank with `n` frequencies.
+    fn edge_magnitude(&self, inverse: &Mat<f64>, n: usize, sigma: f64) -> f64 {
+        let first = n.saturating_sub(5).max(1);
+        // θ_k = scale_k sum_{j>=k} (L^-1)[j,k] z_j over the columns of this bank.
+        let entry = |k: usize| {
+            let (value, square) = (k..=n).fold((0.0, 0.0), |(value, square), j| {
+                let weight = inverse[(j, k)];
+                (value + weight * self.projected[j], square + weight * weight)
+            });
+            (value * self.scale[k], sigma * square.sqrt() * self.scale[k])
+        };
+        let magnitude = |k: usize| match k {
+            1 => {
+                let (value, sd) = entry(1);
+                value.abs() + 2.0 * sd
+            }
+            k => {
+                let ((re, re_sd), (im, im_sd)) = (entry(k), entry(k + 1));
+                re.hypot(im) + 2.0 * re_sd.hypot(im_sd)
+            }
+        };
+        (first..=n)
+            .filter(|&k| k == 1 || k % 2 == 0)
+            .map(magnitude)
+            .fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,400 @@
+//! A model of low order for a flight simulation: gain, delay and one to three poles.
+//!
+//! The parameters x minimise (θ - m(x))'C^-1(θ - m(x)), where θ is the estimate, C its covariance and
+//! m(x) what the same estimator would have found of a servo with these parameters: its exact,
+//! continuous response to the held command at the times of the samples, projected as the data were
+//! (after P. J. Gawthrop & L. Wang, "Data compression for estimation of the physical parameters of
+//! stable and unstable linear systems", Automatica 2005, with the projection in place of the plain
+//! frequency response, which would make the delay half a sample too long).
+//!
+//! The order is the lowest whose χ² + dim x · ln(rank) is within 2 of the smallest. When even that is rejected, as it is
+//! for every nonlinear servo, the model is an approximation: intervals are widened by sqrt(χ²/dof)
+//! (Birge 1932), the largest error is stated, and the order is the lowest whose largest error is
+//! within the limit asked for.
+//!
+//! The delay counts from the edge of the command as it was applied. A pulse-width command is applied
+//! at frame edges: a simulation is [sample and hold at the frame period] -> [this model]. Without the
+//! hold it must add half a frame of delay, and it misses the jitter of a frame's length.
+
+mod discrete;
+mod guess;
+mod low_order;
+mod projection;
+mod search;
+mod switching;
+
+use serde::{Deserialize, Serialize};
+
+use crate::data::record::Record;
+use crate::data::timing::Timing;
+use crate::error::Error;
+use crate::nonlinear::direction::upper_tail;
+use crate::numerics::critical_values::pointwise_critical;
+use crate::numerics::matrix_rows::to_rows;
+use crate::results::metrics::Interval;
+use crate::results::model::{LARGEST, Model};
+use guess::Guess;
+use projection::Projection;
+use search::{Minimum, minimise};
+
+pub use discrete::Discrete;
+pub use low_order::{LowOrder, Oscillator};
+pub use switching::{Stroke, SwitchingModel, fit_switching};
+
+/// Probability of rejecting the true order.
+const REJECT: f64 = 0.01;
+
+/// What is asked of the fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlightModelOptions {
+    /// Largest error of the step response that an approximation may have \[% of the step\].
+    pub largest_error_percent: f64,
+    /// Period at which the command is held, for the statement in the result \[s\].
+    pub frame_period_s: Option<f64>,
+}
+
+impl Default for FlightModelOptions {
+    fn default() -> Self {
+        Self {
+            largest_error_percent: 3.0,
+            frame_period_s: None,
+        }
+    }
+}
+
+/// One order, and how well it does.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OrderTried {
+    /// Number of poles.
+    pub order: usize,
+    /// χ² of the lack of fit.
+    pub chi_square: f64,
+    /// Its degrees of freedom.
+    pub degrees_of_freedom: usize,
+    /// Probability of a χ² at least as large if the servo is of this order.
+    pub p: f64,
+    /// χ² + parameters · ln(rank).
+    pub bic: f64,
+    /// Largest error of the step response \[% of the step\].
+    pub largest_error_percent: f64,
+}
+
+/// A fitted model of low order.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FlightModel {
+    /// The transfer function.
+    pub transfer: LowOrder,
+    /// K \[output per input\].
+    pub gain: Interval,
+    /// L \[s\], from the applied edge of the command.
+    pub delay_s: Interval,
+    /// ω \[rad/s\], orders 2 and 3.
+    pub omega_rad_s: Option<Interval>,
+    /// ζ, orders 2 and 3.
+    pub damping: Option<Interval>,
+    /// T \[s\], orders 1 and 3.
+    pub lag_s: Option<Interval>,
+    /// Level of the intervals.
+    pub level: f64,
+    /// Covariance of \[K, L, ln ω, ln ζ, ln T\], of those that the order has, widened already.
+    pub covariance: Vec<Vec<f64>>,
+    /// Number of poles.
+    pub order: usize,
+    /// Every order that could be fitted.
+    pub tried: Vec<OrderTried>,
+    /// Whether the order is rejected by the data, so that the model is an approximation.
+    pub approximation: bool,
+    /// χ²/dof by which the covariance was multiplied, 1 when nothing is rejected.
+    pub inflation: f64,
+    /// Largest error of the step response \[% of the step\].
+    pub largest_error_percent: f64,
+    /// Period at which the command is held before it reaches this model \[s\].
+    pub hold_period_s: Option<f64>,
+    /// The result in words.
+    pub statement: String,
+}
+
+impl FlightModel {
+    /// Whether the parts of a document fit together: the order, and poles that let a response end. A
+    /// model that was fitted always does; one that was read from elsewhere has to be asked.
+    #[must_use]
+    pub fn is_consistent(&self) -> bool {
+        let transfer = &self.transfer;
+        let oscillates = transfer.oscillator.is_some();
+        let order = 2 * usize::from(oscillates) + usize::from(transfer.lag_s.is_some());
+        let parameters = to_parameters(transfer);
+        order == self.order
+            && (1..=3).contains(&order)
+            // The logarithm of what must be above zero is no number otherwise.
+            && parameters.iter().all(|x| x.abs() <= LARGEST)
+            && self.covariance.len() == parameters.len()
+            && self.covariance.iter().all(|row| row.len() == parameters.len())
+            && self.covariance.iter().flatten().all(|x| x.abs() <= LARGEST)
+    }
+}
+
+/// Fits `model`, identified from `record`, by a transfer function of low order.
+///
+/// ```
+/// use servoid_identification::flight_model::{self, FlightModelOptions};
+/// use servoid_identification::{identify, Options, Record, Settling};
+/// // 10 ms of delay and a lag of 20 ms.
+/// let servo = flight_model::LowOrder { gain: 0.9, delay_s: 0.01, oscillator: None, lag_s: Some(0.02) };
+/// let u: Vec<f64> = (0..3000).map(|k| if k * k / 9000 % 2 == 0 { 5.0 } else { -5.0 }).collect();
+/// let edges: Vec<usize> = (1..3000).filter(|&k| u[k] != u[k - 1]).collect();
+/// let y: Vec<f64> = (0..3000).map(|k| {
+///     let past = edges.iter().filter(|&&e| e <= k);
+///     let noise = 0.01 * ((k * 7919 % 101) as f64 - 50.0) / 50.0;
+///     4.5 + noise + past.map(|&e| (u[e] - u[e - 1]) * servo.step(0.002 * (k - e) as f64)).sum::<f64>()
+/// }).collect();
+/// let record = Record::from_slices(0.002, &u, &y)?;
+/// let options = Options { settling: Settling::Samples(101), ..Options::default() };
+/// let model = identify(&record, &options)?;
+/// let flight = flight_model::fit(&record, &model, &FlightModelOptions::default())?;
+/// assert_eq!(flight.order, 1);
+/// assert!((flight.transfer.delay_s - 0.01).abs() < 2e-4);
+/// # Ok::<(), servoid_identification::Error>(())
+/// ```
+///
+/// # Errors
+/// The model has no response to speak of or none that the record tells, or the record is not the one it was identified from.
+pub fn fit(
+    record: &Record,
+    model: &Model,
+    options: &FlightModelOptions,
+) -> Result<FlightModel, Error> {
+    choose(Projection::new(record, model)?, model, options)
+}
+
+/// [`fit`] where the record is not at hand, from θ and its covariance alone.
+///
+/// Without the record it is not known what the estimator makes of a response that is longer than N
+/// samples or has more detail than n frequencies; the bank is then taken for what it stands for, a
+/// response that is over after N samples. With the structure chosen from the data (n = N, and N 1.75
+/// times the settling) the two agree; with a short or small bank [`fit`] is right and this is not.
+///
+/// ```
+/// # use servoid_identification::{identify, Options, Record, Settling};
+/// # let u: Vec<f64> = (0..3000).map(|k| if k * k / 9000 % 2 == 0 { 5.0 } else { -5.0 }).collect();
+/// # let y: Vec<f64> = u.iter().enumerate().scan(0.0, |y, (k, u)| {
+/// #     *y += 0.1 * (u - *y); Some(*y + 0.01 * ((k * 7919 % 101) as f64 - 50.0) / 50.0)
+/// # }).collect();
+/// # let options = Options { settling: Settling::Samples(101), ..Options::default() };
+/// use servoid_identification::flight_model::{self, FlightModelOptions};
+/// let model = identify(&Record::from_slices(0.002, &u, &y)?, &options)?;
+/// let flight = flight_model::of_model(&model, &FlightModelOptions::default())?;
+/// // A tenth of the way in each sample: a lag of 2 ms / -ln 0.9.
+/// assert!((flight.transfer.lag_s.unwrap() - 0.019).abs() < 2e-4);
+/// # Ok::<(), servoid_identification::Error>(())
+/// ```
+///
+/// # Errors
+/// The model has no response to speak of, none that its record told, or no covariance.
+pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
+    choose(Projection::of_model(model)?, model, options)
+}
+
+/// Fits every order and takes the one that the rule above says.
+fn choose(
+    projection: Projection,
+    model: &Model,
+    options: &FlightModelOptions,
+) -> Result<FlightModel, Error> {
+    let fitter = Fitter {
+        projection,
+        timing: model.timing(),
+    };
+    // A gain that was withheld is not to come back as a parameter.
+    if model.metrics.dc_gain.value.is_none() {
+        return Err(Error::Unexcited);
+    }
+    let guess = Guess::new(model).ok_or(Error::NoResponse)?;
+    let mut fits: Vec<Fit> = Vec::new();
+    for order in 1..=3 {
+        let second = fits
+            .iter()
+            .find(|fit| fit.order == 2)
+            .map(|fit| fit.transfer);
+        fits.extend(fitter.best(order, &guess.starts(order, second)));
+    }
+    let good_enough = |fit: &&Fit| fit.tried.p >= REJECT;
+    let chosen = match simplest(&fits, |fit| fit.tried).find(good_enough) {
+        None if fits.is_empty() => return Err(Error::NoResponse),
+        Some(simplest) => simplest,
+        None => {
+            let good =
+                |fit: &&Fit| fit.tried.largest_error_percent <= options.largest_error_percent;
+            fits.iter().find(good).unwrap_or(&fits[fits.len() - 1])
+        }
+    };
+    Ok(chosen.report(&fits, model.step.pointwise.level, options.frame_period_s))
+}
+
+/// Difference of Bayes' criterion that is "not worth more than a bare mention" (Kass & Raftery, Journal of the
+/// American Statistical Association, 1995): a parameter that brings no more is not taken up, since delay and further lags stand for
+/// each other, and the delay would leave its interval for a lag that is not there.
+const BARE_MENTION: f64 = 2.0;
+
+/// Of `fits`, lowest order first, those that the criterion does not tell from the best.
+fn simplest<T>(fits: &[T], tried: impl Fn(&T) -> OrderTried) -> impl Iterator<Item = &T> {
+    let least = fits
+        .iter()
+        .map(|fit| tried(fit).bic)
+        .fold(f64::INFINITY, f64::min);
+    fits.iter()
+        .filter(move |fit| tried(fit).bic <= least + BARE_MENTION)
+}
+
+/// Parameters as the search sees them: \[K, L, ln ω, ln ζ, ln T\] of those that the order has.
+fn to_parameters(transfer: &LowOrder) -> Vec<f64> {
+    let mut x = vec![transfer.gain, transfer.delay_s];
+    if let Some(oscillator) = transfer.oscillator {
+        x.extend([oscillator.omega_rad_s.ln(), oscillator.damping.ln()]);
+    }
+    x.extend(transfer.lag_s.map(f64::ln));
+    x
+}
+
+fn from_parameters(order: usize, x: &[f64]) -> LowOrder {
+    LowOrder {
+        gain: x[0],
+        delay_s: x[1],
+        oscillator: (order >= 2).then(|| Oscillator {
+            omega_rad_s: x[2].exp(),
+            damping: x[3].exp(),
+        }),
+        lag_s: (order != 2).then(|| x[x.len() - 1].exp()),
+    }
+}
+
+struct Fitter {
+    projection: Projection,
+    timing: Timing,
+}
+
+impl Fitter {
+    /// Increments of the response from sample to sample.
+    fn impulse(&self, transfer: &LowOrder) -> Vec<f64> {
+        let times = (0..self.projection.length()).map(|i| self.timing.seconds(i as f64));
+        let mut before = 0.0;
+        transfer
+            .steps(times)
+            .into_iter()
+            .map(|g| g - std::mem::replace(&mut before, g))
+            .collect()
+    }
+
+    /// The best minimum of one order.
+    fn best(&self, order: usize, starts: &[LowOrder]) -> Option<Fit> {
+        let residuals = |x: &[f64]| {
+            self.projection
+                .residuals(&self.impulse(&from_parameters(order, x)))
+        };
+        let minimum = starts
+            .iter()
+            .filter_map(|start| {
+                let x = to_parameters(start);
+                let mut increments = vec![1e-4; x.len()];
+                increments[0] = 1e-4 * start.gain.abs();
+                increments[1] = 1e-2 * self.timing.sample_period_s;
+                minimise(&residuals, &x, &increments)
+            })
+            .min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares))?;
+        let transfer = from_parameters(order, &minimum.parameters);
+        let error = self.projection.largest_error(&self.impulse(&transfer));
+        Some(Fit {
+            order,
+            transfer,
+            tried: OrderTried::new(order, &minimum, self.projection.rank(), error)?,
+            minimum,
+        })
+    }
+}
+
+impl OrderTried {
+    /// The order's fit to `rank` independent values, with its largest error relative to the step.
+    /// `None` when no degree of freedom is left.
+    fn new(order: usize, minimum: &Minimum, rank: usize, error: f64) -> Option<Self> {
+        let count = minimum.parameters.len();
+        let degrees_of_freedom = rank.checked_sub(count).filter(|degrees| *degrees > 0)?;
+        Some(Self {
+            order,
+            chi_square: minimum.sum_of_squares,
+            degrees_of_freedom,
+            p: upper_tail(minimum.sum_of_squares, degrees_of_freedom),
+            bic: minimum.sum_of_squares + count as f64 * (rank as f64).ln(),
+            largest_error_percent: 100.0 * error,
+        })
+    }
+}
+
+/// One order, fitted.
+struct Fit {
+    order: usize,
+    transfer: LowOrder,
+    minimum: Minimum,
+    tried: OrderTried,
+}
+
+impl Fit {
+    fn report(&self, all: &[Self], level: f64, hold_period_s: Option<f64>) -> FlightModel {
+        let approximation = self.tried.p < REJECT;
+        let ratio = self.tried.chi_square / self.tried.degrees_of_freedom as f64;
+        let inflation = if approximation { ratio.max(1.0) } else { 1.0 };
+        let covariance = faer::Scale(inflation) * &self.minimum.covariance;
+        let x = &self.minimum.parameters;
+        let critical = pointwise_critical(level);
+        let bounds = |k: usize| {
+            let half = critical * covariance[(k, k)].max(0.0).sqrt();
+            (x[k], x[k] - half, x[k] + half)
+        };
+        let plain = |k: usize| {
+            let (value, lower, upper) = bounds(k);
+            Interval::new(value, lower, upper)
+        };
+        let exponential = |k: usize| {
+            let (value, lower, upper) = bounds(k);
+            Interval::new(value.exp(), lower.exp(), upper.exp())
+        };
+        let oscillates = self.transfer.oscillator.is_some();
+        FlightModel {
+            transfer: self.transfer,
+            gain: plain(0),
+            delay_s: plain(1),
+            omega_rad_s: oscillates.then(|| exponential(2)),
+            damping: oscillates.then(|| exponential(3)),
+            lag_s: self.transfer.lag_s.map(|_| exponential(x.len() - 1)),
+            level,
+            covariance: to_rows(&covariance),
+            order: self.order,
+            tried: all.iter().map(|fit| fit.tried).collect(),
+            approximation,
+            inflation,
+            largest_error_percent: self.tried.largest_error_percent,
+            hold_period_s,
+            statement: self.statement(approximation, hold_period_s),
+        }
+    }
+
+    fn statement(&self, approximation: bool, hold_period_s: Option<f64>) -> String {
+        let quality = if approximation {
+            format!(
+                "approximation (p < {REJECT}): largest error {:.1} % of the step",
+                self.tried.largest_error_percent
+            )
+        } else {
+            format!("the record shows no lack of fit (p = {:.2})", self.tried.p)
+        };
+        let hold = hold_period_s.map_or_else(
+            || "the delay counts from the applied edge of the command".to_owned(),
+            |period| {
+                format!(
+                    "put a sample and hold of {:.1} ms before it; without one, add {:.1} ms of delay",
+                    1e3 * period,
+                    1e3 * period / 2.0
+                )
+            },
+        );
+        format!("Order {}: {quality}; {hold}.", self.order)
+    }
+}

@@ -1,0 +1,335 @@
+//! Where the servo comes to rest, level by level and by the side it came from.
+//!
+//! Each hold long enough for the response to settle gives one figure, the mean of its last quarter, freed
+//! of what the linear model says is still moving there.
+//! Holds at one level, reached from one side, form a cell; their scatter within cells is the only
+//! measure of uncertainty, so that it includes whatever differs from visit to visit.
+//!
+//! * **Hysteresis**: the mean over levels of (rest from above) - (rest from below). Backlash, dead band
+//!   and friction are not told apart. In a servo that overshoots by more than its play the sign
+//!   turns, because the level is then reached from the other side: only the size is reported.
+//! * **Saturation**: the gain from one level to the next at each end of the range against the
+//!   median of the other gains.
+
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::data::holds::{holds, last_quarter, mean_output};
+use crate::data::record::Run;
+use crate::results::metrics::Interval;
+
+/// Probability of calling out a hysteresis that is not there.
+const FALSE_ALARM: f64 = 0.001;
+/// Probability of calling out each end of the range that does not soften.
+const FALSE_ALARM_OF_AN_END: f64 = 0.005;
+/// Gain at an end, relative to the others, below which it softens, and below which it stops.
+const SOFT: f64 = 0.9;
+const STOP: f64 = 0.1;
+/// Levels needed to see an end soften.
+pub(crate) const LEVELS: usize = 4;
+
+/// The side from which a level was reached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// By a stroke upwards.
+    Below,
+    /// By a stroke downwards.
+    Above,
+}
+
+/// All visits to one level from one side.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// The level commanded.
+    pub command: f64,
+    /// Where it was reached from.
+    pub from: Side,
+    /// Mean of the output at rest, with its interval from the scatter between visits.
+    pub reached: Interval,
+    /// Visits.
+    pub visits: usize,
+}
+
+/// What the level table says about the direction of approach.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Hysteresis {
+    /// Whether there is any; `None` when the recording cannot tell.
+    pub found: Option<bool>,
+    /// Size of the dependence on the direction of approach \[output\].
+    pub size: Interval,
+    /// The finding as a sentence.
+    pub statement: String,
+}
+
+/// What one end of the range does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RangeEnd {
+    /// Whether the gain falls there; `None` when the recording cannot tell.
+    pub softens: Option<bool>,
+    /// The last level commanded on this side.
+    pub command: f64,
+    /// Where the servo rests at that command.
+    pub reached: Interval,
+    /// Gain of the last segment relative to the median of the others.
+    pub gain_ratio: Interval,
+    /// The finding as a sentence.
+    pub statement: String,
+}
+
+/// The level table of a record.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Table {
+    pub(crate) cells: Vec<Cell>,
+    /// Mean rest at each level, over both sides, ascending by command.
+    levels: Vec<Level>,
+    /// Variance within cells and its degrees of freedom.
+    variance: f64,
+    degrees: usize,
+    level: f64,
+    /// How long a hold must last to be counted \[s\].
+    needed_s: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Level {
+    command: f64,
+    mean: f64,
+    visits: usize,
+}
+
+impl Table {
+    /// Collects holds whose last quarter begins at least `settling` samples, `period_s` apart, after
+    /// the edge.
+    pub(crate) fn new(runs: &[Run], period_s: f64, settling: usize, level: f64) -> Self {
+        let mut visits: Vec<(f64, Side, f64)> = Vec::new();
+        for run in runs {
+            for hold in holds(run) {
+                let rest = last_quarter(&hold.samples);
+                let Some(before) = hold
+                    .before
+                    .filter(|_| rest.start >= hold.samples.start + settling)
+                else {
+                    continue;
+                };
+                let from = if hold.level > before {
+                    Side::Below
+                } else {
+                    Side::Above
+                };
+                if let Some(mean) = mean_output(run, rest) {
+                    visits.push((hold.level, from, mean));
+                }
+            }
+        }
+        let mut table = Self {
+            cells: Vec::new(),
+            levels: Vec::new(),
+            variance: 0.0,
+            degrees: 0,
+            level,
+            needed_s: (settling + settling.div_ceil(3) + 1) as f64 * period_s,
+        };
+        table.fill(&visits);
+        table
+    }
+
+    fn fill(&mut self, visits: &[(f64, Side, f64)]) {
+        let mut commands: Vec<f64> = visits.iter().map(|visit| visit.0).collect();
+        commands.sort_by(f64::total_cmp);
+        commands.dedup();
+        let mut square = 0.0;
+        let mut cells = Vec::new();
+        for &command in &commands {
+            let mut all = Vec::new();
+            for from in [Side::Below, Side::Above] {
+                let values: Vec<f64> = visits
+                    .iter()
+                    .filter(|visit| visit.0 == command && visit.1 == from)
+                    .map(|visit| visit.2)
+                    .collect();
+                if values.is_empty() {
+                    continue;
+                }
+                let mean = values.iter().sum::<f64>() / values.len() as f64;
+                square += values.iter().map(|y| (y - mean).powi(2)).sum::<f64>();
+                self.degrees += values.len() - 1;
+                cells.push((command, from, mean, values.len()));
+                all.extend(values);
+            }
+            self.levels.push(Level {
+                command,
+                mean: all.iter().sum::<f64>() / all.len() as f64,
+                visits: all.len(),
+            });
+        }
+        self.variance = if self.degrees > 0 {
+            square / self.degrees as f64
+        } else {
+            0.0
+        };
+        self.cells = cells
+            .into_iter()
+            .map(|(command, from, mean, visits)| Cell {
+                command,
+                from,
+                reached: self.around(mean, 1.0 / visits as f64),
+                visits,
+            })
+            .collect();
+    }
+
+    /// Student's interval of a mean whose variance is `share` of that of one visit.
+    fn around(&self, value: f64, share: f64) -> Interval {
+        let half = self.critical(0.5 - self.level / 2.0) * (self.variance * share).sqrt();
+        Interval::new(value, value - half, value + half)
+    }
+
+    /// Student's quantile with `tail` above it; infinite without degrees of freedom.
+    fn critical(&self, tail: f64) -> f64 {
+        StudentsT::new(0.0, 1.0, self.degrees as f64)
+            .map_or(f64::INFINITY, |t| -t.inverse_cdf(tail))
+    }
+
+    pub(crate) fn hysteresis(&self) -> Hysteresis {
+        // Weights that make the variance of the mean smallest.
+        let (mut sum, mut weights, mut pairs) = (0.0, 0.0, 0);
+        for pair in self
+            .cells
+            .windows(2)
+            .filter(|pair| pair[0].command == pair[1].command)
+        {
+            let (below, above) = (&pair[0], &pair[1]);
+            let (Some(low), Some(high)) = (below.reached.value, above.reached.value) else {
+                continue;
+            };
+            let weight = 1.0 / (1.0 / below.visits as f64 + 1.0 / above.visits as f64);
+            sum += weight * (high - low);
+            weights += weight;
+            pairs += 1;
+        }
+        if pairs == 0 || self.degrees < 2 {
+            return Hysteresis {
+                found: None,
+                size: Interval::default(),
+                statement: format!(
+                    "Cannot tell from this recording whether the rest position depends on the \
+                     direction of approach: record stairs that reach each level from both sides, \
+                     at least twice, each held for at least {:.2} s.",
+                    self.needed_s
+                ),
+            };
+        }
+        let difference = sum / weights;
+        let interval = self.around(difference, 1.0 / weights);
+        let sd = (self.variance / weights).sqrt();
+        let found = difference.abs() > self.critical(FALSE_ALARM / 2.0) * sd;
+        let size = absolute(interval);
+        let bound = size.upper.unwrap_or(f64::INFINITY);
+        Hysteresis {
+            found: Some(found),
+            size,
+            statement: if found {
+                format!(
+                    "The rest position depends on the direction of approach by {:.3}: backlash, \
+                     dead band or friction.",
+                    difference.abs()
+                )
+            } else {
+                format!(
+                    "The rest position does not depend on the direction of approach by more than \
+                     {bound:.3}."
+                )
+            },
+        }
+    }
+
+    /// The low and the high end of the range.
+    pub(crate) fn ends(&self) -> Option<[RangeEnd; 2]> {
+        let (low, high) = (self.levels.first()?, self.levels.last()?);
+        Some([self.end("low", low, false), self.end("high", high, true)])
+    }
+
+    fn end(&self, name: &str, level: &Level, high: bool) -> RangeEnd {
+        let mut end = RangeEnd {
+            softens: None,
+            command: level.command,
+            reached: self.around(level.mean, 1.0 / level.visits as f64),
+            gain_ratio: Interval::default(),
+            statement: format!(
+                "At {:.3} the servo reaches {:.3}. Cannot tell from this recording whether it \
+                 softens or stops there: record stairs of at least {LEVELS} levels, both ends \
+                 included, each visited at least twice and held for at least {:.2} s.",
+                level.command, level.mean, self.needed_s
+            ),
+        };
+        if self.levels.len() < LEVELS || self.degrees < 2 {
+            return end;
+        }
+        let mut gains: Vec<f64> = self
+            .levels
+            .windows(2)
+            .map(|pair| (pair[1].mean - pair[0].mean) / (pair[1].command - pair[0].command))
+            .collect();
+        let (gain, neighbours) = if high {
+            (gains.pop(), &self.levels[self.levels.len() - 2..])
+        } else {
+            (Some(gains.remove(0)), &self.levels[..2])
+        };
+        let (Some(gain), others) = (gain, median(&mut gains)) else {
+            return end;
+        };
+        let share: f64 = neighbours
+            .iter()
+            .map(|level| 1.0 / level.visits as f64)
+            .sum();
+        let sd = (self.variance * share).sqrt() / (neighbours[1].command - neighbours[0].command);
+        let ratio = gain / others;
+        let half = self.critical(0.5 - self.level / 2.0) * sd / others.abs();
+        end.gain_ratio = Interval::new(ratio, ratio - half, ratio + half);
+        let softens = SOFT - ratio > self.critical(FALSE_ALARM_OF_AN_END) * sd / others.abs();
+        end.softens = Some(softens);
+        end.statement = match (softens, ratio < STOP) {
+            (false, _) => format!(
+                "No stop at the {name} end: {:.3} is reached at {:.3}, with {:.0} % of the gain elsewhere.",
+                level.mean,
+                level.command,
+                100.0 * ratio
+            ),
+            (true, true) => format!("Hard stop at {:.3} (the {name} end).", level.mean),
+            (true, false) => format!(
+                "The {name} end softens: the last {:.3} of command give only {:.3}.",
+                neighbours[1].command - neighbours[0].command,
+                (neighbours[1].mean - neighbours[0].mean).abs()
+            ),
+        };
+        end
+    }
+}
+
+/// The interval of |x| from that of x.
+fn absolute(interval: Interval) -> Interval {
+    let (Some(value), Some(lower), Some(upper)) = (interval.value, interval.lower, interval.upper)
+    else {
+        return Interval {
+            value: interval.value.map(f64::abs),
+            ..Interval::default()
+        };
+    };
+    let nearest = if lower <= 0.0 && upper >= 0.0 {
+        0.0
+    } else {
+        lower.abs().min(upper.abs())
+    };
+    Interval::new(value.abs(), nearest, lower.abs().max(upper.abs()))
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let half = values.len() / 2;
+    if values.len() % 2 == 1 {
+        values[half]
+    } else {
+        f64::midpoint(values[half - 1], values[half])
+    }
+}

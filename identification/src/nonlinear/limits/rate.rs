@@ -1,0 +1,350 @@
+//! Whether the speed of a stroke grows with its size, as a linear servo's does.
+//!
+//! A linear servo runs every stroke on the same time scale, so that the speed v in the middle of a
+//! stroke is proportional to its commanded size A. With b the slope of ln v over ln A (standard
+//! deviation by MacKinnon and White's HC3) and the hinge v = c min(A, A₀) against v = c A by an F test,
+//!
+//! ```text
+//! proportional   neither b surely below 0.95 nor a hinge below 0.9 of the largest size
+//! rate limit     else, when v stands still above the hinge: five strokes or more, sizes that
+//!                differ by a fifth, slope surely below 0.25
+//! grows less     else: torque or acceleration is limited, or speed saturates softly
+//! ```
+//!
+//! The sizes are those commanded: measured travel shares its noise with the speed. The shape of a
+//! single stroke cannot tell a rate limit from a slow servo, and is not used.
+
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+
+use crate::data::holds::Stroke;
+use crate::numerics::critical_values::pointwise_critical;
+use crate::results::metrics::Interval;
+
+/// Strokes needed in one direction.
+const STROKES: usize = 6;
+/// Ratio of the largest to the smallest size needed.
+const SIZES: f64 = 1.5;
+/// Strokes above the hinge, and ratio of their sizes, needed to call it a limit.
+const ABOVE: (usize, f64) = (5, 1.2);
+/// Slopes: below the first it surely is not proportional, below the second it stands still.
+const SLOPES: (f64, f64) = (0.95, 0.25);
+/// Level of each single test.
+const LEVEL: f64 = 0.99;
+/// Travel for a degree of command, relative to that of the strokes that go farthest, below which a stroke
+/// was stopped on its way.
+const STOPPED: f64 = 0.9;
+/// Hinge relative to the largest size below which it counts.
+const HINGE: f64 = 0.9;
+
+/// What the strokes of one direction say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RateVerdict {
+    /// Speed grows with the size of the stroke: no limit in the range recorded.
+    Proportional,
+    /// Speed does not exceed the figure given.
+    Limited,
+    /// Speed grows less than the size; the figure is that of the largest strokes.
+    GrowsLess,
+    /// Not enough strokes, or all of one size.
+    CannotTell,
+}
+
+/// The speed of the strokes of one direction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Rate {
+    /// The finding.
+    pub verdict: RateVerdict,
+    /// Mid-travel speed (35 to 65 %) of the fastest group of strokes \[output per second\]: the
+    /// limit when limited.
+    pub speed: Interval,
+    /// b: 1 when proportional, 0 when constant.
+    pub exponent: Interval,
+    /// Isolated strokes found.
+    pub strokes: usize,
+    /// Isolated strokes that were left out because something stopped them on their way.
+    #[serde(default)]
+    pub stopped: usize,
+    /// Smallest and largest commanded size; zero without strokes.
+    pub sizes: (f64, f64),
+    /// The finding as a sentence.
+    pub statement: String,
+}
+
+impl Rate {
+    /// Judges strokes of one direction.
+    pub(crate) fn new(direction: &str, strokes: &[Stroke], level: f64) -> Self {
+        let all = strokes.len();
+        let mut strokes = unstopped(strokes);
+        let stopped = all - strokes.len();
+        strokes.sort_by(|a, b| a.size.abs().total_cmp(&b.size.abs()));
+        let size = |stroke: &Stroke| stroke.size.abs();
+        let sizes = match (strokes.first(), strokes.last()) {
+            (Some(small), Some(large)) => (size(small), size(large)),
+            _ => (0.0, 0.0),
+        };
+        let mut rate = Self {
+            verdict: RateVerdict::CannotTell,
+            speed: mean_speed(&strokes, level),
+            exponent: Interval::default(),
+            strokes: strokes.len(),
+            stopped,
+            sizes,
+            statement: String::new(),
+        };
+        if strokes.len() < STROKES || sizes.1 < SIZES * sizes.0 {
+            let seen = match strokes.len() {
+                0 => "no stroke that began and ended at rest".to_owned(),
+                count => format!(
+                    "{count} isolated strokes of {:.3} to {:.3}",
+                    sizes.0, sizes.1
+                ),
+            };
+            let (stopped, within) = match stopped {
+                0 => (String::new(), ""),
+                count => (
+                    format!(" and {count} that ended at a stop or fell short of what others reach"),
+                    " and within the free travel",
+                ),
+            };
+            rate.statement = format!(
+                "Cannot tell from this recording whether the speed {direction} is limited: it has {seen}{stopped}; \
+                 record at least {STROKES} in each direction, the largest at least {SIZES} times the \
+                 smallest, each held until it has settled{within}."
+            );
+            return rate;
+        }
+        let logs: Vec<(f64, f64)> = strokes
+            .iter()
+            .map(|s| (size(s).ln(), s.speed.ln()))
+            .collect();
+        let slope = Slope::new(&logs);
+        let critical = pointwise_critical(LEVEL);
+        rate.exponent = slope.interval(pointwise_critical(level));
+        let hinge = Hinge::new(&logs);
+        let above: Vec<Stroke> = strokes
+            .iter()
+            .filter(|s| size(s) > hinge.knee)
+            .copied()
+            .collect();
+        let bent = hinge.p < 1.0 - LEVEL && hinge.knee < HINGE * sizes.1;
+        if slope.value + critical * slope.sd >= SLOPES.0 && !bent {
+            rate.verdict = RateVerdict::Proportional;
+            let largest: Vec<Stroke> = strokes
+                .iter()
+                .filter(|s| size(s) == sizes.1)
+                .copied()
+                .collect();
+            rate.speed = mean_speed(&largest, level);
+        } else if stands_still(&above, critical) {
+            rate.verdict = RateVerdict::Limited;
+            rate.speed = mean_speed(&above, level);
+        } else {
+            rate.verdict = RateVerdict::GrowsLess;
+            let nearly: Vec<Stroke> = strokes
+                .iter()
+                .filter(|s| size(s) * ABOVE.1 >= sizes.1)
+                .copied()
+                .collect();
+            rate.speed = mean_speed(&nearly, level);
+        }
+        rate.statement = rate.sentence(direction);
+        rate
+    }
+
+    fn sentence(&self, direction: &str) -> String {
+        let speed = self.speed.value.unwrap_or(0.0);
+        let exponent = self.exponent.value.unwrap_or(0.0);
+        match self.verdict {
+            RateVerdict::Proportional => format!(
+                "The speed {direction} grows with the stroke: no rate limit up to {speed:.1} per second."
+            ),
+            RateVerdict::Limited => {
+                format!("The speed {direction} is limited to {speed:.1} per second.")
+            }
+            _ => format!(
+                "The speed {direction} grows less than the stroke (to the power {exponent:.2}), {speed:.1} per \
+                 second at the largest: torque or acceleration is limited."
+            ),
+        }
+    }
+}
+
+/// The strokes without those that something stopped on their way: their speed is not that of the stroke
+/// commanded.
+fn unstopped(strokes: &[Stroke]) -> Vec<Stroke> {
+    let gain = |stroke: &Stroke| stroke.travel / stroke.size.abs();
+    let mut gains: Vec<f64> = strokes.iter().map(gain).collect();
+    gains.sort_by(f64::total_cmp);
+    // Most strokes of a recording may meet a stop, but not those that go farthest for their size.
+    let free = gains.get(3 * gains.len() / 4).copied().unwrap_or(0.0);
+    let went_free = |stroke: &&Stroke| gain(stroke) >= STOPPED * free;
+    strokes.iter().filter(went_free).copied().collect()
+}
+
+/// Whether the speed no longer grows with the size.
+fn stands_still(above: &[Stroke], critical: f64) -> bool {
+    let size = |stroke: &Stroke| stroke.size.abs();
+    let smallest = above.iter().map(size).fold(f64::INFINITY, f64::min);
+    let largest = above.iter().map(size).fold(0.0, f64::max);
+    if above.len() < ABOVE.0 || largest <= ABOVE.1 * smallest {
+        return false;
+    }
+    let logs: Vec<(f64, f64)> = above
+        .iter()
+        .map(|s| (size(s).ln(), s.mid_speed.ln()))
+        .collect();
+    let slope = Slope::new(&logs);
+    slope.value + critical * slope.sd < SLOPES.1
+}
+
+/// Mean mid-travel speed with Student's interval.
+fn mean_speed(strokes: &[Stroke], level: f64) -> Interval {
+    let count = strokes.len() as f64;
+    if strokes.is_empty() {
+        return Interval::default();
+    }
+    let mean = strokes.iter().map(|s| s.mid_speed).sum::<f64>() / count;
+    let square: f64 = strokes.iter().map(|s| (s.mid_speed - mean).powi(2)).sum();
+    let half = match StudentsT::new(0.0, 1.0, count - 1.0) {
+        Ok(t) if count > 1.0 => {
+            t.inverse_cdf(0.5 + level / 2.0) * (square / (count - 1.0) / count).sqrt()
+        }
+        _ => f64::INFINITY,
+    };
+    Interval::new(mean, mean - half, mean + half)
+}
+
+/// Slope of a line through points.
+struct Slope {
+    value: f64,
+    sd: f64,
+}
+
+impl Slope {
+    fn new(points: &[(f64, f64)]) -> Self {
+        let count = points.len() as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
+        let (x0, y0) = (mean(|p| p.0), mean(|p| p.1));
+        let sxx: f64 = points.iter().map(|p| (p.0 - x0).powi(2)).sum();
+        let value = points.iter().map(|p| (p.0 - x0) * (p.1 - y0)).sum::<f64>() / sxx;
+        // HC3: residuals divided by one minus their leverage, which need not have one variance.
+        let variance: f64 = points
+            .iter()
+            .map(|p| {
+                let d = p.0 - x0;
+                let residual = p.1 - y0 - value * d;
+                let leverage = 1.0 / count + d * d / sxx;
+                (d * residual / (1.0 - leverage).max(1e-9)).powi(2)
+            })
+            .sum();
+        Self {
+            value,
+            sd: variance.sqrt() / sxx,
+        }
+    }
+
+    fn interval(&self, critical: f64) -> Interval {
+        let half = critical * self.sd;
+        Interval::new(self.value, self.value - half, self.value + half)
+    }
+}
+
+/// v = c min(A, knee) in logarithms.
+struct Hinge {
+    knee: f64,
+    /// Probability of a gain over v = c A at least as large if there is no hinge.
+    p: f64,
+}
+
+impl Hinge {
+    fn new(points: &[(f64, f64)]) -> Self {
+        const STEPS: usize = 200;
+        let count = points.len() as f64;
+        let rss = |knee: f64| {
+            let over = |p: &(f64, f64)| p.1 - p.0.min(knee);
+            let mean = points.iter().map(over).sum::<f64>() / count;
+            points.iter().map(|p| (over(p) - mean).powi(2)).sum::<f64>()
+        };
+        let low = points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
+        let high = points.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max);
+        let (knee, best) = (0..=STEPS)
+            .map(|k| low + (high - low) * k as f64 / STEPS as f64)
+            .map(|knee| (knee, rss(knee)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((high, 0.0));
+        let statistic = (rss(high) - best) / (best / (count - 2.0));
+        let p = FisherSnedecor::new(1.0, count - 2.0).map_or(1.0, |f| f.sf(statistic.max(0.0)));
+        Self {
+            knee: knee.exp(),
+            p,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn strokes(speed: impl Fn(f64) -> f64) -> Vec<Stroke> {
+        let size = |k: usize| 2.0 + 2.0 * (k % 5) as f64;
+        (0..20)
+            .map(|k| {
+                // One percent of scatter, the same for every law.
+                let v = speed(size(k)) * (1.0 + 0.01 * (k as f64 * 2.7).sin());
+                Stroke {
+                    size: size(k),
+                    travel: size(k),
+                    speed: v,
+                    mid_speed: v,
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_law_of_the_speed_is_recognised() {
+        let verdict = |speed: &dyn Fn(f64) -> f64| Rate::new("up", &strokes(speed), 0.99);
+        assert_eq!(verdict(&|a| 30.0 * a).verdict, RateVerdict::Proportional);
+        let limited = verdict(&|a| (30.0 * a).min(100.0));
+        assert_eq!(limited.verdict, RateVerdict::Limited);
+        assert!(limited.speed.contains(100.0));
+        assert_eq!(
+            verdict(&|a| 30.0 * a.sqrt()).verdict,
+            RateVerdict::GrowsLess
+        );
+        let one_size = &strokes(|a| 30.0 * a)[..1].repeat(9);
+        let cannot = Rate::new("up", one_size, 0.99);
+        assert_eq!(cannot.verdict, RateVerdict::CannotTell);
+        assert!(cannot.statement.contains("record at least"));
+    }
+
+    #[test]
+    fn strokes_that_meet_a_stop_are_no_evidence_of_their_speed() {
+        // Strokes commanded beyond 6 end there: the largest that went free was of 6.
+        let stopped: Vec<Stroke> = strokes(|a| (30.0 * a).min(200.0))
+            .into_iter()
+            .map(|stroke| Stroke {
+                travel: stroke.travel.min(6.0),
+                ..stroke
+            })
+            .collect();
+        let rate = Rate::new("up", &stopped, 0.99);
+        assert_eq!((rate.strokes, rate.stopped), (12, 8));
+        assert_eq!(rate.verdict, RateVerdict::Proportional);
+        assert!(
+            rate.speed.value.is_some_and(|speed| speed < 185.0),
+            "{rate:?}"
+        );
+        // Hardly any did.
+        let few: Vec<Stroke> = stopped.iter().filter(|s| s.size >= 6.0).copied().collect();
+        let rate = Rate::new("up", &few, 0.99);
+        assert_eq!(rate.verdict, RateVerdict::CannotTell);
+        assert!(
+            rate.statement.contains("ended at a stop"),
+            "{}",
+            rate.statement
+        );
+    }
+}

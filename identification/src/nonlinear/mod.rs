@@ -1,0 +1,4 @@
+//! What a linear model cannot show.
+
+pub mod direction;
+pub mod limits;

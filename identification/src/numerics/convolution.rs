@@ -1,0 +1,106 @@
+//! Passing a record through a finite impulse response.
+
+use crate::numerics::fft;
+
+/// Below this many products the direct sum is faster than setting up transforms.
+const DIRECT_PRODUCTS: usize = 1 << 16;
+
+/// y(k) = sum_i h_i u(k-i), NaN where one of the inputs is missing. Inputs before the first are
+/// `at_rest`, or missing.
+#[must_use]
+pub fn causal_filter(impulse: &[f64], input: &[f64], at_rest: Option<f64>) -> Vec<f64> {
+    let lags = impulse.len();
+    let history = lags.saturating_sub(1);
+    let mut padded = vec![at_rest.unwrap_or(f64::NAN); history];
+    padded.extend_from_slice(input);
+    let mut present = 0;
+    let complete: Vec<bool> = padded
+        .iter_mut()
+        .map(|value| {
+            present = if value.is_nan() { 0 } else { present + 1 };
+            if value.is_nan() {
+                *value = 0.0;
+            }
+            present >= lags
+        })
+        .collect();
+    let mut output = if lags * input.len() <= DIRECT_PRODUCTS {
+        padded
+            .windows(lags.max(1))
+            .map(|window| window.iter().rev().zip(impulse).map(|(u, h)| u * h).sum())
+            .collect()
+    } else {
+        overlap_save(impulse, &padded)
+    };
+    output.truncate(input.len());
+    for (value, complete) in output.iter_mut().zip(&complete[history..]) {
+        if !complete {
+            *value = f64::NAN;
+        }
+    }
+    output
+}
+
+/// The fully overlapped part of the convolution of `padded` with `impulse`, by blocks of
+/// transforms of which the wrapped-around beginning is thrown away.
+fn overlap_save(impulse: &[f64], padded: &[f64]) -> Vec<f64> {
+    let history = impulse.len() - 1;
+    let size = (8 * impulse.len()).next_power_of_two().max(1024);
+    let (forward, inverse) = (fft::forward(size), fft::inverse(size));
+    let mut block = forward.make_input_vec();
+    let mut response = forward.make_output_vec();
+    block[..impulse.len()].copy_from_slice(impulse);
+    forward
+        .process(&mut block, &mut response)
+        .expect("buffers come from the plan");
+    let mut spectrum = forward.make_output_vec();
+    let mut output = Vec::with_capacity(padded.len());
+    let step = size - history;
+    for start in (0..padded.len().saturating_sub(history)).step_by(step) {
+        let end = (start + size).min(padded.len());
+        block[..end - start].copy_from_slice(&padded[start..end]);
+        block[end - start..].fill(0.0);
+        forward
+            .process(&mut block, &mut spectrum)
+            .expect("buffers come from the plan");
+        for (value, factor) in spectrum.iter_mut().zip(&response) {
+            *value = *value * *factor / size as f64;
+        }
+        // Products of spectra of real signals: imaginary parts at 0 and Nyquist are zero.
+        inverse
+            .process(&mut spectrum, &mut block)
+            .expect("buffers come from the plan");
+        output.extend_from_slice(&block[history..end - start]);
+    }
+    output
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn transforms_give_what_the_sum_gives() {
+        let impulse: Vec<f64> = (0..100).map(|i| (f64::from(i) * 0.37).cos()).collect();
+        let input: Vec<f64> = (0..5000).map(|k| f64::from(k * k % 23) - 11.0).collect();
+        let fast = causal_filter(&impulse, &input, Some(2.0));
+        for k in (0..5000).step_by(7) {
+            let direct: f64 = (0..100)
+                .map(|i| impulse[i] * if k >= i { input[k - i] } else { 2.0 })
+                .sum();
+            // Sums of 100 products of about 10, by transforms of 1024 points.
+            assert_abs_diff_eq!(fast[k], direct, epsilon = 1e-10);
+        }
+    }
+
+    #[test]
+    fn a_missing_input_silences_as_many_outputs_as_there_are_lags() {
+        let mut input = vec![1.0; 10];
+        input[4] = f64::NAN;
+        let output = causal_filter(&[0.5, 0.25, 0.25], &input, None);
+        let missing: Vec<usize> = (0..10).filter(|&k| output[k].is_nan()).collect();
+        assert_eq!(missing, [0, 1, 4, 5, 6]);
+        assert_eq!(output[9], 1.0);
+    }
+}

@@ -1,0 +1,9 @@
+//! Mathematics that knows nothing of servos.
+
+pub mod chebyshev;
+pub mod convolution;
+pub mod critical_values;
+pub mod fft;
+pub mod lagged_sums;
+pub mod linear_algebra;
+pub mod matrix_rows;

@@ -1,0 +1,393 @@
+//! Figures of the frequency response, freed of the hold and phase of the samples.
+//!
+//! Each is a frequency at which a function of the response comes down to zero, and has the interval of
+//! the frequencies at which that function is not surely on one side of zero (Fieller 1954).
+
+use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
+
+use faer::Mat;
+
+use super::{Interval, Measured};
+use crate::estimation::fsf_basis::dot;
+use crate::estimation::variance::CurveVariance;
+use crate::numerics::critical_values::pointwise_critical;
+use crate::numerics::linear_algebra::times;
+use crate::results::frequency_response::{FrequencyResponse, ZERO_DB};
+use crate::results::metrics::aliasing::Folding;
+
+/// Points at which a crossing is looked for, evenly over the logarithm of frequency.
+const SCAN: usize = 200;
+
+/// Bounds are looked for in steps of this many times the distance at which the slope at the crossing
+/// puts them, each twice as far as the one before.
+const FIRST_STEP: f64 = 1.25;
+
+/// Steps after which a bound counts as not there.
+const STEPS: usize = 12;
+
+/// Where the magnitude is 3 dB (half the power) below that at rest, and where the phase is -90
+/// degrees \[rad/s\]. Deviations count `widest` times.
+pub(crate) fn bandwidth_and_quarter_turn(measured: &Measured<'_>, widest: f64) -> [Interval; 2] {
+    let scan = Scan::new(measured);
+    let zeros = [Figure::Bandwidth, Figure::QuarterTurn]
+        .map(|figure| (figure, figure.first_zero(measured, &scan)));
+    let folding = Folding::new(measured, zeros[0].1);
+    zeros.map(|(figure, zero)| {
+        Falling {
+            measured,
+            figure,
+            folding: &folding,
+            critical: widest * pointwise_critical(measured.step.pointwise.level),
+        }
+        .interval(zero)
+    })
+}
+
+/// The response from the lowest frequency of interest to the highest of the bank.
+struct Scan {
+    omegas: Vec<f64>,
+    responses: Vec<(f64, f64)>,
+}
+
+impl Scan {
+    fn new(measured: &Measured<'_>) -> Self {
+        let (basis, period) = (measured.basis, measured.timing.sample_period_s);
+        let low = 0.02 * basis.fundamental() / period;
+        // A bank of the gain alone says nothing of any other frequency: there is nowhere to look.
+        let points = if basis.highest() == 0 { 0 } else { SCAN };
+        let high = basis.highest() as f64 * basis.fundamental() / period;
+        let ratio = (high / low).ln() / (SCAN - 1) as f64;
+        let omegas: Vec<f64> = (0..points)
+            .map(|k| low * (ratio * k as f64).exp())
+            .collect();
+        let turns: Vec<f64> = omegas.iter().map(|omega| omega * period).collect();
+        Self {
+            responses: basis.frequency_responses(measured.theta, &turns),
+            omegas,
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Figure {
+    Bandwidth,
+    QuarterTurn,
+}
+
+/// Something that comes down to zero at the frequency that is sought.
+struct Falling<'a> {
+    measured: &'a Measured<'a>,
+    figure: Figure,
+    folding: &'a Folding,
+    /// Standard deviations to each side.
+    critical: f64,
+}
+
+impl Falling<'_> {
+    /// About the lowest frequency `zero` at which it does, if it does.
+    fn interval(&self, zero: Option<f64>) -> Interval {
+        let Some(omega) = zero else {
+            return Interval::new(f64::INFINITY, f64::INFINITY, f64::INFINITY);
+        };
+        // Slope and standard deviation at the crossing say where the bounds are about.
+        let h = 1e-3 * omega;
+        let at = |omega: f64| self.value_and_sd(omega);
+        let sd = at(omega).1;
+        let slope = (at(omega + h).0 - at(omega - h).0) / (2.0 * h);
+        let reach = (self.critical * sd + self.bias(omega)) / slope.abs();
+        // Highest frequency that samples show \[rad/s\].
+        let highest = PI / self.measured.timing.sample_period_s;
+        // `side` is -1 for the lower bound, where the value is still surely above zero.
+        let bound = |side: f64| {
+            let excess = |omega: f64| {
+                let (value, sd) = at(omega);
+                -side * value - self.critical * sd - self.bias(omega)
+            };
+            let mut near = (omega, excess(omega));
+            let mut step = FIRST_STEP * reach;
+            for _ in 0..STEPS {
+                let place = (omega + side * step).clamp(0.0, highest);
+                let far = (place, excess(place));
+                if far.1 > 0.0 {
+                    return zero_between(near, far, excess);
+                }
+                if place <= 0.0 || place >= highest {
+                    break;
+                }
+                near = far;
+                step *= 2.0;
+            }
+            f64::INFINITY
+        };
+        if reach == 0.0 {
+            return Interval::new(omega, omega, omega);
+        }
+        Interval::new(omega, bound(-1.0), bound(1.0))
+    }
+
+    /// What comes down to zero, linear in the response, and its standard deviation: how far the
+    /// magnitude is above 3 dB below the gain, or the part of the response that has the phase of the
+    /// gain.
+    fn value_and_sd(&self, omega: f64) -> (f64, f64) {
+        let Measured {
+            basis,
+            theta,
+            timing,
+            ..
+        } = *self.measured;
+        let (re_row, im_row) = basis.frequency_rows(omega * timing.sample_period_s);
+        let gain = theta[0];
+        let (re, im, constant) = match self.figure {
+            Figure::Bandwidth => {
+                let (re, im) = (dot(&re_row, theta), dot(&im_row, theta));
+                let factor = SQRT_2 * timing.magnitude_factor(omega) / re.hypot(im);
+                (factor * re, factor * im, -gain.signum())
+            }
+            Figure::QuarterTurn => {
+                let (sin, cos) = timing.phase_lead(omega).sin_cos();
+                (gain.signum() * cos, -gain.signum() * sin, 0.0)
+            }
+        };
+        let mut weights: Vec<f64> = re_row
+            .iter()
+            .zip(&im_row)
+            .map(|(re_k, im_k)| re * re_k + im * im_k)
+            .collect();
+        weights[0] += constant;
+        let variance = dot(&weights, &times(self.measured.covariance, &weights));
+        (dot(&weights, theta), variance.max(0.0).sqrt())
+    }
+
+    /// What left-out frequencies, the steps of the sensor and folding may do to the value.
+    fn bias(&self, omega: f64) -> f64 {
+        let Measured {
+            basis,
+            theta,
+            timing,
+            frequency,
+            ..
+        } = *self.measured;
+        let of_response = frequency.bias_at(omega) + self.folding.at(self.measured, omega);
+        match self.figure {
+            Figure::Bandwidth => {
+                let (re, im) = basis.frequency_response(theta, omega * timing.sample_period_s);
+                // Across the estimate an error adds to the magnitude by its square.
+                let across = of_response.powi(2) / (2.0 * re.hypot(im));
+                let factor = SQRT_2 * timing.magnitude_factor(omega);
+                factor * (of_response + across) + frequency.bias_at(0.0)
+            }
+            Figure::QuarterTurn => of_response,
+        }
+    }
+}
+
+impl Figure {
+    /// The lowest frequency of the scan where the value has come down to zero.
+    fn first_zero(self, measured: &Measured<'_>, scan: &Scan) -> Option<f64> {
+        let indicator = self.indicator(measured);
+        let points = scan.omegas.iter().zip(&scan.responses);
+        let mut before: Option<(f64, f64)> = None;
+        for (&omega, &response) in points {
+            let value = indicator(
+                omega,
+                response,
+                before.map_or(FRAC_PI_2, |(_, value)| value),
+            );
+            if let Some(inside) = before.filter(|(_, before)| *before > 0.0 && value <= 0.0) {
+                let (basis, theta) = (measured.basis, measured.theta);
+                let period = measured.timing.sample_period_s;
+                let at = |omega: f64| {
+                    indicator(omega, basis.frequency_response(theta, omega * period), 0.0)
+                };
+                return Some(zero_between(inside, (omega, value), at));
+            }
+            before = Some((omega, value));
+        }
+        None
+    }
+
+    /// (ω, G, value nearby) to what the scan follows: the logarithm of the magnitude over 3 dB below
+    /// the gain, or the phase over -90 degrees on the branch next to the one nearby.
+    fn indicator(self, measured: &Measured<'_>) -> impl Fn(f64, (f64, f64), f64) -> f64 + use<> {
+        let (timing, gain) = (measured.timing, measured.theta[0]);
+        move |omega, (re, im), near| match self {
+            Figure::Bandwidth => {
+                (re.hypot(im) * timing.magnitude_factor(omega) * SQRT_2 / gain.abs()).ln()
+            }
+            Figure::QuarterTurn => {
+                let (re, im) = (re * gain.signum(), im * gain.signum());
+                let phase = im.atan2(re) + timing.phase_lead(omega) + FRAC_PI_2;
+                phase - 2.0 * PI * ((phase - near) / (2.0 * PI)).round()
+            }
+        }
+    }
+}
+
+/// Where a function is zero between two places at which its values have different signs: regula falsi
+/// that halves the value of an end that stays (the Illinois rule), so both ends close in.
+fn zero_between(mut a: (f64, f64), mut b: (f64, f64), value: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..60 {
+        if (b.0 - a.0).abs() <= 1e-12 * b.0.abs() || b.1 == 0.0 {
+            break;
+        }
+        let place = (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
+        let found = (place, value(place));
+        if (found.1 > 0.0) == (b.1 > 0.0) {
+            a.1 /= 2.0;
+        } else {
+            a = b;
+        }
+        b = found;
+    }
+    b.0
+}
+
+/// Re G, Im G at some frequencies and the gain, with their covariance.
+struct Rows {
+    value: Vec<f64>,
+    covariance: Mat<f64>,
+}
+
+impl Rows {
+    fn new(measured: &Measured<'_>, omegas: &[f64]) -> Self {
+        let period = measured.timing.sample_period_s;
+        let n = measured.theta.len();
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        for omega in omegas {
+            let (re, im) = measured.basis.frequency_rows(omega * period);
+            rows.extend([re, im]);
+        }
+        rows.push((0..n).map(|k| f64::from(u8::from(k == 0))).collect());
+        let map = Mat::from_fn(n, rows.len(), |k, i| rows[i][k]);
+        Self {
+            value: rows.iter().map(|row| dot(row, measured.theta)).collect(),
+            covariance: map.transpose() * (measured.covariance * &map),
+        }
+    }
+}
+
+/// The response of the servo with its bounds.
+pub(crate) fn servo_response(measured: &Measured<'_>, omega_rad_s: &[f64]) -> FrequencyResponse {
+    let timing = measured.timing;
+    let rows = Rows::new(measured, omega_rad_s);
+    let count = 2 * omega_rad_s.len();
+    let sd: Vec<f64> = (0..count)
+        .map(|k| rows.covariance[(k, k)].max(0.0).sqrt())
+        .collect();
+    let correlation = |k: usize| {
+        let scale = sd[k] * sd[k + 1];
+        if scale > 0.0 {
+            (rows.covariance[(k, k + 1)] / scale).clamp(-1.0, 1.0)
+        } else {
+            1.0
+        }
+    };
+    let spread = CurveVariance {
+        neighbour_correlation: (0..count.saturating_sub(1)).map(correlation).collect(),
+        degrees_of_freedom: vec![f64::INFINITY; count],
+        sd,
+    };
+    let omegas: Vec<f64> = omega_rad_s
+        .iter()
+        .map(|omega| omega * timing.sample_period_s)
+        .collect();
+    let level = measured.step.pointwise.level;
+    let mut response = FrequencyResponse::new(
+        timing.sample_period_s,
+        &omegas,
+        &rows.value[..count],
+        &spread,
+        level,
+        bias(measured, omega_rad_s),
+    );
+    for (k, &omega) in omega_rad_s.iter().enumerate() {
+        let (factor, lead) = (timing.magnitude_factor(omega), timing.phase_lead(omega));
+        let (sin, cos) = lead.sin_cos();
+        let (re, im) = (response.re[k], response.im[k]);
+        response.re[k] = factor * (re * cos - im * sin);
+        response.im[k] = factor * (re * sin + im * cos);
+        let decibels = 20.0 * factor.log10();
+        if let Some(bias) = response.bias.get_mut(k) {
+            *bias *= factor;
+        }
+        for magnitude in [
+            &mut response.magnitude_db[k],
+            &mut response.magnitude_db_lower[k],
+            &mut response.magnitude_db_upper[k],
+        ] {
+            if *magnitude > ZERO_DB {
+                *magnitude += decibels;
+            }
+        }
+        for phase in [
+            &mut response.phase_deg[k],
+            &mut response.phase_deg_lower[k],
+            &mut response.phase_deg_upper[k],
+        ] {
+            *phase += lead.to_degrees();
+        }
+    }
+    response
+}
+
+/// Bounds of what no covariance knows of, at each of `omegas` \[rad/s\].
+fn bias(measured: &Measured<'_>, omegas: &[f64]) -> Vec<f64> {
+    let scan = Scan::new(measured);
+    let folding = Folding::new(measured, Figure::Bandwidth.first_zero(measured, &scan));
+    let at = |&omega: &f64| measured.frequency.bias_at(omega) + folding.at(measured, omega);
+    omegas.iter().map(at).collect()
+}
+
+/// The phase of the servo at some frequencies \[degrees\], continued from rest.
+pub(crate) fn phases_at(measured: &Measured<'_>, omega_rad_s: &[f64]) -> Vec<Interval> {
+    let bounds = servo_response(measured, omega_rad_s);
+    let interval = |(k, &omega): (usize, &f64)| {
+        let phase = continued_phase(measured, omega).to_degrees();
+        let turn = phase - bounds.phase_deg[k];
+        let (lower, upper) = (
+            bounds.phase_deg_lower[k] + turn,
+            bounds.phase_deg_upper[k] + turn,
+        );
+        if upper - lower >= 359.999 {
+            return Interval::new(phase, f64::INFINITY, f64::INFINITY);
+        }
+        Interval::new(phase, lower, upper)
+    };
+    omega_rad_s.iter().enumerate().map(interval).collect()
+}
+
+/// The phase at one frequency \[rad\], followed from rest.
+fn continued_phase(measured: &Measured<'_>, omega: f64) -> f64 {
+    // Steps of at most a quarter of the fundamental: between them no response of N samples turns
+    // by half a turn.
+    let step = 0.25 * measured.basis.fundamental() / measured.timing.sample_period_s;
+    let steps = (omega / step).ceil().max(1.0);
+    let gain = measured.theta[0].signum();
+    let start = if gain < 0.0 { -PI } else { 0.0 };
+    (1..=steps as usize).fold(start, |phase, k| {
+        let omega = omega * k as f64 / steps;
+        let (re, im) = measured
+            .basis
+            .frequency_response(measured.theta, omega * measured.timing.sample_period_s);
+        let next = im.atan2(re) + measured.timing.phase_lead(omega);
+        next - 2.0 * PI * ((next - phase) / (2.0 * PI)).round()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn zeros_of_straight_bent_and_steep_functions_are_found() {
+        let zero = |f: &dyn Fn(f64) -> f64| zero_between((0.0, f(0.0)), (3.0, f(3.0)), f);
+        assert_abs_diff_eq!(zero(&|x| x - 0.3), 0.3, epsilon = 1e-12);
+        assert_abs_diff_eq!(zero(&|x| 2.0 - x * x), SQRT_2, epsilon = 1e-12);
+        assert_abs_diff_eq!(
+            zero(&|x| 1.0 - (5.0 * (x - 2.0)).exp()),
+            2.0,
+            epsilon = 1e-12
+        );
+    }
+}

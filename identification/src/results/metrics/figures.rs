@@ -1,0 +1,400 @@
+//! The figures of a step response with their intervals.
+
+use super::brackets::Brackets;
+use super::draws;
+use super::interpolation::Interpolation;
+use super::inversion::{Known, Level, SureCrossing};
+use super::shape::{Crossings, EARLY, HALF, LATE, SETTLED, Shape, Windows, bump};
+use super::spread::{Joint, Spread};
+use super::{Interval, Measured};
+use crate::numerics::critical_values::{normal_upper_quantile, pointwise_critical};
+
+/// A step response, turned so that its gain is positive, and its figures. Times in samples.
+pub(crate) struct Figures<'a> {
+    curve: Vec<f64>,
+    spread: &'a Spread<'a>,
+    windows: Windows,
+    nominal: Shape,
+    level: f64,
+    /// Of every sample but the last.
+    bias: f64,
+    /// Of the final value.
+    gain_bias: f64,
+}
+
+/// Intervals of the crossings of the rise and of the time between two of them, in samples.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RiseIntervals {
+    pub(crate) delay: Interval,
+    pub(crate) half: Interval,
+    pub(crate) rise: Interval,
+}
+
+impl<'a> Figures<'a> {
+    pub(crate) fn new(measured: &Measured<'_>, spread: &'a Spread<'a>) -> Self {
+        let step = measured.step;
+        let sign = step.value[step.value.len() - 1].signum();
+        let curve: Vec<f64> = step.value.iter().map(|value| sign * value).collect();
+        let windows = Windows::new(&curve, &spread.sd);
+        Self {
+            nominal: windows.read(&curve),
+            windows,
+            curve,
+            spread,
+            level: step.pointwise.level,
+            bias: step.bias(),
+            gain_bias: measured.frequency.bias_at(0.0),
+        }
+    }
+
+    /// The crossings, widened by what left-out frequencies and rounding may move them by and by what interpolation
+    /// between samples may be wrong by.
+    pub(crate) fn rise(&self) -> RiseIntervals {
+        let noise = self.rise_from_noise();
+        let bias = self.effect_of_bias();
+        let between = Interpolation::new(&self.curve, &self.nominal);
+        let also = |interval: Interval, error: f64| widened(interval, (-error, error));
+        let (early, late) = (bias.of(|c| c.tenth), bias.of(|c| c.ninety));
+        let rise = widened(noise.rise, (late.0 - early.1, late.1 - early.0));
+        RiseIntervals {
+            delay: also(widened(noise.delay, bias.of(|c| c.delay)), between.delay),
+            half: also(widened(noise.half, bias.of(|c| c.half)), between.half),
+            rise: also(rise, between.tenth + between.ninety),
+        }
+    }
+
+    /// The crossings as the noise alone leaves them open: by inversion where the curve surely rises
+    /// through its levels, by draws elsewhere.
+    fn rise_from_noise(&self) -> RiseIntervals {
+        let joint = Joint::new(self.spread, self.windows.of_rise.clone());
+        let value = self.nominal.crossings;
+        let sure = SureRise::new(&self.known(&joint), &value, pointwise_critical(self.level));
+        let inverted = |crossing: &Option<SureCrossing>| {
+            crossing.map(|x| Interval::new(x.value, x.lower, x.upper))
+        };
+        let rise = match (&sure.tenth, &sure.ninety) {
+            (Some(tenth), Some(ninety)) => self
+                .known(&joint)
+                .between(tenth, ninety)
+                .map(|(lower, upper)| Interval::new(value.rise(), lower, upper)),
+            _ => None,
+        };
+        if let (Some(delay), Some(half), Some(rise)) =
+            (inverted(&sure.delay), inverted(&sure.half), rise)
+        {
+            return RiseIntervals { delay, half, rise };
+        }
+        let read = |curve: &[f64]| {
+            let drawn = self.windows.crossings(curve);
+            [drawn.delay, drawn.half, drawn.rise()]
+        };
+        let [delays, halves, rises] = draws::figures(&self.curve, &joint, self.level, read);
+        let drawn = |value: f64, draws: Vec<f64>| draws::interval_of(value, draws, self.level);
+        let found = RiseIntervals {
+            delay: inverted(&sure.delay).unwrap_or_else(|| drawn(value.delay, delays)),
+            half: inverted(&sure.half).unwrap_or_else(|| drawn(value.half, halves)),
+            rise: rise.unwrap_or_else(|| drawn(value.rise(), rises)),
+        };
+        let Critical { one, all } = Critical::new(self.level, self.curve.len());
+        let brackets = Brackets {
+            curve: &self.curve,
+            spread: self.spread,
+            one,
+            all,
+        };
+        if brackets.are_needed(&self.windows.of_rise) {
+            brackets.intervals(&found)
+        } else {
+            found
+        }
+    }
+
+    fn known<'b>(&'b self, joint: &'b Joint) -> Known<'b> {
+        Known {
+            curve: &self.curve,
+            spread: self.spread,
+            joint,
+        }
+    }
+
+    /// How far the crossings move when the whole response is off by its bound, and its final value the other way
+    /// by its own.
+    fn effect_of_bias(&self) -> BiasEffect {
+        let nominal = self.nominal.crossings;
+        let last = self.curve.len() - 1;
+        let moved = |side: f64| {
+            let shifted: Vec<f64> = self.curve[..last]
+                .iter()
+                .map(|value| value + side * self.bias)
+                .chain([self.curve[last] - side * self.gain_bias])
+                .collect();
+            Windows::new(&shifted, &self.spread.sd).crossings(&shifted)
+        };
+        BiasEffect {
+            nominal,
+            moved: if self.bias > 0.0 {
+                [moved(1.0), moved(-1.0)]
+            } else {
+                [nominal; 2]
+            },
+        }
+    }
+
+    /// Highest point above the final value, relative to it.
+    pub(crate) fn overshoot(&self) -> Interval {
+        let last = self.curve.len() - 1;
+        let gain = self.curve[last];
+        let value = self.nominal.overshoot;
+        let peak = (0..last)
+            .max_by(|&a, &b| self.curve[a].total_cmp(&self.curve[b]))
+            .unwrap_or(0);
+        let bias = (self.bias + (1.0 + value) * self.gain_bias) / gain;
+        let critical = Critical::new(self.level, self.windows.tops());
+        let edge = |factor: f64, side: f64| {
+            (0..last)
+                .map(|m| self.curve[m] - gain + side * factor * self.spread.sd_over(m, 1.0))
+                .fold(f64::NEG_INFINITY, f64::max)
+                / gain
+        };
+        let between = bump(&self.curve, peak, last) / gain;
+        Interval::new(
+            value,
+            (edge(critical.all, -1.0) - bias).max(0.0),
+            (edge(critical.one, 1.0) + between + bias).max(0.0),
+        )
+    }
+
+    /// When the response last leaves its band.
+    pub(crate) fn settling(&self) -> Interval {
+        let value = self.nominal.settling;
+        let bracket = self.settling_bracket();
+        if self.bias > 0.0 || !self.closes_in(&bracket) {
+            return bracket;
+        }
+        let last = self.curve.len() - 1;
+        let joint = Joint::new(self.spread, self.windows.of_settling(last));
+        let critical = pointwise_critical(self.level);
+        let known = self.known(&joint);
+        let from = self.curve[value as usize] - self.curve[last];
+        let edge = Level {
+            share: 1.0 + from.signum() * SETTLED,
+            side: -from.signum(),
+        };
+        let only = known
+            .crossing(value, edge, critical)
+            .filter(|crossing| self.windows.settled_from <= crossing.stretch.1);
+        if let Some(only) = only {
+            return Interval::new(value, only.lower, only.upper);
+        }
+        let read = |curve: &[f64]| [self.windows.settling(curve)];
+        let [drawn] = draws::figures(&self.curve, &joint, self.level, read);
+        draws::interval_of(value, drawn, self.level)
+    }
+
+    /// The bracket of samples of the settling (see [`crate::results::metrics`]).
+    fn settling_bracket(&self) -> Interval {
+        let last = self.curve.len() - 1;
+        let gain = self.curve[last];
+        let critical = Critical::new(self.level, self.windows.doubtful());
+        let last_with = |factor: f64| {
+            (0..last).rfind(|&m| {
+                [1.0, -1.0].iter().any(|side| {
+                    let edge = 1.0 + side * SETTLED;
+                    let over = side * (self.curve[m] - edge * gain);
+                    let bias = factor.signum() * (self.bias + edge * self.gain_bias);
+                    over + factor * self.spread.sd_over(m, edge) + bias > 0.0
+                })
+            })
+        };
+        let lower = last_with(-critical.all).map_or(0.0, |m| m as f64);
+        let upper = match last_with(critical.one) {
+            None => 0.0,
+            Some(m) if m + 2 >= last => f64::INFINITY,
+            Some(m) => (m + 1) as f64,
+        };
+        Interval::new(self.nominal.settling, lower, upper)
+    }
+
+    /// Whether a single crossing can be the last one: the response closes in on its final value
+    /// over the whole bracket.
+    fn closes_in(&self, bracket: &Interval) -> bool {
+        let (Some(value), Some(lower), Some(upper)) = (bracket.value, bracket.lower, bracket.upper)
+        else {
+            return false;
+        };
+        let last = self.curve.len() - 1;
+        let away = |m: usize| (self.curve[m] - self.curve[last]).abs();
+        value > 0.0 && (lower as usize..upper as usize).all(|m| away(m + 1) < away(m))
+    }
+}
+
+/// The crossings of the rise, where each is the only one there can be.
+struct SureRise {
+    delay: Option<SureCrossing>,
+    tenth: Option<SureCrossing>,
+    half: Option<SureCrossing>,
+    ninety: Option<SureCrossing>,
+}
+
+impl SureRise {
+    fn new(known: &Known<'_>, value: &Crossings, critical: f64) -> Self {
+        let crossing =
+            |value: f64, share: f64| known.crossing(value, Level::rising(share), critical);
+        let none = Self {
+            delay: None,
+            tenth: None,
+            half: None,
+            ninety: None,
+        };
+        // Half is reached for the first time: nothing before may reach it.
+        let below = |range: std::ops::Range<usize>, share: f64| {
+            let level = Level::rising(share);
+            range.into_iter().all(|m| known.surely(m, level, -1.0))
+        };
+        let Some(half) = crossing(value.half, HALF).filter(|x| below(0..x.stretch.0, HALF)) else {
+            return none;
+        };
+        // The early levels are passed for the last time before it: nothing between may be below.
+        let early = |value: f64, share: f64| {
+            let level = Level::rising(share);
+            crossing(value, share)
+                .filter(|x| (x.stretch.1..half.stretch.1).all(|m| known.surely(m, level, 1.0)))
+        };
+        Self {
+            delay: early(value.delay, EARLY[0]),
+            tenth: early(value.tenth, EARLY[1]),
+            half: Some(half),
+            // The late level is reached for the first time after it.
+            ninety: crossing(value.ninety, LATE)
+                .filter(|x| below(half.stretch.0..x.stretch.0, LATE)),
+        }
+    }
+}
+
+/// Critical values of one sample, and of as many as there are.
+struct Critical {
+    one: f64,
+    all: f64,
+}
+
+impl Critical {
+    /// Each end of the interval may be wrong with half of 1 - `level`.
+    fn new(level: f64, samples: usize) -> Self {
+        let tail = (1.0 - level) / 2.0;
+        Self {
+            one: normal_upper_quantile(tail),
+            all: normal_upper_quantile(tail / samples as f64),
+        }
+    }
+}
+
+/// Crossings with the whole response moved up and down.
+struct BiasEffect {
+    nominal: Crossings,
+    moved: [Crossings; 2],
+}
+
+impl BiasEffect {
+    /// Most negative and most positive change of a crossing.
+    fn of(&self, crossing: impl Fn(&Crossings) -> f64) -> (f64, f64) {
+        let at = crossing(&self.nominal);
+        let change = self.moved.map(|moved| crossing(&moved) - at);
+        // What is not there in the estimate has no interval to widen.
+        if !at.is_finite() {
+            return (0.0, 0.0);
+        }
+        (
+            change[0].min(change[1]).min(0.0),
+            change[0].max(change[1]).max(0.0),
+        )
+    }
+}
+
+fn widened(interval: Interval, (below, above): (f64, f64)) -> Interval {
+    Interval {
+        value: interval.value,
+        lower: interval.lower.map(|lower| lower + below),
+        upper: interval
+            .upper
+            .map(|upper| upper + above)
+            .filter(|upper| upper.is_finite()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::metrics::covariance_of;
+    use crate::{Model, Options, Record, Settling, identify};
+    use approx::assert_abs_diff_eq;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// A servo of second order (60 rad/s, damping 0.5, six samples of dead time) under noise.
+    fn model() -> Model {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let (mut position, mut speed) = (0.0, 0.0);
+        let input: Vec<f64> = (0..3000)
+            .map(|k| f64::from(k * k / 5000 % 2) * 10.0)
+            .collect();
+        let output: Vec<f64> = (0..3000usize)
+            .map(|k| {
+                let before = position;
+                for _ in 0..20 {
+                    speed +=
+                        1e-4 * (3600.0 * (input[k.saturating_sub(6)] - position) - 60.0 * speed);
+                    position += 1e-4 * speed;
+                }
+                before + 0.2 * (random.random::<f64>() - 0.5)
+            })
+            .collect();
+        let options = Options {
+            settling: Settling::Samples(151),
+            ..Options::default()
+        };
+        identify(
+            &Record::from_slices(0.002, &input, &output).unwrap(),
+            &options,
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn sure_crossings_have_the_intervals_that_draws_have() {
+        let model = model();
+        let (basis, covariance) = (model.basis().unwrap(), covariance_of(&model));
+        let measured = Measured {
+            basis: &basis,
+            theta: &model.theta,
+            covariance: &covariance,
+            step: &model.step,
+            frequency: &model.frequency,
+            timing: model.timing(),
+        };
+        let spread = Spread::new(&measured);
+        let figures = Figures::new(&measured, &spread);
+        let joint = Joint::new(&spread, figures.windows.of_rise.clone());
+        let value = figures.nominal.crossings;
+        let sure = SureRise::new(&figures.known(&joint), &value, pointwise_critical(0.99));
+        assert!(sure.delay.is_some() && sure.half.is_some());
+        assert!(sure.tenth.is_some() && sure.ninety.is_some());
+        let read = |curve: &[f64]| {
+            let drawn = figures.windows.crossings(curve);
+            [drawn.delay, drawn.half, drawn.rise()]
+        };
+        let drawn = draws::figures(&figures.curve, &joint, 0.99, read);
+        let exact = figures.rise_from_noise();
+        for ((exact, draws), value) in [exact.delay, exact.half, exact.rise]
+            .into_iter()
+            .zip(drawn)
+            .zip([value.delay, value.half, value.rise()])
+        {
+            let drawn = draws::interval_of(value, draws, 0.99);
+            // A quantile with 25 draws beyond it is known to about 8 % of its distance from the
+            // middle; three of them.
+            let slack = 0.12 * (exact.upper.unwrap() - exact.lower.unwrap());
+            assert_abs_diff_eq!(exact.lower.unwrap(), drawn.lower.unwrap(), epsilon = slack);
+            assert_abs_diff_eq!(exact.upper.unwrap(), drawn.upper.unwrap(), epsilon = slack);
+        }
+    }
+}

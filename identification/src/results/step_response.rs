@@ -1,0 +1,162 @@
+//! The step response and its bands.
+
+use serde::{Deserialize, Serialize};
+
+use crate::estimation::variance::CurveVariance;
+use crate::numerics::critical_values::{
+    pointwise_critical, simultaneous_critical, student_critical,
+};
+
+/// Bounds that hold point by point: each single point is inside with the stated probability. The
+/// whole curve is inside far less often.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PointwiseBand {
+    /// Confidence level.
+    pub level: f64,
+    /// Lower bounds.
+    pub lower: Vec<f64>,
+    /// Upper bounds.
+    pub upper: Vec<f64>,
+}
+
+/// Bounds that hold for all points at once: the whole curve is inside with the stated probability.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SimultaneousBand {
+    /// Confidence level.
+    pub level: f64,
+    /// Standard deviations to each side, before Student's correction.
+    pub critical_value: f64,
+    /// Lower bounds.
+    pub lower: Vec<f64>,
+    /// Upper bounds.
+    pub upper: Vec<f64>,
+}
+
+/// Response to a unit step applied at sample 0.
+///
+/// The last element is the **final value** G0, the gain: everything that the response still does
+/// after N samples is gathered there. It is not the value at the time N·Ts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StepResponse {
+    /// 0, Ts, ..., (N-1) Ts \[s\].
+    pub time_s: Vec<f64>,
+    /// The response \[output per input\].
+    pub value: Vec<f64>,
+    /// Standard deviation of each value, from the noise alone.
+    pub sd: Vec<f64>,
+    /// Bounds for single points.
+    pub pointwise: PointwiseBand,
+    /// Bounds for the whole curve.
+    pub simultaneous: SimultaneousBand,
+    /// Bound of the error from leaving out high frequencies; it is part of both bands. 0 when
+    /// n = N.
+    pub truncation_bias: f64,
+    /// Bound of the error from the steps of the sensor, where they are larger than the noise; it is
+    /// part of both bands too.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rounding_bias: f64,
+}
+
+/// For serde, which hands over a reference.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+/// Bounds of errors that no standard deviation knows of \[output per input\].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Biases {
+    /// From leaving out high frequencies.
+    pub truncation: f64,
+    /// From the steps of the sensor.
+    pub rounding: f64,
+}
+
+impl StepResponse {
+    /// Draws both bands around `value`.
+    ///
+    /// # Panics
+    /// When `spread` does not describe the points of `value`.
+    #[must_use]
+    pub fn new(
+        sample_period_s: f64,
+        value: Vec<f64>,
+        spread: &CurveVariance,
+        level: f64,
+        biases: Biases,
+    ) -> Self {
+        assert_eq!(
+            value.len(),
+            spread.sd.len(),
+            "one standard deviation per value"
+        );
+        let critical = simultaneous_critical(&spread.neighbour_correlation, level);
+        let bias = biases.truncation + biases.rounding;
+        let bounds = |normal: f64| {
+            let critical = student_critical(normal, &spread.degrees_of_freedom);
+            let half = |m: usize| critical[m] * spread.sd[m] + bias;
+            let at = |side: f64| {
+                (0..value.len())
+                    .map(|m| value[m] + side * half(m))
+                    .collect()
+            };
+            (at(-1.0), at(1.0))
+        };
+        let (lower, upper) = bounds(pointwise_critical(level));
+        let pointwise = PointwiseBand {
+            level,
+            lower,
+            upper,
+        };
+        let (lower, upper) = bounds(critical);
+        let simultaneous = SimultaneousBand {
+            level,
+            critical_value: critical,
+            lower,
+            upper,
+        };
+        Self {
+            time_s: (0..value.len())
+                .map(|m| m as f64 * sample_period_s)
+                .collect(),
+            sd: spread.sd.clone(),
+            value,
+            pointwise,
+            simultaneous,
+            truncation_bias: biases.truncation,
+            rounding_bias: biases.rounding,
+        }
+    }
+
+    /// Bound of the errors that no standard deviation knows of; it is part of both bands.
+    #[must_use]
+    pub fn bias(&self) -> f64 {
+        self.truncation_bias + self.rounding_bias
+    }
+
+    /// The parts of that bound.
+    #[must_use]
+    pub fn biases(&self) -> Biases {
+        Biases {
+            truncation: self.truncation_bias,
+            rounding: self.rounding_bias,
+        }
+    }
+
+    /// Mean half width of the pointwise and of the simultaneous band.
+    #[must_use]
+    pub fn mean_half_widths(&self) -> (f64, f64) {
+        let mean = |lower: &[f64], upper: &[f64]| {
+            upper
+                .iter()
+                .zip(lower)
+                .map(|(u, l)| (u - l) / 2.0)
+                .sum::<f64>()
+                / upper.len() as f64
+        };
+        (
+            mean(&self.pointwise.lower, &self.pointwise.upper),
+            mean(&self.simultaneous.lower, &self.simultaneous.upper),
+        )
+    }
+}

@@ -1,0 +1,192 @@
+//! A model against a record that it has not seen.
+
+use serde::{Deserialize, Serialize};
+
+use crate::data::record::{Record, Run};
+use crate::error::Error;
+use crate::results::model::Model;
+
+/// Relative difference of sample periods that still counts as the same: clocks of two recordings
+/// of one rig agree far better, and a different rate differs far more.
+const PERIOD_TOLERANCE: f64 = 1e-6;
+
+/// Errors of samples judged from rest relative to the others, up to which the run began at rest: the
+/// noise of the first sample, from which all of them start, can make them √2 times as large.
+const FROM_REST: f64 = 1.5;
+
+/// How well a model predicts a record, by simulation from the input alone.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Validation {
+    /// 100 (1 - |y - ŷ| / |y - mean y|) over the samples used.
+    pub fit_percent: f64,
+    /// Root mean square of y - ŷ.
+    pub rmse: f64,
+    /// Mean of y - ŷ.
+    pub bias: f64,
+    /// Samples with an output and a full history of input.
+    pub samples_used: usize,
+    /// Runs whose input before the first sample was not stated and is taken to have stood still,
+    /// as their first samples say: these are then among the samples used.
+    #[serde(default)]
+    pub runs_from_rest: usize,
+}
+
+impl Validation {
+    /// Simulates `model` on every run of `record`.
+    ///
+    /// The first N-1 samples of a run have no full history of input, unless the run states what
+    /// it was. The servo is then taken to have stood still where the first sample finds it. If the
+    /// model, so started, is about as near to these samples as to the ones with a history, they are
+    /// judged as well; otherwise the runs do not begin at rest, and they are left out. The decision
+    /// is one for the whole record.
+    ///
+    /// # Errors
+    /// The record has another sample period, or no sample with enough history.
+    pub fn of(model: &Model, record: &Record) -> Result<Self, Error> {
+        let (expected, found) = (model.sample_period_s, record.sample_period_s());
+        if ((found - expected) / expected).abs() > PERIOD_TOLERANCE {
+            return Err(Error::PeriodMismatch { expected, found });
+        }
+        let mut with_history = Vec::new();
+        let mut from_rest = Vec::new();
+        let mut runs_from_rest = 0;
+        for run in record.runs() {
+            let simulated = model.simulate(run);
+            with_history.extend(run.output().iter().copied().zip(simulated));
+            if run.input_at_rest().is_none()
+                && let Some(beginning) = beginning_from_rest(model, run)
+            {
+                from_rest.extend(beginning);
+                runs_from_rest += 1;
+            }
+        }
+        let judged = Self::of_pairs(with_history.iter().copied()).ok_or(Error::NoHistory {
+            history: model.structure.settling_samples,
+        })?;
+        let beginnings = Self::of_pairs(from_rest.iter().copied());
+        if beginnings.is_none_or(|beginnings| beginnings.rmse > FROM_REST * judged.rmse) {
+            return Ok(judged);
+        }
+        let all = Self::of_pairs(with_history.into_iter().chain(from_rest));
+        Ok(all.map_or(judged, |all| Self {
+            runs_from_rest,
+            ..all
+        }))
+    }
+
+    /// Compares pairs of measured and predicted output; pairs with a NaN do not count. `None` when
+    /// no pair is left.
+    pub fn of_pairs(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
+        let pairs: Vec<(f64, f64)> = pairs
+            .into_iter()
+            .filter(|(y, predicted)| !(y - predicted).is_nan())
+            .collect();
+        if pairs.is_empty() {
+            return None;
+        }
+        let count = pairs.len() as f64;
+        let mean = pairs.iter().map(|(y, _)| y).sum::<f64>() / count;
+        let bias = pairs
+            .iter()
+            .map(|(y, predicted)| y - predicted)
+            .sum::<f64>()
+            / count;
+        let error = pairs
+            .iter()
+            .map(|(y, predicted)| (y - predicted).powi(2))
+            .sum::<f64>();
+        let spread = pairs.iter().map(|(y, _)| (y - mean).powi(2)).sum::<f64>();
+        Some(Self {
+            fit_percent: fit_percent(error, spread),
+            rmse: (error / count).sqrt(),
+            bias,
+            samples_used: pairs.len(),
+            runs_from_rest: 0,
+        })
+    }
+}
+
+/// The first N-1 samples of a run with what the model gives for them when the servo had stood still
+/// before where its first sample finds it. `None` when that sample is missing.
+fn beginning_from_rest(model: &Model, run: &Run) -> Option<Vec<(f64, f64)>> {
+    let count = (model.structure.settling_samples - 1).min(run.len());
+    let beginning = run.part(0..count);
+    let gain = *model.step.value.last()?;
+    // At the first sample the response is that to one step from rest: y = c + G0 r + g_0 (u - r).
+    let (input, output) = (beginning.input().first()?, beginning.output().first()?);
+    let at_once = *model.step.value.first()?;
+    let at_rest = (output - model.offset - at_once * input) / (gain - at_once);
+    at_rest.is_finite().then(|| {
+        let simulated = model.simulate_input(beginning.input(), Some(at_rest));
+        beginning.output().iter().copied().zip(simulated).collect()
+    })
+}
+
+/// 100 (1 - sqrt(error/spread)) from two sums of squares. An output that does not move leaves
+/// nothing to explain: 100 when it is met exactly, 0 when it is not.
+pub(crate) fn fit_percent(error: f64, spread: f64) -> f64 {
+    match (error > 0.0, spread > 0.0) {
+        (_, true) => 100.0 * (1.0 - (error / spread).sqrt()),
+        (false, false) => 100.0,
+        (true, false) => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{NoiseOrder, Options, Settling, identify};
+    use rand::{RngExt, SeedableRng};
+
+    /// Two lags of 5 samples behind random levels of 5 samples each, 200 samples of which are not
+    /// recorded; a little noise. With one lag the first sample would tell the whole state.
+    fn run(seed: u64, rest: bool, samples: usize) -> Run {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        let before = 200;
+        let mut input: Vec<f64> = Vec::new();
+        while input.len() < before + samples {
+            let level = random.random_range(-1.0..1.0);
+            input.extend([level; 5]);
+        }
+        if rest {
+            input[..before].fill(0.4);
+        }
+        let mut lags = [input[0]; 2];
+        let output: Vec<f64> = input
+            .iter()
+            .map(|u| {
+                lags[0] += (u - lags[0]) / 5.0;
+                lags[1] += (lags[0] - lags[1]) / 5.0;
+                2.0 * lags[1] + 0.3 + 0.005 * random.random_range(-1.0..1.0)
+            })
+            .collect();
+        Run::new(
+            &input[before..before + samples],
+            &output[before..before + samples],
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn runs_that_begin_at_rest_are_judged_from_their_first_sample_and_others_are_not() {
+        let options = Options {
+            settling: Settling::Samples(61),
+            noise_order: NoiseOrder::Order(0),
+            ..Options::default()
+        };
+        let seen = Record::new(0.01, vec![run(1, false, 900)]).unwrap();
+        let model = identify(&seen, &options).unwrap();
+        let at_rest = Record::new(0.01, vec![run(2, true, 300), run(3, true, 40)]).unwrap();
+        let found = model.validate(&at_rest).unwrap();
+        assert_eq!((found.samples_used, found.runs_from_rest), (340, 2));
+        assert!(found.fit_percent > 98.0, "{found:?}");
+        // In motion at the first sample: a constant past does not explain what follows.
+        let moving = Record::new(0.01, vec![run(4, false, 300), run(5, false, 40)]).unwrap();
+        let found = model.validate(&moving).unwrap();
+        assert_eq!((found.samples_used, found.runs_from_rest), (240, 0));
+        assert!(found.fit_percent > 98.0, "{found:?}");
+        // Nothing of a run shorter than the history can be judged by itself.
+        let short = Record::new(0.01, vec![run(6, true, 40)]).unwrap();
+        assert!(model.validate(&short).is_err());
+    }
+}
