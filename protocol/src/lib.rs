@@ -36,6 +36,7 @@
 
 pub mod framing;
 pub mod hello;
+pub mod lease;
 pub mod message;
 pub mod reference;
 pub mod timing;

@@ -2,8 +2,8 @@
 
 use super::{Talk, suggest};
 use crate::instrument::port;
-use crate::instrument::rig::mismatch::{Mismatch, mismatches};
-use crate::instrument::rig::{RigClient, TalkError};
+use crate::instrument::rig::{ClientError, RigClient, TalkError};
+use crate::instrument::rig::{Mismatch, mismatches};
 use anyhow::Result;
 use clap::Args;
 use servoid_protocol::hello::{ClockSource, PROTOCOL_VERSION, ResetCause, SCHEMA_HASH};
@@ -36,7 +36,7 @@ impl Info {
     pub(super) fn run(self) -> Result<String> {
         let port = port::open(&self.port)?;
         let mut client = match RigClient::connect_beside(port, &self.port) {
-            Err(busy @ TalkError::RunOfAnother) => {
+            Err(busy @ TalkError::Rig(ClientError::RunOfAnother)) => {
                 let result = serde_json::json!({ "running": true });
                 return self
                     .talk
@@ -45,7 +45,7 @@ impl Info {
             other => other?,
         };
         let hello = *client.hello();
-        let schema_equal = client.require_equal_schema().is_ok();
+        let schema_equal = client.has_equal_schema();
         // A rig with other messages may answer with anything; its hello is all that is sure.
         let status = if schema_equal {
             Some(client.status()?)

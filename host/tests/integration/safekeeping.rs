@@ -6,8 +6,10 @@ use servoid::port;
 use servoid::recording::{
     Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError,
 };
-use servoid::rig::capture::CaptureError;
-use servoid::rig::{Capture, RigClient, RigFile, TalkError};
+use servoid::rig::CaptureError;
+use servoid::rig::ClientError;
+use servoid::rig::{Capture, RigClient, TalkError};
+use servoid::rig_file::RigFile;
 use servoid_protocol::message::Refusal;
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::{Counts, Frame, PulseWidth, Reference, RigMessage, framing};
@@ -49,7 +51,7 @@ fn a_run_that_does_not_begin_costs_no_file_and_leaves_none() {
             let error = record_unarmed(file, force, stop);
             let expected = match error {
                 CaptureError::StoppedBefore => stop,
-                CaptureError::Talk(TalkError::Refused { refusal, .. }) => {
+                CaptureError::Talk(TalkError::Rig(ClientError::Refused { refusal, .. })) => {
                     refusal == Refusal::NotArmed && !stop
                 }
                 _ => false,

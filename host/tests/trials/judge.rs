@@ -2,8 +2,9 @@
 
 use servoid::port::Port;
 use servoid::recording::{Completeness, Ending, Header, Recording, RecordingWriter, Target};
-use servoid::rig::capture::CaptureError;
-use servoid::rig::{Capture, RigClient, RigFile, StopReason};
+use servoid::rig::CaptureError;
+use servoid::rig::{Capture, RigClient, StopReason};
+use servoid::rig_file::RigFile;
 use servoid_protocol::message::Start;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_simulator::SimulatedFrame;

@@ -3,8 +3,8 @@
 use crate::support::{SharedBoard, capture, image, options, staircase};
 use servoid::port::Port as _;
 use servoid::recording::Ending;
+use servoid::rig::Capture;
 use servoid::rig::RigClient;
-use servoid::rig::capture::Capture;
 use servoid_protocol::reference::{Reference, Staircase};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};

@@ -2,7 +2,7 @@
 
 use crate::support::{SharedBoard, capture, options, rig_file};
 use servoid::recording::Ending;
-use servoid::rig::capture::Capture;
+use servoid::rig::Capture;
 use servoid_protocol::reference::{
     MAX_TONES, Multisine, Prbs, Reference, Stairs, Step, Steps, Sweep,
 };

@@ -2,8 +2,9 @@
 
 use servoid::port::Port;
 use servoid::recording::{Header, RecordingWriter};
-use servoid::rig::capture::{Capture, CaptureEnd, CaptureError};
-use servoid::rig::{RigClient, RigFile};
+use servoid::rig::RigClient;
+use servoid::rig::{Capture, CaptureEnd, CaptureError};
+use servoid::rig_file::RigFile;
 use servoid_protocol::hello::SCHEMA_HASH;
 use servoid_protocol::message::Arm;
 use servoid_protocol::reference::{Reference, Staircase};

@@ -2,7 +2,7 @@
 
 use super::FORMAT;
 use crate::data::recording::as_toml;
-use crate::instrument::rig::RigFile;
+use crate::data::rig_file::RigFile;
 use serde::{Deserialize, Serialize};
 use servoid_protocol::framing::CRC;
 use servoid_protocol::message::Start;

@@ -1,6 +1,6 @@
 //! From frames to what is identified of them.
 
-use crate::instrument::rig::RigFile;
+use crate::data::rig_file::RigFile;
 use servoid_protocol::message::Start;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_protocol::{Counts, Frame, Reference};

@@ -4,8 +4,8 @@ use super::lines::{Line, Lines};
 use super::{Damage, Newer, SAMPLE_PERIOD_S};
 use crate::data::recording::header::{FIRST_LINE, HEADER_CRC};
 use crate::data::recording::{COLUMNS, FORMAT, Header};
+use crate::data::rig_file::is_usable_scale;
 use crate::data::table::BYTE_ORDER_MARK;
-use crate::instrument::rig::is_usable_scale;
 use servoid_protocol::framing::CRC;
 use toml::{Table, Value};
 
