@@ -5,7 +5,7 @@ use crate::line::Line;
 use crate::request::Answer;
 use crate::session::Opening;
 use crate::task::{Next, Task};
-use servoid_protocol::lease::LEASE;
+use servoid_protocol::lease::ABANDONED_RUN_IS_OVER;
 use servoid_protocol::message::{Command, RigMessage};
 use std::time::Duration;
 
@@ -14,9 +14,6 @@ const FRAMES_COME: Duration = Duration::from_millis(60);
 
 /// A run whose frames have come does not come to its end before this much silence.
 const FRAMES_STOP: Duration = Duration::from_millis(200);
-
-/// A run that goes on for longer than this has a host: without one it ends with its lease.
-pub(crate) const RUN_HAS_A_HOST: Duration = LEASE.saturating_add(Duration::from_millis(500));
 
 /// Sends nothing while the frames of a run come, and opens a session when they stop. The rig would keep
 /// to its own session anyway, but requests of two programs on one line may meet and damage each other.
@@ -54,7 +51,7 @@ impl Task for ForeignTraffic {
             self.opening.begin(line);
             return Next::Then(Box::new(self.opening));
         }
-        if line.now >= self.begin + RUN_HAS_A_HOST {
+        if line.now >= self.begin + ABANDONED_RUN_IS_OVER {
             line.fail(ClientError::RunOfAnother);
             return Next::Done;
         }
@@ -62,6 +59,6 @@ impl Task for ForeignTraffic {
     }
 
     fn deadline(&self, _line: &Line) -> Option<Duration> {
-        Some(self.quiet_at.min(self.begin + RUN_HAS_A_HOST))
+        Some(self.quiet_at.min(self.begin + ABANDONED_RUN_IS_OVER))
     }
 }

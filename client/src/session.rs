@@ -2,12 +2,12 @@
 
 use crate::error::ClientError;
 use crate::event::Event;
-use crate::foreign_traffic::RUN_HAS_A_HOST;
 use crate::line::Line;
 use crate::request::Answer;
 use crate::task::{Next, Task};
 use servoid_protocol::Hello;
-use servoid_protocol::hello::SCHEMA_HASH;
+use servoid_protocol::lease::ABANDONED_RUN_IS_OVER;
+use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::message::Command;
 use std::time::Duration;
 
@@ -61,7 +61,7 @@ impl Opening {
         self.tries += 1;
         // A session that nobody keeps alive gives the rig free within its lease.
         let waited = line.now.saturating_sub(self.begin);
-        if self.tries >= SESSION_ATTEMPTS && waited >= RUN_HAS_A_HOST {
+        if self.tries >= SESSION_ATTEMPTS && waited >= ABANDONED_RUN_IS_OVER {
             line.fail(ClientError::RunOfAnother);
             return Next::Done;
         }

@@ -16,3 +16,7 @@ pub const LEASE: Duration = Duration::from_micros(LEASE_FRAMES as u64 * FRAME_US
 /// A host gives a sign of life four times in a lease, so that three in a row may be lost.
 pub const SIGN_OF_LIFE_EVERY: Duration =
     Duration::from_micros(LEASE_FRAMES as u64 * FRAME_US as u64 / 4);
+
+/// A run that goes on for longer than this after its host is gone does not exist: what is still heard
+/// then has a host.
+pub const ABANDONED_RUN_IS_OVER: Duration = LEASE.saturating_add(Duration::from_millis(500));
