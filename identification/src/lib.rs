@@ -42,8 +42,7 @@ pub use diagnostics::{
 };
 pub use error::Error;
 pub use estimation::{
-    direct, excitation, fsf_basis, gls, least_squares, nested_banks, noise_model, qr, truncation,
-    variance,
+    excitation, fsf_basis, gls, least_squares, nested_banks, noise_model, qr, truncation, variance,
 };
 pub use identify::{Identification, identify, identify_explained, identify_moments};
 pub use nonlinear::{direction, limits};

@@ -7,10 +7,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use servoid_identification::fsf_basis::FsfBasis;
 use servoid_identification::gls::{self, GlsOptions};
-use servoid_identification::least_squares::{Coordinates, Information};
+use servoid_identification::least_squares::{Coordinates, RowInformation};
 use servoid_identification::moments::Moments;
 use servoid_identification::step_response::StepResponse;
-use servoid_identification::variance::{self, CurveVariance};
+use servoid_identification::variance::CurveVariance;
 use servoid_identification::{Error, Model, NoiseOrder, Options, Record, Run, identify};
 use servoid_protocol::Degrees;
 use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
@@ -174,7 +174,7 @@ fn with_known_noise(question: &Question, pilot: &Model, record: &Record) -> Resu
     let basis = pilot.basis()?;
     let (settling, order) = (basis.settling(), truth.noise.ar.len());
     let information =
-        Information::from_moments(Moments::of_record(record, settling + order, order + 1));
+        RowInformation::from_moments(Moments::of_record(record, settling + order, order + 1));
     let coordinates = Coordinates::new(basis);
     let options = GlsOptions {
         order: NoiseOrder::Order(order),
@@ -193,7 +193,7 @@ fn with_known_noise(question: &Question, pilot: &Model, record: &Record) -> Resu
     fit.solution = information
         .solve(&coordinates, &fit.ar)
         .ok_or_else(not_excited)?;
-    let spread: CurveVariance = variance::spread(&information, &fit, &coordinates.step_map());
+    let spread = CurveVariance::of_fit(&information, &fit, &coordinates.step_map());
     let last = truth.step.value.last().copied().unwrap_or(0.0);
     let mut value: Vec<f64> = truth.step.value.iter().copied().take(settling).collect();
     value.resize(settling, last);

@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use crate::data::timing::Timing;
 use crate::error::Error;
 
 /// Largest magnitude of a sample: sums of products of many such are still finite.
@@ -226,6 +227,15 @@ impl Record {
     #[must_use]
     pub fn rest(&self) -> &[Run] {
         &self.rest
+    }
+
+    /// Sample period and sample phase.
+    #[must_use]
+    pub fn timing(&self) -> Timing {
+        Timing {
+            sample_period_s: self.sample_period_s,
+            sample_phase_s: self.sample_phase_s,
+        }
     }
 
     /// Time from the edge of the input to the sample of the output that belongs to it \[s\].

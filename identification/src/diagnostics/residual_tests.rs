@@ -14,14 +14,15 @@
 
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::dot;
 use crate::estimation::least_squares::{
-    Coordinates, NormalEquations, filtered_input_moments, solve_moments, with_one,
+    Coordinates, NormalEquations, filtered_input_moments, solve_moments,
 };
+use crate::estimation::noise_model::noise_filter;
+use crate::numerics::critical_values::chi_square_upper_tail;
 use crate::numerics::linear_algebra::times;
+use crate::numerics::vectors::dot;
 
 /// Lags of the whiteness test.
 pub const WHITENESS_LAGS: usize = 25;
@@ -85,7 +86,8 @@ pub fn whiteness(errors: &[Vec<f64>], noise_order: usize, share: f64) -> Option<
             (1.0 - share) * sum * sum / (pairs * mean_square * mean_square)
         })
         .sum();
-    upper_tail(statistic, WHITENESS_LAGS.saturating_sub(noise_order).max(1))
+    let degrees = WHITENESS_LAGS.saturating_sub(noise_order).max(1);
+    Some(chi_square_upper_tail(statistic, degrees))
 }
 
 /// One run of errors from the first to the last that is there.
@@ -141,7 +143,7 @@ pub fn input_independence(moments: &Moments, coordinates: &Coordinates, ar: &[f6
     if lags.is_empty() {
         return None;
     }
-    let d = with_one(ar);
+    let d = noise_filter(ar);
     let gain: f64 = d.iter().sum();
     let uu = filtered_input_moments(&moments.uu, n + beyond, &d);
     let square = coordinates.square(uu.as_ref().submatrix(0, 0, n, n));
@@ -188,7 +190,8 @@ pub fn input_independence(moments: &Moments, coordinates: &Coordinates, ar: &[f6
     let left = &own - &cross * &solution.inverse * cross.transpose();
     let variance = solution.rss / (rows - (p + 1 + order) as f64).max(1.0);
     let found = ScoreTest::new(&left, &own, &score)?;
-    upper_tail(found.reduction / variance, found.degrees)
+    let statistic = found.reduction / variance;
+    Some(chi_square_upper_tail(statistic, found.degrees))
 }
 
 /// What further regressors explain: the score test, from the moments of these regressors alone.
@@ -240,11 +243,6 @@ impl ScoreTest {
             coefficients,
         })
     }
-}
-
-fn upper_tail(statistic: f64, degrees: usize) -> Option<f64> {
-    let chi = ChiSquared::new(degrees as f64).ok()?;
-    Some(chi.sf(statistic).clamp(0.0, 1.0))
 }
 
 #[cfg(test)]

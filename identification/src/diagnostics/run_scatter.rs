@@ -14,12 +14,15 @@
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::data::record::Run;
-use crate::estimation::fsf_basis::dot;
-use crate::numerics::critical_values::{normal_upper_quantile, student_critical};
+use crate::estimation::noise_model::noise_filter;
+use crate::numerics::critical_values::{
+    chi_square_upper_tail, normal_upper_quantile, student_critical,
+};
 use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
+use crate::numerics::vectors::dot;
 use crate::results::model::Model;
 
 /// Level at which scatter counts as shown, and a run as deviating.
@@ -134,9 +137,7 @@ impl RunComparison {
 fn difference(model: &Model, run: &Run, number: usize) -> Option<RunDifference> {
     let simulated = model.simulate(run);
     let order = model.noise.ar.len();
-    let d: Vec<f64> = std::iter::once(1.0)
-        .chain(model.noise.ar.iter().copied())
-        .collect();
+    let d = noise_filter(&model.noise.ar);
     let filtered = |k: usize, value: &dyn Fn(usize) -> f64| -> f64 {
         d.iter().enumerate().map(|(i, d)| d * value(k - i)).sum()
     };
@@ -206,10 +207,9 @@ fn scatter(values: impl Iterator<Item = Difference>) -> Scatter {
     let degrees = (values.len() - 1) as f64;
     let denominator = total - weights.iter().map(|w| w * w).sum::<f64>() / total;
     let sd = ((q - degrees) / denominator).max(0.0).sqrt();
-    let p = ChiSquared::new(degrees).map_or(1.0, |chi| chi.sf(q));
     Scatter {
         sd,
-        p: p.clamp(0.0, 1.0),
+        p: chi_square_upper_tail(q, values.len() - 1),
     }
 }
 

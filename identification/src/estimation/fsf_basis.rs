@@ -24,6 +24,7 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
+use crate::numerics::vectors::{dot, running_sum};
 
 /// The filter bank of n frequencies for a settling time of N samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -333,35 +334,6 @@ impl Circle {
     fn sin(&self, k: usize) -> f64 {
         self.points[k % self.points.len()].0
     }
-}
-
-/// Running sums of `values`.
-#[must_use]
-pub fn running_sum(values: &[f64]) -> Vec<f64> {
-    values
-        .iter()
-        .scan(0.0, |sum, value| {
-            *sum += value;
-            Some(*sum)
-        })
-        .collect()
-}
-
-/// Inner product over the common length, in eight independent sums, so that it can be done in vector
-/// registers.
-#[must_use]
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let length = a.len().min(b.len());
-    let (a, b) = (a[..length].chunks_exact(8), b[..length].chunks_exact(8));
-    let rest = a.remainder().iter().zip(b.remainder());
-    let rest: f64 = rest.map(|(x, y)| x * y).sum();
-    let mut sums = [0.0; 8];
-    for (a, b) in a.zip(b) {
-        for ((sum, x), y) in sums.iter_mut().zip(a).zip(b) {
-            *sum += x * y;
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]

@@ -13,11 +13,11 @@ use std::sync::Arc;
 
 use faer::Mat;
 
-use crate::estimation::fsf_basis::dot;
 use crate::estimation::lag_products::LagProducts;
-use crate::estimation::least_squares::{Coordinates, Information, Solution};
+use crate::estimation::least_squares::{Coordinates, RowInformation, Solution};
 use crate::estimation::noise_model::{NoiseFit, OrderCandidate, best_order};
 use crate::numerics::linear_algebra::times;
+use crate::numerics::vectors::dot;
 use crate::options::NoiseOrder;
 
 /// Largest order that the automatic choice considers.
@@ -127,7 +127,7 @@ impl GlsFit {
 
     /// The offset c of y = G u + c, back from the centre of the moments.
     #[must_use]
-    pub fn offset(&self, information: &Information) -> f64 {
+    pub fn offset(&self, information: &RowInformation) -> f64 {
         let gain: f64 = self.impulse().iter().sum();
         let (u, y) = information.moments.centre;
         self.solution.offset() + y - gain * u
@@ -141,7 +141,7 @@ fn degrees_of_freedom(rows: usize, parameters: usize, order: usize) -> f64 {
 /// Fits response and noise. `None` when the rows do not determine the response.
 #[must_use]
 pub fn fit(
-    information: &Information,
+    information: &RowInformation,
     coordinates: &Coordinates,
     options: &GlsOptions,
 ) -> Option<GlsFit> {
@@ -218,7 +218,7 @@ pub fn fit(
 /// The noise fit of the residuals of coordinates and offset; with the inverse and the variance of
 /// ε, their moments are corrected for the parameters fitted.
 fn noise_of(
-    information: &Information,
+    information: &RowInformation,
     coordinates: &Coordinates,
     solution: &[f64],
     order: usize,
@@ -236,7 +236,7 @@ fn noise_of(
 /// tr(R_ij (Z'Z)^-1), i, j = 0..=order: the part of the lagged noise moments, per unit variance,
 /// that the fitted parameters have absorbed.
 fn fitted_noise(
-    information: &Information,
+    information: &RowInformation,
     coordinates: &Coordinates,
     inverse: &Mat<f64>,
     order: usize,
@@ -269,7 +269,11 @@ enum Traces<'a> {
 }
 
 impl<'a> Traces<'a> {
-    fn new(information: &'a Information, coordinates: &Coordinates, covariance: Mat<f64>) -> Self {
+    fn new(
+        information: &'a RowInformation,
+        coordinates: &Coordinates,
+        covariance: Mat<f64>,
+    ) -> Self {
         match information.lag_products(coordinates) {
             Some(products) => Self::InCoordinates(products, covariance),
             None => Self::ByLags(&information.moments.uu, coordinates.expand(covariance)),

@@ -21,7 +21,8 @@ use std::sync::Arc;
 use faer::Mat;
 
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::{FsfBasis, dot};
+use crate::estimation::fsf_basis::FsfBasis;
+use crate::numerics::vectors::dot;
 
 /// Entries of all products together beyond which they are not kept: 32 MB.
 const MOST_ENTRIES: usize = 1 << 22;
@@ -181,6 +182,7 @@ mod tests {
     use super::*;
     use crate::data::record::Record;
     use crate::estimation::least_squares::{Coordinates, NormalEquations};
+    use crate::estimation::noise_model::noise_filter;
     use approx::assert_relative_eq;
 
     #[test]
@@ -194,7 +196,7 @@ mod tests {
             let coordinates = Coordinates::in_theta(basis);
             let products = LagProducts::new(&moments, basis, &basis.impulse_map()).unwrap();
             for ar in [vec![], vec![-0.9], vec![-1.5, 0.7, 0.1, -0.05]] {
-                let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+                let d = noise_filter(&ar);
                 let turned = products.twice_filtered(&d);
                 let whole = NormalEquations::new(&moments, &coordinates, &ar).a;
                 for i in 0..frequencies {

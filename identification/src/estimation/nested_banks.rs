@@ -9,10 +9,11 @@ use std::cell::OnceCell;
 use faer::Mat;
 
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::{FsfBasis, dot};
+use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::{Coordinates, NormalEquations};
 use crate::estimation::truncation::unit_biases;
 use crate::numerics::linear_algebra::inverse_of_lower;
+use crate::numerics::vectors::dot;
 
 /// A squared pivot of the equilibrated equations below this means: a combination of lower
 /// frequencies, not excited by itself.

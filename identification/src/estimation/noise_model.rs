@@ -18,6 +18,11 @@ pub struct Noise {
     pub sigma: f64,
 }
 
+/// The coefficients 1, d_1, ..., d_d of the noise filter D.
+pub(crate) fn noise_filter(ar: &[f64]) -> Vec<f64> {
+    std::iter::once(1.0).chain(ar.iter().copied()).collect()
+}
+
 /// A fit of D for every order up to that of the moments.
 pub(crate) struct NoiseFit {
     lower: Mat<f64>,

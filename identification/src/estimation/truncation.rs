@@ -19,7 +19,8 @@ use faer::Mat;
 
 use crate::data::moments::Moments;
 use crate::estimation::fsf_basis::{Circle, FsfBasis};
-use crate::estimation::least_squares::{filtered_input_moments, with_one};
+use crate::estimation::least_squares::filtered_input_moments;
+use crate::estimation::noise_model::noise_filter;
 use crate::numerics::linear_algebra::{cholesky, inverse_of_lower};
 
 /// Frequencies at the upper end whose magnitude speaks for what is above them.
@@ -101,7 +102,7 @@ impl Errors {
     /// `None` when the bank is not determined.
     fn new(moments: &Moments, basis: &FsfBasis, ar: &[f64], roll_off: i32) -> Option<Self> {
         let settling = basis.settling();
-        let d = with_one(ar);
+        let d = noise_filter(ar);
         let mut products = filtered_input_moments(&moments.uu, settling, &d);
         let sums: Vec<f64> = (0..settling)
             .map(|a| d.iter().zip(&moments.u[a..]).map(|(d, u)| d * u).sum())
@@ -254,7 +255,7 @@ pub(crate) fn unit_biases(settling: usize, roll_off: i32) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::data::record::Record;
-    use crate::estimation::least_squares::{Coordinates, Information};
+    use crate::estimation::least_squares::{Coordinates, RowInformation};
     use crate::numerics::convolution::causal_filter;
 
     /// A noise-free record of a first-order lag whose impulse response has 101 samples, under edges that
@@ -283,7 +284,7 @@ mod tests {
             .map(|j| (0..n as usize).map(|i| analysis[(j, i)] * impulse[i]).sum())
             .collect();
         let moments = Moments::of_record(&record(&impulse), n as usize, 1);
-        let information = Information::from_moments(moments.clone());
+        let information = RowInformation::from_moments(moments.clone());
         for frequencies in [11, 21, 51] {
             let basis = FsfBasis::new(n as usize, frequencies).unwrap();
             let solution = information.solve(&Coordinates::new(basis), &[]).unwrap();

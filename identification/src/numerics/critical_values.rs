@@ -1,6 +1,6 @@
 //! Critical values: how many standard deviations make a band.
 
-use statrs::distribution::{Continuous, ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF, StudentsT};
 use statrs::function::erf::{erfc, erfc_inv};
 
 use crate::numerics::chebyshev::Chebyshev;
@@ -27,6 +27,11 @@ pub fn normal_cdf(x: f64) -> f64 {
 #[must_use]
 pub fn normal_upper_quantile(tail: f64) -> f64 {
     std::f64::consts::SQRT_2 * erfc_inv(2.0 * tail)
+}
+
+/// P(χ² > `statistic`); 1 without degrees of freedom.
+pub(crate) fn chi_square_upper_tail(statistic: f64, degrees: usize) -> f64 {
+    ChiSquared::new(degrees as f64).map_or(1.0, |chi| chi.sf(statistic).clamp(0.0, 1.0))
 }
 
 /// Two-sided critical value of one normal quantity: 2.5758 for 0.99.

@@ -59,3 +59,13 @@ pub(crate) fn condition(matrix: &Mat<f64>, inverse: &Mat<f64>) -> f64 {
     };
     norm(matrix) * norm(inverse)
 }
+
+/// Adds `sign` times the outer product of `rows` and `columns` to `matrix`.
+pub(crate) fn add_outer_product(matrix: &mut Mat<f64>, rows: &[f64], columns: &[f64], sign: f64) {
+    for (b, column) in columns.iter().enumerate() {
+        let scale = sign * column;
+        for (entry, row) in matrix.col_as_slice_mut(b).iter_mut().zip(rows) {
+            *entry += scale * row;
+        }
+    }
+}

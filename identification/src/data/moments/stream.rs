@@ -5,10 +5,11 @@
 
 use faer::Mat;
 
-use super::{Moments, rank_one};
+use super::lagged::Moments;
 use crate::data::record::Run;
-use crate::estimation::fsf_basis::dot;
 use crate::numerics::lagged_sums::LaggedSums;
+use crate::numerics::linear_algebra::add_outer_product;
+use crate::numerics::vectors::dot;
 
 /// Collects [`Moments`] while samples arrive, in pieces of any size.
 ///
@@ -307,9 +308,9 @@ impl Edges {
     fn add(&mut self, u: &[f64], y: &[f64], k: usize, sign: f64) {
         let u: Vec<f64> = u[k - self.u.len()..k].iter().rev().copied().collect();
         let y: Vec<f64> = y[k - self.y.len()..k].iter().rev().copied().collect();
-        rank_one(&mut self.uu, &u, &u, sign);
-        rank_one(&mut self.uy, &u, &y, sign);
-        rank_one(&mut self.yy, &y, &y, sign);
+        add_outer_product(&mut self.uu, &u, &u, sign);
+        add_outer_product(&mut self.uy, &u, &y, sign);
+        add_outer_product(&mut self.yy, &y, &y, sign);
         for (sum, value) in self.u.iter_mut().zip(&u).chain(self.y.iter_mut().zip(&y)) {
             *sum += sign * value;
         }

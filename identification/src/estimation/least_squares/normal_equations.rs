@@ -2,17 +2,14 @@
 
 use faer::Mat;
 
-use super::{Coordinates, Solution};
+use super::coordinates::Coordinates;
+use super::solution::Solution;
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::dot;
+use crate::estimation::noise_model::noise_filter;
 use crate::numerics::linear_algebra::{
     backward_solve, cholesky, condition, forward_solve, inverse_of_lower, times,
 };
-
-/// 1, d_1, ..., d_d.
-pub(crate) fn with_one(ar: &[f64]) -> Vec<f64> {
-    std::iter::once(1.0).chain(ar.iter().copied()).collect()
-}
+use crate::numerics::vectors::dot;
 
 /// D-filtered normal equations A x = b with the offset as last parameter.
 pub(crate) struct NormalEquations {
@@ -24,7 +21,8 @@ pub(crate) struct NormalEquations {
 
 impl NormalEquations {
     pub(crate) fn new(moments: &Moments, coordinates: &Coordinates, ar: &[f64]) -> Self {
-        let uu = filtered_input_moments(&moments.uu, coordinates.basis.settling(), &with_one(ar));
+        let uu =
+            filtered_input_moments(&moments.uu, coordinates.basis.settling(), &noise_filter(ar));
         let square = coordinates.square(uu.as_ref());
         Self::with_square(moments, coordinates, ar, square)
     }
@@ -37,7 +35,7 @@ impl NormalEquations {
         square: Mat<f64>,
     ) -> Self {
         let n = coordinates.basis.settling();
-        let d = with_one(ar);
+        let d = noise_filter(ar);
         let gain: f64 = d.iter().sum();
         // Columns: cross moments with the filtered output, and with the filtered offset.
         let mut edge = Mat::<f64>::zeros(n, 2);
@@ -90,7 +88,7 @@ impl NormalEquations {
 
 /// Sum of squares that no response of `settling` samples can go below, from the rows behind `moments`; `None`
 /// where they do not determine it.
-pub(crate) fn least_squares_left(moments: &Moments, settling: usize) -> Option<f64> {
+pub(crate) fn complete_bank_rss(moments: &Moments, settling: usize) -> Option<f64> {
     let n = settling;
     let a = Mat::from_fn(n + 1, n + 1, |i, j| match (i, j) {
         (i, j) if i < n && j < n => moments.uu[(i, j)],

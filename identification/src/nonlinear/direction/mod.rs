@@ -21,18 +21,18 @@ pub(crate) mod two_inputs;
 
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::data::record::Record;
 use crate::data::timing::Timing;
 use crate::error::Error;
-use crate::estimation::fsf_basis::{FsfBasis, dot};
+use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::Coordinates;
 use crate::estimation::variance::CurveVariance;
 use crate::numerics::critical_values::{
-    pointwise_critical, simultaneous_critical, student_critical,
+    chi_square_upper_tail, pointwise_critical, simultaneous_critical, student_critical,
 };
 use crate::numerics::linear_algebra::times;
+use crate::numerics::vectors::dot;
 use crate::options::NoiseOrder;
 use crate::results::metrics::Interval;
 use crate::results::model::Model;
@@ -175,8 +175,7 @@ pub fn split_with(
     level: f64,
 ) -> Result<DirectionModel, Error> {
     let settling = basis.settling();
-    let odd = settling - usize::from(settling.is_multiple_of(2));
-    let second = FsfBasis::new(settling, FREQUENCIES.min(odd))?;
+    let second = changes_bank(settling)?;
     let moments = TwoInputMoments::of_record(record, settling);
     let parameters = basis.frequencies() + second.frequencies() + 1;
     let needed = 2 * parameters;
@@ -193,11 +192,14 @@ pub fn split_with(
     let Some(fit) = two_inputs::fit(&moments, &coordinates, &second, order) else {
         return Err(Error::OneDirection);
     };
-    let timing = Timing {
-        sample_period_s: record.sample_period_s(),
-        sample_phase_s: record.sample_phase_s(),
-    };
+    let timing = record.timing();
     Ok(build(&moments, &coordinates, &second, fit, timing, level))
+}
+
+/// The bank on |du| for a settling time.
+pub(crate) fn changes_bank(settling: usize) -> Result<FsfBasis, Error> {
+    let full = FsfBasis::full(settling)?.frequencies();
+    FsfBasis::new(settling, FREQUENCIES.min(full))
 }
 
 fn build(
@@ -232,7 +234,7 @@ fn build(
     let curves = split.curves_map();
     let half = |from: usize| {
         let map = Mat::from_fn(settling, p, |m, k| curves[(from + m, k)]);
-        let spread = spread_of(&map, &split.covariance, split.degrees_of_freedom);
+        let spread = CurveVariance::of_functions(&map, &split.covariance, split.degrees_of_freedom);
         let value = times(&map, &split.parameters);
         StepResponse::new(
             timing.sample_period_s,
@@ -256,7 +258,7 @@ fn build(
 }
 
 fn symmetry(split: &SplitFit, parameters: std::ops::Range<usize>, timing: Timing) -> Symmetry {
-    let spread = spread_of(
+    let spread = CurveVariance::of_functions(
         &split.split_map,
         &split.covariance,
         split.degrees_of_freedom,
@@ -281,7 +283,7 @@ fn symmetry(split: &SplitFit, parameters: std::ops::Range<usize>, timing: Timing
     });
     let (statistic, degrees) = wald(&split.parameters[parameters], &block);
     Symmetry {
-        p: upper_tail(statistic, degrees),
+        p: chi_square_upper_tail(statistic, degrees),
         largest_deviation,
         critical_value,
         asymmetric: largest_deviation > critical_value && 2.0 * delta[at].abs() > MATERIAL,
@@ -302,39 +304,6 @@ pub(crate) fn wald(x: &[f64], covariance: &Mat<f64>) -> (f64, usize) {
         .fold((0.0, 0), |(sum, count), i| {
             (sum + turned[i] * turned[i] / eigen.S()[i], count + 1)
         })
-}
-
-/// P(χ² > statistic).
-pub(crate) fn upper_tail(statistic: f64, degrees: usize) -> f64 {
-    ChiSquared::new(degrees as f64).map_or(1.0, |chi| chi.sf(statistic).clamp(0.0, 1.0))
-}
-
-/// Standard deviations and neighbour correlations of the functions in the rows of `map`.
-pub(crate) fn spread_of(
-    map: &Mat<f64>,
-    covariance: &Mat<f64>,
-    degrees_of_freedom: f64,
-) -> CurveVariance {
-    let rows = map.transpose().to_owned();
-    let weighted = covariance * &rows;
-    let product = |i: usize, j: usize| dot(weighted.col_as_slice(i), rows.col_as_slice(j));
-    let count = map.nrows();
-    let sd: Vec<f64> = (0..count).map(|i| product(i, i).max(0.0).sqrt()).collect();
-    let neighbour_correlation = (1..count)
-        .map(|i| {
-            let scale = sd[i - 1] * sd[i];
-            if scale > 0.0 {
-                (product(i - 1, i) / scale).clamp(-1.0, 1.0)
-            } else {
-                1.0
-            }
-        })
-        .collect();
-    CurveVariance {
-        degrees_of_freedom: vec![degrees_of_freedom; count],
-        neighbour_correlation,
-        sd,
-    }
 }
 
 impl DirectionModel {

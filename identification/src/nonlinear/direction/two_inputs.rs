@@ -11,7 +11,7 @@ use crate::data::record::{Record, Run};
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::MAX_AUTO_ORDER;
 use crate::estimation::least_squares::Coordinates;
-use crate::estimation::noise_model::{NoiseFit, best_order};
+use crate::estimation::noise_model::{NoiseFit, best_order, noise_filter};
 use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
 use crate::options::NoiseOrder;
 
@@ -204,7 +204,7 @@ pub(crate) fn projection(
     let columns = problem.filtered_columns(ar);
     let columns = columns.as_ref().submatrix(0, 0, columns.nrows(), p);
     let lags = moments.lags;
-    let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+    let d = noise_filter(ar);
     let responses = Mat::from_fn(moments.products.nrows(), 2 * length, |row, k| {
         let (input, lag) = (k / length, k % length);
         let filter = row.checked_sub(input * lags).filter(|a| *a < lags);
@@ -271,7 +271,7 @@ impl<'a> Problem<'a> {
     /// From filtered columns (bank of u, bank of w, offset, output) to lags: one column each.
     fn filtered_columns(&self, ar: &[f64]) -> Mat<f64> {
         let lags = self.moments.lags;
-        let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+        let d = noise_filter(ar);
         let settling = self.coordinates.basis.settling();
         let mut filter = Mat::zeros(lags, settling);
         for a in 0..settling {
