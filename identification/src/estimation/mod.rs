@@ -1,4 +1,4 @@
-//! From moments to parameters and their covariance, for a given structure.
+//! Parameters and their covariance from moments, for a given structure.
 
 pub mod excitation;
 pub mod fsf_basis;

@@ -1,4 +1,4 @@
-//! The few factorisations that the estimators share, on top of `faer`.
+//! Factorisations and products that the estimators share, on top of `faer`.
 
 use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{
@@ -13,7 +13,7 @@ pub(crate) fn cholesky(matrix: &Mat<f64>) -> Option<Mat<f64>> {
     }
     let factor = matrix.llt(Side::Lower).ok()?;
     let lower = factor.L().to_owned();
-    // Rounding can let a singular matrix through with a meaningless last pivot.
+    // Rounding can give a singular matrix a meaningless last pivot.
     (0..lower.nrows())
         .all(|i| lower[(i, i)].is_finite() && lower[(i, i)] > 0.0)
         .then_some(lower)

@@ -3,7 +3,7 @@
 use super::{lagged::Moments, stream::MomentStream};
 use crate::data::record::{Record, Run};
 
-/// Rows that cost less one by one than another pass over the data.
+/// Up to this many rows, adding them one by one costs less than another pass over the data.
 const ROWS_ADDED_SINGLY: usize = 500;
 
 impl Moments {
@@ -20,9 +20,8 @@ impl Moments {
         stream.into_moments()
     }
 
-    /// The moments of fewer input lags over all rows of `record` that are complete for them, when
-    /// `self` holds those of more. The few rows that the longer history costs are added one by one;
-    /// where they are many, a new pass is made.
+    /// The moments of fewer input lags over all rows of `record` that are complete for them. The few rows
+    /// that lack only the longer history are added one by one. If they are many, a new pass is made.
     pub(crate) fn with_fewer_lags(&self, record: &Record, input_lags: usize) -> Self {
         let outputs = self.output_lags();
         let gained: Vec<(&Run, usize)> = record
@@ -34,8 +33,8 @@ impl Moments {
                 run.complete_rows(input_lags, outputs)
                     .into_iter()
                     .flat_map(move |span| {
-                        // A long stretch lies within a short one and ends with it, so what it lacks
-                        // is the beginning.
+                        // A stretch with long history ends where one with short history ends, and
+                        // starts later.
                         let start = long.next_if(|long| long.end == span.end);
                         (span.start..start.map_or(span.end, |long| long.start))
                             .map(move |k| (run, k))

@@ -1,4 +1,4 @@
-//! The moments themselves: adding, taking out, fewer lags, another centre.
+//! The moments: adding and removing rows, fewer lags, another centre.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -77,7 +77,7 @@ impl Moments {
         (self.yy[(0, 0)] - self.y[0] * self.y[0] / self.rows.max(1) as f64).max(0.0)
     }
 
-    /// Adds the rows behind `other`, as if both had been collected together.
+    /// Adds the rows of `other`, as if both had been collected together.
     ///
     /// # Errors
     /// The two have different lags, sample periods or sample phases.
@@ -129,14 +129,13 @@ impl Moments {
         self.rows += 1;
     }
 
-    /// Adds the rows behind `part`, which has the same lags and centre.
+    /// Adds the rows of `part`, which has the same lags and centre.
     pub(crate) fn add(&mut self, part: &Self) {
         debug_assert_eq!(self.centre, part.centre);
         self.accumulate(part, 1.0);
     }
 
-    /// Takes the rows behind `part` out again. Both must have been collected with the same centre
-    /// and lags.
+    /// Removes the rows of `part`, which has the same lags and centre.
     pub(crate) fn without(&self, part: &Self) -> Self {
         debug_assert_eq!(self.centre, part.centre);
         let mut rest = self.clone();
@@ -204,8 +203,7 @@ impl Moments {
         }
     }
 
-    /// Moments of rows Z'Z, Z = [u(k)..u(k-L+1) | 1 | y(k)..y(k-J+1)], given as the square matrix
-    /// of all inner products.
+    /// The moments in Z'Z, the inner products of the columns of Z = [u(k)..u(k-L+1) | 1 | y(k)..y(k-J+1)].
     pub(crate) fn from_products(template: &Self, products: &Mat<f64>) -> Self {
         let (l, j) = (template.input_lags(), template.output_lags());
         let part = |row, column, rows, columns| {

@@ -27,7 +27,7 @@ impl NormalEquations {
         Self::with_square(moments, coordinates, ar, square)
     }
 
-    /// With the coordinates' part of A known.
+    /// With a known coordinates' part of A.
     pub(crate) fn with_square(
         moments: &Moments,
         coordinates: &Coordinates,
@@ -86,8 +86,8 @@ impl NormalEquations {
     }
 }
 
-/// Sum of squares that no response of `settling` samples can go below, from the rows behind `moments`; `None`
-/// where they do not determine it.
+/// Residual sum of squares of the complete bank for `settling` samples, the smallest of any response of
+/// that length. `None` when the rows do not determine it.
 pub(crate) fn complete_bank_rss(moments: &Moments, settling: usize) -> Option<f64> {
     let n = settling;
     let a = Mat::from_fn(n + 1, n + 1, |i, j| match (i, j) {
@@ -150,7 +150,7 @@ impl Factored {
         x.iter().zip(&self.scale).map(|(x, s)| x * s).collect()
     }
 
-    /// A^-1 b with one step of refinement.
+    /// A^-1 b, refined once.
     pub(super) fn refined(&self, equations: &NormalEquations) -> Vec<f64> {
         let mut x = self.solve(&equations.b);
         let product = times(&equations.a, &x);
@@ -181,7 +181,7 @@ impl Factored {
 pub(crate) fn solve_moments(equations: &NormalEquations) -> Option<Solution> {
     let factored = Factored::new(equations)?;
     let x = factored.refined(equations);
-    // c - 2 b'x + x'A x: the error of x enters only in second order.
+    // In c - 2 b'x + x'A x the error of x has only second-order effects.
     let rss = equations.c - 2.0 * dot(&equations.b, &x) + dot(&x, &times(&equations.a, &x));
     let inverse = factored.inverse();
     let condition = centred_condition(&equations.a, &inverse);
@@ -193,7 +193,7 @@ pub(crate) fn solve_moments(equations: &NormalEquations) -> Option<Solution> {
     })
 }
 
-/// Condition number of the coordinates' part of A after projecting the offset (last) out.
+/// Condition number of the coordinates' part of A, the offset (last) projected out.
 pub(super) fn centred_condition(a: &Mat<f64>, inverse: &Mat<f64>) -> f64 {
     let p = a.nrows() - 1;
     let centred = Mat::from_fn(p, p, |i, j| a[(i, j)] - a[(i, p)] * a[(p, j)] / a[(p, p)]);

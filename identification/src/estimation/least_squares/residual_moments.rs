@@ -31,7 +31,7 @@ impl RowInformation {
         }
     }
 
-    /// [`RowInformation::residual_moments`] of a response in `coordinates`, whose cross moments may be known.
+    /// [`RowInformation::residual_moments`] of a response in `coordinates`. Known cross moments are reused.
     pub(crate) fn residual_moments_of(
         &self,
         coordinates: &Coordinates,

@@ -1,4 +1,4 @@
-//! The rows of a record, reduced to a size that does not depend on its length.
+//! The rows of a record as an information matrix or its triangular factor.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::data::moments::Moments;
 use crate::estimation::lag_products::LagProducts;
 use crate::estimation::noise_model::noise_filter;
 
-/// Which arithmetic an estimate went through.
+/// The arithmetic behind an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Solver {
@@ -23,14 +23,15 @@ pub enum Solver {
     Qr,
 }
 
-/// The rows of a record in compressed form.
+/// The information of all rows: inner products, or their triangular factor. Its size does not depend on
+/// the length of the record.
 #[derive(Clone)]
 pub struct RowInformation {
     /// Inner products.
     pub moments: Moments,
     /// Triangular factor of Z = [u lags | 1 | y lags], when the moments are not accurate enough.
     pub(super) factor: Option<Mat<f64>>,
-    /// Those of the bank that was solved for last.
+    /// Those of the bank solved last.
     lag_products: RefCell<Option<Arc<LagProducts>>>,
 }
 
@@ -67,7 +68,7 @@ impl RowInformation {
         }
     }
 
-    /// Rows behind the information.
+    /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.moments.rows()
@@ -83,7 +84,7 @@ impl RowInformation {
         }
     }
 
-    /// The coordinates and offset of [`RowInformation::solve`] alone, without their covariance.
+    /// The coordinates and offset of [`RowInformation::solve`], without their covariance.
     #[must_use]
     pub(crate) fn solve_coordinates(
         &self,
@@ -109,8 +110,8 @@ impl RowInformation {
         }
     }
 
-    /// The cross moments of the bank's filters, kept for the next noise filter; `None` for a
-    /// complete bank, whose coordinates are its impulse response, and for one that is too large.
+    /// The cross moments of the bank's filters, kept for the next noise filter. `None` for a complete bank,
+    /// whose coordinates are its impulse response, and for a bank that is too large.
     pub(crate) fn lag_products(&self, coordinates: &Coordinates) -> Option<Arc<LagProducts>> {
         let map = coordinates.map.as_ref()?;
         let mut kept = self.lag_products.borrow_mut();

@@ -44,7 +44,7 @@ pub(super) fn solve_factor(
     let triangle = r.as_ref().submatrix(0, 0, p + 1, p + 1).to_owned();
     if (0..=p).any(|k| {
         let norm = triangle.col(k).norm_l2();
-        // A column that is a combination of the earlier ones to nine digits carries rounding only.
+        // A column that is a combination of the earlier ones to ten digits carries rounding only.
         norm.is_nan() || triangle[(k, k)].abs() <= 1e-10 * norm
     }) {
         return None;
