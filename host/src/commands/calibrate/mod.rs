@@ -1,20 +1,24 @@
 //! `servoid calibrate`
 
+mod measured;
 mod protractor;
 mod text;
 
+use super::ctrl_c;
+use super::output_args::{Talk, print_remark};
+use super::prompts;
 use super::rig_args::RigArgs;
-use super::{Talk, ask, interrupt, wrong_usage};
+use super::usage::wrong_usage;
 use crate::commands::output_files;
 use crate::data::rig_file::SensorSection;
 use crate::instrument::calibration::{
-    Calibration, Estimate, Found, LEVEL, Mover, Reading, Rest, Travel, put_into, require_followed,
+    Calibration, Found, Mover, Reading, Rest, Travel, put_into, require_followed,
 };
 use crate::instrument::port;
 use crate::instrument::rig::{RigClient, RigFile};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
-use serde::Serialize;
+use measured::{DOUBT_PERCENT, Measured};
 use servoid_protocol::PulseWidth;
 use std::path::{Path, PathBuf};
 
@@ -81,29 +85,11 @@ pub(super) struct Calibrate {
     talk: Talk,
 }
 
-/// Standard deviation of what a servo's maker says of microseconds per degree (percent): makers round, and
-/// servos of one type differ by some percent.
-const DOUBT_PERCENT: f64 = 5.0;
-
 /// How many positions are read by default.
 const POSITIONS: i32 = 5;
 
 /// How far out they go, of the room that the limits leave: a protractor's ends are hard to read.
 const REACH: f64 = 0.8;
-
-/// The result as `--json` prints it.
-#[derive(Serialize)]
-struct Measured {
-    /// The sensor's scale; `None` where it was left as it was.
-    sensor: Option<Calibration>,
-    /// Whether the angles behind it are those that the pulses command.
-    assumed: bool,
-    /// The readings behind it.
-    readings: Vec<Reading>,
-    /// What the sensor did at each position, where a rig was asked.
-    rests: Vec<Rest>,
-    travel: Option<Travel>,
-}
 
 fn reading(text: &str) -> Result<Reading, String> {
     let number = |text: &str| text.trim().parse::<f64>().ok();
@@ -143,8 +129,8 @@ impl Calibrate {
             (Some(out), _) => Some(out),
             (None, Some(rig)) if self.update => Some(rig),
             (None, Some(rig)) if asked => {
-                output_files::tell(&text);
-                ask::confirm(&format!("Put this into {}", rig.display()), true)?.then_some(rig)
+                print_remark(&text);
+                prompts::confirm(&format!("Put this into {}", rig.display()), true)?.then_some(rig)
             }
             _ => None,
         };
@@ -181,19 +167,19 @@ impl Calibrate {
             ));
         }
         if self.asks() {
-            if !ask::is_terminal() {
+            if !prompts::is_terminal() {
                 bail!(
                     "there is no terminal to ask for angles at: give them with --angles, take those that the pulses command with --by-servo, or leave the sensor's scale as it is with --travel-only"
                 );
             }
-            output_files::tell(self.intention(&rig.file, &pulses));
-            if !ask::confirm("May it move", false)? {
+            print_remark(self.intention(&rig.file, &pulses));
+            if !prompts::confirm("May it move", false)? {
                 bail!("the servo was not moved");
             }
         }
-        interrupt::listen()?;
+        ctrl_c::listen()?;
         let client = RigClient::connect_beside(port::open(&rig.address)?, &rig.address)?;
-        let mut mover = Mover::new(client, rig.file.clone(), &interrupt::asked);
+        let mut mover = Mover::new(client, rig.file.clone(), &ctrl_c::asked);
         let (readings, rests) = if self.travel_only {
             Default::default()
         } else {

@@ -1,6 +1,6 @@
 //! Angles that somebody reads on a protractor while the servo holds its position.
 
-use crate::commands::ask;
+use crate::commands::prompts;
 use crate::instrument::calibration::{Mover, Reading, Rest};
 use anyhow::{Context, Result};
 use std::cell::{Cell, RefCell};
@@ -81,7 +81,7 @@ fn question(rest: &Rest, position: &str) -> String {
 fn ask_beside(words: String) -> Receiver<Option<f64>> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
-        if let Some(angle) = ask::line(&words, angle) {
+        if let Some(angle) = prompts::line(&words, angle) {
             // Nobody waits any more where the run has ended.
             let _gone = sender.send(angle);
         }

@@ -1,7 +1,7 @@
 //! A calibration for a terminal.
 
-use super::{Calibration, DOUBT_PERCENT, Estimate, LEVEL, Measured, Travel};
-use crate::instrument::calibration::End;
+use super::measured::{DOUBT_PERCENT, Measured};
+use crate::instrument::calibration::{Calibration, End, Estimate, LEVEL, Travel};
 use std::fmt::Write;
 
 /// "1300, 1400, 1500".
