@@ -5,7 +5,7 @@ use super::output_args::Talk;
 use super::ports;
 use super::prompts::{Asker, Prompt};
 use crate::commands::output_files;
-use crate::commands::rig_wizard::{self, Answers, Range};
+use crate::commands::rig_wizard::{self, Range, RigAnswers};
 use crate::instrument::rig::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueHint};
@@ -126,15 +126,15 @@ const TEXT: &str = "a name is needed";
 
 impl Given {
     /// Every answer, from the options and the asker.
-    fn complete(self, asker: &Asker, talk: Talk) -> Result<Answers> {
-        let mut answers = Answers::default();
+    fn complete(self, asker: &Asker, talk: Talk) -> Result<RigAnswers> {
+        let mut answers = RigAnswers::default();
         self.ask_names(asker, talk, &mut answers)?;
         self.ask_servo(asker, &mut answers)?;
         self.ask_sensor(asker, &mut answers)?;
         Ok(answers)
     }
 
-    fn ask_names(&self, asker: &Asker, talk: Talk, answers: &mut Answers) -> Result<()> {
+    fn ask_names(&self, asker: &Asker, talk: Talk, answers: &mut RigAnswers) -> Result<()> {
         let name = |name: &String| rig_wizard::check_name(name);
         answers.name = asker.ask(
             self.name.clone(),
@@ -173,7 +173,7 @@ impl Given {
         Ok(())
     }
 
-    fn ask_servo(&self, asker: &Asker, answers: &mut Answers) -> Result<()> {
+    fn ask_servo(&self, asker: &Asker, answers: &mut RigAnswers) -> Result<()> {
         answers.pulses_us = asker.ask(
             self.pulses,
             &Prompt {
@@ -217,7 +217,7 @@ impl Given {
         Ok(())
     }
 
-    fn ask_sensor(&self, asker: &Asker, answers: &mut Answers) -> Result<()> {
+    fn ask_sensor(&self, asker: &Asker, answers: &mut RigAnswers) -> Result<()> {
         answers.sensor = asker.ask(
             self.sensor.clone(),
             &Prompt {

@@ -35,7 +35,7 @@ impl Recover {
         let bytes = crate::data::input_file::read(path)
             .with_context(|| format!("{path:?} cannot be read"))?;
         if !is_recording(&bytes) {
-            bail!("nothing to recover: {path:?} is not a recording of servoid");
+            bail!("nothing to recover: {path:?} is no recording of servoid");
         }
         if let Ok(sound) = Recording::parse(&bytes, path) {
             if sound.samples.is_empty() {
