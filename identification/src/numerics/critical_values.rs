@@ -173,7 +173,11 @@ pub fn student_critical(normal: f64, degrees_of_freedom: &[f64]) -> Vec<f64> {
         .iter()
         .map(|degrees| {
             let weights = nodes.weights_at(1.0 / degrees);
-            weights.iter().zip(&values).map(|(w, value)| w * value).sum()
+            weights
+                .iter()
+                .zip(&values)
+                .map(|(w, value)| w * value)
+                .sum()
         })
         .collect()
 }
