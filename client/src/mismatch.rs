@@ -3,7 +3,7 @@
 use crate::error::ClientError;
 use serde::Serialize;
 use servoid_protocol::Hello;
-use servoid_protocol::hello::{PROTOCOL_VERSION, SCHEMA_HASH};
+use servoid_protocol::schema::{PROTOCOL_VERSION, SCHEMA_HASH};
 use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
 
 /// One thing in which they differ.

@@ -7,8 +7,8 @@ use crate::request::Answer;
 use crate::task::{Next, Task};
 use servoid_protocol::Hello;
 use servoid_protocol::lease::ABANDONED_RUN_IS_OVER;
-use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::message::Command;
+use servoid_protocol::schema::SCHEMA_HASH;
 use std::time::Duration;
 
 /// How often a session is opened anew where the rig denies it.

@@ -3,10 +3,11 @@
 use crate::line::{Faults, Line};
 use servoid_client::{Client, ClientError, Connect, Event};
 use servoid_firmware::{CapturedFrame, Identity, Rig};
-use servoid_protocol::hello::{ClockSource, ResetCause, SCHEMA_HASH, Text16};
+use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::lease::LEASE_FRAMES;
 use servoid_protocol::message::{Arm, Command, RigMessage, Start};
 use servoid_protocol::reference::{Reference, Staircase};
+use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::{Counts, Decoder, Frame, PulseWidth, Request, framing};
 use std::time::Duration;
 

@@ -69,7 +69,9 @@ fn adds_something(columns: &[&Vec<f64>]) -> bool {
 fn matrix(columns: &[&Vec<f64>]) -> Mat<f64> {
     let rows = columns.first().map_or(0, |column| column.len());
     let cell = |i: usize, j: usize| columns.get(j).and_then(|column| column.get(i));
-    Mat::from_fn(rows, columns.len(), |i, j| cell(i, j).copied().unwrap_or(f64::NAN))
+    Mat::from_fn(rows, columns.len(), |i, j| {
+        cell(i, j).copied().unwrap_or(f64::NAN)
+    })
 }
 
 #[cfg(test)]

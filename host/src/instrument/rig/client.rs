@@ -4,8 +4,8 @@ use super::driver::Driver;
 use super::talk_error::TalkError;
 use crate::instrument::port::{Port, is_simulated};
 use servoid_client::{Answer, Client, ClientError, Connect, Event};
-use servoid_protocol::hello::SCHEMA_HASH;
 use servoid_protocol::message::{Arm, Command, Start, Status};
+use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::{Hello, Rejects};
 use std::time::Duration;
 

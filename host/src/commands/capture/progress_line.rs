@@ -1,0 +1,69 @@
+//! Progress of a capture without the live scope.
+
+use crate::commands::output_args::Talk;
+use crate::instrument::rig::Progress;
+use indicatif::{ProgressBar, ProgressStyle};
+use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLES_PER_FRAME};
+use servoid_protocol::{SensorScale, ServoScale};
+
+/// A progress bar in a terminal; elsewhere one line for each second of the run.
+pub(super) struct ProgressLine {
+    bar: ProgressBar,
+    talk: Talk,
+    servo: ServoScale,
+    sensor: SensorScale,
+}
+
+impl ProgressLine {
+    pub(super) fn new(talk: Talk, frames: u32, servo: ServoScale, sensor: SensorScale) -> Self {
+        let bar = if talk.quiet {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(frames.into())
+        };
+        let style =
+            ProgressStyle::with_template("{bar:30} {pos}/{len} frames, {eta} left  {wide_msg}");
+        // Should the library ever refuse the template, its own style would do.
+        if let Ok(style) = style {
+            bar.set_style(style);
+        }
+        Self {
+            bar,
+            talk,
+            servo,
+            sensor,
+        }
+    }
+
+    /// Shows a frame. `band_percent` is half the width of the step response's band, if there is one.
+    pub(super) fn update(&self, progress: Progress<'_>, band_percent: Option<f64>) {
+        let frame = progress.frame;
+        let done = u64::from(frame.index) + 1;
+        let reference = self.servo.degrees(frame.pulse).0;
+        let position = frame
+            .samples
+            .last()
+            .map_or(f64::NAN, |&c| self.sensor.degrees(c).0);
+        let band =
+            band_percent.map_or_else(String::new, |p| format!("; band +-{p:.2} % of the step"));
+        let message = format!(
+            "reference {reference:+.1} deg, position {position:+.2} deg; link: {} messages unreadable, {} frames asked again{band}",
+            progress.rejects.total(),
+            progress.asked_again
+        );
+        if !self.bar.is_hidden() {
+            self.bar.set_position(done);
+            self.bar.set_message(message);
+        } else if done.is_multiple_of(u64::from(FRAMES_PER_SECOND)) {
+            let samples = done * SAMPLES_PER_FRAME as u64;
+            self.talk.say(format_args!(
+                "{samples} of {} samples, {message}",
+                u64::from(progress.frames_total) * SAMPLES_PER_FRAME as u64
+            ));
+        }
+    }
+
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,95 @@
+//! Questions beside the linear response, and whether a reference answers them.
+//!
+//! The detectors of identification decide, on simulated runs of the reference.
+
+use serde::Serialize;
+use servoid_identification::direction;
+use servoid_identification::limits::{Limits, RateVerdict};
+use servoid_identification::{Model, Record};
+
+/// A question, and whether the reference answers it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// The question.
+    pub question: &'static str,
+    /// Whether a recording of this reference answers it.
+    pub answered: bool,
+    /// Where it does not: the reason, and what to record instead.
+    pub why: Option<String>,
+}
+
+impl Answer {
+    fn new(question: &'static str, answered: bool, why: impl Into<String>) -> Self {
+        Self {
+            question,
+            answered,
+            why: (!answered).then(|| why.into()),
+        }
+    }
+}
+
+/// The smallest number of levels that distinguishes a curve from a straight line.
+const LEVELS: usize = 3;
+
+/// The second half of a detector's sentence: what to record instead. The first half is about a recording, and here
+/// there is none.
+fn advice_of(statement: &str) -> String {
+    let advice = statement
+        .split_once(": ")
+        .map_or(statement, |(_, advice)| advice);
+    let mut letters = advice.chars();
+    let first = letters.next().into_iter().flat_map(char::to_uppercase);
+    first.chain(letters).collect()
+}
+
+/// All questions; `example` is identified from `record`.
+pub(super) fn of(example: &Model, record: &Record) -> Vec<Answer> {
+    let limits = Limits::of(record, example);
+    let split = direction::split(record, example);
+    let rates = [&limits.rate_up, &limits.rate_down];
+    let silent = rates
+        .into_iter()
+        .find(|rate| rate.verdict == RateVerdict::CannotTell);
+    let ends = limits.ends.as_ref();
+    let silent_end = ends.and_then(|ends| ends.iter().find(|end| end.softens.is_none()));
+    let mut levels: Vec<f64> = limits.levels.iter().map(|cell| cell.command).collect();
+    levels.dedup();
+    let why_not = |statement: Option<&str>| advice_of(statement.unwrap_or_default());
+    vec![
+        Answer::new(
+            "do strokes up and down differ",
+            split.is_ok(),
+            split
+                .as_ref()
+                .err()
+                .map(ToString::to_string)
+                .unwrap_or_default(),
+        ),
+        Answer::new(
+            "is the speed limited",
+            silent.is_none(),
+            why_not(silent.map(|rate| rate.statement.as_str())),
+        ),
+        Answer::new(
+            "does the rest position depend on the direction of approach (hysteresis)",
+            limits.hysteresis.found.is_some(),
+            advice_of(&limits.hysteresis.statement),
+        ),
+        Answer::new(
+            "does the travel end within the range",
+            ends.is_some() && silent_end.is_none(),
+            silent_end.map_or_else(
+                || "No level is held long enough to see where the servo rests.".to_owned(),
+                |end| advice_of(&end.statement),
+            ),
+        ),
+        Answer::new(
+            "which level is reached at which command",
+            levels.len() >= LEVELS,
+            format!(
+                "The servo comes to rest at {} levels only; a bend shows from {LEVELS} levels on.",
+                levels.len()
+            ),
+        ),
+    ]
+}

@@ -1,0 +1,106 @@
+//! The servo and the noise that a plan assumes.
+
+use servoid_identification::noise_model::Noise;
+use servoid_identification::{Error, Model, Options, Record, identify};
+use servoid_protocol::PulseWidth;
+use servoid_protocol::reference::Staircase;
+use servoid_protocol::timing::SAMPLE_US;
+use servoid_simulator::{OptionsError, SimulationOptions, simulate};
+
+/// A servo and its noise, as a model.
+#[derive(Clone, Debug)]
+pub struct AssumedServo {
+    /// Its name.
+    pub name: String,
+    /// Its response and its noise.
+    pub model: Model,
+    /// The options of its simulation, which is not linear; `None` where only its linear model is known.
+    pub simulation: Option<SimulationOptions>,
+    /// Standard deviation of white noise that replaces the simulation's own noise (deg).
+    pub white_noise: Option<f64>,
+}
+
+/// Why no servo can be assumed.
+#[derive(Debug, thiserror::Error)]
+pub enum AssumedServoError {
+    /// The options of the simulated servo are wrong.
+    #[error(transparent)]
+    Options(#[from] OptionsError),
+    /// The simulated servo cannot be identified, as with a broken sensor.
+    #[error("the simulated servo cannot be identified: {0}")]
+    Data(#[from] Error),
+}
+
+impl AssumedServo {
+    /// The simulated servo `options` (at 10 µs per degree), as identified from one staircase of the
+    /// paper.
+    ///
+    /// # Errors
+    /// [`AssumedServoError`].
+    pub fn simulated(options: &SimulationOptions) -> Result<Self, AssumedServoError> {
+        let neutral = PulseWidth::NEUTRAL;
+        let degrees = |offset: i16| f64::from(offset) / 10.0;
+        let offsets: Vec<i16> = (0..).map_while(|k| Staircase::PAPER.offset_us(k)).collect();
+        let pulses = offsets.iter().map(|&offset| neutral.offset_by(offset));
+        let name = options.servo.name();
+        let frames = simulate(options, pulses)?;
+        let (mut input, mut output) = (Vec::new(), Vec::new());
+        for (frame, &offset) in frames.zip(&offsets) {
+            let angles = frame.degrees();
+            input.extend(angles.iter().map(|_| degrees(offset)));
+            output.extend(angles);
+        }
+        let record = Record::from_slices(f64::from(SAMPLE_US) * 1e-6, &input, &output)?;
+        Ok(Self {
+            name: format!("the simulated servo '{name}'"),
+            model: identify(&record, &Options::default())?,
+            simulation: Some(options.clone()),
+            white_noise: None,
+        })
+    }
+
+    /// A servo that is known by its model alone.
+    #[must_use]
+    pub fn of_model(name: String, model: Model) -> Self {
+        Self {
+            name,
+            model,
+            simulation: None,
+            white_noise: None,
+        }
+    }
+
+    /// The same servo with white noise of this standard deviation (deg).
+    #[must_use]
+    pub fn with_white_noise(mut self, sigma: f64) -> Self {
+        self.model.noise = Noise {
+            ar: Vec::new(),
+            sigma,
+        };
+        self.white_noise = Some(sigma);
+        self
+    }
+}
+
+/// Longest memory of the noise that is followed (samples): ten seconds.
+const LONGEST_MEMORY: usize = 5_000;
+
+/// The standard deviation of noise 1/D(z) driven by σ (deg): σ sqrt(Σ f_k²), f the impulse response of
+/// 1/D.
+#[must_use]
+pub fn noise_rms(noise: &Noise) -> f64 {
+    let mut response = vec![1.0];
+    let mut power = 1.0;
+    for k in 1..LONGEST_MEMORY {
+        let past = noise.ar.iter().zip(response.iter().rev());
+        let next: f64 = -past.map(|(d, f)| d * f).sum::<f64>();
+        response.push(next);
+        power += next * next;
+        // The recursion has died out once as many terms as its order are negligible.
+        let recent = response.iter().rev().take(noise.ar.len().max(1));
+        if k > noise.ar.len() && recent.map(|f| f * f).sum::<f64>() < 1e-12 * power {
+            break;
+        }
+    }
+    noise.sigma * power.sqrt()
+}

@@ -1,0 +1,107 @@
+//! The two plots: motion against time, and the step response with its band.
+
+use super::state::{ScopeState, WINDOW_S};
+use ratatui::Frame;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Style};
+use ratatui::symbols::Marker;
+use ratatui::text::Line;
+use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
+
+/// Yellow is the reference, cyan the measured motion, in both plots.
+pub(super) const REFERENCE: Color = Color::Yellow;
+pub(super) const POSITION: Color = Color::Cyan;
+const BAND: Color = Color::Magenta;
+
+/// Room above and below a curve, as part of its range.
+const MARGIN: f64 = 0.1;
+
+/// Reference and position against time.
+pub(super) fn trace(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
+    let title = Line::from(vec![
+        " ".into(),
+        ratatui::text::Span::styled("reference", REFERENCE),
+        " and ".into(),
+        ratatui::text::Span::styled("position", POSITION),
+        " (deg) against time (s) ".into(),
+    ]);
+    let points = |value: fn(&super::state::TracePoint) -> f64| -> Vec<(f64, f64)> {
+        let points = state.trace.iter().map(|p| (p.time_s, value(p)));
+        points.filter(|(_, y)| y.is_finite()).collect()
+    };
+    let (reference, position) = (points(|p| p.reference_deg), points(|p| p.position_deg));
+    let end = state.time_s().max(WINDOW_S);
+    let x = [end - WINDOW_S, end];
+    let values = reference.iter().chain(&position).map(|(_, y)| *y);
+    let y = range(values, [-1.0, 1.0]);
+    let curves = vec![curve(&reference, REFERENCE), curve(&position, POSITION)];
+    chart(frame, area, title, curves, (x, 1), y);
+}
+
+/// The step response with its band, once there is an estimate.
+pub(super) fn step(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
+    let Some(step) = &state.step else {
+        let text = " starts with the second cycle of the reference";
+        let block = Block::bordered().title(" step response ");
+        return frame.render_widget(Paragraph::new(text).block(block), area);
+    };
+    let title = Line::from(vec![
+        " ".into(),
+        ratatui::text::Span::styled("step response", POSITION),
+        " and its ".into(),
+        ratatui::text::Span::styled(format!("{} % band", 100.0 * step.level), BAND),
+        ", against time (ms) ".into(),
+    ]);
+    let line = |values: &[f64]| -> Vec<(f64, f64)> {
+        let times = step.time_s.iter().map(|t| 1e3 * t);
+        times.zip(values.iter().copied()).collect()
+    };
+    let (lower, value, upper) = (line(&step.lower), line(&step.value), line(&step.upper));
+    let end = value.last().map_or(1.0, |(t, _)| *t);
+    let values = lower.iter().chain(&upper).map(|(_, y)| *y);
+    let y = range(values, [0.0, 1.0]);
+    let curves = vec![
+        curve(&lower, BAND),
+        curve(&upper, BAND),
+        curve(&value, POSITION),
+    ];
+    chart(frame, area, title, curves, ([0.0, end], 0), y);
+}
+
+/// The range of the values and of `least`, with a margin.
+fn range(values: impl Iterator<Item = f64>, least: [f64; 2]) -> [f64; 2] {
+    let [low, high] = values.fold(least, |[low, high], y| [low.min(y), high.max(y)]);
+    let margin = MARGIN * (high - low);
+    [low - margin, high + margin]
+}
+
+fn curve(points: &[(f64, f64)], colour: Color) -> Dataset<'_> {
+    Dataset::default()
+        .marker(Marker::Braille)
+        .graph_type(GraphType::Line)
+        .style(Style::new().fg(colour))
+        .data(points)
+}
+
+/// `x` is the range, and the number of decimals of its labels.
+fn chart(
+    frame: &mut Frame<'_>,
+    area: Rect,
+    title: Line<'_>,
+    curves: Vec<Dataset<'_>>,
+    x: ([f64; 2], usize),
+    y: [f64; 2],
+) {
+    // The library places up to three labels correctly.
+    let labels = |[low, high]: [f64; 2], decimals: usize| {
+        [low, f64::midpoint(low, high), high].map(|value| format!("{value:.decimals$}"))
+    };
+    let decimals = if y[1] - y[0] < 3.0 { 2 } else { 1 };
+    let (x, x_decimals) = x;
+    let chart = Chart::new(curves)
+        .block(Block::bordered().title(title))
+        .x_axis(Axis::default().bounds(x).labels(labels(x, x_decimals)))
+        .y_axis(Axis::default().bounds(y).labels(labels(y, decimals)))
+        .legend_position(None);
+    frame.render_widget(chart, area);
+}
