@@ -71,7 +71,9 @@ impl Gaps {
             true => frame_at + RESEND_EVERY,
             false => Duration::ZERO,
         };
-        if let Some(before) = self.resend.as_ref().filter(|r| r.gap.start == gap.start)
+        // What was asked for a moment ago is still coming.
+        let before = self.resend.as_ref();
+        if let Some(before) = before.filter(|resend| resend.gap.contains(&gap.start))
             && let Some(answered_at) = before.answered_at
         {
             at = at.max(answered_at + RESEND_EVERY + line_time(&before.gap));

@@ -114,6 +114,7 @@ pub struct Hello {
 mod tests {
     use super::*;
     use crate::framing;
+    use crate::message::{Request, RigMessage};
 
     fn example() -> Hello {
         Hello {

@@ -88,7 +88,8 @@ proptest! {
             let sent = std::iter::from_fn(|| client.poll_transmit()).count();
             prop_assert!(sent <= 2);
             while let Some(event) = client.poll_event() {
-                prop_assert!(matches!(event, Event::Failed(ClientError::NobodyThere { .. })));
+                let nobody = matches!(event, Event::Failed(ClientError::NobodyThere { .. }));
+                prop_assert!(nobody, "{event:?}");
             }
         }
     }

@@ -209,11 +209,11 @@ impl Bench {
 
     fn frame(&mut self) {
         let number = self.log.len() as u32;
-        let sample = |j: u16| Counts(8_000 + (number as u16 * 31 + j * 7) % 1_000);
+        let sample = |j: u32| Counts(8_000 + ((number * 31 + j * 7) % 1_000) as u16);
         let frame = CapturedFrame {
             number,
             pulse: self.pulse,
-            samples: std::array::from_fn(|j| sample(j as u16)),
+            samples: std::array::from_fn(|j| sample(j as u32)),
         };
         self.pulse = self.rig.on_frame(&frame);
         self.log.push(frame);

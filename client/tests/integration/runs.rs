@@ -145,7 +145,7 @@ fn a_rig_that_is_reset_is_noticed_and_asked_to_stop() {
     client.run(run(15), bench.now);
     let events = bench.wait(&mut client);
     assert!(events.contains(&Event::Failed(ClientError::RunForgotten)));
-    assert!(bench.are_true(&events) && frames(&events).len() >= 25);
+    assert!(bench.are_true(&events) && frames(&events).len() >= 20);
     assert!(bench.count(|c| matches!(c, Command::Stop { .. })) >= 1);
     let pulses = bench.log.iter().skip(31).filter(|f| f.pulse.is_some());
     assert_eq!(pulses.count(), 0);
@@ -162,7 +162,7 @@ fn a_line_that_stays_cut_ends_after_ten_seconds_with_what_came() {
         events.last(),
         Some(&Event::Failed(ClientError::FellSilent { seconds: 10 }))
     );
-    assert!(frames(&events).len() >= 25);
+    assert!(frames(&events).len() >= 20);
     // The rig has been asked to stop until nobody has answered for long enough.
     bench.wait(&mut client);
     assert_eq!(bench.count(|c| matches!(c, Command::Stop { .. })), 11);
