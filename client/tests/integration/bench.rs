@@ -14,7 +14,7 @@ use std::time::Duration;
 pub const FRAME: Duration = Duration::from_millis(20);
 
 /// After this much time a conversation counts as hung.
-const HANGS: Duration = Duration::from_secs(120);
+const HANGS: Duration = Duration::from_secs(300);
 
 pub fn ms(milliseconds: u64) -> Duration {
     Duration::from_millis(milliseconds)
