@@ -28,8 +28,8 @@ use crate::instrument::rig::capture::ROLL_FRAMES;
 use pilot::Expected;
 use serde::Serialize;
 use servoid_identification::metrics::Metrics;
-use servoid_identification::settling_time::MARGIN;
 use servoid_identification::step_response::StepResponse;
+use servoid_identification::thresholds::MARGIN;
 use servoid_identification::{Error, Model};
 use servoid_protocol::Reference;
 
