@@ -92,7 +92,10 @@ impl Options {
     pub fn check(&self) -> Result<(), Error> {
         if let Settling::Samples(settling) = self.settling {
             if !(3..=LONGEST_SETTLING_BY_HAND).contains(&settling) {
-                return Err(Error::Settling(settling));
+                return Err(Error::Settling {
+                    settling,
+                    longest: LONGEST_SETTLING_BY_HAND,
+                });
             }
             if let Frequencies::Count(frequencies) = self.frequencies
                 && (frequencies.is_multiple_of(2) || frequencies > settling)

@@ -4,9 +4,9 @@
 //! the test that fails when it is moved. Tolerances of the arithmetic (passes, rounding) stay in the files
 //! that need them.
 //!
-//! One record is judged by several of these tests. How often a record of a linear servo is given any finding
-//! at all is measured by the example `false_alarms`, stated in docs/method.md and held by the test
-//! `linear_servos_raise_few_alarms_in_all`.
+//! One record is judged by several of these tests. How often a record of a linear servo is given any finding of
+//! them is measured by the example `coverage`, stated in docs/method.md ("False alarms in all") and held by the
+//! test `bands_of_automatic_structure_hold_as_often_as_they_say`.
 
 // The choice of the settling time.
 
