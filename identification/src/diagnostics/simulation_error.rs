@@ -9,13 +9,13 @@ use faer::Mat;
 use crate::data::moments::Moments;
 use crate::data::record::{Record, Run};
 use crate::diagnostics::residual_tests::ScoreTest;
-use crate::estimation::fsf_basis::dot;
 use crate::estimation::gls::GlsFit;
-use crate::estimation::least_squares::Information;
+use crate::estimation::least_squares::RowInformation;
 use crate::numerics::convolution::causal_filter;
+use crate::numerics::vectors::dot;
 
 /// Sum of squares of the simulation error of a fit, over the rows of `information`.
-pub(crate) fn square(information: &Information, fit: &GlsFit) -> f64 {
+pub(crate) fn square(information: &RowInformation, fit: &GlsFit) -> f64 {
     information.residual_moments(&fit.impulse(), fit.solution.offset(), 0)[(0, 0)].max(0.0)
 }
 

@@ -1,7 +1,7 @@
 //! Whether estimates through moments are accurate enough.
 
 use super::gls::GlsFit;
-use super::least_squares::Information;
+use super::least_squares::RowInformation;
 
 /// Estimated relative error of an estimate through moments above which the rows themselves are
 /// factorised.
@@ -16,7 +16,7 @@ pub(crate) const WELL_CONDITIONED: f64 = ACCURACY / ROUNDING;
 /// Whether rounding leaves a fit through moments as accurate as it has to be. The error is rounding times the
 /// condition number for the response, and times the ratio of signal to noise for the noise, whose moments are
 /// differences of much larger ones. The factors are the largest seen against QR.
-pub(crate) fn is_accurate(information: &Information, fit: &GlsFit) -> bool {
+pub(crate) fn is_accurate(information: &RowInformation, fit: &GlsFit) -> bool {
     let response = ROUNDING * fit.solution.condition;
     let noise = 10.0 * f64::EPSILON * information.moments.output_spread() / fit.solution.rss;
     response <= ACCURACY && noise <= ACCURACY

@@ -1,7 +1,6 @@
-//! From moments to parameters and their covariance, for a given structure.
+//! Parameters and their covariance from moments, for a given structure.
 
 pub(crate) mod conditioning;
-pub mod direct;
 pub mod excitation;
 pub mod fsf_basis;
 pub mod gls;

@@ -6,7 +6,7 @@ use crate::data::record::Record;
 use crate::error::Error;
 use crate::estimation::conditioning::is_accurate;
 use crate::estimation::gls::{self, GlsFit, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, Information};
+use crate::estimation::least_squares::{Coordinates, RowInformation};
 use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::qr::triangular_factor;
 use crate::estimation::truncation::FIRST_ORDER;
@@ -18,7 +18,7 @@ const REST: f64 = 1e-3;
 /// A fit and what it was made from.
 pub(super) struct Estimate {
     pub(super) coordinates: Coordinates,
-    pub(super) information: Information,
+    pub(super) information: RowInformation,
     pub(super) fit: GlsFit,
 }
 
@@ -36,7 +36,7 @@ impl Estimate {
             tolerance: REST / (moments.rows() as f64).sqrt(),
             ..GlsOptions::default()
         };
-        let information = Information::from_moments(moments.clone());
+        let information = RowInformation::from_moments(moments.clone());
         let fast = gls::fit(&information, &coordinates, &options)
             .filter(|fit| record.is_none() || is_accurate(&information, fit));
         if let Some(fit) = fast {
@@ -49,7 +49,7 @@ impl Estimate {
         let Some(record) = record else {
             return Err(not_excited(plan, moments));
         };
-        let information = Information::from_factor(moments, triangular_factor(record, moments));
+        let information = RowInformation::from_factor(moments, triangular_factor(record, moments));
         let options = GlsOptions {
             start: Vec::new(),
             ..options

@@ -4,7 +4,7 @@ use crate::data::moments::Moments;
 use crate::error::Error;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, Information};
+use crate::estimation::least_squares::{Coordinates, RowInformation};
 use crate::estimation::nested_banks::{BankCandidate, NestedBanks};
 use crate::estimation::truncation::{FIRST_ORDER, SECOND_ORDER};
 use crate::options::{Frequencies, NoiseOrder, Options};
@@ -102,7 +102,7 @@ fn rough_noise(basis: FsfBasis, moments: &Moments, order: NoiseOrder) -> Vec<f64
         corrected: false,
         start: Vec::new(),
     };
-    let information = Information::from_moments(moments.clone());
+    let information = RowInformation::from_moments(moments.clone());
     gls::fit(&information, &Coordinates::new(basis), &rough).map_or_else(Vec::new, |fit| fit.ar)
 }
 

@@ -1,7 +1,7 @@
 //! Values and spreads of the step and frequency responses.
 
 use super::estimate::Estimate;
-use crate::estimation::variance::{self, CurveVariance};
+use crate::estimation::variance::CurveVariance;
 use crate::numerics::linear_algebra::times;
 use crate::results::frequency_response::{self, frequency_map};
 
@@ -26,8 +26,8 @@ impl Responses {
         let map = frequency_map(coordinates, &omegas);
         Self {
             step_values: coordinates.basis.step_response(&fit.theta()),
-            step: variance::spread(information, fit, &coordinates.step_map()),
-            frequency: variance::spread(information, fit, &map),
+            step: CurveVariance::of_fit(information, fit, &coordinates.step_map()),
+            frequency: CurveVariance::of_fit(information, fit, &map),
             frequency_values: times(&map, fit.solution.response()),
             omegas,
         }

@@ -5,9 +5,10 @@ use faer::Mat;
 use super::choice::SettlingCandidate;
 use super::noise_filter;
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::{FsfBasis, dot};
+use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::{Coordinates, NormalEquations};
 use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
+use crate::numerics::vectors::dot;
 use crate::options::NoiseOrder;
 use crate::thresholds::DETECTION;
 

@@ -2,7 +2,7 @@
 
 use crate::data::moments::Moments;
 use crate::estimation::gls::MAX_AUTO_ORDER;
-use crate::estimation::least_squares::Information;
+use crate::estimation::least_squares::RowInformation;
 use crate::estimation::noise_model::{NoiseFit, best_order};
 use crate::options::NoiseOrder;
 
@@ -19,7 +19,7 @@ pub(crate) fn alternate(
     order: NoiseOrder,
     fit: impl Fn(&[f64]) -> Option<(Vec<f64>, f64)>,
 ) -> Option<Vec<f64>> {
-    let information = Information::from_moments(moments.clone());
+    let information = RowInformation::from_moments(moments.clone());
     let mut ar = Vec::new();
     for pass in 0..PASSES {
         let (impulse, offset) = fit(&ar)?;
@@ -35,7 +35,7 @@ pub(crate) fn alternate(
 
 /// The highest order at the first pass, then by the criterion or as fixed.
 fn filter(
-    information: &Information,
+    information: &RowInformation,
     impulse: &[f64],
     offset: f64,
     order: NoiseOrder,

@@ -13,8 +13,9 @@ use super::complete_bank;
 use super::search::Search;
 use super::settling_range::{SHORTEST, odd_at_most};
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::{FsfBasis, dot};
+use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::{Coordinates, NormalEquations};
+use crate::numerics::vectors::dot;
 
 /// A lag counts as resolved already when it brings this share of what the lags before it brought (median).
 /// Exact repetition leaves rounding, 1e-12 or so; one edge in a record of 10^6 samples that is not where

@@ -10,17 +10,17 @@ use super::search::Search;
 use super::settling_range::grid;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, Information};
+use crate::estimation::least_squares::{Coordinates, RowInformation};
 use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::truncation::FIRST_ORDER;
-use crate::estimation::variance;
+use crate::estimation::variance::CurveVariance;
 use crate::options::NoiseOrder;
 use crate::thresholds::{DETECTION, MARGIN};
 
 /// The shortest acceptable N and its n; `None` when the input excites nothing beyond a constant.
 pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
     let (moments, longest) = (search.moments, search.longest);
-    let information = Information::from_moments(moments.clone());
+    let information = RowInformation::from_moments(moments.clone());
     let ar = noise_filter::alternate(moments, search.order, |ar| {
         let banks = NestedBanks::scan(moments, longest, ar, FIRST_ORDER)?;
         let basis = FsfBasis::new(longest, banks.narrowest().frequencies).ok()?;
@@ -49,7 +49,7 @@ struct Response {
 }
 
 impl Response {
-    fn new(information: &Information, settling: usize, ar: &[f64]) -> Option<Self> {
+    fn new(information: &RowInformation, settling: usize, ar: &[f64]) -> Option<Self> {
         let banks = NestedBanks::scan(&information.moments, settling, ar, FIRST_ORDER)?;
         let best = banks.narrowest();
         let coordinates = Coordinates::new(FsfBasis::new(settling, best.frequencies).ok()?);
@@ -61,7 +61,7 @@ impl Response {
             ..GlsOptions::default()
         };
         let fit = gls::fit(information, &coordinates, &options)?;
-        let spread = variance::spread(information, &fit, &coordinates.step_map());
+        let spread = CurveVariance::of_fit(information, &fit, &coordinates.step_map());
         Some(Self {
             frequencies: best.frequencies,
             value: coordinates.basis.step_response(&fit.theta()),

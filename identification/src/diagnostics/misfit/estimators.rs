@@ -6,7 +6,7 @@ use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::simulation_error::square;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, Information, least_squares_left};
+use crate::estimation::least_squares::{Coordinates, RowInformation, complete_bank_rss};
 use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::truncation::FIRST_ORDER;
 use crate::options::NoiseOrder;
@@ -35,7 +35,7 @@ impl BothEstimators {
     /// excited. That is tried where the errors are known to be `suspect`, or where it is not obvious that no
     /// bank can be much better.
     pub(crate) fn new(
-        information: &Information,
+        information: &RowInformation,
         generalised: &gls::GlsFit,
         suspect: bool,
     ) -> Option<Self> {
@@ -64,7 +64,7 @@ impl BothEstimators {
 
     /// Whether any response of so many samples might simulate better by more than is tolerated.
     fn may_be_beaten(&self, moments: &Moments, settling: usize) -> bool {
-        least_squares_left(moments, settling).is_none_or(|left| {
+        complete_bank_rss(moments, settling).is_none_or(|left| {
             fit_percent(left, moments.output_spread()) - self.generalised_percent
                 > WHITENING_COST_POINTS
         })

@@ -15,7 +15,7 @@ use crate::diagnostics::misfit::{
 use crate::error::Error;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::Information;
+use crate::estimation::least_squares::RowInformation;
 use crate::identify::candidate::Candidate;
 use crate::identify::estimate::Estimate;
 use crate::identify::fitted::Fitted;
@@ -152,8 +152,12 @@ fn other_step(task: &Task<'_>, candidate: &Candidate, adopted: &Estimate) -> Vec
         order,
         ..GlsOptions::default()
     };
-    gls::fit(&Information::from_moments(moments), coordinates, &options)
-        .map_or_else(Vec::new, |fit| {
-            coordinates.basis.step_response(&fit.theta())
-        })
+    gls::fit(
+        &RowInformation::from_moments(moments),
+        coordinates,
+        &options,
+    )
+    .map_or_else(Vec::new, |fit| {
+        coordinates.basis.step_response(&fit.theta())
+    })
 }
