@@ -1,4 +1,4 @@
-//! Which order to take, and what to report of it.
+//! The choice of the order, and the intervals of its parameters.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
