@@ -55,11 +55,6 @@ fn export(target: &str, folder: &Path, file: &str) -> PathBuf {
     path
 }
 
-/// Says on the terminal why a test has not tested: past the capture that hides what passing tests print.
-fn skipped(test: &str, reason: &str) {
-    let _infallible = writeln!(std::io::stderr(), "SKIPPED {test}: {reason}");
-}
-
 /// Whether a command can be started and succeeds.
 fn works(program: &str, args: &[&str]) -> bool {
     Command::new(program)
