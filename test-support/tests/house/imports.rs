@@ -3,7 +3,7 @@
 //! A path that ends at a re-export counts for the file that defines the item. The scanner knows no macros
 //! and no modules inside a file; a path that it cannot resolve counts for the last file on its way.
 
-use crate::source::{Word, words};
+use crate::source::words;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
@@ -16,7 +16,6 @@ pub type ModulePath = Vec<String>;
 pub struct Import {
     pub from: ModulePath,
     pub to: ModulePath,
-    pub line: usize,
 }
 
 /// The files of a crate and the names in them.
@@ -25,15 +24,32 @@ pub struct Sources(BTreeMap<ModulePath, File>);
 
 #[derive(Debug, Default)]
 struct File {
-    words: Vec<Word>,
+    words: Vec<String>,
     /// Items at the top level.
     defined: BTreeSet<String>,
+    uses: Uses,
+}
+
+/// What a file names of its own crate.
+#[derive(Debug, Default)]
+struct Uses {
     /// Names brought in by `use`, and what they stand for.
     names: BTreeMap<String, ModulePath>,
     /// What `use ..::*` brings in.
     globs: Vec<ModulePath>,
-    /// All paths, each with its line.
-    paths: Vec<(ModulePath, usize)>,
+    /// All paths.
+    paths: Vec<ModulePath>,
+}
+
+impl Uses {
+    fn add(&mut self, path: ModulePath, name: String) {
+        if name == "*" {
+            self.globs.push(path[..path.len() - 1].to_vec());
+        } else {
+            self.names.insert(name, path.clone());
+        }
+        self.paths.push(path);
+    }
 }
 
 /// What a path names.
@@ -55,18 +71,21 @@ impl Sources {
         for (path, text) in texts {
             let words = words(&text);
             let defined = defined(&words);
-            let file = File {
-                words,
-                defined,
-                ..File::default()
-            };
-            sources.0.insert(path, file);
+            let uses = Uses::default();
+            sources.0.insert(
+                path,
+                File {
+                    words,
+                    defined,
+                    uses,
+                },
+            );
         }
         let places: Vec<ModulePath> = sources.0.keys().cloned().collect();
-        for place in &places {
-            let read = sources.read_paths(place);
-            if let Some(file) = sources.0.get_mut(place) {
-                (file.names, file.globs, file.paths) = read;
+        for place in places {
+            let uses = sources.uses(&place);
+            if let Some(file) = sources.0.get_mut(&place) {
+                file.uses = uses;
             }
         }
         sources
@@ -78,22 +97,19 @@ impl Sources {
     }
 
     /// Every import between two files, once.
-    pub fn imports(&self) -> Vec<Import> {
-        let mut found = BTreeMap::new();
+    pub fn imports(&self) -> BTreeSet<Import> {
+        let mut found = BTreeSet::new();
         for (from, file) in &self.0 {
-            for (path, line) in &file.paths {
-                let Some(Named::ItemOf(to)) = self.resolve(path, 0) else {
-                    continue;
-                };
-                if to != *from {
-                    found.entry((from.clone(), to)).or_insert(*line);
+            for path in &file.uses.paths {
+                if let Some(Named::ItemOf(to)) = self.resolve(path, 0)
+                    && to != *from
+                {
+                    let from = from.clone();
+                    found.insert(Import { from, to });
                 }
             }
         }
-        let imports = found.into_iter();
-        imports
-            .map(|((from, to), line)| Import { from, to, line })
-            .collect()
+        found
     }
 
     /// What a path from the root names; `None` if it leads in a circle of re-exports.
@@ -114,10 +130,10 @@ impl Sources {
             return Some(Named::ItemOf(module.to_vec()));
         }
         let continued = |start: &ModulePath| [start.as_slice(), further].concat();
-        if let Some(meant) = file.names.get(item) {
+        if let Some(meant) = file.uses.names.get(item) {
             return self.resolve(&continued(meant), depth + 1);
         }
-        for glob in &file.globs {
+        for glob in &file.uses.globs {
             let all = self.resolve(&[glob.as_slice(), rest].concat(), depth + 1);
             if let Some(Named::ItemOf(place)) = all
                 && self.0[&place].defined.contains(item)
@@ -128,52 +144,36 @@ impl Sources {
         Some(Named::ItemOf(module.to_vec()))
     }
 
-    /// Names, globs and paths of one file.
-    #[allow(clippy::type_complexity, reason = "three parts of one file")]
-    fn read_paths(
-        &self,
-        place: &ModulePath,
-    ) -> (
-        BTreeMap<String, ModulePath>,
-        Vec<ModulePath>,
-        Vec<(ModulePath, usize)>,
-    ) {
+    fn uses(&self, place: &ModulePath) -> Uses {
         let words = &self.0[place].words;
-        let (mut names, mut globs, mut paths) = (BTreeMap::new(), Vec::new(), Vec::new());
-        let mut at = 0;
+        let mut uses = Uses::default();
         let mut inline = Vec::new();
+        let mut at = 0;
         while at < words.len() {
-            if words[at].text == "use" {
-                let end = (at..words.len())
-                    .find(|&k| words[k].text == ";")
-                    .unwrap_or(words.len());
-                for (path, name, line) in use_tree(&words[at + 1..end], &[]) {
-                    let Some(path) = self.absolute(place, &path) else {
-                        continue;
-                    };
-                    match name.as_str() {
-                        "*" => globs.push(path[..path.len() - 1].to_vec()),
-                        _ => drop(names.insert(name, path.clone())),
+            if words[at] == "use" {
+                let length = words[at..].iter().position(|word| word == ";");
+                let end = length.map_or(words.len(), |length| at + length);
+                for (path, name) in use_tree(&words[at + 1..end], &[]) {
+                    if let Some(path) = self.absolute(place, &path) {
+                        uses.add(path, name);
                     }
-                    paths.push((path, line));
                 }
                 at = end;
             } else if begins_a_path(words, at) {
-                let (path, end) = inline_path(words, at);
-                inline.push((path, words[at].line));
-                at = end;
+                let path = inline_path(words, at);
+                at += 2 * path.len() - 1;
+                inline.push(path);
             } else {
                 at += 1;
             }
         }
-        for (path, line) in inline {
-            let known = names
-                .get(&path[0])
-                .map(|start| [start, &path[1..]].concat());
-            let path = known.or_else(|| self.absolute(place, &path));
-            paths.extend(path.map(|path| (path, line)));
+        for path in inline {
+            let known = uses.names.get(&path[0]);
+            let known = known.map(|start| [start, &path[1..]].concat());
+            uses.paths
+                .extend(known.or_else(|| self.absolute(place, &path)));
         }
-        (names, globs, paths)
+        uses
     }
 
     /// From the root of the crate; `None` for what comes from elsewhere.
@@ -228,51 +228,52 @@ fn collect(folder: &Path, place: &mut ModulePath, files: &mut BTreeMap<ModulePat
 }
 
 /// Names of items that are defined outside of all braces.
-fn defined(words: &[Word]) -> BTreeSet<String> {
+fn defined(words: &[String]) -> BTreeSet<String> {
     const KINDS: [&str; 8] = [
         "struct", "enum", "union", "trait", "fn", "const", "static", "type",
     ];
     let mut depth = 0_i32;
     let mut names = BTreeSet::new();
     for pair in words.windows(2) {
-        match pair[0].text.as_str() {
+        match pair[0].as_str() {
             "{" | "(" | "[" => depth += 1,
             "}" | ")" | "]" => depth -= 1,
-            kind if depth == 0 && KINDS.contains(&kind) => drop(names.insert(pair[1].text.clone())),
+            kind if depth == 0 && KINDS.contains(&kind) => drop(names.insert(pair[1].clone())),
             _ => {}
         }
     }
     names
 }
 
-fn is_name(word: &Word) -> bool {
-    word.text
-        .starts_with(|c: char| c.is_alphabetic() || c == '_')
+fn is_name(word: &str) -> bool {
+    word.starts_with(|c: char| c.is_alphabetic() || c == '_')
 }
 
-fn begins_a_path(words: &[Word], at: usize) -> bool {
-    let text = |k: usize| words.get(k).map(|word: &Word| word.text.as_str());
+fn begins_a_path(words: &[String], at: usize) -> bool {
+    let text = |k: usize| words.get(k).map(String::as_str);
     is_name(&words[at]) && text(at + 1) == Some("::") && (at == 0 || text(at - 1) != Some("::"))
 }
 
-fn inline_path(words: &[Word], mut at: usize) -> (ModulePath, usize) {
-    let mut path = vec![words[at].text.clone()];
-    at += 1;
-    while at + 1 < words.len() && words[at].text == "::" && is_name(&words[at + 1]) {
-        path.push(words[at + 1].text.clone());
-        at += 2;
+fn inline_path(words: &[String], at: usize) -> ModulePath {
+    let mut path = vec![words[at].clone()];
+    let mut pairs = words[at + 1..].chunks_exact(2);
+    while let Some([mark, name]) = pairs.next()
+        && mark == "::"
+        && is_name(name)
+    {
+        path.push(name.clone());
     }
-    (path, at)
+    path
 }
 
-/// Paths, the names that they get, and their lines.
-fn use_tree(words: &[Word], prefix: &[String]) -> Vec<(ModulePath, String, usize)> {
+/// Paths, and the names that they get.
+fn use_tree(words: &[String], prefix: &[String]) -> Vec<(ModulePath, String)> {
     let mut found = Vec::new();
     for branch in branches(words) {
         let mut path = prefix.to_vec();
         let mut rest = branch;
         while let [word, tail @ ..] = rest {
-            match word.text.as_str() {
+            match word.as_str() {
                 "::" => {}
                 "{" => {
                     found.extend(use_tree(&tail[..tail.len() - 1], &path));
@@ -280,35 +281,33 @@ fn use_tree(words: &[Word], prefix: &[String]) -> Vec<(ModulePath, String, usize
                     break;
                 }
                 "as" => {
-                    let name = tail
-                        .first()
-                        .map_or_else(String::new, |name| name.text.clone());
-                    found.push((std::mem::take(&mut path), name, word.line));
+                    let name = tail.first().map_or_else(String::new, String::clone);
+                    found.push((std::mem::take(&mut path), name));
                     break;
                 }
                 "self" if !path.is_empty() => {}
-                _ => path.push(word.text.clone()),
+                _ => path.push(word.clone()),
             }
             rest = tail;
         }
-        if let (Some(name), Some(word)) = (path.last().cloned(), branch.first()) {
-            found.push((path, name, word.line));
+        if let Some(name) = path.last().cloned() {
+            found.push((path, name));
         }
     }
     found
 }
 
 /// The parts between the commas that are in no braces.
-fn branches(words: &[Word]) -> Vec<&[Word]> {
+fn branches(words: &[String]) -> Vec<&[String]> {
     let mut depth = 0;
     words
         .split(|word| {
-            match word.text.as_str() {
+            match word.as_str() {
                 "{" => depth += 1,
                 "}" => depth -= 1,
                 _ => {}
             }
-            depth == 0 && word.text == ","
+            depth == 0 && word == ","
         })
         .filter(|branch| !branch.is_empty())
         .collect()
