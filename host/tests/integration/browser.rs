@@ -6,7 +6,6 @@
 
 use crate::report::embedded;
 use crate::support::{arg, missing, run};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};

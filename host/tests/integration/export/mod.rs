@@ -9,7 +9,6 @@ mod texts;
 use crate::support::{arg, run};
 use servoid_identification::Model;
 use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
