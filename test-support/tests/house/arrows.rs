@@ -51,6 +51,7 @@ const ROOMS: [(&str, &[&str]); 6] = [
         "identification",
         &[
             "error",
+            "thresholds",
             "options",
             "numerics",
             "data",
@@ -90,10 +91,36 @@ const ROOMS: [(&str, &[&str]); 6] = [
 ];
 
 /// Imports that still point upward, as the test writes them. A line that is no longer needed fails the test.
-const STILL_UPWARD: &[&str] = &[];
+const STILL_UPWARD: &[&str] = &[
+    "protocol: hello imports message",
+    "simulator: sensor imports noise",
+    "identification: results::model imports diagnostics::advice",
+    "identification: results::model imports diagnostics::advice::errors",
+    "identification: results::model imports diagnostics::residual_tests",
+    "host: data::dataset imports presentation::summary",
+    "host: data::model_metadata imports presentation::summary",
+];
 
 /// Files that still import each other in circles, as the test writes them.
-const STILL_CIRCLES: &[&str] = &[];
+const STILL_CIRCLES: &[&str] = &[
+    "protocol: hello, message",
+    "protocol: reference, reference::multisine, reference::prbs, reference::staircase, reference::stairs, reference::sweep",
+    "simulator: noise, sensor",
+    "identification: comparison, comparison::words",
+    "identification: diagnostics::advice, diagnostics::advice::errors, diagnostics::advice::excitation, diagnostics::advice::record, diagnostics::advice::resolution, diagnostics::advice::response, diagnostics::explanation, diagnostics::initial_rest, diagnostics::run_scatter, diagnostics::unsupported_metrics, results::metrics, results::metrics::aliasing, results::metrics::bands, results::metrics::brackets, results::metrics::draws, results::metrics::figures, results::metrics::interpolation, results::metrics::inversion, results::metrics::shape, results::metrics::spread, results::model, results::validation",
+    "host: data::dataset, data::dataset::error, data::dataset::from_recordings, data::dataset::from_tables, data::fingerprint, data::model_metadata",
+    "host: data::recording, data::recording::ending, data::recording::exact, data::recording::header, data::recording::reader, data::recording::recover, data::recording::reserved, data::recording::row, data::recording::scan, data::recording::scan::head, data::recording::scan::rows, data::recording::writer",
+    "host: instrument::calibration, instrument::calibration::followed, instrument::calibration::rig_text, instrument::calibration::travel",
+    "host: instrument::port, instrument::port::serial, instrument::port::simulated, instrument::port::tcp",
+    "host: instrument::port::chaos, instrument::port::chaos::lane",
+    "host: instrument::reference, instrument::reference::in_words, instrument::reference::resolve, instrument::reference::steps_file",
+    "host: instrument::rig::capture, instrument::rig::run_follower, instrument::rig::run_follower::gaps",
+    "host: presentation::export, presentation::export::c, presentation::export::csv, presentation::export::jsbsim, presentation::export::julia, presentation::export::matlab, presentation::export::python, presentation::export::statement",
+    "host: presentation::plots::paper_figures, presentation::plots::response, presentation::plots::signals",
+    "host: presentation::report, presentation::report::figures, presentation::report::servo, presentation::report::text",
+    "host: presentation::summary, presentation::summary::beyond, presentation::summary::comparison, presentation::summary::metrics",
+    "virtual-board: server, server::pty, server::tcp",
+];
 
 fn name(path: &ModulePath) -> String {
     path.join("::")
