@@ -283,10 +283,7 @@ impl<'a> Problem<'a> {
             }
         }
         let second = &filter * &self.second;
-        let first = match self.coordinates.impulse_map() {
-            Some(map) => filter * map,
-            None => filter,
-        };
+        let first = self.coordinates.combine(filter);
         let (n, n2) = (first.ncols(), second.ncols());
         let gain: f64 = d.iter().sum();
         Mat::from_fn(2 * lags + 1 + self.moments.outputs, n + n2 + 2, |row, k| {

@@ -123,31 +123,24 @@ impl Rate {
         let critical = pointwise_critical(LEVEL);
         rate.exponent = slope.interval(pointwise_critical(level));
         let hinge = Hinge::new(&logs);
-        let above: Vec<Stroke> = strokes
-            .iter()
-            .filter(|s| size(s) > hinge.knee)
-            .copied()
-            .collect();
+        let of_size = |wanted: &dyn Fn(f64) -> bool| -> Vec<Stroke> {
+            strokes
+                .iter()
+                .filter(|s| wanted(size(s)))
+                .copied()
+                .collect()
+        };
+        let above = of_size(&|size| size > hinge.knee);
         let bent = hinge.p < 1.0 - LEVEL && hinge.knee < HINGE * sizes.1;
         if slope.value + critical * slope.sd >= SLOPES.0 && !bent {
             rate.verdict = RateVerdict::Proportional;
-            let largest: Vec<Stroke> = strokes
-                .iter()
-                .filter(|s| size(s) == sizes.1)
-                .copied()
-                .collect();
-            rate.speed = mean_speed(&largest, level);
+            rate.speed = mean_speed(&of_size(&|size| size == sizes.1), level);
         } else if is_constant(&above, critical) {
             rate.verdict = RateVerdict::Limited;
             rate.speed = mean_speed(&above, level);
         } else {
             rate.verdict = RateVerdict::GrowsLess;
-            let nearly: Vec<Stroke> = strokes
-                .iter()
-                .filter(|s| size(s) * ABOVE.1 >= sizes.1)
-                .copied()
-                .collect();
-            rate.speed = mean_speed(&nearly, level);
+            rate.speed = mean_speed(&of_size(&|size| size * ABOVE.1 >= sizes.1), level);
         }
         rate.statement = rate.sentence(direction);
         rate
