@@ -82,7 +82,7 @@ pub struct RangeEnd {
 pub(crate) struct Table {
     pub(crate) cells: Vec<Cell>,
     /// Mean rest at each level, over both sides, ascending by command.
-    levels: Vec<Level>,
+    levels: Vec<LevelMean>,
     /// Variance within cells and its degrees of freedom.
     variance: f64,
     degrees: usize,
@@ -92,7 +92,7 @@ pub(crate) struct Table {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-struct Level {
+struct LevelMean {
     command: f64,
     mean: f64,
     visits: usize,
@@ -156,7 +156,7 @@ impl Table {
                 cells.push((command, from, mean, values.len()));
                 all.extend(values);
             }
-            self.levels.push(Level {
+            self.levels.push(LevelMean {
                 command,
                 mean: all.iter().sum::<f64>() / all.len() as f64,
                 visits: all.len(),
@@ -249,7 +249,7 @@ impl Table {
         Some([self.end("low", low, false), self.end("high", high, true)])
     }
 
-    fn end(&self, name: &str, level: &Level, high: bool) -> RangeEnd {
+    fn end(&self, name: &str, level: &LevelMean, high: bool) -> RangeEnd {
         let mut end = RangeEnd {
             softens: None,
             command: level.command,
