@@ -28,6 +28,7 @@ mod numerics;
 pub mod options;
 mod results;
 mod selection;
+pub mod thresholds;
 
 pub use data::quantisation;
 pub use data::{moments, record, timing};
@@ -49,4 +50,4 @@ pub use record::{Record, Run};
 pub use results::model::Model;
 pub use results::validation::Validation;
 pub use results::{frequency_response, metrics, model, step_response, validation};
-pub use selection::settling_time;
+pub use selection::{choice, settling_range};
