@@ -5,10 +5,10 @@ use super::request::PlanRequest;
 use super::simulated_runs::simulated;
 use servoid_identification::fsf_basis::FsfBasis;
 use servoid_identification::gls::{self, GlsOptions};
-use servoid_identification::least_squares::{Coordinates, Information};
+use servoid_identification::least_squares::{Coordinates, RowInformation};
 use servoid_identification::moments::Moments;
 use servoid_identification::step_response::StepResponse;
-use servoid_identification::variance::{self, CurveVariance};
+use servoid_identification::variance::CurveVariance;
 use servoid_identification::{Error, Model, NoiseOrder, Options, Record, identify};
 
 /// Simulated identifications. Each may choose another N: the widths are their mean, and the model shown is the
@@ -94,7 +94,7 @@ fn with_assumed_noise(
     let basis = example.basis()?;
     let (settling, order) = (basis.settling(), truth.noise.ar.len());
     let information =
-        Information::from_moments(Moments::of_record(record, settling + order, order + 1));
+        RowInformation::from_moments(Moments::of_record(record, settling + order, order + 1));
     let coordinates = Coordinates::new(basis);
     let options = GlsOptions {
         order: NoiseOrder::Order(order),
@@ -113,7 +113,7 @@ fn with_assumed_noise(
     fit.solution = information
         .solve(&coordinates, &fit.ar)
         .ok_or_else(not_excited)?;
-    let spread: CurveVariance = variance::spread(&information, &fit, &coordinates.step_map());
+    let spread = CurveVariance::of_fit(&information, &fit, &coordinates.step_map());
     let last = truth.step.value.last().copied().unwrap_or(0.0);
     let mut value: Vec<f64> = truth.step.value.iter().copied().take(settling).collect();
     value.resize(settling, last);

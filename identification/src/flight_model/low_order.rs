@@ -1,11 +1,11 @@
-//! K e^{-Ls} with one to three poles, answered exactly.
+//! Low-order transfer functions, K e^{-Ls} with one to three poles, and their exact step responses.
 
 use faer::c64;
 use serde::{Deserialize, Serialize};
 
-/// Relative distance to which poles that coincide are moved apart. The response is an even function
-/// of the distance, so that it changes by the square of this; residues lose as many digits as the
-/// distance has.
+/// Smallest relative distance of two poles; coinciding poles are separated by it. The response is an even
+/// function of the distance and changes by its square. The residues lose as many digits as the distance
+/// has.
 const APART: f64 = 1e-5;
 
 /// A transfer function of low order, orders 1 to 3:
@@ -37,7 +37,30 @@ pub struct Oscillator {
 }
 
 impl LowOrder {
-    /// Poles \[1/s\], no two the same.
+    /// Parameters of the search: \[K, L, ln ω, ln ζ, ln T\], those that the order has.
+    pub(super) fn parameters(&self) -> Vec<f64> {
+        let mut x = vec![self.gain, self.delay_s];
+        if let Some(oscillator) = self.oscillator {
+            x.extend([oscillator.omega_rad_s.ln(), oscillator.damping.ln()]);
+        }
+        x.extend(self.lag_s.map(f64::ln));
+        x
+    }
+
+    /// Inverse of [`LowOrder::parameters`].
+    pub(super) fn from_parameters(order: usize, x: &[f64]) -> Self {
+        Self {
+            gain: x[0],
+            delay_s: x[1],
+            oscillator: (order >= 2).then(|| Oscillator {
+                omega_rad_s: x[2].exp(),
+                damping: x[3].exp(),
+            }),
+            lag_s: (order != 2).then(|| x[x.len() - 1].exp()),
+        }
+    }
+
+    /// Poles \[1/s\], all distinct.
     fn poles(&self) -> Vec<c64> {
         let mut poles = Vec::with_capacity(3);
         if let Some(Oscillator {

@@ -1,24 +1,26 @@
-//! A model of low order for a flight simulation: gain, delay and one to three poles.
+//! A low-order model for a flight simulation: gain, delay and one to three poles.
 //!
-//! The parameters x minimise (θ - m(x))'C^-1(θ - m(x)), where θ is the estimate, C its covariance and
-//! m(x) what the same estimator would have found of a servo with these parameters: its exact,
-//! continuous response to the held command at the times of the samples, projected as the data were
-//! (after P. J. Gawthrop & L. Wang, "Data compression for estimation of the physical parameters of
-//! stable and unstable linear systems", Automatica 2005, with the projection in place of the plain
-//! frequency response, which would make the delay half a sample too long).
+//! The parameters x minimise (θ - m(x))'C^-1(θ - m(x)). θ is the estimate and C its covariance. m(x) is the
+//! estimate that the same estimator would make of a servo with these parameters: its exact, continuous
+//! response to the held command at the sample times, projected like the data (after P. J. Gawthrop & L.
+//! Wang, "Data compression for estimation of the physical parameters of stable and unstable linear
+//! systems", Automatica 2005, but with the projection instead of the plain frequency response, which would
+//! make the delay half a sample too long).
 //!
-//! The order is the lowest whose χ² + dim x · ln(rank) is within 2 of the smallest. When even that is rejected, as it is
-//! for every nonlinear servo, the model is an approximation: intervals are widened by sqrt(χ²/dof)
-//! (Birge 1932), the largest error is stated, and the order is the lowest whose largest error is
-//! within the limit asked for.
+//! The order is the lowest whose χ² + dim x · ln(rank) is within 2 of the smallest. If the data reject that
+//! order, as they do for every nonlinear servo, the model is an approximation: intervals are widened by
+//! sqrt(χ²/dof) (Birge 1932), the largest error is stated, and the order is the lowest whose largest error
+//! is within the limit in the options.
 //!
-//! The delay counts from the edge of the command as it was applied. A pulse-width command is applied
-//! at frame edges: a simulation is [sample and hold at the frame period] -> [this model]. Without the
-//! hold it must add half a frame of delay, and it misses the jitter of a frame's length.
+//! The delay counts from the edge of the command as applied. A pulse width is applied at frame edges: a
+//! simulation is [sample and hold at the frame period] -> [this model]. Without the hold it needs another
+//! half frame of delay, and it lacks the jitter of up to a frame.
 
 mod discrete;
 mod guess;
 mod low_order;
+mod options;
+mod order;
 mod projection;
 mod search;
 mod switching;
@@ -28,56 +30,19 @@ use serde::{Deserialize, Serialize};
 use crate::data::record::Record;
 use crate::data::timing::Timing;
 use crate::error::Error;
-use crate::nonlinear::direction::upper_tail;
-use crate::numerics::critical_values::pointwise_critical;
 use crate::numerics::matrix_rows::to_rows;
 use crate::results::metrics::Interval;
 use crate::results::model::{LARGEST, Model};
 use guess::Guess;
+use order::{Estimates, REJECT, simplest};
 use projection::Projection;
-use search::{Minimum, minimise};
+use search::{Minimum, best_minimum};
 
 pub use discrete::Discrete;
 pub use low_order::{LowOrder, Oscillator};
-pub use switching::{Stroke, SwitchingModel, fit_switching};
-
-/// Probability of rejecting the true order.
-const REJECT: f64 = 0.01;
-
-/// What is asked of the fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FlightModelOptions {
-    /// Largest error of the step response that an approximation may have \[% of the step\].
-    pub largest_error_percent: f64,
-    /// Period at which the command is held, for the statement in the result \[s\].
-    pub frame_period_s: Option<f64>,
-}
-
-impl Default for FlightModelOptions {
-    fn default() -> Self {
-        Self {
-            largest_error_percent: 3.0,
-            frame_period_s: None,
-        }
-    }
-}
-
-/// One order, and how well it does.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OrderTried {
-    /// Number of poles.
-    pub order: usize,
-    /// χ² of the lack of fit.
-    pub chi_square: f64,
-    /// Its degrees of freedom.
-    pub degrees_of_freedom: usize,
-    /// Probability of a χ² at least as large if the servo is of this order.
-    pub p: f64,
-    /// χ² + parameters · ln(rank).
-    pub bic: f64,
-    /// Largest error of the step response \[% of the step\].
-    pub largest_error_percent: f64,
-}
+pub use options::FlightModelOptions;
+pub use order::OrderTried;
+pub use switching::{StrokeDynamics, SwitchingModel, fit_switching};
 
 /// A fitted model of low order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -96,36 +61,36 @@ pub struct FlightModel {
     pub lag_s: Option<Interval>,
     /// Level of the intervals.
     pub level: f64,
-    /// Covariance of \[K, L, ln ω, ln ζ, ln T\], of those that the order has, widened already.
+    /// Covariance of \[K, L, ln ω, ln ζ, ln T\], those that the order has, after the inflation.
     pub covariance: Vec<Vec<f64>>,
     /// Number of poles.
     pub order: usize,
     /// Every order that could be fitted.
     pub tried: Vec<OrderTried>,
-    /// Whether the order is rejected by the data, so that the model is an approximation.
+    /// Whether the data reject the order, so that the model is an approximation.
     pub approximation: bool,
-    /// χ²/dof by which the covariance was multiplied, 1 when nothing is rejected.
+    /// χ²/dof by which the covariance was multiplied; 1 when the order is not rejected.
     pub inflation: f64,
     /// Largest error of the step response \[% of the step\].
     pub largest_error_percent: f64,
     /// Period at which the command is held before it reaches this model \[s\].
     pub hold_period_s: Option<f64>,
-    /// The result in words.
+    /// The result as a sentence.
     pub statement: String,
 }
 
 impl FlightModel {
-    /// Whether the parts of a document fit together: the order, and poles that let a response end. A
-    /// model that was fitted always does; one that was read from elsewhere has to be asked.
+    /// Whether order, parameters and covariance agree and the poles are stable. A fitted model is always
+    /// consistent; one that was read from a file must be checked.
     #[must_use]
     pub fn is_consistent(&self) -> bool {
         let transfer = &self.transfer;
         let oscillates = transfer.oscillator.is_some();
         let order = 2 * usize::from(oscillates) + usize::from(transfer.lag_s.is_some());
-        let parameters = to_parameters(transfer);
+        let parameters = transfer.parameters();
         order == self.order
             && (1..=3).contains(&order)
-            // The logarithm of what must be above zero is no number otherwise.
+            // The logarithm of a value that is not positive is not finite.
             && parameters.iter().all(|x| x.abs() <= LARGEST)
             && self.covariance.len() == parameters.len()
             && self.covariance.iter().all(|row| row.len() == parameters.len())
@@ -157,21 +122,21 @@ impl FlightModel {
 /// ```
 ///
 /// # Errors
-/// The model has no response to speak of or none that the record tells, or the record is not the one it was identified from.
+/// The model has no response or no supported gain, or the record is not the one it was identified from.
 pub fn fit(
     record: &Record,
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
-    choose(Projection::new(record, model)?, model, options)
+    choose(Projection::of_record(record, model)?, model, options)
 }
 
-/// [`fit`] where the record is not at hand, from θ and its covariance alone.
+/// [`fit`] without the record, from θ and its covariance alone.
 ///
-/// Without the record it is not known what the estimator makes of a response that is longer than N
-/// samples or has more detail than n frequencies; the bank is then taken for what it stands for, a
-/// response that is over after N samples. With the structure chosen from the data (n = N, and N 1.75
-/// times the settling) the two agree; with a short or small bank [`fit`] is right and this is not.
+/// The effect of a response longer than N samples, or with more detail than n frequencies, on the estimate
+/// is then unknown. The bank is taken as a response that is over after N samples. With the structure chosen
+/// from the data (n = N, and N 1.75 times the settling) the two agree. With a short or small bank only
+/// [`fit`] is right.
 ///
 /// ```
 /// # use servoid_identification::{identify, Options, Record, Settling};
@@ -189,12 +154,12 @@ pub fn fit(
 /// ```
 ///
 /// # Errors
-/// The model has no response to speak of, none that its record told, or no covariance.
+/// The model has no response, no supported gain, or no covariance.
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
     choose(Projection::of_model(model)?, model, options)
 }
 
-/// Fits every order and takes the one that the rule above says.
+/// Fits every order and chooses one by the rule above.
 fn choose(
     projection: Projection,
     model: &Model,
@@ -204,12 +169,12 @@ fn choose(
         projection,
         timing: model.timing(),
     };
-    // A gain that was withheld is not to come back as a parameter.
+    // A withheld gain must not return as a parameter.
     if model.metrics.dc_gain.value.is_none() {
         return Err(Error::Unexcited);
     }
     let guess = Guess::new(model).ok_or(Error::NoResponse)?;
-    let mut fits: Vec<Fit> = Vec::new();
+    let mut fits: Vec<FittedOrder> = Vec::new();
     for order in 1..=3 {
         let second = fits
             .iter()
@@ -217,54 +182,18 @@ fn choose(
             .map(|fit| fit.transfer);
         fits.extend(fitter.best(order, &guess.starts(order, second)));
     }
-    let good_enough = |fit: &&Fit| fit.tried.p >= REJECT;
-    let chosen = match simplest(&fits, |fit| fit.tried).find(good_enough) {
+    let not_rejected = |fit: &&FittedOrder| !fit.tried.is_rejected();
+    let chosen = match simplest(&fits, |fit| fit.tried).find(not_rejected) {
         None if fits.is_empty() => return Err(Error::NoResponse),
         Some(simplest) => simplest,
         None => {
-            let good =
-                |fit: &&Fit| fit.tried.largest_error_percent <= options.largest_error_percent;
+            let good = |fit: &&FittedOrder| {
+                fit.tried.largest_error_percent <= options.largest_error_percent
+            };
             fits.iter().find(good).unwrap_or(&fits[fits.len() - 1])
         }
     };
     Ok(chosen.report(&fits, model.step.pointwise.level, options.frame_period_s))
-}
-
-/// Difference of Bayes' criterion that is "not worth more than a bare mention" (Kass & Raftery, Journal of the
-/// American Statistical Association, 1995): a parameter that brings no more is not taken up, since delay and further lags stand for
-/// each other, and the delay would leave its interval for a lag that is not there.
-const BARE_MENTION: f64 = 2.0;
-
-/// Of `fits`, lowest order first, those that the criterion does not tell from the best.
-fn simplest<T>(fits: &[T], tried: impl Fn(&T) -> OrderTried) -> impl Iterator<Item = &T> {
-    let least = fits
-        .iter()
-        .map(|fit| tried(fit).bic)
-        .fold(f64::INFINITY, f64::min);
-    fits.iter()
-        .filter(move |fit| tried(fit).bic <= least + BARE_MENTION)
-}
-
-/// Parameters as the search sees them: \[K, L, ln ω, ln ζ, ln T\] of those that the order has.
-fn to_parameters(transfer: &LowOrder) -> Vec<f64> {
-    let mut x = vec![transfer.gain, transfer.delay_s];
-    if let Some(oscillator) = transfer.oscillator {
-        x.extend([oscillator.omega_rad_s.ln(), oscillator.damping.ln()]);
-    }
-    x.extend(transfer.lag_s.map(f64::ln));
-    x
-}
-
-fn from_parameters(order: usize, x: &[f64]) -> LowOrder {
-    LowOrder {
-        gain: x[0],
-        delay_s: x[1],
-        oscillator: (order >= 2).then(|| Oscillator {
-            omega_rad_s: x[2].exp(),
-            damping: x[3].exp(),
-        }),
-        lag_s: (order != 2).then(|| x[x.len() - 1].exp()),
-    }
 }
 
 struct Fitter {
@@ -285,24 +214,23 @@ impl Fitter {
     }
 
     /// The best minimum of one order.
-    fn best(&self, order: usize, starts: &[LowOrder]) -> Option<Fit> {
+    fn best(&self, order: usize, starts: &[LowOrder]) -> Option<FittedOrder> {
         let residuals = |x: &[f64]| {
             self.projection
-                .residuals(&self.impulse(&from_parameters(order, x)))
+                .residuals(&self.impulse(&LowOrder::from_parameters(order, x)))
         };
-        let minimum = starts
-            .iter()
-            .filter_map(|start| {
-                let x = to_parameters(start);
-                let mut increments = vec![1e-4; x.len()];
-                increments[0] = 1e-4 * start.gain.abs();
-                increments[1] = 1e-2 * self.timing.sample_period_s;
-                minimise(&residuals, &x, &increments)
-            })
-            .min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares))?;
-        let transfer = from_parameters(order, &minimum.parameters);
-        let error = self.projection.largest_error(&self.impulse(&transfer));
-        Some(Fit {
+        let starts = starts.iter().map(|start| {
+            let x = start.parameters();
+            let mut increments = vec![1e-4; x.len()];
+            increments[0] = 1e-4 * start.gain.abs();
+            increments[1] = 1e-2 * self.timing.sample_period_s;
+            (x, increments)
+        });
+        let minimum = best_minimum(&residuals, starts)?;
+        let transfer = LowOrder::from_parameters(order, &minimum.parameters);
+        let impulse = self.impulse(&transfer);
+        let error = self.projection.largest_difference(&impulse) / self.projection.gain();
+        Some(FittedOrder {
             order,
             transfer,
             tried: OrderTried::new(order, &minimum, self.projection.rank(), error)?,
@@ -311,85 +239,52 @@ impl Fitter {
     }
 }
 
-impl OrderTried {
-    /// The order's fit to `rank` independent values, with its largest error relative to the step.
-    /// `None` when no degree of freedom is left.
-    fn new(order: usize, minimum: &Minimum, rank: usize, error: f64) -> Option<Self> {
-        let count = minimum.parameters.len();
-        let degrees_of_freedom = rank.checked_sub(count).filter(|degrees| *degrees > 0)?;
-        Some(Self {
-            order,
-            chi_square: minimum.sum_of_squares,
-            degrees_of_freedom,
-            p: upper_tail(minimum.sum_of_squares, degrees_of_freedom),
-            bic: minimum.sum_of_squares + count as f64 * (rank as f64).ln(),
-            largest_error_percent: 100.0 * error,
-        })
-    }
-}
-
-/// One order, fitted.
-struct Fit {
+/// A fitted order.
+struct FittedOrder {
     order: usize,
     transfer: LowOrder,
     minimum: Minimum,
     tried: OrderTried,
 }
 
-impl Fit {
+impl FittedOrder {
     fn report(&self, all: &[Self], level: f64, hold_period_s: Option<f64>) -> FlightModel {
-        let approximation = self.tried.p < REJECT;
-        let ratio = self.tried.chi_square / self.tried.degrees_of_freedom as f64;
-        let inflation = if approximation { ratio.max(1.0) } else { 1.0 };
-        let covariance = faer::Scale(inflation) * &self.minimum.covariance;
-        let x = &self.minimum.parameters;
-        let critical = pointwise_critical(level);
-        let bounds = |k: usize| {
-            let half = critical * covariance[(k, k)].max(0.0).sqrt();
-            (x[k], x[k] - half, x[k] + half)
-        };
-        let plain = |k: usize| {
-            let (value, lower, upper) = bounds(k);
-            Interval::new(value, lower, upper)
-        };
-        let exponential = |k: usize| {
-            let (value, lower, upper) = bounds(k);
-            Interval::new(value.exp(), lower.exp(), upper.exp())
-        };
+        let estimates = Estimates::new(&self.minimum, &self.tried, level);
         let oscillates = self.transfer.oscillator.is_some();
         FlightModel {
             transfer: self.transfer,
-            gain: plain(0),
-            delay_s: plain(1),
-            omega_rad_s: oscillates.then(|| exponential(2)),
-            damping: oscillates.then(|| exponential(3)),
-            lag_s: self.transfer.lag_s.map(|_| exponential(x.len() - 1)),
+            gain: estimates.interval(0),
+            delay_s: estimates.interval(1),
+            omega_rad_s: oscillates.then(|| estimates.exponential(2)),
+            damping: oscillates.then(|| estimates.exponential(3)),
+            lag_s: (self.transfer.lag_s)
+                .map(|_| estimates.exponential(self.minimum.parameters.len() - 1)),
             level,
-            covariance: to_rows(&covariance),
+            covariance: to_rows(&estimates.covariance),
             order: self.order,
             tried: all.iter().map(|fit| fit.tried).collect(),
-            approximation,
-            inflation,
+            approximation: self.tried.is_rejected(),
+            inflation: estimates.inflation,
             largest_error_percent: self.tried.largest_error_percent,
             hold_period_s,
-            statement: self.statement(approximation, hold_period_s),
+            statement: self.statement(hold_period_s),
         }
     }
 
-    fn statement(&self, approximation: bool, hold_period_s: Option<f64>) -> String {
-        let quality = if approximation {
+    fn statement(&self, hold_period_s: Option<f64>) -> String {
+        let quality = if self.tried.is_rejected() {
             format!(
                 "approximation (p < {REJECT}): largest error {:.1} % of the step",
                 self.tried.largest_error_percent
             )
         } else {
-            format!("the record shows no lack of fit (p = {:.2})", self.tried.p)
+            format!("no lack of fit (p = {:.2})", self.tried.p)
         };
         let hold = hold_period_s.map_or_else(
             || "the delay counts from the applied edge of the command".to_owned(),
             |period| {
                 format!(
-                    "put a sample and hold of {:.1} ms before it; without one, add {:.1} ms of delay",
+                    "put a sample and hold of {:.1} ms before it, or add {:.1} ms of delay",
                     1e3 * period,
                     1e3 * period / 2.0
                 )
