@@ -36,4 +36,6 @@ pub use data::{
     dataset, fingerprint, input_file, model_metadata, recording, rig_file, table, timeline,
 };
 pub use instrument::{calibration, live, port, reference, rig};
-pub use presentation::{explanation, export, paper_facts, plots, report, scope, summary, template};
+pub use presentation::{
+    explanation, export, paper_values, plots, report, scope, summary, template,
+};
