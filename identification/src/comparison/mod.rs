@@ -41,7 +41,7 @@ use crate::nonlinear::limits::levels::LEVELS;
 use crate::options::Options;
 use crate::results::metrics::{Interval, Metrics};
 use crate::results::model::{Model, SCHEMA};
-use crate::selection::settling_time::MARGIN;
+use crate::thresholds::MARGIN;
 use difference::{Curves, Differences};
 use pair::{Identified, identified, same_period};
 use scatter::RunToRun;

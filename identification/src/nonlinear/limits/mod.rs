@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::data::holds;
 use crate::data::record::{Record, Run};
 use crate::results::model::Model;
-use crate::selection::settling_time::MARGIN;
+use crate::thresholds::MARGIN;
 
 pub use levels::{Cell, Hysteresis, RangeEnd, Side};
 pub use rate::{Rate, RateVerdict};
