@@ -114,3 +114,29 @@ pub const RESIDUAL_SIGNIFICANCE: f64 = 0.01;
 /// Protects: responses from a history that was not there, at no alarm in the tables of linear servos.
 /// Evidence: the tests of the initial rest.
 pub const INITIAL_REST_MISSED: f64 = 6.0;
+
+/// Probability of calling a symmetric servo asymmetric. It is below that of the bounds, because a real asymmetry
+/// exceeds tens of standard deviations.
+///
+/// Protects: one response for both directions. Evidence: the example `verdicts`, rows of linear servos.
+pub const ASYMMETRY_SIGNIFICANCE: f64 = 0.001;
+
+/// Probability of a false alarm for hysteresis.
+///
+/// Protects: servos without play. Evidence: the example `verdicts`, rows of linear servos.
+pub const HYSTERESIS_SIGNIFICANCE: f64 = 0.001;
+
+/// Probability of a false alarm for each end of the range that does not soften. Levels at an end are few.
+///
+/// Protects: servos without stops. Evidence: the example `verdicts`, rows of linear servos.
+pub const SOFT_END_SIGNIFICANCE: f64 = 0.005;
+
+/// Probability of a difference by chance below which the scatter of runs does not explain it.
+///
+/// Protects: the verdict "different" between recordings of one servo. Evidence: "Comparison", table of pairs.
+pub const RUNS_DIFFER_SIGNIFICANCE: f64 = 0.01;
+
+/// Probability of rejecting the true order of a low-order model.
+///
+/// Protects: flight models from poles that noise asks for. Evidence: the tests of the flight model.
+pub const ORDER_SIGNIFICANCE: f64 = 0.01;

@@ -6,9 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::search::Minimum;
 use crate::numerics::critical_values::{chi_square_upper_tail, pointwise_critical};
 use crate::results::metrics::Interval;
-
-/// Probability of rejecting the true order.
-pub(super) const REJECT: f64 = 0.01;
+use crate::thresholds::ORDER_SIGNIFICANCE;
 
 /// Difference of Bayes' criterion that is "not worth more than a bare mention" (Kass & Raftery, Journal of
 /// the American Statistical Association, 1995). A parameter that improves the criterion by less is left
@@ -50,7 +48,7 @@ impl OrderTried {
     }
 
     pub(super) fn is_rejected(&self) -> bool {
-        self.p < REJECT
+        self.p < ORDER_SIGNIFICANCE
     }
 }
 

@@ -17,11 +17,8 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use crate::data::holds::{holds, last_quarter, mean_output};
 use crate::data::record::Run;
 use crate::results::metrics::Interval;
+use crate::thresholds::{HYSTERESIS_SIGNIFICANCE, SOFT_END_SIGNIFICANCE};
 
-/// Probability of a false alarm for hysteresis.
-const FALSE_ALARM: f64 = 0.001;
-/// Probability of a false alarm for each end of the range.
-const FALSE_ALARM_OF_AN_END: f64 = 0.005;
 /// Gain at an end relative to the others: below the first it softens, below the second it stops.
 const SOFT: f64 = 0.9;
 const STOP: f64 = 0.1;
@@ -222,7 +219,7 @@ impl Table {
         let difference = sum / weights;
         let interval = self.around(difference, 1.0 / weights);
         let sd = (self.variance / weights).sqrt();
-        let found = difference.abs() > self.critical(FALSE_ALARM / 2.0) * sd;
+        let found = difference.abs() > self.critical(HYSTERESIS_SIGNIFICANCE / 2.0) * sd;
         let size = absolute(interval);
         let bound = size.upper.unwrap_or(f64::INFINITY);
         Hysteresis {
@@ -286,7 +283,7 @@ impl Table {
         let ratio = gain / others;
         let half = self.critical(0.5 - self.level / 2.0) * sd / others.abs();
         end.gain_ratio = Interval::new(ratio, ratio - half, ratio + half);
-        let softens = SOFT - ratio > self.critical(FALSE_ALARM_OF_AN_END) * sd / others.abs();
+        let softens = SOFT - ratio > self.critical(SOFT_END_SIGNIFICANCE) * sd / others.abs();
         end.softens = Some(softens);
         end.statement = match (softens, ratio < STOP) {
             (false, _) => format!(
