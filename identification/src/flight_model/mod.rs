@@ -33,7 +33,7 @@ use crate::error::Error;
 use crate::numerics::matrix_rows::to_rows;
 use crate::results::metrics::Interval;
 use crate::results::model::{LARGEST, Model};
-use crate::thresholds::ORDER_SIGNIFICANCE;
+use crate::thresholds::ORDER_REJECTED;
 use guess::Guess;
 use order::{Estimates, simplest};
 use projection::Projection;
@@ -275,7 +275,7 @@ impl FittedOrder {
     fn statement(&self, hold_period_s: Option<f64>) -> String {
         let quality = if self.tried.is_rejected() {
             format!(
-                "approximation (p < {ORDER_SIGNIFICANCE}): largest error {:.1} % of the step",
+                "approximation (p < {ORDER_REJECTED}): largest error {:.1} % of the step",
                 self.tried.largest_error_percent
             )
         } else {

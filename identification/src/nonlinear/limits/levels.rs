@@ -17,7 +17,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use crate::data::holds::{holds, last_quarter, mean_output};
 use crate::data::record::Run;
 use crate::results::metrics::Interval;
-use crate::thresholds::{HYSTERESIS_SIGNIFICANCE, SOFT_END_SIGNIFICANCE};
+use crate::thresholds::{HYSTERESIS_FALSE_ALARM, RANGE_END_FALSE_ALARM};
 
 /// Gain at an end relative to the others: below the first it softens, below the second it stops.
 const SOFT: f64 = 0.9;
@@ -79,7 +79,7 @@ pub struct RangeEnd {
 pub(crate) struct Table {
     pub(crate) cells: Vec<Cell>,
     /// Mean rest at each level, over both sides, ascending by command.
-    levels: Vec<Level>,
+    levels: Vec<LevelMean>,
     /// Variance within cells and its degrees of freedom.
     variance: f64,
     degrees: usize,
@@ -89,7 +89,7 @@ pub(crate) struct Table {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-struct Level {
+struct LevelMean {
     command: f64,
     mean: f64,
     visits: usize,
@@ -153,7 +153,7 @@ impl Table {
                 cells.push((command, from, mean, values.len()));
                 all.extend(values);
             }
-            self.levels.push(Level {
+            self.levels.push(LevelMean {
                 command,
                 mean: all.iter().sum::<f64>() / all.len() as f64,
                 visits: all.len(),
@@ -219,7 +219,7 @@ impl Table {
         let difference = sum / weights;
         let interval = self.around(difference, 1.0 / weights);
         let sd = (self.variance / weights).sqrt();
-        let found = difference.abs() > self.critical(HYSTERESIS_SIGNIFICANCE / 2.0) * sd;
+        let found = difference.abs() > self.critical(HYSTERESIS_FALSE_ALARM / 2.0) * sd;
         let size = absolute(interval);
         let bound = size.upper.unwrap_or(f64::INFINITY);
         Hysteresis {
@@ -246,7 +246,7 @@ impl Table {
         Some([self.end("low", low, false), self.end("high", high, true)])
     }
 
-    fn end(&self, name: &str, level: &Level, high: bool) -> RangeEnd {
+    fn end(&self, name: &str, level: &LevelMean, high: bool) -> RangeEnd {
         let mut end = RangeEnd {
             softens: None,
             command: level.command,
@@ -283,7 +283,7 @@ impl Table {
         let ratio = gain / others;
         let half = self.critical(0.5 - self.level / 2.0) * sd / others.abs();
         end.gain_ratio = Interval::new(ratio, ratio - half, ratio + half);
-        let softens = SOFT - ratio > self.critical(SOFT_END_SIGNIFICANCE) * sd / others.abs();
+        let softens = SOFT - ratio > self.critical(RANGE_END_FALSE_ALARM) * sd / others.abs();
         end.softens = Some(softens);
         end.statement = match (softens, ratio < STOP) {
             (false, _) => format!(
