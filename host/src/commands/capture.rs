@@ -4,10 +4,11 @@ use super::reference_args::ReferenceArgs;
 use super::rig_args::{Rig, RigArgs};
 use super::watch::{BandReached, Watch, WatchArgs};
 use super::{Talk, interrupt};
-use crate::data::recording::{Ending, Header, ReservedFile, WriteError};
+use crate::data::recording::{Ending, Header, RecordingWriter, ReservedFile, WriteError};
+use crate::data::rig_file::RigFile;
 use crate::instrument::port;
 use crate::instrument::rig::capture::CaptureError;
-use crate::instrument::rig::{Capture, CaptureEnd, RigClient, RigFile};
+use crate::instrument::rig::{Capture, CaptureEnd, RigClient};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::Serialize;
@@ -260,7 +261,7 @@ fn capture_run(
         port: job.address.to_owned(),
         ..Header::of_run(client.hello(), &job.rig, &capture.start)
     };
-    let writer = file.begin(&header)?;
+    let writer = RecordingWriter::begin(file, &header)?;
     let title = format!("{}  to {}", job.address, path.display());
     let watched = watch.begin(title, &capture, client.is_paced_by_reader())?;
     let mut kept = false;

@@ -4,7 +4,7 @@ use super::ask::{Asker, Question};
 use super::{Talk, ports, suggest};
 use crate::commands::output_files;
 use crate::commands::rig_wizard::{self, Answers, Range};
-use crate::instrument::rig::RigFile;
+use crate::data::rig_file::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueHint};
 use serde::Serialize;

@@ -3,8 +3,8 @@
 use super::reference_args::ReferenceArgs;
 use super::{Talk, listed, wrong_usage};
 use crate::commands::output_files;
+use crate::data::rig_file::RigFile;
 use crate::instrument::reference;
-use crate::instrument::rig::RigFile;
 use crate::plan::{Assumed, Plan, Question, figure, of_plan};
 use anyhow::{Context, Result, bail};
 use clap::Args;

@@ -38,7 +38,7 @@ impl Recover {
             bail!("{path:?} is no recording of servoid: there is nothing to recover");
         }
         if let Ok(sound) = Recording::parse(&bytes, path) {
-            if sound.samples.is_empty() {
+            if sound.rows.is_empty() {
                 bail!("{path:?} has no rows: there is nothing to recover");
             }
             let state = match sound.completeness {

@@ -1,8 +1,8 @@
 //! The options that say which rig is meant, and under what condition it stands.
 
 use super::suggest;
+use crate::data::rig_file::RigFile;
 use crate::instrument::port;
-use crate::instrument::rig::RigFile;
 use anyhow::{Result, bail};
 use clap::{Args, ValueHint};
 use std::path::PathBuf;

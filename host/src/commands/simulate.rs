@@ -4,7 +4,7 @@ use super::Talk;
 use super::capture::{Job, capture};
 use super::reference_args::ReferenceArgs;
 use super::watch::Watch;
-use crate::instrument::rig::RigFile;
+use crate::data::rig_file::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;

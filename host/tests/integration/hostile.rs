@@ -5,7 +5,7 @@
 use crate::any_bytes::read_as_a_recording;
 use crate::support::data;
 use proptest::prelude::*;
-use servoid::rig::RigFile;
+use servoid::rig_file::RigFile;
 use servoid::table::Table;
 use servoid_protocol::{Degrees, PulseWidth};
 use std::path::Path;
