@@ -1,8 +1,5 @@
 //! Recordings under adverse conditions: cut, changed, killed, and disks that are full.
 
-#[path = "../trials/kill.rs"]
-mod kill;
-
 use crate::support::{arg, data, refusal, run};
 use servoid::degrees::DegreeScale;
 use servoid::recording::{
@@ -10,6 +7,7 @@ use servoid::recording::{
     recover,
 };
 use servoid_protocol::{Counts, Frame, PulseWidth, framing};
+use servoid_test_support::trials::kill;
 use std::path::Path;
 use std::time::Duration;
 
