@@ -136,8 +136,8 @@ fn what_a_damaged_header_says_is_marked_as_unproved_for_ever() {
         .replace("# format = 3", "# format = 2")
         .lines()
         .map(|line| match line.split(',').collect::<Vec<_>>()[..] {
-            ["sample", t, _, c, u, y] => format!("sample,{t},{u},{y},{c}\n"),
-            [n, t, _, c, u, y] if !n.starts_with('#') => {
+            ["sample", t, u, y, _, c] => format!("sample,{t},{u},{y},{c}\n"),
+            [n, t, u, y, _, c] if !n.starts_with('#') => {
                 format!("{n},{t},{},{y},{c}\n", u.parse::<f64>().unwrap() / 2.0)
             }
             _ => format!("{line}\n"),

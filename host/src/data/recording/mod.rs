@@ -6,9 +6,9 @@
 //! # sample_period_s = 0.002
 //! # ...
 //! # header_crc32 = "0f6a22d9"
-//! sample,time_s,pulse_us,counts,reference_deg,position_deg
-//! 0,0.000,1500,8193,0,0.0275
-//! 1,0.002,1500,8189,0,-0.0092
+//! sample,time_s,reference_deg,position_deg,pulse_us,counts
+//! 0,0.000,0,0.0275,1500,8193
+//! 1,0.002,0,-0.0092,1500,8189
 //! ...
 //! # end = "complete", rows = 4400, crc32 = "5ad0c1f2", end_crc32 = "11c5a6c3"
 //! ```
@@ -19,7 +19,7 @@
 //! | rows      | one per sample, appended and handed to the system frame by frame: ten rows of one pulse    |
 //! | `sample`  | counts from the first sample of the run; a lost sample is a missing row, never a shifted one |
 //! | `pulse_us`, `counts` | the data: the applied pulse width and the raw reading of the sensor              |
-//! | `time_s`, `reference_deg`, `position_deg` | for people: they follow from the columns before by the header's period and scales |
+//! | `time_s`, `reference_deg`, `position_deg` | for people: they follow from the other columns by the header's period and scales |
 //! | last line | how it ended, the number of rows, the CRC of the rows, and last its own CRC                |
 //!
 //! On reading, the columns for people must be those of the data beside them, so that a changed digit shows

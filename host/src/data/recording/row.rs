@@ -5,8 +5,8 @@ use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
 use servoid_protocol::{Counts, PulseWidth, SensorScale, ServoScale};
 use std::fmt::Write as _;
 
-/// The names of the columns: the data first, then the degrees that follow from them.
-pub const COLUMNS: &str = "sample,time_s,pulse_us,counts,reference_deg,position_deg";
+/// The names of the columns. The degrees follow from the pulse and the counts, which are the data.
+pub const COLUMNS: &str = "sample,time_s,reference_deg,position_deg,pulse_us,counts";
 
 /// The names of the columns in formats 1 and 2.
 pub(super) const COLUMNS_WITHOUT_PULSE: &str = "sample,time_s,reference_deg,position_deg,counts";
@@ -54,10 +54,10 @@ impl RowFormat {
             row.sample,
             time_us / 1_000_000,
             time_us % 1_000_000 / 1000,
-            row.pulse.0,
-            row.counts.0,
             self.reference_text(row.pulse),
             self.position_text(row.counts),
+            row.pulse.0,
+            row.counts.0,
         );
     }
 

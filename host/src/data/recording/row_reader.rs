@@ -34,12 +34,9 @@ impl RowReader {
         let mut fields = line.split(|&byte| byte == b',');
         let mut next = || fields.next().ok_or("it has too few fields");
         let (sample, time) = (next()?, next()?);
-        let (pulse, counts, reference, position) = if self.has_pulse {
-            (Some(next()?), next()?, next()?, next()?)
-        } else {
-            let (reference, position) = (next()?, next()?);
-            (None, next()?, reference, position)
-        };
+        let (reference, position) = (next()?, next()?);
+        let pulse = self.has_pulse.then(&mut next).transpose()?;
+        let counts = next()?;
         if fields.next().is_some() {
             return Err("it has too many fields");
         }
@@ -175,7 +172,7 @@ mod tests {
     fn a_row_as_it_is_written_is_read_and_no_other_taken_for_it() {
         let mut reader = RowReader::new(&header(), true);
         let line = written(&header(), row(123_456, 1550, 9000));
-        assert_eq!(line, "123456,246.912,1550,9000,5,7.4172");
+        assert_eq!(line, "123456,246.912,5,7.4172,1550,9000");
         assert_eq!(reader.read(line.as_bytes()), Ok(row(123_456, 1550, 9000)));
         for other in [
             line.replace("1550", "1551"),
@@ -190,6 +187,7 @@ mod tests {
             line.replace(",7.4172", ",7.4173"),
             line.replace(",7.4172", ",-7.4172"),
             line.replace(",5,", ",5.0,"),
+            line.replace(",5,", ",4.9,"),
             format!("{line},"),
         ] {
             assert_ne!(other, line);
