@@ -12,7 +12,7 @@ use servoid::port;
 use servoid::recording::{Header, RecordingWriter};
 use servoid::rig::{Capture, Progress, RigClient, StopReason};
 use servoid::rig_file::RigFile;
-use servoid::scope::draw::draw;
+use servoid::scope::layout::draw;
 use servoid::scope::state::{FrameSeen, Link};
 use servoid::scope::{ScopeEvent, ScopeState};
 use servoid_identification::Options;
@@ -35,7 +35,7 @@ const TEXT_PX: u32 = 13;
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args()
         .nth(1)
-        .ok_or("say where to write the SVG")?;
+        .ok_or("name the SVG file to write")?;
     let state = half_of_a_run()?;
     let mut terminal = Terminal::new(TestBackend::new(SIZE.0, SIZE.1))?;
     terminal.draw(|frame| draw(frame, &state))?;

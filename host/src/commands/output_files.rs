@@ -1,4 +1,4 @@
-//! Files that commands leave behind, and read back: never over an existing one unless told so.
+//! Files that commands write: never over an existing one without `--force`.
 
 use crate::data::recording::{WholeFile, WriteError};
 use crate::presentation::plots::{Figure, svg};
@@ -10,17 +10,10 @@ use servoid_identification::model::SCHEMA;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Says a line on standard error, if there is anybody who listens: a pipe that was closed or a
-/// terminal that is gone must not end a run on a servo.
-pub fn tell(line: impl std::fmt::Display) {
-    let _nobody_listens = writeln!(std::io::stderr(), "{line}");
-}
-
-/// Makes a file that was not there, or whose loss is allowed, with this content: all of it, or the
-/// file that was there stays.
+/// Writes a file whole, or leaves the old one as it was. `force` allows to replace an existing file.
 ///
 /// # Errors
-/// One sentence: it exists, or what the system said.
+/// One sentence: it exists, or the error of the system.
 pub fn write_file(path: &Path, force: bool, content: &str) -> Result<()> {
     let whole = WholeFile::new(path, force)?;
     let written = whole.file()?.write_all(content.as_bytes());
@@ -31,7 +24,7 @@ pub fn write_file(path: &Path, force: bool, content: &str) -> Result<()> {
     Ok(whole.put_in_place()?)
 }
 
-/// Fails now if `path` could not be written later: before an hour of work rather than after it.
+/// Checks before the work that `path` can be written after it.
 ///
 /// # Errors
 /// [`WriteError::Exists`].
@@ -42,13 +35,13 @@ pub fn check_free(path: &Path, force: bool) -> Result<()> {
     Ok(())
 }
 
-/// Draws figures into a folder, which is made if it is not there; returns the files.
+/// Draws figures into a folder, which is created if it does not exist; returns the files.
 ///
 /// # Errors
 /// One sentence.
 pub fn write_figures(folder: &Path, force: bool, figures: &[Figure]) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("the folder {folder:?} cannot be made"))?;
+        .with_context(|| format!("the folder {folder:?} cannot be created"))?;
     let mut files = Vec::new();
     for figure in figures {
         let path = folder.join(format!("{}.svg", figure.name));
@@ -171,7 +164,7 @@ pub fn withhold_bounds(found: &mut Comparison) {
     }
 }
 
-/// A result as indented JSON, with a line end.
+/// A result as indented JSON with a final line end.
 ///
 /// # Errors
 /// When a value has no form in JSON.

@@ -19,6 +19,8 @@
 mod discrete;
 mod guess;
 mod low_order;
+mod options;
+mod order;
 mod projection;
 mod search;
 mod switching;
@@ -28,56 +30,19 @@ use serde::{Deserialize, Serialize};
 use crate::data::record::Record;
 use crate::data::timing::Timing;
 use crate::error::Error;
-use crate::nonlinear::direction::upper_tail;
-use crate::numerics::critical_values::pointwise_critical;
 use crate::numerics::matrix_rows::to_rows;
 use crate::results::metrics::Interval;
 use crate::results::model::{LARGEST, Model};
 use guess::Guess;
+use order::{Estimates, REJECT, simplest};
 use projection::Projection;
-use search::{Minimum, minimise};
+use search::{Minimum, best_minimum};
 
 pub use discrete::Discrete;
 pub use low_order::{LowOrder, Oscillator};
-pub use switching::{Stroke, SwitchingModel, fit_switching};
-
-/// Probability of rejecting the true order.
-const REJECT: f64 = 0.01;
-
-/// What is asked of the fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FlightModelOptions {
-    /// Largest error of the step response that an approximation may have \[% of the step\].
-    pub largest_error_percent: f64,
-    /// Period at which the command is held, for the statement in the result \[s\].
-    pub frame_period_s: Option<f64>,
-}
-
-impl Default for FlightModelOptions {
-    fn default() -> Self {
-        Self {
-            largest_error_percent: 3.0,
-            frame_period_s: None,
-        }
-    }
-}
-
-/// One order, and how well it does.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OrderTried {
-    /// Number of poles.
-    pub order: usize,
-    /// χ² of the lack of fit.
-    pub chi_square: f64,
-    /// Its degrees of freedom.
-    pub degrees_of_freedom: usize,
-    /// Probability of a χ² at least as large if the servo is of this order.
-    pub p: f64,
-    /// χ² + parameters · ln(rank).
-    pub bic: f64,
-    /// Largest error of the step response \[% of the step\].
-    pub largest_error_percent: f64,
-}
+pub use options::FlightModelOptions;
+pub use order::OrderTried;
+pub use switching::{StrokeDynamics, SwitchingModel, fit_switching};
 
 /// A fitted model of low order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -122,7 +87,7 @@ impl FlightModel {
         let transfer = &self.transfer;
         let oscillates = transfer.oscillator.is_some();
         let order = 2 * usize::from(oscillates) + usize::from(transfer.lag_s.is_some());
-        let parameters = to_parameters(transfer);
+        let parameters = transfer.parameters();
         order == self.order
             && (1..=3).contains(&order)
             // The logarithm of what must be above zero is no number otherwise.
@@ -163,7 +128,7 @@ pub fn fit(
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
-    choose(Projection::new(record, model)?, model, options)
+    choose(Projection::of_record(record, model)?, model, options)
 }
 
 /// [`fit`] where the record is not at hand, from θ and its covariance alone.
@@ -209,7 +174,7 @@ fn choose(
         return Err(Error::Unexcited);
     }
     let guess = Guess::new(model).ok_or(Error::NoResponse)?;
-    let mut fits: Vec<Fit> = Vec::new();
+    let mut fits: Vec<FittedOrder> = Vec::new();
     for order in 1..=3 {
         let second = fits
             .iter()
@@ -217,54 +182,18 @@ fn choose(
             .map(|fit| fit.transfer);
         fits.extend(fitter.best(order, &guess.starts(order, second)));
     }
-    let good_enough = |fit: &&Fit| fit.tried.p >= REJECT;
-    let chosen = match simplest(&fits, |fit| fit.tried).find(good_enough) {
+    let not_rejected = |fit: &&FittedOrder| !fit.tried.is_rejected();
+    let chosen = match simplest(&fits, |fit| fit.tried).find(not_rejected) {
         None if fits.is_empty() => return Err(Error::NoResponse),
         Some(simplest) => simplest,
         None => {
-            let good =
-                |fit: &&Fit| fit.tried.largest_error_percent <= options.largest_error_percent;
+            let good = |fit: &&FittedOrder| {
+                fit.tried.largest_error_percent <= options.largest_error_percent
+            };
             fits.iter().find(good).unwrap_or(&fits[fits.len() - 1])
         }
     };
     Ok(chosen.report(&fits, model.step.pointwise.level, options.frame_period_s))
-}
-
-/// Difference of Bayes' criterion that is "not worth more than a bare mention" (Kass & Raftery, Journal of the
-/// American Statistical Association, 1995): a parameter that brings no more is not taken up, since delay and further lags stand for
-/// each other, and the delay would leave its interval for a lag that is not there.
-const BARE_MENTION: f64 = 2.0;
-
-/// Of `fits`, lowest order first, those that the criterion does not tell from the best.
-fn simplest<T>(fits: &[T], tried: impl Fn(&T) -> OrderTried) -> impl Iterator<Item = &T> {
-    let least = fits
-        .iter()
-        .map(|fit| tried(fit).bic)
-        .fold(f64::INFINITY, f64::min);
-    fits.iter()
-        .filter(move |fit| tried(fit).bic <= least + BARE_MENTION)
-}
-
-/// Parameters as the search sees them: \[K, L, ln ω, ln ζ, ln T\] of those that the order has.
-fn to_parameters(transfer: &LowOrder) -> Vec<f64> {
-    let mut x = vec![transfer.gain, transfer.delay_s];
-    if let Some(oscillator) = transfer.oscillator {
-        x.extend([oscillator.omega_rad_s.ln(), oscillator.damping.ln()]);
-    }
-    x.extend(transfer.lag_s.map(f64::ln));
-    x
-}
-
-fn from_parameters(order: usize, x: &[f64]) -> LowOrder {
-    LowOrder {
-        gain: x[0],
-        delay_s: x[1],
-        oscillator: (order >= 2).then(|| Oscillator {
-            omega_rad_s: x[2].exp(),
-            damping: x[3].exp(),
-        }),
-        lag_s: (order != 2).then(|| x[x.len() - 1].exp()),
-    }
 }
 
 struct Fitter {
@@ -285,24 +214,23 @@ impl Fitter {
     }
 
     /// The best minimum of one order.
-    fn best(&self, order: usize, starts: &[LowOrder]) -> Option<Fit> {
+    fn best(&self, order: usize, starts: &[LowOrder]) -> Option<FittedOrder> {
         let residuals = |x: &[f64]| {
             self.projection
-                .residuals(&self.impulse(&from_parameters(order, x)))
+                .residuals(&self.impulse(&LowOrder::from_parameters(order, x)))
         };
-        let minimum = starts
-            .iter()
-            .filter_map(|start| {
-                let x = to_parameters(start);
-                let mut increments = vec![1e-4; x.len()];
-                increments[0] = 1e-4 * start.gain.abs();
-                increments[1] = 1e-2 * self.timing.sample_period_s;
-                minimise(&residuals, &x, &increments)
-            })
-            .min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares))?;
-        let transfer = from_parameters(order, &minimum.parameters);
-        let error = self.projection.largest_error(&self.impulse(&transfer));
-        Some(Fit {
+        let starts = starts.iter().map(|start| {
+            let x = start.parameters();
+            let mut increments = vec![1e-4; x.len()];
+            increments[0] = 1e-4 * start.gain.abs();
+            increments[1] = 1e-2 * self.timing.sample_period_s;
+            (x, increments)
+        });
+        let minimum = best_minimum(&residuals, starts)?;
+        let transfer = LowOrder::from_parameters(order, &minimum.parameters);
+        let impulse = self.impulse(&transfer);
+        let error = self.projection.largest_difference(&impulse) / self.projection.gain();
+        Some(FittedOrder {
             order,
             transfer,
             tried: OrderTried::new(order, &minimum, self.projection.rank(), error)?,
@@ -311,73 +239,40 @@ impl Fitter {
     }
 }
 
-impl OrderTried {
-    /// The order's fit to `rank` independent values, with its largest error relative to the step.
-    /// `None` when no degree of freedom is left.
-    fn new(order: usize, minimum: &Minimum, rank: usize, error: f64) -> Option<Self> {
-        let count = minimum.parameters.len();
-        let degrees_of_freedom = rank.checked_sub(count).filter(|degrees| *degrees > 0)?;
-        Some(Self {
-            order,
-            chi_square: minimum.sum_of_squares,
-            degrees_of_freedom,
-            p: upper_tail(minimum.sum_of_squares, degrees_of_freedom),
-            bic: minimum.sum_of_squares + count as f64 * (rank as f64).ln(),
-            largest_error_percent: 100.0 * error,
-        })
-    }
-}
-
 /// One order, fitted.
-struct Fit {
+struct FittedOrder {
     order: usize,
     transfer: LowOrder,
     minimum: Minimum,
     tried: OrderTried,
 }
 
-impl Fit {
+impl FittedOrder {
     fn report(&self, all: &[Self], level: f64, hold_period_s: Option<f64>) -> FlightModel {
-        let approximation = self.tried.p < REJECT;
-        let ratio = self.tried.chi_square / self.tried.degrees_of_freedom as f64;
-        let inflation = if approximation { ratio.max(1.0) } else { 1.0 };
-        let covariance = faer::Scale(inflation) * &self.minimum.covariance;
-        let x = &self.minimum.parameters;
-        let critical = pointwise_critical(level);
-        let bounds = |k: usize| {
-            let half = critical * covariance[(k, k)].max(0.0).sqrt();
-            (x[k], x[k] - half, x[k] + half)
-        };
-        let plain = |k: usize| {
-            let (value, lower, upper) = bounds(k);
-            Interval::new(value, lower, upper)
-        };
-        let exponential = |k: usize| {
-            let (value, lower, upper) = bounds(k);
-            Interval::new(value.exp(), lower.exp(), upper.exp())
-        };
+        let estimates = Estimates::new(&self.minimum, &self.tried, level);
         let oscillates = self.transfer.oscillator.is_some();
         FlightModel {
             transfer: self.transfer,
-            gain: plain(0),
-            delay_s: plain(1),
-            omega_rad_s: oscillates.then(|| exponential(2)),
-            damping: oscillates.then(|| exponential(3)),
-            lag_s: self.transfer.lag_s.map(|_| exponential(x.len() - 1)),
+            gain: estimates.interval(0),
+            delay_s: estimates.interval(1),
+            omega_rad_s: oscillates.then(|| estimates.exponential(2)),
+            damping: oscillates.then(|| estimates.exponential(3)),
+            lag_s: (self.transfer.lag_s)
+                .map(|_| estimates.exponential(self.minimum.parameters.len() - 1)),
             level,
-            covariance: to_rows(&covariance),
+            covariance: to_rows(&estimates.covariance),
             order: self.order,
             tried: all.iter().map(|fit| fit.tried).collect(),
-            approximation,
-            inflation,
+            approximation: self.tried.is_rejected(),
+            inflation: estimates.inflation,
             largest_error_percent: self.tried.largest_error_percent,
             hold_period_s,
-            statement: self.statement(approximation, hold_period_s),
+            statement: self.statement(hold_period_s),
         }
     }
 
-    fn statement(&self, approximation: bool, hold_period_s: Option<f64>) -> String {
-        let quality = if approximation {
+    fn statement(&self, hold_period_s: Option<f64>) -> String {
+        let quality = if self.tried.is_rejected() {
             format!(
                 "approximation (p < {REJECT}): largest error {:.1} % of the step",
                 self.tried.largest_error_percent

@@ -8,10 +8,10 @@ use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 use faer::Mat;
 
 use super::{Interval, Measured};
-use crate::estimation::fsf_basis::dot;
 use crate::estimation::variance::CurveVariance;
 use crate::numerics::critical_values::pointwise_critical;
 use crate::numerics::linear_algebra::times;
+use crate::numerics::vectors::dot;
 use crate::results::frequency_response::{FrequencyResponse, ZERO_DB};
 use crate::results::metrics::aliasing::Folding;
 
