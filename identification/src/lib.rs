@@ -7,7 +7,7 @@
 //!
 //! A [`record`] is reduced to its lagged [`moments`] in one pass. Least squares ([`least_squares`]) and
 //! generalised least squares ([`gls`]) follow from the moments for any bank and noise filter, and so does the
-//! choice of the structure ([`settling_time`]). The [`variance`] of the estimate and the
+//! [`choice`] of the structure. The [`variance`] of the estimate and the
 //! [`critical_values`] give its bounds, to which the [`truncation`] bias is added. The results are a
 //! [`step_response`], a [`frequency_response`] and [`metrics`] in a [`model`]. [`residual_tests`] and
 //! [`advice`] show how far to trust it.
@@ -28,6 +28,7 @@ mod numerics;
 pub mod options;
 mod results;
 mod selection;
+pub mod thresholds;
 
 pub use data::quantisation;
 pub use data::{moments, record, timing};
@@ -49,4 +50,4 @@ pub use record::{Record, Run};
 pub use results::model::Model;
 pub use results::validation::Validation;
 pub use results::{frequency_response, metrics, model, step_response, validation};
-pub use selection::settling_time;
+pub use selection::{choice, settling_range};

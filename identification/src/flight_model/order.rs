@@ -1,4 +1,4 @@
-//! Which order to take, and what to report of it.
+//! The choice of the order, and the intervals of its parameters.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -6,15 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::search::Minimum;
 use crate::numerics::critical_values::{chi_square_upper_tail, pointwise_critical};
 use crate::results::metrics::Interval;
-
-/// Probability of rejecting the true order.
-pub(super) const REJECT: f64 = 0.01;
-
-/// Difference of Bayes' criterion that is "not worth more than a bare mention" (Kass & Raftery, Journal of
-/// the American Statistical Association, 1995). A parameter that improves the criterion by less is left
-/// out. Delay and further lags are nearly interchangeable: a needless lag would move the delay out of its
-/// interval.
-const BARE_MENTION: f64 = 2.0;
+use crate::thresholds::{BARE_MENTION, ORDER_REJECTED};
 
 /// One order, and how well it fits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -50,7 +42,7 @@ impl OrderTried {
     }
 
     pub(super) fn is_rejected(&self) -> bool {
-        self.p < REJECT
+        self.p < ORDER_REJECTED
     }
 }
 

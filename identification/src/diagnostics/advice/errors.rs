@@ -1,13 +1,15 @@
 //! Findings on the errors: whether they are noise, and noise of the kind that the model says.
 
-use super::{Advice, Evidence, SIGNIFICANCE};
-use crate::diagnostics::linearity::{self, Linearity};
-use crate::diagnostics::misfit::{
-    DISAGREEMENT, MisfitEvidence, ModelErrors, SEEN, TOLERATED, UNEXPLAINED,
-};
+use super::{Advice, Evidence};
+use crate::diagnostics::linearity::Linearity;
+use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
 use crate::estimation::gls::MAX_AUTO_ORDER;
 use crate::estimation::noise_model::largest_root;
 use crate::options::NoiseOrder;
+use crate::thresholds::{
+    DISAGREEMENT, MATERIAL_MISFIT_PERCENT, RESIDUAL_SIGNIFICANCE, STEPS_FOLLOWED,
+    UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,
+};
 
 /// The check of errors that are not noise: while it is among the advice, bounds have no level.
 pub const MODEL_ERROR: &str = "model_error";
@@ -61,8 +63,8 @@ fn probability(p: f64) -> String {
 }
 
 /// What told that errors are not noise, the number and what it was held against.
-fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
-    match errors.sign {
+fn sign_in_words(errors: &Misfit) -> (String, f64, f64) {
+    match errors.evidence {
         MisfitEvidence::Whitening => {
             let (plain, generalised) = (errors.least_squares_percent, errors.generalised_percent);
             let simulated = |percent: f64| match percent > 0.0 {
@@ -74,7 +76,7 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
                 simulated(generalised),
                 simulated(plain)
             );
-            (words, plain - generalised, TOLERATED)
+            (words, plain - generalised, WHITENING_COST_POINTS)
         }
         MisfitEvidence::Misfit(found) => {
             let left = errors.unexplained_percent();
@@ -82,7 +84,7 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
                 "simulation leaves {left:.0} % of the motion (rms), and what it leaves {}",
                 Shown::by(&found).how
             );
-            (words, left, UNEXPLAINED)
+            (words, left, UNEXPLAINED_PERCENT)
         }
         MisfitEvidence::Runs(found) => {
             let left = errors.unexplained_percent();
@@ -92,7 +94,7 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
                 found.misfit_percent,
                 probability(found.p)
             );
-            (words, left, UNEXPLAINED)
+            (words, left, UNEXPLAINED_PERCENT)
         }
         MisfitEvidence::NoSteps(found, seen) => {
             let shown = Shown::by(&found);
@@ -103,7 +105,7 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
                 shown.how,
                 100.0 * seen
             );
-            (words, seen, SEEN)
+            (words, seen, STEPS_FOLLOWED)
         }
     }
 }
@@ -161,7 +163,7 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
             shown.percent, shown.how
         ),
         shown.percent,
-        linearity::WORTH_MENTIONING,
+        MATERIAL_MISFIT_PERCENT,
         "Compare only what was recorded with the same reference; look at strokes up and down and at the \
          limits of speed and travel apart (--limits).",
     ))
@@ -205,13 +207,19 @@ pub(super) fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
         .model
         .residuals
         .whiteness_p
-        .filter(|p| *p < SIGNIFICANCE)
+        .filter(|p| *p < RESIDUAL_SIGNIFICANCE)
     {
         let finding = format!(
             "The noise model is incomplete (order {order}): the one-step errors are related to each \
              other, so the bounds are approximate."
         );
-        return Some(Advice::new("whiteness", finding, p, SIGNIFICANCE, remedy));
+        return Some(Advice::new(
+            "whiteness",
+            finding,
+            p,
+            RESIDUAL_SIGNIFICANCE,
+            remedy,
+        ));
     }
     (evidence.options.noise_order == NoiseOrder::Auto && order == MAX_AUTO_ORDER).then(|| {
         let finding = format!("The noise model has the highest order considered, {order}.");
@@ -233,14 +241,14 @@ pub(super) fn independence(evidence: &Evidence<'_>) -> Option<Advice> {
         .model
         .residuals
         .input_correlation_p
-        .filter(|p| *p < SIGNIFICANCE)?;
+        .filter(|p| *p < RESIDUAL_SIGNIFICANCE)?;
     Some(Advice::new(
         "input_independence",
         "What the model leaves over still depends on the input: the response is longer than the \
          settling time, has more detail than the frequencies, or the servo is not linear."
             .to_owned(),
         p,
-        SIGNIFICANCE,
+        RESIDUAL_SIGNIFICANCE,
         "Take a longer settling time or more frequencies; if neither helps, the servo is not linear \
          and the bounds describe its best linear picture only.",
     ))

@@ -1,8 +1,8 @@
 //! Findings on the input: whether it moves fast enough to tell the response.
 
 use super::{Advice, Evidence};
-use crate::diagnostics::misfit::DISAGREEMENT;
-use crate::estimation::excitation::unexcited_share;
+use crate::diagnostics::unsupported_metrics::unexcited_share;
+use crate::thresholds::DISAGREEMENT;
 
 /// The check of an input that does not tell the response at high frequencies: while it is among the
 /// advice, bounds have no level.
