@@ -29,8 +29,8 @@ fn nearly(original: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
     })
 }
 
-fn golden() -> Vec<u8> {
-    std::fs::read(data("recording-format-2.csv")).unwrap()
+fn golden(format: u32) -> Vec<u8> {
+    std::fs::read(data(&format!("recording-format-{format}.csv"))).unwrap()
 }
 
 proptest! {
@@ -40,7 +40,7 @@ proptest! {
     }
 
     #[test]
-    fn nearly_a_recording(bytes in nearly(golden())) {
+    fn nearly_a_recording(bytes in prop_oneof![nearly(golden(2)), nearly(golden(3))]) {
         read_as_a_recording(&bytes);
     }
 

@@ -52,14 +52,14 @@ impl Capture {
     /// # Errors
     /// When the rig refuses or does not answer.
     pub fn arm(&self, client: &mut RigClient) -> Result<(), TalkError> {
-        let [sensor_low, sensor_high] = self.rig.healthy_counts();
+        let healthy = self.rig.healthy_counts();
         client.arm(Arm {
             schema_hash: SCHEMA_HASH,
             neutral: PulseWidth(self.rig.servo.neutral_us),
             shortest: PulseWidth(self.rig.limits.shortest_us),
             longest: PulseWidth(self.rig.limits.longest_us),
-            sensor_low,
-            sensor_high,
+            sensor_low: healthy.lowest,
+            sensor_high: healthy.highest,
             lease_frames: LEASE_FRAMES,
         })
     }
