@@ -33,7 +33,8 @@ mod presentation;
 
 pub use commands::{output_files, rig_wizard};
 pub use data::{
-    dataset, fingerprint, input_file, model_metadata, recording, rig_file, table, timeline,
+    dataset, degrees, fingerprint, input_file, model_metadata, recording, rig_file, sensor_health,
+    table, timeline,
 };
 pub use instrument::{calibration, live, port, reference, rig};
 pub use presentation::{
