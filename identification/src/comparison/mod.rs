@@ -41,7 +41,7 @@ use crate::nonlinear::limits::levels::LEVELS;
 use crate::options::Options;
 use crate::results::metrics::{Interval, Metrics};
 use crate::results::model::{Model, SCHEMA};
-use crate::thresholds::MARGIN;
+use crate::thresholds::{MARGIN, RUNS_DIFFER_SIGNIFICANCE};
 use difference::{Curves, Differences};
 use pair::{Identified, identified, same_period};
 use scatter::RunToRun;
@@ -52,9 +52,6 @@ pub use outcome::{
     Stroke, Verdict,
 };
 pub use over_prediction::OverPrediction;
-
-/// Probability of a difference by chance below which scatter between runs does not explain it.
-const CHANCE: f64 = 0.01;
 
 /// What is asked of a comparison.
 #[derive(Debug, Clone, PartialEq)]
@@ -302,7 +299,7 @@ fn of_curves(
 
 /// Whether runs of one servo differ as much among themselves.
 fn explained_by_chance(p_value: Option<f64>) -> bool {
-    p_value.is_some_and(|p| p > CHANCE)
+    p_value.is_some_and(|p| p > RUNS_DIFFER_SIGNIFICANCE)
 }
 
 /// How much later the second side moves.

@@ -1,7 +1,8 @@
 //! The answer in two sentences: is it different and by how much, and what that feels like.
 
 use super::outcome::{Comparison, DifferenceCurve, Levels, Sides, Stroke, Verdict};
-use super::{CHANCE, ComparisonOptions, explained_by_chance};
+use super::{ComparisonOptions, explained_by_chance};
+use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
 
 /// A shift in time below this is not worth a word \[s\]: an eighth of a sample of the rig.
 const SHIFT_S: f64 = 0.25e-3;
@@ -73,7 +74,7 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
         .and_then(|levels| rest(levels, options));
     let rest = rest.unwrap_or_default();
     let runs = match found.p_value {
-        Some(p) if p > CHANCE => {
+        Some(p) if p > RUNS_DIFFER_SIGNIFICANCE => {
             format!(
                 "the bounds are those of the noise, and what differs from run to run may be all there is \
                  (p = {p:.3})"
