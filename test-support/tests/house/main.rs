@@ -2,6 +2,7 @@
 //! must not break without anybody noticing.
 
 mod arrows;
+mod documents;
 mod imports;
 mod manifests;
 mod source;
