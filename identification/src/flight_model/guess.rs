@@ -1,7 +1,6 @@
 //! Starting points of the search for a flight model.
 
 use super::low_order::{LowOrder, Oscillator};
-use crate::data::timing::Timing;
 use crate::results::model::Model;
 
 /// Metrics of the response from which starting points follow.
@@ -18,22 +17,6 @@ impl Guess {
             gain: metrics.dc_gain.value?,
             t50_s: metrics.t50_s.value?,
             rise_s: metrics.rise_time_s.value?.max(model.sample_period_s / 2.0),
-        })
-    }
-
-    /// From a step response.
-    pub(super) fn of_curve(curve: &[f64], timing: Timing) -> Option<Self> {
-        let gain = *curve.last()?;
-        let reach = |level: f64| {
-            let m = curve.iter().position(|g| g / gain >= level)?;
-            let before = m.checked_sub(1).map_or(0.0, |k| curve[k] / gain);
-            let part = (level - before) / (curve[m] / gain - before);
-            Some(timing.seconds(m as f64 - 1.0 + part))
-        };
-        Some(Self {
-            gain,
-            t50_s: reach(0.5)?,
-            rise_s: (reach(0.9)? - reach(0.1)?).max(timing.sample_period_s / 2.0),
         })
     }
 

@@ -23,7 +23,6 @@ mod options;
 mod order;
 mod projection;
 mod search;
-mod switching;
 
 use serde::{Deserialize, Serialize};
 
@@ -43,7 +42,6 @@ pub use discrete::Discrete;
 pub use low_order::{LowOrder, Oscillator};
 pub use options::FlightModelOptions;
 pub use order::OrderTried;
-pub use switching::{StrokeDynamics, SwitchingModel, fit_switching};
 
 /// A fitted model of low order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,15 +1,10 @@
 //! Parameters of known servos, through the flight model.
 
 use rayon::prelude::*;
-use servoid_identification::direction::split;
-use servoid_identification::flight_model::{
-    FlightModel, FlightModelOptions, fit, fit_switching, of_model,
-};
+use servoid_identification::flight_model::{FlightModel, FlightModelOptions, fit, of_model};
 use servoid_identification::{Frequencies, Options, Record, Settling, identify};
 
-use servoid_test_support::servos::{
-    Limit, Linear, PERIOD, limited, measured, respond_by_stroke, staircase,
-};
+use servoid_test_support::servos::{Limit, Linear, PERIOD, limited, measured, staircase};
 
 fn flight(
     clean: &[f64],
@@ -120,50 +115,4 @@ fn a_nonlinear_servo_gives_an_approximation_that_says_so() {
         serde_json::from_str::<FlightModel>(&json).unwrap().order,
         found.order
     );
-}
-
-#[test]
-fn both_directions_of_an_asymmetric_servo_are_found_with_their_intervals() {
-    let up = Linear::second_order(0.9, 0.0255, 0.6, 50.0);
-    let down = Linear::second_order(0.9, 0.0215, 0.5, 60.0);
-    let clean: Vec<f64> = respond_by_stroke(&up, &down, &staircase(), -5.0, 0.0)
-        .iter()
-        .map(|y| y - 0.5)
-        .collect();
-    let runs = 16;
-    let held: Vec<[bool; 9]> = (0..runs)
-        .into_par_iter()
-        .map(|seed| {
-            let record =
-                Record::from_slices(PERIOD, &staircase(), &measured(&clean, 1.0, seed)).unwrap();
-            let options = Options {
-                settling: Settling::Samples(151),
-                level: 0.9,
-                ..Options::default()
-            };
-            let model = identify(&record, &options).unwrap();
-            let both = split(&record, &model).unwrap();
-            let found =
-                fit_switching(&record, &model, &both, &FlightModelOptions::default()).unwrap();
-            assert_eq!(found.stroke_sizes, (10.0, 10.0));
-            assert!(found.largest_error_percent < 2.0);
-            [
-                found.gain.contains(0.9),
-                found.offset.contains(-0.5),
-                found.up.delay_s.contains(0.0255),
-                found.up.omega_rad_s.contains(50.0),
-                found.up.damping.contains(0.6),
-                found.down.delay_s.contains(0.0215),
-                found.down.omega_rad_s.contains(60.0),
-                found.down.damping.contains(0.5),
-                found.order == 2 && !found.approximation,
-            ]
-        })
-        .collect();
-    let short: Vec<(usize, usize)> = (0..9)
-        .map(|k| (k, held.iter().filter(|run| run[k]).count()))
-        // 16 runs at 90 %: 10 or fewer inside have a probability of 0.3 %.
-        .filter(|(_, inside)| *inside <= 10)
-        .collect();
-    assert!(short.is_empty(), "inside of 16: {short:?}");
 }

@@ -191,36 +191,6 @@ pub(crate) fn fit(
     })
 }
 
-/// The linear map from known responses to u and to w, of `length` samples each, to the parameters that the
-/// estimator finds of such a servo, offset included. The responses may be longer than the banks; the moments
-/// need lags for `length` and the noise filter `ar`.
-pub(crate) fn projection(
-    moments: &TwoInputMoments,
-    coordinates: &Coordinates,
-    second: &FsfBasis,
-    ar: &[f64],
-    length: usize,
-) -> Option<Mat<f64>> {
-    let problem = Problem::new(moments, coordinates, second);
-    let solution = problem.solve(ar)?;
-    let p = solution.parameters.len();
-    let columns = problem.filtered_columns(ar);
-    let columns = columns.as_ref().submatrix(0, 0, columns.nrows(), p);
-    let lags = moments.lags;
-    let d = noise_filter(ar);
-    let responses = Mat::from_fn(moments.products.nrows(), 2 * length, |row, k| {
-        let (input, lag) = (k / length, k % length);
-        let filter = row.checked_sub(input * lags).filter(|a| *a < lags);
-        filter
-            .and_then(|a| a.checked_sub(lag))
-            .and_then(|i| d.get(i))
-            .copied()
-            .unwrap_or(0.0)
-    });
-    let right = columns.transpose() * (&moments.products * responses);
-    Some(solution.inverse * right)
-}
-
 /// The least-squares problem of one pair of banks.
 struct Problem<'a> {
     moments: &'a TwoInputMoments,
