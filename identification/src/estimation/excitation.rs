@@ -7,9 +7,6 @@
 use serde::{Deserialize, Serialize};
 
 use crate::data::moments::Moments;
-use crate::diagnostics::misfit::DISAGREEMENT;
-use crate::results::metrics::{Interval, Metrics};
-use crate::results::step_response::StepResponse;
 
 /// Lags over which the changes of the input may be related to each other.
 const LAGS: usize = 64;
@@ -98,22 +95,6 @@ impl Power {
             .sum();
         (1.0 - frequency - 2.0 / std::f64::consts::PI * sum).clamp(0.0, 1.0)
     }
-}
-
-/// What of the figures of an input that does not tell all of the response can be told: nothing, where what
-/// it leaves out may change the step response by more than a tenth of its final value `gain`. The final value is no
-/// exception: a bank that is short of frequencies takes the doings of others for it.
-pub(crate) fn told(metrics: Metrics, step: &StepResponse, gain: f64) -> Metrics {
-    if unexcited_share(step, gain) > DISAGREEMENT {
-        Metrics::gain_alone(Interval::default())
-    } else {
-        metrics
-    }
-}
-
-/// By how much of its final value `gain` the step response may be changed by frequencies left out.
-pub(crate) fn unexcited_share(step: &StepResponse, gain: f64) -> f64 {
-    step.truncation_bias / gain.abs()
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@
 
 mod discrete;
 mod guess;
+mod intervals;
 mod low_order;
 mod projection;
 mod search;
@@ -29,11 +30,14 @@ use crate::data::record::Record;
 use crate::data::timing::Timing;
 use crate::error::Error;
 use crate::nonlinear::direction::upper_tail;
-use crate::numerics::critical_values::pointwise_critical;
 use crate::numerics::matrix_rows::to_rows;
+use crate::options::LEVELS;
 use crate::results::metrics::Interval;
-use crate::results::model::{LARGEST, Model};
+use crate::results::model::{Model, ParameterBounds};
+use crate::results::usable::is_sized;
+use crate::results::validity::Bounds;
 use guess::Guess;
+use intervals::Parameters;
 use projection::Projection;
 use search::{Minimum, minimise};
 
@@ -94,13 +98,14 @@ pub struct FlightModel {
     pub damping: Option<Interval>,
     /// T \[s\], orders 1 and 3.
     pub lag_s: Option<Interval>,
-    /// Level of the intervals.
-    pub level: f64,
-    /// Covariance of \[K, L, ln ω, ln ζ, ln T\], of those that the order has, widened already.
-    pub covariance: Vec<Vec<f64>>,
+    /// Level of the intervals and covariance of \[K, L, ln ω, ln ζ, ln T\], of those that the order has, widened
+    /// already, where bounds hold.
+    #[serde(flatten)]
+    pub bounds: Bounds<ParameterBounds>,
     /// Number of poles.
     pub order: usize,
-    /// Every order that could be fitted.
+    /// Every order that could be fitted. Empty where a model without bounds was all that there was to fit: then
+    /// nothing is known to test against.
     pub tried: Vec<OrderTried>,
     /// Whether the order is rejected by the data, so that the model is an approximation.
     pub approximation: bool,
@@ -123,13 +128,28 @@ impl FlightModel {
         let oscillates = transfer.oscillator.is_some();
         let order = 2 * usize::from(oscillates) + usize::from(transfer.lag_s.is_some());
         let parameters = to_parameters(transfer);
+        let count = parameters.len();
+        let bounds = match &self.bounds {
+            Bounds::Valid(bounds) => {
+                LEVELS.contains(&bounds.level)
+                    && bounds.covariance.len() == count
+                    && bounds.covariance.iter().all(|row| is_sized(row, count))
+            }
+            Bounds::Withdrawn(_) => self
+                .intervals()
+                .all(|interval| interval.lower.or(interval.upper).is_none()),
+        };
         order == self.order
             && (1..=3).contains(&order)
             // The logarithm of what must be above zero is no number otherwise.
-            && parameters.iter().all(|x| x.abs() <= LARGEST)
-            && self.covariance.len() == parameters.len()
-            && self.covariance.iter().all(|row| row.len() == parameters.len())
-            && self.covariance.iter().flatten().all(|x| x.abs() <= LARGEST)
+            && is_sized(&parameters, count)
+            && bounds
+    }
+
+    fn intervals(&self) -> impl Iterator<Item = Interval> {
+        let of_some_orders = [self.omega_rad_s, self.damping, self.lag_s];
+        let of_all = [self.gain, self.delay_s];
+        of_all.into_iter().chain(of_some_orders.into_iter().flatten())
     }
 }
 
@@ -217,7 +237,8 @@ fn choose(
             .map(|fit| fit.transfer);
         fits.extend(fitter.best(order, &guess.starts(order, second)));
     }
-    let good_enough = |fit: &&Fit| fit.tried.p >= REJECT;
+    let is_tested = fitter.projection.is_tested;
+    let good_enough = |fit: &&Fit| is_tested && fit.tried.p >= REJECT;
     let chosen = match simplest(&fits, |fit| fit.tried).find(good_enough) {
         None if fits.is_empty() => return Err(Error::NoResponse),
         Some(simplest) => simplest,
@@ -227,7 +248,11 @@ fn choose(
             fits.iter().find(good).unwrap_or(&fits[fits.len() - 1])
         }
     };
-    Ok(chosen.report(&fits, model.step.pointwise.level, options.frame_period_s))
+    let tried = match is_tested {
+        true => fits.iter().map(|fit| fit.tried).collect(),
+        false => Vec::new(),
+    };
+    Ok(chosen.report(tried, model.level(), options.frame_period_s))
 }
 
 /// Difference of Bayes' criterion that is "not worth more than a bare mention" (Kass & Raftery, Journal of the
@@ -337,49 +362,60 @@ struct Fit {
 }
 
 impl Fit {
-    fn report(&self, all: &[Self], level: f64, hold_period_s: Option<f64>) -> FlightModel {
-        let approximation = self.tried.p < REJECT;
+    fn report(
+        &self,
+        tried: Vec<OrderTried>,
+        level: Bounds<f64>,
+        hold_period_s: Option<f64>,
+    ) -> FlightModel {
+        let approximation = tried.is_empty() || self.tried.p < REJECT;
         let ratio = self.tried.chi_square / self.tried.degrees_of_freedom as f64;
-        let inflation = if approximation { ratio.max(1.0) } else { 1.0 };
+        let inflation = match approximation && !tried.is_empty() {
+            true => ratio.max(1.0),
+            false => 1.0,
+        };
         let covariance = faer::Scale(inflation) * &self.minimum.covariance;
-        let x = &self.minimum.parameters;
-        let critical = pointwise_critical(level);
-        let bounds = |k: usize| {
-            let half = critical * covariance[(k, k)].max(0.0).sqrt();
-            (x[k], x[k] - half, x[k] + half)
+        let known = Parameters {
+            values: &self.minimum.parameters,
+            covariance: &covariance,
+            level,
         };
-        let plain = |k: usize| {
-            let (value, lower, upper) = bounds(k);
-            Interval::new(value, lower, upper)
-        };
-        let exponential = |k: usize| {
-            let (value, lower, upper) = bounds(k);
-            Interval::new(value.exp(), lower.exp(), upper.exp())
-        };
+        let last = known.values.len() - 1;
         let oscillates = self.transfer.oscillator.is_some();
         FlightModel {
             transfer: self.transfer,
-            gain: plain(0),
-            delay_s: plain(1),
-            omega_rad_s: oscillates.then(|| exponential(2)),
-            damping: oscillates.then(|| exponential(3)),
-            lag_s: self.transfer.lag_s.map(|_| exponential(x.len() - 1)),
-            level,
-            covariance: to_rows(&covariance),
+            gain: known.plain(0),
+            delay_s: known.plain(1),
+            omega_rad_s: oscillates.then(|| known.exponential(2)),
+            damping: oscillates.then(|| known.exponential(3)),
+            lag_s: self.transfer.lag_s.map(|_| known.exponential(last)),
+            bounds: level.map(|level| ParameterBounds {
+                level,
+                covariance: to_rows(&covariance),
+            }),
+            statement: self.statement(&tried, approximation, hold_period_s),
             order: self.order,
-            tried: all.iter().map(|fit| fit.tried).collect(),
+            tried,
             approximation,
             inflation,
             largest_error_percent: self.tried.largest_error_percent,
             hold_period_s,
-            statement: self.statement(approximation, hold_period_s),
         }
     }
 
-    fn statement(&self, approximation: bool, hold_period_s: Option<f64>) -> String {
+    fn statement(
+        &self,
+        tried: &[OrderTried],
+        approximation: bool,
+        hold_period_s: Option<f64>,
+    ) -> String {
         let quality = if approximation {
+            let rejected = match tried {
+                [] => String::new(),
+                _ => format!(" (p < {REJECT})"),
+            };
             format!(
-                "approximation (p < {REJECT}): largest error {:.1} % of the step",
+                "approximation{rejected}: largest error {:.1} % of the step",
                 self.tried.largest_error_percent
             )
         } else {

@@ -19,8 +19,8 @@ use crate::error::Error;
 use crate::estimation::fsf_basis::dot;
 use crate::estimation::least_squares::{Coordinates, Information, filtered_input_moments};
 use crate::numerics::linear_algebra::times;
-use crate::results::metrics::covariance_of;
 use crate::results::model::Model;
+use crate::results::validity::Bounds;
 
 /// Length of h in settling times: N leaves a margin over the response, and twice N what is slower
 /// than the data could show.
@@ -39,6 +39,8 @@ pub(crate) struct Projection {
     step_map: Mat<f64>,
     /// Step response of the estimate.
     step: Vec<f64>,
+    /// Whether the whitening is by the covariance of noise, so that lack of fit can be tested.
+    pub(crate) is_tested: bool,
 }
 
 impl Projection {
@@ -83,21 +85,29 @@ impl Projection {
         Ok(Self {
             estimate: times(&whitening, solution.response()),
             map: &whitening * &projection,
+            is_tested: true,
             step: times(&step, solution.response()),
             step_map: step * projection,
         })
     }
 
-    /// What the bank of `model` makes of a servo that is at rest again after N samples. What it does
-    /// later is gathered in the last of them, as the model's own step response has it.
+    /// The estimate, by the bank of `model`, of a servo that is at rest again after N samples. Its later
+    /// motion is gathered in the last of them, as the model's own step response has it.
     pub(crate) fn of_model(model: &Model) -> Result<Self, Error> {
         let basis = model.basis()?;
         let (analysis, last) = (basis.analysis_map(), basis.settling() - 1);
         let projection = Mat::from_fn(analysis.nrows(), LENGTH * basis.settling(), |k, i| {
             analysis[(k, i.min(last))]
         });
-        let whitening = whitening(&covariance_of(model)).ok_or(Error::NoResponse)?;
+        // Without a covariance all deviations count alike, relative to the gain.
+        let size = model.theta.len();
+        let covariance = match &model.bounds {
+            Bounds::Valid(bounds) => bounds.covariance_matrix(),
+            Bounds::Withdrawn(_) => faer::Scale(model.theta[0].powi(2)) * Mat::<f64>::identity(size, size),
+        };
+        let whitening = whitening(&covariance).ok_or(Error::NoResponse)?;
         Ok(Self {
+            is_tested: model.bounds.valid().is_some(),
             estimate: times(&whitening, &model.theta),
             map: whitening * &projection,
             step: model.step.value.clone(),

@@ -12,6 +12,7 @@
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
+use super::intervals::Parameters;
 use super::projection::{LENGTH, whitening, with_history};
 use super::search::{Minimum, minimise};
 use super::{FlightModelOptions, Guess, LowOrder, OrderTried, REJECT, simplest};
@@ -22,12 +23,12 @@ use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::Coordinates;
 use crate::nonlinear::direction::two_inputs::{self, TwoInputMoments};
 use crate::nonlinear::direction::{DirectionModel, FREQUENCIES};
-use crate::numerics::critical_values::pointwise_critical;
 use crate::numerics::linear_algebra::times;
 use crate::numerics::matrix_rows::to_rows;
 use crate::options::NoiseOrder;
 use crate::results::metrics::Interval;
-use crate::results::model::Model;
+use crate::results::model::{Model, ParameterBounds};
+use crate::results::validity::Bounds;
 
 /// The answer to strokes of one direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -55,10 +56,10 @@ pub struct SwitchingModel {
     pub up: Stroke,
     /// Strokes downwards.
     pub down: Stroke,
-    /// Level of the intervals.
-    pub level: f64,
-    /// Covariance of \[K, up: L, ln ω, ln ζ, ln T, down: the same\], widened already.
-    pub covariance: Vec<Vec<f64>>,
+    /// Level of the intervals and covariance of \[K, up: L, ln ω, ln ζ, ln T, down: the same\], widened already,
+    /// where bounds hold.
+    #[serde(flatten)]
+    pub bounds: Bounds<ParameterBounds>,
     /// Orders 2 and 3.
     pub tried: Vec<OrderTried>,
     /// Poles for each direction.
@@ -256,30 +257,31 @@ impl Fit {
         let ratio = self.tried.chi_square / self.tried.degrees_of_freedom as f64;
         let inflation = if approximation { ratio.max(1.0) } else { 1.0 };
         let covariance = faer::Scale(inflation) * &self.minimum.covariance;
-        let x = &self.minimum.parameters;
-        let critical = pointwise_critical(split.level);
-        let half = |k: usize| critical * covariance[(k, k)].max(0.0).sqrt();
-        let plain = |k: usize| Interval::new(x[k], x[k] - half(k), x[k] + half(k));
-        let exponential =
-            |k: usize| Interval::new(x[k].exp(), (x[k] - half(k)).exp(), (x[k] + half(k)).exp());
-        let each = (x.len() - 1) / 2;
+        let known = Parameters {
+            values: &self.minimum.parameters,
+            covariance: &covariance,
+            level: split.level,
+        };
+        let each = (known.values.len() - 1) / 2;
         let stroke = |side: usize| {
             let first = 1 + side * each;
             Stroke {
                 transfer: self.transfers[side],
-                delay_s: plain(first),
-                omega_rad_s: exponential(first + 1),
-                damping: exponential(first + 2),
-                lag_s: (self.order == 3).then(|| exponential(first + 3)),
+                delay_s: known.plain(first),
+                omega_rad_s: known.exponential(first + 1),
+                damping: known.exponential(first + 2),
+                lag_s: (self.order == 3).then(|| known.exponential(first + 3)),
             }
         };
         SwitchingModel {
-            gain: plain(0),
+            gain: known.plain(0),
             offset: split.level_at(0.0),
             up: stroke(0),
             down: stroke(1),
-            level: split.level,
-            covariance: to_rows(&covariance),
+            bounds: split.level.map(|level| ParameterBounds {
+                level,
+                covariance: to_rows(&covariance),
+            }),
             tried,
             order: self.order,
             approximation,

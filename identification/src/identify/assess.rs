@@ -3,9 +3,10 @@
 use super::Pipeline;
 use super::estimate::Estimate;
 use crate::diagnostics::linearity::Linearity;
-use crate::diagnostics::residual_tests::{self, Residuals, WHITENESS_SAMPLES};
+use crate::diagnostics::residual_tests::{self, WHITENESS_SAMPLES};
 use crate::diagnostics::simulation_error::beginnings;
 use crate::results::model::{Fit, Model};
+use crate::results::residuals::Residuals;
 use crate::results::validation::fit_percent;
 
 impl Pipeline<'_> {

@@ -19,10 +19,10 @@ use crate::data::timing::Timing;
 use crate::diagnostics::advice::{self, Evidence};
 use crate::diagnostics::explanation::Explanation;
 use crate::diagnostics::initial_rest;
-use crate::diagnostics::residual_tests::Residuals;
 use crate::diagnostics::run_scatter::RunComparison;
+use crate::diagnostics::validity;
 use crate::error::Error;
-use crate::estimation::excitation::{self, Excitation};
+use crate::estimation::excitation::Excitation;
 use crate::estimation::gls::MAX_AUTO_ORDER;
 use crate::estimation::noise_model::Noise;
 use crate::estimation::truncation::Truncation;
@@ -30,10 +30,15 @@ use crate::estimation::variance::{self, CurveVariance};
 use crate::numerics::linear_algebra::times;
 use crate::numerics::matrix_rows::to_rows;
 use crate::options::{Frequencies, NoiseOrder, Options};
-use crate::results::frequency_response::{self, FrequencyResponse, frequency_map};
-use crate::results::metrics::{Measured, Metrics};
-use crate::results::model::{Model, SCHEMA, Structure};
-use crate::results::step_response::{Biases, StepResponse};
+use crate::results::frequency_response::{
+    self, FrequencyBounds, FrequencyResponse, frequency_map,
+};
+use crate::results::metrics::Metrics;
+use crate::results::metrics::measured::Measured;
+use crate::results::model::{Model, ParameterBounds, SCHEMA, Structure};
+use crate::results::residuals::Residuals;
+use crate::results::step_response::{Biases, StepBounds, StepResponse};
+use crate::results::validity::Bounds;
 
 use collected::Collected;
 use estimate::Estimate;
@@ -117,6 +122,7 @@ impl Pipeline<'_> {
             linearity,
             model_errors,
         } = &considered;
+        let linear = model_errors.is_none() && !linearity.is_some_and(|found| found.is_rejected());
         // A bank that is left with the gain alone, of an input without steps, is no step response. It
         // may be what predicts best all the same, or have been asked for.
         let asked = matches!(self.options.frequencies, Frequencies::Count(_));
@@ -136,21 +142,22 @@ impl Pipeline<'_> {
         let resolution = self.resolution(estimate);
         let mut model = self.describe(estimate, &responses, truncation, resolution);
         model.residuals = self.residuals(&model, estimate, *linearity);
-        if let Some(errors) = model_errors {
-            model.metrics = errors.told(model.metrics, &model.step.value);
-        }
         let degrees_of_freedom = responses.step.degrees_of_freedom;
         let record = (excitation, resolution);
         let explanation = self.explain(&model, considered, degrees_of_freedom, record);
-        if explanation.unexcited_above_hz(&model).is_some() {
-            model.metrics = excitation::told(model.metrics, &model.step, model.theta[0]);
-        }
+        model.linear = linear;
+        model.metrics = validity::supported_metrics(&explanation, &model);
+        let withdrawn = validity::reason_against_bounds(&explanation, &model);
         model.advice = advice::gather(&Evidence {
             model: &model,
+            withdrawn,
             explanation: &explanation,
             options: self.options,
             samples: self.collected.moments.samples(),
         });
+        if let Some(reason) = withdrawn {
+            model.withdraw(reason);
+        }
         Ok(Identification { model, explanation })
     }
 
@@ -187,21 +194,23 @@ impl Pipeline<'_> {
             truncation,
             rounding,
         };
-        let step = StepResponse::new(period, value, &responses.step, level, biases);
-        let frequency = FrequencyResponse::new(
-            period,
-            &responses.omegas,
-            &responses.frequency_values,
-            &responses.frequency,
+        let step_bounds = StepBounds::new(&value, &responses.step, level, biases);
+        let frequency_values = &responses.frequency_values;
+        let frequency_bounds =
+            FrequencyBounds::new(frequency_values, &responses.frequency, level, frequency_bias);
+        let omega_rad_s: Vec<f64> = responses.omegas.iter().map(|w| w / period).collect();
+        let parameter_bounds = ParameterBounds {
             level,
-            frequency_bias,
-        );
+            covariance: to_rows(&covariance),
+        };
         let metrics = Metrics::new(&Measured {
-            basis,
+            basis: *basis,
             theta: &theta,
-            covariance: &covariance,
-            step: &step,
-            frequency: &frequency,
+            covariance,
+            step: &value,
+            step_bounds: &step_bounds,
+            omega_rad_s: &omega_rad_s,
+            frequency_bounds: &frequency_bounds,
             timing,
         });
         Model {
@@ -215,15 +224,21 @@ impl Pipeline<'_> {
                 selected_by: self.plan.selected_by,
             },
             theta,
-            covariance: to_rows(&covariance),
+            bounds: Bounds::Valid(parameter_bounds),
             offset: fit.offset(information),
             noise: Noise {
                 ar: fit.ar.clone(),
                 sigma: fit.variance.sqrt(),
             },
             metrics,
-            step,
-            frequency,
+            linear: true,
+            step: StepResponse::new(period, value, Bounds::Valid(step_bounds)),
+            frequency: FrequencyResponse::new(
+                period,
+                &responses.omegas,
+                frequency_values,
+                Bounds::Valid(frequency_bounds),
+            ),
             fit: self.figures_of_merit(estimate),
             residuals: Residuals::default(),
             iterations: fit.iterations,

@@ -29,7 +29,6 @@ use crate::estimation::least_squares::{Coordinates, Information, least_squares_l
 use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::truncation::FIRST_ORDER;
 use crate::options::NoiseOrder;
-use crate::results::metrics::{Interval, Metrics};
 use crate::results::validation::fit_percent;
 use crate::selection::settling_time;
 
@@ -130,20 +129,6 @@ impl ModelErrors {
         } else {
             f64::INFINITY
         }
-    }
-
-    /// What of the figures of the step response `taken` can be told: where estimators disagree,
-    /// neither's times are findings, and where they disagree about the final value nothing is.
-    pub(crate) fn told(&self, metrics: Metrics, taken: &[f64]) -> Metrics {
-        if self.disagreement(taken) <= DISAGREEMENT {
-            return metrics;
-        }
-        let final_values = (taken.last(), self.other_step.last());
-        let gain = match final_values {
-            (Some(a), Some(b)) if (a - b).abs() <= DISAGREEMENT * a.abs() => metrics.dc_gain,
-            _ => Interval::default(),
-        };
-        Metrics::gain_alone(gain)
     }
 }
 

@@ -36,8 +36,9 @@ use crate::numerics::linear_algebra::times;
 use crate::options::NoiseOrder;
 use crate::results::metrics::Interval;
 use crate::results::model::Model;
-use crate::results::step_response::{Biases, StepResponse};
+use crate::results::step_response::{Biases, StepBounds, StepResponse};
 use crate::results::validation::fit_percent;
+use crate::results::validity::Bounds;
 use two_inputs::{TwoInputFit, TwoInputMoments};
 
 /// Frequencies of the bank on |du|: with fewer, what they leave out shows up as an asymmetry that
@@ -89,8 +90,8 @@ pub struct DirectionModel {
     pub symmetry: Symmetry,
     /// 100 (1 - |y - ŷ| / |y - mean y|), ŷ simulated from the input alone.
     pub simulation_percent: f64,
-    /// Confidence level of the bands and the test.
-    pub level: f64,
+    /// Confidence level of the bands, where they hold.
+    pub level: Bounds<f64>,
     pub(crate) fit: SplitFit,
 }
 
@@ -156,12 +157,7 @@ impl SplitFit {
 /// The record has too few samples, or changes of the command do not stand apart from the command
 /// itself (strokes in one direction only).
 pub fn split(record: &Record, model: &Model) -> Result<DirectionModel, Error> {
-    split_with(
-        record,
-        model.basis()?,
-        NoiseOrder::Auto,
-        model.step.pointwise.level,
-    )
+    split_with(record, model.basis()?, NoiseOrder::Auto, model.level())
 }
 
 /// [`split`] for a bank, noise order and level of one's own.
@@ -172,7 +168,7 @@ pub fn split_with(
     record: &Record,
     basis: FsfBasis,
     order: NoiseOrder,
-    level: f64,
+    level: Bounds<f64>,
 ) -> Result<DirectionModel, Error> {
     let settling = basis.settling();
     let odd = settling - usize::from(settling.is_multiple_of(2));
@@ -206,7 +202,7 @@ fn build(
     second: &FsfBasis,
     fit: TwoInputFit,
     timing: Timing,
-    level: f64,
+    level: Bounds<f64>,
 ) -> DirectionModel {
     let (n, n2) = (coordinates.len(), second.frequencies());
     let p = n + n2 + 1;
@@ -234,13 +230,8 @@ fn build(
         let map = Mat::from_fn(settling, p, |m, k| curves[(from + m, k)]);
         let spread = spread_of(&map, &split.covariance, split.degrees_of_freedom);
         let value = times(&map, &split.parameters);
-        StepResponse::new(
-            timing.sample_period_s,
-            value,
-            &spread,
-            level,
-            Biases::default(),
-        )
+        let bounds = level.map(|level| StepBounds::new(&value, &spread, level, Biases::default()));
+        StepResponse::new(timing.sample_period_s, value, bounds)
     };
     let symmetry = symmetry(&split, n..n + n2, timing);
     DirectionModel {
@@ -348,8 +339,10 @@ impl DirectionModel {
         let sd = dot(&weights, &times(&self.fit.covariance, &weights))
             .max(0.0)
             .sqrt();
-        let normal = pointwise_critical(self.level);
-        let half = sd * student_critical(normal, &[self.fit.degrees_of_freedom])[0];
-        Interval::new(value, value - half, value + half)
+        let half = self.level.valid().map(|level| {
+            let normal = pointwise_critical(*level);
+            sd * student_critical(normal, &[self.fit.degrees_of_freedom])[0]
+        });
+        Interval::around(value, half)
     }
 }

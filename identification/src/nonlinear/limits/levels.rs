@@ -86,7 +86,8 @@ pub(crate) struct Table {
     /// Variance within cells and its degrees of freedom.
     variance: f64,
     degrees: usize,
-    level: f64,
+    /// Confidence level of intervals; `None` where they have no bounds.
+    level: Option<f64>,
     /// How long a hold must last to be counted \[s\].
     needed_s: f64,
 }
@@ -101,7 +102,7 @@ struct Level {
 impl Table {
     /// Collects holds whose last quarter begins at least `settling` samples, `period_s` apart, after
     /// the edge.
-    pub(crate) fn new(runs: &[Run], period_s: f64, settling: usize, level: f64) -> Self {
+    pub(crate) fn new(runs: &[Run], period_s: f64, settling: usize, level: Option<f64>) -> Self {
         let mut visits: Vec<(f64, Side, f64)> = Vec::new();
         for run in runs {
             for hold in holds(run) {
@@ -181,8 +182,13 @@ impl Table {
 
     /// Student's interval of a mean whose variance is `share` of that of one visit.
     fn around(&self, value: f64, share: f64) -> Interval {
-        let half = self.critical(0.5 - self.level / 2.0) * (self.variance * share).sqrt();
-        Interval::new(value, value - half, value + half)
+        self.within(value, (self.variance * share).sqrt())
+    }
+
+    /// Student's interval of a value with a standard deviation.
+    fn within(&self, value: f64, sd: f64) -> Interval {
+        let half = self.level.map(|level| self.critical(0.5 - level / 2.0) * sd);
+        Interval::around(value, half)
     }
 
     /// Student's quantile with `tail` above it; infinite without degrees of freedom.
@@ -225,7 +231,9 @@ impl Table {
         let sd = (self.variance / weights).sqrt();
         let found = difference.abs() > self.critical(FALSE_ALARM / 2.0) * sd;
         let size = absolute(interval);
-        let bound = size.upper.unwrap_or(f64::INFINITY);
+        let by_more = size
+            .upper
+            .map_or_else(String::new, |bound| format!(" by more than {bound:.3}"));
         Hysteresis {
             found: Some(found),
             size,
@@ -237,8 +245,7 @@ impl Table {
                 )
             } else {
                 format!(
-                    "The rest position does not depend on the direction of approach by more than \
-                     {bound:.3}."
+                    "The rest position does not depend on the direction of approach{by_more}."
                 )
             },
         }
@@ -285,8 +292,7 @@ impl Table {
             .sum();
         let sd = (self.variance * share).sqrt() / (neighbours[1].command - neighbours[0].command);
         let ratio = gain / others;
-        let half = self.critical(0.5 - self.level / 2.0) * sd / others.abs();
-        end.gain_ratio = Interval::new(ratio, ratio - half, ratio + half);
+        end.gain_ratio = self.within(ratio, sd / others.abs());
         let softens = SOFT - ratio > self.critical(FALSE_ALARM_OF_AN_END) * sd / others.abs();
         end.softens = Some(softens);
         end.statement = match (softens, ratio < STOP) {
