@@ -8,15 +8,10 @@
 //! doubles, delays and holds up frames both ways. The exit code is 1 if one of them was silently
 //! wrong or hung, or if fewer than 99.9 % were complete at 1 %.
 
-#[path = "../tests/trials/judge.rs"]
-mod judge;
-#[path = "../tests/trials/chaos.rs"]
-mod trials;
-
-use judge::Outcome;
 use servoid::port::chaos::Faults;
+use servoid_test_support::trials::chaos::trial;
+use servoid_test_support::trials::judge::Outcome;
 use std::process::ExitCode;
-use trials::trial;
 
 fn main() -> ExitCode {
     let mut numbers = std::env::args().skip(1).map(|text| text.parse::<u64>());

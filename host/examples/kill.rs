@@ -7,10 +7,8 @@
 //! The exit code is 1 if a file could not be read, or if more than the last 40 ms of rows were missing
 //! in one, the time by which the machine itself was late not counted.
 
-#[path = "../tests/trials/kill.rs"]
-mod trials;
-
 use rand::{RngExt, SeedableRng};
+use servoid_test_support::trials::kill;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -28,7 +26,7 @@ fn main() -> ExitCode {
     let mut missing = Vec::new();
     for kill in 0..kills {
         let at = Duration::from_millis(rng.random_range(200..3_000));
-        match trials::trial(&servoid, &folder, at) {
+        match kill::trial(&servoid, &folder, at) {
             Ok(cost) => {
                 if cost.missing > Duration::from_millis(40) + cost.lateness {
                     late += 1;

@@ -3,12 +3,7 @@
 //!
 //! `cargo run --release -p servoid --example linearity -- [SEEDS]`
 
-#[path = "../tests/trials/recordings.rs"]
-mod recordings;
-#[path = "../tests/trials/linearity.rs"]
-mod trials;
-
-use trials::{Motion, Said, motions, said};
+use servoid_test_support::trials::linearity::{Motion, Said, motions, said};
 
 /// Degrees to each side.
 const SIZES_DEG: [f64; 5] = [1.0, 2.5, 5.0, 10.0, 30.0];

@@ -3,14 +3,8 @@
 //!
 //! `cargo run --release -p servoid --example verdict_pairs -- PAIRS`
 
-#[path = "../tests/trials/recordings.rs"]
-mod recordings;
-#[path = "../tests/trials/verdicts.rs"]
-#[allow(dead_code, reason = "shared with the tests, which use the rest")]
-mod verdicts;
-
 use servoid_identification::comparison::{Comparison, DifferencePercent, Verdict};
-use verdicts::{compare_pairs, count};
+use servoid_test_support::trials::verdicts::{compare_pairs, count};
 
 /// What is compared with what.
 const CASES: [(&str, [&str; 2]); 8] = [

@@ -5,12 +5,9 @@
 //! with 300 runs a case by default; FILTER keeps the lines that contain it, such as `Staircase | A`;
 //! `narrow` takes the narrow number of frequencies.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
-
-use common::coverage::{Case, Line, Reference, measure};
-use common::{Noise, Plant};
 use servoid_identification::{Frequencies, Options};
+use servoid_test_support::coverage::{Case, Line, Reference, measure};
+use servoid_test_support::plants::{Noise, Plant};
 
 fn main() {
     let mut arguments = std::env::args().skip(1);

@@ -3,14 +3,8 @@
 //!
 //! `cargo run --release -p servoid-identification --example figures_coverage -- [RUNS] [FILTER]`
 
-#[path = "../tests/servo/figures_coverage.rs"]
-mod figures_coverage;
-#[path = "../tests/servo/plants.rs"]
-#[allow(dead_code, reason = "shared with the tests, which use the rest")]
-mod plants;
-
-use figures_coverage::{Case, Line, NAMES, Reference, Sensor, measure};
-use plants::Linear;
+use servoid_test_support::figures_coverage::{Case, Line, NAMES, Reference, Sensor, measure};
+use servoid_test_support::servos::Linear;
 
 fn main() {
     let mut arguments = std::env::args().skip(1);

@@ -2,15 +2,9 @@
 //!
 //! `cargo run --release -p servoid-identification --example metrics_coverage -- RUNS`
 
-#[path = "../tests/servo/metrics_coverage.rs"]
-mod metrics_coverage;
-#[path = "../tests/servo/plants.rs"]
-#[allow(dead_code, reason = "shared with the tests, which use the rest")]
-mod plants;
-
-use metrics_coverage::{Case, NAMES, run};
-use plants::Linear;
 use servoid_identification::Settling;
+use servoid_test_support::metrics_coverage::{Case, NAMES, run};
+use servoid_test_support::servos::Linear;
 
 fn main() {
     let runs = std::env::args()

@@ -3,16 +3,14 @@
 //!
 //! `cargo run --release -p servoid-identification --example verdicts -- RUNS`
 
-#[path = "../tests/servo/plants.rs"]
-#[allow(dead_code, reason = "shared with the tests, which use the rest")]
-mod plants;
-
-use plants::{Limit, Linear, PERIOD, exact_shift, limited, measured, sizes, staircase, stairs};
 use rayon::prelude::*;
 use servoid_identification::comparison::{ComparisonOptions, Verdict, compare};
 use servoid_identification::direction::split;
 use servoid_identification::limits::{Limits, RateVerdict};
 use servoid_identification::{Model, Options, Record, identify};
+use servoid_test_support::servos::{
+    Limit, Linear, PERIOD, exact_shift, limited, measured, sizes, staircase, stairs,
+};
 
 /// A servo as a function of its input and where it starts.
 type Servo = dyn Fn(&[f64], f64) -> Vec<f64> + Sync;

@@ -1,14 +1,10 @@
 //! What a simulated second costs: a run under way, frames going out. At most 0.05 s, so that real
 //! time is kept with room to spare.
 
-#[path = "../tests/image/support.rs"]
-#[allow(dead_code)] // the tests use the rest
-mod support;
-
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use servoid_protocol::message::Command;
+use servoid_test_support::virtual_board::{SharedBoard, options, staircase};
 use std::time::Duration;
-use support::{SharedBoard, options, staircase};
 
 fn running(servo: &str) -> SharedBoard {
     let board = SharedBoard::new(&options(servo, &[]));

@@ -1,11 +1,5 @@
 //! Captures over bad lines: complete or labelled, never silently wrong.
 
-#[path = "../trials/judge.rs"]
-pub mod judge;
-#[path = "../trials/chaos.rs"]
-pub mod trials;
-
-use judge::{Outcome, capture_to_disk};
 use servoid::port::Port;
 use servoid::port::chaos::Faults;
 use servoid::recording::Ending;
@@ -15,8 +9,9 @@ use servoid_protocol::PulseWidth;
 use servoid_protocol::message::Start;
 use servoid_simulator::InProcessRig;
 use servoid_simulator::SimulatedFrame;
+use servoid_test_support::trials::chaos::{capture, rig, short_run, trial};
+use servoid_test_support::trials::judge::{self, Outcome, capture_to_disk};
 use std::time::Duration;
-use trials::{capture, rig, short_run, trial};
 
 /// What a capture of the short run is.
 fn check(bytes: &[u8], ending: Option<&Ending>, log: &[SimulatedFrame]) -> Result<Outcome, String> {

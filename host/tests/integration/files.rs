@@ -1,14 +1,12 @@
 //! Recordings under adverse conditions: cut, changed, killed, and disks that are full.
 
-#[path = "../trials/kill.rs"]
-mod kill;
-
 use crate::support::{arg, data, refusal, run};
 use servoid::recording::{
     Completeness, Ending, FORMAT, Header, ReadError, Recording, RecordingWriter, is_recording,
     recover,
 };
 use servoid_protocol::{Counts, Frame, PulseWidth, framing};
+use servoid_test_support::trials::kill;
 use std::path::Path;
 use std::time::Duration;
 

@@ -2,12 +2,12 @@
 //!
 //! The same properties as the fuzz targets in `fuzz/`, on fewer inputs and without their tools.
 
-use crate::any_bytes::read_as_a_recording;
 use crate::support::data;
 use proptest::prelude::*;
 use servoid::rig::RigFile;
 use servoid::table::Table;
 use servoid_protocol::{Degrees, PulseWidth};
+use servoid_test_support::trials::any_bytes::read_as_a_recording;
 use std::path::Path;
 
 /// Bytes that are nearly a file: some of it replaced, cut out or doubled.

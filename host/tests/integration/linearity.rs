@@ -1,11 +1,6 @@
 //! Servos that are not linear are told from those that are; `examples/linearity.rs` is the long version.
 
-#[path = "../trials/linearity.rs"]
-#[allow(dead_code, reason = "shared with the example, which uses the rest")]
-mod trials;
-
-use super::recordings;
-use trials::{motions, said};
+use servoid_test_support::trials::linearity::{motions, said};
 
 #[test]
 fn a_servo_that_is_not_linear_is_told_and_a_linear_one_is_not() {

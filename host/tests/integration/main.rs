@@ -1,7 +1,5 @@
 //! The program as a user meets it.
 
-#[path = "../trials/any_bytes.rs"]
-mod any_bytes;
 #[cfg(unix)]
 mod browser;
 mod calibrate;
@@ -21,8 +19,6 @@ mod linearity;
 mod models;
 mod no_bounds;
 mod plan;
-#[path = "../trials/recordings.rs"]
-mod recordings;
 mod references;
 mod report;
 mod results;

@@ -1,7 +1,5 @@
 //! Two programs on one rig: the one that has a run keeps it, and one that is gone can be replaced.
 
-use crate::chaos::judge::{Outcome, check};
-use crate::chaos::trials::{capture, rig, short_run};
 use servoid::port::Port;
 use servoid::recording::Ending;
 use servoid::rig::capture::{Capture, CaptureError};
@@ -9,6 +7,8 @@ use servoid::rig::{RigClient, RigFile, TalkError};
 use servoid_protocol::message::{Activity, Start};
 use servoid_protocol::{Command, Request, framing};
 use servoid_simulator::InProcessRig;
+use servoid_test_support::trials::chaos::{capture, rig, short_run};
+use servoid_test_support::trials::judge::{Outcome, check};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;

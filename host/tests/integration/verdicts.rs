@@ -1,11 +1,7 @@
 //! One servo recorded twice is never called different; `examples/verdict_pairs.rs` is the long version.
 
-#[path = "../trials/verdicts.rs"]
-mod trials;
-
-use super::recordings;
 use servoid_identification::comparison::Verdict;
-use trials::{compare_pairs, count};
+use servoid_test_support::trials::verdicts::{compare_pairs, count};
 
 #[test]
 fn one_servo_twice_is_the_same_whatever_scatters_and_a_loaded_one_is_not() {

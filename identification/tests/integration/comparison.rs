@@ -1,0 +1,325 @@
+//! The same servo is never called different, a different one is.
+
+use rayon::prelude::*;
+use servoid_identification::comparison::{
+    Comparison, ComparisonOptions, Verdict, compare, compare_models,
+};
+use servoid_identification::{Options, Record, Run, Settling, identify};
+
+use servoid_test_support::servos::{
+    Limit, Linear, PERIOD, exact_shift, limited, measured, respond_by_stroke, staircase,
+};
+
+fn servo() -> Linear {
+    Linear::second_order(0.97, 0.0255, 0.5, 60.0)
+}
+
+fn options() -> ComparisonOptions {
+    ComparisonOptions {
+        identification: Options {
+            settling: Settling::Samples(131),
+            ..Options::default()
+        },
+        ..ComparisonOptions::default()
+    }
+}
+
+/// Runs that differ in their noise, and in gain and delay by `scatter` of 1 % and 0.2 ms.
+fn record(
+    up: &Linear,
+    down: &Linear,
+    zero: f64,
+    seeds: std::ops::Range<u64>,
+    scatter: f64,
+) -> Record {
+    let input = staircase();
+    let runs = seeds.map(|seed| {
+        let part =
+            |k: u64| scatter * (((seed * 7 + k) * 2_654_435_761 % 1000) as f64 / 500.0 - 1.0);
+        let changed = |servo: &Linear| {
+            let mut servo = servo.clone();
+            servo.gain *= 1.0 + 0.01 * part(1);
+            servo.delay_s += 0.0002 * part(2);
+            servo
+        };
+        let clean: Vec<f64> = respond_by_stroke(&changed(up), &changed(down), &input, -5.0, 0.0)
+            .iter()
+            .map(|y| y + zero)
+            .collect();
+        Run::new(input.as_slice(), measured(&clean, 1.0, seed)).unwrap()
+    });
+    Record::new(PERIOD, runs.collect()).unwrap()
+}
+
+fn plain(servo: &Linear, seed: u64) -> Record {
+    record(servo, servo, 0.0, seed..seed + 1, 0.0)
+}
+
+#[test]
+fn the_same_servo_is_the_same_and_never_different() {
+    let verdicts: Vec<Comparison> = (0..20u64)
+        .into_par_iter()
+        .map(|k| {
+            compare(
+                &plain(&servo(), 2 * k),
+                &plain(&servo(), 2 * k + 1),
+                &options(),
+            )
+            .unwrap()
+        })
+        .collect();
+    assert!(verdicts.iter().all(|found| found.verdict == Verdict::Same));
+    for found in &verdicts {
+        assert!(found.summary.contains("not included"));
+        assert_eq!((found.p_value, found.runs), (None, [1, 1]));
+    }
+    // 20 pairs times 8 figures at 99 %: 1.6 expected outside; eight have a probability below 0.1 %.
+    let outside = verdicts
+        .iter()
+        .flat_map(|found| &found.differences)
+        .filter(|d| d.lower.is_some_and(|low| low > 0.0) || d.upper.is_some_and(|up| up < 0.0))
+        .count();
+    assert!(outside < 8, "{outside} of 160");
+}
+
+#[test]
+fn bounds_of_the_difference_hold_the_true_one() {
+    let (a, b) = (servo(), Linear::second_order(0.87, 0.0275, 0.5, 55.0));
+    let found = compare(&plain(&a, 1), &plain(&b, 2), &options()).unwrap();
+    let exact = (0..130)
+        .map(|m| f64::from(m) * PERIOD)
+        .map(|t| (a.step(t) - b.step(t)).abs() / a.gain)
+        .fold(0.0, f64::max);
+    assert_eq!(found.verdict, Verdict::Different);
+    assert!(found.difference_percent.at_least <= 100.0 * exact);
+    assert!(found.difference_percent.at_most >= 100.0 * exact);
+    assert!(found.difference_percent.at_most < 100.0 * exact + 2.0);
+    let figure = |name: &str| found.differences.iter().find(|d| d.metric == name).unwrap();
+    let gain = figure("dc_gain");
+    assert!(gain.lower.unwrap() < -0.1 && -0.1 < gain.upper.unwrap());
+
+    // Two milliseconds of delay alone.
+    let later = Linear::second_order(0.97, 0.0275, 0.5, 60.0);
+    let found = compare(&plain(&a, 1), &plain(&later, 2), &options()).unwrap();
+    let [low, high] = found.delay_shift_bounds_s.unwrap();
+    assert!(low < 0.002 && 0.002 < high && high - low < 1e-3);
+    let delay = found
+        .differences
+        .iter()
+        .find(|d| d.metric == "t50_s")
+        .unwrap();
+    assert!(delay.lower.unwrap() < 0.002 && 0.002 < delay.upper.unwrap());
+}
+
+#[test]
+fn the_interval_of_the_delay_shift_holds_the_true_one() {
+    let a = servo();
+    let others = [
+        Linear::second_order(0.97, 0.0255, 0.5, 60.0),
+        Linear::second_order(0.873, 0.0255, 0.5, 60.0),
+        Linear::second_order(0.97, 0.0268, 0.5, 60.0),
+        Linear::second_order(0.87, 0.0265, 0.6, 48.0),
+    ];
+    for (case, b) in (0u64..).zip(&others) {
+        let exact = exact_shift(&a, b);
+        let missed = (0..16u64)
+            .into_par_iter()
+            .filter(|k| {
+                let seeds = [200 * case + 2 * k, 200 * case + 2 * k + 1];
+                let found = compare(&plain(&a, seeds[0]), &plain(b, seeds[1]), &options()).unwrap();
+                let [low, high] = found.delay_shift_bounds_s.unwrap();
+                assert!(high - low < 5e-4, "{low} .. {high}");
+                !(low <= exact && exact <= high)
+            })
+            .count();
+        // At 99 %, three or more of 16 missed have a probability of 0.05 %.
+        assert!(missed < 3, "case {case}: {missed} of 16 miss {exact}");
+    }
+}
+
+#[test]
+fn the_interval_of_each_stroke_holds_the_true_shift() {
+    let (a, up) = (servo(), Linear::second_order(0.97, 0.0275, 0.5, 50.0));
+    let exact = [exact_shift(&a, &up), 0.0];
+    let missed: Vec<[bool; 2]> = (0..16u64)
+        .into_par_iter()
+        .map(|k| {
+            let b = record(&up, &a, 0.0, 2 * k + 901..2 * k + 902, 0.0);
+            let found = compare(&plain(&a, 2 * k + 900), &b, &options()).unwrap();
+            assert!(found.split);
+            [0, 1].map(|c| {
+                let shift = found.curves[c].delay_shift_s;
+                !shift.contains(exact[c])
+            })
+        })
+        .collect();
+    for stroke in [0, 1] {
+        let missed = missed.iter().filter(|missed| missed[stroke]).count();
+        // At 99 %, three or more of 16 missed have a probability of 0.05 %.
+        assert!(
+            missed < 3,
+            "{stroke}: {missed} of 16 miss {}",
+            exact[stroke]
+        );
+    }
+}
+
+#[test]
+fn strokes_that_differ_have_a_delay_shift_each() {
+    let later = Linear::second_order(0.97, 0.0315, 0.5, 60.0);
+    let b = record(&later, &servo(), 0.0, 4..5, 0.0);
+    let found = compare(&plain(&servo(), 3), &b, &options()).unwrap();
+    assert!(found.split);
+    let [up, down] = [0, 1].map(|k| found.curves[k].delay_shift_s);
+    assert!(up.contains(0.006) && !up.contains(0.005), "{up:?}");
+    assert!(down.contains(0.0) && !down.contains(0.001), "{down:?}");
+    assert!(
+        found
+            .summary
+            .contains("On the way up the second is about 6.0 ms behind")
+    );
+    let alone = found.curves[0].shift_leaves_percent.unwrap();
+    // A delay is all there is, as far as the short bank for the difference of the strokes tells.
+    assert!(alone < 4.0, "{alone} %");
+}
+
+#[test]
+fn a_loaded_servo_is_described_by_stroke_level_and_over_prediction() {
+    let bench = servo();
+    let slow = Linear::second_order(0.88, 0.0255, 0.5, 45.0);
+    let fast = Linear::second_order(0.88, 0.0255, 0.5, 60.0);
+    let aircraft = record(&slow, &fast, -0.5, 9..10, 0.0);
+    let found = compare(&plain(&bench, 1), &aircraft, &ComparisonOptions::default()).unwrap();
+    assert_eq!(found.verdict, Verdict::Different);
+    assert!(found.split);
+    let asymmetry = found.asymmetry.unwrap();
+    assert!(asymmetry.b.p.unwrap() < 1e-6 && asymmetry.a.p.unwrap() > 1e-3);
+    let levels = found.levels.unwrap();
+    assert!(levels.b.plus.contains(0.88 * 5.0 - 0.5), "{levels:?}");
+    assert!(levels.b.minus.contains(-0.88 * 5.0 - 0.5), "{levels:?}");
+    let over = found.over_prediction.unwrap();
+    let exact = |measured: f64, predicted: f64| 100.0 * (1.0 - measured / predicted);
+    assert!(over.plus_percent.contains(exact(3.9, 4.85)), "{over:?}");
+    assert!(over.minus_percent.contains(exact(-4.9, -4.85)), "{over:?}");
+    assert!(over.travel_percent.contains(exact(8.8, 9.7)), "{over:?}");
+    let (low, high) = (
+        over.plus_percent.lower.unwrap(),
+        over.plus_percent.upper.unwrap(),
+    );
+    assert!(high - low < 2.0, "{over:?}");
+}
+
+#[test]
+fn scatter_between_runs_is_counted_from_three_runs_a_side() {
+    let side = |gain: f64, seeds: std::ops::Range<u64>| {
+        let servo = Linear::second_order(gain, 0.0255, 0.5, 60.0);
+        record(&servo, &servo, 0.0, seeds, 1.0)
+    };
+    let same = compare(&side(0.97, 0..3), &side(0.97, 10..13), &options()).unwrap();
+    assert_eq!(same.runs, [3, 3]);
+    assert!(
+        same.p_value.unwrap() > 0.01 && same.verdict != Verdict::Different,
+        "{}",
+        same.summary
+    );
+    let different = compare(&side(0.97, 0..5), &side(0.85, 10..15), &options()).unwrap();
+    assert!(different.p_value.unwrap() < 0.01, "{}", different.summary);
+    assert_eq!(different.verdict, Verdict::Different);
+}
+
+/// Servos whose gain differs by 3 % from run to run, and two sides that are 6 % apart on average: bounds of the
+/// noise alone are a third of a percent wide, and may lie anywhere.
+#[test]
+fn runs_that_scatter_are_not_called_the_same() {
+    let side = |gains: [f64; 3], first: u64| {
+        let runs = gains.iter().zip(first..).flat_map(|(gain, seed)| {
+            let servo = Linear::second_order(*gain, 0.0255, 0.5, 60.0);
+            record(&servo, &servo, 0.0, seed..seed + 1, 1.0)
+                .runs()
+                .to_vec()
+        });
+        Record::new(0.002, runs.collect()).unwrap()
+    };
+    // The means of these runs are 2 % apart.
+    let (a, b) = (side([0.97, 1.03, 0.97], 0), side([0.97, 0.98, 0.96], 10));
+    let found = compare(&a, &b, &options()).unwrap();
+    assert!(found.difference_percent.at_most < 5.0, "{}", found.summary);
+    assert_eq!(found.verdict, Verdict::Undecided, "{}", found.summary);
+    assert!(found.run_to_run_at_most_percent.unwrap() > 6.0);
+    assert!(
+        found.summary.contains("as runs scatter"),
+        "{}",
+        found.summary
+    );
+}
+
+#[test]
+fn models_can_be_compared_without_records_and_whatever_their_settling_time() {
+    let model = |servo: &Linear, settling: usize, seed: u64| {
+        let options = Options {
+            settling: Settling::Samples(settling),
+            ..Options::default()
+        };
+        identify(&plain(servo, seed), &options).unwrap()
+    };
+    let found = compare_models(
+        &model(&servo(), 131, 1),
+        &model(&servo(), 171, 2),
+        &options(),
+    )
+    .unwrap();
+    assert_eq!(found.verdict, Verdict::Same);
+    let slower = Linear::second_order(0.97, 0.0255, 0.5, 50.0);
+    let found = compare_models(
+        &model(&servo(), 131, 1),
+        &model(&slower, 151, 2),
+        &options(),
+    )
+    .unwrap();
+    assert_eq!(found.verdict, Verdict::Different);
+    assert!(
+        found
+            .advice
+            .iter()
+            .any(|advice| advice.check == "one_response")
+    );
+    assert!(found.summary.contains("between up and down strokes"));
+    let json = serde_json::to_value(&found).unwrap();
+    assert_eq!(json["verdict"], "different");
+    assert!(json["difference_percent"]["at_least"].as_f64().unwrap() > 5.0);
+}
+
+#[test]
+fn one_servo_under_two_references_is_not_called_two_servos() {
+    let under = |size: f64, limit: f64, seed: u64| {
+        let input: Vec<f64> = staircase().iter().map(|u| size * u).collect();
+        let clean = limited(0.7, 60.0, Limit::Rate(limit, limit), &input, input[0]);
+        Record::from_slices(PERIOD, &input, &measured(&clean, 1.0, seed)).unwrap()
+    };
+    let options = ComparisonOptions {
+        input_unit: "deg".to_owned(),
+        ..ComparisonOptions::default()
+    };
+    let (small, large) = (under(1.0, 150.0, 1), under(6.0, 150.0, 2));
+    let found = compare(&small, &large, &options).unwrap();
+    assert_eq!(found.verdict, Verdict::Undecided, "{}", found.summary);
+    let said = |found: &Comparison| {
+        let mut advice = found.advice.iter();
+        let found = advice.find(|advice| advice.check == "references");
+        found.map(|advice| advice.finding.clone())
+    };
+    let words = said(&found).unwrap();
+    assert!(
+        words.contains("from -5 to +5 deg") && words.contains("from -30 to +30 deg"),
+        "{words}"
+    );
+    // A linear servo answers both alike.
+    let linear = compare(&under(1.0, 1e6, 3), &under(6.0, 1e6, 4), &options).unwrap();
+    assert_eq!(linear.verdict, Verdict::Same, "{}", linear.summary);
+    assert!(said(&linear).is_some() && !linear.descriptions_of_different_motions);
+    // The same reference is not worth a word.
+    assert_eq!(
+        said(&compare(&small, &under(1.0, 150.0, 5), &options).unwrap()),
+        None
+    );
+}

@@ -1,0 +1,145 @@
+//! No limit is found in a linear servo; those that are there are found.
+
+use rayon::prelude::*;
+use servoid_identification::limits::{Limits, RateVerdict};
+use servoid_identification::{Options, Record, Settling, identify};
+
+use servoid_test_support::servos::{
+    Limit, Linear, PERIOD, limited, measured, sizes, staircase, stairs,
+};
+
+fn limits_of(input: &[f64], clean: &[f64], settling: usize, seed: u64) -> Limits {
+    let record = Record::from_slices(PERIOD, input, &measured(clean, 1.0, seed)).unwrap();
+    let options = Options {
+        settling: Settling::Samples(settling),
+        ..Options::default()
+    };
+    Limits::of(&record, &identify(&record, &options).unwrap())
+}
+
+/// Up and down from -6 to 6 by 2, three times.
+fn up_and_down() -> Vec<f64> {
+    let levels: Vec<f64> = (-3..=3).map(|k| 2.0 * f64::from(k)).collect();
+    stairs(&levels, 3, 150)
+}
+
+#[test]
+fn linear_servos_raise_no_alarm() {
+    let servos = [
+        Linear::second_order(0.97, 0.0255, 0.5, 60.0),
+        Linear::second_order(0.97, 0.0255, 0.9, 40.0),
+        Linear::second_order(0.97, 0.0255, 0.3, 80.0),
+        Linear::second_order(0.97, 0.0255, 0.6, 70.0).with_lag(0.008),
+    ];
+    let alarms: Vec<String> = servos
+        .par_iter()
+        .flat_map_iter(|servo| (0..8u64).map(move |seed| (servo, seed)))
+        .flat_map_iter(|(servo, seed)| {
+            let of = |input: &[f64], rest: f64| {
+                limits_of(input, &servo.respond(input, rest, 0.0), 111, seed)
+            };
+            let strokes = of(&sizes(1.0, 150), 0.0);
+            let levels = of(&up_and_down(), -6.0);
+            let mut alarms = Vec::new();
+            for rate in [strokes.rate_up, strokes.rate_down] {
+                if rate.verdict != RateVerdict::Proportional {
+                    alarms.push(rate.statement);
+                }
+            }
+            if levels.hysteresis.found != Some(false) {
+                alarms.push(levels.hysteresis.statement);
+            }
+            for end in levels.ends.unwrap() {
+                if end.softens != Some(false) {
+                    alarms.push(end.statement);
+                }
+            }
+            alarms
+        })
+        .collect();
+    assert!(alarms.is_empty(), "{alarms:#?}");
+}
+
+#[test]
+fn a_rate_limit_is_found_with_its_figure_for_each_direction() {
+    let input = sizes(1.0, 150);
+    let limits = limits_of(
+        &input,
+        &limited(0.5, 60.0, Limit::Rate(150.0, 100.0), &input, 0.0),
+        111,
+        7,
+    );
+    for (rate, exact) in [(limits.rate_up, 150.0), (limits.rate_down, 100.0)] {
+        assert_eq!(rate.verdict, RateVerdict::Limited, "{}", rate.statement);
+        let (lower, upper) = (rate.speed.lower.unwrap(), rate.speed.upper.unwrap());
+        // The smallest strokes above the knee spend part of 35-65 % speeding up.
+        assert!(
+            lower - 0.02 * exact < exact && exact < upper + 0.03 * exact,
+            "{lower}..{upper}"
+        );
+    }
+}
+
+#[test]
+fn play_is_found_with_its_size_and_stops_with_their_level() {
+    let input = up_and_down();
+    let play = limits_of(
+        &input,
+        &limited(0.9, 60.0, Limit::Play(0.3), &input, -6.0),
+        111,
+        3,
+    );
+    assert_eq!(play.hysteresis.found, Some(true));
+    assert!((play.hysteresis.size.value.unwrap() - 0.3).abs() < 0.02);
+    assert!(
+        play.ends
+            .unwrap()
+            .iter()
+            .all(|end| end.softens == Some(false))
+    );
+
+    let clip = limits_of(
+        &input,
+        &limited(0.5, 60.0, Limit::Clip(-4.5, 5.0), &input, -6.0),
+        111,
+        3,
+    );
+    let [low, high] = clip.ends.unwrap();
+    for (end, exact) in [(low, -4.5), (high, 5.0)] {
+        assert_eq!(end.softens, Some(true), "{}", end.statement);
+        assert!(end.reached.contains(exact), "{:?}", end.reached);
+    }
+    assert_eq!(
+        clip.hysteresis.found,
+        Some(false),
+        "{}",
+        clip.hysteresis.statement
+    );
+}
+
+#[test]
+fn two_levels_cannot_tell_and_say_what_to_record() {
+    let input = staircase();
+    let limits = limits_of(
+        &input,
+        &limited(0.5, 60.0, Limit::Play(0.5), &input, -5.0),
+        111,
+        1,
+    );
+    assert_eq!(limits.rate_up.verdict, RateVerdict::CannotTell);
+    assert_eq!(limits.hysteresis.found, None);
+    assert!(
+        limits
+            .ends
+            .as_ref()
+            .unwrap()
+            .iter()
+            .all(|end| end.softens.is_none())
+    );
+    assert!(
+        limits
+            .statements()
+            .iter()
+            .all(|text| text.contains("Cannot tell"))
+    );
+}

@@ -1,0 +1,95 @@
+//! Servos that are not linear are told from those that are, and what that does to the bounds.
+
+use rayon::prelude::*;
+use servoid_identification::advice::NOT_LINEAR;
+use servoid_identification::linearity::SIGNIFICANCE;
+use servoid_identification::{Model, Options, Record, identify};
+
+use servoid_test_support::servos::{
+    Limit, Linear, PERIOD, limited, measured, sizes, staircase, stairs,
+};
+
+fn identified(input: &[f64], clean: &[f64], seed: u64) -> Model {
+    let record = Record::from_slices(PERIOD, input, &measured(clean, 1.0, seed)).unwrap();
+    identify(&record, &Options::default()).unwrap()
+}
+
+/// Random levels of ±5, each held for `hold` samples, 3600 samples in all: bits of a linear
+/// congruential generator (Knuth's MMIX).
+fn random_steps(hold: usize) -> Vec<f64> {
+    let mut state = 11u64;
+    let mut level = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        if state >> 63 == 1 { 5.0 } else { -5.0 }
+    };
+    (0..3600 / hold)
+        .flat_map(|_| std::iter::repeat_n(level(), hold))
+        .collect()
+}
+
+fn has(model: &Model, check: &str) -> bool {
+    model.advice.iter().any(|advice| advice.check == check)
+}
+
+#[test]
+fn linear_servos_pass_as_often_as_the_level_says() {
+    let servo = Linear::second_order(0.97, 0.0255, 0.5, 60.0);
+    let inputs = [
+        staircase(),
+        random_steps(10),
+        stairs(&[-6.0, -2.0, 2.0, 6.0], 3, 150),
+    ];
+    let p: Vec<f64> = inputs
+        .par_iter()
+        .flat_map_iter(|input| (0..16u64).map(move |seed| (input, seed)))
+        .map(|(input, seed)| {
+            let model = identified(input, &servo.respond(input, input[0], 0.0), seed);
+            assert!(model.bounds_hold() && !has(&model, NOT_LINEAR));
+            model.residuals.linearity_p.unwrap()
+        })
+        .collect();
+    let below = |level: f64| p.iter().filter(|p| **p < level).count();
+    // Of 48 runs, 4.8 should be below 0.1 and 24 below 0.5: three standard deviations, 2.1 and 3.5,
+    // to each side.
+    assert!(below(0.1) <= 11, "{} below 0.1", below(0.1));
+    assert!((14..=34).contains(&below(0.5)), "{} below 0.5", below(0.5));
+    assert_eq!(below(SIGNIFICANCE), 0);
+}
+
+#[test]
+fn limits_under_held_steps_are_said_and_bounds_keep_their_level() {
+    let strokes = sizes(1.0, 150);
+    let levels = stairs(&[-6.0, -3.0, 0.0, 3.0, 6.0], 4, 150);
+    for (input, limit) in [
+        (&strokes, Limit::Rate(100.0, 100.0)),
+        (&levels, Limit::Clip(-4.5, 6.5)),
+    ] {
+        let model = identified(input, &limited(0.7, 60.0, limit, input, input[0]), 3);
+        assert!(
+            has(&model, NOT_LINEAR),
+            "{limit:?}: {:?} {:?}",
+            model.residuals,
+            model.advice
+        );
+        assert!(model.bounds_hold(), "{limit:?}");
+        // Not longer than a hold: later is the answer to the next step.
+        assert!(model.structure.settling_samples <= 150, "{limit:?}");
+    }
+}
+
+#[test]
+fn a_limited_servo_under_short_random_steps_gets_no_level() {
+    let input = random_steps(10);
+    let clean = limited(0.7, 60.0, Limit::Rate(100.0, 100.0), &input, input[0]);
+    for seed in 0..4 {
+        let model = identified(&input, &clean, seed);
+        assert!(
+            !model.bounds_hold(),
+            "{:?} {:?}",
+            model.fit,
+            model.residuals
+        );
+    }
+}

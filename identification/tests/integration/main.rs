@@ -1,0 +1,16 @@
+//! Servos with exactly known answers, and recordings of real ones: whether estimates, bounds, verdicts and
+//! findings hold for them.
+
+mod coarse_sampling;
+mod comparison;
+mod coverage;
+mod direction;
+mod flight_model;
+mod limits;
+mod linearity;
+mod metrics;
+mod poor_records;
+mod real_data;
+mod smooth;
+mod streaming;
+mod truth;

@@ -1,0 +1,117 @@
+//! Moments alone, as collected live or loaded, give the model that the record gives.
+
+use approx::assert_relative_eq;
+use servoid_identification::fsf_basis::FsfBasis;
+use servoid_identification::gls::{self, GlsOptions};
+use servoid_identification::least_squares::{Coordinates, Information};
+use servoid_identification::moments::{MomentStream, Moments};
+use servoid_identification::qr::triangular_factor;
+use servoid_identification::{
+    Frequencies, NoiseOrder, Options, Record, Settling, identify, identify_moments,
+};
+use servoid_test_support::plants::{Noise, PERIOD, Plant, normal, random, simulate, staircase};
+
+fn fixed() -> Options {
+    Options {
+        settling: Settling::Samples(100),
+        frequencies: Frequencies::Count(31),
+        noise_order: NoiseOrder::Order(2),
+        ..Options::default()
+    }
+}
+
+#[test]
+fn a_live_collection_ends_with_the_model_of_the_record() {
+    let input = staircase();
+    let output = simulate(Plant::A, Noise::Ar2, &input, 1.0, &mut random(8));
+    let record = Record::from_slices(PERIOD, &input, &output)
+        .unwrap()
+        .with_sample_phase(0.0005);
+    let mut stream = MomentStream::new(PERIOD, 102, 3).with_sample_phase(0.0005);
+    let mut looked = 0;
+    for (u, y) in input.chunks(10).zip(output.chunks(10)) {
+        stream.push(u, y);
+        // A live display looks now and then; early looks may find too little.
+        if stream.moments().rows() % 1000 < 10 {
+            looked += usize::from(identify_moments(&stream.moments(), &fixed()).is_ok());
+        }
+    }
+    assert!(looked > 1, "{looked} looks gave a model");
+    let text = serde_json::to_string(&stream.moments()).unwrap();
+    let loaded: Moments = serde_json::from_str(&text).unwrap();
+    let live = identify_moments(&loaded, &fixed()).unwrap().model;
+    let whole = identify(&record, &fixed()).unwrap();
+    for (a, b) in live.step.value.iter().zip(&whole.step.value) {
+        assert_relative_eq!(a, b, epsilon = 1e-9);
+    }
+    for (a, b) in live.step.sd.iter().zip(&whole.step.sd) {
+        assert_relative_eq!(a, b, max_relative = 1e-6);
+    }
+    assert_eq!(live.sample_phase_s, 0.0005);
+    assert_relative_eq!(
+        live.metrics.t50_s.value.unwrap(),
+        whole.metrics.t50_s.value.unwrap(),
+        epsilon = 1e-9
+    );
+    assert_eq!(
+        live.residuals.whiteness_p, None,
+        "moments do not hold single errors"
+    );
+}
+
+#[test]
+fn recordings_whose_samples_are_taken_at_another_phase_are_not_merged() {
+    let moments = |phase: f64| {
+        let mut stream = MomentStream::new(PERIOD, 3, 1).with_sample_phase(phase);
+        stream.push(&[0.0, 1.0, 0.0, 1.0], &[0.0, 0.0, 0.5, 0.3]);
+        stream.moments()
+    };
+    let mut first = moments(0.0005);
+    assert!(first.merge(&moments(0.0005)).is_ok());
+    let error = first.merge(&moments(0.0)).unwrap_err().to_string();
+    assert!(error.contains("0.0005 s"), "{error}");
+    assert_eq!(first.rows(), 4);
+}
+
+#[test]
+fn a_million_samples_lose_no_accuracy() {
+    let input: Vec<f64> = staircase()
+        .iter()
+        .copied()
+        .cycle()
+        .take(1_000_000)
+        .collect();
+    let mut noise = random(9);
+    let output: Vec<f64> = input
+        .iter()
+        .scan(0.0, |state, u| {
+            *state += 0.5 * (u - *state);
+            Some(*state + 0.05 * normal(&mut noise))
+        })
+        .collect();
+    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let moments = Moments::of_record(&record, 33, 3);
+    let factor = triangular_factor(&record, &moments);
+    let options = GlsOptions {
+        order: NoiseOrder::Order(2),
+        ..GlsOptions::default()
+    };
+    let coordinates = Coordinates::new(FsfBasis::new(31, 15).unwrap());
+    let slow = Information::from_factor(&moments, factor);
+    let slow = gls::fit(&slow, &coordinates, &options).unwrap();
+    let fast = gls::fit(&Information::from_moments(moments), &coordinates, &options).unwrap();
+    for (a, b) in fast.theta().iter().zip(slow.theta()) {
+        assert_relative_eq!(*a, b, epsilon = 1e-8);
+    }
+    for (a, b) in fast.ar.iter().zip(&slow.ar) {
+        assert_relative_eq!(a, b, epsilon = 1e-8);
+    }
+    let (fast, slow) = (fast.covariance(), slow.covariance());
+    for k in 0..15 {
+        assert_relative_eq!(
+            fast[(k, k)].sqrt(),
+            slow[(k, k)].sqrt(),
+            max_relative = 1e-8
+        );
+    }
+}

@@ -1,0 +1,226 @@
+//! How often the bands of automatically structured models hold the exact response.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use servoid_identification::{Options, Record, identify_explained};
+
+use crate::plants::{Noise, PERIOD, Plant, low_passed, prbs, random, simulate, square, staircase};
+
+/// The reference that drives the servo.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reference {
+    Staircase,
+    Prbs,
+    /// The staircase behind four lags of 20 Hz: without high frequencies.
+    LowPassed,
+    /// Equal holds of 400 ms, from the first sample to the last: it repeats itself.
+    Square,
+}
+
+/// One line of the table.
+#[derive(Debug, Clone, Copy)]
+pub struct Case {
+    pub reference: Reference,
+    pub plant: Plant,
+    pub noise: Noise,
+    /// Factor on the noise.
+    pub scale: f64,
+}
+
+/// What came out of the runs of one case.
+pub struct Line {
+    pub case: Case,
+    pub runs: usize,
+    /// Mean and smallest share of runs, over the points, in which a point is inside its pointwise
+    /// bounds. Points that fewer than half of the runs reach are left out.
+    pub mean: f64,
+    pub worst: f64,
+    /// Share of runs in which the whole response is inside the simultaneous band.
+    pub whole: f64,
+    /// Smallest, median and largest N.
+    pub settling: (usize, usize, usize),
+    /// Most frequent noise order.
+    pub order: usize,
+    /// Mean half widths.
+    pub half_widths: (f64, f64),
+    /// Share of runs that carried advice.
+    pub advised: f64,
+    /// Share of runs with each piece of advice, by its check.
+    pub checks: BTreeMap<String, f64>,
+    /// Shares of runs in which whiteness, independence of the input, and linearity had p < 1 %.
+    pub rejected: [f64; 3],
+    /// Most frequent n.
+    pub frequencies: usize,
+}
+
+struct Outcome {
+    inside: Vec<bool>,
+    whole: bool,
+    settling: usize,
+    frequencies: usize,
+    order: usize,
+    half_widths: (f64, f64),
+    checks: Vec<String>,
+    rejected: [bool; 3],
+}
+
+/// The seed of a run: cases and runs never share one.
+fn seed(case: &Case, run: usize) -> u64 {
+    let (reference, plant, noise) = (case.reference as u64, case.plant as u64, case.noise as u64);
+    let case = (case.scale as u64) << 12 | reference << 8 | plant << 4 | noise;
+    (case << 32) | run as u64
+}
+
+/// Identifies `runs` seeded simulations of a case.
+pub fn measure(case: Case, runs: usize, options: &Options) -> Line {
+    let outcomes: Vec<Outcome> = (0..runs)
+        .into_par_iter()
+        .map(|run| outcome(&case, run, options))
+        .collect();
+    let count = outcomes.len() as f64;
+    let longest = outcomes.iter().map(|o| o.inside.len()).max().unwrap_or(0);
+    let points: Vec<f64> = (0..longest)
+        .filter_map(|m| {
+            let reached: Vec<bool> = outcomes
+                .iter()
+                .filter_map(|o| o.inside.get(m).copied())
+                .collect();
+            (2 * reached.len() >= outcomes.len()).then(|| {
+                reached.iter().filter(|inside| **inside).count() as f64 / reached.len() as f64
+            })
+        })
+        .collect();
+    let share =
+        |what: fn(&Outcome) -> bool| outcomes.iter().filter(|o| what(o)).count() as f64 / count;
+    let mean = |what: fn(&Outcome) -> f64| outcomes.iter().map(what).sum::<f64>() / count;
+    let mut settling: Vec<usize> = outcomes.iter().map(|o| o.settling).collect();
+    settling.sort_unstable();
+    Line {
+        case,
+        runs,
+        mean: points.iter().sum::<f64>() / points.len() as f64,
+        worst: points.iter().copied().fold(1.0, f64::min),
+        whole: share(|o| o.whole),
+        settling: (
+            settling[0],
+            settling[settling.len() / 2],
+            settling[settling.len() - 1],
+        ),
+        order: mode(outcomes.iter().map(|o| o.order)),
+        frequencies: mode(outcomes.iter().map(|o| o.frequencies)),
+        half_widths: (mean(|o| o.half_widths.0), mean(|o| o.half_widths.1)),
+        advised: share(|o| !o.checks.is_empty()),
+        checks: shares(outcomes.iter().flat_map(|o| &o.checks), runs),
+        rejected: [
+            share(|o| o.rejected[0]),
+            share(|o| o.rejected[1]),
+            share(|o| o.rejected[2]),
+        ],
+    }
+}
+
+fn outcome(case: &Case, run: usize, options: &Options) -> Outcome {
+    let mut random = random(seed(case, run));
+    let input = match case.reference {
+        Reference::Staircase => staircase(),
+        Reference::Prbs => prbs(&mut random),
+        Reference::LowPassed => low_passed(&low_passed(&staircase(), 20.0), 20.0),
+        Reference::Square => square(),
+    };
+    let output = simulate(case.plant, case.noise, &input, case.scale, &mut random);
+    let record = Record::from_slices(PERIOD, &input, &output).expect("a simulated record is sound");
+    let found = identify_explained(&record, options).expect("a simulated record is enough");
+    let step = &found.model.step;
+    let last = step.value.len() - 1;
+    let mut truth = case.plant.step(last);
+    truth.push(1.0); // The last point is the final value.
+    let within = |lower: &[f64], upper: &[f64]| -> Vec<bool> {
+        (0..=last)
+            .map(|m| (lower[m]..=upper[m]).contains(&truth[m]))
+            .collect()
+    };
+    // The final value is judged with the whole curve; its place differs between runs.
+    let inside = within(&step.pointwise.lower, &step.pointwise.upper);
+    let whole = within(&step.simultaneous.lower, &step.simultaneous.upper);
+    Outcome {
+        inside,
+        whole: whole.iter().all(|inside| *inside),
+        settling: found.model.structure.settling_samples,
+        frequencies: found.model.structure.frequencies,
+        order: found.model.structure.noise_order,
+        half_widths: step.mean_half_widths(),
+        checks: found.model.advice.iter().map(|a| a.check.clone()).collect(),
+        rejected: {
+            let tests = &found.model.residuals;
+            [
+                tests.whiteness_p,
+                tests.input_correlation_p,
+                tests.linearity_p,
+            ]
+            .map(|p| p.is_some_and(|p| p < 0.01))
+        },
+    }
+}
+
+fn shares<'a>(values: impl Iterator<Item = &'a String>, runs: usize) -> BTreeMap<String, f64> {
+    let mut shares = BTreeMap::new();
+    for value in values {
+        *shares.entry(value.clone()).or_insert(0.0) += 1.0 / runs as f64;
+    }
+    shares
+}
+
+fn mode(values: impl Iterator<Item = usize>) -> usize {
+    let mut counts = BTreeMap::new();
+    for value in values {
+        *counts.entry(value).or_insert(0usize) += 1;
+    }
+    counts
+        .into_iter()
+        .max_by_key(|(_, count)| *count)
+        .map_or(0, |(value, _)| value)
+}
+
+impl Line {
+    /// The heading of the table.
+    pub const HEADING: &str = "| reference | plant | noise | x | runs | mean % | worst % | whole % | N median (min-max) | n | d | half width point / whole | whiteness / independence / linearity rejected % | advised % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
+
+    /// Share of runs with the advice of `check`.
+    pub fn share_of(&self, check: &str) -> f64 {
+        self.checks.get(check).copied().unwrap_or(0.0)
+    }
+}
+
+impl std::fmt::Display for Line {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Case {
+            reference,
+            plant,
+            noise,
+            scale,
+        } = self.case;
+        let (low, median, high) = self.settling;
+        let percent = |share: f64| 100.0 * share;
+        write!(
+            f,
+            "| {reference:?} | {plant:?} | {noise:?} | {scale} | {} | {:.2} | {:.1} | {:.1} | {median} ({low}-{high}) | {} | {} | {:.4} / {:.4} | {:.1} / {:.1} / {:.1} | {:.1}",
+            self.runs,
+            percent(self.mean),
+            percent(self.worst),
+            percent(self.whole),
+            self.frequencies,
+            self.order,
+            self.half_widths.0,
+            self.half_widths.1,
+            percent(self.rejected[0]),
+            percent(self.rejected[1]),
+            percent(self.rejected[2]),
+            percent(self.advised),
+        )?;
+        for (check, share) in &self.checks {
+            write!(f, ", {check} {:.1}", percent(*share))?;
+        }
+        write!(f, " |")
+    }
+}

@@ -1,0 +1,19 @@
+//! What the tests, examples, benches and fuzz targets of the workspace share.
+//!
+//! - [`plants`] and [`servos`]: simulated servos with exactly known answers, references and noises. They
+//!   know nothing of the crates under test.
+//! - [`coverage`], [`figures_coverage`], [`metrics_coverage`]: how often bounds hold the exact answer. The
+//!   tests run few seeds, the examples of the same names run hundreds and print the documentation's tables.
+//! - `trials` (feature `rig`): captures over bad lines, killed captures, recordings of simulated rigs and
+//!   whether they are what the board sampled.
+//! - `virtual_board` (feature `board`): the flash image on the virtual board, as a port.
+
+pub mod coverage;
+pub mod figures_coverage;
+pub mod metrics_coverage;
+pub mod plants;
+pub mod servos;
+#[cfg(feature = "rig")]
+pub mod trials;
+#[cfg(feature = "board")]
+pub mod virtual_board;

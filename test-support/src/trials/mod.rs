@@ -1,0 +1,9 @@
+//! Trials of the whole way from a rig to a result; each says what came of it.
+
+pub mod any_bytes;
+pub mod chaos;
+pub mod judge;
+pub mod kill;
+pub mod linearity;
+pub mod recordings;
+pub mod verdicts;

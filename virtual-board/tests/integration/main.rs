@@ -1,0 +1,15 @@
+//! The flash image on the virtual board.
+//!
+//! Run with `--nocapture` to see the figures that the README states.
+
+mod chain;
+mod cli;
+mod faults;
+mod identification;
+mod lockstep;
+mod losses;
+mod ports;
+mod references;
+mod soak;
+mod stepped;
+mod visitors;

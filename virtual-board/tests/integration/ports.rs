@@ -1,0 +1,100 @@
+//! The board as a port of this machine, with the host's own ports on the other side.
+
+use servoid::port::Port as _;
+use servoid::recording::Ending;
+use servoid::rig::RigClient;
+use servoid::rig::capture::Capture;
+use servoid_protocol::reference::{Reference, Staircase};
+use servoid_test_support::virtual_board::{SharedBoard, capture, image, options, staircase};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use virtual_board::VirtualBoard;
+use virtual_board::server::{HostEnd, Pace, TcpServer, serve};
+
+/// Runs a board behind `end` while `host` talks to it, for 30 s at most.
+fn with_board(mut end: impl HostEnd + Send, host: impl FnOnce()) {
+    // Not in the thread: building the image may take longer than a host waits.
+    let mut board = VirtualBoard::new(image(), &options("linear?seed=1", &[])).unwrap();
+    let done = AtomicBool::new(false);
+    let deadline = Instant::now() + Duration::from_secs(30);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let should_stop = || done.load(Ordering::Relaxed) || Instant::now() > deadline;
+            serve(
+                &mut board,
+                &mut end,
+                Pace::FASTEST,
+                &should_stop,
+                &mut |_| {},
+            )
+            .unwrap();
+        });
+        // Also where it panics: the board must not go on for ever.
+        struct Done<'a>(&'a AtomicBool);
+        impl Drop for Done<'_> {
+            fn drop(&mut self) {
+                self.0.store(true, Ordering::Relaxed);
+            }
+        }
+        let _done = Done(&done);
+        host();
+    });
+}
+
+/// Half a second of reference, with a short rest around it: real time passes here.
+fn short_run() -> Capture {
+    let mut job = staircase();
+    job.start.pre_roll_frames = 5;
+    job.start.post_roll_frames = 5;
+    job.start.reference = Reference::Staircase(Staircase {
+        longest_hold_frames: 10,
+        hold_step_frames: 5,
+        ..Staircase::PAPER
+    });
+    job
+}
+
+fn capture_at(address: &str) {
+    let mut client = RigClient::connect(servoid::port::open(address).unwrap(), address).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let job = short_run();
+    let (end, frames) = capture(&mut client, &job, &folder.path().join("run.csv"));
+    assert_eq!(end.unwrap().ending, Ending::Complete);
+    assert_eq!(frames.len() as u32, job.start.frames());
+}
+
+#[test]
+fn over_the_network() {
+    let server = TcpServer::listen("127.0.0.1:0").unwrap();
+    let address = format!("tcp:{}", server.address().unwrap());
+    with_board(server, || {
+        // A host goes, the next one comes.
+        capture_at(&address);
+        capture_at(&address);
+    });
+}
+
+#[cfg(unix)]
+#[test]
+fn over_a_pseudo_terminal() {
+    let terminal = virtual_board::server::PseudoTerminal::open().unwrap();
+    let address = terminal.path().display().to_string();
+    with_board(terminal, || {
+        capture_at(&address);
+        capture_at(&address);
+    });
+}
+
+/// A host that waits until a moment, by its own clock in nanoseconds, gets there.
+#[test]
+fn the_shortest_wait_takes_time() {
+    let board = SharedBoard::new(&options("linear?seed=1", &[]));
+    let mut port = board.port();
+    let shortest = Duration::from_nanos(1);
+    for _ in 0..1_000 {
+        let before = port.now();
+        if port.read(&mut [0; 16], shortest).unwrap() == 0 {
+            assert!(port.now() >= before + shortest);
+        }
+    }
+}
