@@ -1,12 +1,8 @@
-//! Files that commands leave behind, and read back: never over an existing one unless told so.
+//! Files that commands leave behind: never over an existing one unless told so.
 
 use crate::data::recording::{WholeFile, WriteError};
 use crate::presentation::plots::{Figure, svg};
-use anyhow::{Context, Result, bail};
-use servoid_identification::Model;
-use servoid_identification::comparison::Comparison;
-use servoid_identification::flight_model::FlightModel;
-use servoid_identification::model::SCHEMA;
+use anyhow::{Context, Result};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -58,117 +54,6 @@ pub fn write_figures(folder: &Path, force: bool, figures: &[Figure]) -> Result<V
         files.push(path);
     }
     Ok(files)
-}
-
-/// Reads a model that `servoid identify` has written.
-///
-/// # Errors
-/// One sentence: it cannot be read, is no model, or was made by a newer servoid.
-pub fn read_model(path: &Path) -> Result<Model> {
-    parse_model(&read_text(path)?, path)
-}
-
-/// [`read_model`] of a text; errors call it `path`.
-///
-/// # Errors
-/// As [`read_model`].
-pub fn parse_model(text: &str, path: &Path) -> Result<Model> {
-    if let Ok(SchemaOnly { schema }) = serde_json::from_str(text)
-        && schema != SCHEMA
-    {
-        let number = match &schema {
-            serde_json::Value::String(text) => text.trim().parse().ok(),
-            other => other.as_f64(),
-        };
-        match number {
-            Some(number) if number > f64::from(SCHEMA) => bail!(
-                "the model {path:?} was made by a newer servoid (schema {schema}, this one reads up to {SCHEMA}): update servoid"
-            ),
-            _ => bail!(
-                "the model {path:?} has the schema {schema}, which no servoid writes (this one writes {SCHEMA}): identify again"
-            ),
-        }
-    }
-    if !text.trim_start().starts_with('{') {
-        bail!(
-            "{path:?} is no model: identify the recording first, with servoid identify RECORDING.csv -o MODEL.json"
-        );
-    }
-    let model: Model = serde_json::from_str(text)
-        .map_err(|e| anyhow::anyhow!("{path:?} is no model of 'servoid identify': {e}"))?;
-    if !model.is_consistent() {
-        bail!(
-            "the model {path:?} contradicts itself: its lists do not have the lengths that its structure says, or its numbers are beyond what any servo could have; identify again"
-        );
-    }
-    Ok(model)
-}
-
-/// Reads the model of low order that a model's file may carry beside the model.
-///
-/// # Errors
-/// One sentence: it cannot be read, or it contradicts itself.
-pub fn read_flight_model(path: &Path) -> Result<Option<FlightModel>> {
-    parse_flight_model(&read_text(path)?, path)
-}
-
-/// [`read_flight_model`] of a text; errors call it `path`.
-///
-/// # Errors
-/// As [`read_flight_model`].
-pub fn parse_flight_model(text: &str, path: &Path) -> Result<Option<FlightModel>> {
-    let beside: Beside = serde_json::from_str(text)
-        .map_err(|e| anyhow::anyhow!("the low-order model in {path:?} cannot be read: {e}"))?;
-    if beside
-        .flight_model
-        .as_ref()
-        .is_some_and(|flight| !flight.is_consistent())
-    {
-        bail!("the low-order model in {path:?} contradicts itself: identify again");
-    }
-    Ok(beside.flight_model)
-}
-
-/// The text of a model file.
-///
-/// # Errors
-/// One sentence: what the system said.
-pub fn read_text(path: &Path) -> Result<String> {
-    let bytes = crate::data::input_file::read(path)
-        .map_err(|reason| anyhow::anyhow!("the model {path:?} cannot be read: {reason}"))?;
-    String::from_utf8(bytes).map_err(|_| anyhow::anyhow!("the model {path:?} is not text"))
-}
-
-/// What may stand beside a model in its file.
-#[derive(serde::Deserialize)]
-struct Beside {
-    flight_model: Option<FlightModel>,
-}
-
-/// The one field that every version of the model has.
-#[derive(serde::Deserialize)]
-struct SchemaOnly {
-    schema: serde_json::Value,
-}
-
-/// Takes out of a comparison whose bounds do not hold what would be read as one: NaN stands in its place, for
-/// which JSON has `null`.
-pub fn withhold_bounds(found: &mut Comparison) {
-    if found.bounds_hold {
-        return;
-    }
-    let difference = &mut found.difference_percent;
-    for bound in [
-        &mut difference.at_least,
-        &mut difference.at_most,
-        &mut difference.at_s,
-    ] {
-        *bound = f64::NAN;
-    }
-    for curve in &mut found.curves {
-        curve.lower.fill(f64::NAN);
-        curve.upper.fill(f64::NAN);
-    }
 }
 
 /// A result as indented JSON, with a line end.

@@ -3,6 +3,7 @@
 use super::reference_args::ReferenceArgs;
 use super::{Talk, listed, wrong_usage};
 use crate::commands::output_files;
+use crate::data::model_file::ModelFile;
 use crate::instrument::reference;
 use crate::instrument::rig::RigFile;
 use crate::plan::{Assumed, Plan, Question, figure, of_plan};
@@ -110,7 +111,7 @@ impl PlanArgs {
     fn assumed(&self) -> Result<Assumed> {
         let assumed = match &self.model {
             Some(path) => {
-                let model = output_files::read_model(path)?;
+                let ModelFile { model, .. } = ModelFile::read(path)?;
                 let period_us = model.sample_period_s * 1e6;
                 // Written with as many digits as there are: only another period is another one.
                 if (period_us - f64::from(SAMPLE_US)).abs() > 1e-3 {

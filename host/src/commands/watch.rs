@@ -11,6 +11,7 @@ use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use servoid_identification::Options;
+use servoid_identification::validity::Bounds;
 use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLE_US};
 use servoid_protocol::{SensorScale, ServoScale};
 use std::cell::{Cell, RefCell};
@@ -128,12 +129,12 @@ impl Watch {
         let (asked_percent, live) = self.until_percent.zip(self.live.as_ref())?;
         live.ask_anew_and_wait();
         let step = live.latest();
-        let found = match &step {
+        let found = match step.as_ref().map(|live| &live.step.bounds) {
             None => Found::Nothing,
-            Some(step) if !step.bounds_hold => Found::NoBounds,
-            Some(step) => Found::Band(Shrinking {
-                widest_percent: step.half_width_percent(),
-                stays_percent: step.bias_percent,
+            Some(Bounds::Withdrawn(_)) => Found::NoBounds,
+            Some(Bounds::Valid(bounds)) => Found::Band(Shrinking {
+                widest_percent: 100.0 * bounds.widest_half_width(),
+                stays_percent: 100.0 * bounds.bias(),
             }),
         };
         Some(BandReached {
@@ -257,7 +258,7 @@ impl Watched<'_> {
 
     fn latest_width(&self) -> Option<f64> {
         let latest = self.watch.live.as_ref()?.latest()?;
-        Some(latest.half_width_percent())
+        latest.half_width_percent()
     }
 
     /// Whether the run is to end, and why.

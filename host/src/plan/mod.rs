@@ -29,7 +29,7 @@ use pilot::Expected;
 use serde::Serialize;
 use servoid_identification::metrics::Metrics;
 use servoid_identification::settling_time::MARGIN;
-use servoid_identification::step_response::StepResponse;
+use servoid_identification::step_response::{StepBounds, StepResponse};
 use servoid_identification::{Error, Model};
 use servoid_protocol::Reference;
 
@@ -86,19 +86,16 @@ pub struct Widths {
 }
 
 impl Widths {
-    /// Of a step response.
+    /// Of the bounds of a step response.
     #[must_use]
-    pub fn of(step: &StepResponse) -> Self {
-        let (pointwise, whole) = step.mean_half_widths();
-        let band = &step.simultaneous;
-        let widest = band.upper.iter().zip(&band.lower);
-        let widest = widest.map(|(u, l)| (u - l) / 2.0).fold(0.0, f64::max);
+    pub fn of(bounds: &StepBounds) -> Self {
+        let (pointwise, whole) = bounds.mean_half_widths();
         Self {
-            level: band.level,
-            widest_percent: 100.0 * widest,
+            level: bounds.level,
+            widest_percent: 100.0 * bounds.widest_half_width(),
             mean_percent: 100.0 * whole,
             mean_pointwise_percent: 100.0 * pointwise,
-            bias_percent: 100.0 * step.bias(),
+            bias_percent: 100.0 * bounds.bias(),
             beyond_noise_percent: 0.0,
         }
     }
@@ -217,7 +214,7 @@ impl Plan {
             frequencies: expected.model.structure.frequencies,
             band,
             metrics: match band {
-                Some(_) => Some(Metrics::of_model(&expected.model)?),
+                Some(_) => expected.model.metrics_anew()?.into_valid(),
                 None => None,
             },
             spectrum: Spectrum::of(question),

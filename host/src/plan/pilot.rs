@@ -8,8 +8,9 @@ use rand_distr::{Distribution, StandardNormal};
 use servoid_identification::fsf_basis::FsfBasis;
 use servoid_identification::gls::{self, GlsOptions};
 use servoid_identification::least_squares::{Coordinates, Information};
+use servoid_identification::model::ParameterBounds;
 use servoid_identification::moments::Moments;
-use servoid_identification::step_response::StepResponse;
+use servoid_identification::step_response::{StepBounds, StepResponse};
 use servoid_identification::variance::{self, CurveVariance};
 use servoid_identification::{Error, Model, NoiseOrder, Options, Record, Run, identify};
 use servoid_protocol::Degrees;
@@ -59,16 +60,21 @@ impl Expected {
             let model = with_known_noise(question, &pilot, &record)?;
             all.push((model, pilot, record));
         }
+        let pilots = all.len();
+        let is_bounded = |(model, ..): &(Model, Model, Record)| model.bounds.valid().is_some();
+        let bounded = 2 * all.iter().filter(|pilot| is_bounded(pilot)).count() > pilots;
+        if bounded {
+            all.retain(is_bounded);
+        }
         all.sort_by_key(|(model, ..)| model.structure.settling_samples);
-        let bounded = all.iter().filter(|(_, pilot, _)| pilot.bounds_hold());
-        let bounds_hold = 2 * bounded.count() > all.len();
-        let linear: Vec<_> = all.iter().map(|(m, ..)| Widths::of(&m.step)).collect();
-        let found: Vec<_> = all.iter().map(|(_, p, _)| Widths::of(&p.step)).collect();
+        let widths = |model: &Model| model.step.bounds.valid().map(Widths::of);
+        let linear: Vec<_> = all.iter().filter_map(|(m, ..)| widths(m)).collect();
+        let found: Vec<_> = all.iter().filter_map(|(_, p, _)| widths(p)).collect();
         let (model, pilot, record) = all.swap_remove(all.len() / 2);
         let linear = Widths::mean(&linear);
         if question.assumed.simulation.is_none() {
             return Ok(Self {
-                band: bounds_hold.then_some(linear),
+                band: bounded.then_some(linear),
                 model,
                 pilot,
                 record,
@@ -79,7 +85,7 @@ impl Expected {
         let is_its_own = found.widest_percent > SCATTER * noise;
         let beyond = found.widest_percent - noise;
         Ok(Self {
-            band: bounds_hold.then_some(Widths {
+            band: bounded.then_some(Widths {
                 beyond_noise_percent: if is_its_own { beyond } else { 0.0 },
                 ..found
             }),
@@ -203,19 +209,21 @@ fn with_known_noise(question: &Question, pilot: &Model, record: &Record) -> Resu
     }
     let covariance = fit.covariance();
     let n = basis.frequencies();
-    let rows = (0..n).map(|i| (0..n).map(|j| covariance[(i, j)]).collect());
+    let rows = || (0..n).map(|i| (0..n).map(|j| covariance[(i, j)]).collect());
     let theta = parameters(&basis, &value);
+    // The bounds hold if those of the pilot do.
+    let step_bounds = pilot.step.bounds.as_ref().map(|known| {
+        let biases = known.biases();
+        StepBounds::new(&value, &spread, question.level, biases)
+    });
     Ok(Model {
         theta,
-        covariance: rows.collect(),
+        bounds: pilot.level().map(|level| ParameterBounds {
+            level,
+            covariance: rows().collect(),
+        }),
         noise: truth.noise.clone(),
-        step: StepResponse::new(
-            pilot.sample_period_s,
-            value,
-            &spread,
-            question.level,
-            pilot.step.biases(),
-        ),
+        step: StepResponse::new(pilot.sample_period_s, value, step_bounds),
         ..pilot.clone()
     })
 }

@@ -86,8 +86,7 @@ fn four_runs_halve_the_band_as_the_figures_of_what_is_needed_say() {
         runs: 4,
         ..one.clone()
     };
-    let ratio =
-        Widths::of(&Expected::of(&four).unwrap().model.step).widest_percent / band.widest_percent;
+    let ratio = Expected::of(&four).unwrap().band.unwrap().widest_percent / band.widest_percent;
     // N is chosen anew: with more data more of the response is seen, and a longer N costs some of the
     // half.
     assert!((0.45..0.62).contains(&ratio), "{ratio}");
@@ -150,9 +149,15 @@ fn where_identification_gives_bounds_the_plan_has_them_too_and_else_neither() {
         (Expected::of_pilots(&question, 2).unwrap().band, found)
     };
     let (planned, found) = both(0.06);
-    assert!(planned.is_none() && !found.bounds_hold(), "{planned:?}");
+    assert!(
+        planned.is_none() && found.bounds.valid().is_none(),
+        "{planned:?}"
+    );
     let (planned, found) = both(0.16);
-    let (planned, found) = (planned.unwrap(), Widths::of(&found.step));
+    let (planned, found) = (
+        planned.unwrap(),
+        Widths::of(found.step.bounds.valid().unwrap()),
+    );
     let ratio = planned.widest_percent / found.widest_percent;
     assert!((0.67..1.5).contains(&ratio), "{planned:?} {found:?}");
     assert!(

@@ -3,6 +3,7 @@
 use super::{Alternative, MOST_RUNS, Needed, Plan, Widths};
 use crate::presentation::plots::figure::{Band, Curve, Figure, Ink, Legend, Panel};
 use crate::presentation::summary;
+use servoid_identification::step_response::StepBounds;
 use std::fmt::Write;
 
 /// A plan for a terminal.
@@ -250,23 +251,31 @@ pub fn figure(plan: &Plan, name: &str) -> Figure {
         ..Panel::default()
     };
     let step = &plan.step;
-    let bounds = step.simultaneous.lower.iter().zip(&step.simultaneous.upper);
     let times = || step.time_s.iter().copied();
-    let band = |widths: Widths| Band {
-        name: format!(
-            "expected, the whole curve, {} %",
-            summary::percent(widths.level)
-        ),
-        ink: Ink::Model,
-        points: times()
-            .zip(bounds)
-            .map(|(t, (&lower, &upper))| (t, lower, upper))
-            .collect(),
+    let band = |(widths, bounds): (Widths, &StepBounds)| {
+        let whole = &bounds.simultaneous;
+        let bounds = whole.lower.iter().zip(&whole.upper);
+        Band {
+            name: format!(
+                "expected, the whole curve, {} %",
+                summary::percent(widths.level)
+            ),
+            ink: Ink::Model,
+            points: times()
+                .zip(bounds)
+                .map(|(t, (&lower, &upper))| (t, lower, upper))
+                .collect(),
+        }
     };
     let response = Panel {
         x_label: "time since the edge of the command (s)".into(),
         y_label: "response to a unit step".into(),
-        bands: plan.band.map(band).into_iter().collect(),
+        bands: plan
+            .band
+            .zip(step.bounds.valid())
+            .map(band)
+            .into_iter()
+            .collect(),
         curves: vec![Curve::solid(
             plan.servo.as_str(),
             Ink::Model,

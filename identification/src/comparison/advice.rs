@@ -44,7 +44,11 @@ pub(super) fn one_response() -> Advice {
 }
 
 /// Findings on either side that bear on their difference, and questions that the recordings leave open.
-pub(super) fn gather(comparison: &Comparison, models: [&Model; 2], sides: &[&Identified<'_>]) -> Vec<Advice> {
+pub(super) fn gather(
+    comparison: &Comparison,
+    models: [&Model; 2],
+    sides: &[&Identified<'_>],
+) -> Vec<Advice> {
     let mut advice = Vec::new();
     for (which, model) in ["The first", "The second"].into_iter().zip(models) {
         let bearing = |found: &&Advice| found.check.bears_on_comparison();

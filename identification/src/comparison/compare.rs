@@ -5,9 +5,7 @@ use super::difference_curves::{Later, difference_curves};
 use super::metric_differences::metric_differences;
 use super::motion::Motion;
 use super::options::ComparisonOptions;
-use super::outcome::{
-    Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Verdict,
-};
+use super::outcome::{Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Verdict};
 use super::over_prediction::{Predictor, over_prediction};
 use super::pair::{identified, same_period};
 use super::scatter::{self, RunToRun, explained_by_chance};

@@ -18,8 +18,7 @@ pub(super) fn metric_differences(a: &Metrics, b: &Metrics) -> Vec<MetricDifferen
         ("phase_minus_90_rad_s", |m| m.phase_minus_90_rad_s),
     ];
     let bounds = |of: &Interval| of.lower.zip(of.upper).map(<[f64; 2]>::from);
-    all
-        .iter()
+    all.iter()
         .map(|(name, of)| {
             let (a, b) = (of(a), of(b));
             let difference = b.value.zip(a.value).map(|(b, a)| b - a);

@@ -60,7 +60,10 @@ struct End {
 }
 
 /// `None` when the record has no two ends with two plateaus each.
-pub(crate) fn over_prediction(record: &Record, predictor: &Predictor<'_>) -> Option<OverPrediction> {
+pub(crate) fn over_prediction(
+    record: &Record,
+    predictor: &Predictor<'_>,
+) -> Option<OverPrediction> {
     let levels: Vec<f64> = record
         .runs()
         .iter()
@@ -88,7 +91,12 @@ pub(crate) fn over_prediction(record: &Record, predictor: &Predictor<'_>) -> Opt
         let (a, b) = (end.mean, end.predicted);
         let variance =
             (end.sd / b).powi(2) + (sd_at_rest * a / (b * b)).powi(2) + (zero / b).powi(2);
-        interval(1.0 - a / b, variance.sqrt(), end.plateaus - 1, predictor.level)
+        interval(
+            1.0 - a / b,
+            variance.sqrt(),
+            end.plateaus - 1,
+            predictor.level,
+        )
     };
     let (travel, predicted) = (plus.mean - minus.mean, plus.predicted - minus.predicted);
     // The zero cancels, and so does the offset; the gain's part adds up.

@@ -12,7 +12,11 @@ use crate::results::validity::Reason;
 /// leaves errors that do not look like noise either, so it comes first.
 pub(crate) fn reason_against_bounds(explanation: &Explanation, model: &Model) -> Option<Reason> {
     // Under a smooth input the effect of rounding grows with everything else, and nothing bounds it.
-    let smooth = || explanation.excitation.is_some_and(|found| found.is_smooth());
+    let smooth = || {
+        explanation
+            .excitation
+            .is_some_and(|found| found.is_smooth())
+    };
     if explanation.unexcited_above_hz(model).is_some() {
         Some(Reason::InputUnexcited)
     } else if explanation.model_errors.is_some() {
@@ -29,7 +33,11 @@ pub(crate) fn supported_metrics(explanation: &Explanation, model: &Model) -> Met
     let metrics = model.metrics;
     if unexcited_share(explanation, model).is_some_and(|share| share > DISAGREEMENT) {
         // The final value is no exception: a bank that is short of frequencies takes others for it.
-        return Metrics::withheld(Interval::default(), Withheld::InputUnexcited, metrics.bounds);
+        return Metrics::withheld(
+            Interval::default(),
+            Withheld::InputUnexcited,
+            metrics.bounds,
+        );
     }
     let taken = &model.step.value;
     let Some(errors) = explanation

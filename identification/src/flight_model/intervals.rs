@@ -16,7 +16,8 @@ pub(super) struct Parameters<'a> {
 impl Parameters<'_> {
     /// Of a parameter.
     pub(super) fn plain(&self, k: usize) -> Interval {
-        let half = |level: &f64| pointwise_critical(*level) * self.covariance[(k, k)].max(0.0).sqrt();
+        let half =
+            |level: &f64| pointwise_critical(*level) * self.covariance[(k, k)].max(0.0).sqrt();
         Interval::around(self.values[k], self.level.valid().map(half))
     }
 

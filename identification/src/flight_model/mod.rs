@@ -149,7 +149,9 @@ impl FlightModel {
     fn intervals(&self) -> impl Iterator<Item = Interval> {
         let of_some_orders = [self.omega_rad_s, self.damping, self.lag_s];
         let of_all = [self.gain, self.delay_s];
-        of_all.into_iter().chain(of_some_orders.into_iter().flatten())
+        of_all
+            .into_iter()
+            .chain(of_some_orders.into_iter().flatten())
     }
 }
 

@@ -103,7 +103,9 @@ impl Projection {
         let size = model.theta.len();
         let covariance = match &model.bounds {
             Bounds::Valid(bounds) => bounds.covariance_matrix(),
-            Bounds::Withdrawn(_) => faer::Scale(model.theta[0].powi(2)) * Mat::<f64>::identity(size, size),
+            Bounds::Withdrawn(_) => {
+                faer::Scale(model.theta[0].powi(2)) * Mat::<f64>::identity(size, size)
+            }
         };
         let whitening = whitening(&covariance).ok_or(Error::NoResponse)?;
         Ok(Self {

@@ -30,9 +30,7 @@ use crate::estimation::variance::{self, CurveVariance};
 use crate::numerics::linear_algebra::times;
 use crate::numerics::matrix_rows::to_rows;
 use crate::options::{Frequencies, NoiseOrder, Options};
-use crate::results::frequency_response::{
-    self, FrequencyBounds, FrequencyResponse, frequency_map,
-};
+use crate::results::frequency_response::{self, FrequencyBounds, FrequencyResponse, frequency_map};
 use crate::results::metrics::Metrics;
 use crate::results::metrics::measured::Measured;
 use crate::results::model::{Model, ParameterBounds, SCHEMA, Structure};
@@ -196,8 +194,12 @@ impl Pipeline<'_> {
         };
         let step_bounds = StepBounds::new(&value, &responses.step, level, biases);
         let frequency_values = &responses.frequency_values;
-        let frequency_bounds =
-            FrequencyBounds::new(frequency_values, &responses.frequency, level, frequency_bias);
+        let frequency_bounds = FrequencyBounds::new(
+            frequency_values,
+            &responses.frequency,
+            level,
+            frequency_bias,
+        );
         let omega_rad_s: Vec<f64> = responses.omegas.iter().map(|w| w / period).collect();
         let parameter_bounds = ParameterBounds {
             level,

@@ -137,9 +137,13 @@ impl FrequencyResponse {
             Bounds::Valid(bounds) => Some(bounds),
             Bounds::Withdrawn(_) => None,
         };
-        let (mut magnitudes, mut phases) = (vec![&mut self.magnitude_db], vec![&mut self.phase_deg]);
+        let (mut magnitudes, mut phases) =
+            (vec![&mut self.magnitude_db], vec![&mut self.phase_deg]);
         if let Some(bounds) = bounds {
-            magnitudes.extend([&mut bounds.magnitude_db_lower, &mut bounds.magnitude_db_upper]);
+            magnitudes.extend([
+                &mut bounds.magnitude_db_lower,
+                &mut bounds.magnitude_db_upper,
+            ]);
             phases.extend([&mut bounds.phase_deg_lower, &mut bounds.phase_deg_upper]);
             for (bias, omega) in bounds.bias.iter_mut().zip(&self.omega_rad_s) {
                 *bias *= timing.magnitude_factor(*omega);

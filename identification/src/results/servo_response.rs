@@ -108,7 +108,8 @@ impl Model {
     pub fn phase_at(&self, omega_rad_s: &[f64]) -> Result<Vec<PhaseAt>, Error> {
         let (basis, response) = (self.basis()?, self.servo_response(omega_rad_s)?);
         let of = |(k, &omega_rad_s): (usize, &f64)| {
-            let phase = continued_phase(&basis, &self.theta, self.timing(), omega_rad_s).to_degrees();
+            let phase =
+                continued_phase(&basis, &self.theta, self.timing(), omega_rad_s).to_degrees();
             let turn = phase - response.phase_deg[k];
             let known = response.bounds.valid().map(|bounds| {
                 let (lower, upper) = (bounds.phase_deg_lower[k], bounds.phase_deg_upper[k]);

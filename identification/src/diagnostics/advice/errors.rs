@@ -204,7 +204,13 @@ pub(super) fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
             "The noise model is incomplete (order {order}): the one-step errors are related to each \
              other, so the bounds are approximate."
         );
-        return Some(Advice::new(Check::Whiteness, finding, p, SIGNIFICANCE, remedy));
+        return Some(Advice::new(
+            Check::Whiteness,
+            finding,
+            p,
+            SIGNIFICANCE,
+            remedy,
+        ));
     }
     (evidence.options.noise_order == NoiseOrder::Auto && order == MAX_AUTO_ORDER).then(|| {
         let finding = format!("The noise model has the highest order considered, {order}.");

@@ -187,7 +187,9 @@ impl Table {
 
     /// Student's interval of a value with a standard deviation.
     fn within(&self, value: f64, sd: f64) -> Interval {
-        let half = self.level.map(|level| self.critical(0.5 - level / 2.0) * sd);
+        let half = self
+            .level
+            .map(|level| self.critical(0.5 - level / 2.0) * sd);
         Interval::around(value, half)
     }
 
@@ -244,9 +246,7 @@ impl Table {
                     difference.abs()
                 )
             } else {
-                format!(
-                    "The rest position does not depend on the direction of approach{by_more}."
-                )
+                format!("The rest position does not depend on the direction of approach{by_more}.")
             },
         }
     }

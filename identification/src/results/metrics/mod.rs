@@ -56,7 +56,6 @@ use step_metrics::StepMetrics;
 
 pub use interval::Interval;
 
-
 /// Why metrics are left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
