@@ -11,7 +11,7 @@ use servoid::live::{Estimator, RunSamples, second_cycle};
 use servoid::port;
 use servoid::recording::{Header, ReservedFile};
 use servoid::rig::{Capture, Progress, RigClient, RigFile, StopReason};
-use servoid::scope::draw::draw;
+use servoid::scope::layout::draw;
 use servoid::scope::state::{FrameSeen, Link};
 use servoid::scope::{ScopeEvent, ScopeState};
 use servoid_identification::Options;
@@ -34,7 +34,7 @@ const TEXT_PX: u32 = 13;
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args()
         .nth(1)
-        .ok_or("say where to write the SVG")?;
+        .ok_or("name the SVG file to write")?;
     let state = half_of_a_run()?;
     let mut terminal = Terminal::new(TestBackend::new(SIZE.0, SIZE.1))?;
     terminal.draw(|frame| draw(frame, &state))?;

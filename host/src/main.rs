@@ -20,6 +20,6 @@ fn main() -> ExitCode {
 
 fn fail(error: &anyhow::Error) -> ExitCode {
     // Causes on one line, behind the sentence that they explain.
-    servoid::output_files::tell(format_args!("servoid: {error:#}"));
+    servoid::commands::print_remark(format_args!("servoid: {error:#}"));
     ExitCode::FAILURE
 }

@@ -2,18 +2,15 @@
 //!
 //! # The method
 //!
-//! The output is y(k) = φ(k)'θ + c + ε(k)/D(z): frequency sampling filters φ of the input whose
-//! parameters θ are the frequency response itself ([`basis`]), a constant, and autoregressive noise.
-//! Generalised least squares finds θ and D in turn ([`gls`]). The bounds are Student's, with every
-//! degree of freedom counted ([`curve`], [`band`]); what leaving out frequencies may hide is added to
-//! them ([`truncation`]).
+//! The output is y(k) = φ(k)'θ + c + ε(k)/D(z): the filters φ of the input ([`fsf_basis`]), whose parameters
+//! θ are the frequency response, an offset, and autoregressive noise ([`noise_model`]).
 //!
-//! # The way through the crate
-//!
-//! record → [`moments`] (one pass) → [`normal`] (least squares for any bank and noise filter) →
-//! [`gls`] → [`curve`] and [`band`] → [`step`], [`frequency`], [`metrics`] → [`model`]. The [`structure`] is
-//! chosen from the moments; [`residual`] tests and [`advice`] say how far to trust the result;
-//! [`mod@reference`] is the slow and obvious way that the tests hold all of it against.
+//! A [`record`] is reduced to its lagged [`moments`] in one pass. Least squares ([`least_squares`]) and
+//! generalised least squares ([`gls`]) follow from the moments for any bank and noise filter, and so does the
+//! choice of the structure ([`settling_time`]). The [`variance`] of the estimate and the
+//! [`critical_values`] give its bounds, to which the [`truncation`] bias is added. The results are a
+//! [`step_response`], a [`frequency_response`] and [`metrics`] in a [`model`]. [`residual_tests`] and
+//! [`advice`] show how far to trust it.
 //!
 //! Sources: L. Wang and W. R. Cluett, *From Plant Data to Process Control*, 2000 (the filters);
 //! D. W. Clarke, "Generalised least squares estimation", IFAC 1967; S. Worsley, "An improved
@@ -41,8 +38,7 @@ pub use diagnostics::{
 };
 pub use error::Error;
 pub use estimation::{
-    direct, excitation, fsf_basis, gls, least_squares, nested_banks, noise_model, qr, truncation,
-    variance,
+    excitation, fsf_basis, gls, least_squares, nested_banks, noise_model, qr, truncation, variance,
 };
 pub use identify::{Identification, identify, identify_explained, identify_moments};
 pub use nonlinear::{direction, limits};

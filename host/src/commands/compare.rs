@@ -1,8 +1,11 @@
 //! `servoid compare`
 
+use super::file_names::is_model;
+use super::output_args::Talk;
 use super::table_args::TableArgs;
-use super::{Talk, is_model, listed, wrong_usage};
+use super::usage::wrong_usage;
 use crate::commands::output_files;
+use crate::data::dataset::listed;
 use crate::data::dataset::{self, DatasetOptions};
 use crate::data::fingerprint::{self, advice_on_sides};
 use crate::data::model_file::ModelFile;
@@ -15,16 +18,16 @@ use servoid_identification::advice::Advice;
 use servoid_identification::comparison::{Comparison, ComparisonOptions, compare, compare_models};
 use std::path::{Path, PathBuf};
 
-/// Say whether two servos, or one under two conditions, differ, and by how much
+/// Compare two servos, or one servo under two conditions
 ///
-/// The verdict is against a margin: "different" when the step responses surely differ by more than
-/// it somewhere, "same" when they surely do so nowhere, "undecided" otherwise. Several recordings a
-/// side are several runs; with three or more, scatter between runs is tested too. Recordings tell
-/// more than models: up and down strokes apart, and where each side comes to rest.
+/// The verdict is "different" if the step responses surely differ by more than the margin somewhere, "same" if
+/// they surely differ by less everywhere, and "undecided" otherwise. Several recordings of a side are several
+/// runs; with three or more, the scatter between runs is tested too. Recordings give more than models: up and
+/// down strokes apart, and the rest positions of each side.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid compare bench.csv aircraft.csv
-  servoid compare bench.csv mine.csv --input u --output y    a table of another program
+  servoid compare bench.csv mine.csv --input u --output y    a CSV file of another program
   servoid compare --a bench1.csv bench2.csv bench3.csv --b air1.csv air2.csv air3.csv --margin 3")]
 pub(super) struct Compare {
     /// The reference condition, then the other: two recordings, or two models
@@ -37,13 +40,12 @@ pub(super) struct Compare {
     #[arg(long, num_args = 1.., value_name = "FILE", conflicts_with = "sides", requires = "a")]
     b: Vec<PathBuf>,
     /// The largest difference that still counts as the same (percent of the step)
-    #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::margin)]
+    #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::value_parsers::margin)]
     margin: f64,
     /// Confidence level of every bound, as a fraction (0.99) or in percent (99)
-    #[arg(long, default_value_t = 0.99, value_parser = super::level)]
+    #[arg(long, default_value_t = 0.99, value_parser = super::value_parsers::level)]
     level: f64,
-    /// How well the sensor's zero is known between the two sides (standard deviation, in the
-    /// recording's unit)
+    /// Standard deviation of the sensor's zero between the two sides (in the recording's unit)
     #[arg(long, default_value_t = 0.0, value_name = "SD")]
     zero_sd: f64,
     /// The result to write, as JSON

@@ -1,8 +1,7 @@
 //! `servoid completions`
 
-use super::Cli;
 use anyhow::{Context, Result};
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
 /// Print the completions of a shell
@@ -14,15 +13,15 @@ use clap_complete::Shell;
   servoid completions bash > ~/.local/share/bash-completion/completions/servoid
   servoid completions fish > ~/.config/fish/completions/servoid.fish")]
 pub(super) struct Completions {
-    /// Which shell
+    /// The shell
     #[arg(value_enum)]
     shell: Shell,
 }
 
 impl Completions {
-    pub(super) fn run(self) -> Result<String> {
+    pub(super) fn run(self, mut program: Command) -> Result<String> {
         let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "servoid", &mut script);
-        String::from_utf8(script).context("the completions are no text")
+        clap_complete::generate(self.shell, &mut program, "servoid", &mut script);
+        String::from_utf8(script).context("the completions are not text")
     }
 }

@@ -1,8 +1,8 @@
 //! `servoid demo`
 
-use super::capture::{Job, capture};
-use super::watch::Watch;
-use super::{Talk, interrupt};
+use super::capture::{CaptureJob, Monitor, capture};
+use super::ctrl_c;
+use super::output_args::Talk;
 use crate::commands::output_files;
 use crate::data::dataset::{self, DatasetOptions};
 use crate::data::model_file::ModelDocument;
@@ -21,18 +21,18 @@ use servoid_identification::{Options, Record, identify_explained};
 use servoid_protocol::reference::{Reference, Staircase};
 use std::path::PathBuf;
 
-/// Run the whole paper on simulated rigs: capture, identify, compare bench and aircraft
+/// Repeat the paper on simulated rigs: capture, identify, compare bench and aircraft
 ///
-/// Writes two recordings, two models, their comparison, the paper's figures, a report to open in a
-/// browser, and summary.json. Needs no hardware.
+/// Needs no hardware. Writes two recordings, two models, their comparison, the paper's figures, a report for the
+/// browser, and summary.json.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
   servoid demo --out demo")]
 pub(super) struct Demo {
-    /// Folder for everything that it writes; the files of an earlier demo in it are replaced
+    /// Folder for all files; those of an earlier demo in it are replaced
     #[arg(long, short, default_value = "demo", value_name = "DIR")]
     out: PathBuf,
-    /// Replace files of the same names that no demo has made
+    /// Replace files of the same names that are not from a demo
     #[arg(long)]
     force: bool,
     #[command(flatten)]
@@ -70,7 +70,7 @@ impl Demo {
         std::fs::create_dir_all(&self.out)
             .with_context(|| format!("the folder {:?} cannot be made", self.out))?;
         self.check_folder()?;
-        interrupt::listen()?;
+        ctrl_c::listen()?;
         let (bench, bench_record) = self.measure("bench")?;
         let (aircraft, aircraft_record) = self.measure("aircraft")?;
         let options = ComparisonOptions {
@@ -147,7 +147,7 @@ impl Demo {
         let file = self.out.join(format!("{condition}.csv"));
         let address = format!("sim:{condition}?seed=1");
         capture(
-            &Job {
+            &CaptureJob {
                 address: &address,
                 rig: RigFile::default(),
                 reference: Reference::Staircase(Staircase::PAPER),
@@ -157,7 +157,7 @@ impl Demo {
                 files: std::slice::from_ref(&file),
                 force: true,
             },
-            &Watch::plainly(self.talk),
+            &Monitor::plain(self.talk),
             self.talk,
         )?;
         let data = dataset::load(std::slice::from_ref(&file), &DatasetOptions::default())?;

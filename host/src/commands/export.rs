@@ -1,6 +1,8 @@
 //! `servoid export`
 
-use super::{Talk, stem, wrong_usage};
+use super::file_names::stem;
+use super::output_args::Talk;
+use super::usage::wrong_usage;
 use crate::commands::output_files;
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::PULSE_FRAMES_S;
@@ -10,11 +12,11 @@ use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// Write a model for another program: MATLAB, Python, Julia, C, a table, or JSBSim
+/// Write a model for another program: MATLAB, Python, Julia, C, a CSV table, or JSBSim
 ///
-/// The finite impulse response is the identified model itself. Where a ratio of polynomials is needed,
-/// a model of low order is fitted to it, and the file says how far the two are apart. Every file says
-/// how its samples lie, its units and signs, and where its bounds do not hold.
+/// The finite impulse response is the identified model itself. Where a ratio of polynomials is needed, a
+/// low-order model is fitted to it, and the file states the difference between the two. Every file states its
+/// sample times, units and signs, and where its bounds do not hold.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid export bench.json --to c -o servo_bench.h
@@ -23,17 +25,17 @@ pub(super) struct ExportArgs {
     /// The model, as 'servoid identify -o' writes it
     #[arg(value_name = "MODEL.json")]
     model: PathBuf,
-    /// What to write
+    /// Target program
     #[arg(long, value_enum, value_name = "TARGET")]
     to: Target,
     /// The file to write; without it, standard output
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// What the servo is called in it; without it, what the model's file is called
+    /// Name of the servo in it; without it, the name of the model file
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
-    /// How long a pulse frame holds a command (ms); 0 where commands take effect at once. Without it,
-    /// what the model says: 20 ms where it comes from recordings of servoid, else it is not known
+    /// Pulse frame, which holds a command (ms); 0 where commands take effect at once. Without it, that of the
+    /// model: 20 ms where it is from recordings of servoid, unknown otherwise
     #[arg(long, value_name = "MS")]
     frame_ms: Option<f64>,
     /// Replace the file if it exists

@@ -1,10 +1,13 @@
 //! `servoid identify`
 
+use super::file_names::stem;
+use super::output_args::Talk;
 use super::table_args::TableArgs;
-use super::{Talk, listed, stem, wrong_usage};
+use super::usage::wrong_usage;
 use crate::commands::output_files;
 use crate::data::dataset;
 use crate::data::dataset::Dataset;
+use crate::data::dataset::listed;
 use crate::data::dataset::suggestion::quoted;
 use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
@@ -23,12 +26,11 @@ use servoid_identification::{
 };
 use std::path::PathBuf;
 
-/// Find the servo's step and frequency response, with bounds
+/// Identify the servo's step and frequency response, with bounds
 ///
-/// Takes recordings of servoid, or any CSV file with its columns named. Several files are several
-/// runs of the same servo under the same conditions; they are never joined end to end. Without other
-/// options everything is chosen from the data. -o keeps the model for 'servoid validate', 'compare',
-/// 'report' and 'export'.
+/// Takes recordings of servoid, or any CSV file with its columns named. Several files are several runs of the
+/// same servo under the same condition; they are never joined end to end. Without other options the structure
+/// is chosen from the data. -o writes the model for 'servoid validate', 'compare', 'report' and 'export'.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid identify bench.csv -o bench.json --plots plots
@@ -38,28 +40,28 @@ pub(super) struct Identify {
     /// Recordings, or CSV files
     #[arg(required = true, value_name = "FILE.csv")]
     files: Vec<PathBuf>,
-    /// Samples after which the response to a step is over (N), or auto
+    /// Settling time N (samples), or auto
     #[arg(long, default_value_t = Settling::Auto, value_name = "N|auto")]
     settling: Settling,
-    /// Number of frequencies (n, odd, at most N): auto takes all that the input excites, narrow as many
-    /// as give the narrowest band, which holds only where the response falls steeply above them
+    /// Number n of frequencies (odd, at most N). auto takes all that the input excites. narrow takes the number
+    /// with the narrowest band, which holds only where the response falls steeply above them
     #[arg(long, default_value_t = Frequencies::Auto, value_name = "n|auto|narrow")]
     frequencies: Frequencies,
-    /// Order of the noise model (d), or auto; 0 takes the noise for white
+    /// Order d of the noise model, or auto; 0 is white noise
     #[arg(long, default_value_t = NoiseOrder::Auto, value_name = "d|auto")]
     noise_order: NoiseOrder,
     /// Confidence level of every bound, as a fraction (0.99) or in percent (99)
-    #[arg(long, default_value_t = 0.99, value_parser = super::level)]
+    #[arg(long, default_value_t = 0.99, value_parser = super::value_parsers::level)]
     level: f64,
-    /// Show how the structure came about: what was considered, and why this was chosen
+    /// Explain the structure: the candidates, and the reason for the choice
     #[arg(long)]
     explain: bool,
-    /// Also fit a model of low order for a flight simulation: gain, delay, one to three poles. It is
-    /// kept in the model's file, where 'servoid export' finds it
+    /// Also fit a low-order model for flight simulations: gain, delay, one to three poles. The model file keeps
+    /// it for 'servoid export'
     #[arg(long)]
     flight_model: bool,
-    /// Also look for what no linear model shows: up and down strokes that differ, rate limits, a
-    /// rest position that depends on the direction of approach, ends of the travel
+    /// Also test for motion that is not linear: up and down strokes that differ, rate limits, hysteresis of the
+    /// rest position, ends of the travel
     #[arg(long)]
     limits: bool,
     /// The model to write

@@ -1,6 +1,7 @@
 //! `servoid info`
 
-use super::{Talk, suggest};
+use super::completion_values;
+use super::output_args::Talk;
 use crate::instrument::port;
 use crate::instrument::rig::mismatch::{Mismatch, mismatches};
 use crate::instrument::rig::{RigClient, TalkError};
@@ -11,14 +12,14 @@ use servoid_protocol::message::{Activity, Status};
 use servoid_protocol::{Hello, Rejects};
 use std::fmt::Write;
 
-/// Say what is on the other end of a port, and how it is
+/// Show the rig at a port: its board, firmware, timing and state
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
   servoid info --port /dev/ttyUSB0
   servoid info --port sim:bench")]
 pub(super) struct Info {
-    /// Where the rig is: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
-    #[arg(long, short, value_parser = suggest::port(), hide_possible_values = true)]
+    /// Port of the rig: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
+    #[arg(long, short, value_parser = completion_values::port(), hide_possible_values = true)]
     port: String,
     #[command(flatten)]
     talk: Talk,
@@ -46,7 +47,7 @@ impl Info {
         };
         let hello = *client.hello();
         let schema_equal = client.require_equal_schema().is_ok();
-        // A rig with other messages may answer with anything; its hello is all that is sure.
+        // Only the hello of a rig with another schema can be trusted.
         let status = if schema_equal {
             Some(client.status()?)
         } else {
@@ -116,7 +117,7 @@ fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> Result<
     )?;
     writeln!(
         text,
-        "memory           {} frames ({} s) can be asked for again",
+        "memory           {} frames ({} s) can be sent again",
         hello.history_frames,
         f64::from(hello.history_frames) * f64::from(hello.frame_us) * 1e-6
     )?;
@@ -127,11 +128,11 @@ fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> Result<
 }
 
 fn write_status(text: &mut String, status: &Status, rejects: Rejects) -> std::fmt::Result {
-    writeln!(text, "doing            {}", activity(&status.activity))?;
+    writeln!(text, "state            {}", activity(&status.activity))?;
     writeln!(text, "sensor           {} counts", status.sensor.0)?;
     writeln!(
         text,
-        "frames           {} since start, {} lost on the board, at most {} waited to be sent",
+        "frames           {} since start, {} lost on the board, at most {} in the queue",
         status.frames_since_start, status.frames_lost_on_board, status.backlog_high_water
     )?;
     writeln!(
@@ -142,7 +143,7 @@ fn write_status(text: &mut String, status: &Status, rejects: Rejects) -> std::fm
     )
 }
 
-/// A mismatch, field by field.
+/// The mismatches, field by field.
 fn explain(mismatches: &[Mismatch]) -> Result<String> {
     let mut text = String::new();
     if mismatches.is_empty() {
@@ -163,7 +164,7 @@ fn clock(source: ClockSource) -> &'static str {
     match source {
         ClockSource::Crystal => "crystal (tens of ppm)",
         ClockSource::InternalRc => {
-            "internal oscillator, as the crystal did not start (about 1 %: every time is that uncertain)"
+            "internal oscillator (all times uncertain by about 1 %), because the crystal did not start"
         }
         ClockSource::Simulated => "simulated (exact)",
     }
@@ -171,12 +172,12 @@ fn clock(source: ClockSource) -> &'static str {
 
 fn reset(cause: ResetCause) -> &'static str {
     match cause {
-        ResetCause::PowerOn => "power was switched on, or had dropped out",
+        ResetCause::PowerOn => "power on, or a drop of the supply",
         ResetCause::Pin => "the reset pin",
-        ResetCause::Watchdog => "the watchdog: frames had stopped advancing",
-        ResetCause::Software => "the program asked for it",
-        ResetCause::LowPower => "a low-power mode",
-        ResetCause::Unknown => "not known",
+        ResetCause::Watchdog => "the watchdog: frames had stopped",
+        ResetCause::Software => "a reset by the program",
+        ResetCause::LowPower => "a low-power reset",
+        ResetCause::Unknown => "unknown",
     }
 }
 

@@ -1,19 +1,21 @@
 //! `servoid init`
 
-use super::ask::{Asker, Question};
-use super::{Talk, ports, suggest};
+use super::completion_values;
+use super::output_args::Talk;
+use super::ports;
+use super::prompts::{Asker, Prompt};
 use crate::commands::output_files;
-use crate::commands::rig_wizard::{self, Answers, Range};
+use crate::commands::rig_wizard::{self, Range, RigAnswers};
 use crate::instrument::rig::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueHint};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Write the rig file of a new rig: asks at a terminal what it has to know
+/// Write the rig file of a new rig, from questions at the terminal or from options
 ///
-/// Each question has an option that answers it; what has been answered is not asked, and with --yes
-/// nothing is, so that a script can do it. Enter takes the answer in brackets.
+/// Each question has an option. A question whose option is given is not asked; with --yes none is, which suits
+/// scripts. Enter takes the answer in brackets.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid init
@@ -27,7 +29,7 @@ pub(super) struct Init {
     /// Replace the file if it exists
     #[arg(long)]
     force: bool,
-    /// Ask nothing: what no option says gets its default
+    /// Ask nothing: take the default of every option that is not given
     #[arg(long, short)]
     yes: bool,
     #[command(flatten)]
@@ -36,43 +38,43 @@ pub(super) struct Init {
     given: Given,
 }
 
-/// Answers by options.
+/// The answers that options give.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Answers")]
 struct Given {
-    /// What the rig is called [default: my rig]
+    /// Name of the rig [default: my rig]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
-    /// Where the rig is: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
-    #[arg(long, short, value_parser = suggest::port(), hide_possible_values = true)]
+    /// Port of the rig: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
+    #[arg(long, short, value_parser = completion_values::port(), hide_possible_values = true)]
     port: Option<String>,
-    /// Under what condition it is measured: bench, aircraft, or words of your own [default: bench]
-    #[arg(long, value_name = "NAME", value_parser = suggest::condition(), hide_possible_values = true)]
+    /// Condition of the measurements: bench, aircraft, or your own words [default: bench]
+    #[arg(long, value_name = "NAME", value_parser = completion_values::condition(), hide_possible_values = true)]
     condition: Option<String>,
-    /// What the servo is called
+    /// Name of the servo
     #[arg(long, value_name = "NAME")]
     servo: Option<String>,
-    /// The shortest and the longest pulse that the servo may be given (µs) [default: 1000:2000]
+    /// Shortest and longest pulse that the servo takes (µs) [default: 1000:2000]
     #[arg(long, value_name = "SHORTEST:LONGEST")]
     pulses: Option<Range>,
-    /// The pulse at 0 degrees (µs) [default: 1500]
+    /// Neutral: the pulse at 0 degrees (µs) [default: 1500]
     #[arg(long, value_name = "US")]
     neutral: Option<u16>,
-    /// Change of the pulse for one degree (µs), negative where a longer pulse turns the servo the other
-    /// way [default: 10]
+    /// Change of the pulse for one degree (µs); negative where a longer pulse turns the servo towards negative
+    /// angles [default: 10]
     #[arg(long, value_name = "US", allow_negative_numbers = true)]
     us_per_degree: Option<f64>,
-    /// How far the linkage may be turned from neutral (degrees): no pulse goes beyond [default: -10:10,
-    /// twice what a reference turns it unless it is told otherwise]
+    /// Travel of the linkage from neutral (degrees); sets the limits of all pulses [default: -10:10, twice the
+    /// default amplitude of a reference]
     #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true)]
     travel: Option<Range>,
-    /// What the sensor is called [default: Honeywell RTY120]
+    /// Name of the sensor [default: Honeywell RTY120]
     #[arg(long, value_name = "NAME")]
     sensor: Option<String>,
-    /// Its output at the ends of its range (V) [default: 0.5:4.5]
+    /// Output of the sensor at the ends of its range (V) [default: 0.5:4.5]
     #[arg(long, value_name = "LOW:HIGH")]
     sensor_volts: Option<Range>,
-    /// The angle between them (degrees), negative where the output falls as the angle grows [default: 120]
+    /// Angle between these two outputs (degrees); negative where the output falls as the angle grows [default: 120]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     sensor_degrees: Option<f64>,
 }
@@ -90,7 +92,7 @@ impl Init {
         output_files::check_free(&self.out, self.force)?;
         let asker = Asker::new(
             self.yes,
-            "add --yes, and options for what is not as usual ('servoid init --help' has them)",
+            "add --yes, and an option for each answer that differs from its default ('servoid init --help' lists them)",
         )?;
         let answers = self.given.complete(&asker, self.talk)?;
         let (text, rig) = answers.to_rig_file(&self.out)?;
@@ -115,7 +117,7 @@ impl Init {
     }
 }
 
-/// What an answer has to look like.
+/// Errors for answers that are not of the right type.
 const NUMBER: &str = "a number is needed, such as 10 or -9.5";
 const MICROSECONDS: &str = "whole microseconds are needed, such as 1500";
 const TWO_NUMBERS: &str =
@@ -124,21 +126,21 @@ const TEXT: &str = "a name is needed";
 
 impl Given {
     /// Every answer, from the options and the asker.
-    fn complete(self, asker: &Asker, talk: Talk) -> Result<Answers> {
-        let mut answers = Answers::default();
+    fn complete(self, asker: &Asker, talk: Talk) -> Result<RigAnswers> {
+        let mut answers = RigAnswers::default();
         self.ask_names(asker, talk, &mut answers)?;
         self.ask_servo(asker, &mut answers)?;
         self.ask_sensor(asker, &mut answers)?;
         Ok(answers)
     }
 
-    fn ask_names(&self, asker: &Asker, talk: Talk, answers: &mut Answers) -> Result<()> {
+    fn ask_names(&self, asker: &Asker, talk: Talk, answers: &mut RigAnswers) -> Result<()> {
         let name = |name: &String| rig_wizard::check_name(name);
         answers.name = asker.ask(
             self.name.clone(),
-            &Question {
+            &Prompt {
                 option: "--name",
-                words: "Name of the rig",
+                text: "Name of the rig",
                 default: answers.name.clone(),
                 form: TEXT,
                 check: &name,
@@ -146,9 +148,9 @@ impl Given {
         )?;
         answers.condition = asker.ask(
             self.condition.clone(),
-            &Question {
+            &Prompt {
                 option: "--condition",
-                words: "Condition (bench, aircraft, or words of your own)",
+                text: "Condition (bench, aircraft, or your own words)",
                 default: answers.condition.clone(),
                 form: TEXT,
                 check: &|name| rig_wizard::check_condition(name),
@@ -160,9 +162,9 @@ impl Given {
         };
         answers.servo = asker.ask(
             self.servo.clone(),
-            &Question {
+            &Prompt {
                 option: "--servo",
-                words: "Name of the servo",
+                text: "Name of the servo",
                 default: answers.servo.clone(),
                 form: TEXT,
                 check: &name,
@@ -171,12 +173,12 @@ impl Given {
         Ok(())
     }
 
-    fn ask_servo(&self, asker: &Asker, answers: &mut Answers) -> Result<()> {
+    fn ask_servo(&self, asker: &Asker, answers: &mut RigAnswers) -> Result<()> {
         answers.pulses_us = asker.ask(
             self.pulses,
-            &Question {
+            &Prompt {
                 option: "--pulses",
-                words: "Shortest and longest pulse that the servo takes (µs)",
+                text: "Shortest and longest pulse that the servo takes (µs)",
                 default: answers.pulses_us,
                 form: TWO_NUMBERS,
                 check: &rig_wizard::check_pulses,
@@ -184,9 +186,9 @@ impl Given {
         )?;
         answers.neutral_us = asker.ask(
             self.neutral,
-            &Question {
+            &Prompt {
                 option: "--neutral",
-                words: "Pulse at 0 degrees, neutral (µs)",
+                text: "Pulse at 0 degrees, neutral (µs)",
                 default: answers.neutral_us,
                 form: MICROSECONDS,
                 check: &|us| rig_wizard::check_neutral(*us, &answers.pulses_us),
@@ -194,9 +196,9 @@ impl Given {
         )?;
         answers.us_per_degree = asker.ask(
             self.us_per_degree,
-            &Question {
+            &Prompt {
                 option: "--us-per-degree",
-                words: "µs for one degree (below 0: longer pulses turn it back)",
+                text: "µs for one degree (negative: longer pulses turn it to negative angles)",
                 default: answers.us_per_degree,
                 form: NUMBER,
                 check: &|us| rig_wizard::check_us_per_degree(*us),
@@ -204,9 +206,9 @@ impl Given {
         )?;
         answers.travel_deg = asker.ask(
             self.travel,
-            &Question {
+            &Prompt {
                 option: "--travel",
-                words: "How far the linkage may be turned (degrees)",
+                text: "Travel of the linkage from neutral (degrees)",
                 default: answers.travel_deg,
                 form: TWO_NUMBERS,
                 check: &rig_wizard::check_travel,
@@ -215,12 +217,12 @@ impl Given {
         Ok(())
     }
 
-    fn ask_sensor(&self, asker: &Asker, answers: &mut Answers) -> Result<()> {
+    fn ask_sensor(&self, asker: &Asker, answers: &mut RigAnswers) -> Result<()> {
         answers.sensor = asker.ask(
             self.sensor.clone(),
-            &Question {
+            &Prompt {
                 option: "--sensor",
-                words: "Name of the angle sensor",
+                text: "Name of the angle sensor",
                 default: answers.sensor.clone(),
                 form: TEXT,
                 check: &|name| rig_wizard::check_name(name),
@@ -228,9 +230,9 @@ impl Given {
         )?;
         answers.sensor_volts = asker.ask(
             self.sensor_volts,
-            &Question {
+            &Prompt {
                 option: "--sensor-volts",
-                words: "Its output at the ends of its range (V)",
+                text: "Output of the sensor at the ends of its range (V)",
                 default: answers.sensor_volts,
                 form: TWO_NUMBERS,
                 check: &rig_wizard::check_volts,
@@ -238,9 +240,9 @@ impl Given {
         )?;
         answers.sensor_degrees = asker.ask(
             self.sensor_degrees,
-            &Question {
+            &Prompt {
                 option: "--sensor-degrees",
-                words: "Degrees between them (below 0: the output falls)",
+                text: "Degrees between these outputs (negative: the output falls)",
                 default: answers.sensor_degrees,
                 form: NUMBER,
                 check: &|degrees| rig_wizard::check_sensor_degrees(*degrees),
@@ -250,25 +252,25 @@ impl Given {
     }
 }
 
-/// Where the rig is, those that answer first. Nobody's answer is that it is not known yet.
+/// The port of the rig, chosen from those that answer and others; `None` where it is not known yet.
 fn ask_port(asker: &Asker, talk: Talk) -> Result<Option<String>> {
     if matches!(asker, Asker::Nobody) {
         return Ok(None);
     }
-    talk.say("looking for rigs ...");
+    talk.say("searching all serial ports for rigs ...");
     let found = ports::find().unwrap_or_default();
     talk.say(ports::summary(&found));
-    let mut items: Vec<String> = found.iter().map(ports::Found::in_few_words).collect();
+    let mut items: Vec<String> = found.iter().map(ports::PortProbe::item).collect();
     let simulated = "sim:bench";
     items.push(format!("{simulated}: no hardware, a simulated servo"));
-    items.push("another one, to be typed".into());
+    items.push("another port, to be typed".into());
     items.push("not known yet".into());
-    // Enter takes a rig that has answered, or else none: a silent port is for somebody to choose.
+    // Enter takes a rig that has answered. A silent port has to be chosen on purpose.
     let usual = match found.first() {
         Some(port) if port.answers() => 0,
         _ => items.len() - 1,
     };
-    let chosen = asker.choose("Where is the rig", &items, usual)?;
+    let chosen = asker.choose("Port of the rig", &items, usual)?;
     if let Some(port) = found.into_iter().nth(chosen) {
         return Ok(Some(port.port));
     }
@@ -277,9 +279,9 @@ fn ask_port(asker: &Asker, talk: Talk) -> Result<Option<String>> {
         2 => {
             let port = asker.ask(
                 None,
-                &Question {
+                &Prompt {
                     option: "--port",
-                    words: "Serial device or tcp:HOST:PORT",
+                    text: "Serial device or tcp:HOST:PORT",
                     default: "/dev/ttyUSB0".to_owned(),
                     form: TEXT,
                     check: &|port| rig_wizard::check_name(port),

@@ -1,9 +1,8 @@
 //! `servoid man`
 
-use super::Cli;
 use crate::commands::output_files;
 use anyhow::{Context, Result};
-use clap::{Args, Command, CommandFactory};
+use clap::{Args, Command};
 use clap_mangen::Man;
 use clap_mangen::roff::{Roff, roman};
 use std::path::PathBuf;
@@ -23,15 +22,14 @@ pub(super) struct ManArgs {
 }
 
 impl ManArgs {
-    pub(super) fn run(self) -> Result<String> {
-        let mut whole = Cli::command();
-        // Gives the subcommands their full names and what they inherit.
+    pub(super) fn run(self, mut whole: Command) -> Result<String> {
+        // Gives the subcommands their full names and inherited options.
         whole.build();
         let Some(folder) = &self.out else {
             return page(whole);
         };
         std::fs::create_dir_all(folder)
-            .with_context(|| format!("the folder {folder:?} cannot be made"))?;
+            .with_context(|| format!("the folder {folder:?} cannot be created"))?;
         let commands: Vec<Command> = std::iter::once(&whole)
             .chain(whole.get_subcommands().filter(|c| c.get_name() != "help"))
             .cloned()
@@ -47,19 +45,19 @@ impl ManArgs {
     }
 }
 
-/// The page of one command. What stands behind its options, the examples, keeps its lines.
+/// The page of one command. Its examples keep their lines.
 fn page(command: Command) -> Result<String> {
     let examples = command.get_after_help().map(ToString::to_string);
     let mut text = Vec::new();
     Man::new(command.after_help(None::<&str>))
         .manual("servoid")
         .render(&mut text)
-        .context("the manual page cannot be made")?;
-    let page = String::from_utf8(text).context("the manual page is no text")?;
+        .context("the manual page cannot be written")?;
+    let page = String::from_utf8(text).context("the manual page is not text")?;
     Ok(page + &examples.as_deref().map_or_else(String::new, as_they_are))
 }
 
-/// A section of lines that are not to be filled.
+/// The examples as a section of unfilled lines.
 fn as_they_are(examples: &str) -> String {
     let mut roff = Roff::new();
     roff.control("SH", ["EXAMPLES"]).control("nf", []);

@@ -1,41 +1,40 @@
 //! The command line: each command a thin file over the library.
-//!
-//! Results go to standard output, everything else to standard error.
 
-mod ask;
 mod calibrate;
 mod capture;
 mod compare;
+mod completion_values;
 mod completions;
+mod ctrl_c;
 mod demo;
 mod export;
+mod file_names;
 mod identify;
 mod info;
 mod init;
-mod interrupt;
 mod man;
+mod output_args;
 pub mod output_files;
 mod plan;
 mod ports;
-mod progress;
+mod prompts;
 mod recover;
 mod reference_args;
 mod report;
 mod rig_args;
 pub mod rig_wizard;
 mod simulate;
-mod suggest;
 mod table_args;
+mod usage;
 mod validate;
-mod watch;
+mod value_parsers;
 
-use crate::data::dataset::listed;
+pub use output_args::print_remark;
+
 use anyhow::Result;
-use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, Parser, Subcommand};
-use std::path::Path;
+use clap::{CommandFactory, Parser, Subcommand};
 
-/// Measures how an R/C servo really moves, and says how sure it is.
+/// Measures the motion of R/C servos: step and frequency response, with 99 % bounds
 #[derive(Debug, Parser)]
 #[command(
     version,
@@ -46,7 +45,7 @@ use std::path::Path;
   servoid init                                                  with a board: writes rig.toml
   servoid capture --port /dev/ttyUSB0 -o bench.csv
   servoid identify bench.csv -o bench.json --plots plots
-  servoid identify mine.csv --input u --output y --period 0.02  with a recording of your own"
+  servoid identify mine.csv --input u --output y --period 0.02  with your own recording"
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -74,10 +73,10 @@ enum Command {
 }
 
 impl Cli {
-    /// Does what was asked for; returns what goes to standard output.
+    /// Runs the command; returns the text for standard output.
     ///
     /// # Errors
-    /// One sentence that says what to do.
+    /// One sentence: the failure, its reason, and what to do.
     pub fn run(self) -> Result<String> {
         match self.command {
             Command::Demo(command) => command.run(),
@@ -94,79 +93,8 @@ impl Cli {
             Command::Export(command) => command.run(),
             Command::Simulate(command) => command.run(),
             Command::Recover(command) => command.run(),
-            Command::Completions(command) => command.run(),
-            Command::Man(command) => command.run(),
+            Command::Completions(command) => command.run(Self::command()),
+            Command::Man(command) => command.run(Self::command()),
         }
     }
-}
-
-/// How much is said, and in which form.
-#[derive(Clone, Copy, Debug, Args)]
-struct Talk {
-    /// Print the result as one JSON object
-    #[arg(long)]
-    json: bool,
-    /// Say nothing but the result and errors
-    #[arg(long, short)]
-    quiet: bool,
-}
-
-impl Talk {
-    /// A remark for the person at the terminal.
-    fn say(self, remark: impl std::fmt::Display) {
-        if !self.quiet {
-            crate::commands::output_files::tell(remark);
-        }
-    }
-
-    /// The result in the form that was asked for.
-    fn result(self, text: String, value: &impl serde::Serialize) -> Result<String> {
-        if self.json {
-            crate::commands::output_files::to_json(value)
-        } else {
-            Ok(text)
-        }
-    }
-}
-
-/// Wrong usage that only shows once options are taken together: says so, and ends with exit code 2.
-fn wrong_usage(error: impl std::fmt::Display) -> ! {
-    Cli::command()
-        .error(ErrorKind::ValueValidation, error)
-        .exit()
-}
-
-/// A margin that a difference is held against (percent).
-fn margin(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(percent) if percent >= 0.0 && percent.is_finite() => Ok(percent),
-        _ => Err("a number of percent, 0 or above, is needed".to_owned()),
-    }
-}
-
-/// A confidence level: a fraction below one, or percent above it.
-fn level(text: &str) -> Result<f64, String> {
-    let number = text.trim().trim_end_matches('%').trim_end();
-    let percent = number.len() < text.trim().len();
-    match number.parse::<f64>() {
-        Ok(level) if !percent && level > 0.0 && level < 1.0 => Ok(level),
-        Ok(level) if level > 1.0 && level < 100.0 => Ok(level / 100.0),
-        _ => Err(
-            "a fraction such as 0.99, or percent such as 99, is needed; from 50 to 99.999 percent"
-                .to_owned(),
-        ),
-    }
-}
-
-/// What a file is called in plots and on the terminal: its name without folder and ending.
-fn stem(path: &Path) -> String {
-    path.file_stem()
-        .unwrap_or(path.as_os_str())
-        .to_string_lossy()
-        .into_owned()
-}
-
-/// Whether a file is a model by its name; anything else is read as a recording.
-fn is_model(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending == "json")
 }

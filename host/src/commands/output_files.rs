@@ -1,4 +1,4 @@
-//! Files that commands leave behind: never over an existing one unless told so.
+//! Files that commands write: never over an existing one without `--force`.
 
 use crate::data::recording::{WholeFile, WriteError};
 use crate::presentation::plots::{Figure, svg};
@@ -56,7 +56,7 @@ pub fn write_figures(folder: &Path, force: bool, figures: &[Figure]) -> Result<V
     Ok(files)
 }
 
-/// A result as indented JSON, with a line end.
+/// A result as indented JSON with a final line end.
 ///
 /// # Errors
 /// When a value has no form in JSON.

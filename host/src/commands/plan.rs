@@ -1,53 +1,53 @@
 //! `servoid plan`
 
+use super::output_args::Talk;
 use super::reference_args::ReferenceArgs;
-use super::{Talk, listed, wrong_usage};
+use super::usage::wrong_usage;
 use crate::commands::output_files;
+use crate::data::dataset::listed;
 use crate::data::model_file::ModelFile;
 use crate::instrument::reference;
 use crate::instrument::rig::RigFile;
-use crate::plan::{Assumed, Plan, Question, figure, of_plan};
+use crate::plan::{AssumedServo, Plan, PlanRequest, figure, of_plan};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use servoid_protocol::timing::SAMPLE_US;
 use servoid_simulator::SimulationOptions;
 use std::path::PathBuf;
 
-/// Say before a run what it will tell: how wide the band will be, and what it cannot answer
+/// Forecast a run: the width of its band, and the questions that it cannot answer
 ///
-/// Nothing is moved. Runs of a simulated servo, of the bench one unless --servo says another, are identified as
-/// the real ones will be, so that its speed limit, dead band and friction count. With --model the servo is
-/// known only as far as it is linear: the band comes from the covariance that identification will have at the
-/// model's noise, and a servo that is not linear gives wider ones, most of all with references that change
-/// before it rests.
+/// Nothing moves. Runs of a simulated servo (--servo, the bench servo by default) are identified as real ones
+/// will be, so its speed limit, dead band and friction count. With --model only the linear part of the servo is
+/// known: the band then comes from the covariance at the model's noise. A servo that is not linear gives a wider
+/// band, most of all with references that change before it has come to rest.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  servoid plan                                      the paper's staircase, and the others beside it
-  servoid plan --reference prbs --band 0.5          how many runs for +-0.5 %
+  servoid plan                                      the paper's staircase, beside the other references
+  servoid plan --reference prbs --band 0.5          the number of runs for +-0.5 %
   servoid plan --model bench.json --reference stairs --plots plots
   servoid plan --servo linear --noise 0.05 --json")]
 pub(super) struct PlanArgs {
-    /// Servo and noise are those of this model, as 'servoid identify' has written it
+    /// Take servo and noise from this model of 'servoid identify'
     #[arg(long, value_name = "MODEL.json", conflicts_with = "servo")]
     model: Option<PathBuf>,
-    /// Servo and noise are those of a simulated one: bench, aircraft or linear, with the options of
-    /// --port sim:... behind it
+    /// Take servo and noise from a simulated one: bench, aircraft or linear, with options as in --port sim:...
     #[arg(long, default_value = "bench")]
     servo: SimulationOptions,
-    /// White noise of this standard deviation instead (degrees)
+    /// Take white noise of this standard deviation instead (degrees)
     #[arg(long, value_name = "DEGREES")]
     noise: Option<f64>,
-    /// Half width of the whole curve's band that is wanted, where it is widest (percent of the step):
-    /// says how many runs and seconds it takes
+    /// The half width wanted for the whole curve's band, where it is widest (percent of the step): adds the
+    /// number of runs and seconds that reach it
     #[arg(long, value_name = "PERCENT")]
     band: Option<f64>,
-    /// So many runs
+    /// Number of runs
     #[arg(long, default_value_t = 1, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=99))]
     repeat: u16,
-    /// Confidence level of every bound
-    #[arg(long, default_value_t = 0.99)]
+    /// Confidence level of every bound, as a fraction (0.99) or in percent (99)
+    #[arg(long, default_value_t = 0.99, value_parser = super::value_parsers::level)]
     level: f64,
-    /// What is known of servo and sensor; of it, the microseconds per degree are used
+    /// The rig file; its microseconds per degree are used
     #[arg(long, value_name = "RIG.toml")]
     rig: Option<PathBuf>,
     /// The plan to write, as JSON
@@ -69,10 +69,10 @@ impl PlanArgs {
     pub(super) fn run(self) -> Result<String> {
         let positive = |number: &f64| *number > 0.0 && number.is_finite();
         if self.noise.iter().chain(&self.band).any(|n| !positive(n)) {
-            wrong_usage("--noise and --band have to be above 0");
+            wrong_usage("--noise (degrees) and --band (percent) must be above 0");
         }
         if !(0.5..=0.99999).contains(&self.level) {
-            wrong_usage("--level has to be from 0.5 to 0.99999");
+            wrong_usage("--level must be from 0.5 to 0.99999");
         }
         if let Some(out) = &self.out {
             output_files::check_free(out, self.force)?;
@@ -84,7 +84,7 @@ impl PlanArgs {
         }
         .servo
         .us_per_degree;
-        let question = Question {
+        let request = PlanRequest {
             reference: self.reference.grant(us_per_degree, self.talk)?,
             us_per_degree,
             runs: self.repeat.into(),
@@ -92,8 +92,8 @@ impl PlanArgs {
             level: self.level,
             wanted_percent: self.band,
         };
-        let plan = Plan::of(&question).with_context(|| {
-            let words = reference::in_words(&question.reference, us_per_degree);
+        let plan = Plan::of(&request).with_context(|| {
+            let words = reference::in_words(&request.reference, us_per_degree);
             format!("a run of {words} could not be identified")
         })?;
         if let Some(out) = &self.out {
@@ -101,27 +101,27 @@ impl PlanArgs {
             self.talk.say(format_args!("plan: {}", out.display()));
         }
         if let Some(folder) = &self.plots {
-            let figure = figure(&plan, &format!("plan-{}", question.reference.name()));
+            let figure = figure(&plan, &format!("plan-{}", request.reference.name()));
             let files = output_files::write_figures(folder, self.force, &[figure])?;
             self.talk.say(format_args!("plots: {}", listed(&files)));
         }
         self.talk.result(of_plan(&plan), &plan)
     }
 
-    fn assumed(&self) -> Result<Assumed> {
+    fn assumed(&self) -> Result<AssumedServo> {
         let assumed = match &self.model {
             Some(path) => {
                 let ModelFile { model, .. } = ModelFile::read(path)?;
                 let period_us = model.sample_period_s * 1e6;
-                // Written with as many digits as there are: only another period is another one.
+                // The file has the period as rounded digits, so equality is to a nanosecond.
                 if (period_us - f64::from(SAMPLE_US)).abs() > 1e-3 {
                     bail!(
-                        "{path:?} was sampled every {period_us} µs and a rig samples every {SAMPLE_US} µs: capture the servo once ('servoid capture -o rec.csv'), identify that ('servoid identify rec.csv -o model.json') and plan with --model model.json; or leave --model out, and a simulated servo is assumed"
+                        "{path:?} cannot be planned with: it was sampled every {period_us} µs, and a rig samples every {SAMPLE_US} µs; capture the servo once ('servoid capture -o rec.csv'), identify it ('servoid identify rec.csv -o model.json') and plan with --model model.json, or leave out --model to assume a simulated servo"
                     );
                 }
-                Assumed::of_model(format!("the servo of {}", path.display()), model)
+                AssumedServo::of_model(format!("the servo of {}", path.display()), model)
             }
-            None => Assumed::simulated(&self.servo)?,
+            None => AssumedServo::simulated(&self.servo)?,
         };
         Ok(match self.noise {
             Some(sigma) => assumed.with_white_noise(sigma),

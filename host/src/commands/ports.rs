@@ -1,6 +1,6 @@
 //! `servoid ports`
 
-use super::Talk;
+use super::output_args::Talk;
 use crate::instrument::port;
 use crate::instrument::rig::{RigClient, TalkError};
 use anyhow::{Context, Result};
@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 use serialport::SerialPortType;
 
-/// List the serial ports, those that answer as a rig first
+/// List the serial ports, rigs first
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
   servoid ports")]
@@ -17,27 +17,27 @@ pub(super) struct Ports {
     talk: Talk,
 }
 
-/// A serial port, and what answers there.
+/// A serial port, and the rig there, if one answers.
 #[derive(Serialize)]
-pub(super) struct Found {
+pub(super) struct PortProbe {
     pub(super) port: String,
     device: String,
     rig: Option<String>,
     error: Option<String>,
 }
 
-impl Found {
+impl PortProbe {
     /// One line of a table.
-    fn in_words(&self) -> String {
+    fn table_line(&self) -> String {
         format!("{:24} {:32} {}", self.port, self.device, self.answer())
     }
 
-    /// One line of a list to choose from.
-    pub(super) fn in_few_words(&self) -> String {
+    /// An item of a list to choose from.
+    pub(super) fn item(&self) -> String {
         format!("{}: {}", self.port, self.answer())
     }
 
-    /// Whether there is a rig.
+    /// Whether a rig answers.
     pub(super) fn answers(&self) -> bool {
         self.rig.is_some()
     }
@@ -51,32 +51,32 @@ impl Found {
     }
 }
 
-/// Which of the ports have answered, in one sentence.
-pub(super) fn summary(found: &[Found]) -> String {
+/// The ports with a rig, in one sentence.
+pub(super) fn summary(found: &[PortProbe]) -> String {
     let answering: Vec<&str> = found
         .iter()
         .filter(|port| port.answers())
         .map(|port| port.port.as_str())
         .collect();
     match (&answering[..], found) {
-        ([], []) => "there are no serial ports: is the board plugged in?".to_owned(),
+        ([], []) => "no serial ports were found: plug in the board".to_owned(),
         ([], [only]) => format!("no rig answers at {}, the only serial port", only.port),
         ([], several) => format!("no rig answers at any of {} serial ports", several.len()),
         (some, _) => format!("a rig answers at {}", some.join(", ")),
     }
 }
 
-/// The serial ports, those that answer as a rig first.
-pub(super) fn find() -> Result<Vec<Found>> {
+/// All serial ports, rigs first.
+pub(super) fn find() -> Result<Vec<PortProbe>> {
     let ports = serialport::available_ports().context("the serial ports cannot be listed")?;
-    // Each silent port takes its whole time-out, so all are asked at once.
-    let askers: Vec<_> = ports
+    // A silent port takes its whole time-out, so all are probed at once.
+    let threads: Vec<_> = ports
         .into_iter()
-        .map(|port| std::thread::spawn(move || ask(port)))
+        .map(|port| std::thread::spawn(move || probe(port)))
         .collect();
-    let mut found: Vec<Found> = askers
+    let mut found: Vec<PortProbe> = threads
         .into_iter()
-        .filter_map(|asker| asker.join().ok())
+        .filter_map(|thread| thread.join().ok())
         .collect();
     found.sort_by(|a, b| (!a.answers(), &a.port).cmp(&(!b.answers(), &b.port)));
     Ok(found)
@@ -85,16 +85,16 @@ pub(super) fn find() -> Result<Vec<Found>> {
 impl Ports {
     pub(super) fn run(self) -> Result<String> {
         let found = find()?;
-        let mut text: String = found.iter().map(|port| port.in_words() + "\n").collect();
+        let mut text: String = found.iter().map(|port| port.table_line() + "\n").collect();
         if found.is_empty() {
-            text.push_str("no serial ports: is the board plugged in?\n");
+            text.push_str("no serial ports were found: plug in the board\n");
         }
         text.push_str("without hardware: sim:bench, sim:aircraft, sim:linear\n");
         self.talk.result(text, &found)
     }
 }
 
-fn ask(info: serialport::SerialPortInfo) -> Found {
+fn probe(info: serialport::SerialPortInfo) -> PortProbe {
     let port = info.port_name;
     let device = match info.port_type {
         SerialPortType::UsbPort(usb) => {
@@ -108,7 +108,7 @@ fn ask(info: serialport::SerialPortInfo) -> Found {
     let client = match port::open(&port) {
         Ok(stream) => RigClient::probe(stream, &port),
         Err(error) => {
-            return Found {
+            return PortProbe {
                 port,
                 device,
                 rig: None,
@@ -128,7 +128,7 @@ fn ask(info: serialport::SerialPortInfo) -> Found {
         Err(TalkError::RunOfAnother) => Some("a run is under way".to_owned()),
         Err(_) => None,
     };
-    Found {
+    PortProbe {
         port,
         device,
         rig,
@@ -141,15 +141,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn who_answers_is_said() {
-        let port = |port: &str, rig: bool| Found {
+    fn the_ports_with_a_rig_are_named() {
+        let port = |port: &str, rig: bool| PortProbe {
             port: port.into(),
             device: String::new(),
             rig: rig.then(|| "bench, firmware 1".into()),
             error: None,
         };
-        let said = |found: &[Found]| summary(found);
-        assert!(said(&[]).contains("plugged in"));
+        let said = |found: &[PortProbe]| summary(found);
+        assert!(said(&[]).contains("plug in"));
         assert!(said(&[port("/dev/ttyS0", false)]).contains("no rig answers at /dev/ttyS0"));
         let both = [port("/dev/ttyUSB0", true), port("/dev/ttyS0", false)];
         assert_eq!(said(&both), "a rig answers at /dev/ttyUSB0");

@@ -1,6 +1,6 @@
 //! `servoid recover`
 
-use super::Talk;
+use super::output_args::Talk;
 use crate::data::recording::{
     Completeness, Recording, RecordingWriter, WholeFile, is_recording, recover,
 };
@@ -8,15 +8,15 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Save what is sound of a damaged recording
+/// Save the sound frames of a damaged recording
 ///
-/// Keeps every frame of ten rows that is consistent in itself and names the others as lost. Nothing
-/// is guessed. The result is a partial recording.
+/// Keeps every frame of ten rows that is consistent in itself, and lists the others as lost. Nothing is
+/// guessed. The result is a partial recording.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
   servoid recover damaged.csv -o saved.csv")]
 pub(super) struct Recover {
-    /// The recording
+    /// The damaged recording
     #[arg(value_name = "REC.csv")]
     recording: PathBuf,
     /// The recording to write
@@ -35,18 +35,18 @@ impl Recover {
         let bytes = crate::data::input_file::read(path)
             .with_context(|| format!("{path:?} cannot be read"))?;
         if !is_recording(&bytes) {
-            bail!("{path:?} is no recording of servoid: there is nothing to recover");
+            bail!("nothing to recover: {path:?} is no recording of servoid");
         }
         if let Ok(sound) = Recording::parse(&bytes, path) {
             if sound.samples.is_empty() {
-                bail!("{path:?} has no rows: there is nothing to recover");
+                bail!("nothing to recover: {path:?} has no rows");
             }
             let state = match sound.completeness {
                 Completeness::Complete => "complete".to_owned(),
                 Completeness::Early(why) => format!("ended on purpose: {why}"),
                 Completeness::Partial(why) => format!("partial: {why}"),
             };
-            bail!("{path:?} reads well as it is ({state}): there is nothing to recover");
+            bail!("nothing to recover: {path:?} is undamaged ({state})");
         }
         let saved = recover(&bytes, path)?;
         let whole = WholeFile::new(&self.out, self.force)?;

@@ -1,37 +1,37 @@
-//! The options that say what the servo is told.
+//! The options that describe the reference.
 
-use super::{Talk, suggest, wrong_usage};
+use super::completion_values;
+use super::output_args::Talk;
+use super::usage::wrong_usage;
 use crate::instrument::reference::{Band, Kind, ReferenceError, ReferenceSpec};
 use anyhow::Result;
 use clap::Args;
 use servoid_protocol::Reference;
 
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "What the servo is told")]
+#[command(next_help_heading = "Reference")]
 pub(super) struct ReferenceArgs {
-    /// staircase: the paper's, holds of 800 ms down to 100 ms at + and at - (7.2 s). stairs: every
-    /// stroke between some levels, for limits of speed and travel, hysteresis and asymmetry. prbs: a
-    /// pseudo-random binary sequence. sweep: a sine of moving frequency. multisine: many sines at
-    /// once. FILE.csv: a table of steps with the columns angle_deg and hold_s. 'servoid plan' compares
-    /// them
-    #[arg(long, default_value_t = Kind::Staircase, value_name = "NAME|FILE.csv", value_parser = suggest::reference(), hide_possible_values = true)]
+    /// staircase: that of the paper, holds of 800 ms down to 100 ms at + and - (7.2 s). stairs: every stroke
+    /// between a few levels, for limits of speed and travel, hysteresis and asymmetry. prbs: a pseudo-random
+    /// binary sequence. sweep: a sine of rising frequency. multisine: a sum of sines. FILE.csv: a table of
+    /// steps with the columns angle_deg and hold_s. 'servoid plan' compares them
+    #[arg(long, default_value_t = Kind::Staircase, value_name = "NAME|FILE.csv", value_parser = completion_values::reference(), hide_possible_values = true)]
     reference: Kind,
-    /// How far the reference goes to each side (degrees) [default: 5]
+    /// Amplitude to each side of neutral (degrees) [default: 5]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     amplitude: Option<f64>,
-    /// How long each level of stairs or each chip of prbs is held [default: 1.2 and 0.16]. Servos that
-    /// are not linear, as most are, answer a hold that ends before they rest in another way than a longer
-    /// one: with chips of 0.02 s the band of the simulated bench servo is thirty times as wide, or more
+    /// Hold of each level of stairs, or of each chip of prbs (s) [default: 1.2 and 0.16]. Shorter holds give wider
+    /// bands: most servos are not linear, and respond differently when a hold ends before they have settled.
+    /// With chips of 0.02 s the band of the simulated bench servo is at least thirty times as wide
     #[arg(long, value_name = "SECONDS")]
     hold: Option<f64>,
-    /// How long the reference takes, as near as whole cycles come [default: about 10, stairs 48; a
-    /// table once]
+    /// Length of the reference (s), rounded to whole cycles [default: about 10, stairs 48; a table once]
     #[arg(long, value_name = "SECONDS")]
     length: Option<f64>,
     /// Number of levels of stairs [default: 5]
     #[arg(long, value_name = "COUNT")]
     levels: Option<u16>,
-    /// Where prbs begins in its sequence [default: all ones]
+    /// Start of prbs in its sequence [default: all ones]
     #[arg(long, value_name = "SEED")]
     prbs_seed: Option<u16>,
     /// Frequencies of sweep and multisine (Hz) [default: 0.2:15]
@@ -40,7 +40,7 @@ pub(super) struct ReferenceArgs {
 }
 
 impl ReferenceArgs {
-    /// The reference; options that contradict it are wrong usage.
+    /// The reference; options that do not fit its kind are wrong usage.
     pub(super) fn grant(self, us_per_degree: f64, talk: Talk) -> Result<Reference> {
         let wish = ReferenceSpec {
             kind: self.reference,

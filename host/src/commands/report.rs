@@ -1,8 +1,12 @@
 //! `servoid report`
 
+use super::file_names::is_model;
+use super::file_names::stem;
+use super::output_args::Talk;
 use super::table_args::TableArgs;
-use super::{Talk, is_model, listed, stem, wrong_usage};
+use super::usage::wrong_usage;
 use crate::commands::output_files;
+use crate::data::dataset::listed;
 use crate::data::dataset::{self, Dataset, DatasetOptions};
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
@@ -13,10 +17,10 @@ use servoid_identification::comparison::{Comparison, ComparisonOptions, compare,
 use servoid_identification::{Options, identify_explained};
 use std::path::PathBuf;
 
-/// Put one servo, or two held against each other, on one page with figures to zoom in
+/// Write a page on one servo, or on the comparison of two, with figures to zoom in
 ///
-/// Takes recordings (identified with everything chosen from the data) or models, one or two, or
-/// several runs a side. The page is a single file that opens in any browser, without a network.
+/// Takes one or two recordings or models, or several runs of each side. Recordings are identified with the
+/// structure chosen from the data. The page is a single file that opens in any browser, without a network.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid report bench.csv aircraft.csv -o report.html
@@ -35,11 +39,11 @@ pub(super) struct Report {
     /// The page to write
     #[arg(long, short, value_name = "FILE.html")]
     out: PathBuf,
-    /// What the page is called
+    /// Title of the page
     #[arg(long, default_value = "How the servo moves")]
     title: String,
     /// The largest difference that still counts as the same (percent of the step)
-    #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::margin)]
+    #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::value_parsers::margin)]
     margin: f64,
     /// Replace the file if it exists
     #[arg(long)]

@@ -1,29 +1,29 @@
-//! The options that say which rig is meant, and under what condition it stands.
+//! The options that name the rig and the condition of the measurement.
 
-use super::suggest;
+use super::completion_values;
 use crate::instrument::port;
 use crate::instrument::rig::RigFile;
 use anyhow::{Result, bail};
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
 
-/// Where a rig is, what is known of it, and whether it may move.
+/// The rig, its file, and the permission to move it.
 #[derive(Clone, Debug, Args)]
 pub(super) struct RigArgs {
-    /// Where the rig is: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
-    /// (sim:bench?realtime&seed=7 for real pace and another noise)
-    #[arg(long, short, value_parser = suggest::port(), hide_possible_values = true)]
+    /// Port of the rig: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
+    /// (sim:bench?realtime&seed=7 for real time and another noise)
+    #[arg(long, short, value_parser = completion_values::port(), hide_possible_values = true)]
     pub port: Option<String>,
-    /// What is known of servo and sensor, as 'servoid init' writes it; without it: 1500 µs neutral, 10 µs
-    /// per degree, a Honeywell RTY sensor of 120 degrees
+    /// The rig file, as 'servoid init' writes it; without it: 1500 µs neutral, 10 µs per degree, a Honeywell RTY
+    /// sensor of 120 degrees
     #[arg(long, value_name = "RIG.toml", value_hint = ValueHint::FilePath)]
     pub rig: Option<PathBuf>,
-    /// Under what condition: bench, aircraft, or words of your own; without it, that of the rig file, or
-    /// the name of the simulated servo, or bench
-    #[arg(long, value_parser = suggest::condition(), hide_possible_values = true)]
+    /// Condition of the measurement: bench, aircraft, or your own words; without it, that of the rig file, the
+    /// name of the simulated servo, or bench
+    #[arg(long, value_parser = completion_values::condition(), hide_possible_values = true)]
     condition: Option<String>,
-    /// I have read the safety rules, and nobody is near the rotor (needed for every condition but
-    /// bench)
+    /// Confirm that you have read the safety rules and that nobody is near the rotor (needed for every
+    /// condition but bench)
     #[arg(long)]
     arm: bool,
 }
@@ -35,11 +35,11 @@ pub(super) struct Rig {
     pub condition: String,
 }
 
-/// The one condition under which nobody is near a rotor.
+/// The one condition without a rotor.
 const BENCH: &str = "bench";
 
 impl RigArgs {
-    /// What is known of the rig.
+    /// The rig file, or the defaults.
     pub(super) fn file(&self) -> Result<RigFile> {
         Ok(match &self.rig {
             Some(path) => RigFile::read(path)?,
@@ -47,21 +47,21 @@ impl RigArgs {
         })
     }
 
-    /// The rig, if it is known where it is and if it may move.
+    /// The rig, if its port is known and it may move.
     pub(super) fn require(&self) -> Result<Rig> {
         let file = self.file()?;
         let Some(address) = self.port.clone().or_else(|| file.port.clone()) else {
             bail!(
-                "say where the rig is, with --port or with 'port' in the rig file: 'servoid ports' lists the serial ports, and sim:bench needs none"
+                "no port is given: add --port, or 'port' in the rig file; 'servoid ports' lists the serial ports, and sim:bench needs no hardware"
             );
         };
         let simulated = port::simulated_servo(&address);
         let condition = self.condition.clone().or_else(|| file.condition.clone());
         let condition = condition.unwrap_or_else(|| simulated.unwrap_or(BENCH).to_owned());
-        // Any condition that is not just the bench may be a loaded servo.
+        // The servo may be loaded under any other condition.
         if condition != BENCH && simulated.is_none() && !self.arm {
             bail!(
-                "the condition {condition:?} may move a loaded servo, only {BENCH:?} by itself may not: read the safety rules in the README, clear the rotor, then add --arm"
+                "the servo was not moved: it may be loaded under the condition {condition:?}; read the safety rules in the README, clear the rotor, then add --arm"
             );
         }
         Ok(Rig {

@@ -1,15 +1,14 @@
 //! `servoid simulate`
 
-use super::Talk;
-use super::capture::{Job, capture};
+use super::capture::{CaptureJob, Monitor, capture};
+use super::output_args::Talk;
 use super::reference_args::ReferenceArgs;
-use super::watch::Watch;
 use crate::instrument::rig::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 
-/// Record a simulated servo, as fast as the machine allows
+/// Record a simulated servo, as fast as the computer allows
 ///
 /// The same as 'servoid capture' with --port sim:SERVO?seed=S.
 #[derive(Debug, Args)]
@@ -17,10 +16,10 @@ use std::path::PathBuf;
   servoid simulate --servo aircraft --seed 3 -o aircraft.csv
   servoid simulate --servo bench --reference prbs --length 20 -o prbs.csv")]
 pub(super) struct Simulate {
-    /// Which servo: free on the bench, loaded by a rotor, or exactly linear
+    /// The servo: free on the bench, loaded by a rotor, or exactly linear
     #[arg(long, value_enum)]
     servo: Servo,
-    /// Seed of the noise: the same one gives the same recording
+    /// Seed of the noise; equal seeds give equal recordings
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// The recording to write
@@ -52,7 +51,7 @@ impl Simulate {
         let rig = RigFile::default();
         let reference = self.reference.grant(rig.servo.us_per_degree, self.talk)?;
         let ends = capture(
-            &Job {
+            &CaptureJob {
                 address: &format!("sim:{servo}?seed={}", self.seed),
                 rig,
                 reference,
@@ -62,7 +61,7 @@ impl Simulate {
                 files: std::slice::from_ref(&self.out),
                 force: self.force,
             },
-            &Watch::plainly(self.talk),
+            &Monitor::plain(self.talk),
             self.talk,
         )?;
         let rows: u64 = ends.iter().map(|end| end.rows).sum();

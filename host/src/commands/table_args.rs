@@ -1,44 +1,43 @@
-//! The options that say how to read files.
+//! The options that describe CSV files of other programs.
 
 use crate::data::dataset::suggestion::quoted;
 use crate::data::dataset::{DatasetOptions, TimeUnit};
 use clap::Args;
 
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "How to read the files")]
+#[command(next_help_heading = "Input files")]
 pub(super) struct TableArgs {
-    /// The column with the input (what was commanded), of files that servoid has not recorded; without
-    /// its unit, if that leaves no doubt: angle for "angle [deg]"
+    /// Column of the input (the command), for files that servoid has not recorded. Its unit may be left out
+    /// where that is clear: angle for "angle [deg]"
     #[arg(long, value_name = "COLUMN")]
     input: Option<String>,
-    /// The column with the output (what was measured)
+    /// Column of the output (the measured motion)
     #[arg(long, value_name = "COLUMN")]
     output: Option<String>,
-    /// Time between rows (seconds); without it, from a column of time such as 't', 'time_ms', 'Time [s]'
-    /// or 'Zeit'
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    /// Time between rows (s); without it, from a time column such as 't', 'time_ms', 'Time [s]' or 'Zeit'
+    #[arg(long, value_name = "SECONDS", value_parser = super::value_parsers::period)]
     period: Option<f64>,
-    /// The column of time, where its name does not tell
+    /// Time column, where its name is not recognised
     #[arg(long, value_name = "COLUMN")]
     time: Option<String>,
-    /// The unit of a column of time whose name does not say it
+    /// Unit of a time column whose name does not have it
     #[arg(long, value_enum, value_name = "UNIT")]
     time_unit: Option<TimeUnit>,
-    /// The column whose value changes where a new run begins
+    /// Column whose value changes where a new run begins
     #[arg(long, value_name = "COLUMN")]
     run: Option<String>,
-    /// The input had this value for a settling time before each run: then no row is left out. State
-    /// it only where it is true, as a wrong one is far worse than none
-    #[arg(long, value_name = "INPUT", allow_negative_numbers = true, value_parser = finite)]
+    /// The input's value during at least the settling time before each run; then no row is left out. Give it
+    /// only if it is true: a wrong value is far worse than none
+    #[arg(long, value_name = "INPUT", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     at_rest: Option<f64>,
-    /// Of recordings of servoid, use the rest at neutral before and after the reference too: its
-    /// strokes are half as long, which a real servo does not answer in proportion
+    /// Use the rest at neutral before and after the reference of servoid's recordings too. Its strokes are half
+    /// as long, and a real servo does not follow them in proportion
     #[arg(long)]
     with_rest: bool,
 }
 
 impl TableArgs {
-    /// These options as they would be typed again, each with a space before it.
+    /// These options as a user types them, each with a space before it.
     pub(super) fn as_typed(&self) -> String {
         let texts = [
             ("--input", self.input.clone()),
@@ -62,23 +61,6 @@ impl TableArgs {
             typed.push_str(" --with-rest");
         }
         typed
-    }
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if PERIODS_S.contains(&number) => Ok(number),
-        _ => Err("a number of seconds above 0 is needed".to_owned()),
-    }
-}
-
-/// From a nanosecond to a day between samples: beyond, it is a slip.
-const PERIODS_S: std::ops::RangeInclusive<f64> = 1e-9..=86_400.0;
-
-fn finite(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        _ => Err("a number is needed".to_owned()),
     }
 }
 

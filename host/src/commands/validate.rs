@@ -1,9 +1,11 @@
 //! `servoid validate`
 
+use super::file_names::stem;
+use super::output_args::Talk;
 use super::table_args::TableArgs;
-use super::{Talk, listed, stem};
 use crate::commands::output_files;
 use crate::data::dataset;
+use crate::data::dataset::listed;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::ModelMetadata;
@@ -18,10 +20,10 @@ use servoid_identification::validation::Validation;
 use servoid_identification::{Model, Record, Run};
 use std::path::PathBuf;
 
-/// Hold a model against a recording that it has not seen
+/// Compare a model with a recording that it was not identified from
 ///
-/// The model is driven with the recording's input alone; fit is 100 % for a perfect prediction and
-/// 0 % for one no better than the mean. Below 0 % the prediction is worse than the mean.
+/// The model is simulated with the recording's input. Fit is 100 % for a perfect prediction, 0 % for one no
+/// better than the mean, and below 0 % for one worse than the mean.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid validate bench.json another-bench.csv --plots plots

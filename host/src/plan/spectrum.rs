@@ -1,6 +1,7 @@
-//! Where a reference has its power.
+//! The power of a reference by frequency, beside the noise.
 
-use super::{Question, pilot};
+use super::request::PlanRequest;
+use super::simulated_runs;
 use realfft::RealFftPlanner;
 use serde::Serialize;
 use servoid_identification::Model;
@@ -11,61 +12,60 @@ use std::f64::consts::TAU;
 /// The power between two frequencies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Octave {
-    /// From here (Hz).
+    /// Lower edge (Hz).
     pub from_hz: f64,
-    /// Up to here (Hz).
+    /// Upper edge (Hz).
     pub to_hz: f64,
-    /// Root mean square of the reference within it (deg).
+    /// Root mean square of the reference in it (deg).
     pub rms_deg: f64,
     /// Its share of the reference's power, the mean left out (percent).
     pub share_percent: f64,
-    /// Power that the servo makes of it over the power of the noise (dB).
+    /// Power of the servo's response over the power of the noise (dB).
     pub signal_to_noise_db: f64,
 }
 
-/// A density at one frequency.
+/// The power densities at one frequency.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Line {
+pub struct Density {
     /// Frequency (Hz).
     pub hz: f64,
     /// Density of the reference (dB over 1 deg²/Hz).
     pub reference_db: f64,
-    /// Density of what the servo makes of it.
+    /// Density of the servo's response (dB over 1 deg²/Hz).
     pub response_db: f64,
-    /// Density of the noise.
+    /// Density of the noise (dB over 1 deg²/Hz).
     pub noise_db: f64,
 }
 
-/// Where a reference has its power.
+/// The power of a reference by frequency.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Spectrum {
     /// Largest offset over the root mean square.
     pub crest_factor: f64,
     /// Root mean square about the mean (deg).
     pub rms_deg: f64,
-    /// Below this lies 99 % of the power (Hz).
+    /// 99 % of the power lies below this frequency (Hz).
     pub most_below_hz: f64,
-    /// From here on (Hz) ...
+    /// Lower end of the octaves in which the servo's response is above the noise (Hz).
     pub above_noise_from_hz: f64,
-    /// ... up to here the servo's answer stands above the noise, octave by octave (Hz); 0 where it does
-    /// nowhere.
+    /// Upper end of these octaves (Hz); 0 where there are none.
     pub above_noise_up_to_hz: f64,
-    /// Where the reference has its first gap, if it has one by its making (Hz).
+    /// The first frequency without power, if the kind of reference has one (Hz).
     pub first_gap_hz: Option<f64>,
     /// The power by octaves.
     pub octaves: Vec<Octave>,
-    /// Densities on a logarithmic grid, for a picture.
-    pub lines: Vec<Line>,
+    /// Densities on a logarithmic grid, for a plot.
+    pub lines: Vec<Density>,
 }
 
 /// The lowest edge of the octaves (Hz), and how many there are: up to 128 Hz.
 const LOWEST_EDGE_HZ: f64 = 0.25;
 const OCTAVES: i32 = 9;
 
-/// Densities in each octave of the picture.
+/// Densities in each octave of the plot.
 const PER_OCTAVE: i32 = 6;
 
-/// A line of the discrete spectrum: frequency (Hz), mean square of the reference (deg²), of the answer.
+/// A line of the discrete spectrum: frequency (Hz), mean squares of reference and response (deg²).
 struct Power {
     hz: f64,
     reference: f64,
@@ -73,9 +73,9 @@ struct Power {
 }
 
 impl Spectrum {
-    pub(super) fn of(question: &Question) -> Self {
-        let model = &question.assumed.model;
-        let input = pilot::input(question);
+    pub(super) fn of(request: &PlanRequest) -> Self {
+        let model = &request.assumed.model;
+        let input = simulated_runs::input(request);
         let mean = input.iter().sum::<f64>() / input.len() as f64;
         let rms =
             (input.iter().map(|u| (u - mean).powi(2)).sum::<f64>() / input.len() as f64).sqrt();
@@ -92,7 +92,7 @@ impl Spectrum {
             }
             sum += line.reference;
         }
-        // A short table may have nothing at all in the lowest octaves.
+        // A short table of steps may have no power in the lowest octaves.
         let is_above = |octave: &&Octave| octave.signal_to_noise_db > 0.0;
         let mut above = octaves
             .iter()
@@ -106,14 +106,14 @@ impl Spectrum {
             most_below_hz,
             above_noise_from_hz: lowest.map_or(0.0, |octave| octave.from_hz),
             above_noise_up_to_hz: highest.map_or(0.0, |octave| octave.to_hz),
-            first_gap_hz: first_gap_hz(&question.reference),
+            first_gap_hz: first_gap_hz(&request.reference),
             octaves,
             lines: densities(&lines, model),
         }
     }
 }
 
-/// Mean squares of every line but the mean, of one run as it is.
+/// Mean squares of every line but the mean, of one run without a window.
 fn periodogram(input: &[f64], mean: f64, model: &Model) -> Vec<Power> {
     let mut signal: Vec<f64> = input.iter().map(|u| u - mean).collect();
     let transform = RealFftPlanner::<f64>::new().plan_fft_forward(signal.len());
@@ -127,7 +127,7 @@ fn periodogram(input: &[f64], mean: f64, model: &Model) -> Vec<Power> {
     let lines = spectrum.iter().enumerate().skip(1);
     lines
         .map(|(l, value)| {
-            // Half of the power of a line is at its negative frequency, but for the very last one.
+            // Half of the power of a line is at its negative frequency. The last line has none.
             let both = if 2 * l == input.len() { 1.0 } else { 2.0 };
             let hz = l as f64 / count / sample_period_s();
             let reference = both * value.norm_sqr() / (count * count);
@@ -148,7 +148,7 @@ fn sample_period_s() -> f64 {
 fn squared_size(h: &[f64], hz: f64) -> f64 {
     let step = TAU * hz * sample_period_s();
     let (sin, cos) = step.sin_cos();
-    // e^(-jωk) by turning: one sine for all of them.
+    // e^(-jωk) by recursion: one sine for all terms.
     let ((mut c, mut s), (mut re, mut im)) = ((1.0, 0.0), (0.0, 0.0));
     for h in h {
         re += h * c;
@@ -177,7 +177,7 @@ fn within(lines: &[Power], from_hz: f64, to_hz: f64) -> (f64, f64) {
 
 fn octaves(lines: &[Power], model: &Model, total: f64) -> Vec<Octave> {
     let edge = |octave: i32| LOWEST_EDGE_HZ * 2f64.powi(octave);
-    // The lowest one takes in whatever is below it.
+    // The lowest octave includes all power below it.
     (0..OCTAVES)
         .map(|octave| {
             let from_hz = if octave == 0 { 0.0 } else { edge(octave) };
@@ -190,22 +190,22 @@ fn octaves(lines: &[Power], model: &Model, total: f64) -> Vec<Octave> {
                 to_hz,
                 rms_deg: reference.sqrt(),
                 share_percent: 100.0 * reference / total,
-                // An octave without any power is as far below as can be said.
+                // The floor of -200 dB stands for an octave without power.
                 signal_to_noise_db: db((response / noise).max(1e-20)),
             }
         })
         .collect()
 }
 
-fn densities(lines: &[Power], model: &Model) -> Vec<Line> {
+fn densities(lines: &[Power], model: &Model) -> Vec<Density> {
     let edge = |k: i32| LOWEST_EDGE_HZ * 2f64.powf(f64::from(k) / f64::from(PER_OCTAVE));
     (0..OCTAVES * PER_OCTAVE)
         .filter_map(|k| {
             let (from, to) = (edge(k), edge(k + 1));
             let (reference, response) = within(lines, from, to);
             let hz = (from * to).sqrt();
-            // Between the lines of a short run there is nothing to draw.
-            (reference > 0.0).then(|| Line {
+            // A short run has no line in some of these intervals.
+            (reference > 0.0).then(|| Density {
                 hz,
                 reference_db: db(reference / (to - from)),
                 response_db: db(response / (to - from)),

@@ -1,11 +1,16 @@
-use super::pilot::simulated;
+use super::alternatives::{alternatives, runs_needed};
+use super::answerable_questions;
+use super::expectation::Expectation;
+use super::simulated_runs::simulated;
 use super::*;
+use crate::instrument::reference::{Kind, ReferenceSpec};
 use servoid_identification::noise_model::Noise;
 use servoid_identification::{Options, identify};
+use servoid_protocol::Reference;
 use servoid_protocol::reference::{Step, Steps};
 
-fn question(kind: &str, noise: Noise) -> Question {
-    let mut assumed = Assumed::simulated(&"linear".parse().unwrap()).unwrap();
+fn question(kind: &str, noise: Noise) -> PlanRequest {
+    let mut assumed = AssumedServo::simulated(&"linear".parse().unwrap()).unwrap();
     assumed.model.noise = noise;
     // Its model alone: for the linear servo that is all, but for the noise that a test wants.
     assumed.simulation = None;
@@ -13,7 +18,7 @@ fn question(kind: &str, noise: Noise) -> Question {
         kind: kind.parse().unwrap(),
         ..ReferenceSpec::default()
     };
-    Question {
+    PlanRequest {
         reference: wish.grant(10.0).unwrap().reference,
         us_per_degree: 10.0,
         runs: 1,
@@ -56,13 +61,13 @@ fn the_expected_width_is_the_mean_of_simulated_runs() {
         ("stairs", white(), 0.1),
     ] {
         let question = question(kind, noise);
-        let expected = Expected::of(&question).unwrap();
+        let expected = Expectation::of(&question).unwrap();
         let planned = expected.band.unwrap();
         let mean: f64 = (100..100 + RUNS)
             .map(|seed| {
                 let record = simulated(&question, seed).unwrap();
                 let model = identify(&record, &Options::default()).unwrap();
-                Widths::of(&model.step).mean_percent
+                BandWidths::of(&model.step).mean_percent
             })
             .sum::<f64>()
             / RUNS as f64;
@@ -77,44 +82,44 @@ fn the_expected_width_is_the_mean_of_simulated_runs() {
 
 #[test]
 fn four_runs_halve_the_band_as_the_figures_of_what_is_needed_say() {
-    let one = Question {
+    let one = PlanRequest {
         wanted_percent: Some(0.1),
         ..question("prbs", white())
     };
-    let band = Expected::of(&one).unwrap().band.unwrap();
-    let four = Question {
+    let band = Expectation::of(&one).unwrap().band.unwrap();
+    let four = PlanRequest {
         runs: 4,
         ..one.clone()
     };
-    let ratio = Expected::of(&four).unwrap().band.unwrap().widest_percent / band.widest_percent;
+    let ratio = Expectation::of(&four).unwrap().band.unwrap().widest_percent / band.widest_percent;
     // N is chosen anew: with more data more of the response is seen, and a longer N costs some of the
     // half.
     assert!((0.45..0.62).contains(&ratio), "{ratio}");
-    let needed = needed(&one, &band).unwrap();
+    let needed = runs_needed(&one, &band).unwrap();
     let runs = needed.runs as f64;
     assert!(band.widest_percent / runs.sqrt() <= 0.1);
     assert!(band.widest_percent / (runs - 1.0).sqrt() > 0.1);
-    // What left-out frequencies may hide does not shrink, however many runs there are.
-    let hidden = Widths {
+    // The bias by left-out frequencies does not shrink, however many runs there are.
+    let hidden = BandWidths {
         bias_percent: 0.1,
         ..band
     };
-    assert_eq!(super::needed(&one, &hidden), None);
-    // Nor does what the servo repeats in every run.
-    let repeated = Widths {
+    assert_eq!(runs_needed(&one, &hidden), None);
+    // Nor does the motion that the servo repeats in every run.
+    let repeated = BandWidths {
         beyond_noise_percent: 0.1,
         ..band
     };
-    assert_eq!(super::needed(&one, &repeated), None);
-    assert!(repeated.shrinking().widest_after(1e6) > 0.1);
+    assert_eq!(runs_needed(&one, &repeated), None);
+    assert!(repeated.narrowing().widest_after(1e6) > 0.1);
     assert!((needed.seconds - runs * (63.0 * 0.16 + 1.6)).abs() < 1e-9);
 }
 
 #[test]
 fn stairs_answer_what_the_staircase_cannot() {
     let answered = |kind: &str| -> Vec<bool> {
-        let expected = Expected::of(&question(kind, white())).unwrap();
-        let answers = answers::of(&expected.pilot, &expected.record);
+        let expected = Expectation::of(&question(kind, white())).unwrap();
+        let answers = answerable_questions::of(&expected.example, &expected.record);
         for answer in &answers {
             // Every no says why.
             let why = answer.why.as_deref().unwrap_or("-");
@@ -132,21 +137,24 @@ fn stairs_answer_what_the_staircase_cannot() {
 /// scatter of single runs where holds let the servo rest, and none where they do not.
 #[test]
 fn where_identification_gives_bounds_the_plan_has_them_too_and_else_neither() {
-    let bench = Assumed::simulated(&"bench".parse().unwrap()).unwrap();
+    let bench = AssumedServo::simulated(&"bench".parse().unwrap()).unwrap();
     let both = |hold_s: f64| {
         let wish = ReferenceSpec {
             kind: Kind::Prbs,
             hold_s: Some(hold_s),
             ..ReferenceSpec::default()
         };
-        let question = Question {
+        let question = PlanRequest {
             reference: wish.grant(10.0).unwrap().reference,
             assumed: bench.clone(),
             ..question("prbs", white())
         };
         let record = simulated(&question, 99).unwrap();
         let found = identify(&record, &Options::default()).unwrap();
-        (Expected::of_pilots(&question, 2).unwrap().band, found)
+        (
+            Expectation::of_simulations(&question, 2).unwrap().band,
+            found,
+        )
     };
     let (planned, found) = both(0.06);
     assert!(
@@ -156,7 +164,7 @@ fn where_identification_gives_bounds_the_plan_has_them_too_and_else_neither() {
     let (planned, found) = both(0.16);
     let (planned, found) = (
         planned.unwrap(),
-        Widths::of(found.step.bounds.valid().unwrap()),
+        BandWidths::of(found.step.bounds.valid().unwrap()),
     );
     let ratio = planned.widest_percent / found.widest_percent;
     assert!((0.67..1.5).contains(&ratio), "{planned:?} {found:?}");
@@ -170,15 +178,16 @@ fn where_identification_gives_bounds_the_plan_has_them_too_and_else_neither() {
 #[test]
 fn stairs_answer_on_servos_that_are_not_linear_what_the_plan_says() {
     for servo in ["bench", "aircraft"] {
-        let assumed = Assumed::simulated(&servo.parse().unwrap()).unwrap();
-        let question = Question {
+        let assumed = AssumedServo::simulated(&servo.parse().unwrap()).unwrap();
+        let question = PlanRequest {
             assumed,
             ..question("stairs", white())
         };
-        let pilot = Expected::of_pilots(&question, 1).unwrap();
-        let planned = answers::of(&pilot.pilot, &pilot.record);
+        let expected = Expectation::of_simulations(&question, 1).unwrap();
+        let planned = answerable_questions::of(&expected.example, &expected.record);
         let record = simulated(&question, 77).unwrap();
-        let found = answers::of(&identify(&record, &Options::default()).unwrap(), &record);
+        let found =
+            answerable_questions::of(&identify(&record, &Options::default()).unwrap(), &record);
         for (planned, found) in planned.iter().zip(&found) {
             assert!(
                 planned.answered && found.answered,
@@ -191,7 +200,7 @@ fn stairs_answer_on_servos_that_are_not_linear_what_the_plan_says() {
 #[test]
 fn references_that_do_not_let_a_servo_rest_rank_behind_where_only_a_model_is_known() {
     let question = question("staircase", white());
-    let all = alternatives(&question, &Expected::of(&question).unwrap());
+    let all = alternatives(&question, &Expectation::of(&question).unwrap());
     let linear: Vec<_> = all
         .iter()
         .map(|a| (a.reference, a.only_if_linear))

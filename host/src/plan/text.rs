@@ -1,9 +1,10 @@
-//! A plan as text and as a picture.
+//! A plan as text.
 
-use super::{Alternative, MOST_RUNS, Needed, Plan, Widths};
-use crate::presentation::plots::figure::{Band, Curve, Figure, Ink, Legend, Panel};
+use super::alternatives::Alternative;
+use super::band_width::BandWidths;
+use super::forecast::Plan;
+use super::runs_needed::{MOST_RUNS, RunsNeeded};
 use crate::presentation::summary;
-use servoid_identification::step_response::StepBounds;
 use std::fmt::Write;
 
 /// A plan for a terminal.
@@ -41,18 +42,18 @@ fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
     )?;
     writeln!(
         text,
-        "  structure   settling N = {} samples, n = {} frequencies, as a simulated run has chosen",
+        "  structure   settling time N = {} samples, n = {} frequencies, as chosen on a simulated run",
         plan.settling_samples, plan.frequencies
     )?;
     match &plan.band {
         Some(band) => write_band(text, plan, band)?,
         None => writeln!(
             text,
-            "  step band   none: what a model of such a run leaves over is not noise, so 'servoid identify' will give no\n              bounds and may withhold figures; holds in which the servo comes to rest do better"
+            "  step band   none: the residuals of such a run are not noise, so 'servoid identify' will give no bounds and\n              may withhold metrics; take holds in which the servo comes to rest"
         )?,
     }
     write_spectrum(text, plan)?;
-    writeln!(text, "\nWhat it answers beside the linear response")?;
+    writeln!(text, "\nQuestions beside the linear response")?;
     for answer in &plan.answers {
         let sign = if answer.answered { "yes" } else { "no " };
         writeln!(text, "  {sign}  {}?", answer.question)?;
@@ -64,36 +65,36 @@ fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
     if spectrum.above_noise_up_to_hz == 0.0 {
         writeln!(
             text,
-            "\nNowhere does the servo's answer stand above the noise: raise --amplitude, or average many runs"
+            "\nThe servo's response is below the noise at all frequencies: raise --amplitude, or record many runs"
         )?;
     }
     Ok(())
 }
 
-/// How wide the band will be, what narrows it, and the metrics with their intervals.
-fn write_band(text: &mut String, plan: &Plan, band: &Widths) -> std::fmt::Result {
+/// The width of the band, the advice to narrow it, and the metrics with their intervals.
+fn write_band(text: &mut String, plan: &Plan, band: &BandWidths) -> std::fmt::Result {
     let level = summary::percent(band.level);
     writeln!(
         text,
-        "  step band   +-{:.2} % whole curve where it is widest, +-{:.2} % on average; +-{:.2} % each point ({level} %, of the step)",
+        "  step band   +-{:.2} % of the step at its widest, +-{:.2} % on average; each point +-{:.2} % ({level} % confidence)",
         band.widest_percent, band.mean_percent, band.mean_pointwise_percent
     )?;
     if plan.only_if_linear {
         writeln!(
             text,
-            "              for a linear servo: this reference does not let it rest, and where its speed limit, dead band\n              or friction show, the band is wider than that"
+            "              for a linear servo only: this reference has no hold in which the servo comes to rest, so speed\n              limit, dead band and friction make the band wider"
         )?;
     }
     if band.beyond_noise_percent > 0.0 {
         writeln!(
             text,
-            "              of which +-{:.2} % is not noise: the servo is not linear, or frequencies without power hide it. More runs\n              do not narrow that; holds in which the servo comes to rest do",
+            "              +-{:.2} % of it is not noise: the servo is not linear, or the reference lacks power at some frequencies.\n              More runs do not narrow that part; holds in which the servo comes to rest do",
             band.beyond_noise_percent
         )?;
     } else if band.bias_percent > 0.0 {
         writeln!(
             text,
-            "              of which +-{:.2} % is what frequencies without power may hide: more runs do not narrow it",
+            "              +-{:.2} % of it is the bias by frequencies without power, which more runs do not narrow",
             band.bias_percent
         )?;
     }
@@ -102,7 +103,7 @@ fn write_band(text: &mut String, plan: &Plan, band: &Widths) -> std::fmt::Result
         writeln!(text, "  for +-{wanted} %  {}", in_words(needed))?;
     }
     if let (Some(wanted), None) = (plan.wanted_percent, &plan.needed) {
-        let advice = band.shrinking().advice(wanted, plan.runs);
+        let advice = band.narrowing().advice(wanted, plan.runs);
         writeln!(text, "  narrower    {}", summary::wrapped(&advice, 14))?;
     }
     writeln!(text, "\n  {:36} expected interval, {level} %", "")?;
@@ -118,12 +119,12 @@ fn write_spectrum(text: &mut String, plan: &Plan) -> std::fmt::Result {
     let spectrum = &plan.spectrum;
     writeln!(
         text,
-        "\nWhere its power is: {:.2} deg rms, crest factor {:.2}, 99 % below {:.1} Hz; the answer is above the noise {}{}",
+        "\nPower: {:.2} deg rms, crest factor {:.2}, 99 % below {:.1} Hz; the response is above the noise {}{}",
         spectrum.rms_deg,
         spectrum.crest_factor,
         spectrum.most_below_hz,
         match (spectrum.above_noise_from_hz, spectrum.above_noise_up_to_hz) {
-            (_, 0.0) => "nowhere".to_owned(),
+            (_, 0.0) => "at no frequency".to_owned(),
             (0.0, high) => format!("up to {high} Hz"),
             (low, high) => format!("from {low} to {high} Hz"),
         },
@@ -155,18 +156,18 @@ fn write_alternatives(text: &mut String, plan: &Plan) -> std::fmt::Result {
     let alternatives = &plan.alternatives;
     writeln!(
         text,
-        "\nAll references at this amplitude, without further options, the best first (the band where it is widest)"
+        "\nAll references at this amplitude with default options, the narrowest first (half the band at its widest, % of the step)"
     )?;
     writeln!(
         text,
-        "  {:10} {:>8} {:>9} {:>13}  further answers",
-        "", "run, s", "band, %", "in a minute"
+        "  {:10} {:>8} {:>9} {:>13}  questions answered",
+        "", "run, s", "band, %", "in 1 minute"
     )?;
     for alternative in alternatives {
         let percent = |p: Option<f64>| p.map_or_else(|| "-".to_owned(), |p| format!("{p:.2}"));
         let needed = plan.wanted_percent.map(|wanted| match &alternative.needed {
             Some(needed) => format!("; +-{wanted} % needs {}", in_words(needed)),
-            None => format!("; no +-{wanted} % within {MOST_RUNS} runs"),
+            None => format!("; +-{wanted} % needs more than {MOST_RUNS} runs or another reference"),
         });
         writeln!(
             text,
@@ -177,7 +178,7 @@ fn write_alternatives(text: &mut String, plan: &Plan) -> std::fmt::Result {
             percent(alternative.widest_percent_in_a_minute),
             alternative.answers.len(),
             if alternative.only_if_linear {
-                " (only if the servo is linear)"
+                " (for a linear servo only)"
             } else {
                 ""
             },
@@ -187,9 +188,9 @@ fn write_alternatives(text: &mut String, plan: &Plan) -> std::fmt::Result {
     writeln!(text, "{}", advice(alternatives))
 }
 
-/// Which does best at what.
+/// The best reference for the band, and for the questions.
 fn advice(alternatives: &[Alternative]) -> String {
-    // In a table of linear figures, those that hold for any servo go before the others.
+    // Figures that hold for any servo go before figures that hold for a linear one only.
     let holds =
         |a: &&Alternative| !a.only_if_linear || alternatives.iter().all(|a| a.only_if_linear);
     let narrowest = alternatives
@@ -197,7 +198,7 @@ fn advice(alternatives: &[Alternative]) -> String {
         .filter(holds)
         .filter_map(|a| Some((a.reference, a.widest_percent_in_a_minute?)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
-    // Of equals the first: max_by_key would take the last.
+    // The first of equals: max_by_key alone takes the last.
     let most = alternatives
         .iter()
         .rev()
@@ -216,76 +217,10 @@ fn advice(alternatives: &[Alternative]) -> String {
     }
 }
 
-fn in_words(needed: &Needed) -> String {
+fn in_words(needed: &RunsNeeded) -> String {
     let runs = match needed.runs {
         1 => "1 run".to_owned(),
         runs => format!("{runs} runs"),
     };
     format!("{runs}, {:.0} s", needed.seconds)
-}
-
-/// The spectrum over the noise, and the step response with the band that is to be expected, if there is one.
-#[must_use]
-pub fn figure(plan: &Plan, name: &str) -> Figure {
-    let curve = |label: &str, ink, of: fn(&super::Line) -> f64| {
-        Curve::solid(
-            label,
-            ink,
-            plan.spectrum.lines.iter().map(|line| (line.hz, of(line))),
-        )
-    };
-    let noise = Curve {
-        dashed: true,
-        ..curve("noise", Ink::Model, |line| line.noise_db)
-    };
-    let spectrum = Panel {
-        x_label: "frequency (Hz)".into(),
-        x_logarithmic: true,
-        y_label: "density (dB over 1 deg²/Hz)".into(),
-        legend: Legend::Above,
-        curves: vec![
-            curve("reference", Ink::Reference, |line| line.reference_db),
-            curve("the servo's answer", Ink::Measured, |line| line.response_db),
-            noise,
-        ],
-        ..Panel::default()
-    };
-    let step = &plan.step;
-    let times = || step.time_s.iter().copied();
-    let band = |(widths, bounds): (Widths, &StepBounds)| {
-        let whole = &bounds.simultaneous;
-        let bounds = whole.lower.iter().zip(&whole.upper);
-        Band {
-            name: format!(
-                "expected, the whole curve, {} %",
-                summary::percent(widths.level)
-            ),
-            ink: Ink::Model,
-            points: times()
-                .zip(bounds)
-                .map(|(t, (&lower, &upper))| (t, lower, upper))
-                .collect(),
-        }
-    };
-    let response = Panel {
-        x_label: "time since the edge of the command (s)".into(),
-        y_label: "response to a unit step".into(),
-        bands: plan
-            .band
-            .zip(step.bounds.valid())
-            .map(band)
-            .into_iter()
-            .collect(),
-        curves: vec![Curve::solid(
-            plan.servo.as_str(),
-            Ink::Model,
-            times().zip(step.value.iter().copied()),
-        )],
-        ..Panel::default()
-    };
-    Figure {
-        name: name.into(),
-        title: plan.description.clone(),
-        panels: vec![spectrum, response],
-    }
 }

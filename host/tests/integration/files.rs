@@ -318,7 +318,7 @@ fn recover_keeps_what_is_sound_and_names_what_is_not() {
     let (damaged, saved) = (dir.path().join("x.csv"), dir.path().join("y.csv"));
     let text = String::from_utf8(small_bytes(Some(&Ending::Complete))).unwrap();
     std::fs::write(&damaged, &text).unwrap();
-    assert!(refusal(&["recover", arg(&damaged), "-o", arg(&saved)]).contains("reads well"));
+    assert!(refusal(&["recover", arg(&damaged), "-o", arg(&saved)]).contains("undamaged"));
     std::fs::write(&damaged, text.replace("\n15,0.030,", "\n15,0.031,")).unwrap();
     let said = refusal(&["validate", "m.json", arg(&damaged)]);
     assert!(!said.is_empty());
@@ -412,7 +412,7 @@ fn a_full_disk_ends_with_a_sentence_and_keeps_the_rows() {
     std::fs::remove_file(&kept).unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("keeps what was captured"), "{said}");
+    assert!(said.contains("keeps all rows up to the failure"), "{said}");
     let recording = recording.unwrap();
     assert!(matches!(recording.completeness, Completeness::Partial(_)));
     assert!(

@@ -57,7 +57,7 @@ fn a_rig_that_is_no_bench_asks_for_arm() {
 }
 
 #[test]
-fn without_a_terminal_nothing_is_asked_and_wrong_answers_are_told() {
+fn without_a_terminal_nothing_is_asked_and_wrong_answers_are_explained() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("rig.toml");
     for (options, word) in [
@@ -94,10 +94,10 @@ mod at_a_terminal {
         session.answer("Pulse at 0 degrees", "1520");
         session.answer("µs for one degree", "ten");
         session.answer("a number is needed", "-9.5");
-        session.answer("How far the linkage", "-20:20");
+        session.answer("Travel of the linkage", "-20:20");
         session.answer("Name of the angle sensor", ENTER_ONLY);
-        session.answer("Its output", ENTER_ONLY);
-        session.answer("Degrees between them", ENTER_ONLY);
+        session.answer("Output of the sensor", ENTER_ONLY);
+        session.answer("Degrees between these", ENTER_ONLY);
         assert!(session.end().success(), "{}", session.seen());
         session.wait_for("the next command", |seen| {
             seen.contains("next: servoid calibrate --rig")
@@ -127,15 +127,15 @@ mod at_a_terminal {
             seen.contains("no rig answers") || seen.contains("no serial ports")
         });
         for question in [
-            "Where is the rig",
+            "Port of the rig",
             "Name of the servo",
             "Shortest and longest pulse",
             "Pulse at 0 degrees",
             "µs for one degree",
-            "How far the linkage",
+            "Travel of the linkage",
             "Name of the angle sensor",
-            "Its output",
-            "Degrees between them",
+            "Output of the sensor",
+            "Degrees between these",
         ] {
             session.answer(question, ENTER_ONLY);
         }

@@ -3,10 +3,10 @@
 use faer::Mat;
 
 use crate::error::Error;
-use crate::estimation::fsf_basis::dot;
 use crate::nonlinear::direction::DirectionModel;
 use crate::numerics::critical_values::{simultaneous_critical, student_critical};
 use crate::numerics::linear_algebra::times;
+use crate::numerics::vectors::dot;
 use crate::results::model::Model;
 use crate::results::validity::Bounds;
 

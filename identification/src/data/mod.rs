@@ -1,4 +1,4 @@
-//! What was recorded, and the moments that all estimates are made from.
+//! The recorded data, and the moments that all estimates are made from.
 
 pub mod holds;
 pub mod moments;

@@ -1,31 +1,32 @@
-//! When the steps of the sensor are larger than the noise.
+//! Quantisation: an allowance for sensor steps that are larger than the noise.
 //!
-//! A converter with steps of δ rounds. Under noise of half a step or more its error is as good as noise: white,
-//! of variance δ²/12, and independent of the motion. Without it the same position always has the same
-//! error, and no number of repetitions averages it out: at rest on a level u the output is wrong by up to
-//! δ/2, and a gain fitted to such levels by up to
+//! A converter with steps of δ rounds. Noise of half a step or more dithers it: the rounding error is then
+//! white, of variance δ²/12, and independent of the motion. Without dither the same position always has
+//! the same error, and repetition does not average it out. At rest on a level u the output is wrong by up
+//! to δ/2, and a gain fitted to such levels is wrong by up to
 //!
 //! ```text
 //! (δ/2) sum |u - ū| / sum (u - ū)²
 //! ```
 //!
-//! which for a square wave is δ over its height. Between the two, noise of standard deviation σ leaves
-//! exp(-2π²σ²/δ²) of it (the first harmonic of the sawtooth under a normal dither; B. Widrow and I. Kollár,
-//! *Quantization Noise*, 2008). Bounds from the scatter of the residuals know nothing of that, so it is added.
+//! which for a square wave is δ over its height. Noise of standard deviation σ reduces this by the factor
+//! exp(-2π²σ²/δ²) (the first harmonic of the sawtooth under normal dither; B. Widrow and I. Kollár,
+//! *Quantization Noise*, 2008). Bounds from the scatter of the residuals do not contain this error, so the
+//! allowance is added to them.
 
 use serde::{Deserialize, Serialize};
 
 use crate::data::record::Record;
 
-/// Share of samples that repeat the one before beyond which a record may be of coarse steps.
+/// Share of samples equal to the previous one, above which the steps may be coarse.
 const REPEATED: f64 = 0.1;
 
-/// Differences of up to this many steps must be whole multiples of the step, for larger ones may have been
+/// Differences of up to this many steps must be whole multiples of the step. Larger ones may have been
 /// rounded again.
 const MULTIPLES: f64 = 3.5;
 
-/// What such a difference may lie beside a whole multiple, as a share of the step.
-const BESIDE: f64 = 0.1;
+/// Tolerance of a whole multiple, as a share of the step.
+const TOLERANCE: f64 = 0.1;
 
 /// Share of the small differences that must be whole multiples.
 const ON_GRID: f64 = 0.95;
@@ -33,33 +34,34 @@ const ON_GRID: f64 = 0.95;
 /// Differences below this share of the range are the rounding of arithmetic.
 const ARITHMETIC: f64 = 1e-9;
 
-/// Residuals (rms) below this share of a step are not noise that dithers: for normal noise of half a step
-/// and the rounding together it is sqrt(1/4 + 1/12).
+/// Residuals (rms) below this share of a step do not dither. Normal noise of half a step and the
+/// rounding together give sqrt(1/4 + 1/12).
 pub(crate) const DITHERED: f64 = 0.577;
 
-/// Variance of residuals, in squared steps, that rounding alone can account for: twice that of errors that are
-/// evenly spread, because those of a few levels at rest need not be.
+/// Residual variance \[squared steps\] that rounding alone can cause: twice that of uniform errors,
+/// because the errors at a few levels of rest need not be uniform.
 const OF_ROUNDING: f64 = 1.0 / 6.0;
 
-/// Radius that holds 99 % of a complex normal quantity, in standard deviations of its parts: sqrt(-2 ln 0.01).
+/// Radius that contains 99 % of a complex normal quantity, in standard deviations of its parts:
+/// sqrt(-2 ln 0.01).
 const RIPPLE: f64 = 3.03;
 
-/// Samples that are looked at for steps: a sensor has the same ones throughout.
-const LOOKED_AT: usize = 1 << 16;
+/// Samples examined for steps, which are the same throughout a record.
+const EXAMINED: usize = 1 << 16;
 
-/// The steps of a sensor, where they are too large for its noise.
+/// The steps of a sensor whose noise does not dither them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Quantisation {
     /// δ \[output\].
     pub step: f64,
     /// Root mean square of the residuals, in steps.
     pub residual: f64,
-    /// What a gain may be wrong by for the rounding \[output per input\].
+    /// Largest error of a gain from rounding \[output per input\].
     pub allowance: f64,
 }
 
 impl Quantisation {
-    /// Of `record` and its residuals \[rms\]; `None` where the noise dithers, or the output has no steps.
+    /// Of `record` with its residuals \[rms\]. `None` when the noise dithers or the output has no steps.
     #[must_use]
     pub fn of(record: &Record, residual: f64) -> Option<Self> {
         let step = step_of(record)?;
@@ -77,7 +79,7 @@ impl Quantisation {
     }
 }
 
-/// The steps that the output is rounded to, if many samples repeat the one before.
+/// The step that the output is rounded to, if many samples equal the previous one.
 fn step_of(record: &Record) -> Option<f64> {
     let differences = || {
         let runs = record.runs().iter();
@@ -86,7 +88,7 @@ fn step_of(record: &Record) -> Option<f64> {
                 .windows(2)
                 .map(|pair| (pair[1] - pair[0]).abs())
         })
-        .take(LOOKED_AT)
+        .take(EXAMINED)
         .filter(|difference| !difference.is_nan())
     };
     let largest = differences().fold(0.0, f64::max);
@@ -104,14 +106,14 @@ fn step_of(record: &Record) -> Option<f64> {
             .map(|difference| difference / step)
             .filter(|steps| *steps < MULTIPLES)
     };
-    let on_grid = small().filter(|steps| (steps - steps.round()).abs() < BESIDE);
+    let on_grid = small().filter(|steps| (steps - steps.round()).abs() < TOLERANCE);
     (step.is_finite() && on_grid.count() as f64 >= ON_GRID * small().count() as f64).then_some(step)
 }
 
 impl Quantisation {
-    /// What G may be wrong by at `omega` \[rad/sample\] for the rounding of a step response of `settling` samples:
-    /// as much as the gain, and what the errors of its moving half, evenly spread and each its own, come to
-    /// (`RIPPLE` standard deviations of their transform).
+    /// Largest error of G from rounding at `omega` \[rad/sample\], for a step response of `settling`
+    /// samples. It has two parts: the error of the gain, and the transform of uniform, independent errors
+    /// over the moving half of the response (`RIPPLE` standard deviations).
     #[must_use]
     pub fn allowance_at(&self, omega: f64, settling: usize) -> f64 {
         let moving = settling as f64 / 2.0;

@@ -1,18 +1,18 @@
-//! A record: what was commanded and what was measured, in one or more runs.
+//! A record: commanded input and measured output, in one or more runs.
 //!
-//! Samples are evenly spaced. A missing sample is NaN and keeps its place; nothing is ever shifted
-//! or concatenated. Which rows of a record can be used follows from that: row k of the regression
-//! y(k) = φ(k)'θ + v(k) needs the output at k and the input at k, k-1, ..., so a gap takes out
-//! the rows whose history it interrupts and no others.
+//! Samples are evenly spaced. A missing sample is NaN and keeps its place. Row k of the regression
+//! y(k) = φ(k)'θ + v(k) needs the output at k and the input at k, k-1, ..., so a gap removes only the rows
+//! whose history it interrupts.
 
 use std::ops::Range;
 
+use crate::data::timing::Timing;
 use crate::error::Error;
 
-/// Largest magnitude of a sample: sums of products of many such are still finite.
+/// Largest magnitude of a sample. Sums of many products of such samples are finite.
 const LARGEST: f64 = 1e100;
 
-/// One uninterrupted experiment: input and output side by side.
+/// One uninterrupted experiment: input and output, sample by sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     input: Vec<f64>,
@@ -49,11 +49,11 @@ impl Run {
         })
     }
 
-    /// States that the input had stood at `input` for at least a settling time before the first
+    /// States that the input was constant at `input` for at least a settling time before the first
     /// sample.
     ///
-    /// Without it the first N-1 rows have no history and are left out. A wrong value is far worse
-    /// than none: it can move the step response by several times its band.
+    /// Without this statement the first N-1 rows have no history and are left out. A wrong value is far
+    /// worse than none: it can move the step response by several times its bounds.
     #[must_use]
     pub fn with_input_at_rest(mut self, input: f64) -> Self {
         self.at_rest = Some(input);
@@ -90,7 +90,7 @@ impl Run {
         self.input.is_empty()
     }
 
-    /// Samples that lack the input or the output.
+    /// Number of samples that lack the input or the output.
     #[must_use]
     pub fn missing(&self) -> usize {
         self.input
@@ -102,8 +102,7 @@ impl Run {
 
     /// The part of the run from `range.start` up to `range.end`, as a run of its own.
     ///
-    /// The input before the part is not carried along: only a part that starts at sample 0 keeps
-    /// the statement about rest.
+    /// Only a part that starts at sample 0 keeps the statement about rest.
     ///
     /// # Panics
     /// When `range` reaches beyond the run.
@@ -116,9 +115,9 @@ impl Run {
         }
     }
 
-    /// The longest stretches of rows that are complete: row k is complete when the output is
-    /// there from k-`output_lags`+1 to k and the input from k-`input_lags`+1 to k, where samples
-    /// before the first count as there only for the input and only when the run began at rest.
+    /// The longest stretches of complete rows. Row k is complete when the output is known from
+    /// k-`output_lags`+1 to k and the input from k-`input_lags`+1 to k. Before the first sample only the
+    /// input is known, and only when the run began at rest.
     #[must_use]
     pub fn complete_rows(&self, input_lags: usize, output_lags: usize) -> Vec<Range<usize>> {
         let mut spans = Vec::new();
@@ -128,7 +127,7 @@ impl Run {
         } else {
             inputs - 1
         };
-        // The first row whose history no gap has interrupted so far.
+        // The first row whose history no earlier gap interrupts.
         let mut from = history.max(outputs - 1);
         let samples = self.input.iter().zip(&self.output).enumerate();
         for (k, (u, y)) in samples.filter(|(_, (u, y))| u.is_nan() || y.is_nan()) {
@@ -175,7 +174,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// Puts runs together.
+    /// A record of several runs.
     ///
     /// # Errors
     /// The period is not positive; a column is all missing; input or output never change.
@@ -213,19 +212,28 @@ impl Record {
         self
     }
 
-    /// Adds what was recorded around the runs while the input stood still, such as the rest before and
-    /// after a reference. Nothing is estimated from it; it shows the noise of a servo that does not move,
-    /// which the errors in motion are held against ([`crate::diagnostics::standstill_noise`]).
+    /// Adds recordings at a constant input, such as the rest before and after a reference. Nothing is
+    /// estimated from them. They show the noise at standstill, which the errors in motion are compared with
+    /// ([`crate::diagnostics::standstill_noise`]).
     #[must_use]
     pub fn with_rest(mut self, rest: Vec<Run>) -> Self {
         self.rest = rest;
         self
     }
 
-    /// What was recorded around the runs while the input stood still.
+    /// The recordings at a constant input around the runs.
     #[must_use]
     pub fn rest(&self) -> &[Run] {
         &self.rest
+    }
+
+    /// Sample period and sample phase.
+    #[must_use]
+    pub fn timing(&self) -> Timing {
+        Timing {
+            sample_period_s: self.sample_period_s,
+            sample_phase_s: self.sample_phase_s,
+        }
     }
 
     /// Time from the edge of the input to the sample of the output that belongs to it \[s\].
@@ -254,13 +262,13 @@ impl Record {
         &self.runs
     }
 
-    /// Samples of all runs, missing ones included.
+    /// Number of samples of all runs, missing ones included.
     #[must_use]
     pub fn samples(&self) -> usize {
         self.runs.iter().map(Run::len).sum()
     }
 
-    /// Samples of all runs that lack the input or the output.
+    /// Number of samples of all runs that lack the input or the output.
     #[must_use]
     pub fn missing(&self) -> usize {
         self.runs.iter().map(Run::missing).sum()
@@ -277,8 +285,7 @@ impl Record {
     }
 }
 
-/// Requires that a column is present somewhere, and not constant. That its values are of a sensible size,
-/// each run has seen to.
+/// Requires that a column has values and is not constant. [`Run::new`] has checked their magnitude.
 fn check_column(
     runs: &[Run],
     column: &'static str,

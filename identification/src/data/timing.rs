@@ -1,17 +1,17 @@
-//! From samples to the servo's own time.
+//! Sample times, and the correction from the sampled to the servo's own response.
 //!
-//! Sample m of a step response answers an edge of the input at sample 0, but it may be taken a known
-//! phase φ after that edge: it is the servo at mTs + φ. The input is held between samples, so
-//! h_i = g_i - g_{i-1} is the weight of the servo's impulse response between (i-1)Ts + φ and iTs + φ,
-//! centred half a period before its sample. For a servo that is slow against the sampling its
-//! frequency response is therefore
+//! Sample m of a step response follows an edge of the input at sample 0. It may be taken a known phase φ
+//! after that edge, and shows the servo at the time mTs + φ. The input is held between samples, so
+//! h_i = g_i - g_{i-1} is the integral of the servo's impulse response from (i-1)Ts + φ to iTs + φ, centred
+//! half a period before its sample. The frequency response of a servo that is slow compared with the
+//! sampling rate is therefore
 //!
 //! ```text
 //! G_servo(jω) = G(e^{jωTs}) e^{jω(Ts/2 - φ)} / sinc(ωTs/2)
 //! ```
 //!
-//! up to aliases, which are of the order of |G_servo| beyond half the rate of sampling; the bounds of the servo's
-//! response and of the figures that are read from it allow for them.
+//! up to aliasing, which is of the order of |G_servo| above half the sampling rate. The bounds of the servo's
+//! response and of its metrics include an allowance for aliasing.
 
 /// When samples are taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +23,7 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// The time after the edge of a sample, which may lie between samples \[s\].
+    /// The time of a sample after the edge \[s\]. The sample number may be fractional.
     ///
     /// ```
     /// use servoid_identification::timing::Timing;
@@ -35,13 +35,13 @@ impl Timing {
         samples * self.sample_period_s + self.sample_phase_s
     }
 
-    /// What to add to the phase of G(e^{jωTs}) to have that of the servo \[rad\], at ω \[rad/s\].
+    /// Phase of the servo less that of G(e^{jωTs}) \[rad\], at ω \[rad/s\].
     #[must_use]
     pub fn phase_lead(&self, omega: f64) -> f64 {
         omega * (self.sample_period_s / 2.0 - self.sample_phase_s)
     }
 
-    /// What to multiply |G(e^{jωTs})| by to have that of the servo, at ω \[rad/s\].
+    /// |G_servo| over |G(e^{jωTs})|, at ω \[rad/s\].
     #[must_use]
     pub fn magnitude_factor(&self, omega: f64) -> f64 {
         let half = omega * self.sample_period_s / 2.0;

@@ -1,16 +1,16 @@
-//! Correlations of what a model leaves over, lag by lag: the pictures behind the tests of
+//! Correlations of the residuals, lag by lag, for the plots beside the tests of
 //! [`crate::diagnostics::residual_tests`].
 //!
-//! With ε the one-step errors and u_D = D(z) u the filtered input, both over the samples at which ε is
-//! known,
+//! ε are the one-step errors and u_D = D(z) u the filtered input, over the samples at which ε is known. The
+//! correlations
 //!
 //! ```text
 //! r_ε(τ)  = sum ε(k) ε(k-τ) / sum ε²             r_u(τ) = sum ε(k) u_D(k-τ) / sqrt(sum ε² sum u_D²)
 //! ```
 //!
-//! each have a standard deviation of 1/sqrt(pairs) when ε is white and independent of u, less where the
-//! fit has used a lag up: noise orders take the first lags of r_ε, and least squares makes r_u vanish
-//! for 0 <= τ < N. So of all lags beyond, a share of 1 - level lies outside the bound, by chance.
+//! have a standard deviation of 1/sqrt(pairs) when ε is white and independent of u. It is smaller at lags
+//! that the fit has used: the noise order takes the first lags of r_ε, and least squares makes r_u vanish
+//! for 0 <= τ < N. Of all other lags a share of 1 - level lies outside the bound by chance.
 
 use std::ops::RangeInclusive;
 
@@ -25,7 +25,8 @@ pub struct Correlogram {
     pub lags: Vec<isize>,
     /// Correlation, between -1 and 1.
     pub value: Vec<f64>,
-    /// Each value lies within ± this with probability `level` if there is nothing to find.
+    /// Half width of the range that holds each value with probability `level` if ε is white and
+    /// independent of u.
     pub bound: f64,
 }
 

@@ -8,7 +8,7 @@ use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::ModelErrors;
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::excitation::Excitation;
-use crate::estimation::least_squares::Path;
+use crate::estimation::least_squares::Solver;
 use crate::estimation::nested_banks::BankCandidate;
 use crate::estimation::noise_model::OrderCandidate;
 use crate::results::model::{Model, SelectedBy};
@@ -24,7 +24,7 @@ pub struct Explanation {
     /// Noise orders; empty when d was given.
     pub noise_orders: Vec<OrderCandidate>,
     /// Which arithmetic was used.
-    pub path: Path,
+    pub path: Solver,
     /// Condition number of the normal equations (1-norm, offset projected out).
     pub condition: f64,
     /// Rows of the regression.
@@ -116,8 +116,8 @@ impl Explanation {
             });
         }
         let path = match self.path {
-            Path::Moments => "lagged moments",
-            Path::Qr => "a triangular factor of the rows (QR)",
+            Solver::Moments => "lagged moments",
+            Solver::Qr => "a triangular factor of the rows (QR)",
         };
         sentences.push(format!(
             "Arithmetic: {} rows through {path}, condition number {:.1e}.",

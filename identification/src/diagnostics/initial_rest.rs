@@ -1,37 +1,37 @@
-//! Whether a run began where it is said to have rested.
+//! Test of the stated input before a run against its first readings.
 //!
-//! A statement about the input before a run puts N-1 rows into the regression that would have no
-//! history otherwise, and a wrong one costs several times the band. The first readings of the run show
-//! it: before the servo has moved, they are where the stated input would have brought it, or they are not.
+//! The statement adds N-1 rows to the regression that would have no history otherwise. A wrong statement
+//! causes errors of several times the bounds. Before the servo has moved, the first readings show whether it
+//! was where the stated input would have brought it.
 
 use serde::{Deserialize, Serialize};
 
 use crate::data::record::{Record, Run};
 use crate::results::model::Model;
 
-/// Readings at the beginning of a run that are looked at: a servo has not gone far by the last one.
-const FIRST: usize = 3;
+/// Readings used at the beginning of a run. The servo has not moved far by the last one.
+const READINGS: usize = 3;
 
-/// Times the usual error (rms) from which a beginning contradicts the statement. The errors of a servo that
-/// is not linear come to four, but in motion and not at rest.
+/// Multiple of the usual error (rms) from which the first readings contradict the statement. Nonlinear
+/// servos have errors of up to four times the usual, but in motion, not at rest.
 pub(crate) const CONTRADICTION: f64 = 6.0;
 
-/// A run that did not begin where it was said to.
+/// A run whose first readings contradict the stated input.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Contradicted {
     /// Run, counted from 1.
     pub run: usize,
     /// The input that was stated.
     pub stated: f64,
-    /// How far from there it began, by its first readings \[output\].
+    /// Distance of the first readings from the stated rest \[output\].
     pub error: f64,
-    /// The same in usual errors (rms).
+    /// The same in multiples of the usual error (rms).
     pub times_usual: f64,
-    /// The input that would have brought the servo there, by the model's gain.
+    /// The input at which the servo would rest at the first readings, by the model's gain.
     pub rather: f64,
 }
 
-/// The run of `record` that contradicts its statement most, if one does.
+/// The run of `record` that contradicts its statement most, if any.
 #[must_use]
 pub(crate) fn contradicted(record: &Record, model: &Model) -> Option<Contradicted> {
     record.runs().iter().find_map(Run::input_at_rest)?;
@@ -45,15 +45,15 @@ pub(crate) fn contradicted(record: &Record, model: &Model) -> Option<Contradicte
         .collect();
     let usual = usual(&errors, model.structure.settling_samples)?;
     let gain = *model.theta.first()?;
-    // What is left, sample by sample, of an error at the beginning.
-    let left: Vec<f64> = model.step.value.iter().map(|g| 1.0 - g / gain).collect();
+    // Remaining share, sample by sample, of an error at the beginning.
+    let remaining: Vec<f64> = model.step.value.iter().map(|g| 1.0 - g / gain).collect();
     let of_run = |(index, (run, errors)): (usize, (&Run, &Vec<f64>))| {
         let stated = run.input_at_rest()?;
-        let first = errors.iter().take(FIRST).zip(&left);
+        let first = errors.iter().take(READINGS).zip(&remaining);
         let (square, product) = first
             .filter(|(error, _)| !error.is_nan())
-            .fold((0.0, 0.0), |(square, product), (error, left)| {
-                (square + left * left, product + left * error)
+            .fold((0.0, 0.0), |(square, product), (error, share)| {
+                (square + share * share, product + share * error)
             });
         let error = product / square;
         (square > 0.0).then_some(Contradicted {
@@ -74,8 +74,8 @@ pub(crate) fn contradicted(record: &Record, model: &Model) -> Option<Contradicte
         .max_by(|a, b| a.times_usual.total_cmp(&b.times_usual))
 }
 
-/// Root mean square of the errors that have nothing to do with how runs began; of all, where runs are
-/// too short for that.
+/// Root mean square of the errors after the first settling time of each run, or of all errors when runs are
+/// too short.
 fn usual(errors: &[Vec<f64>], settling: usize) -> Option<f64> {
     let rms = |skipped: usize| {
         let later = errors.iter().flat_map(|run| run.iter().skip(skipped));

@@ -1,45 +1,46 @@
-//! Tests of what the model leaves over.
+//! Tests of the residuals.
 //!
-//! **Whiteness** (Ljung & Box 1978). If the noise model is right, the one-step errors ε are white,
-//! and Q = sum_τ n_τ r_τ² over the autocorrelations at lags 1..h follows χ² with h-d degrees of
-//! freedom. A small p means that the noise model is incomplete (a periodic disturbance, more orders,
-//! a nonlinearity): bounds are then approximate.
+//! **Whiteness** (Ljung & Box 1978). If the noise model is right, the one-step errors ε are white. The
+//! statistic Q = sum_τ n_τ r_τ² over the autocorrelations at lags 1..h then follows χ² with h-d degrees of
+//! freedom. A small p means that the noise model is incomplete (a periodic disturbance, a higher order, a
+//! nonlinearity). Bounds are then approximate.
 //!
-//! **Independence of the input** (a score test). If N is long enough and the servo linear, adding
-//! further lags of the input explains nothing more: the reduction of the sum of squares by K extra
-//! D-filtered lags, over σ², follows χ² with K degrees of freedom. A small p means that the response
-//! is longer than N, has more detail than n frequencies, or is not linear.
+//! **Independence of the input** (a score test). If N is long enough and the servo linear, further lags of
+//! the input explain nothing more. The reduction of the sum of squares by K extra D-filtered lags, over σ²,
+//! then follows χ² with K degrees of freedom. A small p means that the response is longer than N, has more
+//! detail than n frequencies, or is not linear.
 //!
-//! **Linearity**: see [`crate::diagnostics::linearity`], and [`crate::diagnostics::standstill_noise`] where the servo was recorded at rest too.
+//! **Linearity** is tested in [`crate::diagnostics::linearity`], and in
+//! [`crate::diagnostics::standstill_noise`] for a servo that was recorded at rest too.
 
 use faer::{Mat, Side};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::dot;
 use crate::estimation::least_squares::{
-    Coordinates, NormalEquations, filtered_input_moments, solve_moments, with_one,
+    Coordinates, NormalEquations, filtered_input_moments, solve_moments,
 };
+use crate::estimation::noise_model::noise_filter;
+use crate::numerics::critical_values::chi_square_upper_tail;
 use crate::numerics::linear_algebra::times;
+use crate::numerics::vectors::dot;
 
 /// Lags of the whiteness test.
 pub const WHITENESS_LAGS: usize = 25;
 
-/// Samples at the beginning of a record that the whiteness test looks at: more would only make it find what does not
-/// matter.
+/// Samples that the whiteness test uses, from the beginning of a record. With more it would find
+/// irrelevant departures.
 pub const WHITENESS_SAMPLES: usize = 100_000;
 
 /// Extra lags of the input in the test of independence.
 pub const INPUT_LAGS: usize = 10;
 
 /// The p-value of Ljung and Box's test on one-step errors, one slice per run, NaN where missing.
-/// `noise_order` coefficients have been fitted to them, and a response of `share` parameters per row.
+/// `noise_order` coefficients were fitted to them, and a response of `share` parameters per row.
 ///
-/// The response takes p of n degrees of freedom out of the errors, and because its regressors are each
-/// other's past, the same p out of every lagged product: with σ² = sum ε²/(n-p) the sum of
-/// ε(k) ε(k-τ) has the variance (n-p) σ⁴. The usual n r² would be n/(n-p) times too large, which
-/// matters when the response is long: at six rows a parameter white noise would fail in 6 % of
-/// records at a level of 1 %.
+/// The response takes p of n degrees of freedom from the errors. Its regressors are shifts of each other, so
+/// it takes the same p from every lagged product: with σ² = sum ε²/(n-p) the sum of ε(k) ε(k-τ) has the
+/// variance (n-p) σ⁴. The usual n r² would be too large by n/(n-p). That matters for a long response: at
+/// six rows a parameter, white noise would fail in 6 % of records at a level of 1 %.
 #[must_use]
 pub fn whiteness(errors: &[Vec<f64>], noise_order: usize, share: f64) -> Option<f64> {
     let present = errors.iter().flatten().filter(|error| !error.is_nan());
@@ -48,7 +49,7 @@ pub fn whiteness(errors: &[Vec<f64>], noise_order: usize, share: f64) -> Option<
         return None;
     }
     let mean_square = square / count as f64;
-    let runs: Vec<Present> = errors.iter().map(|run| Present::of(run)).collect();
+    let runs: Vec<KnownErrors> = errors.iter().map(|run| KnownErrors::of(run)).collect();
     let statistic: f64 = (1..=WHITENESS_LAGS)
         .map(|lag| {
             let pairs: f64 = runs.iter().map(|run| run.pairs(lag)).sum();
@@ -59,40 +60,41 @@ pub fn whiteness(errors: &[Vec<f64>], noise_order: usize, share: f64) -> Option<
             (1.0 - share) * sum * sum / (pairs * mean_square * mean_square)
         })
         .sum();
-    upper_tail(statistic, WHITENESS_LAGS.saturating_sub(noise_order).max(1))
+    let degrees = WHITENESS_LAGS.saturating_sub(noise_order).max(1);
+    Some(chi_square_upper_tail(statistic, degrees))
 }
 
-/// One run of errors from the first to the last that is there.
-struct Present {
-    /// 0 where one is missing.
+/// The errors of one run, from the first to the last known one.
+struct KnownErrors {
+    /// 0 where missing.
     errors: Vec<f64>,
-    /// 1 where one is there, 0 where it is missing; `None` when all are there.
-    there: Option<Vec<f64>>,
+    /// 1 where known, 0 where missing; `None` when all are known.
+    known: Option<Vec<f64>>,
 }
 
-impl Present {
+impl KnownErrors {
     fn of(run: &[f64]) -> Self {
         let first = run.iter().position(|error| !error.is_nan()).unwrap_or(0);
         let last = run.iter().rposition(|error| !error.is_nan());
         let run = &run[first..last.map_or(first, |last| last + 1)];
-        let there = |error: &f64| f64::from(u8::from(!error.is_nan()));
+        let known = |error: &f64| f64::from(u8::from(!error.is_nan()));
         Self {
             errors: run
                 .iter()
                 .map(|e| if e.is_nan() { 0.0 } else { *e })
                 .collect(),
-            there: run
+            known: run
                 .iter()
                 .any(|error| error.is_nan())
-                .then(|| run.iter().map(there).collect()),
+                .then(|| run.iter().map(known).collect()),
         }
     }
 
-    /// Number of pairs a lag apart that are both there.
+    /// Number of known pairs at a lag.
     fn pairs(&self, lag: usize) -> f64 {
-        match &self.there {
+        match &self.known {
             None => self.errors.len().saturating_sub(lag) as f64,
-            Some(there) => dot(there.get(lag..).unwrap_or_default(), there),
+            Some(known) => dot(known.get(lag..).unwrap_or_default(), known),
         }
     }
 
@@ -102,8 +104,8 @@ impl Present {
     }
 }
 
-/// The p-value of the test of independence, for the noise filter `ar`; `None` when the moments
-/// have no further lags, or further lags carry nothing new.
+/// The p-value of the test of independence, for the noise filter `ar`. `None` when the moments have no
+/// further lags, or further lags are combinations of the others.
 #[must_use]
 pub fn input_independence(moments: &Moments, coordinates: &Coordinates, ar: &[f64]) -> Option<f64> {
     let (n, order) = (coordinates.basis.settling(), ar.len());
@@ -115,7 +117,7 @@ pub fn input_independence(moments: &Moments, coordinates: &Coordinates, ar: &[f6
     if lags.is_empty() {
         return None;
     }
-    let d = with_one(ar);
+    let d = noise_filter(ar);
     let gain: f64 = d.iter().sum();
     let uu = filtered_input_moments(&moments.uu, n + beyond, &d);
     let square = coordinates.square(uu.as_ref().submatrix(0, 0, n, n));
@@ -162,29 +164,30 @@ pub fn input_independence(moments: &Moments, coordinates: &Coordinates, ar: &[f6
     let left = &own - &cross * &solution.inverse * cross.transpose();
     let variance = solution.rss / (rows - (p + 1 + order) as f64).max(1.0);
     let found = ScoreTest::new(&left, &own, &score)?;
-    upper_tail(found.reduction / variance, found.degrees)
+    let statistic = found.reduction / variance;
+    Some(chi_square_upper_tail(statistic, found.degrees))
 }
 
-/// What further regressors explain: the score test, from the moments of these regressors alone.
+/// The score test of further regressors, from their moments alone.
 pub(crate) struct ScoreTest {
-    /// By how much they reduce the sum of squares.
+    /// Reduction of the sum of squares.
     pub(crate) reduction: f64,
-    /// In how many directions.
+    /// Number of independent directions.
     pub(crate) degrees: usize,
-    /// Their coefficients.
+    /// Coefficients of the further regressors.
     pub(crate) coefficients: Vec<f64>,
 }
 
 impl ScoreTest {
-    /// Of regressors with the second moments `own`, of which the regressors before them leave
-    /// `left`, and the products `score` with the residuals. Directions of which rounding alone is
-    /// left are passed over; `None` when there are no others.
+    /// For regressors with the second moments `own`, of which the fitted regressors leave `left` unexplained,
+    /// and their products `score` with the residuals. Directions with nothing but rounding left are
+    /// omitted; `None` when there are no others.
     pub(crate) fn new(left: &Mat<f64>, own: &Mat<f64>, score: &[f64]) -> Option<Self> {
         let k = score.len();
         if (0..k).any(|i| !own[(i, i)].is_finite()) {
             return None;
         }
-        // What is zero all along, such as the speed of a run that rests, is no direction.
+        // A regressor that is zero throughout, such as the speed at rest, has no direction.
         let scale_of = |square: f64| {
             if square > 0.0 {
                 square.sqrt().recip()
@@ -197,7 +200,7 @@ impl ScoreTest {
         let eigen = scaled.self_adjoint_eigen(Side::Lower).ok()?;
         let scaled_score: Vec<f64> = score.iter().zip(&scale).map(|(s, c)| s * c).collect();
         let turned = times(&eigen.U().transpose().to_owned(), &scaled_score);
-        // A direction of which less than a millionth is new to the regressors carries rounding only.
+        // A direction with less than a millionth of new information carries rounding only.
         let kept: Vec<usize> = (0..k).filter(|&i| eigen.S()[i] > 1e-6).collect();
         let coefficients = (0..k)
             .map(|j| {
@@ -214,11 +217,6 @@ impl ScoreTest {
             coefficients,
         })
     }
-}
-
-fn upper_tail(statistic: f64, degrees: usize) -> Option<f64> {
-    let chi = ChiSquared::new(degrees as f64).ok()?;
-    Some(chi.sf(statistic).clamp(0.0, 1.0))
 }
 
 #[cfg(test)]

@@ -1,34 +1,37 @@
-//! Several runs of one servo: how much they differ, and whether one stands out.
+//! Scatter between runs of one servo, and the run that deviates.
 //!
-//! The model is that of all runs together. Each run is then compared with it by three numbers that
-//! mean something at the bench: its gain, its delay and its offset relative to the common model, from
-//! least squares of the run's D-filtered error on the simulated output, its slope and a constant,
+//! The model is that of all runs together. Each run has a gain, a delay and an offset relative to that
+//! common model, from least squares of the run's D-filtered error on the simulated output, its slope and a
+//! constant,
 //!
 //! ```text
 //! D(z) (y - ŷ)(k) = D(z) [a ŷ_0(k) - τ (ŷ(k+1) - ŷ(k-1))/2 + b] + ε(k)
 //! ```
 //!
-//! with ŷ_0 the output without offset. The noise gives each number a standard deviation; what the
-//! numbers scatter beyond it is the scatter between runs (method of moments, as for random effects).
-//! Bounds of the model are those of noise alone: they do not contain that scatter.
+//! with ŷ_0 the output without offset. The noise gives each quantity a standard deviation. Further variance
+//! is the scatter between runs (method of moments, as for random effects). The model's bounds are those of
+//! the noise and do not contain that scatter.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::data::record::Run;
-use crate::estimation::fsf_basis::dot;
-use crate::numerics::critical_values::{normal_upper_quantile, student_critical};
+use crate::estimation::noise_model::noise_filter;
+use crate::numerics::critical_values::{
+    chi_square_upper_tail, normal_upper_quantile, student_critical,
+};
 use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
+use crate::numerics::vectors::dot;
 use crate::results::model::Model;
 
-/// Level at which scatter counts as shown, and a run as deviating.
+/// Significance level of the scatter and of a deviating run.
 pub const SIGNIFICANCE: f64 = 0.01;
 
-/// Gain, delay, offset.
-const NUMBERS: usize = 3;
+/// Gain, delay and offset.
+const QUANTITIES: usize = 3;
 
-/// One number of one run.
+/// One quantity of one run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Difference {
     /// Difference from the common model.
@@ -51,12 +54,12 @@ pub struct RunDifference {
 }
 
 impl RunDifference {
-    fn number(&self, index: usize) -> Difference {
+    fn quantity(&self, index: usize) -> Difference {
         [self.gain_percent, self.delay_s, self.offset][index]
     }
 }
 
-/// Scatter of one number between runs.
+/// Scatter of one quantity between runs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Scatter {
     /// Standard deviation between runs, beyond the noise.
@@ -65,17 +68,17 @@ pub struct Scatter {
     pub p: f64,
 }
 
-/// A run that stands out.
+/// A run and its distance from the others.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Deviation {
     /// Run, counted from 1.
     pub run: usize,
     /// Distance from the mean of the other runs, in standard deviations of a single run.
     pub distance: f64,
-    /// Distance that one run in a hundred records would reach by chance.
+    /// Distance that chance exceeds in one of a hundred records.
     pub threshold: f64,
-    /// Probability of a run at least as far from the others if all are of one kind, whatever they
-    /// scatter by.
+    /// Probability of a run at least as far from the others if all have the same distribution, at any
+    /// scatter.
     #[serde(default = "certain")]
     pub p: f64,
 }
@@ -95,9 +98,9 @@ pub struct RunComparison {
     pub delay_s: Scatter,
     /// Scatter of the offset.
     pub offset: Scatter,
-    /// The run that stands out most, if one does; it takes three runs to tell which.
+    /// The run that deviates most, if one deviates. It takes at least three runs.
     pub deviating: Option<Deviation>,
-    /// The run that lies farthest from the others, whether that is more than chance or not.
+    /// The run farthest from the others, significant or not.
     #[serde(default)]
     pub farthest: Option<Deviation>,
 }
@@ -117,7 +120,7 @@ impl RunComparison {
         if compared.len() < 2 {
             return None;
         }
-        let scatter = |number: usize| scatter(compared.iter().map(|run| run.number(number)));
+        let scatter = |index: usize| scatter(compared.iter().map(|run| run.quantity(index)));
         let farthest = farthest(&compared);
         Some(Self {
             gain_percent: scatter(0),
@@ -130,19 +133,17 @@ impl RunComparison {
     }
 }
 
-/// The three numbers of one run; `None` when it is too short or does not move.
+/// The three quantities of one run; `None` when it is too short or does not move.
 fn difference(model: &Model, run: &Run, number: usize) -> Option<RunDifference> {
     let simulated = model.simulate(run);
     let order = model.noise.ar.len();
-    let d: Vec<f64> = std::iter::once(1.0)
-        .chain(model.noise.ar.iter().copied())
-        .collect();
+    let d = noise_filter(&model.noise.ar);
     let filtered = |k: usize, value: &dyn Fn(usize) -> f64| -> f64 {
         d.iter().enumerate().map(|(i, d)| d * value(k - i)).sum()
     };
     let gain: f64 = d.iter().sum();
-    let mut normal = Mat::<f64>::zeros(NUMBERS, NUMBERS);
-    let mut right = [0.0; NUMBERS];
+    let mut normal = Mat::<f64>::zeros(QUANTITIES, QUANTITIES);
+    let mut right = [0.0; QUANTITIES];
     let mut rows = 0;
     for k in order + 1..run.len().saturating_sub(1) {
         let row = [
@@ -155,46 +156,46 @@ fn difference(model: &Model, run: &Run, number: usize) -> Option<RunDifference> 
             continue;
         }
         rows += 1;
-        for i in 0..NUMBERS {
+        for i in 0..QUANTITIES {
             right[i] += row[i] * error;
-            for j in 0..NUMBERS {
+            for j in 0..QUANTITIES {
                 normal[(i, j)] += row[i] * row[j];
             }
         }
     }
-    // Ten rows for each number: fewer say nothing about a run.
-    if rows < 10 * NUMBERS {
+    // Fewer than ten rows a quantity do not characterise a run.
+    if rows < 10 * QUANTITIES {
         return None;
     }
-    let scale: Vec<f64> = (0..NUMBERS)
+    let scale: Vec<f64> = (0..QUANTITIES)
         .map(|i| normal[(i, i)].sqrt().recip())
         .collect();
-    let scaled = Mat::from_fn(NUMBERS, NUMBERS, |i, j| {
+    let scaled = Mat::from_fn(QUANTITIES, QUANTITIES, |i, j| {
         normal[(i, j)] * scale[i] * scale[j]
     });
     let lower = cholesky(&scaled)?;
     let right: Vec<f64> = right.iter().zip(&scale).map(|(r, s)| r * s).collect();
     let x = backward_solve(&lower, &forward_solve(&lower, &right));
     let inverse = inverse_of_lower(&lower);
-    let number_of = |i: usize, unit: f64| Difference {
+    let quantity = |i: usize, unit: f64| Difference {
         value: unit * x[i] * scale[i],
         sd: unit * model.noise.sigma * scale[i] * inverse.col(i).norm_l2(),
     };
     Some(RunDifference {
         run: number,
-        gain_percent: number_of(0, 100.0),
-        delay_s: number_of(1, model.sample_period_s),
-        offset: number_of(2, 1.0),
+        gain_percent: quantity(0, 100.0),
+        delay_s: quantity(1, model.sample_period_s),
+        offset: quantity(2, 1.0),
     })
 }
 
-/// Method of moments: what the weighted squares exceed their expectation by.
+/// Method of moments: the excess of the weighted squares over their expectation.
 fn scatter(values: impl Iterator<Item = Difference>) -> Scatter {
     let values: Vec<Difference> = values.collect();
     let weights: Vec<f64> = values.iter().map(|v| v.sd.powi(-2)).collect();
     let total: f64 = weights.iter().sum();
     if !total.is_finite() {
-        return Scatter { sd: 0.0, p: 1.0 }; // No noise, so no measure of what is more than it.
+        return Scatter { sd: 0.0, p: 1.0 }; // Without noise there is no scale to compare with.
     }
     let numbers: Vec<f64> = values.iter().map(|v| v.value).collect();
     let mean = dot(&weights, &numbers) / total;
@@ -206,38 +207,37 @@ fn scatter(values: impl Iterator<Item = Difference>) -> Scatter {
     let degrees = (values.len() - 1) as f64;
     let denominator = total - weights.iter().map(|w| w * w).sum::<f64>() / total;
     let sd = ((q - degrees) / denominator).max(0.0).sqrt();
-    let p = ChiSquared::new(degrees).map_or(1.0, |chi| chi.sf(q));
     Scatter {
         sd,
-        p: p.clamp(0.0, 1.0),
+        p: chi_square_upper_tail(q, values.len() - 1),
     }
 }
 
-/// The run farthest from the others. Each number is held against the spread of the others (at
-/// least their noise) by Student's t, Bonferroni over runs and numbers.
+/// The run farthest from the others. Each quantity is compared with the spread of the others (at least
+/// their noise) by Student's t, with Bonferroni's correction over runs and quantities.
 ///
-/// How much runs of this servo scatter is known from the other runs alone: by the clock of a servo they may
-/// scatter fifty times as much as by the noise, and three of four then agree by chance more often than one
-/// would think. So at four runs it takes 35 standard deviations of the others to call the fourth
-/// another, and no test that holds for every scatter does with less; at five it takes 16.
+/// Only the other runs show how much runs of this servo scatter. The clock of a servo alone can scatter them
+/// by fifty times the noise, and three of four then agree by chance surprisingly often. With four runs it
+/// therefore takes 35 standard deviations of the others to call the fourth deviating, with five runs 16. No
+/// test that holds at every scatter needs less.
 fn farthest(runs: &[RunDifference]) -> Option<Deviation> {
     let others = runs.len() - 1;
     if others < 2 {
         return None;
     }
-    let share = SIGNIFICANCE / (2 * NUMBERS * runs.len()) as f64;
+    let share = SIGNIFICANCE / (2 * QUANTITIES * runs.len()) as f64;
     let degrees = (others - 1) as f64;
     let threshold = student_critical(normal_upper_quantile(share), &[degrees])[0];
-    let distance = |r: usize, number: usize| {
+    let distance = |r: usize, index: usize| {
         let rest: Vec<Difference> = (0..runs.len())
             .filter(|&other| other != r)
-            .map(|other| runs[other].number(number))
+            .map(|other| runs[other].quantity(index))
             .collect();
         let count = rest.len() as f64;
         let mean = rest.iter().map(|v| v.value).sum::<f64>() / count;
         let spread = rest.iter().map(|v| (v.value - mean).powi(2)).sum::<f64>() / degrees;
         let noise = rest.iter().map(|v| v.sd.powi(2)).sum::<f64>() / count;
-        let own = runs[r].number(number);
+        let own = runs[r].quantity(index);
         let variance = spread.max(noise) / count + spread.max(own.sd.powi(2));
         if variance > 0.0 {
             (own.value - mean).abs() / variance.sqrt()
@@ -249,13 +249,13 @@ fn farthest(runs: &[RunDifference]) -> Option<Deviation> {
         .map(|r| {
             (
                 r,
-                (0..NUMBERS)
-                    .map(|number| distance(r, number))
+                (0..QUANTITIES)
+                    .map(|index| distance(r, index))
                     .fold(0.0, f64::max),
             )
         })
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let tests = (2 * NUMBERS * runs.len()) as f64;
+    let tests = (2 * QUANTITIES * runs.len()) as f64;
     let p = StudentsT::new(0.0, 1.0, degrees).map_or(1.0, |t| tests * t.sf(distance));
     Some(Deviation {
         run: runs[run].run,

@@ -8,9 +8,9 @@ use faer::Mat;
 use crate::data::moments::Moments;
 use crate::data::record::{Record, Run};
 use crate::diagnostics::residual_tests::ScoreTest;
-use crate::estimation::fsf_basis::dot;
 use crate::estimation::gls::GlsFit;
 use crate::numerics::convolution::causal_filter;
+use crate::numerics::vectors::dot;
 
 /// Samples at the beginning of a record that are looked at: what cannot be seen in them is too small
 /// to matter.

@@ -28,7 +28,8 @@ use crate::data::holds::holds;
 use crate::data::record::Run;
 use crate::diagnostics::simulation_error::{SAMPLES, Simulated, beginnings};
 use crate::estimation::gls::{GlsFit, MAX_AUTO_ORDER};
-use crate::estimation::least_squares::{Information, with_one};
+use crate::estimation::least_squares::RowInformation;
+use crate::estimation::noise_model::noise_filter;
 use crate::estimation::noise_model::{NoiseFit, best_order};
 
 /// Shortest stretch of rest that is used \[samples\].
@@ -58,7 +59,7 @@ pub struct StandstillNoise {
 pub(crate) fn compare(
     runs: &[Simulated<'_>],
     rest: &[Run],
-    information: &Information,
+    information: &RowInformation,
     fit: &GlsFit,
 ) -> Option<StandstillNoise> {
     let rest: Vec<_> = beginnings(rest, SAMPLES).collect();
@@ -146,7 +147,7 @@ impl RestNoise {
         let order = best_order(&noise.candidates(rows));
         let ar = noise.coefficients(order);
         let degrees = (rows - order - stretches.len()) as f64;
-        let square = quadratic(&moments, &with_one(&ar));
+        let square = quadratic(&moments, &noise_filter(&ar));
         // Akaike's final prediction error: D_r fits the samples that it is from better than others.
         let unseen = 1.0 + order as f64 / rows as f64;
         Some(Self {
@@ -159,7 +160,7 @@ impl RestNoise {
 
     /// Sum of (D_r v)², v being `piece` about its mean.
     fn filtered_square(&self, piece: &[f64]) -> f64 {
-        let d = with_one(&self.ar);
+        let d = noise_filter(&self.ar);
         about_mean(piece)
             .windows(d.len())
             .map(|window| {

@@ -1,4 +1,5 @@
-//! The frequency sampling filters: how a few frequencies stand for an impulse response.
+//! The basis of frequency sampling filters (FSF): an impulse response from its values at a few
+//! frequencies.
 //!
 //! With Ω = 2π/N and q = (n-1)/2 the model is (Wang & Cluett 2000; Bitmead & Anderson 1981)
 //!
@@ -10,13 +11,12 @@
 //! Q(m)  = [(m+1)/N, 2 Re S(1,m), -2 Im S(1,m), ...],  S(l,m) = (1/N) (1-e^{jlΩ(m+1)})/(1-e^{jlΩ})
 //! ```
 //!
-//! The sign of the sine terms is the physical one: `Im G` of a system that lags is negative. (A form
-//! with both signs turned gives the same step response, but its parameter is `-Im G`.) The filters
-//! are evaluated in their finite form only: the recursive form has its poles on the unit circle,
-//! where rounding errors never die out.
+//! The sign of the sine terms is the physical one: `Im G` of a lag is negative. (With both signs inverted
+//! the step response is the same, but the parameter is `-Im G`.) The filters are evaluated in their finite
+//! form only. The recursive form has its poles on the unit circle, where rounding errors do not decay.
 //!
-//! With N odd and n = N the basis spans every impulse response of N samples, so nothing is lost.
-//! Q(N-1) is the first unit vector: the last point of the step response *is* the gain G0.
+//! With N odd and n = N the basis spans every impulse response of N samples. Q(N-1) is the first unit
+//! vector: the last point of the step response *is* the gain G0.
 
 use std::f64::consts::TAU;
 
@@ -24,6 +24,7 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
+use crate::numerics::vectors::{dot, running_sum};
 
 /// The filter bank of n frequencies for a settling time of N samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -73,7 +74,7 @@ impl FsfBasis {
         self.frequencies
     }
 
-    /// q = (n-1)/2: the number of the highest frequency.
+    /// q = (n-1)/2: the index of the highest frequency.
     #[must_use]
     pub fn highest(&self) -> usize {
         (self.frequencies - 1) / 2
@@ -85,7 +86,7 @@ impl FsfBasis {
         self.frequencies == self.settling
     }
 
-    /// Whether the bank leaves out no frequency but, at an even N, the highest.
+    /// Whether the bank omits at most the frequency N/2 of an even N.
     #[must_use]
     pub fn has_all_frequencies(&self) -> bool {
         self.frequencies + 1 >= self.settling
@@ -156,7 +157,7 @@ impl FsfBasis {
     #[must_use]
     pub fn step_rows(&self, points: &[usize]) -> Mat<f64> {
         let n = self.settling;
-        // Angles πk/N, of which S(l,m) = sin(lΩ(m+1)/2) e^{jlΩm/2} / (N sin(lΩ/2)) has multiples.
+        // S(l,m) = sin(lΩ(m+1)/2) e^{jlΩm/2} / (N sin(lΩ/2)): multiples of the angle π/N.
         let half = Circle::new(2 * n);
         Mat::from_fn(self.frequencies, points.len(), |j, k| {
             let (l, m) = (j.div_ceil(2), points[k]);
@@ -187,18 +188,18 @@ impl FsfBasis {
             .collect()
     }
 
-    /// The step response Q(m)'θ, m = 0..N-1; element m answers a unit step applied at sample 0.
+    /// The step response Q(m)'θ, m = 0..N-1, to a unit step at sample 0.
     #[must_use]
     pub fn step_response(&self, theta: &[f64]) -> Vec<f64> {
         running_sum(&self.impulse_response(theta))
     }
 
-    /// |S(l,m)| for each frequency l = 1..=N/2 (outer) and m = 0..N-1 (inner): how much a unit of
-    /// |G_l| can add to the step response, |sin(lΩ(m+1)/2) / (N sin(lΩ/2))|.
+    /// |S(l,m)| = |sin(lΩ(m+1)/2) / (N sin(lΩ/2))| for each frequency l = 1..=N/2 (outer) and m = 0..N-1
+    /// (inner): the largest contribution of a unit of |G_l| to the step response.
     #[must_use]
     pub fn step_kernel_magnitudes(&self) -> Vec<Vec<f64>> {
         let n = self.settling;
-        // sin(πk/N) repeats with a change of sign only.
+        // |sin(πk/N)| has the period N.
         let half: Vec<f64> = (0..n)
             .map(|k| (std::f64::consts::PI * k as f64 / n as f64).sin())
             .collect();
@@ -226,8 +227,7 @@ impl FsfBasis {
             let s = sign * s;
             let denominator = (1.0 - (c * cos + s * sin), -(s * cos - c * sin));
             let square = denominator.0.powi(2) + denominator.1.powi(2);
-            // Close to the filter's own frequency both vanish; the quotient is then taken in a
-            // form that has no difference of nearly equal numbers.
+            // Near the filter's own frequency both vanish. Dirichlet's form avoids the cancellation.
             if square < 1e-4 {
                 return dirichlet(self.settling, sign * l as f64 * self.fundamental() - omega);
             }
@@ -237,8 +237,8 @@ impl FsfBasis {
             )
         };
         (re[0], im[0]) = filter(0, 1.0, 0.0, 1.0);
-        // G is the sum over +-l of G_l H_l, with G_-l the conjugate of G_l. cos lΩ and sin lΩ are
-        // turned on step by step: after n steps the error is n roundings.
+        // G is the sum over +-l of G_l H_l, with G_-l the conjugate of G_l. cos lΩ and sin lΩ come from
+        // a recursive rotation, whose error after n steps is n roundings.
         let (mut c, mut s) = (1.0, 0.0);
         for l in 1..=self.highest() {
             (c, s) = (c * step_cos - s * step_sin, c * step_sin + s * step_cos);
@@ -252,16 +252,15 @@ impl FsfBasis {
         (re, im)
     }
 
-    /// G at each of `omegas` \[rad/sample\] as (real, imaginary), by the sum of eq. (1) over the
-    /// impulse response: for many frequencies at once.
+    /// G at each of `omegas` \[rad/sample\] as (real, imaginary), summed over the impulse response.
     #[must_use]
     pub fn frequency_responses(&self, theta: &[f64], omegas: &[f64]) -> Vec<(f64, f64)> {
         const TOGETHER: usize = 8;
         let impulse = self.impulse_response(theta);
         let mut responses = Vec::with_capacity(omegas.len());
         for omegas in omegas.chunks(TOGETHER) {
-            // e^{jωi} turned on step by step, several frequencies side by side: after N steps the
-            // error is N roundings.
+            // e^{jωi} by recursive rotation, several frequencies at once. The error after N steps is N
+            // roundings.
             let (mut c, mut s) = ([1.0; TOGETHER], [0.0; TOGETHER]);
             let (mut re, mut im) = ([0.0; TOGETHER], [0.0; TOGETHER]);
             let (mut cos, mut sin) = ([1.0; TOGETHER], [0.0; TOGETHER]);
@@ -292,7 +291,7 @@ impl FsfBasis {
 fn dirichlet(n: usize, x: f64) -> (f64, f64) {
     let half = x / 2.0;
     let count = n as f64;
-    // Near a multiple of 2π the quotient is 0/0; its limit is N, reached to rounding below 1e-9.
+    // At a multiple of 2π the quotient is 0/0. Below 1e-9 its limit is exact to rounding.
     let amplitude = if half.sin().abs() < 1e-9 {
         (half * count).cos() / half.cos()
     } else {
@@ -302,7 +301,7 @@ fn dirichlet(n: usize, x: f64) -> (f64, f64) {
     (amplitude * cos, amplitude * sin)
 }
 
-/// sin and cos of 2πk/N, tabulated once so that k of any size costs a look-up and no accuracy.
+/// Table of sin and cos of 2πk/N: exact reduction for any k.
 pub(crate) struct Circle {
     points: Vec<(f64, f64)>,
 }
@@ -333,35 +332,6 @@ impl Circle {
     fn sin(&self, k: usize) -> f64 {
         self.points[k % self.points.len()].0
     }
-}
-
-/// Running sums of `values`.
-#[must_use]
-pub fn running_sum(values: &[f64]) -> Vec<f64> {
-    values
-        .iter()
-        .scan(0.0, |sum, value| {
-            *sum += value;
-            Some(*sum)
-        })
-        .collect()
-}
-
-/// Inner product over the common length, in eight independent sums, so that it can be done in vector
-/// registers.
-#[must_use]
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let length = a.len().min(b.len());
-    let (a, b) = (a[..length].chunks_exact(8), b[..length].chunks_exact(8));
-    let rest = a.remainder().iter().zip(b.remainder());
-    let rest: f64 = rest.map(|(x, y)| x * y).sum();
-    let mut sums = [0.0; 8];
-    for (a, b) in a.zip(b) {
-        for ((sum, x), y) in sums.iter_mut().zip(a).zip(b) {
-            *sum += x * y;
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]

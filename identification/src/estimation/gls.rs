@@ -1,45 +1,44 @@
-//! Generalised least squares: the response and the noise in turn, until both agree.
+//! Generalised least squares (GLS): alternating fits of the response and of the noise model.
 //!
-//! With D fixed, the response is least squares on D-filtered rows; with the response fixed, D is
-//! least squares on the residuals of the same rows (Clarke 1967; Söderström 1975). Both half steps
-//! lower the same sum of squares J(θ, D), so J never rises.
+//! With D fixed, the response is least squares on D-filtered rows. With the response fixed, D is least
+//! squares on the residuals of the same rows (Clarke 1967; Söderström 1975). Both half steps lower the same
+//! sum of squares J(θ, D), so J never rises.
 //!
-//! Residuals of a fit are smaller than the noise, because the response has followed part of it.
-//! Their moments are therefore corrected by what the covariance of the fit says was lost,
-//! E\[i,j\] += σ² tr(R_ij (Z'Z)^-1), before the final D is taken; this is the restricted likelihood's
-//! idea, and it keeps bands from shrinking when there are many parameters.
+//! Residuals are smaller than the noise, because the fitted parameters absorb part of it. Their moments are
+//! corrected for the absorbed part, E\[i,j\] += σ² tr(R_ij (Z'Z)^-1), before the final D is fitted. This is
+//! the idea of restricted likelihood. Without it, bounds would be too narrow with many parameters.
 
 use std::sync::Arc;
 
 use faer::Mat;
 
-use crate::estimation::fsf_basis::dot;
 use crate::estimation::lag_products::LagProducts;
-use crate::estimation::least_squares::{Coordinates, Information, Solution};
+use crate::estimation::least_squares::{Coordinates, RowInformation, Solution};
 use crate::estimation::noise_model::{NoiseFit, OrderCandidate, best_order};
 use crate::numerics::linear_algebra::times;
+use crate::numerics::vectors::dot;
 use crate::options::NoiseOrder;
 
 /// Largest order that the automatic choice considers.
 pub const MAX_AUTO_ORDER: usize = 8;
 
-/// Passes in which the order may still change; after that it is kept, so that two orders of
-/// nearly equal merit cannot alternate for ever.
+/// Passes in which the order may change. Afterwards it is fixed, so that two orders of nearly equal BIC
+/// cannot alternate for ever.
 const FREE_ORDER_PASSES: usize = 6;
 
-/// Passes with corrected residual moments: the correction converges faster than it matters.
+/// Passes with corrected residual moments. Further passes change nothing relevant.
 const CORRECTED_PASSES: usize = 3;
 
-/// How the alternation is run.
+/// Options of the alternation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GlsOptions {
     /// Order of D.
     pub order: NoiseOrder,
-    /// Largest change of a coefficient of D that counts as rest.
+    /// Largest change of a coefficient of D at convergence.
     pub tolerance: f64,
-    /// Most passes.
+    /// Largest number of passes.
     pub max_iterations: usize,
-    /// Whether the residual moments are corrected for the parameters fitted.
+    /// Whether the residual moments are corrected for the fitted parameters.
     pub corrected: bool,
     /// Coefficients of D to start from.
     pub start: Vec<f64>,
@@ -69,13 +68,13 @@ pub struct GlsFit {
     pub ar_covariance: Mat<f64>,
     /// Variance of ε: RSS / (rows - parameters - d), the offset being one of the parameters.
     pub variance: f64,
-    /// Rows used.
+    /// Number of rows used.
     pub rows: usize,
-    /// Passes made.
+    /// Number of passes.
     pub iterations: usize,
-    /// Whether D came to rest.
+    /// Whether D converged.
     pub converged: bool,
-    /// Orders of the noise considered, with their criterion.
+    /// The noise orders considered, with their criterion.
     pub orders: Vec<OrderCandidate>,
 }
 
@@ -125,9 +124,9 @@ impl GlsFit {
         covariance
     }
 
-    /// The offset c of y = G u + c, back from the centre of the moments.
+    /// The offset c of y = G u + c; that of the solution is relative to the centre of the moments.
     #[must_use]
-    pub fn offset(&self, information: &Information) -> f64 {
+    pub fn offset(&self, information: &RowInformation) -> f64 {
         let gain: f64 = self.impulse().iter().sum();
         let (u, y) = information.moments.centre;
         self.solution.offset() + y - gain * u
@@ -141,7 +140,7 @@ fn degrees_of_freedom(rows: usize, parameters: usize, order: usize) -> f64 {
 /// Fits response and noise. `None` when the rows do not determine the response.
 #[must_use]
 pub fn fit(
-    information: &Information,
+    information: &RowInformation,
     coordinates: &Coordinates,
     options: &GlsOptions,
 ) -> Option<GlsFit> {
@@ -171,7 +170,7 @@ pub fn fit(
                 };
                 noise.coefficients(order)
             }
-            None => Vec::new(), // The fit is exact: there is no noise to describe.
+            None => Vec::new(), // The fit is exact: there is no noise to model.
         };
         converged = spread == 0.0 || distance(&ar, &next) <= options.tolerance;
         ar = next;
@@ -215,10 +214,10 @@ pub fn fit(
     })
 }
 
-/// The noise fit of the residuals of coordinates and offset; with the inverse and the variance of
-/// ε, their moments are corrected for the parameters fitted.
+/// The noise fit to the residuals of `solution` (coordinates and offset). With the inverse and the variance
+/// of ε, their moments are corrected for the fitted parameters.
 fn noise_of(
-    information: &Information,
+    information: &RowInformation,
     coordinates: &Coordinates,
     solution: &[f64],
     order: usize,
@@ -227,16 +226,16 @@ fn noise_of(
     let (offset, response) = solution.split_last()?;
     let mut moments = information.residual_moments_of(coordinates, response, *offset, order);
     if let Some((inverse, variance)) = correction {
-        let lost = fitted_noise(information, coordinates, inverse, order);
-        moments += faer::Scale(variance) * lost;
+        let absorbed = absorbed_noise(information, coordinates, inverse, order);
+        moments += faer::Scale(variance) * absorbed;
     }
     NoiseFit::new(&moments, information.moments.output_spread())
 }
 
-/// tr(R_ij (Z'Z)^-1), i, j = 0..=order: the part of the lagged noise moments, per unit variance,
-/// that the fitted parameters have absorbed.
-fn fitted_noise(
-    information: &Information,
+/// tr(R_ij (Z'Z)^-1), i, j = 0..=order: the part of the lagged noise moments, per unit variance, that the
+/// fitted parameters absorb.
+fn absorbed_noise(
+    information: &RowInformation,
     coordinates: &Coordinates,
     inverse: &Mat<f64>,
     order: usize,
@@ -247,17 +246,17 @@ fn fitted_noise(
     let border: Vec<f64> = (0..p).map(|k| inverse[(k, p)]).collect();
     let border = coordinates.impulse(&border);
     let traces = Traces::new(information, coordinates, block);
-    let mut lost = Mat::zeros(order + 1, order + 1);
+    let mut absorbed = Mat::zeros(order + 1, order + 1);
     for i in 0..=order {
         for j in 0..=i {
             let response = traces.of(i, j);
             let edges = dot(&border, &moments.u[i..]) + dot(&border, &moments.u[j..]);
             let value = response + edges + moments.rows as f64 * inverse[(p, p)];
-            lost[(i, j)] = value;
-            lost[(j, i)] = value;
+            absorbed[(i, j)] = value;
+            absorbed[(j, i)] = value;
         }
     }
-    lost
+    absorbed
 }
 
 /// tr(R_ij T C T') for a covariance C of the coordinates.
@@ -269,7 +268,11 @@ enum Traces<'a> {
 }
 
 impl<'a> Traces<'a> {
-    fn new(information: &'a Information, coordinates: &Coordinates, covariance: Mat<f64>) -> Self {
+    fn new(
+        information: &'a RowInformation,
+        coordinates: &Coordinates,
+        covariance: Mat<f64>,
+    ) -> Self {
         match information.lag_products(coordinates) {
             Some(products) => Self::InCoordinates(products, covariance),
             None => Self::ByLags(&information.moments.uu, coordinates.expand(covariance)),

@@ -7,23 +7,24 @@
 //! ```
 //!
 //! Only P_00 is a product of large matrices. The columns of T are sines and cosines of whole periods
-//! over N samples, so a sequence x moved on by one sample has, with S_l = sum_b x(b) e^{-jlΩb},
+//! over N samples. With S_l = sum_b x(b) e^{-jlΩb}, a sequence x shifted by one sample therefore has
 //!
 //! ```text
 //! S_l' = e^{jlΩ} (S_l + x(N) - x(0))
 //! ```
 //!
-//! and every further P_ij is a turn of its neighbour. With all of them at hand, least squares for
-//! another D costs no more than adding small matrices.
+//! and every further P_ij follows from its neighbour by a rotation. Least squares for another D then only
+//! adds small matrices.
 
 use std::sync::Arc;
 
 use faer::Mat;
 
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::{FsfBasis, dot};
+use crate::estimation::fsf_basis::FsfBasis;
+use crate::numerics::vectors::dot;
 
-/// Entries of all products together beyond which they are not kept: 32 MB.
+/// Largest number of entries of all products together: 32 MB.
 const MOST_ENTRIES: usize = 1 << 22;
 
 /// P_ij for one bank, i, j = 0..=order.
@@ -35,18 +36,18 @@ pub(crate) struct LagProducts {
 }
 
 impl LagProducts {
-    /// For the bank with the impulse map `map`, up to the order that the moments have lags for;
-    /// `None` when that would take more memory than it is worth.
+    /// For the bank with the impulse map `map`, up to the order that the moments have lags for. `None`
+    /// when they would need too much memory.
     pub(crate) fn new(moments: &Moments, basis: FsfBasis, map: &Mat<f64>) -> Option<Arc<Self>> {
         let (n, settling) = (basis.frequencies(), basis.settling());
         let order = (moments.input_lags() - settling).min(moments.output_lags() - 1);
         if ((order + 1) * n).pow(2) > MOST_ENTRIES {
             return None;
         }
-        let turn = Turn::new(basis);
+        let shift = Shift::new(basis);
         let lags = settling + order;
         let uu = moments.uu.as_ref().submatrix(0, 0, lags, lags);
-        // Rows of R at every lag against the filters at lag j: lags x n.
+        // Columns of R at lag j through the filters: lags x n.
         let mut against = uu.submatrix(0, 0, lags, settling) * map;
         let mut products: Vec<Mat<f64>> = Vec::with_capacity((order + 1).pow(2));
         for j in 0..=order {
@@ -59,7 +60,7 @@ impl LagProducts {
                 if i < order {
                     for k in 0..n {
                         let filter = against.col_as_slice(k);
-                        turn.column(
+                        shift.column(
                             product.col_as_slice_mut(k),
                             filter[i + settling] - filter[i],
                         );
@@ -68,7 +69,7 @@ impl LagProducts {
             }
             if j < order {
                 let (leaving, entering) = (uu.col(j), uu.col(j + settling));
-                turn.rows(&mut against, &(entering - leaving));
+                shift.rows(&mut against, &(entering - leaving));
             }
         }
         Some(Arc::new(Self {
@@ -78,7 +79,7 @@ impl LagProducts {
         }))
     }
 
-    /// Whether these are the products for a bank.
+    /// Whether these are the products of a bank.
     pub(crate) fn are_of(&self, basis: &FsfBasis) -> bool {
         self.basis == *basis
     }
@@ -126,14 +127,14 @@ impl LagProducts {
     }
 }
 
-/// Moves parameters of a sequence on by one sample.
-struct Turn {
+/// Shifts a sequence by one sample, in its parameters.
+struct Shift {
     settling: f64,
     /// cos lΩ and sin lΩ, l = 1, 2, ...
     angles: Vec<(f64, f64)>,
 }
 
-impl Turn {
+impl Shift {
     fn new(basis: FsfBasis) -> Self {
         let angle = |l: usize| {
             let (sin, cos) = (l as f64 * basis.fundamental()).sin_cos();
@@ -145,7 +146,7 @@ impl Turn {
         }
     }
 
-    /// `parameters` T'x of x(0..N) become those of x(1..=N); `change` is x(N) - x(0).
+    /// `parameters` T'x of x(0..N) become those of x(1..=N). `change` is x(N) - x(0).
     fn column(&self, parameters: &mut [f64], change: f64) {
         let change = change / self.settling;
         let Some((gain, pairs)) = parameters.split_first_mut() else {
@@ -181,6 +182,7 @@ mod tests {
     use super::*;
     use crate::data::record::Record;
     use crate::estimation::least_squares::{Coordinates, NormalEquations};
+    use crate::estimation::noise_model::noise_filter;
     use approx::assert_relative_eq;
 
     #[test]
@@ -194,7 +196,7 @@ mod tests {
             let coordinates = Coordinates::in_theta(basis);
             let products = LagProducts::new(&moments, basis, &basis.impulse_map()).unwrap();
             for ar in [vec![], vec![-0.9], vec![-1.5, 0.7, 0.1, -0.05]] {
-                let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+                let d = noise_filter(&ar);
                 let turned = products.twice_filtered(&d);
                 let whole = NormalEquations::new(&moments, &coordinates, &ar).a;
                 for i in 0..frequencies {

@@ -1,6 +1,5 @@
-//! From moments to parameters and their covariance, for a given structure.
+//! Parameters and their covariance from moments, for a given structure.
 
-pub mod direct;
 pub mod excitation;
 pub mod fsf_basis;
 pub mod gls;

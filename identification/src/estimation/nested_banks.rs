@@ -1,24 +1,25 @@
 //! All banks n = 1, 3, 5, ... of one settling time from one factorisation.
 //!
-//! With the offset first and the frequencies ascending, the Cholesky factor of the largest bank
-//! contains that of every smaller one, so the residual sum of squares, the standard deviations and
-//! the uppermost frequencies of all banks cost no more than those of one.
+//! With the offset first and the frequencies ascending, the Cholesky factor of the largest bank contains
+//! that of every smaller one. The residual sums of squares, standard deviations and uppermost frequencies
+//! of all banks therefore cost no more than those of one.
 
 use std::cell::OnceCell;
 
 use faer::Mat;
 
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::{FsfBasis, dot};
+use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::{Coordinates, NormalEquations};
 use crate::estimation::truncation::unit_biases;
 use crate::numerics::linear_algebra::inverse_of_lower;
+use crate::numerics::vectors::dot;
 
-/// A squared pivot of the equilibrated equations below this means: a combination of lower
-/// frequencies, not excited by itself.
+/// Smallest squared pivot of the equilibrated equations. Below it, a frequency is a combination of lower
+/// ones and not excited by itself.
 const SMALLEST_PIVOT: f64 = 1e-9;
 
-/// What one bank would give.
+/// The bounds that one bank would give.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct BankCandidate {
     /// n.
@@ -27,12 +28,12 @@ pub struct BankCandidate {
     pub gcv: f64,
     /// Mean 99 % half width of the step response from the noise alone.
     pub noise_half_width: f64,
-    /// Bound of the error from the frequencies left out, at 20 dB/decade.
+    /// Bound of the truncation bias at the assumed roll-off.
     pub truncation_bias: f64,
 }
 
 impl BankCandidate {
-    /// Half width of the honest band: noise and truncation together.
+    /// Half width of the bound: noise and truncation bias together.
     #[must_use]
     pub fn half_width(&self) -> f64 {
         self.noise_half_width + self.truncation_bias
@@ -46,13 +47,12 @@ pub(crate) struct NestedBanks {
     rows: f64,
     noise_order: usize,
     factor: PivotedPrefix,
-    /// Found when first asked for: most of the work is in the widths of the bands.
+    /// Computed on demand, because the widths of the bounds are expensive.
     candidates: OnceCell<Vec<BankCandidate>>,
 }
 
 impl NestedBanks {
-    /// Scans the banks for one settling time and noise filter. `None` when not even the gain is
-    /// determined.
+    /// All banks of one settling time and noise filter. `None` when not even the gain is determined.
     pub(crate) fn scan(
         moments: &Moments,
         settling: usize,
@@ -72,7 +72,7 @@ impl NestedBanks {
         })
     }
 
-    /// Each bank, smallest first.
+    /// The banks, smallest first.
     pub(crate) fn candidates(&self) -> &[BankCandidate] {
         self.candidates.get_or_init(|| self.widths())
     }
@@ -96,7 +96,6 @@ impl NestedBanks {
     fn widths(&self) -> Vec<BankCandidate> {
         let (factor, settling) = (&self.factor, self.settling);
         let inverse = inverse_of_lower(&factor.lower);
-        // F = Q L^-T for the step response, columns: offset first.
         let step = factor.basis.step_map();
         let size = factor.excited() + 1;
         let scaled = Mat::from_fn(size, settling, |k, m| {
@@ -106,7 +105,7 @@ impl NestedBanks {
                 step[(m, k - 1)] * factor.scale[k]
             }
         });
-        // F, one bank's share of the response in each column: N x size.
+        // F = Q L^-T for the step response, offset first: N x size.
         let spread = scaled.transpose() * inverse.transpose();
         let biases = unit_biases(settling, self.roll_off);
         let critical = crate::numerics::critical_values::pointwise_critical(0.99);
@@ -133,7 +132,7 @@ impl NestedBanks {
             .collect()
     }
 
-    /// The bank with the narrowest honest band.
+    /// The bank with the narrowest bound.
     pub(crate) fn narrowest(&self) -> BankCandidate {
         *self
             .candidates()
@@ -142,7 +141,7 @@ impl NestedBanks {
             .expect("a scan has at least the bank of the gain")
     }
 
-    /// Frequencies of the bank that predicts best.
+    /// Number of frequencies of the bank that predicts best.
     pub(crate) fn best_predictor(&self) -> usize {
         self.residual_squares()
             .map(|(n, rss)| (n, self.gcv(n, rss)))
@@ -156,13 +155,13 @@ impl NestedBanks {
         candidates[candidates.len() - 1]
     }
 
-    /// Frequencies of the largest bank that the input excites.
+    /// Number of frequencies of the largest bank that the input excites.
     pub(crate) fn excited(&self) -> usize {
         self.factor.excited()
     }
 }
 
-/// The Cholesky factor of the equilibrated equations, offset first, as far as pivots are sound.
+/// The Cholesky factor of the equilibrated equations, offset first, up to the last pivot above rounding.
 struct PivotedPrefix {
     basis: FsfBasis,
     lower: Mat<f64>,
@@ -217,7 +216,7 @@ impl PivotedPrefix {
         }
     }
 
-    /// Odd number of frequencies that are excited.
+    /// Number of excited frequencies, odd.
     fn excited(&self) -> usize {
         self.scale.len() - 1
     }

@@ -18,6 +18,11 @@ pub struct Noise {
     pub sigma: f64,
 }
 
+/// The coefficients 1, d_1, ..., d_d of the noise filter D.
+pub(crate) fn noise_filter(ar: &[f64]) -> Vec<f64> {
+    std::iter::once(1.0).chain(ar.iter().copied()).collect()
+}
+
 /// A fit of D for every order up to that of the moments.
 pub(crate) struct NoiseFit {
     lower: Mat<f64>,
@@ -26,7 +31,7 @@ pub(crate) struct NoiseFit {
     total: f64,
 }
 
-/// One order of the noise model and what speaks for it.
+/// One order of the noise model with its criterion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct OrderCandidate {
     /// d.
@@ -36,12 +41,12 @@ pub struct OrderCandidate {
 }
 
 impl NoiseFit {
-    /// Factorises the residual moments E, (d+1) x (d+1). `None` when the residuals vanish to
-    /// rounding, so that there is no noise to describe.
+    /// Factorises the residual moments E, (d+1) x (d+1). `None` when the residuals are rounding only, so
+    /// that there is no noise to model.
     pub(crate) fn new(residual_moments: &Mat<f64>, output_spread: f64) -> Option<Self> {
         let order = residual_moments.nrows() - 1;
         let total = residual_moments[(0, 0)];
-        // A residual of 1e-13 of the output is the rounding of the data, not noise.
+        // Residuals of 1e-13 of the output are rounding, not noise.
         if total.is_nan() || total <= 1e-26 * output_spread {
             return None;
         }
@@ -101,8 +106,8 @@ pub(crate) fn best_order(candidates: &[OrderCandidate]) -> usize {
         .map_or(0, |candidate| candidate.order)
 }
 
-/// Largest absolute value among the roots of D(z), 0 for white noise: above 1 the fitted noise
-/// would grow without bound, close to 1 it drifts.
+/// Largest magnitude of the roots of D(z), 0 for white noise. Above 1 the modelled noise would grow without
+/// bound; near 1 it drifts.
 #[must_use]
 pub fn largest_root(ar: &[f64]) -> f64 {
     let order = ar.len();

@@ -1,9 +1,9 @@
-//! The triangular factor of the rows by blocked QR: slower than moments, and accurate where their
-//! condition number is too large.
+//! The triangular factor of the rows by blocked QR. It is slower than moments, but accurate where the
+//! condition number is too large for them.
 //!
-//! Z has the rows [u(k)..u(k-L+1) | 1 | y(k)..y(k-J+1)]. Blocks of rows are stacked under the factor of
-//! all earlier ones and factorised again, so memory stays constant. Because every D-filtered
-//! regressor is a combination of the columns of Z, one factor serves all noise filters and banks.
+//! Z has the rows [u(k)..u(k-L+1) | 1 | y(k)..y(k-J+1)]. Each block of rows is stacked under the factor of
+//! all earlier ones and factorised again, so memory is constant. Every D-filtered regressor is a
+//! combination of the columns of Z, so one factor serves all noise filters and banks.
 
 use faer::Mat;
 
@@ -16,7 +16,7 @@ use crate::data::record::Record;
 pub fn triangular_factor(record: &Record, template: &Moments) -> Mat<f64> {
     let (lags, outputs) = (template.input_lags(), template.output_lags());
     let width = lags + 1 + outputs;
-    // Three widths of new rows for one of the old factor: little is factorised twice.
+    // Three widths of new rows with one of the old factor: little work is repeated.
     let block_rows = 3 * width;
     let mut factor = Mat::<f64>::zeros(0, width);
     for run in record.runs() {

@@ -1,28 +1,29 @@
-//! What leaving out high frequencies can do to the responses.
+//! Truncation bias: a bound of the error from omitted high frequencies.
 //!
-//! With n < N the frequencies above q = (n-1)/2 are left out. They are missing where they belong, and
-//! what they did to the output is taken for the doing of those that were kept. With Z₁ the rows of the
-//! bank and Z₂ those of the frequencies left out, filtered by D and the offset projected out,
+//! With n < N the frequencies above q = (n-1)/2 are omitted. Omitted frequencies bias the retained
+//! coefficients, which absorb their contribution to the output. With Z₁ the rows of the bank and Z₂ those of
+//! the omitted frequencies, filtered by D and the offset projected out,
 //!
 //! ```text
 //! E θ̂ = θ + A θ₂,   A = (Z₁'Z₁)⁻¹ Z₁'Z₂
 //! ```
 //!
-//! so a function c'h of the impulse response is wrong by c'(T₁A - T₂)θ₂ whatever the noise. If |G| falls
-//! above q at least like a lag of first order (sampled: like 1/sin(lπ/N)) or of second (like 1/l²), that
-//! is at most a sum over the frequencies left out `Truncation`. The truth is often several times
-//! smaller, because the terms cancel, but nothing in the data says so.
+//! so a function c'h of the impulse response has the error c'(T₁A - T₂)θ₂ at any noise. If |G| rolls off
+//! above q at least like a first-order lag (sampled: like 1/sin(lπ/N)) or a second-order one (like 1/l²),
+//! the error is at most a sum over the omitted frequencies (`Truncation`). The true error is often several
+//! times smaller, because the terms cancel, but the data do not show it.
 //!
-//! `unit_biases` is the part of this that knows nothing of the input, by which banks are chosen.
+//! `unit_biases` is the part of the bound that does not depend on the input. Banks are chosen by it.
 
 use faer::Mat;
 
 use crate::data::moments::Moments;
 use crate::estimation::fsf_basis::{Circle, FsfBasis};
-use crate::estimation::least_squares::{filtered_input_moments, with_one};
+use crate::estimation::least_squares::filtered_input_moments;
+use crate::estimation::noise_model::noise_filter;
 use crate::numerics::linear_algebra::{cholesky, inverse_of_lower};
 
-/// Frequencies at the upper end whose magnitude speaks for what is above them.
+/// Number of highest frequencies from which the magnitude above them is extrapolated.
 const EDGE_FREQUENCIES: usize = 3;
 
 /// Roll-off assumed above the highest frequency kept: 20 dB/decade, as of a first-order lag.
@@ -30,23 +31,23 @@ pub const FIRST_ORDER: i32 = 1;
 /// Roll-off of 40 dB/decade, as of a second-order servo.
 pub const SECOND_ORDER: i32 = 2;
 
-/// Share of the magnitude at the edge that what is left out may pass for, above which that
-/// magnitude says nothing of what is left out.
+/// Largest share of the magnitude at the edge that may come from omitted frequencies. Above it, that
+/// magnitude does not bound them.
 const LARGEST_SHARE: f64 = 0.75;
 
-/// Bounds of what the frequencies that a bank leaves out do to its responses.
+/// Bounds of the errors that omitted frequencies cause.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Truncation {
     /// Of the step response, all samples.
     pub(crate) step: f64,
-    /// Of G at each of the frequencies asked for, as a distance in the complex plane.
+    /// Of G at each requested frequency, as a distance in the complex plane.
     pub(crate) frequency: Vec<f64>,
 }
 
 impl Truncation {
     /// For a bank with parameters `theta` of standard deviations `sd` and the noise filter `ar`, at
-    /// the frequencies `omegas` \[rad/sample\]. `None` when the input tells what was kept so badly
-    /// apart from what was left out that nothing bounds it.
+    /// the frequencies `omegas` \[rad/sample\]. `None` when the input hardly separates the retained from
+    /// the omitted frequencies, so that there is no bound.
     pub(crate) fn new(
         moments: &Moments,
         basis: &FsfBasis,
@@ -55,7 +56,7 @@ impl Truncation {
         roll_off: i32,
         omegas: &[f64],
     ) -> Option<Self> {
-        let errors = Errors::new(moments, basis, ar, roll_off)?;
+        let errors = UnitErrors::new(moments, basis, ar, roll_off)?;
         let q = basis.highest();
         let edge = q.saturating_sub(EDGE_FREQUENCIES - 1)..=q;
         let edge_omegas: Vec<f64> = edge
@@ -90,18 +91,18 @@ fn magnitude(theta: &[f64], sd: &[f64], l: usize) -> f64 {
     }
 }
 
-/// The errors of an impulse response for frequencies left out of magnitude 1 at the edge of the bank.
-struct Errors {
-    /// T₁A - T₂, with columns scaled by the assumed roll-off: pairs for Re and Im of each frequency
-    /// left out; that of N/2 of an even N has a zero beside it.
+/// The errors of an impulse response for a magnitude of 1 at the edge of the bank.
+struct UnitErrors {
+    /// T₁A - T₂, its columns scaled by the assumed roll-off. Each omitted frequency has a pair of columns
+    /// for Re and Im; the second column of N/2 of an even N is zero.
     impulse: Mat<f64>,
 }
 
-impl Errors {
+impl UnitErrors {
     /// `None` when the bank is not determined.
     fn new(moments: &Moments, basis: &FsfBasis, ar: &[f64], roll_off: i32) -> Option<Self> {
         let settling = basis.settling();
-        let d = with_one(ar);
+        let d = noise_filter(ar);
         let mut products = filtered_input_moments(&moments.uu, settling, &d);
         let sums: Vec<f64> = (0..settling)
             .map(|a| d.iter().zip(&moments.u[a..]).map(|(d, u)| d * u).sum())
@@ -112,7 +113,7 @@ impl Errors {
                 *product -= share * sum;
             }
         }
-        let (kept, left_out) = (basis.impulse_map(), left_out(basis, roll_off));
+        let (kept, omitted) = (basis.impulse_map(), omitted(basis, roll_off));
         let weighted = kept.transpose() * &products;
         let mut square = &weighted * &kept;
         let n = basis.frequencies();
@@ -123,7 +124,7 @@ impl Errors {
             }
         }
         let inverse = inverse_of_lower(&cholesky(&square)?);
-        let mut across = weighted * &left_out;
+        let mut across = weighted * &omitted;
         let scaled = |matrix: &mut Mat<f64>| {
             for j in 0..matrix.ncols() {
                 for (entry, scale) in matrix.col_as_slice_mut(j).iter_mut().zip(&scale) {
@@ -134,7 +135,7 @@ impl Errors {
         scaled(&mut across);
         let mut leaked = inverse.transpose() * (&inverse * across);
         scaled(&mut leaked);
-        let impulse = kept * leaked - left_out;
+        let impulse = kept * leaked - omitted;
         let sound =
             (0..impulse.ncols()).all(|j| impulse.col_as_slice(j).iter().all(|x| x.is_finite()));
         sound.then_some(Self { impulse })
@@ -168,7 +169,7 @@ impl Errors {
         // e^{-jωi}: the real parts of all frequencies, then the imaginary parts.
         let mut turning = Mat::zeros(self.impulse.nrows(), 2 * count);
         for (k, omega) in omegas.iter().enumerate() {
-            // By turning on: after as many turns as N has samples, rounding is far below what a bound needs.
+            // Recursive rotation: its rounding after N steps is negligible in a bound.
             let (turn_sin, turn_cos) = omega.sin_cos();
             let (mut re, mut im) = (1.0, 0.0);
             for i in 0..turning.nrows() {
@@ -189,8 +190,8 @@ impl Errors {
     }
 }
 
-/// Length of a vector that is far from the limits of numbers, which [`f64::hypot`] would see to at ten
-/// times the cost.
+/// Length of a vector of ordinary magnitude. [`f64::hypot`] also covers the extremes, at ten times the
+/// cost.
 fn length(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
@@ -200,9 +201,9 @@ fn largest_stretch(a: (f64, f64), b: (f64, f64)) -> f64 {
     (length(a.0 + b.1, a.1 - b.0) + length(a.0 - b.1, a.1 + b.0)) / 2.0
 }
 
-/// T₂: the impulse responses of the frequencies that a bank leaves out, each in a pair of columns, times
-/// its largest magnitude for one of 1 at the highest frequency kept.
-fn left_out(basis: &FsfBasis, roll_off: i32) -> Mat<f64> {
+/// T₂: the impulse responses of the omitted frequencies, in pairs of columns, each scaled by its largest
+/// magnitude for a magnitude of 1 at the highest retained frequency.
+fn omitted(basis: &FsfBasis, roll_off: i32) -> Mat<f64> {
     let (n, q) = (basis.settling(), basis.highest());
     let turn = basis.fundamental();
     let sine = |l: usize| (turn * l as f64 / 2.0).sin();
@@ -227,8 +228,8 @@ fn left_out(basis: &FsfBasis, roll_off: i32) -> Mat<f64> {
     map
 }
 
-/// max_m sum_{l>q} 2 |S(l,m)| (q/l)^r for every q from 0 to the highest frequency of a full bank: what is
-/// missing in a step response, without what is taken for something else.
+/// max_m sum_{l>q} 2 |S(l,m)| (q/l)^r for every q from 0 to the highest frequency of a full bank: the
+/// omitted part of the step response, without the bias of the retained coefficients.
 pub(crate) fn unit_biases(settling: usize, roll_off: i32) -> Vec<f64> {
     let Ok(full) = FsfBasis::full(settling) else {
         return vec![0.0];
@@ -254,7 +255,7 @@ pub(crate) fn unit_biases(settling: usize, roll_off: i32) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::data::record::Record;
-    use crate::estimation::least_squares::{Coordinates, Information};
+    use crate::estimation::least_squares::{Coordinates, RowInformation};
     use crate::numerics::convolution::causal_filter;
 
     /// A noise-free record of a first-order lag whose impulse response has 101 samples, under edges that
@@ -283,7 +284,7 @@ mod tests {
             .map(|j| (0..n as usize).map(|i| analysis[(j, i)] * impulse[i]).sum())
             .collect();
         let moments = Moments::of_record(&record(&impulse), n as usize, 1);
-        let information = Information::from_moments(moments.clone());
+        let information = RowInformation::from_moments(moments.clone());
         for frequencies in [11, 21, 51] {
             let basis = FsfBasis::new(n as usize, frequencies).unwrap();
             let solution = information.solve(&Coordinates::new(basis), &[]).unwrap();

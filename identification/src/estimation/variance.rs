@@ -1,83 +1,104 @@
-//! Variances of linear functions of the response, and how well each variance is itself known.
+//! Variances of linear functions of the response, and the uncertainty of these variances.
 //!
-//! A point of the step response, a real or imaginary part at one frequency, a difference of two
-//! points: each is w'x for coordinates x, with variance σ² w'(Z_D'Z_D)^-1 w. That variance depends on
-//! the fitted D; its relative uncertainty turns into degrees of freedom by Satterthwaite's formula
+//! A point of the step response, a real or imaginary part at one frequency and a difference of two
+//! points are all w'x for coordinates x, with variance σ² w'(Z_D'Z_D)^-1 w. That variance depends on
+//! the fitted D. Satterthwaite's formula turns its relative uncertainty into degrees of freedom:
 //!
 //! ```text
 //! ν = 2 / (g' Cov(D) g + 2/(rows - p - d)),   g = d ln(w'(Z_D'Z_D)^-1 w) / dD
 //! ```
 //!
-//! so that slow noise, whose D decides the width of the band, widens it through Student's t.
+//! Under slow noise the width of a bound depends strongly on D. Student's t then widens the bound.
 
 use faer::Mat;
 
-use crate::estimation::fsf_basis::dot;
 use crate::estimation::gls::GlsFit;
-use crate::estimation::least_squares::{Information, with_one};
+use crate::estimation::least_squares::RowInformation;
+use crate::estimation::noise_model::noise_filter;
+use crate::numerics::vectors::dot;
 
-/// Standard deviations of linear functions of the response.
+/// Standard deviations of linear functions of the response: points of a step response, or real and
+/// imaginary parts of a frequency response.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveVariance {
     /// Standard deviation of each.
     pub sd: Vec<f64>,
-    /// Degrees of freedom of each.
+    /// Degrees of freedom of each standard deviation.
     pub degrees_of_freedom: Vec<f64>,
     /// Correlation of each with the next; one fewer.
     pub neighbour_correlation: Vec<f64>,
 }
 
-/// The spread of the functions in the rows of `functions` (f x n, in the coordinates of the fit).
-#[must_use]
-pub fn spread(information: &Information, fit: &GlsFit, functions: &Mat<f64>) -> CurveVariance {
-    let (f, p) = (functions.nrows(), fit.coordinates.len());
-    let inverse = &fit.solution.inverse;
-    // One function in each column, for contiguous inner products; its weights (Z'Z)^-1 w, that of
-    // the offset last.
-    let functions = functions.transpose().to_owned();
-    let weights = inverse.as_ref().submatrix(0, 0, p + 1, p) * &functions;
-    let product = |i: usize, k: usize| dot(weights.col_as_slice(i), functions.col_as_slice(k));
-    let variance: Vec<f64> = (0..f).map(|i| product(i, i).max(0.0)).collect();
-    let neighbour_correlation = (1..f)
-        .map(|i| {
-            let scale = (variance[i - 1] * variance[i]).sqrt();
-            if scale > 0.0 {
-                (product(i - 1, i) / scale).clamp(-1.0, 1.0)
-            } else {
-                1.0
-            }
-        })
-        .collect();
-    let gradients = log_variance_gradients(information, fit, &weights, &variance);
-    let own = 2.0 / fit.degrees_of_freedom();
-    let degrees_of_freedom = (0..f)
-        .map(|i| {
-            let d = fit.ar.len();
-            let noise: f64 = (0..d)
-                .map(|k| {
-                    (0..d)
-                        .map(|l| gradients[(k, i)] * fit.ar_covariance[(k, l)] * gradients[(l, i)])
-                        .sum::<f64>()
-                })
-                .sum();
-            2.0 / (noise.max(0.0) + own)
-        })
-        .collect();
-    let sd = variance
-        .iter()
-        .map(|variance| (fit.variance * variance).sqrt())
-        .collect();
-    CurveVariance {
-        sd,
-        degrees_of_freedom,
-        neighbour_correlation,
+impl CurveVariance {
+    /// Of the functions in the rows of `functions` (f x n, in the coordinates of the fit).
+    #[must_use]
+    pub fn of_fit(information: &RowInformation, fit: &GlsFit, functions: &Mat<f64>) -> Self {
+        let (f, p) = (functions.nrows(), fit.coordinates.len());
+        let inverse = &fit.solution.inverse;
+        // One function in each column, for contiguous inner products. The weights are (Z'Z)^-1 w; that
+        // of the offset is last.
+        let functions = functions.transpose().to_owned();
+        let weights = inverse.as_ref().submatrix(0, 0, p + 1, p) * &functions;
+        let product = |i: usize, k: usize| dot(weights.col_as_slice(i), functions.col_as_slice(k));
+        let variance: Vec<f64> = (0..f).map(|i| product(i, i).max(0.0)).collect();
+        let gradients = log_variance_gradients(information, fit, &weights, &variance);
+        let own = 2.0 / fit.degrees_of_freedom();
+        let order = fit.ar.len();
+        let noise = |i: usize| -> f64 {
+            let row = |k: usize| -> f64 {
+                (0..order)
+                    .map(|l| gradients[(k, i)] * fit.ar_covariance[(k, l)] * gradients[(l, i)])
+                    .sum()
+            };
+            (0..order).map(row).sum()
+        };
+        Self {
+            sd: variance.iter().map(|v| (fit.variance * v).sqrt()).collect(),
+            degrees_of_freedom: (0..f).map(|i| 2.0 / (noise(i).max(0.0) + own)).collect(),
+            neighbour_correlation: neighbour_correlation(f, product, |i| {
+                (variance[i - 1] * variance[i]).sqrt()
+            }),
+        }
     }
+
+    /// Of the functions in the rows of `map`, from the covariance of the parameters.
+    pub(crate) fn of_functions(
+        map: &Mat<f64>,
+        covariance: &Mat<f64>,
+        degrees_of_freedom: f64,
+    ) -> Self {
+        let rows = map.transpose().to_owned();
+        let weighted = covariance * &rows;
+        let product = |i: usize, k: usize| dot(weighted.col_as_slice(i), rows.col_as_slice(k));
+        let count = map.nrows();
+        let sd: Vec<f64> = (0..count).map(|i| product(i, i).max(0.0).sqrt()).collect();
+        Self {
+            degrees_of_freedom: vec![degrees_of_freedom; count],
+            neighbour_correlation: neighbour_correlation(count, product, |i| sd[i - 1] * sd[i]),
+            sd,
+        }
+    }
+}
+
+/// Correlation of each of `count` functions with the one before it. `scale` is the product of the
+/// standard deviations of function i and the one before it.
+fn neighbour_correlation(
+    count: usize,
+    covariance: impl Fn(usize, usize) -> f64,
+    scale: impl Fn(usize) -> f64,
+) -> Vec<f64> {
+    (1..count)
+        .map(|i| match scale(i) {
+            scale if scale > 0.0 => (covariance(i - 1, i) / scale).clamp(-1.0, 1.0),
+            _ => 1.0,
+        })
+        .collect()
 }
 
 /// d ln(w'(Z_D'Z_D)^-1 w) / dD_k = -2 v' (dZ_D/dD_k)' Z_D v / (w'(Z_D'Z_D)^-1 w) for the weights
 /// v = (Z_D'Z_D)^-1 w, one in each column of `weights`: d x f.
 fn log_variance_gradients(
-    information: &Information,
+    information: &RowInformation,
     fit: &GlsFit,
     weights: &Mat<f64>,
     variance: &[f64],
@@ -89,11 +110,11 @@ fn log_variance_gradients(
     }
     let moments = &information.moments;
     let (n, p) = (fit.coordinates.basis.settling(), fit.coordinates.len());
-    let d = with_one(&fit.ar);
+    let d = noise_filter(&fit.ar);
     let gain: f64 = d.iter().sum();
     let rows = moments.rows as f64;
     let response = weights.as_ref().submatrix(0, 0, p, f).to_owned();
-    // Input sums at each lag, filtered and moved on by each shift.
+    // Filtered sums of the input at each lag.
     let filtered = |a: usize| -> f64 {
         let terms = d.iter().zip(&moments.u[a..]).map(|(di, u)| di * u);
         terms.sum()
@@ -113,17 +134,18 @@ fn log_variance_gradients(
     })
 }
 
-/// v' (R moved on by some lags, its other side filtered) v for each column v of the weights.
+/// v' R_s v for each column v of the weights, R_s being R shifted by s lags on one side and filtered by
+/// D on the other.
 enum ShiftedProducts {
-    /// In the coordinates of a bank: for each shift from 1 on (c, i) for coordinate c and column i.
+    /// In the coordinates of a bank: the weights, and R_s times the weights for s = 1, 2, ...
     InCoordinates(Mat<f64>, Vec<Mat<f64>>),
-    /// By lags: R with one side filtered times the impulse responses, (N+d) x f.
+    /// By lags: the weights as impulse responses, and R_0 times them, (N+d) x f.
     ByLags(Mat<f64>, Mat<f64>),
 }
 
 impl ShiftedProducts {
-    /// For the weights `response`, in coordinates.
-    fn new(information: &Information, fit: &GlsFit, d: &[f64], response: Mat<f64>) -> Self {
+    /// For `response`, the weights without that of the offset.
+    fn new(information: &RowInformation, fit: &GlsFit, d: &[f64], response: Mat<f64>) -> Self {
         if let Some(products) = information.lag_products(&fit.coordinates) {
             let with_weights = |shift: usize| products.filtered(shift, d) * &response;
             let by_shift = (1..d.len()).map(with_weights).collect();
@@ -147,7 +169,7 @@ impl ShiftedProducts {
         Self::ByLags(lags, products)
     }
 
-    /// For column `i`, moved on by `shift` lags.
+    /// For column `i` and a shift of `shift` lags.
     fn of(&self, i: usize, shift: usize) -> f64 {
         match self {
             Self::InCoordinates(weights, products) => {

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::{LowOrder, Oscillator};
+use super::low_order::{LowOrder, Oscillator};
 use crate::data::timing::Timing;
 
 /// A state-space form that gives, sample by sample, exactly what the continuous transfer function

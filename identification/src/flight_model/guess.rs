@@ -1,6 +1,6 @@
 //! Where the search for a flight model starts from.
 
-use super::{LowOrder, Oscillator};
+use super::low_order::{LowOrder, Oscillator};
 use crate::data::timing::Timing;
 use crate::results::model::Model;
 

@@ -37,6 +37,29 @@ pub struct Oscillator {
 }
 
 impl LowOrder {
+    /// Parameters of the search: \[K, L, ln ω, ln ζ, ln T\], those that the order has.
+    pub(super) fn parameters(&self) -> Vec<f64> {
+        let mut x = vec![self.gain, self.delay_s];
+        if let Some(oscillator) = self.oscillator {
+            x.extend([oscillator.omega_rad_s.ln(), oscillator.damping.ln()]);
+        }
+        x.extend(self.lag_s.map(f64::ln));
+        x
+    }
+
+    /// Inverse of [`LowOrder::parameters`].
+    pub(super) fn from_parameters(order: usize, x: &[f64]) -> Self {
+        Self {
+            gain: x[0],
+            delay_s: x[1],
+            oscillator: (order >= 2).then(|| Oscillator {
+                omega_rad_s: x[2].exp(),
+                damping: x[3].exp(),
+            }),
+            lag_s: (order != 2).then(|| x[x.len() - 1].exp()),
+        }
+    }
+
     /// Poles \[1/s\], no two the same.
     fn poles(&self) -> Vec<c64> {
         let mut poles = Vec::with_capacity(3);

@@ -18,8 +18,9 @@
 
 mod discrete;
 mod guess;
-mod intervals;
 mod low_order;
+mod options;
+mod order;
 mod projection;
 mod search;
 mod switching;
@@ -29,59 +30,21 @@ use serde::{Deserialize, Serialize};
 use crate::data::record::Record;
 use crate::data::timing::Timing;
 use crate::error::Error;
-use crate::nonlinear::direction::upper_tail;
-use crate::numerics::matrix_rows::to_rows;
 use crate::options::LEVELS;
 use crate::results::metrics::Interval;
 use crate::results::model::{Model, ParameterBounds};
 use crate::results::usable::is_sized;
 use crate::results::validity::Bounds;
 use guess::Guess;
-use intervals::Parameters;
+use order::{Estimates, REJECT, simplest};
 use projection::Projection;
-use search::{Minimum, minimise};
+use search::{Minimum, best_minimum};
 
 pub use discrete::Discrete;
 pub use low_order::{LowOrder, Oscillator};
-pub use switching::{Stroke, SwitchingModel, fit_switching};
-
-/// Probability of rejecting the true order.
-const REJECT: f64 = 0.01;
-
-/// What is asked of the fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FlightModelOptions {
-    /// Largest error of the step response that an approximation may have \[% of the step\].
-    pub largest_error_percent: f64,
-    /// Period at which the command is held, for the statement in the result \[s\].
-    pub frame_period_s: Option<f64>,
-}
-
-impl Default for FlightModelOptions {
-    fn default() -> Self {
-        Self {
-            largest_error_percent: 3.0,
-            frame_period_s: None,
-        }
-    }
-}
-
-/// One order, and how well it does.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OrderTried {
-    /// Number of poles.
-    pub order: usize,
-    /// χ² of the lack of fit.
-    pub chi_square: f64,
-    /// Its degrees of freedom.
-    pub degrees_of_freedom: usize,
-    /// Probability of a χ² at least as large if the servo is of this order.
-    pub p: f64,
-    /// χ² + parameters · ln(rank).
-    pub bic: f64,
-    /// Largest error of the step response \[% of the step\].
-    pub largest_error_percent: f64,
-}
+pub use options::FlightModelOptions;
+pub use order::OrderTried;
+pub use switching::{StrokeDynamics, SwitchingModel, fit_switching};
 
 /// A fitted model of low order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -104,8 +67,8 @@ pub struct FlightModel {
     pub bounds: Bounds<ParameterBounds>,
     /// Number of poles.
     pub order: usize,
-    /// Every order that could be fitted. Empty where a model without bounds was all that there was to fit: then
-    /// nothing is known to test against.
+    /// Every order that could be fitted. Empty for a fit to a model without bounds, whose noise is not known, and
+    /// with it no test of fit.
     pub tried: Vec<OrderTried>,
     /// Whether the order is rejected by the data, so that the model is an approximation.
     pub approximation: bool,
@@ -127,7 +90,7 @@ impl FlightModel {
         let transfer = &self.transfer;
         let oscillates = transfer.oscillator.is_some();
         let order = 2 * usize::from(oscillates) + usize::from(transfer.lag_s.is_some());
-        let parameters = to_parameters(transfer);
+        let parameters = transfer.parameters();
         let count = parameters.len();
         let bounds = match &self.bounds {
             Bounds::Valid(bounds) => {
@@ -185,7 +148,7 @@ pub fn fit(
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
-    choose(Projection::new(record, model)?, model, options)
+    choose(Projection::of_record(record, model)?, true, model, options)
 }
 
 /// [`fit`] where the record is not at hand, from θ and its covariance alone.
@@ -213,12 +176,15 @@ pub fn fit(
 /// # Errors
 /// The model has no response to speak of, none that its record told, or no covariance.
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
-    choose(Projection::of_model(model)?, model, options)
+    let is_tested = model.bounds.valid().is_some();
+    choose(Projection::of_model(model)?, is_tested, model, options)
 }
 
 /// Fits every order and takes the one that the rule above says.
+/// Lack of fit `is_tested` where the noise is known; else an order is good by its largest error alone.
 fn choose(
     projection: Projection,
+    is_tested: bool,
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
@@ -231,7 +197,7 @@ fn choose(
         return Err(Error::Unexcited);
     }
     let guess = Guess::new(model).ok_or(Error::NoResponse)?;
-    let mut fits: Vec<Fit> = Vec::new();
+    let mut fits: Vec<FittedOrder> = Vec::new();
     for order in 1..=3 {
         let second = fits
             .iter()
@@ -239,59 +205,23 @@ fn choose(
             .map(|fit| fit.transfer);
         fits.extend(fitter.best(order, &guess.starts(order, second)));
     }
-    let is_tested = fitter.projection.is_tested;
-    let good_enough = |fit: &&Fit| is_tested && fit.tried.p >= REJECT;
-    let chosen = match simplest(&fits, |fit| fit.tried).find(good_enough) {
+    let not_rejected = |fit: &&FittedOrder| is_tested && !fit.tried.is_rejected();
+    let chosen = match simplest(&fits, |fit| fit.tried).find(not_rejected) {
         None if fits.is_empty() => return Err(Error::NoResponse),
         Some(simplest) => simplest,
         None => {
-            let good =
-                |fit: &&Fit| fit.tried.largest_error_percent <= options.largest_error_percent;
+            let good = |fit: &&FittedOrder| {
+                fit.tried.largest_error_percent <= options.largest_error_percent
+            };
             fits.iter().find(good).unwrap_or(&fits[fits.len() - 1])
         }
     };
-    let tried = match is_tested {
-        true => fits.iter().map(|fit| fit.tried).collect(),
-        false => Vec::new(),
-    };
-    Ok(chosen.report(tried, model.level(), options.frame_period_s))
-}
-
-/// Difference of Bayes' criterion that is "not worth more than a bare mention" (Kass & Raftery, Journal of the
-/// American Statistical Association, 1995): a parameter that brings no more is not taken up, since delay and further lags stand for
-/// each other, and the delay would leave its interval for a lag that is not there.
-const BARE_MENTION: f64 = 2.0;
-
-/// Of `fits`, lowest order first, those that the criterion does not tell from the best.
-fn simplest<T>(fits: &[T], tried: impl Fn(&T) -> OrderTried) -> impl Iterator<Item = &T> {
-    let least = fits
+    let tried: Vec<_> = fits
         .iter()
-        .map(|fit| tried(fit).bic)
-        .fold(f64::INFINITY, f64::min);
-    fits.iter()
-        .filter(move |fit| tried(fit).bic <= least + BARE_MENTION)
-}
-
-/// Parameters as the search sees them: \[K, L, ln ω, ln ζ, ln T\] of those that the order has.
-fn to_parameters(transfer: &LowOrder) -> Vec<f64> {
-    let mut x = vec![transfer.gain, transfer.delay_s];
-    if let Some(oscillator) = transfer.oscillator {
-        x.extend([oscillator.omega_rad_s.ln(), oscillator.damping.ln()]);
-    }
-    x.extend(transfer.lag_s.map(f64::ln));
-    x
-}
-
-fn from_parameters(order: usize, x: &[f64]) -> LowOrder {
-    LowOrder {
-        gain: x[0],
-        delay_s: x[1],
-        oscillator: (order >= 2).then(|| Oscillator {
-            omega_rad_s: x[2].exp(),
-            damping: x[3].exp(),
-        }),
-        lag_s: (order != 2).then(|| x[x.len() - 1].exp()),
-    }
+        .filter(|_| is_tested)
+        .map(|fit| fit.tried)
+        .collect();
+    Ok(chosen.report(tried, model.level(), options.frame_period_s))
 }
 
 struct Fitter {
@@ -312,24 +242,23 @@ impl Fitter {
     }
 
     /// The best minimum of one order.
-    fn best(&self, order: usize, starts: &[LowOrder]) -> Option<Fit> {
+    fn best(&self, order: usize, starts: &[LowOrder]) -> Option<FittedOrder> {
         let residuals = |x: &[f64]| {
             self.projection
-                .residuals(&self.impulse(&from_parameters(order, x)))
+                .residuals(&self.impulse(&LowOrder::from_parameters(order, x)))
         };
-        let minimum = starts
-            .iter()
-            .filter_map(|start| {
-                let x = to_parameters(start);
-                let mut increments = vec![1e-4; x.len()];
-                increments[0] = 1e-4 * start.gain.abs();
-                increments[1] = 1e-2 * self.timing.sample_period_s;
-                minimise(&residuals, &x, &increments)
-            })
-            .min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares))?;
-        let transfer = from_parameters(order, &minimum.parameters);
-        let error = self.projection.largest_error(&self.impulse(&transfer));
-        Some(Fit {
+        let starts = starts.iter().map(|start| {
+            let x = start.parameters();
+            let mut increments = vec![1e-4; x.len()];
+            increments[0] = 1e-4 * start.gain.abs();
+            increments[1] = 1e-2 * self.timing.sample_period_s;
+            (x, increments)
+        });
+        let minimum = best_minimum(&residuals, starts)?;
+        let transfer = LowOrder::from_parameters(order, &minimum.parameters);
+        let impulse = self.impulse(&transfer);
+        let error = self.projection.largest_difference(&impulse) / self.projection.gain();
+        Some(FittedOrder {
             order,
             transfer,
             tried: OrderTried::new(order, &minimum, self.projection.rank(), error)?,
@@ -338,86 +267,52 @@ impl Fitter {
     }
 }
 
-impl OrderTried {
-    /// The order's fit to `rank` independent values, with its largest error relative to the step.
-    /// `None` when no degree of freedom is left.
-    fn new(order: usize, minimum: &Minimum, rank: usize, error: f64) -> Option<Self> {
-        let count = minimum.parameters.len();
-        let degrees_of_freedom = rank.checked_sub(count).filter(|degrees| *degrees > 0)?;
-        Some(Self {
-            order,
-            chi_square: minimum.sum_of_squares,
-            degrees_of_freedom,
-            p: upper_tail(minimum.sum_of_squares, degrees_of_freedom),
-            bic: minimum.sum_of_squares + count as f64 * (rank as f64).ln(),
-            largest_error_percent: 100.0 * error,
-        })
-    }
-}
-
 /// One order, fitted.
-struct Fit {
+struct FittedOrder {
     order: usize,
     transfer: LowOrder,
     minimum: Minimum,
     tried: OrderTried,
 }
 
-impl Fit {
+impl FittedOrder {
     fn report(
         &self,
         tried: Vec<OrderTried>,
         level: Bounds<f64>,
         hold_period_s: Option<f64>,
     ) -> FlightModel {
-        let approximation = tried.is_empty() || self.tried.p < REJECT;
-        let ratio = self.tried.chi_square / self.tried.degrees_of_freedom as f64;
-        let inflation = match approximation && !tried.is_empty() {
-            true => ratio.max(1.0),
-            false => 1.0,
-        };
-        let covariance = faer::Scale(inflation) * &self.minimum.covariance;
-        let known = Parameters {
-            values: &self.minimum.parameters,
-            covariance: &covariance,
-            level,
-        };
-        let last = known.values.len() - 1;
+        let estimates = Estimates::new(&self.minimum, &self.tried, level);
         let oscillates = self.transfer.oscillator.is_some();
+        let is_tested = !tried.is_empty();
         FlightModel {
             transfer: self.transfer,
-            gain: known.plain(0),
-            delay_s: known.plain(1),
-            omega_rad_s: oscillates.then(|| known.exponential(2)),
-            damping: oscillates.then(|| known.exponential(3)),
-            lag_s: self.transfer.lag_s.map(|_| known.exponential(last)),
-            bounds: level.map(|level| ParameterBounds {
-                level,
-                covariance: to_rows(&covariance),
-            }),
-            statement: self.statement(&tried, approximation, hold_period_s),
+            gain: estimates.interval(0),
+            delay_s: estimates.interval(1),
+            omega_rad_s: oscillates.then(|| estimates.exponential(2)),
+            damping: oscillates.then(|| estimates.exponential(3)),
+            lag_s: (self.transfer.lag_s)
+                .map(|_| estimates.exponential(self.minimum.parameters.len() - 1)),
+            bounds: estimates.bounds(),
             order: self.order,
             tried,
-            approximation,
-            inflation,
+            approximation: !is_tested || self.tried.is_rejected(),
+            inflation: if is_tested { estimates.inflation } else { 1.0 },
             largest_error_percent: self.tried.largest_error_percent,
             hold_period_s,
+            statement: self.statement(is_tested, hold_period_s),
         }
     }
 
-    fn statement(
-        &self,
-        tried: &[OrderTried],
-        approximation: bool,
-        hold_period_s: Option<f64>,
-    ) -> String {
-        let quality = if approximation {
-            let rejected = match tried {
-                [] => String::new(),
-                _ => format!(" (p < {REJECT})"),
-            };
+    fn statement(&self, is_tested: bool, hold_period_s: Option<f64>) -> String {
+        let quality = if !is_tested {
             format!(
-                "approximation{rejected}: largest error {:.1} % of the step",
+                "approximation: largest error {:.1} % of the step",
+                self.tried.largest_error_percent
+            )
+        } else if self.tried.is_rejected() {
+            format!(
+                "approximation (p < {REJECT}): largest error {:.1} % of the step",
                 self.tried.largest_error_percent
             )
         } else {

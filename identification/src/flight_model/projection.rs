@@ -1,52 +1,67 @@
-//! What the estimator of a model makes of any linear servo.
+//! The estimate that the estimator of a model would make of any linear servo.
 //!
 //! The estimate x = (Z_D'Z_D)^-1 Z_D' D y is linear in the output, and the output of a linear servo is
-//! linear in its impulse response h. So is, therefore, what the estimator would have found if that
-//! servo had been in the place of the real one, with everything that N too short and n too small do
-//! to it:
+//! linear in its impulse response h. The estimate of a servo with the response h is therefore linear in
+//! h, with every effect of a short N and a small n included:
 //!
 //! ```text
 //! m(h) = P h,   P = (Z_D'Z_D)^-1 Z_D' D U,   U = [u(k), u(k-1), ...]
 //! ```
 //!
-//! Comparing the estimate with m(h), not with h itself, makes truncation cancel exactly.
+//! The estimate is compared with m(h), not with h, so that truncation cancels exactly.
 
 use faer::{Mat, Side};
 
 use crate::data::moments::Moments;
 use crate::data::record::{Record, Run};
 use crate::error::Error;
-use crate::estimation::fsf_basis::dot;
-use crate::estimation::least_squares::{Coordinates, Information, filtered_input_moments};
+use crate::estimation::least_squares::{Coordinates, RowInformation, filtered_input_moments};
+use crate::estimation::noise_model::noise_filter;
 use crate::numerics::linear_algebra::times;
+use crate::numerics::vectors::dot;
 use crate::results::model::Model;
 use crate::results::validity::Bounds;
 
-/// Length of h in settling times: N leaves a margin over the response, and twice N what is slower
-/// than the data could show.
+/// Length of h in settling times. N leaves a margin over the response; a response that is longer than
+/// twice N is too slow for the data to show.
 pub(crate) const LENGTH: usize = 2;
 
 /// Directions of the covariance of less than this share of the largest are rounding.
 const ROUNDING: f64 = 1e-10;
 
-/// An estimate, whitened by its own covariance, and P to match.
+/// An estimate, whitened by its own covariance, and the whitened P.
 pub(crate) struct Projection {
     /// Whitened estimate.
     estimate: Vec<f64>,
     /// Whitened P: rank x length.
     map: Mat<f64>,
-    /// From h to step response by way of the estimator, N x length.
-    step_map: Mat<f64>,
     /// Step response of the estimate.
-    step: Vec<f64>,
-    /// Whether the whitening is by the covariance of noise, so that lack of fit can be tested.
-    pub(crate) is_tested: bool,
+    curve: Vec<f64>,
+    /// From h to that step response as the estimator would find it.
+    curve_map: Mat<f64>,
 }
 
 impl Projection {
-    /// The projection onto the bank and noise filter of `model`, on the rows of `record` that it was
-    /// identified from.
-    pub(crate) fn new(record: &Record, model: &Model) -> Result<Self, Error> {
+    /// For parameters estimated with `covariance`, of which `projection` is P. The step response of the
+    /// estimate is `curve`, `to_curve` maps parameters to it. `None` when the covariance has no
+    /// direction above rounding.
+    pub(crate) fn new(
+        parameters: &[f64],
+        covariance: &Mat<f64>,
+        projection: &Mat<f64>,
+        (curve, to_curve): (Vec<f64>, Mat<f64>),
+    ) -> Option<Self> {
+        let whitening = whitening(covariance)?;
+        Some(Self {
+            estimate: times(&whitening, parameters),
+            map: whitening * projection,
+            curve,
+            curve_map: to_curve * projection,
+        })
+    }
+
+    /// For the bank and noise filter of `model`, on the rows of `record` that it was identified from.
+    pub(crate) fn of_record(record: &Record, model: &Model) -> Result<Self, Error> {
         let basis = model.basis()?;
         let ar = &model.noise.ar;
         let (n, order) = (basis.settling(), ar.len());
@@ -54,7 +69,7 @@ impl Projection {
         let moments = Moments::of_record(&with_history(record, n)?, length + order, order + 1);
         let refused = Error::NoHistory { history: n };
         let coordinates = Coordinates::new(basis);
-        let information = Information::from_moments(moments);
+        let information = RowInformation::from_moments(moments);
         let solution = information.solve(&coordinates, ar).ok_or(refused.clone())?;
         let moments = &information.moments;
         let p = coordinates.len();
@@ -62,37 +77,29 @@ impl Projection {
         if degrees < 1.0 {
             return Err(refused);
         }
-        let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+        let d = noise_filter(ar);
         let gain: f64 = d.iter().sum();
         let products = filtered_input_moments(&moments.uu, length, &d);
-        let products = products.as_ref().submatrix(0, 0, n, length);
-        let products = match coordinates.impulse_map() {
-            Some(map) => map.transpose() * products,
-            None => products.to_owned(),
-        };
-        let offset: Vec<f64> = (0..length)
-            .map(|b| gain * dot(&d, &moments.u[b..]))
-            .collect();
+        let products = products.as_ref().submatrix(0, 0, n, length).to_owned();
+        let products = coordinates.compress(products);
         let right = Mat::from_fn(p + 1, length, |k, b| {
-            if k < p { products[(k, b)] } else { offset[b] }
+            if k < p {
+                products[(k, b)]
+            } else {
+                gain * dot(&d, &moments.u[b..])
+            }
         });
         let full = &solution.inverse * right;
         let projection = full.as_ref().submatrix(0, 0, p, length).to_owned();
         let covariance = faer::Scale(solution.rss / degrees)
             * solution.inverse.as_ref().submatrix(0, 0, p, p).to_owned();
-        let whitening = whitening(&covariance).ok_or(refused)?;
         let step = coordinates.step_map();
-        Ok(Self {
-            estimate: times(&whitening, solution.response()),
-            map: &whitening * &projection,
-            is_tested: true,
-            step: times(&step, solution.response()),
-            step_map: step * projection,
-        })
+        let curve = times(&step, solution.response());
+        Self::new(solution.response(), &covariance, &projection, (curve, step)).ok_or(refused)
     }
 
-    /// The estimate, by the bank of `model`, of a servo that is at rest again after N samples. Its later
-    /// motion is gathered in the last of them, as the model's own step response has it.
+    /// For a servo whose response is over after N samples, from the bank of `model` alone. The response
+    /// after N samples is gathered in the last of them, as in the model's own step response.
     pub(crate) fn of_model(model: &Model) -> Result<Self, Error> {
         let basis = model.basis()?;
         let (analysis, last) = (basis.analysis_map(), basis.settling() - 1);
@@ -107,14 +114,8 @@ impl Projection {
                 faer::Scale(model.theta[0].powi(2)) * Mat::<f64>::identity(size, size)
             }
         };
-        let whitening = whitening(&covariance).ok_or(Error::NoResponse)?;
-        Ok(Self {
-            is_tested: model.bounds.valid().is_some(),
-            estimate: times(&whitening, &model.theta),
-            map: whitening * &projection,
-            step: model.step.value.clone(),
-            step_map: basis.step_map() * projection,
-        })
+        let curve = (model.step.value.clone(), basis.step_map());
+        Self::new(&model.theta, &covariance, &projection, curve).ok_or(Error::NoResponse)
     }
 
     /// Length of impulse responses.
@@ -127,8 +128,13 @@ impl Projection {
         self.estimate.len()
     }
 
-    /// Differences between the estimate and that of a servo, independent and of unit variance if
-    /// that servo is the true one.
+    /// The final value of the estimate's step response, without its sign.
+    pub(crate) fn gain(&self) -> f64 {
+        self.curve[self.curve.len() - 1].abs()
+    }
+
+    /// Differences between the estimate and the projection of a servo with the response `impulse`. They
+    /// are independent and of unit variance if that servo is the true one.
     pub(crate) fn residuals(&self, impulse: &[f64]) -> Vec<f64> {
         let projected = times(&self.map, impulse);
         self.estimate
@@ -138,20 +144,19 @@ impl Projection {
             .collect()
     }
 
-    /// Largest difference of the step responses, relative to the gain.
-    pub(crate) fn largest_error(&self, impulse: &[f64]) -> f64 {
-        let projected = times(&self.step_map, impulse);
-        let gain = self.step[self.step.len() - 1].abs();
-        self.step
+    /// Largest difference between the two step responses.
+    pub(crate) fn largest_difference(&self, impulse: &[f64]) -> f64 {
+        let projected = times(&self.curve_map, impulse);
+        self.curve
             .iter()
             .zip(projected)
-            .map(|(a, b)| (a - b).abs() / gain)
+            .map(|(a, b)| (a - b).abs())
             .fold(0.0, f64::max)
     }
 }
 
-/// The record with a stated history: responses longer than N feel an input that stood still before
-/// the first sample. Rows that had no history of N samples stay out.
+/// The record with a stated history: before the first sample the input stood still, which only responses
+/// longer than N depend on. Rows without a history of N samples stay out.
 pub(crate) fn with_history(record: &Record, settling: usize) -> Result<Record, Error> {
     let runs = record.runs().iter().map(|run| {
         if run.input_at_rest().is_some() {
@@ -175,7 +180,7 @@ pub(crate) fn with_history(record: &Record, settling: usize) -> Result<Record, E
 }
 
 /// W with W C W' = 1 over the directions of C that are not rounding.
-pub(crate) fn whitening(covariance: &Mat<f64>) -> Option<Mat<f64>> {
+fn whitening(covariance: &Mat<f64>) -> Option<Mat<f64>> {
     let eigen = covariance.self_adjoint_eigen(Side::Lower).ok()?;
     let size = covariance.nrows();
     let largest = (0..size).map(|i| eigen.S()[i]).fold(0.0, f64::max);

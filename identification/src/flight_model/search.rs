@@ -2,15 +2,15 @@
 
 use faer::Mat;
 
-use crate::estimation::fsf_basis::dot;
 use crate::numerics::linear_algebra::{
     backward_solve, cholesky, forward_solve, inverse_of_lower, times,
 };
+use crate::numerics::vectors::dot;
 
 /// Most steps; a good start needs about ten.
 const STEPS: usize = 60;
-/// Relative decrease of the sum of squares that counts as rest.
-const AT_REST: f64 = 1e-10;
+/// Relative decrease of the sum of squares at which the search ends.
+const CONVERGED: f64 = 1e-10;
 
 /// A minimum.
 #[derive(Clone)]
@@ -21,9 +21,9 @@ pub(crate) struct Minimum {
     pub(crate) covariance: Mat<f64>,
 }
 
-/// Minimises |residuals(x)|² from `start`; `increments` are the half steps of the differences that
-/// stand for derivatives. `None` when parameters cannot be told apart there.
-pub(crate) fn minimise(
+/// Minimises |residuals(x)|² from `start`. Derivatives are central differences with the half steps
+/// `increments`. `None` when the residuals do not determine the parameters there.
+fn minimise(
     residuals: &dyn Fn(&[f64]) -> Vec<f64>,
     start: &[f64],
     increments: &[f64],
@@ -59,7 +59,7 @@ pub(crate) fn minimise(
             }
             damping *= 10.0;
         }
-        if before - best <= AT_REST * before {
+        if before - best <= CONVERGED * before {
             break;
         }
     }
@@ -73,6 +73,16 @@ pub(crate) fn minimise(
         sum_of_squares: best,
         covariance: inverse.transpose() * &inverse,
     })
+}
+
+/// The lowest of the minima that are reached from `starts`, each with its increments.
+pub(crate) fn best_minimum(
+    residuals: &dyn Fn(&[f64]) -> Vec<f64>,
+    starts: impl Iterator<Item = (Vec<f64>, Vec<f64>)>,
+) -> Option<Minimum> {
+    starts
+        .filter_map(|(start, increments)| minimise(residuals, &start, &increments))
+        .min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares))
 }
 
 fn jacobian(residuals: &dyn Fn(&[f64]) -> Vec<f64>, x: &[f64], increments: &[f64]) -> Mat<f64> {

@@ -12,19 +12,19 @@
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use super::intervals::Parameters;
-use super::projection::{LENGTH, whitening, with_history};
-use super::search::{Minimum, minimise};
-use super::{FlightModelOptions, Guess, LowOrder, OrderTried, REJECT, simplest};
+use super::guess::Guess;
+use super::low_order::LowOrder;
+use super::options::FlightModelOptions;
+use super::order::{Estimates, OrderTried, simplest};
+use super::projection::{LENGTH, Projection, with_history};
+use super::search::{Minimum, best_minimum};
 use crate::data::record::Record;
 use crate::data::timing::Timing;
 use crate::error::Error;
-use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::Coordinates;
 use crate::nonlinear::direction::two_inputs::{self, TwoInputMoments};
-use crate::nonlinear::direction::{DirectionModel, FREQUENCIES};
+use crate::nonlinear::direction::{DirectionModel, changes_bank};
 use crate::numerics::linear_algebra::times;
-use crate::numerics::matrix_rows::to_rows;
 use crate::options::NoiseOrder;
 use crate::results::metrics::Interval;
 use crate::results::model::{Model, ParameterBounds};
@@ -32,7 +32,7 @@ use crate::results::validity::Bounds;
 
 /// The answer to strokes of one direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Stroke {
+pub struct StrokeDynamics {
     /// The transfer function; the gain is common to both directions.
     pub transfer: LowOrder,
     /// L \[s\].
@@ -53,9 +53,9 @@ pub struct SwitchingModel {
     /// c: output at rest at a command of zero.
     pub offset: Interval,
     /// Strokes upwards.
-    pub up: Stroke,
+    pub up: StrokeDynamics,
     /// Strokes downwards.
-    pub down: Stroke,
+    pub down: StrokeDynamics,
     /// Level of the intervals and covariance of \[K, up: L, ln ω, ln ζ, ln T, down: the same\], widened already,
     /// where bounds hold.
     #[serde(flatten)]
@@ -87,7 +87,7 @@ pub fn fit_switching(
     split: &DirectionModel,
     options: &FlightModelOptions,
 ) -> Result<SwitchingModel, Error> {
-    let fitter = Fitter::new(record, model)?;
+    let fitter = PairFitter::new(record, model)?;
     let guesses = [
         Guess::of_curve(&split.up.value, fitter.timing),
         Guess::of_curve(&split.down.value, fitter.timing),
@@ -119,7 +119,7 @@ fn to_parameters(transfers: &[LowOrder; 2]) -> Vec<f64> {
     let gain = f64::midpoint(transfers[0].gain, transfers[1].gain);
     let sides = transfers
         .iter()
-        .flat_map(|transfer| super::to_parameters(transfer).split_off(1));
+        .flat_map(|transfer| transfer.parameters().split_off(1));
     std::iter::once(gain).chain(sides).collect()
 }
 
@@ -128,28 +128,24 @@ fn from_parameters(order: usize, x: &[f64]) -> [LowOrder; 2] {
     [0, 1].map(|side| {
         let own = &x[1 + side * each..1 + (side + 1) * each];
         let with_gain: Vec<f64> = std::iter::once(x[0]).chain(own.iter().copied()).collect();
-        super::from_parameters(order, &with_gain)
+        LowOrder::from_parameters(order, &with_gain)
     })
 }
 
-struct Fitter {
+struct PairFitter {
     timing: Timing,
+    /// Length of the responses to u and to |du|.
     length: usize,
-    /// Whitened estimate, and whitened map from responses.
-    estimate: Vec<f64>,
-    map: Mat<f64>,
-    /// Estimate of g_up and g_down, and the map from responses to what the estimator would find.
-    curves: Vec<f64>,
-    curves_map: Mat<f64>,
+    /// Of both banks at once. Its step response is g_up followed by g_down.
+    projection: Projection,
 }
 
-impl Fitter {
+impl PairFitter {
     fn new(record: &Record, model: &Model) -> Result<Self, Error> {
         let basis = model.basis()?;
         let settling = basis.settling();
         let length = LENGTH * settling;
-        let odd = settling - usize::from(settling.is_multiple_of(2));
-        let second = FsfBasis::new(settling, FREQUENCIES.min(odd))?;
+        let second = changes_bank(settling)?;
         let coordinates = Coordinates::new(basis);
         let moments = TwoInputMoments::of_record(&with_history(record, settling)?, length);
         let fit = two_inputs::fit(&moments, &coordinates, &second, NoiseOrder::Auto)
@@ -159,7 +155,6 @@ impl Fitter {
         let (n, n2) = (coordinates.len(), second.frequencies());
         let p = n + n2;
         let covariance = fit.covariance.as_ref().submatrix(0, 0, p, p).to_owned();
-        let whitening = whitening(&covariance).ok_or(Error::NoResponse)?;
         let projection = projection
             .as_ref()
             .submatrix(0, 0, p, 2 * length)
@@ -173,16 +168,13 @@ impl Fitter {
                 sign * impulse[(m, k - n)]
             }
         });
+        let parameters = &fit.parameters[..p];
+        let curves = (times(&to_curves, parameters), to_curves);
         Ok(Self {
-            timing: Timing {
-                sample_period_s: record.sample_period_s(),
-                sample_phase_s: record.sample_phase_s(),
-            },
+            timing: record.timing(),
             length,
-            estimate: times(&whitening, &fit.parameters[..p]),
-            map: whitening * &projection,
-            curves: times(&to_curves, &fit.parameters[..p]),
-            curves_map: to_curves * projection,
+            projection: Projection::new(parameters, &covariance, &projection, curves)
+                .ok_or(Error::NoResponse)?,
         })
     }
 
@@ -200,52 +192,41 @@ impl Fitter {
         mean.chain(split).collect()
     }
 
-    fn best(&self, order: usize, starts: &[[LowOrder; 2]]) -> Option<Fit> {
-        let residuals = |x: &[f64]| -> Vec<f64> {
-            let projected = times(&self.map, &self.responses(&from_parameters(order, x)));
-            self.estimate
-                .iter()
-                .zip(projected)
-                .map(|(a, b)| a - b)
-                .collect()
+    fn best(&self, order: usize, starts: &[[LowOrder; 2]]) -> Option<FittedPair> {
+        let residuals = |x: &[f64]| {
+            self.projection
+                .residuals(&self.responses(&from_parameters(order, x)))
         };
-        let minimum = starts
-            .iter()
-            .filter_map(|start| {
-                let x = to_parameters(start);
-                let mut increments = vec![1e-4; x.len()];
-                increments[0] = 1e-4 * x[0].abs();
-                for delay in [1, 1 + (x.len() - 1) / 2] {
-                    increments[delay] = 1e-2 * self.timing.sample_period_s;
-                }
-                minimise(&residuals, &x, &increments)
-            })
-            .min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares))?;
+        let starts = starts.iter().map(|start| {
+            let x = to_parameters(start);
+            let mut increments = vec![1e-4; x.len()];
+            increments[0] = 1e-4 * x[0].abs();
+            for delay in [1, 1 + (x.len() - 1) / 2] {
+                increments[delay] = 1e-2 * self.timing.sample_period_s;
+            }
+            (x, increments)
+        });
+        let minimum = best_minimum(&residuals, starts)?;
         let transfers = from_parameters(order, &minimum.parameters);
-        let projected = times(&self.curves_map, &self.responses(&transfers));
-        let error = self
-            .curves
-            .iter()
-            .zip(projected)
-            .map(|(a, b)| (a - b).abs() / transfers[0].gain.abs())
-            .fold(0.0, f64::max);
-        Some(Fit {
+        let responses = self.responses(&transfers);
+        let error = self.projection.largest_difference(&responses) / transfers[0].gain.abs();
+        Some(FittedPair {
             order,
             transfers,
-            tried: OrderTried::new(order, &minimum, self.estimate.len(), error)?,
+            tried: OrderTried::new(order, &minimum, self.projection.rank(), error)?,
             minimum,
         })
     }
 }
 
-struct Fit {
+struct FittedPair {
     order: usize,
     transfers: [LowOrder; 2],
     minimum: Minimum,
     tried: OrderTried,
 }
 
-impl Fit {
+impl FittedPair {
     fn report(
         &self,
         record: &Record,
@@ -253,39 +234,28 @@ impl Fit {
         tried: Vec<OrderTried>,
         hold_period_s: Option<f64>,
     ) -> SwitchingModel {
-        let approximation = self.tried.p < REJECT;
-        let ratio = self.tried.chi_square / self.tried.degrees_of_freedom as f64;
-        let inflation = if approximation { ratio.max(1.0) } else { 1.0 };
-        let covariance = faer::Scale(inflation) * &self.minimum.covariance;
-        let known = Parameters {
-            values: &self.minimum.parameters,
-            covariance: &covariance,
-            level: split.level,
-        };
-        let each = (known.values.len() - 1) / 2;
+        let estimates = Estimates::new(&self.minimum, &self.tried, split.level);
+        let each = (self.minimum.parameters.len() - 1) / 2;
         let stroke = |side: usize| {
             let first = 1 + side * each;
-            Stroke {
+            StrokeDynamics {
                 transfer: self.transfers[side],
-                delay_s: known.plain(first),
-                omega_rad_s: known.exponential(first + 1),
-                damping: known.exponential(first + 2),
-                lag_s: (self.order == 3).then(|| known.exponential(first + 3)),
+                delay_s: estimates.interval(first),
+                omega_rad_s: estimates.exponential(first + 1),
+                damping: estimates.exponential(first + 2),
+                lag_s: (self.order == 3).then(|| estimates.exponential(first + 3)),
             }
         };
         SwitchingModel {
-            gain: known.plain(0),
+            gain: estimates.interval(0),
             offset: split.level_at(0.0),
             up: stroke(0),
             down: stroke(1),
-            bounds: split.level.map(|level| ParameterBounds {
-                level,
-                covariance: to_rows(&covariance),
-            }),
+            bounds: estimates.bounds(),
             tried,
             order: self.order,
-            approximation,
-            inflation,
+            approximation: self.tried.is_rejected(),
+            inflation: estimates.inflation,
             largest_error_percent: self.tried.largest_error_percent,
             stroke_sizes: stroke_sizes(record),
             hold_period_s,

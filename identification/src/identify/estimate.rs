@@ -5,7 +5,7 @@ use crate::data::moments::Moments;
 use crate::data::record::Record;
 use crate::error::Error;
 use crate::estimation::gls::{self, GlsFit, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, Information};
+use crate::estimation::least_squares::{Coordinates, RowInformation};
 use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::qr::triangular_factor;
 use crate::estimation::truncation::FIRST_ORDER;
@@ -27,7 +27,7 @@ const REST: f64 = 1e-3;
 /// A fit and what it was made from.
 pub(super) struct Estimate {
     pub(super) coordinates: Coordinates,
-    pub(super) information: Information,
+    pub(super) information: RowInformation,
     pub(super) fit: GlsFit,
 }
 
@@ -45,7 +45,7 @@ impl Estimate {
             tolerance: REST / (moments.rows() as f64).sqrt(),
             ..GlsOptions::default()
         };
-        let information = Information::from_moments(moments.clone());
+        let information = RowInformation::from_moments(moments.clone());
         let fast = gls::fit(&information, &coordinates, &options)
             .filter(|fit| record.is_none() || relative_error(&information, fit) <= ACCURACY);
         if let Some(fit) = fast {
@@ -58,7 +58,7 @@ impl Estimate {
         let Some(record) = record else {
             return Err(not_excited(plan, moments));
         };
-        let information = Information::from_factor(moments, triangular_factor(record, moments));
+        let information = RowInformation::from_factor(moments, triangular_factor(record, moments));
         let options = GlsOptions {
             start: Vec::new(),
             ..options
@@ -90,7 +90,7 @@ fn not_excited(plan: &Plan, moments: &Moments) -> Error {
 /// Estimated relative error of a fit through moments: rounding times the condition number for the
 /// response, and times the ratio of signal to noise for the noise, whose moments are differences
 /// of much larger ones. The factors are the largest seen against QR.
-fn relative_error(information: &Information, fit: &GlsFit) -> f64 {
+fn relative_error(information: &RowInformation, fit: &GlsFit) -> f64 {
     let response = ROUNDING * fit.solution.condition;
     let noise = 10.0 * f64::EPSILON * information.moments.output_spread() / fit.solution.rss;
     if noise.is_nan() {

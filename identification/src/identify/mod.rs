@@ -26,7 +26,7 @@ use crate::estimation::excitation::Excitation;
 use crate::estimation::gls::MAX_AUTO_ORDER;
 use crate::estimation::noise_model::Noise;
 use crate::estimation::truncation::Truncation;
-use crate::estimation::variance::{self, CurveVariance};
+use crate::estimation::variance::CurveVariance;
 use crate::numerics::linear_algebra::times;
 use crate::numerics::matrix_rows::to_rows;
 use crate::options::{Frequencies, NoiseOrder, Options};
@@ -358,8 +358,8 @@ impl Responses {
         let omegas = frequency_response::grid(coordinates);
         let map = frequency_map(coordinates, &omegas);
         Self {
-            step: variance::spread(information, fit, &coordinates.step_map()),
-            frequency: variance::spread(information, fit, &map),
+            step: CurveVariance::of_fit(information, fit, &coordinates.step_map()),
+            frequency: CurveVariance::of_fit(information, fit, &map),
             frequency_values: times(&map, fit.solution.response()),
             omegas,
         }

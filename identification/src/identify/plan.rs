@@ -4,7 +4,7 @@ use crate::data::moments::Moments;
 use crate::error::Error;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, Information};
+use crate::estimation::least_squares::{Coordinates, RowInformation};
 use crate::estimation::nested_banks::{BankCandidate, NestedBanks};
 use crate::estimation::truncation::{FIRST_ORDER, SECOND_ORDER};
 use crate::options::{Frequencies, NoiseOrder, Options};
@@ -59,7 +59,7 @@ impl Plan {
         let start = match options.frequencies {
             Frequencies::Count(_) => Vec::new(),
             _ => {
-                let information = Information::from_moments(moments.clone());
+                let information = RowInformation::from_moments(moments.clone());
                 let rough = GlsOptions {
                     order: options.noise_order,
                     tolerance: 1e-2,

@@ -11,7 +11,7 @@ use crate::diagnostics::standstill_noise;
 use crate::error::Error;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::Information;
+use crate::estimation::least_squares::RowInformation;
 use crate::options::{Frequencies, NoiseOrder, Options};
 use crate::selection::settling_time;
 
@@ -209,7 +209,11 @@ impl Pipeline<'_> {
             ..GlsOptions::default()
         };
         let coordinates = &adopted.coordinates;
-        let other = gls::fit(&Information::from_moments(moments), coordinates, &options);
+        let other = gls::fit(
+            &RowInformation::from_moments(moments),
+            coordinates,
+            &options,
+        );
         ModelErrors {
             least_squares_percent: before.least_squares_percent,
             generalised_percent: before.generalised_percent,

@@ -1,4 +1,4 @@
-//! What a linear model cannot show.
+//! Properties that no linear model has: direction dependence, limits and hysteresis.
 
 pub mod direction;
 pub mod limits;

@@ -1,4 +1,4 @@
-//! Polynomials through Chebyshev's points, for functions that are smooth and dear.
+//! Interpolation at Chebyshev's points, for smooth functions that are expensive to evaluate.
 //!
 //! The points of the first kind x_k = cos((2k+1)π/2n), stretched to an interval, and the barycentric
 //! form of the interpolant (Berrut & Trefethen, SIAM Review 2004, eqs (4.2) and (5.3)), which costs a division for
@@ -10,10 +10,10 @@
 
 use std::f64::consts::PI;
 
-/// N nodes of an interval.
+/// N interpolation nodes on an interval.
 pub(crate) struct Chebyshev<const N: usize> {
     nodes: [f64; N],
-    weights: [f64; N],
+    barycentric: [f64; N],
 }
 
 impl<const N: usize> Chebyshev<N> {
@@ -23,24 +23,25 @@ impl<const N: usize> Chebyshev<N> {
         let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         Self {
             nodes: std::array::from_fn(|k| low + (high - low) / 2.0 * (1.0 - angle(k).cos())),
-            weights: std::array::from_fn(|k| sign(k) * angle(k).sin()),
+            barycentric: std::array::from_fn(|k| sign(k) * angle(k).sin()),
         }
     }
 
-    /// Where the function has to be known, in ascending order.
+    /// The nodes, ascending.
     pub(crate) fn nodes(&self) -> &[f64; N] {
         &self.nodes
     }
 
-    /// What each node's value counts for at `x`.
-    pub(crate) fn shares(&self, x: f64) -> [f64; N] {
+    /// The interpolant at `x` is the sum of the function's values at the nodes, with these weights.
+    pub(crate) fn weights_at(&self, x: f64) -> [f64; N] {
         if let Some(hit) = self.nodes.iter().position(|node| *node == x) {
             return std::array::from_fn(|k| f64::from(u8::from(k == hit)));
         }
-        let mut shares: [f64; N] = std::array::from_fn(|k| self.weights[k] / (x - self.nodes[k]));
-        let scale = 1.0 / shares.iter().sum::<f64>();
-        shares.iter_mut().for_each(|share| *share *= scale);
-        shares
+        let mut weights: [f64; N] =
+            std::array::from_fn(|k| self.barycentric[k] / (x - self.nodes[k]));
+        let scale = 1.0 / weights.iter().sum::<f64>();
+        weights.iter_mut().for_each(|weight| *weight *= scale);
+        weights
     }
 }
 
@@ -50,22 +51,22 @@ mod tests {
     use approx::assert_abs_diff_eq;
 
     #[test]
-    fn polynomials_of_the_order_are_met_everywhere() {
+    fn polynomials_below_the_number_of_nodes_are_reproduced() {
         let chebyshev = Chebyshev::<6>::new(-0.3, 2.0);
         let f = |x: f64| 1.0 - x + 0.2 * x.powi(3) - 0.1 * x.powi(5);
         for k in 0..=100 {
             let x = -0.3 + 2.3 * f64::from(k) / 100.0;
-            let shares = chebyshev.shares(x);
-            let found: f64 = shares
+            let weights = chebyshev.weights_at(x);
+            let found: f64 = weights
                 .iter()
                 .zip(chebyshev.nodes())
-                .map(|(s, x)| s * f(*x))
+                .map(|(w, x)| w * f(*x))
                 .sum();
             // Values of order one.
             assert_abs_diff_eq!(found, f(x), epsilon = 1e-13);
         }
         for (k, node) in chebyshev.nodes().iter().enumerate() {
-            assert_eq!(chebyshev.shares(*node)[k], 1.0);
+            assert_eq!(chebyshev.weights_at(*node)[k], 1.0);
         }
     }
 }

@@ -1,12 +1,12 @@
-//! Passing a record through a finite impulse response.
+//! Causal filtering with a finite impulse response.
 
 use crate::numerics::fft;
 
 /// Below this many products the direct sum is faster than setting up transforms.
 const DIRECT_PRODUCTS: usize = 1 << 16;
 
-/// y(k) = sum_i h_i u(k-i), NaN where one of the inputs is missing. Inputs before the first are
-/// `at_rest`, or missing.
+/// y(k) = sum_i h_i u(k-i), NaN where one of the inputs is missing. Inputs before the first equal
+/// `at_rest`, or are missing.
 #[must_use]
 pub fn causal_filter(impulse: &[f64], input: &[f64], at_rest: Option<f64>) -> Vec<f64> {
     let lags = impulse.len();
@@ -41,8 +41,8 @@ pub fn causal_filter(impulse: &[f64], input: &[f64], at_rest: Option<f64>) -> Ve
     output
 }
 
-/// The fully overlapped part of the convolution of `padded` with `impulse`, by blocks of
-/// transforms of which the wrapped-around beginning is thrown away.
+/// The fully overlapped part of the convolution of `padded` with `impulse`, by the overlap-save
+/// method.
 fn overlap_save(impulse: &[f64], padded: &[f64]) -> Vec<f64> {
     let history = impulse.len() - 1;
     let size = (8 * impulse.len()).next_power_of_two().max(1024);
@@ -66,7 +66,7 @@ fn overlap_save(impulse: &[f64], padded: &[f64]) -> Vec<f64> {
         for (value, factor) in spectrum.iter_mut().zip(&response) {
             *value = *value * *factor / size as f64;
         }
-        // Products of spectra of real signals: imaginary parts at 0 and Nyquist are zero.
+        // The imaginary parts at zero and at the Nyquist frequency vanish, as the inverse requires.
         inverse
             .process(&mut spectrum, &mut block)
             .expect("buffers come from the plan");
@@ -81,7 +81,7 @@ mod tests {
     use approx::assert_abs_diff_eq;
 
     #[test]
-    fn transforms_give_what_the_sum_gives() {
+    fn transforms_agree_with_the_direct_sum() {
         let impulse: Vec<f64> = (0..100).map(|i| (f64::from(i) * 0.37).cos()).collect();
         let input: Vec<f64> = (0..5000).map(|k| f64::from(k * k % 23) - 11.0).collect();
         let fast = causal_filter(&impulse, &input, Some(2.0));
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_input_silences_as_many_outputs_as_there_are_lags() {
+    fn a_missing_input_removes_as_many_outputs_as_there_are_lags() {
         let mut input = vec![1.0; 10];
         input[4] = f64::NAN;
         let output = causal_filter(&[0.5, 0.25, 0.25], &input, None);

@@ -1,6 +1,6 @@
-//! Critical values: how many standard deviations make a band.
+//! Critical values: the half width of a bound in standard deviations.
 
-use statrs::distribution::{Continuous, ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF, StudentsT};
 use statrs::function::erf::{erfc, erfc_inv};
 
 use crate::numerics::chebyshev::Chebyshev;
@@ -29,21 +29,26 @@ pub fn normal_upper_quantile(tail: f64) -> f64 {
     std::f64::consts::SQRT_2 * erfc_inv(2.0 * tail)
 }
 
+/// P(χ² > `statistic`); 1 without degrees of freedom.
+pub(crate) fn chi_square_upper_tail(statistic: f64, degrees: usize) -> f64 {
+    ChiSquared::new(degrees as f64).map_or(1.0, |chi| chi.sf(statistic).clamp(0.0, 1.0))
+}
+
 /// Two-sided critical value of one normal quantity: 2.5758 for 0.99.
 #[must_use]
 pub fn pointwise_critical(level: f64) -> f64 {
     normal_upper_quantile((1.0 - level) / 2.0)
 }
 
-/// c such that a Gaussian curve stays within c standard deviations at all its points at once with
-/// probability of at least `level`, from the correlations of neighbouring points (Hunter 1976;
-/// Worsley 1982):
+/// Simultaneous critical value: with a probability of at least `level`, a Gaussian curve stays within c
+/// standard deviations at all points at once. It follows from the correlations of neighbouring points
+/// (Hunter 1976; Worsley 1982):
 ///
 /// ```text
 /// P(max|Z| > c) <= 2 Φ(-c) + sum_m P(|Z_{m+1}| > c, |Z_m| <= c)
 /// ```
 ///
-/// No sampling and no seed; 0-9 % above the exact value, and never above Bonferroni's.
+/// It needs no random draws, lies 0-9 % above the exact value, and never exceeds Bonferroni's.
 #[must_use]
 pub fn simultaneous_critical(neighbour_correlation: &[f64], level: f64) -> f64 {
     let target = (1.0 - level).ln();
@@ -66,10 +71,10 @@ pub fn simultaneous_critical(neighbour_correlation: &[f64], level: f64) -> f64 {
     newer
 }
 
-/// The pairs of neighbours, as few angles with weights: as a function of the angle between
-/// neighbours the probability of a pair is smooth, so many pairs are interpolated from a few.
+/// The pairs of neighbours, as a few angles with weights. The probability of a pair is a smooth function
+/// of the angle acos(r), so that many pairs are interpolated from a few.
 struct Pairs {
-    /// Correlation and number of pairs it stands for.
+    /// Correlation, and the number of pairs that it represents.
     weighted: Vec<(f64, f64)>,
 }
 
@@ -89,8 +94,8 @@ impl Pairs {
         let nodes = Chebyshev::<PAIR_NODES>::new(low, high);
         let mut weights = [0.0; PAIR_NODES];
         for angle in &angles {
-            for (weight, share) in weights.iter_mut().zip(nodes.shares(*angle)) {
-                *weight += share;
+            for (sum, weight) in weights.iter_mut().zip(nodes.weights_at(*angle)) {
+                *sum += weight;
             }
         }
         let correlations = nodes.nodes().iter().map(|angle| angle.cos());
@@ -111,11 +116,11 @@ impl Pairs {
     }
 }
 
-/// Angles at which pairs are computed when there are many.
+/// Angles at which many pairs are evaluated.
 const PAIR_NODES: usize = 16;
 
-/// Points x > c and weights that include the normal density. They crowd towards c, where the
-/// integrand of closely related neighbours lives; nothing is left beyond c + 4.
+/// Points x > c and weights that include the normal density. The points are densest near c, where the
+/// integrand of strongly correlated neighbours is large. Beyond c + 4 it is negligible.
 fn tail_nodes(c: f64) -> Vec<(f64, f64)> {
     const WIDTH: f64 = 4.0;
     GAUSS_LEGENDRE_16
@@ -136,7 +141,7 @@ fn pair_exceedance(tail: &[(f64, f64)], c: f64, r: f64) -> f64 {
     tail.iter()
         .map(|&(x, weight)| {
             let below = (-c - r * x) / q;
-            // Φ(-8.3) is below the rounding of what it is taken from.
+            // Φ(-8.3) is below the rounding of the minuend.
             let below = if below < -8.3 { 0.0 } else { normal_cdf(below) };
             weight * (normal_cdf((c - r * x) / q) - below)
         })
@@ -161,15 +166,18 @@ pub fn student_critical(normal: f64, degrees_of_freedom: &[f64]) -> Vec<f64> {
             .map(|&degrees| exact(degrees))
             .collect();
     }
-    // The quantile is a smooth function of 1/ν (Cornish and Fisher's expansion): a polynomial
-    // through a few points serves all.
+    // The quantile is a smooth function of 1/ν (Cornish and Fisher's expansion): interpolation.
     let nodes = Chebyshev::<NODES>::new(0.0, 1.0 / smallest);
     let values = nodes.nodes().map(|inverse| exact(1.0 / inverse));
     degrees_of_freedom
         .iter()
         .map(|degrees| {
-            let shares = nodes.shares(1.0 / degrees);
-            shares.iter().zip(&values).map(|(s, value)| s * value).sum()
+            let weights = nodes.weights_at(1.0 / degrees);
+            weights
+                .iter()
+                .zip(&values)
+                .map(|(w, value)| w * value)
+                .sum()
         })
         .collect()
 }
@@ -195,14 +203,14 @@ fn student_quantile(x: f64, degrees: f64) -> f64 {
         .iter()
         .rev()
         .fold(0.0, |sum, term| (sum + term) / degrees);
-    // Beyond this its first omitted term is below 1e-8 up to five standard deviations.
+    // Above 200 the first omitted term is below 1e-8 up to five standard deviations.
     if degrees > 200.0 {
         return start;
     }
     let Ok(student) = StudentsT::new(0.0, 1.0, degrees) else {
         return start;
     };
-    // Newton's rule on the logarithm of the tail over that of t: nearly straight for heavy tails.
+    // Newton's method on ln(tail) over ln(t), which is nearly a straight line for heavy tails.
     let target = normal_cdf(-x).ln();
     let mut t = start;
     for _ in 0..50 {

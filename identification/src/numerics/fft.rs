@@ -1,4 +1,5 @@
-//! Plans of fast Fourier transforms, each made once per thread: planning costs more than a transform.
+//! Plans of fast Fourier transforms. Each is made once per thread, because planning costs more than a
+//! transform.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -14,7 +15,7 @@ pub(crate) fn forward(size: usize) -> Arc<dyn RealToComplex<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(size))
 }
 
-/// The transform back to `size` real values.
+/// The inverse transform to `size` real values.
 pub(crate) fn inverse(size: usize) -> Arc<dyn ComplexToReal<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(size))
 }

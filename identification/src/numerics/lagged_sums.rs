@@ -1,8 +1,8 @@
-//! Sums of lagged products, sum_k x(k) u(k-a), of several sequences x with one u, for many lags a at once.
+//! Sums of lagged products, sum_k x(k) u(k-a), of several sequences x with one u, for many lags a.
 //!
 //! Blocks of rows go through a fast Fourier transform and are added up as spectra; a single inverse
-//! transform at the end gives every lag. That makes the cost per sample grow with log L, not with L.
-//! Short stretches are summed directly.
+//! transform at the end gives every lag. The cost per sample grows with log L instead of L. Short
+//! stretches are summed directly.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use realfft::num_complex::Complex;
 
 use crate::numerics::fft;
 
-/// Stretches of fewer rows than this are summed directly: their transforms cost more.
+/// Stretches of fewer rows are summed directly: their transforms would cost more.
 const DIRECT_ROWS: usize = 64;
 
 /// Accumulates sum_k x(k) u(k-a) for a = 0..lags-1 and each sequence x.
@@ -34,7 +34,7 @@ struct Spectra {
 }
 
 impl LaggedSums {
-    /// Nothing summed yet, for so many sequences x.
+    /// Empty sums.
     pub(crate) fn new(lags: usize, sequences: usize) -> Self {
         Self {
             lags,
@@ -43,12 +43,12 @@ impl LaggedSums {
         }
     }
 
-    /// Points of a transform: at least four times the lags, so that most of a block is new rows.
+    /// Points of a transform: at least four times the lags, so that most of each block are new rows.
     fn size(&self) -> usize {
         (4 * self.lags).next_power_of_two().max(2048)
     }
 
-    /// Rows that go through one transform.
+    /// Rows of one transform.
     pub(crate) fn block_rows(&self) -> usize {
         self.size() - self.lags + 1
     }

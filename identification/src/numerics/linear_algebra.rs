@@ -1,4 +1,4 @@
-//! The few factorisations that the estimators share, on top of `faer`.
+//! Factorisations and products that the estimators share, on top of `faer`.
 
 use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{
@@ -13,7 +13,7 @@ pub(crate) fn cholesky(matrix: &Mat<f64>) -> Option<Mat<f64>> {
     }
     let factor = matrix.llt(Side::Lower).ok()?;
     let lower = factor.L().to_owned();
-    // Rounding can let a singular matrix through with a meaningless last pivot.
+    // Rounding can give a singular matrix a meaningless last pivot.
     (0..lower.nrows())
         .all(|i| lower[(i, i)].is_finite() && lower[(i, i)] > 0.0)
         .then_some(lower)
@@ -58,4 +58,14 @@ pub(crate) fn condition(matrix: &Mat<f64>, inverse: &Mat<f64>) -> f64 {
             .fold(0.0, f64::max)
     };
     norm(matrix) * norm(inverse)
+}
+
+/// Adds `sign` times the outer product of `rows` and `columns` to `matrix`.
+pub(crate) fn add_outer_product(matrix: &mut Mat<f64>, rows: &[f64], columns: &[f64], sign: f64) {
+    for (b, column) in columns.iter().enumerate() {
+        let scale = sign * column;
+        for (entry, row) in matrix.col_as_slice_mut(b).iter_mut().zip(rows) {
+            *entry += scale * row;
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! Matrices as rows of numbers in serialised documents.
+//! Serialisation of matrices as rows of numbers.
 
 use faer::Mat;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};

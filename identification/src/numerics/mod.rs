@@ -1,4 +1,4 @@
-//! Mathematics that knows nothing of servos.
+//! Mathematics that is independent of servos.
 
 pub mod chebyshev;
 pub mod convolution;
@@ -7,3 +7,4 @@ pub mod fft;
 pub mod lagged_sums;
 pub mod linear_algebra;
 pub mod matrix_rows;
+pub mod vectors;

@@ -1,8 +1,8 @@
-//! What the tests of the residuals found, as plain data.
+//! The p-values of the residual tests, as plain data.
 
 use serde::{Deserialize, Serialize};
 
-/// p-values of the tests; `None` where the data at hand do not allow the test.
+/// p-values of the tests; `None` where the data do not allow the test.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Residuals {
     /// Probability of autocorrelations at least as large if the one-step errors are white.
@@ -13,16 +13,16 @@ pub struct Residuals {
     /// (see [`crate::diagnostics::linearity`]).
     #[serde(default)]
     pub linearity_p: Option<f64>,
-    /// Part of the motion that these functions explain and no linear model does \[% rms\]. Without a
-    /// small p it is noise.
+    /// Part of the motion that these functions explain beyond any linear model \[% rms\]. Without a small p
+    /// it is noise.
     #[serde(default)]
     pub beyond_linear_percent: Option<f64>,
-    /// Probability of errors in motion at least as large if they are the noise that there is at rest
-    /// (see [`crate::diagnostics::standstill_noise`]); `None` where no rest was recorded.
+    /// Probability of errors in motion at least as large if they are the noise at standstill (see
+    /// [`crate::diagnostics::standstill_noise`]); `None` without a recording at rest.
     #[serde(default)]
     pub rest_p: Option<f64>,
-    /// Part of the motion that the simulation leaves and the noise at rest does not explain
-    /// \[% rms\]. Without a small p it is noise.
+    /// Part of the motion that neither the simulation nor the noise at standstill explains \[% rms\].
+    /// Without a small p it is noise.
     #[serde(default)]
     pub beyond_rest_percent: Option<f64>,
 }

@@ -4,9 +4,10 @@ use faer::Mat;
 
 use super::settling_time::{DETECTION, SettlingCandidate, next_noise, noise_change};
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::{FsfBasis, dot};
+use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::{Coordinates, NormalEquations};
 use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
+use crate::numerics::vectors::dot;
 use crate::options::NoiseOrder;
 
 /// Averages are taken over this part of the settling time.

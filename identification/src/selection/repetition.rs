@@ -10,8 +10,9 @@
 //! repeats itself, it falls to nothing at once.
 
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::{FsfBasis, dot};
+use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::{Coordinates, NormalEquations};
+use crate::numerics::vectors::dot;
 
 /// A lag counts as told already when it brings this share of what the lags before it brought (median).
 /// Exact repetition leaves rounding, 1e-12 or so; one edge in a record of 10^6 samples that is not where

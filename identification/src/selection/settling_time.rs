@@ -21,7 +21,7 @@ use crate::data::record::Record;
 use crate::error::Error;
 use crate::estimation::excitation::Excitation;
 use crate::estimation::gls::MAX_AUTO_ORDER;
-use crate::estimation::least_squares::Information;
+use crate::estimation::least_squares::RowInformation;
 use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::noise_model::{NoiseFit, best_order};
 use crate::estimation::truncation::FIRST_ORDER;
@@ -279,7 +279,7 @@ pub(crate) fn next_noise(
     order: NoiseOrder,
     first: bool,
 ) -> Vec<f64> {
-    let information = Information::from_moments(moments.clone());
+    let information = RowInformation::from_moments(moments.clone());
     let max = match order {
         NoiseOrder::Auto => MAX_AUTO_ORDER,
         NoiseOrder::Order(order) => order,

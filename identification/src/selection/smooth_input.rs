@@ -8,10 +8,10 @@ use crate::data::moments::Moments;
 use crate::error::Error;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, Information};
+use crate::estimation::least_squares::{Coordinates, RowInformation};
 use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::truncation::FIRST_ORDER;
-use crate::estimation::variance;
+use crate::estimation::variance::CurveVariance;
 use crate::options::NoiseOrder;
 use crate::selection::settling_time::{
     Choice, DETECTION, MARGIN, SettlingCandidate, chosen, grid, next_noise, noise_change,
@@ -42,7 +42,7 @@ pub(crate) fn choose(
         excited: 1,
         highest_hz: 0.0,
     };
-    let information = Information::from_moments(moments.clone());
+    let information = RowInformation::from_moments(moments.clone());
     let mut ar = Vec::new();
     for pass in 0..PASSES {
         let banks =
@@ -100,7 +100,7 @@ pub(crate) fn choose(
     Ok(choice)
 }
 
-fn scan(information: &Information, settling: usize, ar: &[f64]) -> Option<Scan> {
+fn scan(information: &RowInformation, settling: usize, ar: &[f64]) -> Option<Scan> {
     let banks = NestedBanks::scan(&information.moments, settling, ar, FIRST_ORDER)?;
     let best = banks.narrowest();
     let coordinates = Coordinates::new(FsfBasis::new(settling, best.frequencies).ok()?);
@@ -112,7 +112,7 @@ fn scan(information: &Information, settling: usize, ar: &[f64]) -> Option<Scan> 
         ..GlsOptions::default()
     };
     let fit = gls::fit(information, &coordinates, &options)?;
-    let spread = variance::spread(information, &fit, &coordinates.step_map());
+    let spread = CurveVariance::of_fit(information, &fit, &coordinates.step_map());
     Some(Scan {
         frequencies: best.frequencies,
         value: coordinates.basis.step_response(&fit.theta()),

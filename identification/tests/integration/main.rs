@@ -4,6 +4,7 @@
 mod coarse_sampling;
 mod comparison;
 mod coverage;
+mod direct;
 mod direction;
 mod flight_model;
 mod limits;

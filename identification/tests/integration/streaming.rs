@@ -3,7 +3,7 @@
 use approx::assert_relative_eq;
 use servoid_identification::fsf_basis::FsfBasis;
 use servoid_identification::gls::{self, GlsOptions};
-use servoid_identification::least_squares::{Coordinates, Information};
+use servoid_identification::least_squares::{Coordinates, RowInformation};
 use servoid_identification::moments::{MomentStream, Moments};
 use servoid_identification::qr::triangular_factor;
 use servoid_identification::{
@@ -97,9 +97,14 @@ fn a_million_samples_lose_no_accuracy() {
         ..GlsOptions::default()
     };
     let coordinates = Coordinates::new(FsfBasis::new(31, 15).unwrap());
-    let slow = Information::from_factor(&moments, factor);
+    let slow = RowInformation::from_factor(&moments, factor);
     let slow = gls::fit(&slow, &coordinates, &options).unwrap();
-    let fast = gls::fit(&Information::from_moments(moments), &coordinates, &options).unwrap();
+    let fast = gls::fit(
+        &RowInformation::from_moments(moments),
+        &coordinates,
+        &options,
+    )
+    .unwrap();
     for (a, b) in fast.theta().iter().zip(slow.theta()) {
         assert_relative_eq!(*a, b, epsilon = 1e-8);
     }

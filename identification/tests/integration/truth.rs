@@ -1,12 +1,12 @@
 //! The chain of truth: each fast or clever result against a slow and obvious one.
 
+use crate::direct;
 use approx::assert_relative_eq;
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsqCore;
-use servoid_identification::direct;
-use servoid_identification::fsf_basis::{FsfBasis, running_sum};
+use servoid_identification::fsf_basis::FsfBasis;
 use servoid_identification::gls::{self, GlsOptions};
-use servoid_identification::least_squares::{Coordinates, Information, Path};
+use servoid_identification::least_squares::{Coordinates, RowInformation, Solver};
 use servoid_identification::moments::Moments;
 use servoid_identification::{
     Error, Frequencies, NoiseOrder, Options, Record, Run, Settling, identify, identify_explained,
@@ -53,10 +53,13 @@ fn a_complete_bank_is_finite_impulse_response_least_squares() {
     for settling in [41, 101] {
         let model = identify(&record, &fixed(settling, settling, 0)).unwrap();
         let (impulse, offset) = fir(run.input(), run.output(), settling);
-        let step = running_sum(&impulse);
-        for (mine, theirs) in model.step.value.iter().zip(&step) {
+        let step = impulse.iter().scan(0.0, |sum, h| {
+            *sum += h;
+            Some(*sum)
+        });
+        for (mine, theirs) in model.step.value.iter().zip(step) {
             // Both solve the same problem of condition about 1e4.
-            assert_relative_eq!(mine, theirs, epsilon = 1e-9);
+            assert_relative_eq!(*mine, theirs, epsilon = 1e-9);
         }
         assert_relative_eq!(model.offset, offset, epsilon = 1e-9);
     }
@@ -74,8 +77,11 @@ fn generalised_least_squares_by_moments_is_that_by_explicit_rows() {
         for (settling, frequencies) in [(100, 31), (61, 61), (150, 99)] {
             let basis = FsfBasis::new(settling, frequencies).unwrap();
             let slow = direct::fit(&record, basis, order, 40);
-            let information =
-                Information::from_moments(Moments::of_record(&record, settling + order, order + 1));
+            let information = RowInformation::from_moments(Moments::of_record(
+                &record,
+                settling + order,
+                order + 1,
+            ));
             let options = GlsOptions {
                 order: NoiseOrder::Order(order),
                 corrected: false,
@@ -120,7 +126,7 @@ fn gaps_runs_and_rest_are_the_same_rows_on_both_ways() {
     let record = Record::new(PERIOD, vec![first, second.unwrap()]).unwrap();
     let basis = FsfBasis::new(120, 41).unwrap();
     let slow = direct::fit(&record, basis, 1, 30);
-    let information = Information::from_moments(Moments::of_record(&record, 121, 2));
+    let information = RowInformation::from_moments(Moments::of_record(&record, 121, 2));
     let options = GlsOptions {
         order: NoiseOrder::Order(1),
         corrected: false,
@@ -146,12 +152,12 @@ fn counts_of_a_converter_far_from_zero_cost_no_accuracy() {
         .collect();
     let record = Record::from_slices(PERIOD, &input, &output).unwrap();
     let fast = identify_explained(&record, &fixed(100, 31, 2)).unwrap();
-    assert_eq!(fast.explanation.path, Path::Moments);
+    assert_eq!(fast.explanation.path, Solver::Moments);
     let factor = servoid_identification::qr::triangular_factor(
         &record,
         &Moments::of_record(&record, 102, 3),
     );
-    let accurate = Information::from_factor(&Moments::of_record(&record, 102, 3), factor);
+    let accurate = RowInformation::from_factor(&Moments::of_record(&record, 102, 3), factor);
     let options = GlsOptions {
         order: NoiseOrder::Order(2),
         ..GlsOptions::default()
@@ -173,7 +179,7 @@ fn an_ill_conditioned_input_goes_through_qr_and_three_sines_are_refused() {
     let record = Record::from_slices(PERIOD, &input, &output).unwrap();
     match identify_explained(&record, &fixed(100, 99, 0)) {
         Ok(identification) => {
-            assert_eq!(identification.explanation.path, Path::Qr);
+            assert_eq!(identification.explanation.path, Solver::Qr);
             let slow = direct::fit(&record, FsfBasis::new(100, 99).unwrap(), 0, 0);
             let sd = |k: usize| slow.covariance[(k, k)].sqrt();
             for (k, (a, b)) in identification

@@ -1,31 +1,35 @@
 //! `servoid calibrate`
 
+mod measured;
 mod protractor;
 mod text;
 
+use super::ctrl_c;
+use super::output_args::{Talk, print_remark};
+use super::prompts;
 use super::rig_args::RigArgs;
-use super::{Talk, ask, interrupt, wrong_usage};
+use super::usage::wrong_usage;
 use crate::commands::output_files;
 use crate::data::rig_file::SensorSection;
 use crate::instrument::calibration::{
-    Calibration, Estimate, Found, LEVEL, Mover, Reading, Rest, Travel, put_into, require_followed,
+    Calibration, Found, Mover, Reading, Rest, Travel, put_into, require_followed,
 };
 use crate::instrument::port;
 use crate::instrument::rig::{RigClient, RigFile};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
-use serde::Serialize;
+use measured::{DOUBT_PERCENT, Measured};
 use servoid_protocol::PulseWidth;
 use std::path::{Path, PathBuf};
 
-/// Measure the sensor's scale and zero, the servo's neutral, scale and travel, and how well they are known
+/// Measure the sensor's scale and zero, and the servo's neutral, scale and travel, with intervals
 ///
-/// The servo goes to some positions; at each you read its angle on a protractor, and the sensor's counts
-/// come from the rig. Then a slow staircase over all pulses that the limits allow shows what a microsecond
-/// does, where neutral is, and whether the travel ends within the limits. Angles are taken as exact; what is
-/// wrong with them shows as scatter around the line, and counts as the sensor's nonlinearity.
+/// The servo goes to a few positions. At each you read its angle on a protractor, and the rig reads the sensor's
+/// counts. Then a slow staircase over all pulses within the limits finds the degrees per microsecond, neutral,
+/// and the ends of the travel. Angles are taken as exact: errors in them show as scatter around the line, and
+/// count as nonlinearity of the sensor.
 ///
-/// Without a terminal the angles come from --angles. Without a rig, --pairs takes angles and the counts that
+/// Without a terminal, --angles gives the angles. Without a rig, --pairs gives angles and the counts that
 /// 'servoid info' shows at each.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
@@ -37,10 +41,10 @@ use std::path::{Path, PathBuf};
 pub(super) struct Calibrate {
     #[command(flatten)]
     rig: RigArgs,
-    /// The positions at which angles are read, as pulses (µs) [default: five within the limits]
+    /// Positions for the angles, as pulses (µs) [default: five within the limits]
     #[arg(long, value_name = "US", value_delimiter = ',', conflicts_with_all = ["pairs", "travel_only"])]
     pulses: Vec<u16>,
-    /// The angles at these positions (degrees), in their order: nothing is asked
+    /// Angles at these positions (degrees), in their order; then nothing is asked
     #[arg(
         long,
         value_name = "DEGREES",
@@ -49,17 +53,17 @@ pub(super) struct Calibrate {
         conflicts_with_all = ["pairs", "by_servo", "travel_only"]
     )]
     angles: Vec<f64>,
-    /// No protractor: take the angles that the pulses command, at the microseconds per degree of the rig
-    /// file. The result is labelled as assumed, with 5 % of doubt on its scale
+    /// Without a protractor: assume the angles that the pulses command, at the microseconds per degree of the rig
+    /// file. The result is labelled as assumed, with a standard deviation of 5 % on its scale
     #[arg(long, conflicts_with_all = ["pairs", "travel_only"])]
     by_servo: bool,
-    /// Leave the sensor's scale as the rig file has it
+    /// Leave the sensor's scale as it is in the rig file
     #[arg(long, conflicts_with_all = ["pairs", "no_travel"])]
     travel_only: bool,
     /// Leave out the slow staircase
     #[arg(long, conflicts_with = "pairs")]
     no_travel: bool,
-    /// The readings, with no rig: degrees=counts, with commas between them
+    /// Readings without a rig: degrees=counts, separated by commas
     #[arg(
         long,
         value_delimiter = ',',
@@ -68,10 +72,10 @@ pub(super) struct Calibrate {
         value_parser = reading
     )]
     pairs: Vec<Reading>,
-    /// The rig file to write: that of --rig with the result in it
+    /// The rig file to write: a copy of that of --rig, with the result
     #[arg(long, short, value_name = "RIG.toml", value_hint = ValueHint::FilePath)]
     out: Option<PathBuf>,
-    /// Put the result into the rig file itself; its comments and all else stay
+    /// Write the result into the rig file of --rig; its comments and other lines stay
     #[arg(long, requires = "rig", conflicts_with = "out")]
     update: bool,
     /// Replace the file of --out if it exists
@@ -81,36 +85,18 @@ pub(super) struct Calibrate {
     talk: Talk,
 }
 
-/// Standard deviation of what a servo's maker says of microseconds per degree (percent): makers round, and
-/// servos of one type differ by some percent.
-const DOUBT_PERCENT: f64 = 5.0;
-
-/// How many positions are read by default.
+/// Default number of positions.
 const POSITIONS: i32 = 5;
 
-/// How far out they go, of the room that the limits leave: a protractor's ends are hard to read.
+/// Outermost positions, as a part of the room within the limits: the ends of a protractor are hard to read.
 const REACH: f64 = 0.8;
-
-/// The result as `--json` prints it.
-#[derive(Serialize)]
-struct Measured {
-    /// The sensor's scale; `None` where it was left as it was.
-    sensor: Option<Calibration>,
-    /// Whether the angles behind it are those that the pulses command.
-    assumed: bool,
-    /// The readings behind it.
-    readings: Vec<Reading>,
-    /// What the sensor did at each position, where a rig was asked.
-    rests: Vec<Rest>,
-    travel: Option<Travel>,
-}
 
 fn reading(text: &str) -> Result<Reading, String> {
     let number = |text: &str| text.trim().parse::<f64>().ok();
     text.split_once('=')
         .and_then(|(angle, counts)| Some((number(angle)?, number(counts)?)))
         .map(|(angle_deg, counts)| Reading { angle_deg, counts })
-        .ok_or_else(|| "an angle and its counts are needed, such as -20=6008".to_owned())
+        .ok_or_else(|| "it must be an angle and its counts, such as -20=6008".to_owned())
 }
 
 impl Calibrate {
@@ -138,24 +124,24 @@ impl Calibrate {
             }
         };
         let text = text::describe(&measured);
-        let asked = self.asks() && self.out.is_none() && !self.update;
+        let asked = self.asks_for_angles() && self.out.is_none() && !self.update;
         let target = match (&self.out, &self.rig.rig) {
             (Some(out), _) => Some(out),
             (None, Some(rig)) if self.update => Some(rig),
             (None, Some(rig)) if asked => {
-                output_files::tell(&text);
-                ask::confirm(&format!("Put this into {}", rig.display()), true)?.then_some(rig)
+                print_remark(&text);
+                prompts::confirm(&format!("Put this into {}", rig.display()), true)?.then_some(rig)
             }
             _ => None,
         };
         match target {
             Some(path) => {
                 self.write(path, &before, &measured)?;
-                self.talk.say(format_args!("wrote {}", path.display()));
+                self.talk.say(format_args!("rig file: {}", path.display()));
             }
-            None => self.talk.say("nothing was written: --update puts it into the rig file of --rig, -o RIG.toml into another one"),
+            None => self.talk.say("nothing was written: add --update to write into the rig file of --rig, or -o RIG.toml for another one"),
         }
-        // At the terminal it has been said before the question.
+        // At the terminal it was printed before the question.
         let text = if asked && target.is_some() {
             String::new()
         } else {
@@ -164,8 +150,8 @@ impl Calibrate {
         self.talk.result(text, &measured)
     }
 
-    /// Whether angles are read by somebody at the terminal.
-    fn asks(&self) -> bool {
+    /// Whether somebody at the terminal reads the angles.
+    fn asks_for_angles(&self) -> bool {
         self.pairs.is_empty() && self.angles.is_empty() && !self.by_servo && !self.travel_only
     }
 
@@ -174,26 +160,26 @@ impl Calibrate {
         let pulses = self.positions(&rig.file);
         if !self.angles.is_empty() && self.angles.len() != pulses.len() {
             wrong_usage(format_args!(
-                "--angles has {} angles for {} positions: {}",
+                "--angles has {} angles for {} positions ({} µs); give one for each",
                 self.angles.len(),
                 pulses.len(),
                 text::listed(&pulses)
             ));
         }
-        if self.asks() {
-            if !ask::is_terminal() {
+        if self.asks_for_angles() {
+            if !prompts::is_terminal() {
                 bail!(
-                    "there is no terminal to ask for angles at: give them with --angles, take those that the pulses command with --by-servo, or leave the sensor's scale as it is with --travel-only"
+                    "no angles can be asked for, because there is no terminal: give them with --angles, assume those that the pulses command with --by-servo, or leave the sensor's scale as it is with --travel-only"
                 );
             }
-            output_files::tell(self.intention(&rig.file, &pulses));
-            if !ask::confirm("May it move", false)? {
-                bail!("the servo was not moved");
+            print_remark(self.intention(&rig.file, &pulses));
+            if !prompts::confirm("May it move", false)? {
+                bail!("the servo was not moved, because the answer was no");
             }
         }
-        interrupt::listen()?;
+        ctrl_c::listen()?;
         let client = RigClient::connect_beside(port::open(&rig.address)?, &rig.address)?;
-        let mut mover = Mover::new(client, rig.file.clone(), &interrupt::asked);
+        let mut mover = Mover::new(client, rig.file.clone(), &ctrl_c::asked);
         let (readings, rests) = if self.travel_only {
             Default::default()
         } else {
@@ -206,7 +192,8 @@ impl Calibrate {
         let travel = if self.no_travel {
             None
         } else {
-            self.talk.say("a slow staircase over the limits ...");
+            self.talk
+                .say("running a slow staircase over the limits ...");
             Some(Travel::measure(
                 &mut mover,
                 &scale(&rig.file.sensor, sensor.as_ref()),
@@ -221,8 +208,8 @@ impl Calibrate {
         })
     }
 
-    /// The scale by these readings. Where there is none, a servo that has not followed is the likelier
-    /// reason; and the angles that pulses command are those of a servo that has.
+    /// The scale from these readings. Commanded angles are valid only if the servo has followed. If the fit of
+    /// measured angles fails, a servo that has not followed is the likelier reason.
     fn fit(&self, readings: &[Reading], rests: &[Rest]) -> Result<Calibration> {
         if self.by_servo {
             require_followed(rests)?;
@@ -235,7 +222,7 @@ impl Calibrate {
         Ok(fit?)
     }
 
-    /// What the servo is about to do.
+    /// The motion that is about to start.
     fn intention(&self, rig: &RigFile, pulses: &[u16]) -> String {
         let positions = format!("The servo goes to {} µs", text::listed(pulses));
         match self.no_travel {
@@ -268,7 +255,7 @@ impl Calibrate {
 
     /// The sensor's counts at known angles.
     fn readings(&self, mover: &mut Mover<'_>, pulses: &[u16]) -> Result<(Vec<Reading>, Vec<Rest>)> {
-        if self.asks() {
+        if self.asks_for_angles() {
             return protractor::read(mover, pulses);
         }
         let rests = mover.visit(pulses, &|_| false)?;
@@ -288,7 +275,7 @@ impl Calibrate {
         Ok((readings.collect(), rests))
     }
 
-    /// Puts the result into the text of the rig file, and that into `path`.
+    /// Writes the rig file with the result to `path`.
     fn write(&self, path: &Path, before: &str, measured: &Measured) -> Result<()> {
         let remark = measured
             .sensor
@@ -300,13 +287,17 @@ impl Calibrate {
             us_per_degree: us_per_degree.map(|travel| travel.us_per_degree),
         };
         let after = put_into(before, &found).map_err(anyhow::Error::msg)?;
-        // What the reader would refuse is not written.
+        // A file that could not be read back is not written.
         RigFile::parse(&after, path)?;
-        output_files::write_file(path, self.force || self.update || self.asks(), &after)
+        output_files::write_file(
+            path,
+            self.force || self.update || self.asks_for_angles(),
+            &after,
+        )
     }
 }
 
-/// The sensor of the rig file with the scale that was found.
+/// The sensor of the rig file, with the new scale if there is one.
 fn scale(sensor: &SensorSection, found: Option<&Calibration>) -> SensorSection {
     match found {
         Some(found) => SensorSection {

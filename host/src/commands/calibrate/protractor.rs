@@ -1,13 +1,13 @@
-//! Angles that somebody reads on a protractor while the servo holds its position.
+//! Angles that somebody reads on a protractor while the servo holds a position.
 
-use crate::commands::ask;
+use crate::commands::prompts;
 use crate::instrument::calibration::{Mover, Reading, Rest};
 use anyhow::{Context, Result};
 use std::cell::{Cell, RefCell};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// A simulated rig waits for an answer, and looks so often whether the program is to end.
+/// Time between two checks whether the program is to end, while a simulated rig waits for an answer.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Goes to each position and asks for the angle there. An empty answer leaves the position out.
@@ -28,17 +28,17 @@ pub(super) fn read(mover: &mut Mover<'_>, pulses: &[u16]) -> Result<(Vec<Reading
     Ok((readings, rests))
 }
 
-/// What has been read is worth keeping when the rest cannot be.
+/// The readings so far, for a calibration that fails: they can be used again.
 fn so_far(readings: &[Reading]) -> String {
     if readings.is_empty() {
-        return "no position has been read".to_owned();
+        return "no position was read".to_owned();
     }
     let pairs = readings
         .iter()
         .map(|r| format!("{}={:.1}", r.angle_deg, r.counts));
     let pairs: Vec<String> = pairs.collect();
     format!(
-        "the positions that have been read are --pairs={}",
+        "the readings so far are kept here: --pairs={}",
         pairs.join(",")
     )
 }
@@ -60,7 +60,7 @@ fn read_one(
         let patience = if waits { PATIENCE } else { Duration::ZERO };
         match receiver.recv_timeout(patience) {
             Ok(angle) => answer.set(Some(angle)),
-            // Nothing more can be typed.
+            // The input has ended.
             Err(RecvTimeoutError::Disconnected) => answer.set(Some(None)),
             Err(RecvTimeoutError::Timeout) => {}
         }
@@ -72,17 +72,17 @@ fn read_one(
 
 fn question(rest: &Rest, position: &str) -> String {
     format!(
-        "{position}, {} µs: {:.1} counts (standard deviation {:.1}). Angle on the protractor (degrees, empty to leave it out)?",
+        "{position}, {} µs: {:.1} counts (standard deviation {:.1}). Angle on the protractor (degrees; empty leaves the position out)?",
         rest.pulse_us, rest.counts, rest.sd_counts
     )
 }
 
-/// Asks in a thread of its own: whoever follows the run must not wait for a person.
+/// Asks in a thread of its own, so that the run goes on during the question.
 fn ask_beside(words: String) -> Receiver<Option<f64>> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
-        if let Some(angle) = ask::line(&words, angle) {
-            // Nobody waits any more where the run has ended.
+        if let Some(angle) = prompts::line(&words, angle) {
+            // The run may have ended meanwhile.
             let _gone = sender.send(angle);
         }
     });

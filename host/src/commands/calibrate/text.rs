@@ -1,7 +1,7 @@
-//! A calibration for a terminal.
+//! A calibration as text.
 
-use super::{Calibration, DOUBT_PERCENT, Estimate, LEVEL, Measured, Travel};
-use crate::instrument::calibration::End;
+use super::measured::{DOUBT_PERCENT, Measured};
+use crate::instrument::calibration::{Calibration, End, Estimate, LEVEL, Travel};
 use std::fmt::Write;
 
 /// "1300, 1400, 1500".
@@ -10,16 +10,16 @@ pub(super) fn listed(pulses: &[u16]) -> String {
     pulses.join(", ")
 }
 
-/// One line on how the sensor's scale was found.
+/// One line on the source of the sensor's scale.
 pub(super) fn remark(fit: &Calibration, assumed: bool) -> String {
     let farthest = fit.largest_residual_deg;
     match assumed {
         true => format!(
-            "assumed, not measured: {} readings against the pulses' own angles; none is farther than {farthest:.3} degrees from a straight line",
+            "assumed, not measured: {} readings against the commanded angles, at most {farthest:.3} degrees from a straight line",
             fit.readings
         ),
         false => format!(
-            "{} readings, none farther than {farthest:.3} degrees from a straight line",
+            "{} readings, at most {farthest:.3} degrees from a straight line",
             fit.readings
         ),
     }
@@ -83,13 +83,13 @@ fn write_sensor(text: &mut String, fit: &Calibration, assumed: bool) -> std::fmt
     writeln!(text, "scale_sd_percent = {:.4}", fit.scale_sd_percent)?;
     writeln!(
         text,
-        "The reading farthest from a straight line is {:.3} degrees off it ({} readings).",
+        "Largest deviation from a straight line: {:.3} degrees ({} readings).",
         fit.largest_residual_deg, fit.readings
     )?;
     if assumed {
         writeln!(
             text,
-            "The angles are assumed, not measured: those that the pulses command. So 0 degrees is where the neutral pulse\nbrings the servo, and the scale is only as good as the rig file's us_per_degree, taken to be right to {DOUBT_PERCENT} %."
+            "The angles are assumed, not measured: 0 degrees is the position at the neutral pulse, and the scale is that of the\nrig file's us_per_degree, with an assumed standard deviation of {DOUBT_PERCENT} %."
         )?;
     }
     Ok(())
@@ -142,7 +142,7 @@ fn write_travel(text: &mut String, travel: &Travel, assumed: bool) -> std::fmt::
     )?;
     writeln!(
         text,
-        "The reading farthest from the line is {:.3} degrees off it ({} readings).",
+        "Largest deviation from the line: {:.3} degrees ({} readings).",
         travel.largest_residual_deg,
         travel.rests.len()
     )
@@ -156,7 +156,7 @@ fn end(end: &End, key: &str, inwards: fn(f64) -> f64) -> String {
             angle_deg,
         } => format!("no end within the limits: {angle_deg:.1} degrees at {limit_us} µs"),
         End::Stops { at_us, angle_deg } => format!(
-            "stops at {:.0} µs ({:.0} to {:.0}), {:.2} degrees ({:.2} to {:.2}); a servo that pushes against its stop\n             gets hot: set {key} = {:.0} or less travel",
+            "stops at {:.0} µs ({:.0} to {:.0} µs), {:.2} degrees ({:.2} to {:.2} degrees); a servo that pushes against its\n             stop gets hot, so set {key} = {:.0} or less travel",
             at_us.value,
             at_us.lower,
             at_us.upper,
@@ -178,7 +178,7 @@ fn end(end: &End, key: &str, inwards: fn(f64) -> f64) -> String {
             gain_percent,
         } => bent("more", from_us, gain_percent),
         End::Unclear { from_us } => format!(
-            "stops or answers less from {:.0} µs on ({:.0} to {:.0}): which of them cannot be told",
+            "stops or answers less from {:.0} µs on ({:.0} to {:.0} µs): the readings cannot distinguish the two",
             from_us.value, from_us.lower, from_us.upper
         ),
     }
@@ -187,7 +187,7 @@ fn end(end: &End, key: &str, inwards: fn(f64) -> f64) -> String {
 /// An end beyond which the servo goes on with another gain.
 fn bent(answers: &str, from_us: &Estimate, gain_percent: &Estimate) -> String {
     format!(
-        "answers {answers} from {:.0} µs on ({:.0} to {:.0}): with {:.0} % of the gain around neutral ({:.0} to {:.0} %)",
+        "answers {answers} from {:.0} µs on ({:.0} to {:.0} µs): with {:.0} % of the gain around neutral ({:.0} to {:.0} %)",
         from_us.value,
         from_us.lower,
         from_us.upper,

@@ -1,4 +1,4 @@
-//! A rig file for a new rig: what is asked of its user, what each answer has to be, and the file.
+//! The rig file of a new rig: the answers of its user, their checks, and the text of the file.
 
 mod range;
 
@@ -12,16 +12,16 @@ use crate::presentation::template;
 use servoid_firmware::limits::{LONGEST_PULSE, SHORTEST_PULSE};
 use std::path::Path;
 
-/// The answers.
+/// The answers about a new rig.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Answers {
-    /// What the rig is called.
+pub struct RigAnswers {
+    /// Name of the rig.
     pub name: String,
-    /// Where it is; `None` where that is said with every command.
+    /// Its port; `None` where every command names it.
     pub port: Option<String>,
-    /// The condition that captures note.
+    /// Condition of its captures.
     pub condition: String,
-    /// What the servo is called.
+    /// Name of the servo.
     pub servo: String,
     /// The pulse at 0 degrees (µs).
     pub neutral_us: u16,
@@ -29,27 +29,25 @@ pub struct Answers {
     pub us_per_degree: f64,
     /// The shortest and the longest pulse that the servo takes (µs).
     pub pulses_us: Range,
-    /// How far the linkage may be turned (deg).
+    /// Travel of the linkage from neutral (deg).
     pub travel_deg: Range,
-    /// What the sensor is called.
+    /// Name of the sensor.
     pub sensor: String,
-    /// Volts of the sensor at the ends of its range.
+    /// Output of the sensor at the ends of its range (V).
     pub sensor_volts: Range,
-    /// The angle that the sensor's volts span (deg), negative where they fall as the angle grows.
+    /// Angle between these outputs (deg); negative where the output falls as the angle grows.
     pub sensor_degrees: f64,
 }
 
-/// How far a linkage may be turned that nobody has said anything of (deg). Twice what a reference turns it
-/// unless it is told otherwise (5 degrees): room for what comes without `--amplitude`, for a step up to
-/// `--amplitude 10`, and little enough for most linkages. Servos of helicopters take 50 degrees, and many
-/// linkages jam long before.
-pub const CAREFUL_DEG: Range = Range {
+/// Travel of a linkage of unknown travel (deg): twice the default amplitude of a reference, and little enough for
+/// most linkages. Servos of helicopters turn 50 degrees, and many linkages jam long before.
+pub const DEFAULT_TRAVEL_DEG: Range = Range {
     low: -10.0,
     high: 10.0,
 };
 
-impl Default for Answers {
-    /// What [`RigFile::default`] has: the paper's servo and sensor; and a travel of [`CAREFUL_DEG`].
+impl Default for RigAnswers {
+    /// The paper's servo and sensor, as in [`RigFile::default`], with a travel of [`DEFAULT_TRAVEL_DEG`].
     fn default() -> Self {
         let (servo, limits) = (ServoSection::default(), LimitsSection::default());
         let [low, high] = RTY_VOLTS;
@@ -64,7 +62,7 @@ impl Default for Answers {
                 low: limits.shortest_us.into(),
                 high: limits.longest_us.into(),
             },
-            travel_deg: CAREFUL_DEG,
+            travel_deg: DEFAULT_TRAVEL_DEG,
             sensor: "Honeywell RTY120".into(),
             sensor_volts: Range { low, high },
             sensor_degrees: RTY_DEGREES,
@@ -72,7 +70,7 @@ impl Default for Answers {
     }
 }
 
-/// Whether an answer can be; else the sentence that says what is expected.
+/// Whether an answer is acceptable; the error is a sentence for the user.
 pub type Checked = Result<(), String>;
 
 /// A name on one line.
@@ -82,21 +80,21 @@ pub type Checked = Result<(), String>;
 pub fn check_name(name: &str) -> Checked {
     require(
         !name.chars().any(char::is_control) && name.chars().count() <= LONGEST_NAME,
-        || format!("a name is one line of {LONGEST_NAME} letters at most"),
+        || format!("a name must be one line of at most {LONGEST_NAME} letters"),
     )
 }
 
-/// Beyond this a slip of the clipboard is more likely than a name.
+/// A longer text is more likely a slip of the clipboard than a name (letters).
 const LONGEST_NAME: usize = 80;
 
-/// A name that is not empty, as a condition has to have one.
+/// A name that is not empty.
 ///
 /// # Errors
 /// One sentence.
 pub fn check_condition(condition: &str) -> Checked {
     check_name(condition)?;
     require(!condition.trim().is_empty(), || {
-        "a condition needs a name: bench, aircraft, or words of your own".into()
+        "a condition needs a name: bench, aircraft, or your own words".into()
     })
 }
 
@@ -113,7 +111,7 @@ pub fn check_pulses(pulses: &Range) -> Checked {
     )
 }
 
-/// What the board makes at all (µs).
+/// Pulses that the board can make (µs).
 const BOARD_US: [u16; 2] = [SHORTEST_PULSE.0, LONGEST_PULSE.0];
 
 /// The pulse at 0 degrees, for a servo that takes `pulses`.
@@ -122,27 +120,27 @@ const BOARD_US: [u16; 2] = [SHORTEST_PULSE.0, LONGEST_PULSE.0];
 /// One sentence.
 pub fn check_neutral(neutral_us: u16, pulses: &Range) -> Checked {
     require(pulses.contains(neutral_us.into()), || {
-        format!("neutral has to be a pulse that the servo takes, {pulses} µs")
+        format!("neutral must be a pulse that the servo takes, within {pulses} µs")
     })
 }
 
-/// Microseconds for a degree.
+/// Change of the pulse for one degree.
 ///
 /// # Errors
 /// One sentence.
 pub fn check_us_per_degree(us: f64) -> Checked {
     require((0.5..=200.0).contains(&us.abs()), || {
-        "R/C servos take about 10 µs for a degree: a number from 0.5 to 200 is needed, negative where a longer pulse turns it the other way".into()
+        "it must be a number from 0.5 to 200 µs per degree (R/C servos take about 10 µs), negative where a longer pulse turns the servo towards negative angles".into()
     })
 }
 
-/// How far the linkage may be turned.
+/// Travel of the linkage.
 ///
 /// # Errors
 /// One sentence.
 pub fn check_travel(travel: &Range) -> Checked {
     require(travel.low < 0.0 && travel.high > 0.0, || {
-        "neutral is at 0 degrees, so the travel goes from below 0 to above it, such as -20:20"
+        "the travel must go from below 0 degrees, which is neutral, to above it, such as -20:20"
             .into()
     })
 }
@@ -153,17 +151,19 @@ pub fn check_travel(travel: &Range) -> Checked {
 /// One sentence.
 pub fn check_volts(volts: &Range) -> Checked {
     require(volts.low >= 0.0 && volts.high <= FULL_SCALE_VOLTS, || {
-        format!("the divider takes 0 to {FULL_SCALE_VOLTS} V: a range such as 0.5:4.5 is needed")
+        format!(
+            "it must be a range within the divider's 0 to {FULL_SCALE_VOLTS} V, such as 0.5:4.5"
+        )
     })
 }
 
-/// The angle that the sensor's volts span.
+/// Angle between the ends of the sensor's range.
 ///
 /// # Errors
 /// One sentence.
 pub fn check_sensor_degrees(degrees: f64) -> Checked {
     require((1.0..=3600.0).contains(&degrees.abs()), || {
-        "the sensor's range is a number of degrees from 1 to 3600, negative where its volts fall as the angle grows".into()
+        "the sensor's range must be a number of degrees from 1 to 3600, negative where its output falls as the angle grows".into()
     })
 }
 
@@ -171,8 +171,8 @@ fn require(holds: bool, sentence: impl FnOnce() -> String) -> Checked {
     if holds { Ok(()) } else { Err(sentence()) }
 }
 
-impl Answers {
-    /// Whether all answers can be, each by itself and together.
+impl RigAnswers {
+    /// Checks all answers.
     ///
     /// # Errors
     /// One sentence.
@@ -189,8 +189,8 @@ impl Answers {
         check_sensor_degrees(self.sensor_degrees)
     }
 
-    /// The pulses that neither leave what the servo takes nor turn the linkage beyond its travel (µs),
-    /// in whole microseconds to the safe side.
+    /// Limits within the servo's pulses and the travel of the linkage (µs), rounded inwards to whole
+    /// microseconds.
     #[must_use]
     pub fn limits_us(&self) -> [u16; 2] {
         let pulse = |angle: f64| f64::from(self.neutral_us) + angle * self.us_per_degree;
@@ -201,11 +201,11 @@ impl Answers {
         [low, high].map(|us| us as u16)
     }
 
-    /// The rig file, with a comment for every line that needs one.
+    /// The rig file, commented.
     ///
     /// ```
-    /// use servoid::rig_wizard::{Answers, Range};
-    /// let answers = Answers { travel_deg: Range { low: -20.0, high: 30.0 }, ..Answers::default() };
+    /// use servoid::rig_wizard::{RigAnswers, Range};
+    /// let answers = RigAnswers { travel_deg: Range { low: -20.0, high: 30.0 }, ..RigAnswers::default() };
     /// let (text, rig) = answers.to_rig_file("rig.toml".as_ref())?;
     /// assert!(text.contains("# reading at 0 degrees"));
     /// assert_eq!((rig.limits.shortest_us, rig.limits.longest_us), (1300, 1800));
@@ -213,8 +213,7 @@ impl Answers {
     /// ```
     ///
     /// # Errors
-    /// [`RigFileError`] where the answers, taken together, make no rig; `path` is what the error calls
-    /// the file.
+    /// [`RigFileError`] where the answers together make no valid rig; the error names `path`.
     pub fn to_rig_file(&self, path: &Path) -> Result<(String, RigFile), RigFileError> {
         let quoted = |text: &str| toml_edit::Value::from(text).to_string();
         let number = |number: f64| toml_edit::Value::from(number).to_string();
@@ -251,7 +250,7 @@ impl Answers {
         Ok((text, rig))
     }
 
-    /// How far the limits let the servo turn (deg).
+    /// Travel within the limits (deg).
     #[must_use]
     pub fn travel(&self) -> Range {
         let angle = |us: u16| (f64::from(us) - f64::from(self.neutral_us)) / self.us_per_degree;
@@ -262,14 +261,14 @@ impl Answers {
         }
     }
 
-    /// What the limits are in degrees, and where they come from.
+    /// The limits in degrees, and their reason.
     #[must_use]
     pub fn travel_in_words(&self) -> String {
         let Range { low, high } = self.travel();
-        let because = if self.travel_deg == CAREFUL_DEG {
-            "a careful beginning; widen it once you know that the linkage stands more"
+        let because = if self.travel_deg == DEFAULT_TRAVEL_DEG {
+            "a cautious default; widen it once you know that the linkage allows more"
         } else {
-            "what the linkage stands, as far as the servo takes such pulses"
+            "the travel of the linkage, within the servo's pulses"
         };
         format!("From {low:.1} to {high:.1} degrees: {because}.")
     }

@@ -1,4 +1,4 @@
-//! Two numbers with a colon between them.
+//! A range of two numbers, written with a colon between them.
 
 use std::fmt;
 use std::str::FromStr;

@@ -3,7 +3,9 @@ use crate::instrument::reference::ReferenceSpec;
 
 #[test]
 fn default_answers_are_the_default_rig() {
-    let (text, rig) = Answers::default().to_rig_file("rig.toml".as_ref()).unwrap();
+    let (text, rig) = RigAnswers::default()
+        .to_rig_file("rig.toml".as_ref())
+        .unwrap();
     let default = RigFile::default();
     // Within what the board takes by itself, and with room for what a reference does by itself.
     let [shortest, longest] = [rig.limits.shortest_us, rig.limits.longest_us];
@@ -25,7 +27,7 @@ fn default_answers_are_the_default_rig() {
 
 #[test]
 fn each_answer_arrives_whatever_is_in_it() {
-    let answers = Answers {
+    let answers = RigAnswers {
         name: "a \"quoted\" name \\ {{port}} # ü".into(),
         port: Some("tcp:localhost:7000".into()),
         condition: "aircraft, rotor off".into(),
@@ -61,8 +63,8 @@ fn each_answer_arrives_whatever_is_in_it() {
 }
 
 #[test]
-fn each_mistake_is_told_in_one_sentence() {
-    type Change = fn(&mut Answers);
+fn each_mistake_has_its_sentence() {
+    type Change = fn(&mut RigAnswers);
     let cases: [(Change, &str); 10] = [
         (|a| a.name = "a\nb".into(), "one line"),
         (|a| a.condition = " ".into(), "needs a name"),
@@ -76,7 +78,7 @@ fn each_mistake_is_told_in_one_sentence() {
         (|a| a.sensor_degrees = 0.0, "3600"),
     ];
     for (change, word) in cases {
-        let mut answers = Answers::default();
+        let mut answers = RigAnswers::default();
         change(&mut answers);
         let said = answers.check().unwrap_err();
         assert!(said.contains(word), "{said}");

@@ -1,20 +1,20 @@
-//! What a person sees in a terminal while a capture goes on.
+//! The live scope: the picture of a capture in a terminal.
 //!
 //! ```text
-//!  capture --> ScopeEvent --> (channel) --> ScopeState --> draw --> terminal
-//!                                              the scope's own thread
+//!  capture --> ScopeEvent --> ScopeState --> layout --> terminal
+//!                          the scope's own thread
 //! ```
 //!
-//! [`state`] is all that is known, [`mod@draw`] a pure picture of it, [`terminal`] takes the terminal over
-//! and gives it back whatever happens, and [`Scope`] runs the three on a thread of its own: the capture
-//! hands over what it has and never waits for a picture.
+//! [`state`] holds everything that is shown. [`layout`] draws it and depends on nothing else. [`terminal`] takes
+//! the terminal over and gives it back in every case. [`Scope`] runs the three on a thread of its own, so a
+//! capture never waits for a picture.
 
-pub mod draw;
-mod panel;
-mod plots;
+mod charts;
+pub mod layout;
+mod render_thread;
 pub mod state;
+mod status_panel;
 pub mod terminal;
-mod thread;
 
+pub use render_thread::Scope;
 pub use state::{ScopeEvent, ScopeState};
-pub use thread::Scope;

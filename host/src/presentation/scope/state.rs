@@ -1,4 +1,4 @@
-//! All that the scope shows.
+//! Everything that the scope shows.
 
 use crate::instrument::live::LiveStep;
 use servoid_protocol::Rejects;
@@ -7,77 +7,77 @@ use servoid_protocol::timing::{FRAME_US, SAMPLE_US, SAMPLES_PER_FRAME};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// So much of the run is shown (s): two of the paper's longest cycles and a half.
+/// Length of the trace (s): two and a half of the paper's longest cycles.
 pub const WINDOW_S: f64 = 4.0;
 
-/// How many widths of the band are remembered.
+/// Number of past band widths that are shown.
 const WIDTHS: usize = 6;
 
 const FRAME_S: f64 = FRAME_US as f64 * 1e-6;
 const SAMPLE_S: f64 = SAMPLE_US as f64 * 1e-6;
 
-/// Something that has happened in the capture.
+/// News from the capture.
 #[derive(Clone, Debug)]
 pub enum ScopeEvent {
-    /// Another frame is on the disk.
+    /// A frame was written to the disk.
     Frame(FrameSeen),
-    /// Another estimate of the step response.
+    /// A new estimate of the step response.
     Step(Arc<LiveStep>),
     /// The capture is being stopped.
     Stopping,
 }
 
-/// A frame, in degrees, and how the link is.
+/// A frame in degrees, and the state of the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameSeen {
-    /// Frames of the run before it.
+    /// Its index in the run.
     pub index: u32,
-    /// What the servo was told (deg).
+    /// The reference (deg).
     pub reference_deg: f64,
-    /// Where it was (deg).
+    /// The measured position (deg).
     pub positions_deg: [f64; SAMPLES_PER_FRAME],
-    /// How the link is.
+    /// The state of the link.
     pub link: Link,
 }
 
-/// How the link to the rig is, and the rig itself.
+/// The state of the link and of the rig.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Link {
     /// Messages from the rig that could not be read, by class.
     pub rejects: Rejects,
-    /// Frames that were asked for again.
+    /// Frames that were requested again.
     pub asked_again: u32,
     /// Frames that have been given up.
     pub lost: u32,
-    /// What the rig last said of itself.
+    /// The newest status message of the rig.
     pub status: Option<Status>,
 }
 
-/// A point in time.
+/// One sample of the trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracePoint {
-    /// Since the run began (s).
+    /// Time since the run began (s).
     pub time_s: f64,
-    /// What the servo was told (deg).
+    /// The reference (deg).
     pub reference_deg: f64,
-    /// Where it was (deg).
+    /// The measured position (deg).
     pub position_deg: f64,
 }
 
-/// All that the scope shows.
+/// Everything that the scope shows.
 #[derive(Clone, Debug)]
 pub struct ScopeState {
-    /// What is captured, from where, to where.
+    /// The title line: the port and the file.
     pub title: String,
     /// The run.
     pub start: Start,
-    /// The band's half width that is enough (percent of the step), if the run is to end there.
+    /// Half width of the band at which the run ends (percent of the step), if it is to end there.
     pub until_percent: Option<f64>,
     /// Frames on the disk.
     pub frames: u32,
     /// The newest [`WINDOW_S`] seconds.
     pub trace: VecDeque<TracePoint>,
-    /// How the link is.
+    /// The state of the link.
     pub link: Link,
     /// The newest estimate of the step response.
     pub step: Option<Arc<LiveStep>>,
@@ -87,7 +87,7 @@ pub struct ScopeState {
     pub stopping: bool,
 }
 
-/// Where in a run a frame lies.
+/// The part of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// At neutral, before the reference.
@@ -99,7 +99,7 @@ pub enum Phase {
 }
 
 impl ScopeState {
-    /// Before the first frame.
+    /// The state before the first frame.
     #[must_use]
     pub fn new(title: String, start: Start, until_percent: Option<f64>) -> Self {
         Self {
@@ -115,10 +115,10 @@ impl ScopeState {
         }
     }
 
-    /// Takes in what has happened.
+    /// Adds an event.
     pub fn apply(&mut self, event: ScopeEvent) {
         match event {
-            ScopeEvent::Frame(frame) => self.take_frame(&frame),
+            ScopeEvent::Frame(frame) => self.add_frame(&frame),
             ScopeEvent::Step(step) => {
                 if self.widths.len() == WIDTHS {
                     self.widths.pop_front();
@@ -130,7 +130,7 @@ impl ScopeState {
         }
     }
 
-    fn take_frame(&mut self, frame: &FrameSeen) {
+    fn add_frame(&mut self, frame: &FrameSeen) {
         self.frames = frame.index + 1;
         self.link = frame.link;
         let begin = f64::from(frame.index) * FRAME_S;
@@ -152,7 +152,7 @@ impl ScopeState {
         }
     }
 
-    /// How long the run has gone on (s).
+    /// Time since the run began (s).
     #[must_use]
     pub fn time_s(&self) -> f64 {
         f64::from(self.frames) * FRAME_S
@@ -164,20 +164,20 @@ impl ScopeState {
         self.start.frames()
     }
 
-    /// How long the run will go on (s), if nothing ends it.
+    /// Time to the end of the run (s), if nothing ends it early.
     #[must_use]
     pub fn left_s(&self) -> f64 {
         f64::from(self.frames_total().saturating_sub(self.frames)) * FRAME_S
     }
 
-    /// How much of the run is done, 0 to 1.
+    /// The part of the run that is done, 0 to 1.
     #[must_use]
     pub fn done(&self) -> f64 {
         let total = self.frames_total().max(1);
         (f64::from(self.frames) / f64::from(total)).clamp(0.0, 1.0)
     }
 
-    /// Where in the run it is.
+    /// The part of the run that is under way.
     #[must_use]
     pub fn phase(&self) -> Phase {
         let before = u32::from(self.start.pre_roll_frames);
@@ -234,7 +234,7 @@ mod tests {
         );
         assert_eq!(state.phase(), Phase::RestAfter);
         let span = state.time_s() - state.trace[0].time_s;
-        // Whole samples, the last one of which is now.
+        // Whole samples: the last one is the present one.
         let period_s = f64::from(SAMPLE_US) * 1e-6;
         assert!((span + period_s - WINDOW_S).abs() < 1e-9, "{span}");
     }

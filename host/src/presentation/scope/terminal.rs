@@ -1,4 +1,4 @@
-//! Taking the terminal over, and giving it back whatever happens.
+//! The terminal, taken over and given back in every case.
 
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
@@ -13,14 +13,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-/// What a terminal needs to take a few bytes, a slow connection between included.
+/// Time for a terminal to take a few bytes, on a slow connection too.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Whether the terminal is ours. It is for the whole process: there is one terminal, and a panic or a
-/// signal on any thread has to give it back.
+/// Whether the terminal is taken over. A process has one terminal, and a panic or a signal on any thread has to
+/// give it back.
 static TAKEN: AtomicBool = AtomicBool::new(false);
 
-/// Whether there is a terminal on which pictures can be drawn and keys read.
+/// Whether there is a terminal for pictures and keys.
 #[must_use]
 pub fn is_there() -> bool {
     let dumb = std::env::var_os("TERM").is_none_or(|term| term == "dumb");
@@ -28,17 +28,16 @@ pub fn is_there() -> bool {
     all && !dumb
 }
 
-/// The terminal, while it is ours; dropping it gives it back.
+/// The terminal while it is taken over; dropping it gives it back.
 pub struct Screen {
     terminal: Terminal<CrosstermBackend<Stdout>>,
 }
 
 impl Screen {
-    /// Takes the terminal over: raw mode, and the alternate screen, so that what was there before is
-    /// there again afterwards.
+    /// Takes the terminal over: raw mode, and the alternate screen, which leaves the old content untouched.
     ///
     /// # Errors
-    /// What the system said; the terminal is as it was then.
+    /// The error of the system; the terminal is left as it was.
     pub fn take() -> std::io::Result<Self> {
         give_back_on_panic();
         TAKEN.store(true, Ordering::SeqCst);
@@ -57,7 +56,7 @@ impl Screen {
     /// Draws, unless the terminal has been given back meanwhile.
     ///
     /// # Errors
-    /// What the system said.
+    /// The error of the system.
     pub fn draw(&mut self, picture: impl FnOnce(&mut ratatui::Frame<'_>)) -> std::io::Result<()> {
         if TAKEN.load(Ordering::SeqCst) {
             self.terminal.draw(picture)?;
@@ -72,23 +71,23 @@ impl Drop for Screen {
     }
 }
 
-/// Gives the terminal back if it is ours; may be called from anywhere, and often. A terminal that
-/// takes nothing is not waited for.
+/// Gives the terminal back if it is taken over; may be called from anywhere, and often. Does not wait for a
+/// blocked terminal.
 pub fn give_back() {
     if TAKEN.swap(false, Ordering::SeqCst) {
         let (ends, ended) = channel::<()>();
         std::thread::spawn(move || {
-            // Where the terminal itself is gone there is nothing to give back.
+            // Errors mean that the terminal itself is gone.
             let _cooked = disable_raw_mode();
             let _shown = execute!(stdout(), LeaveAlternateScreen, Show);
             drop(ends);
         });
-        // If it is still at it, the terminal gets it when it takes something again.
+        // A blocked terminal gets it as soon as it takes bytes again.
         let _done_or_stuck = ended.recv_timeout(PATIENCE);
     }
 }
 
-/// A panic's message is to be read on the screen that stays.
+/// Gives the terminal back before a panic prints its message: the message has to be on the screen that stays.
 fn give_back_on_panic() {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {

@@ -1,22 +1,23 @@
-//! Collecting moments while samples arrive.
+//! Moments in one pass, also while samples arrive.
 //!
-//! Nothing is kept of the samples but their sums and the last L of them, so a collection may go on for
-//! hours, and looking at it costs the same whenever it is done: a few milliseconds.
+//! Only the sums and the last L samples are kept. Memory is constant, and the moments so far cost a few
+//! milliseconds at any time.
 
 use faer::Mat;
 
-use super::{Moments, rank_one};
+use super::lagged::Moments;
 use crate::data::record::Run;
-use crate::estimation::fsf_basis::dot;
 use crate::numerics::lagged_sums::LaggedSums;
+use crate::numerics::linear_algebra::add_outer_product;
+use crate::numerics::vectors::dot;
 
 /// Collects [`Moments`] while samples arrive, in pieces of any size.
 ///
-/// A live display pushes each frame as it comes, and asks for a model whenever it wants to draw one.
-/// Lags are N + d of the input and d + 1 of the output for a settling time of N samples and a noise
-/// order of d; [`INPUT_LAGS`](crate::diagnostics::residual_tests::INPUT_LAGS) more of the input let the test of the
-/// input's independence be done too. Fix N, once known, and a look takes a few milliseconds; an
-/// automatic choice from L lags costs a multiple that grows with L³.
+/// A live display pushes each frame as it arrives, and asks for a model whenever it draws one. A settling
+/// time of N samples and a noise order of d need N + d lags of the input and d + 1 of the output. The test
+/// of the input's independence needs [`INPUT_LAGS`](crate::diagnostics::residual_tests::INPUT_LAGS) more
+/// lags of the input. With a fixed N a model takes a few milliseconds; the automatic choice from L lags
+/// takes longer, growing with L³.
 ///
 /// ```
 /// use servoid_identification::moments::MomentStream;
@@ -102,8 +103,7 @@ impl MomentStream {
         }
     }
 
-    /// States when samples are taken: `seconds` after the edge of the input that they are counted
-    /// from (see [`Record::with_sample_phase`](crate::Record::with_sample_phase)).
+    /// States that samples are taken `seconds` after the edge of the input (see [`Record::with_sample_phase`](crate::Record::with_sample_phase)).
     ///
     /// # Panics
     /// When `seconds` is negative or not finite.
@@ -139,8 +139,8 @@ impl MomentStream {
         self.push(run.input(), run.output());
     }
 
-    /// Begins another run: samples pushed from here on have no history, or that of an input that
-    /// has been `at_rest` all along.
+    /// Begins another run. Its samples have no history, or that of an input which was constant at
+    /// `at_rest`.
     pub fn begin_run(&mut self, at_rest: Option<f64>) {
         self.sum_pending();
         self.close(self.u.len());
@@ -164,7 +164,7 @@ impl MomentStream {
         self.clone().into_moments()
     }
 
-    /// The moments of all samples, with which the collection ends.
+    /// The moments of all samples; ends the collection.
     #[must_use]
     pub fn into_moments(mut self) -> Moments {
         let done = &mut self;
@@ -228,7 +228,7 @@ impl MomentStream {
         self.y.extend(output.iter().map(|y| y - centre.1));
     }
 
-    /// Sums the complete rows among the pending samples and forgets what no later row needs.
+    /// Sums the complete rows among the pending samples, and drops samples that no later row needs.
     fn sum_pending(&mut self) {
         let (mut span, mut k) = (self.summed, self.summed);
         while k < self.u.len() {
@@ -280,7 +280,7 @@ impl MomentStream {
     }
 }
 
-/// What the ends of stretches contribute to the recursion over lags.
+/// Contributions of the ends of stretches to the recursion over lags.
 #[derive(Clone)]
 struct Edges {
     uu: Mat<f64>,
@@ -307,9 +307,9 @@ impl Edges {
     fn add(&mut self, u: &[f64], y: &[f64], k: usize, sign: f64) {
         let u: Vec<f64> = u[k - self.u.len()..k].iter().rev().copied().collect();
         let y: Vec<f64> = y[k - self.y.len()..k].iter().rev().copied().collect();
-        rank_one(&mut self.uu, &u, &u, sign);
-        rank_one(&mut self.uy, &u, &y, sign);
-        rank_one(&mut self.yy, &y, &y, sign);
+        add_outer_product(&mut self.uu, &u, &u, sign);
+        add_outer_product(&mut self.uy, &u, &y, sign);
+        add_outer_product(&mut self.yy, &y, &y, sign);
         for (sum, value) in self.u.iter_mut().zip(&u).chain(self.y.iter_mut().zip(&y)) {
             *sum += sign * value;
         }

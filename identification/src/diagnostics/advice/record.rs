@@ -3,7 +3,7 @@
 use super::{Advice, Check, Evidence, SIGNIFICANCE};
 use crate::diagnostics::initial_rest::CONTRADICTION;
 use crate::diagnostics::run_scatter::RunComparison;
-use crate::estimation::least_squares::Path;
+use crate::estimation::least_squares::Solver;
 use crate::identify::WELL_CONDITIONED;
 
 /// More parameters than this share of the rows leave too little to judge the noise by.
@@ -27,7 +27,7 @@ pub(super) fn parameters(evidence: &Evidence<'_>) -> Option<Advice> {
 }
 
 pub(super) fn conditioning(evidence: &Evidence<'_>) -> Option<Advice> {
-    (evidence.explanation.path == Path::Qr).then(|| {
+    (evidence.explanation.path == Solver::Qr).then(|| {
         Advice::new(
             Check::Conditioning,
             "The moments were not accurate enough for this input or this little noise; the rows \

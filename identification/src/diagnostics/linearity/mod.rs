@@ -34,7 +34,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use crate::diagnostics::simulation_error::{Simulated, explained_by_runs};
 use crate::diagnostics::standstill_noise::StandstillNoise;
 use crate::estimation::gls::GlsFit;
-use crate::estimation::least_squares::Information;
+use crate::estimation::least_squares::RowInformation;
 use reset_test::ResetTest;
 
 /// p-values below this count: far below what one would ask of a single test, because each of many
@@ -115,7 +115,7 @@ impl Linearity {
 #[must_use]
 pub(crate) fn test(
     runs: &[Simulated<'_>],
-    information: &Information,
+    information: &RowInformation,
     fit: &GlsFit,
 ) -> Option<Linearity> {
     let offered = ResetTest::new(runs, &information.moments, fit)?;

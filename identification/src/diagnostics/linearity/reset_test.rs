@@ -7,12 +7,12 @@ use faer::Mat;
 use crate::data::moments::Moments;
 use crate::diagnostics::residual_tests::ScoreTest;
 use crate::diagnostics::simulation_error::Simulated;
-use crate::estimation::fsf_basis::dot;
 use crate::estimation::gls::GlsFit;
-use crate::estimation::least_squares::with_one;
+use crate::estimation::noise_model::noise_filter;
 use crate::numerics::convolution::causal_filter;
 use crate::numerics::lagged_sums::LaggedSums;
 use crate::numerics::linear_algebra::times;
+use crate::numerics::vectors::dot;
 
 /// Functions of the simulated motion that are offered.
 pub(super) const FUNCTIONS: usize = 5;
@@ -132,7 +132,7 @@ impl ResetTest {
     /// (n+1).
     fn cross_moments(&self, fit: &GlsFit) -> Mat<f64> {
         let lags = fit.coordinates.basis.settling();
-        let d = with_one(&fit.ar);
+        let d = noise_filter(&fit.ar);
         let gain: f64 = d.iter().sum();
         let mut by_lag = Mat::<f64>::zeros(lags, self.columns);
         let mut with_offset = vec![0.0; self.columns];
@@ -232,7 +232,7 @@ impl OfferedRun {
         moments: &Moments,
         fit: &GlsFit,
     ) -> Self {
-        let d = with_one(&fit.ar);
+        let d = noise_filter(&fit.ar);
         let history = fit.coordinates.basis.settling() + fit.ar.len();
         let (run, centre) = (&simulated.run, moments.centre.0);
         let before = run.input_at_rest().map_or(0.0, |u| u - centre);

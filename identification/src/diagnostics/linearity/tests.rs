@@ -6,10 +6,11 @@ use crate::data::record::{Record, Run};
 use crate::diagnostics::linearity::reset_test::FUNCTIONS;
 use crate::diagnostics::simulation_error::simulated;
 use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::fsf_basis::dot;
 use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, with_one};
+use crate::estimation::least_squares::Coordinates;
+use crate::estimation::noise_model::noise_filter;
 use crate::numerics::linear_algebra::{column, times};
+use crate::numerics::vectors::dot;
 use crate::options::NoiseOrder;
 use approx::assert_relative_eq;
 use faer::Mat;
@@ -50,12 +51,12 @@ fn record(bend: f64) -> Record {
     Record::new(0.01, vec![first.with_input_at_rest(rest), second]).unwrap()
 }
 
-fn fitted(record: &Record, frequencies: usize) -> (Information, GlsFit) {
+fn fitted(record: &Record, frequencies: usize) -> (RowInformation, GlsFit) {
     let options = GlsOptions {
         order: NoiseOrder::Order(1),
         ..GlsOptions::default()
     };
-    let information = Information::from_moments(Moments::of_record(record, SETTLING + 1, 2));
+    let information = RowInformation::from_moments(Moments::of_record(record, SETTLING + 1, 2));
     let coordinates = Coordinates::new(FsfBasis::new(SETTLING, frequencies).unwrap());
     let fit = gls::fit(&information, &coordinates, &options).unwrap();
     (information, fit)
@@ -77,7 +78,7 @@ struct Explicit {
 
 impl Explicit {
     fn new(offered: &ResetTest, fit: &GlsFit) -> Self {
-        let d = with_one(&fit.ar);
+        let d = noise_filter(&fit.ar);
         let columns = offered.runs.iter().flat_map(|run| &run.columns);
         let columns = columns.max().unwrap() + 1;
         let mut rows: Vec<(Vec<f64>, Vec<f64>, f64)> = Vec::new();
@@ -170,7 +171,7 @@ fn moments_by_transforms_give_what_the_explicit_regression_gives() {
     }
 }
 
-fn tested(record: &Record, information: &Information, fit: &GlsFit) -> Linearity {
+fn tested(record: &Record, information: &RowInformation, fit: &GlsFit) -> Linearity {
     let runs = simulated(record, &information.moments, fit);
     test(&runs, information, fit).unwrap()
 }

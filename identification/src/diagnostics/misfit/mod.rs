@@ -25,7 +25,7 @@ use crate::data::record::Record;
 use crate::diagnostics::linearity::{BetweenRuns, Linearity};
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, Information, least_squares_left};
+use crate::estimation::least_squares::{Coordinates, RowInformation, complete_bank_rss};
 use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::truncation::FIRST_ORDER;
 use crate::options::NoiseOrder;
@@ -153,7 +153,7 @@ impl BothEstimators {
     /// told; that is looked for where the errors are known to be `suspect`, or where no bank being much
     /// better cannot be seen at once.
     pub(crate) fn new(
-        information: &Information,
+        information: &RowInformation,
         generalised: &gls::GlsFit,
         suspect: bool,
     ) -> Option<Self> {
@@ -182,7 +182,7 @@ impl BothEstimators {
 
     /// Whether any response of so many samples might simulate better by more than is tolerated.
     fn may_be_beaten(&self, moments: &Moments, settling: usize) -> bool {
-        least_squares_left(moments, settling).is_none_or(|left| {
+        complete_bank_rss(moments, settling).is_none_or(|left| {
             fit_percent(left, moments.output_spread()) - self.generalised_percent > TOLERATED
         })
     }
@@ -284,6 +284,6 @@ fn plain() -> GlsOptions {
 }
 
 /// Sum of squares of the simulation error.
-fn simulation_error(information: &Information, fit: &gls::GlsFit) -> f64 {
+fn simulation_error(information: &RowInformation, fit: &gls::GlsFit) -> f64 {
     information.residual_moments(&fit.impulse(), fit.solution.offset(), 0)[(0, 0)].max(0.0)
 }

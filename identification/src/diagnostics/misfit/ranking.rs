@@ -5,7 +5,7 @@ use crate::data::moments::{MomentStream, Moments};
 use crate::data::record::Record;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, Information};
+use crate::estimation::least_squares::{Coordinates, RowInformation};
 use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::truncation::FIRST_ORDER;
 use crate::options::NoiseOrder;
@@ -124,8 +124,12 @@ fn banks(total: &Moments, settling: usize, frequencies: Option<usize>) -> Vec<Fs
 fn parts_determine(total: &Moments, parts: &[Moments], basis: FsfBasis) -> bool {
     let coordinates = Coordinates::new(basis);
     let determined = |moments: Moments| {
-        gls::fit(&Information::from_moments(moments), &coordinates, &plain())
-            .is_some_and(|fit| fit.solution.condition <= DETERMINED)
+        gls::fit(
+            &RowInformation::from_moments(moments),
+            &coordinates,
+            &plain(),
+        )
+        .is_some_and(|fit| fit.solution.condition <= DETERMINED)
     };
     let mut present = parts.iter().filter(|part| part.rows() > 0);
     !determined(total.clone()) || present.all(|part| determined(total.without(part)))
@@ -140,12 +144,12 @@ fn cross_validate(
 ) -> Option<f64> {
     let mut error = 0.0;
     for part in parts.iter().filter(|part| part.rows() > 0) {
-        let others = Information::from_moments(total.without(part));
+        let others = RowInformation::from_moments(total.without(part));
         let fit = gls::fit(&others, coordinates, options)?;
         if fit.solution.condition > DETERMINED {
             return None; // Not determined by the parts that are left.
         }
-        error += simulation_error(&Information::from_moments(part.clone()), &fit);
+        error += simulation_error(&RowInformation::from_moments(part.clone()), &fit);
     }
     Some(fit_percent(error, total.output_spread()))
 }

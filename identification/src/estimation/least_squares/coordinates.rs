@@ -5,8 +5,8 @@ use faer::{Mat, MatRef};
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::numerics::linear_algebra::times;
 
-/// The coordinates in which a bank is solved: a complete bank directly in its impulse response
-/// (T only rotates it), a smaller one in θ.
+/// The coordinates in which a bank is solved: the impulse response itself for a complete bank (T only
+/// rotates it), θ for a smaller one.
 #[derive(Clone)]
 pub struct Coordinates {
     /// The bank.

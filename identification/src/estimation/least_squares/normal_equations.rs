@@ -2,17 +2,14 @@
 
 use faer::Mat;
 
-use super::{Coordinates, Solution};
+use super::coordinates::Coordinates;
+use super::solution::Solution;
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::dot;
+use crate::estimation::noise_model::noise_filter;
 use crate::numerics::linear_algebra::{
     backward_solve, cholesky, condition, forward_solve, inverse_of_lower, times,
 };
-
-/// 1, d_1, ..., d_d.
-pub(crate) fn with_one(ar: &[f64]) -> Vec<f64> {
-    std::iter::once(1.0).chain(ar.iter().copied()).collect()
-}
+use crate::numerics::vectors::dot;
 
 /// D-filtered normal equations A x = b with the offset as last parameter.
 pub(crate) struct NormalEquations {
@@ -24,12 +21,13 @@ pub(crate) struct NormalEquations {
 
 impl NormalEquations {
     pub(crate) fn new(moments: &Moments, coordinates: &Coordinates, ar: &[f64]) -> Self {
-        let uu = filtered_input_moments(&moments.uu, coordinates.basis.settling(), &with_one(ar));
+        let uu =
+            filtered_input_moments(&moments.uu, coordinates.basis.settling(), &noise_filter(ar));
         let square = coordinates.square(uu.as_ref());
         Self::with_square(moments, coordinates, ar, square)
     }
 
-    /// With the coordinates' part of A known.
+    /// With a known coordinates' part of A.
     pub(crate) fn with_square(
         moments: &Moments,
         coordinates: &Coordinates,
@@ -37,7 +35,7 @@ impl NormalEquations {
         square: Mat<f64>,
     ) -> Self {
         let n = coordinates.basis.settling();
-        let d = with_one(ar);
+        let d = noise_filter(ar);
         let gain: f64 = d.iter().sum();
         // Columns: cross moments with the filtered output, and with the filtered offset.
         let mut edge = Mat::<f64>::zeros(n, 2);
@@ -88,9 +86,9 @@ impl NormalEquations {
     }
 }
 
-/// Sum of squares that no response of `settling` samples can go below, from the rows behind `moments`; `None`
-/// where they do not determine it.
-pub(crate) fn least_squares_left(moments: &Moments, settling: usize) -> Option<f64> {
+/// Residual sum of squares of the complete bank for `settling` samples, the smallest of any response of
+/// that length. `None` when the rows do not determine it.
+pub(crate) fn complete_bank_rss(moments: &Moments, settling: usize) -> Option<f64> {
     let n = settling;
     let a = Mat::from_fn(n + 1, n + 1, |i, j| match (i, j) {
         (i, j) if i < n && j < n => moments.uu[(i, j)],
@@ -152,7 +150,7 @@ impl Factored {
         x.iter().zip(&self.scale).map(|(x, s)| x * s).collect()
     }
 
-    /// A^-1 b with one step of refinement.
+    /// A^-1 b, refined once.
     pub(super) fn refined(&self, equations: &NormalEquations) -> Vec<f64> {
         let mut x = self.solve(&equations.b);
         let product = times(&equations.a, &x);
@@ -183,7 +181,7 @@ impl Factored {
 pub(crate) fn solve_moments(equations: &NormalEquations) -> Option<Solution> {
     let factored = Factored::new(equations)?;
     let x = factored.refined(equations);
-    // c - 2 b'x + x'A x: the error of x enters only in second order.
+    // In c - 2 b'x + x'A x the error of x has only second-order effects.
     let rss = equations.c - 2.0 * dot(&equations.b, &x) + dot(&x, &times(&equations.a, &x));
     let inverse = factored.inverse();
     let condition = centred_condition(&equations.a, &inverse);
@@ -195,7 +193,7 @@ pub(crate) fn solve_moments(equations: &NormalEquations) -> Option<Solution> {
     })
 }
 
-/// Condition number of the coordinates' part of A after projecting the offset (last) out.
+/// Condition number of the coordinates' part of A, the offset (last) projected out.
 pub(super) fn centred_condition(a: &Mat<f64>, inverse: &Mat<f64>) -> f64 {
     let p = a.nrows() - 1;
     let centred = Mat::from_fn(p, p, |i, j| a[(i, j)] - a[(i, p)] * a[(p, j)] / a[(p, p)]);

@@ -2,11 +2,12 @@
 
 use faer::Mat;
 
-use super::{Coordinates, Information};
+use super::coordinates::Coordinates;
+use super::row_information::RowInformation;
 use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::dot;
+use crate::numerics::vectors::dot;
 
-impl Information {
+impl RowInformation {
     /// E\[i,j\] = sum v(k-i) v(k-j), i, j = 0..=order, for v = y - h*u - offset (all relative to
     /// the centre).
     #[must_use]
@@ -30,7 +31,7 @@ impl Information {
         }
     }
 
-    /// [`Information::residual_moments`] of a response in `coordinates`, whose cross moments may be known.
+    /// [`RowInformation::residual_moments`] of a response in `coordinates`. Known cross moments are reused.
     pub(crate) fn residual_moments_of(
         &self,
         coordinates: &Coordinates,

@@ -1,38 +1,37 @@
-//! Up strokes and down strokes apart: the direction-split model.
+//! The direction-split model: separate responses for up and down strokes.
 //!
-//! A loaded servo answers up and down differently, which no linear model can follow. Beside the
-//! filters of the command u, the model has a second, short bank on the size of its changes:
+//! A loaded servo responds differently to up and down strokes, which no linear model can follow. Beside the
+//! bank on the command u, the model has a second, short bank on the magnitude of its changes:
 //!
 //! ```text
 //! y(k) = sum_i h_i u(k-i) + sum_i δ_i |u(k-i) - u(k-i-1)| + c + v(k)
 //! g_up = g + δ,  g_down = g - δ
 //! ```
 //!
-//! where g is the running sum of h. A stroke of size a upwards moves the output by a g_up(m), one
-//! downwards by -a g_down(m). δ fades within N samples, so both settle on one static line: a record
-//! in which the gain itself differs between levels needs the level table of [`crate::nonlinear::limits`].
+//! where g is the running sum of h. A stroke of size a upwards moves the output by a g_up(m), a stroke
+//! downwards by -a g_down(m). δ vanishes after N samples, so both settle on one static line. A servo whose
+//! gain differs between levels needs the level table of [`crate::nonlinear::limits`].
 //!
-//! A servo is called asymmetric when δ leaves its simultaneous 99.9 % band around zero, and makes a
-//! difference of more than 2 % of the stroke. What a linear model cannot follow in a symmetric servo, such as a
-//! limited speed or play, finds its way into δ too: on simulated ones up to 1.4 %, outside the band
-//! in one run of six.
+//! A servo is asymmetric when δ leaves its simultaneous 99.9 % bounds around zero and the difference exceeds
+//! 2 % of the stroke. Other nonlinearities of a symmetric servo, such as limited speed or play, also affect
+//! δ: by up to 1.4 % on simulated servos, outside the bounds in one run of six.
 
 pub(crate) mod two_inputs;
 
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::data::record::Record;
 use crate::data::timing::Timing;
 use crate::error::Error;
-use crate::estimation::fsf_basis::{FsfBasis, dot};
+use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::Coordinates;
 use crate::estimation::variance::CurveVariance;
 use crate::numerics::critical_values::{
-    pointwise_critical, simultaneous_critical, student_critical,
+    chi_square_upper_tail, pointwise_critical, simultaneous_critical, student_critical,
 };
 use crate::numerics::linear_algebra::times;
+use crate::numerics::vectors::dot;
 use crate::options::NoiseOrder;
 use crate::results::metrics::Interval;
 use crate::results::model::Model;
@@ -41,19 +40,18 @@ use crate::results::validation::fit_percent;
 use crate::results::validity::Bounds;
 use two_inputs::{TwoInputFit, TwoInputMoments};
 
-/// Frequencies of the bank on |du|: with fewer, what they leave out shows up as an asymmetry that
-/// is not there.
-pub const FREQUENCIES: usize = 31;
+/// Number of frequencies of the bank on |du|. With fewer, truncation bias would pass for asymmetry.
+const FREQUENCIES: usize = 31;
 
-/// Probability of calling a symmetric servo asymmetric, lower than that of the bands: a real
-/// asymmetry stands tens of standard deviations clear.
+/// Probability of calling a symmetric servo asymmetric. It is lower than that of the bounds, because a real
+/// asymmetry exceeds tens of standard deviations.
 const FALSE_ALARM: f64 = 0.001;
 
-/// Difference between up and down strokes, as a share of the stroke, that is not taken for what
-/// other nonlinearities leave behind.
+/// Smallest difference between up and down strokes, as a share of the stroke, that other nonlinearities do
+/// not cause.
 const MATERIAL: f64 = 0.02;
 
-/// Directions of the covariance of less than this share of the largest are rounding.
+/// Directions of the covariance below this share of the largest are rounding.
 const ROUNDING: f64 = 1e-10;
 
 /// Whether up and down strokes differ.
@@ -64,7 +62,7 @@ pub struct Symmetry {
     pub p: f64,
     /// Largest |δ_m| in standard deviations.
     pub largest_deviation: f64,
-    /// What `largest_deviation` exceeds with probability 0.001 if the servo is symmetric.
+    /// Critical value, which `largest_deviation` exceeds with probability 0.001 if the servo is symmetric.
     pub critical_value: f64,
     /// `largest_deviation` exceeds `critical_value`, and the difference is more than 2 % of the
     /// stroke.
@@ -75,7 +73,7 @@ pub struct Symmetry {
     pub at_s: f64,
 }
 
-/// A model that answers up and down strokes differently.
+/// A model with one response to up strokes and one to down strokes.
 #[derive(Debug, Clone)]
 pub struct DirectionModel {
     /// N \[samples\].
@@ -84,7 +82,7 @@ pub struct DirectionModel {
     pub noise_order: usize,
     /// Response to a unit step upwards. Its last value is the gain, as in [`StepResponse`].
     pub up: StepResponse,
-    /// Response to a unit step downwards, turned over.
+    /// Response to a unit step downwards, inverted.
     pub down: StepResponse,
     /// Whether the two differ.
     pub symmetry: Symmetry,
@@ -95,7 +93,7 @@ pub struct DirectionModel {
     pub(crate) fit: SplitFit,
 }
 
-/// What differences between models are made of.
+/// Parameters and covariance of the fit, from which models are compared.
 #[derive(Debug, Clone)]
 pub(crate) struct SplitFit {
     /// Coordinates of the response to u, parameters of δ, offset about the centre.
@@ -154,13 +152,13 @@ impl SplitFit {
 /// ```
 ///
 /// # Errors
-/// The record has too few samples, or changes of the command do not stand apart from the command
-/// itself (strokes in one direction only).
+/// The record has too few samples, or strokes in one direction only, which do not separate the two
+/// responses.
 pub fn split(record: &Record, model: &Model) -> Result<DirectionModel, Error> {
     split_with(record, model.basis()?, NoiseOrder::Auto, model.level())
 }
 
-/// [`split`] for a bank, noise order and level of one's own.
+/// [`split`] with a given bank, noise order and level.
 ///
 /// # Errors
 /// As [`split`].
@@ -171,8 +169,7 @@ pub fn split_with(
     level: Bounds<f64>,
 ) -> Result<DirectionModel, Error> {
     let settling = basis.settling();
-    let odd = settling - usize::from(settling.is_multiple_of(2));
-    let second = FsfBasis::new(settling, FREQUENCIES.min(odd))?;
+    let second = changes_bank(settling)?;
     let moments = TwoInputMoments::of_record(record, settling);
     let parameters = basis.frequencies() + second.frequencies() + 1;
     let needed = 2 * parameters;
@@ -189,11 +186,14 @@ pub fn split_with(
     let Some(fit) = two_inputs::fit(&moments, &coordinates, &second, order) else {
         return Err(Error::OneDirection);
     };
-    let timing = Timing {
-        sample_period_s: record.sample_period_s(),
-        sample_phase_s: record.sample_phase_s(),
-    };
+    let timing = record.timing();
     Ok(build(&moments, &coordinates, &second, fit, timing, level))
+}
+
+/// The bank on |du| for a settling time.
+pub(crate) fn changes_bank(settling: usize) -> Result<FsfBasis, Error> {
+    let full = FsfBasis::full(settling)?.frequencies();
+    FsfBasis::new(settling, FREQUENCIES.min(full))
 }
 
 fn build(
@@ -228,7 +228,7 @@ fn build(
     let curves = split.curves_map();
     let half = |from: usize| {
         let map = Mat::from_fn(settling, p, |m, k| curves[(from + m, k)]);
-        let spread = spread_of(&map, &split.covariance, split.degrees_of_freedom);
+        let spread = CurveVariance::of_functions(&map, &split.covariance, split.degrees_of_freedom);
         let value = times(&map, &split.parameters);
         let bounds = level.map(|level| StepBounds::new(&value, &spread, level, Biases::default()));
         StepResponse::new(timing.sample_period_s, value, bounds)
@@ -247,7 +247,7 @@ fn build(
 }
 
 fn symmetry(split: &SplitFit, parameters: std::ops::Range<usize>, timing: Timing) -> Symmetry {
-    let spread = spread_of(
+    let spread = CurveVariance::of_functions(
         &split.split_map,
         &split.covariance,
         split.degrees_of_freedom,
@@ -272,7 +272,7 @@ fn symmetry(split: &SplitFit, parameters: std::ops::Range<usize>, timing: Timing
     });
     let (statistic, degrees) = wald(&split.parameters[parameters], &block);
     Symmetry {
-        p: upper_tail(statistic, degrees),
+        p: chi_square_upper_tail(statistic, degrees),
         largest_deviation,
         critical_value,
         asymmetric: largest_deviation > critical_value && 2.0 * delta[at].abs() > MATERIAL,
@@ -281,7 +281,7 @@ fn symmetry(split: &SplitFit, parameters: std::ops::Range<usize>, timing: Timing
     }
 }
 
-/// x'C^-1 x over the directions of C that are not rounding, and how many they are.
+/// x'C^-1 x over the directions of C that are not rounding, and their number.
 pub(crate) fn wald(x: &[f64], covariance: &Mat<f64>) -> (f64, usize) {
     let Ok(eigen) = covariance.self_adjoint_eigen(Side::Lower) else {
         return (0.0, 0);
@@ -295,43 +295,9 @@ pub(crate) fn wald(x: &[f64], covariance: &Mat<f64>) -> (f64, usize) {
         })
 }
 
-/// P(χ² > statistic).
-pub(crate) fn upper_tail(statistic: f64, degrees: usize) -> f64 {
-    ChiSquared::new(degrees as f64).map_or(1.0, |chi| chi.sf(statistic).clamp(0.0, 1.0))
-}
-
-/// Standard deviations and neighbour correlations of the functions in the rows of `map`.
-pub(crate) fn spread_of(
-    map: &Mat<f64>,
-    covariance: &Mat<f64>,
-    degrees_of_freedom: f64,
-) -> CurveVariance {
-    let rows = map.transpose().to_owned();
-    let weighted = covariance * &rows;
-    let product = |i: usize, j: usize| dot(weighted.col_as_slice(i), rows.col_as_slice(j));
-    let count = map.nrows();
-    let sd: Vec<f64> = (0..count).map(|i| product(i, i).max(0.0).sqrt()).collect();
-    let neighbour_correlation = (1..count)
-        .map(|i| {
-            let scale = sd[i - 1] * sd[i];
-            if scale > 0.0 {
-                (product(i - 1, i) / scale).clamp(-1.0, 1.0)
-            } else {
-                1.0
-            }
-        })
-        .collect();
-    CurveVariance {
-        degrees_of_freedom: vec![degrees_of_freedom; count],
-        neighbour_correlation,
-        sd,
-    }
-}
-
 impl DirectionModel {
-    /// Where the output comes to rest for a constant command, on the static line of the model. It
-    /// holds for the levels of a record with two of them; with more, a servo whose gain changes
-    /// with the level is not on one line.
+    /// The output at rest at a constant command, on the static line of the model. It is valid for a record
+    /// with two levels. With more levels, a servo whose gain depends on the level is not on one line.
     #[must_use]
     pub fn level_at(&self, command: f64) -> Interval {
         let (weights, constant) = self.fit.level_weights(command);

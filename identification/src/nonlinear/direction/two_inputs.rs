@@ -1,8 +1,8 @@
-//! Generalised least squares with two inputs: the command, and the size of its changes.
+//! Generalised least squares with two inputs: the command, and the magnitude of its changes.
 //!
 //! Rows are y(k) = φ(k)'θ + ψ(k)'η + c + ε(k)/D(z) with filters φ of u and ψ of w(k) = |u(k) - u(k-1)|. As
-//! with one input, the lagged moments of u, w and y are all that is needed of the data; they come
-//! from three passes of [`MomentStream`] over the same rows.
+//! with one input, the lagged moments of u, w and y suffice. They come from three passes of
+//! [`MomentStream`] over the same rows.
 
 use faer::Mat;
 
@@ -11,15 +11,18 @@ use crate::data::record::{Record, Run};
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::MAX_AUTO_ORDER;
 use crate::estimation::least_squares::Coordinates;
-use crate::estimation::noise_model::{NoiseFit, best_order};
+use crate::estimation::noise_model::{NoiseFit, best_order, noise_filter};
 use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
 use crate::options::NoiseOrder;
 
-/// Passes in which the noise order may change, and passes in all.
-const PASSES: (usize, usize) = (6, 30);
+/// Largest number of passes.
+const PASSES: usize = 30;
 
-/// Largest change of a coefficient of D that counts as rest: far below its standard deviation.
-const AT_REST: f64 = 1e-6;
+/// Passes in which the noise order may change.
+const FREE_ORDER_PASSES: usize = 6;
+
+/// Largest change of a coefficient of D at convergence, far below its standard deviation.
+const CONVERGED: f64 = 1e-6;
 
 /// Inner products of the rows [u lags | w lags | 1 | y lags].
 pub(crate) struct TwoInputMoments {
@@ -79,7 +82,7 @@ fn stretches(run: &Run, lags: usize, outputs: usize) -> Vec<Stretch> {
     let stretch = |span: std::ops::Range<usize>| {
         let times = span.start as isize - (lags as isize - 1)..span.end as isize;
         let oldest = span.start + 1 - outputs;
-        // Outputs before those that a row needs are not used: any number will do.
+        // Earlier outputs are not used in any row, so any number serves.
         let output = |k: isize| run.output()[usize::try_from(k).unwrap_or(0).max(oldest)];
         Stretch {
             u: times.clone().map(|k| run.input_at(k)).collect(),
@@ -153,14 +156,14 @@ pub(crate) fn fit(
     };
     let mut ar = Vec::new();
     let mut solution = problem.solve(&ar)?;
-    for pass in 0..PASSES.1 {
+    for pass in 0..PASSES {
         let errors = problem.residual_moments(&solution.parameters, max_order);
         let Some(noise) = NoiseFit::new(&errors, moments.output_spread) else {
-            break; // The fit is exact: there is no noise to describe.
+            break; // The fit is exact: there is no noise to model.
         };
         let order = match order {
             NoiseOrder::Order(_) => max_order,
-            NoiseOrder::Auto if pass >= PASSES.0 => ar.len(),
+            NoiseOrder::Auto if pass >= FREE_ORDER_PASSES => ar.len(),
             NoiseOrder::Auto => best_order(&noise.candidates(moments.rows)),
         };
         let next = noise.coefficients(order);
@@ -169,7 +172,7 @@ pub(crate) fn fit(
             .fold(0.0, f64::max);
         ar = next;
         solution = problem.solve(&ar)?;
-        if moved < AT_REST {
+        if moved < CONVERGED {
             break;
         }
     }
@@ -188,9 +191,9 @@ pub(crate) fn fit(
     })
 }
 
-/// What the estimator makes of a servo with known responses to u and to w, of `length` samples each
-/// and longer than the banks if need be: parameters, offset included, from the one response followed
-/// by the other. The moments need lags for `length` and the noise filter `ar`.
+/// The linear map from known responses to u and to w, of `length` samples each, to the parameters that the
+/// estimator finds of such a servo, offset included. The responses may be longer than the banks; the moments
+/// need lags for `length` and the noise filter `ar`.
 pub(crate) fn projection(
     moments: &TwoInputMoments,
     coordinates: &Coordinates,
@@ -204,7 +207,7 @@ pub(crate) fn projection(
     let columns = problem.filtered_columns(ar);
     let columns = columns.as_ref().submatrix(0, 0, columns.nrows(), p);
     let lags = moments.lags;
-    let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+    let d = noise_filter(ar);
     let responses = Mat::from_fn(moments.products.nrows(), 2 * length, |row, k| {
         let (input, lag) = (k / length, k % length);
         let filter = row.checked_sub(input * lags).filter(|a| *a < lags);
@@ -252,7 +255,7 @@ impl<'a> Problem<'a> {
         }
         let scaled = Mat::from_fn(p, p, |i, j| gram[(i, j)] * scale[i] * scale[j]);
         let lower = cholesky(&scaled)?;
-        // A column that is a combination of the others to five digits is not determined.
+        // A column that is a combination of the others to five digits is undetermined.
         if (0..p).any(|k| lower[(k, k)] < 1e-5) {
             return None;
         }
@@ -271,7 +274,7 @@ impl<'a> Problem<'a> {
     /// From filtered columns (bank of u, bank of w, offset, output) to lags: one column each.
     fn filtered_columns(&self, ar: &[f64]) -> Mat<f64> {
         let lags = self.moments.lags;
-        let d: Vec<f64> = std::iter::once(1.0).chain(ar.iter().copied()).collect();
+        let d = noise_filter(ar);
         let settling = self.coordinates.basis.settling();
         let mut filter = Mat::zeros(lags, settling);
         for a in 0..settling {

@@ -6,8 +6,8 @@
 use faer::Mat;
 
 use super::measured::Measured;
-use crate::estimation::fsf_basis::dot;
 use crate::numerics::critical_values::pointwise_critical;
+use crate::numerics::vectors::dot;
 
 /// Second moments of a step response.
 pub(crate) struct Spread<'a> {

@@ -1,4 +1,4 @@
-//! What shells suggest for options that take more than a list of words.
+//! Values that shells suggest for options that take other values too.
 
 use crate::instrument::reference::Kind;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
@@ -6,8 +6,8 @@ use clap::error::Error;
 use clap::{Arg, Command};
 use std::ffi::OsStr;
 
-/// A parser of anything, with words that completions offer. Options that use it hide their possible
-/// values, for these are not all.
+/// A parser with words that completions offer. Options that use it hide their possible values, because other
+/// values are allowed.
 #[derive(Clone)]
 pub(super) struct Suggesting<P> {
     parser: P,
@@ -31,7 +31,7 @@ impl<P: TypedValueParser> TypedValueParser for Suggesting<P> {
     }
 }
 
-/// Where a rig may be.
+/// Ports of rigs.
 pub(super) fn port() -> impl TypedValueParser<Value = String> {
     Suggesting {
         parser: StringValueParser::new(),
@@ -46,7 +46,7 @@ pub(super) fn port() -> impl TypedValueParser<Value = String> {
     }
 }
 
-/// What a servo may be told.
+/// Kinds of references.
 pub(super) fn reference() -> impl TypedValueParser<Value = Kind> {
     Suggesting {
         parser: StringValueParser::new().try_map(|text| text.parse::<Kind>()),
@@ -54,7 +54,7 @@ pub(super) fn reference() -> impl TypedValueParser<Value = Kind> {
     }
 }
 
-/// A condition under which a servo may be.
+/// Conditions of a measurement.
 pub(super) fn condition() -> impl TypedValueParser<Value = String> {
     Suggesting {
         parser: StringValueParser::new(),

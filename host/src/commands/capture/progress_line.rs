@@ -1,20 +1,20 @@
-//! What a person sees while a capture goes on.
+//! Progress of a capture without the live scope.
 
-use super::Talk;
+use crate::commands::output_args::Talk;
 use crate::instrument::rig::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLES_PER_FRAME};
 use servoid_protocol::{SensorScale, ServoScale};
 
-/// A line that moves in a terminal; plain lines, one per second of the run, elsewhere.
-pub(super) struct CaptureProgress {
+/// A progress bar in a terminal; elsewhere one line for each second of the run.
+pub(super) struct ProgressLine {
     bar: ProgressBar,
     talk: Talk,
     servo: ServoScale,
     sensor: SensorScale,
 }
 
-impl CaptureProgress {
+impl ProgressLine {
     pub(super) fn new(talk: Talk, frames: u32, servo: ServoScale, sensor: SensorScale) -> Self {
         let bar = if talk.quiet {
             ProgressBar::hidden()
@@ -23,7 +23,7 @@ impl CaptureProgress {
         };
         let style =
             ProgressStyle::with_template("{bar:30} {pos}/{len} frames, {eta} left  {wide_msg}");
-        // The template is fixed above; if the library ever refused it, its own style would do.
+        // Should the library ever refuse the template, its own style would do.
         if let Ok(style) = style {
             bar.set_style(style);
         }
@@ -35,7 +35,7 @@ impl CaptureProgress {
         }
     }
 
-    /// `band_percent` is half the width of the step response's band, where there is one.
+    /// Shows a frame. `band_percent` is half the width of the step response's band, if there is one.
     pub(super) fn update(&self, progress: Progress<'_>, band_percent: Option<f64>) {
         let frame = progress.frame;
         let done = u64::from(frame.index) + 1;
@@ -44,9 +44,10 @@ impl CaptureProgress {
             .samples
             .last()
             .map_or(f64::NAN, |&c| self.sensor.degrees(c).0);
-        let band = band_percent.map_or_else(String::new, |p| format!("; band +-{p:.2} %"));
+        let band =
+            band_percent.map_or_else(String::new, |p| format!("; band +-{p:.2} % of the step"));
         let message = format!(
-            "reference {reference:+.1} deg, position {position:+.2} deg; link: {} unreadable, {} asked again{band}",
+            "reference {reference:+.1} deg, position {position:+.2} deg; link: {} messages unreadable, {} frames asked again{band}",
             progress.rejects.total(),
             progress.asked_again
         );

@@ -9,7 +9,7 @@ use ratatui::text::Line;
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 use servoid_identification::validity::Bounds;
 
-/// Yellow is what was told, cyan what was done, in both plots.
+/// Yellow is the reference, cyan the measured motion, in both plots.
 pub(super) const REFERENCE: Color = Color::Yellow;
 pub(super) const POSITION: Color = Color::Cyan;
 const BAND: Color = Color::Magenta;
@@ -39,10 +39,10 @@ pub(super) fn trace(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
     chart(frame, area, title, curves, (x, 1), y);
 }
 
-/// The step response with its band, once there is one.
+/// The step response with its band, once there is an estimate.
 pub(super) fn step(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
     let Some(step) = &state.step else {
-        let text = " comes with the second cycle of the reference";
+        let text = " starts with the second cycle of the reference";
         let block = Block::bordered().title(" step response ");
         return frame.render_widget(Paragraph::new(text).block(block), area);
     };
@@ -75,7 +75,7 @@ pub(super) fn step(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
     chart(frame, area, Line::from(title), curves, ([0.0, end], 0), y);
 }
 
-/// From the least to the greatest value and a little beyond, and no less than `least`.
+/// The range of the values and of `least`, with a margin.
 fn range(values: impl Iterator<Item = f64>, least: [f64; 2]) -> [f64; 2] {
     let [low, high] = values.fold(least, |[low, high], y| [low.min(y), high.max(y)]);
     let margin = MARGIN * (high - low);
@@ -90,7 +90,7 @@ fn curve(points: &[(f64, f64)], colour: Color) -> Dataset<'_> {
         .data(points)
 }
 
-/// `x` is the range and the decimals of its labels.
+/// `x` is the range, and the number of decimals of its labels.
 fn chart(
     frame: &mut Frame<'_>,
     area: Rect,
@@ -99,7 +99,7 @@ fn chart(
     x: ([f64; 2], usize),
     y: [f64; 2],
 ) {
-    // Three labels: that many stand where they belong.
+    // The library places up to three labels correctly.
     let labels = |[low, high]: [f64; 2], decimals: usize| {
         [low, f64::midpoint(low, high), high].map(|value| format!("{value:.decimals$}"))
     };

@@ -1,19 +1,18 @@
-//! The slow and obvious way, for tests to hold the fast way against.
+//! The slow, obvious estimator that the fast one is tested against.
 //!
 //! Every row of the regression is written out, least squares goes through QR on those rows, and D
 //! is fitted to the residuals sample by sample. Time and memory grow with rows times parameters
-//! squared; results are those of [`crate::estimation::gls`] without its correction for the parameters fitted.
+//! squared. The results are those of [`servoid_identification::gls`] without its correction for the
+//! fitted parameters.
 
 use faer::Mat;
-use faer::linalg::solvers::SolveLstsqCore;
+use faer::linalg::solvers::{DenseSolveCore, SolveLstsqCore};
 
-use crate::data::record::Record;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::numerics::linear_algebra::column;
+use servoid_identification::fsf_basis::FsfBasis;
+use servoid_identification::{Record, Run};
 
 /// A fit by explicit rows.
-#[derive(Debug, Clone)]
-pub struct ReferenceFit {
+pub struct DirectFit {
     /// θ.
     pub theta: Vec<f64>,
     /// c.
@@ -35,8 +34,7 @@ struct Stretch {
 }
 
 /// Fits a bank and a noise model of fixed order by alternating least squares on explicit rows.
-#[must_use]
-pub fn fit(record: &Record, basis: FsfBasis, order: usize, passes: usize) -> ReferenceFit {
+pub fn fit(record: &Record, basis: FsfBasis, order: usize, passes: usize) -> DirectFit {
     let stretches = explicit_rows(record, basis, order);
     let mut ar = vec![0.0; order];
     for _ in 0..passes {
@@ -54,13 +52,12 @@ pub fn fit(record: &Record, basis: FsfBasis, order: usize, passes: usize) -> Ref
         .sum();
     let variance = rss / (rows - p - order) as f64;
     let triangle = filtered.0.qr().thin_R().to_owned();
-    let inverse =
-        crate::numerics::linear_algebra::inverse_of_lower(&triangle.transpose().to_owned());
-    ReferenceFit {
+    let inverse = triangle.partial_piv_lu().inverse();
+    DirectFit {
         theta: x[..p - 1].to_vec(),
         offset: x[p - 1],
         ar,
-        covariance: faer::Scale(variance) * (inverse.transpose() * &inverse),
+        covariance: faer::Scale(variance) * (&inverse * inverse.transpose()),
         variance,
         rows,
     }
@@ -74,9 +71,7 @@ fn explicit_rows(record: &Record, basis: FsfBasis, order: usize) -> Vec<Stretch>
         for span in run.complete_rows(n + order, order + 1) {
             let first = span.start - order;
             let rows = span.end - first;
-            let lags = Mat::from_fn(rows, n, |i, a| {
-                run.input_at((first + i) as isize - a as isize)
-            });
+            let lags = Mat::from_fn(rows, n, |i, a| input_at(run, first + i, a));
             let filters = lags * &map;
             let p = basis.frequencies();
             stretches.push(Stretch {
@@ -92,6 +87,14 @@ fn explicit_rows(record: &Record, basis: FsfBasis, order: usize) -> Vec<Stretch>
         }
     }
     stretches
+}
+
+/// The input `lag` samples before sample `k`, which may lie before the run.
+fn input_at(run: &Run, k: usize, lag: usize) -> f64 {
+    match k.checked_sub(lag) {
+        Some(k) => run.input()[k],
+        None => run.input_at_rest().unwrap_or(f64::NAN),
+    }
 }
 
 fn least_squares(stretches: &[Stretch], ar: &[f64]) -> (Vec<f64>, (Mat<f64>, Vec<f64>)) {
@@ -141,7 +144,7 @@ fn fit_noise(stretches: &[Stretch], x: &[f64], order: usize) -> Vec<f64> {
 }
 
 fn solve_by_qr(matrix: &Mat<f64>, right: &[f64]) -> Vec<f64> {
-    let mut solution = column(right);
+    let mut solution = Mat::from_fn(right.len(), 1, |i, _| right[i]);
     matrix
         .qr()
         .solve_lstsq_in_place_with_conj(faer::Conj::No, solution.as_mut());

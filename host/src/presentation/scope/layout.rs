@@ -1,24 +1,24 @@
-//! The picture of a state: nothing but [`ScopeState`] and the size of the terminal decides it.
+//! The picture of a [`ScopeState`] on a terminal of any size.
 
-use super::panel;
-use super::plots;
+use super::charts;
 use super::state::ScopeState;
+use super::status_panel;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Style, Stylize};
 use ratatui::text::Line;
 use ratatui::widgets::{Gauge, Paragraph};
 
-/// Below this size a plot shows nothing that can be read.
+/// Smallest plot that can be read (columns, rows).
 const SMALLEST_PLOT: (u16, u16) = (40, 10);
 
-/// From this width on the text stands beside both plots, below it beside the lower one only.
+/// From this width on (columns) the text is beside both plots; below it, beside the lower one.
 const WIDE: u16 = 110;
 
-/// Columns that the text takes.
+/// Width of the text (columns).
 const TEXT: u16 = 40;
 
-/// Rows that the text needs for everything but the band's history, with its borders.
+/// Height of the text without the band's history, with its borders (rows).
 const PANEL: u16 = 12;
 
 /// Draws the scope over the whole of `frame`, whatever its size.
@@ -47,24 +47,24 @@ fn draw_body(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
         let [left, text] =
             Layout::horizontal([Constraint::Fill(1), Constraint::Length(TEXT)]).areas(area);
         let [upper, lower] = Layout::vertical([Constraint::Fill(1); 2]).areas(left);
-        plots::trace(frame, upper, state);
-        plots::step(frame, lower, state);
-        panel::draw(frame, text, state);
+        charts::trace(frame, upper, state);
+        charts::step(frame, lower, state);
+        status_panel::draw(frame, text, state);
     } else if area.width >= 2 * SMALLEST_PLOT.0 && area.height >= 2 * SMALLEST_PLOT.1 {
         let rows = PANEL.max(area.height / 2);
         let [upper, lower] =
             Layout::vertical([Constraint::Fill(1), Constraint::Length(rows)]).areas(area);
-        plots::trace(frame, upper, state);
+        charts::trace(frame, upper, state);
         let [left, text] =
             Layout::horizontal([Constraint::Fill(1), Constraint::Length(TEXT)]).areas(lower);
-        plots::step(frame, left, state);
-        panel::draw(frame, text, state);
+        charts::step(frame, left, state);
+        status_panel::draw(frame, text, state);
     } else {
-        let lines = panel::in_short(state);
+        let lines = status_panel::in_short(state);
         let [upper, lower] =
             Layout::vertical([Constraint::Fill(1), Constraint::Length(lines.len() as u16)])
                 .areas(area);
-        plots::trace(frame, upper, state);
+        charts::trace(frame, upper, state);
         frame.render_widget(Paragraph::new(lines), lower);
     }
 }
@@ -81,15 +81,15 @@ fn draw_bar(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
 
 fn keys_line(state: &ScopeState) -> Line<'static> {
     if state.stopping {
-        Line::from(" stopping: the servo goes to neutral, the file is closed").yellow()
+        Line::from(" stopping: the servo goes to neutral, then the file is closed").yellow()
     } else {
         Line::from(" q or Ctrl-C: stop safely (servo to neutral, file closed, data kept)").dim()
     }
 }
 
-/// As many lines as there is room for, the most important first.
+/// The text alone, the most important line first.
 fn draw_text_alone(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
-    let mut lines = panel::in_short(state);
+    let mut lines = status_panel::in_short(state);
     lines.push(keys_line(state));
     frame.render_widget(Paragraph::new(lines), area);
 }
@@ -193,11 +193,11 @@ mod tests {
                 "sim:bench",
                 "(deg) against time (s)",
                 "step response",
-                "enough: the band is ±0.50 %",
+                "done: the band is ±0.50 %",
                 "4.8 s left",
                 "frame 200 of 440, sample 2000 of 4400",
-                "told +5.0",
-                "is +4.25 deg",
+                "ref +5.0",
+                "pos +4.25 deg",
                 "unreadable 65: CRC 11, malformed 12",
                 "too long 13, unknown 14, left over 15",
                 "asked again 16, lost 17",
@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn a_small_terminal_has_the_counters_and_the_band() {
         let picture = picture(&in_the_middle(), 40, 12);
-        for text in ["4.8 s left, frame 200 of 440", "unreadable 65", "enough"] {
+        for text in ["4.8 s left, frame 200 of 440", "unreadable 65", "done"] {
             assert!(picture.contains(text), "{text}:\n{picture}");
         }
     }

@@ -1,6 +1,6 @@
 //! The numbers beside the plots.
 
-use super::plots::{POSITION, REFERENCE};
+use super::charts::{POSITION, REFERENCE};
 use super::state::{Phase, ScopeState};
 use ratatui::Frame;
 use ratatui::layout::Rect;
@@ -10,14 +10,14 @@ use ratatui::widgets::{Block, Paragraph, Wrap};
 use servoid_identification::validity::Bounds;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
-/// Everything, for a panel of 40 columns; what does not fit below is cut off, the link last of all.
+/// The whole panel, 40 columns wide. Where the height is too small, the lowest lines are cut off.
 pub(super) fn draw(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
     // The borders take two lines.
     let room = usize::from(area.height.saturating_sub(2));
     let mut lines = band(state);
     let (run, link) = (run(state), link(state));
     if lines.len() + run.len() + link.len() > room {
-        // How the band was before matters least.
+        // The history of the band matters least.
         lines.truncate(2);
     }
     let spaced = lines.len() + run.len() + link.len() + 2 <= room;
@@ -36,7 +36,7 @@ pub(super) fn draw(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
     );
 }
 
-/// The same in four lines for a small terminal.
+/// Four lines for a small terminal.
 pub(super) fn in_short(state: &ScopeState) -> Vec<Line<'static>> {
     let link = &state.link;
     vec![
@@ -83,8 +83,8 @@ fn motion(state: &ScopeState) -> Line<'static> {
         return Line::from("no frame yet");
     };
     Line::from(vec![
-        Span::styled(format!("told {:+.1}", newest.reference_deg), REFERENCE),
-        Span::styled(format!("  is {:+.2} deg", newest.position_deg), POSITION),
+        Span::styled(format!("ref {:+.1}", newest.reference_deg), REFERENCE),
+        Span::styled(format!("  pos {:+.2} deg", newest.position_deg), POSITION),
     ])
 }
 
@@ -131,30 +131,30 @@ fn link(state: &ScopeState) -> Vec<Line<'static>> {
 fn band(state: &ScopeState) -> Vec<Line<'static>> {
     let Some(step) = &state.step else {
         let wanted = match state.until_percent {
-            Some(percent) => format!("band: not yet; ends at ±{percent} %"),
-            None => "band: not yet".to_owned(),
+            Some(percent) => format!("band: none yet; run ends at ±{percent} %"),
+            None => "band: none yet".to_owned(),
         };
         return vec![Line::from(wanted)];
     };
     let Bounds::Valid(bounds) = &step.step.bounds else {
-        return vec![Line::from("this recording gives no band").red().bold()];
+        return vec![Line::from("no band: see 'servoid identify'").red().bold()];
     };
     let width = 100.0 * bounds.widest_half_width();
     let first = if state.enough() {
-        Line::from(format!("enough: the band is ±{width:.2} %")).green()
+        Line::from(format!("done: the band is ±{width:.2} %")).green()
     } else if let Some(percent) = state.until_percent {
-        Line::from(format!("the band is ±{width:.2} %, ends at ±{percent} %"))
+        Line::from(format!("band ±{width:.2} %, run ends at ±{percent} %"))
     } else {
-        Line::from(format!("the band is ±{width:.2} %"))
+        Line::from(format!("band ±{width:.2} %"))
     };
     let history: Vec<String> = state.widths.iter().map(|w| format!("{w:.1}")).collect();
     vec![
         first.bold(),
         Line::from(format!(
-            "  of the step, {:.0} % whole curve",
+            "  of the step, {:.0} % for the whole curve",
             100.0 * bounds.level
         )),
-        Line::from(format!("  it was ±{} %", history.join(" "))),
+        Line::from(format!("  before: ±{} %", history.join(" "))),
     ]
 }
 

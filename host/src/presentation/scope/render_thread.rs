@@ -1,11 +1,10 @@
-//! The scope's own thread.
+//! The thread that draws the scope.
 //!
-//! A terminal may stop taking what is drawn for as long as it likes: a hung connection, a window that
-//! is held. Nothing of the capture waits for it. What has happened goes into one state, of which the
-//! thread draws a copy whenever the terminal is ready for it, and a thread that is still drawing when
-//! the run is over is left to itself.
+//! A terminal may block for any time, as on a hung connection, and the capture must not wait for it. So events
+//! go into one shared state, and the thread draws a copy of it whenever the terminal is ready. A thread that is
+//! still blocked when the run is over is abandoned.
 
-use super::draw::draw;
+use super::layout::draw;
 use super::state::{ScopeEvent, ScopeState};
 use super::terminal::{self, Screen};
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
@@ -13,37 +12,34 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// A picture every so often at most, and a key is answered as fast: below what the eye takes for a
-/// stutter, and a few percent of a processor.
+/// Time between two pictures, and the longest time until a key is answered. The eye sees no stutter, and it
+/// costs a few percent of a processor.
 const PICTURE_EVERY: Duration = Duration::from_millis(50);
 
-/// The thread ends within a picture where the terminal takes it: ten times that, for a slow one.
+/// Longest wait for the last picture. A ready terminal takes one period; ten allow for a slow one.
 const LAST_PICTURE: Duration = PICTURE_EVERY.saturating_mul(10);
 
 /// The scope on the terminal. Dropping it gives the terminal back.
 pub struct Scope {
     shared: Arc<Shared>,
-    /// Nothing ever comes; the other end goes when the thread ends.
+    /// Carries no message; it is disconnected when the thread ends.
     thread: Receiver<()>,
 }
 
-/// What the capture says and the thread looks at.
-struct Shared(Mutex<(ScopeState, Over)>);
-
-/// Whether there is nothing more to show.
-type Over = bool;
+/// The state between capture and thread, and whether the run is over.
+struct Shared(Mutex<(ScopeState, bool)>);
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, (ScopeState, Over)> {
+    fn lock(&self) -> MutexGuard<'_, (ScopeState, bool)> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Scope {
-    /// Takes the terminal over. `on_stop` is called for each key that asks for the end.
+    /// Takes the terminal over. Each key that stops the run calls `on_stop`.
     ///
     /// # Errors
-    /// What the system said; the terminal is as it was then.
+    /// The error of the system; the terminal is left as it was.
     pub fn open(state: ScopeState, on_stop: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let screen = Screen::take()?;
         let shared = Arc::new(Shared(Mutex::new((state, false))));
@@ -53,8 +49,8 @@ impl Scope {
         Ok(Self { shared, thread })
     }
 
-    /// Tells the scope what has happened; never waits for the terminal.
-    pub fn tell(&self, event: ScopeEvent) {
+    /// Adds an event; never waits for the terminal.
+    pub fn update(&self, event: ScopeEvent) {
         self.shared.lock().0.apply(event);
     }
 }
@@ -62,16 +58,15 @@ impl Scope {
 impl Drop for Scope {
     fn drop(&mut self) {
         self.shared.lock().1 = true;
-        // It has said on its own screen what was wrong, if anything was.
         let _ended_or_stuck = self.thread.recv_timeout(LAST_PICTURE);
-        // A thread that is stuck in a picture has not done it.
+        // A blocked thread has not given it back.
         terminal::give_back();
     }
 }
 
 fn show(mut screen: Screen, shared: &Shared, on_stop: &dyn Fn(), ends: Sender<()>) {
     loop {
-        // A copy: drawing may take for ever.
+        // A copy, because drawing may block.
         let (state, over) = shared.lock().clone();
         if over {
             break;
@@ -79,12 +74,12 @@ fn show(mut screen: Screen, shared: &Shared, on_stop: &dyn Fn(), ends: Sender<()
         let drawn = screen.draw(|frame| draw(frame, &state));
         let stop = drawn.and_then(|()| wait_for_keys());
         match stop {
-            Ok(Some(wish)) if wish == Stop::Now || !state.stopping => {
+            Ok(Some(stop)) if stop == Stop::Now || !state.stopping => {
                 shared.lock().0.stopping = true;
                 on_stop();
             }
             Ok(_) => {}
-            // The terminal is gone; the capture is not.
+            // The terminal is gone; the capture goes on.
             Err(_) => break,
         }
     }
@@ -92,16 +87,16 @@ fn show(mut screen: Screen, shared: &Shared, on_stop: &dyn Fn(), ends: Sender<()
     drop(ends);
 }
 
-/// What a key asks for.
+/// How a key stops the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Stop {
-    /// The end of the run. Again it means nothing more: a key that is held down comes many times.
+    /// At neutral. Repeats are ignored: a key that is held down comes many times.
     Safely,
-    /// The same, as the signal that Ctrl-C is elsewhere: the second one ends the program at once.
+    /// As Ctrl-C outside the scope: the second one ends the program at once.
     Now,
 }
 
-/// Waits until the next picture is due; says what the keys meanwhile asked for.
+/// Waits until the next picture is due, or for keys; returns the strongest stop that they ask for.
 fn wait_for_keys() -> std::io::Result<Option<Stop>> {
     let mut stop = None;
     if event::poll(PICTURE_EVERY)? {

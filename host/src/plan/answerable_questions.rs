@@ -1,19 +1,20 @@
-//! What a reference answers beside the linear response: what the detectors themselves say of a
-//! simulated run of it.
+//! Questions beside the linear response, and whether a reference answers them.
+//!
+//! The detectors of identification decide, on simulated runs of the reference.
 
 use serde::Serialize;
 use servoid_identification::direction;
 use servoid_identification::limits::{Limits, RateVerdict};
 use servoid_identification::{Model, Record};
 
-/// One question.
+/// A question, and whether the reference answers it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
-    /// What is asked.
+    /// The question.
     pub question: &'static str,
     /// Whether a recording of this reference answers it.
     pub answered: bool,
-    /// Where it does not: why, and what to record instead.
+    /// Where it does not: the reason, and what to record instead.
     pub why: Option<String>,
 }
 
@@ -27,23 +28,24 @@ impl Answer {
     }
 }
 
-/// The smallest number of levels of which a curve can be told from a straight line.
+/// The smallest number of levels that distinguishes a curve from a straight line.
 const LEVELS: usize = 3;
 
-/// Of a detector's sentence on a recording that does not tell, what to record instead: there is no recording.
-fn instead(statement: &str) -> String {
-    let what = statement
+/// The second half of a detector's sentence: what to record instead. The first half is about a recording, and here
+/// there is none.
+fn advice_of(statement: &str) -> String {
+    let advice = statement
         .split_once(": ")
-        .map_or(statement, |(_, what)| what);
-    let mut letters = what.chars();
+        .map_or(statement, |(_, advice)| advice);
+    let mut letters = advice.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
     first.chain(letters).collect()
 }
 
-/// Every question.
-pub(super) fn of(pilot: &Model, record: &Record) -> Vec<Answer> {
-    let limits = Limits::of(record, pilot);
-    let split = direction::split(record, pilot);
+/// All questions; `example` is identified from `record`.
+pub(super) fn of(example: &Model, record: &Record) -> Vec<Answer> {
+    let limits = Limits::of(record, example);
+    let split = direction::split(record, example);
     let rates = [&limits.rate_up, &limits.rate_down];
     let silent = rates
         .into_iter()
@@ -52,7 +54,7 @@ pub(super) fn of(pilot: &Model, record: &Record) -> Vec<Answer> {
     let silent_end = ends.and_then(|ends| ends.iter().find(|end| end.softens.is_none()));
     let mut levels: Vec<f64> = limits.levels.iter().map(|cell| cell.command).collect();
     levels.dedup();
-    let why_not = |statement: Option<&str>| instead(statement.unwrap_or_default());
+    let why_not = |statement: Option<&str>| advice_of(statement.unwrap_or_default());
     vec![
         Answer::new(
             "do strokes up and down differ",
@@ -71,21 +73,21 @@ pub(super) fn of(pilot: &Model, record: &Record) -> Vec<Answer> {
         Answer::new(
             "does the rest position depend on the direction of approach (hysteresis)",
             limits.hysteresis.found.is_some(),
-            instead(&limits.hysteresis.statement),
+            advice_of(&limits.hysteresis.statement),
         ),
         Answer::new(
             "does the travel end within the range",
             ends.is_some() && silent_end.is_none(),
             silent_end.map_or_else(
                 || "No level is held long enough to see where the servo rests.".to_owned(),
-                |end| instead(&end.statement),
+                |end| advice_of(&end.statement),
             ),
         ),
         Answer::new(
             "which level is reached at which command",
             levels.len() >= LEVELS,
             format!(
-                "The servo comes to rest at {} levels; a bend shows from {LEVELS} on.",
+                "The servo comes to rest at {} levels only; a bend shows from {LEVELS} levels on.",
                 levels.len()
             ),
         ),

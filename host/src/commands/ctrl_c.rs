@@ -6,17 +6,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From now on the first Ctrl-C, SIGTERM or SIGHUP is a request that [`asked`] reports, and the second
-/// one ends the program at once.
+/// From now on [`asked`] reports the first Ctrl-C, SIGTERM or SIGHUP, and the second one ends the program at once.
 pub(super) fn listen() -> Result<()> {
-    ctrlc::set_handler(ask).context("Ctrl-C cannot be watched for")
+    ctrlc::set_handler(ask).context("Ctrl-C cannot be caught")
 }
 
-/// What a signal does, or a key that stands for one.
+/// The effect of such a signal, or of a key that stands for one.
 pub(super) fn ask() {
     if ASKED.swap(true, Ordering::SeqCst) {
         terminal::give_back();
-        // 128 + SIGINT: what shells report of a program that Ctrl-C has ended.
+        // 128 + SIGINT, as shells report a program that Ctrl-C has ended.
         std::process::exit(130);
     }
 }

@@ -9,36 +9,35 @@ use servoid_simulator::{OptionsError, SimulationOptions, simulate};
 
 /// A servo and its noise, as a model.
 #[derive(Clone, Debug)]
-pub struct Assumed {
-    /// What it is called.
+pub struct AssumedServo {
+    /// Its name.
     pub name: String,
-    /// Its response, and its noise.
+    /// Its response and its noise.
     pub model: Model,
-    /// How it is simulated with all that is not linear in it; `None` where only its model is known, which
-    /// is linear.
+    /// The options of its simulation, which is not linear; `None` where only its linear model is known.
     pub simulation: Option<SimulationOptions>,
-    /// White noise of this standard deviation in the place of the simulation's own (deg).
+    /// Standard deviation of white noise that replaces the simulation's own noise (deg).
     pub white_noise: Option<f64>,
 }
 
-/// Why there is nothing to assume. The text says what is wrong.
+/// Why no servo can be assumed.
 #[derive(Debug, thiserror::Error)]
-pub enum AssumedError {
-    /// Options of the simulated servo.
+pub enum AssumedServoError {
+    /// The options of the simulated servo are wrong.
     #[error(transparent)]
     Options(#[from] OptionsError),
-    /// What they leave cannot be identified, as with a sensor that is broken.
+    /// The simulated servo cannot be identified, as with a broken sensor.
     #[error("the simulated servo cannot be identified: {0}")]
     Data(#[from] Error),
 }
 
-impl Assumed {
+impl AssumedServo {
     /// The simulated servo `options` (at 10 µs per degree), as identified from one staircase of the
     /// paper.
     ///
     /// # Errors
-    /// [`AssumedError`].
-    pub fn simulated(options: &SimulationOptions) -> Result<Self, AssumedError> {
+    /// [`AssumedServoError`].
+    pub fn simulated(options: &SimulationOptions) -> Result<Self, AssumedServoError> {
         let neutral = PulseWidth::NEUTRAL;
         let degrees = |offset: i16| f64::from(offset) / 10.0;
         let offsets: Vec<i16> = (0..).map_while(|k| Staircase::PAPER.offset_us(k)).collect();
@@ -60,7 +59,7 @@ impl Assumed {
         })
     }
 
-    /// A servo of which a model is known.
+    /// A servo that is known by its model alone.
     #[must_use]
     pub fn of_model(name: String, model: Model) -> Self {
         Self {
@@ -83,7 +82,7 @@ impl Assumed {
     }
 }
 
-/// Samples after which the memory of noise is taken for over, at the latest: ten seconds.
+/// Longest memory of the noise that is followed (samples): ten seconds.
 const LONGEST_MEMORY: usize = 5_000;
 
 /// The standard deviation of noise 1/D(z) driven by σ (deg): σ sqrt(Σ f_k²), f the impulse response of
@@ -97,7 +96,7 @@ pub fn noise_rms(noise: &Noise) -> f64 {
         let next: f64 = -past.map(|(d, f)| d * f).sum::<f64>();
         response.push(next);
         power += next * next;
-        // For as long as the order nothing has come that counts.
+        // The recursion has died out once as many terms as its order are negligible.
         let recent = response.iter().rev().take(noise.ar.len().max(1));
         if k > noise.ar.len() && recent.map(|f| f * f).sum::<f64>() < 1e-12 * power {
             break;

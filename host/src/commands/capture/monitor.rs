@@ -1,81 +1,58 @@
-//! What goes on beside a capture: a person looks, and the step response's band is waited for.
+//! The live view of a capture, and the estimates of the step response while it runs.
 
-use super::progress::CaptureProgress;
-use super::{Talk, interrupt, wrong_usage};
+use super::progress_line::ProgressLine;
+use super::until_band::BandReached;
+use crate::commands::ctrl_c;
+use crate::commands::output_args::Talk;
+use crate::commands::usage::wrong_usage;
 use crate::instrument::live::{LiveIdentification, LiveStep, RunSamples, second_cycle};
 use crate::instrument::rig::{Capture, Progress, StopReason};
-use crate::plan::Shrinking;
 use crate::presentation::scope::state::{FrameSeen, Link};
 use crate::presentation::scope::{Scope, ScopeEvent, ScopeState, terminal};
 use anyhow::Result;
 use clap::Args;
-use serde::Serialize;
 use servoid_identification::Options;
-use servoid_identification::validity::Bounds;
 use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLE_US};
 use servoid_protocol::{SensorScale, ServoScale};
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
-/// How a capture is watched.
+/// How a capture is shown, and when it ends by itself.
 #[derive(Clone, Copy, Debug, Args)]
-pub(super) struct WatchArgs {
-    /// End the run as soon as the step response is known to ± so many percent of the commanded step:
-    /// half the width of its band where that is widest, the band that holds the whole curve with 99 %
+pub(super) struct MonitorArgs {
+    /// End the run as soon as the step response's band is within ± this percentage of the commanded step. The
+    /// band holds the whole curve with 99 % confidence, and the percentage is half its width where it is widest
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
     until_band: Option<f64>,
-    /// No live scope: plain lines of progress, as where there is no terminal
+    /// Print plain lines of progress instead of the live scope, as without a terminal
     #[arg(long)]
     plain: bool,
 }
 
-/// An estimate is made twice a second.
+/// Frames between two estimates: two estimates a second.
 const ESTIMATE_EVERY: u32 = FRAMES_PER_SECOND / 2;
 
-/// Everything that watches the runs of one command.
-pub(super) struct Watch {
+/// The monitor of all runs of one command.
+pub(in crate::commands) struct Monitor {
     talk: Talk,
     scope: bool,
     until_percent: Option<f64>,
     live: Option<LiveIdentification>,
 }
 
-/// What came of `--until-band`.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub(super) struct BandReached {
-    asked_percent: f64,
-    /// Half of the band's width at its widest; none where no step response could be found, or none with
-    /// bounds.
-    reached_percent: Option<f64>,
-    reached: bool,
-    #[serde(skip)]
-    found: Found,
-}
-
-/// What the runs have shown together.
-#[derive(Clone, Copy, Debug)]
-enum Found {
-    /// No step response.
-    Nothing,
-    /// One whose errors are not noise.
-    NoBounds,
-    /// One with a band.
-    Band(Shrinking),
-}
-
-impl WatchArgs {
-    pub(super) fn watch(self, talk: Talk) -> Watch {
+impl MonitorArgs {
+    pub(super) fn start(self, talk: Talk) -> Monitor {
         if self.until_band.is_some_and(|p| !(p > 0.0 && p.is_finite())) {
-            wrong_usage("--until-band is a percentage of the step, above 0");
+            wrong_usage("--until-band must be a percentage of the step, above 0");
         }
         let scope = !talk.quiet && !self.plain && terminal::is_there();
-        Watch::new(talk, scope, self.until_band)
+        Monitor::new(talk, scope, self.until_band)
     }
 }
 
-impl Watch {
-    /// Plain lines, as for the runs that other commands make.
-    pub(super) fn plainly(talk: Talk) -> Self {
+impl Monitor {
+    /// Plain lines of progress, for commands other than `capture`.
+    pub(in crate::commands) fn plain(talk: Talk) -> Self {
         Self::new(talk, false, None)
     }
 
@@ -92,27 +69,27 @@ impl Watch {
         }
     }
 
-    /// Begins to watch a run. `paced` says that the rig's time stands still while nobody listens.
+    /// Begins a run. `paced`: the rig's time stands still while nobody reads from it.
     pub(super) fn begin(
         &self,
         title: String,
         capture: &Capture,
         paced: bool,
-    ) -> Result<Watched<'_>> {
+    ) -> Result<MonitoredRun<'_>> {
         if let Some(live) = &self.live {
             live.begin_run();
         }
         let (servo, sensor) = (capture.rig.servo_scale(), capture.rig.sensor_scale());
         let state = ScopeState::new(title, capture.start, self.until_percent);
         let view = if self.scope {
-            View::Scope(Scope::open(state, interrupt::ask)?)
+            View::Scope(Scope::open(state, ctrl_c::ask)?)
         } else {
             let frames = capture.start.frames();
-            View::Lines(CaptureProgress::new(self.talk, frames, servo, sensor))
+            View::Lines(ProgressLine::new(self.talk, frames, servo, sensor))
         };
         let before = u32::from(capture.start.pre_roll_frames);
-        Ok(Watched {
-            watch: self,
+        Ok(MonitoredRun {
+            monitor: self,
             view,
             servo,
             sensor,
@@ -124,70 +101,24 @@ impl Watch {
         })
     }
 
-    /// What came of `--until-band`, with everything that has been captured.
+    /// The band of all runs together, where `--until-band` asks for one.
     pub(super) fn band_reached(&self) -> Option<BandReached> {
         let (asked_percent, live) = self.until_percent.zip(self.live.as_ref())?;
         live.ask_anew_and_wait();
-        let step = live.latest();
-        let found = match step.as_ref().map(|live| &live.step.bounds) {
-            None => Found::Nothing,
-            Some(Bounds::Withdrawn(_)) => Found::NoBounds,
-            Some(Bounds::Valid(bounds)) => Found::Band(Shrinking {
-                widest_percent: 100.0 * bounds.widest_half_width(),
-                stays_percent: 100.0 * bounds.bias(),
-            }),
-        };
-        Some(BandReached {
-            asked_percent,
-            reached_percent: match found {
-                Found::Band(band) => Some(band.widest_percent),
-                Found::Nothing | Found::NoBounds => None,
-            },
-            reached: step.is_some_and(|s| s.is_within(asked_percent)),
-            found,
-        })
+        Some(BandReached::of(asked_percent, live.latest().as_deref()))
     }
 }
 
-impl BandReached {
-    /// What to do, where the `runs` were over before the band was narrow enough.
-    pub(super) fn advice(&self, runs: usize) -> Option<String> {
-        if self.reached {
-            return None;
-        }
-        let asked = self.asked_percent;
-        let band = match self.found {
-            Found::Band(band) => band,
-            Found::NoBounds => {
-                return Some(
-                    "no band can be given, as the bounds of the model have no level: 'servoid identify' says why".to_owned(),
-                );
-            }
-            Found::Nothing => {
-                return Some(
-                    "the run was over before a step response could be found in it: record a longer one"
-                        .to_owned(),
-                );
-            }
-        };
-        Some(format!(
-            "the run was over before the band was narrow enough: it is +-{:.2} % of the step, and +-{asked} % was asked for; {}",
-            band.widest_percent,
-            band.advice(asked, runs)
-        ))
-    }
-}
-
-/// One run under the eyes of a [`Watch`].
-pub(super) struct Watched<'a> {
-    watch: &'a Watch,
+/// One run, shown and estimated as it goes on.
+pub(super) struct MonitoredRun<'a> {
+    monitor: &'a Monitor,
     view: View,
     servo: ServoScale,
     sensor: SensorScale,
     samples: RefCell<RunSamples>,
-    /// The frame from which on estimates are made.
+    /// The first frame with an estimate.
     estimate_from: u32,
-    /// Whether an estimate is waited for: only where the rig's time stands still meanwhile.
+    /// Whether to wait for each estimate: only where the rig's time stands still meanwhile.
     wait: bool,
     /// The estimate that the scope shows.
     shown: RefCell<Option<Arc<LiveStep>>>,
@@ -196,22 +127,22 @@ pub(super) struct Watched<'a> {
 
 enum View {
     Scope(Scope),
-    Lines(CaptureProgress),
+    Lines(ProgressLine),
 }
 
-impl Watched<'_> {
-    /// Takes in a frame.
+impl MonitoredRun<'_> {
+    /// Shows a frame and adds it to the estimate.
     pub(super) fn update(&self, progress: Progress<'_>) {
         match &self.view {
-            View::Scope(scope) => scope.tell(ScopeEvent::Frame(self.seen(&progress))),
+            View::Scope(scope) => scope.update(ScopeEvent::Frame(self.frame_seen(&progress))),
             View::Lines(lines) => lines.update(progress, self.latest_width()),
         }
-        if let Some(live) = &self.watch.live {
+        if let Some(live) = &self.monitor.live {
             self.estimate(live, &progress);
         }
     }
 
-    fn seen(&self, progress: &Progress<'_>) -> FrameSeen {
+    fn frame_seen(&self, progress: &Progress<'_>) -> FrameSeen {
         let frame = progress.frame;
         FrameSeen {
             index: frame.index.into(),
@@ -251,19 +182,19 @@ impl Watched<'_> {
         if let Some(latest) = live.latest()
             && shown.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &latest))
         {
-            scope.tell(ScopeEvent::Step(Arc::clone(&latest)));
+            scope.update(ScopeEvent::Step(Arc::clone(&latest)));
             *shown = Some(latest);
         }
     }
 
     fn latest_width(&self) -> Option<f64> {
-        let latest = self.watch.live.as_ref()?.latest()?;
+        let latest = self.monitor.live.as_ref()?.latest()?;
         latest.half_width_percent()
     }
 
-    /// Whether the run is to end, and why.
+    /// Why the run is to end, once it is.
     pub(super) fn stop(&self) -> Option<StopReason> {
-        let reason = if interrupt::asked() {
+        let reason = if ctrl_c::asked() {
             Some(StopReason::User)
         } else {
             self.enough().map(StopReason::Enough)
@@ -272,14 +203,14 @@ impl Watched<'_> {
             && !self.stopping.replace(true)
             && let View::Scope(scope) = &self.view
         {
-            scope.tell(ScopeEvent::Stopping);
+            scope.update(ScopeEvent::Stopping);
         }
         reason
     }
 
     fn enough(&self) -> Option<String> {
-        let percent = self.watch.until_percent?;
-        self.watch.live.as_ref()?.enough()?;
+        let percent = self.monitor.until_percent?;
+        self.monitor.live.as_ref()?.enough()?;
         Some(format!(
             "the step response is known to +-{percent} % of the step"
         ))

@@ -1,7 +1,7 @@
-//! Questions at a terminal, of which each may have been answered by an option.
+//! Prompts at a terminal. An option may have answered a question already.
 
-use super::wrong_usage;
-use crate::commands::output_files;
+use super::output_args::print_remark;
+use super::usage::wrong_usage;
 use crate::commands::rig_wizard::Checked;
 use anyhow::{Context, Result, bail};
 use dialoguer::theme::{ColorfulTheme, SimpleTheme, Theme};
@@ -10,53 +10,53 @@ use std::fmt::Display;
 use std::io::IsTerminal;
 use std::str::FromStr;
 
-/// Who answers what no option has answered.
+/// Who answers the questions that no option has answered.
 pub(super) enum Asker {
     /// The user, at a terminal.
     User(Box<dyn Theme>),
-    /// Nobody: defaults stand.
+    /// Nobody: the defaults are taken.
     Nobody,
 }
 
 /// A question about one value.
-pub(super) struct Question<'a, T> {
+pub(super) struct Prompt<'a, T> {
     /// The option that answers it, such as `--neutral`.
     pub option: &'static str,
     /// The question, with its unit.
-    pub words: &'a str,
-    /// What an empty answer means.
+    pub text: &'a str,
+    /// The answer that Enter takes.
     pub default: T,
-    /// What an answer has to look like, where its type alone says so, and not enough.
+    /// The error for an answer that is not of the right type.
     pub form: &'static str,
-    /// Whether an answer can be.
+    /// Whether an answer is acceptable.
     pub check: &'a dyn Fn(&T) -> Checked,
 }
 
-/// Whether somebody sits at a terminal who can be asked: questions go to standard error.
+/// Whether there is a terminal to ask questions at. Questions go to standard error.
 pub(super) fn is_terminal() -> bool {
     std::io::stdin().is_terminal() && std::io::stderr().is_terminal()
 }
 
 impl Asker {
-    /// The user, or nobody where defaults are wanted; `instead` is what to do without a terminal.
+    /// The user, or nobody where defaults are wanted; `instead` is the advice where there is no terminal.
     pub(super) fn new(defaults: bool, instead: &str) -> Result<Self> {
         if defaults {
             return Ok(Self::Nobody);
         }
         if !is_terminal() {
-            bail!("there is no terminal to ask questions at: {instead}");
+            bail!("no questions can be asked, because there is no terminal: {instead}");
         }
         Ok(Self::User(theme()))
     }
 
-    /// The answer, by an option if there is one; a wrong one at the terminal is asked for again.
-    pub(super) fn ask<T>(&self, given: Option<T>, question: &Question<'_, T>) -> Result<T>
+    /// The answer: of the option if it is given, else of the user, who is asked again after a wrong one.
+    pub(super) fn ask<T>(&self, given: Option<T>, question: &Prompt<'_, T>) -> Result<T>
     where
         T: Clone + FromStr + Display,
     {
-        let Question {
+        let Prompt {
             option,
-            words,
+            text: prompt,
             default,
             form,
             check,
@@ -75,7 +75,7 @@ impl Asker {
             check(&value).map(|()| value)
         };
         let text: String = Input::with_theme(theme.as_ref())
-            .with_prompt(*words)
+            .with_prompt(*prompt)
             .default(default.to_string())
             .allow_empty(true)
             .validate_with(|text: &String| read(text).map(drop))
@@ -84,7 +84,7 @@ impl Asker {
         read(&text).map_err(anyhow::Error::msg)
     }
 
-    /// One of several; the `usual` one is what Enter takes, and what stands where nobody is asked.
+    /// One of several; Enter takes the `usual` one, and so does nobody.
     pub(super) fn choose(&self, words: &str, items: &[String], usual: usize) -> Result<usize> {
         let Self::User(theme) = self else {
             return Ok(usual);
@@ -98,10 +98,9 @@ impl Asker {
     }
 }
 
-/// Why there is no answer, if not for a wrong one.
 const NO_ANSWER: &str = "the question was not answered";
 
-/// Yes or no, at a terminal; `usual` is what Enter says.
+/// Yes or no, at a terminal; Enter takes `usual`.
 pub(super) fn confirm(words: &str, usual: bool) -> Result<bool> {
     Confirm::with_theme(theme().as_ref())
         .with_prompt(words)
@@ -110,26 +109,25 @@ pub(super) fn confirm(words: &str, usual: bool) -> Result<bool> {
         .context(NO_ANSWER)
 }
 
-/// What `read` makes of a line that is typed; one of which it makes nothing is asked for again, with the
-/// sentence that it has. `None` when nothing more can be typed.
+/// A typed line, parsed by `read`. After an error its sentence is shown and the question asked again. `None` at
+/// the end of the input.
 ///
-/// The terminal itself edits the line, so that a program that is told to end while somebody thinks leaves
-/// no terminal in another mode behind.
+/// The terminal itself edits the line. So its mode is unchanged if the program is ended during the question.
 pub(super) fn line<T>(words: &str, read: impl Fn(&str) -> Result<T, String>) -> Option<T> {
     loop {
-        output_files::tell(words);
+        print_remark(words);
         let mut text = String::new();
         if std::io::stdin().read_line(&mut text).ok()? == 0 {
             return None;
         }
         match read(text.trim()) {
             Ok(value) => return Some(value),
-            Err(sentence) => output_files::tell(sentence),
+            Err(sentence) => print_remark(sentence),
         }
     }
 }
 
-/// Colours where the terminal has them and the user wants them.
+/// Colours, if the terminal has them and the user wants them.
 fn theme() -> Box<dyn Theme> {
     if dialoguer::console::colors_enabled_stderr() {
         Box::new(ColorfulTheme::default())

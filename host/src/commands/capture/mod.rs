@@ -1,0 +1,198 @@
+//! `servoid capture`
+
+mod monitor;
+mod progress_line;
+mod runs;
+mod until_band;
+
+pub(super) use monitor::Monitor;
+pub(super) use runs::{CaptureJob, capture};
+
+use super::ctrl_c;
+use super::output_args::Talk;
+use super::reference_args::ReferenceArgs;
+use super::rig_args::{Rig, RigArgs};
+use crate::data::recording::Ending;
+use crate::instrument::rig::CaptureEnd;
+use anyhow::{Result, bail};
+use clap::Args;
+use monitor::MonitorArgs;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use until_band::BandReached;
+
+/// Drive the servo with a reference and record its motion
+///
+/// A run is 0.8 s at neutral, the reference, and 0.8 s at neutral. Each row is written to the disk as it
+/// arrives. Ctrl-C brings the servo to neutral, closes the file and keeps the data. After the run the servo
+/// is held at neutral, unless --release is given. In a terminal a live scope shows the motion, the link
+/// and, from the second cycle on, the step response with its band; q ends the run.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  servoid capture --port /dev/ttyUSB0 --condition bench -o bench.csv
+  servoid capture --port sim:aircraft -o aircraft.csv       (no hardware needed)
+  servoid capture --port 'sim:bench?realtime' -o live.csv   (in real time, to watch)
+  servoid capture --port /dev/ttyUSB0 --until-band 1 -o bench.csv
+  servoid capture --port sim:bench --reference stairs --levels 7 -o stairs.csv
+  servoid capture --port sim:bench --reference prbs --repeat 2 -o p.csv       (p-1.csv and p-2.csv)")]
+pub(super) struct CaptureArgs {
+    #[command(flatten)]
+    rig: RigArgs,
+    /// A remark to keep in the recording
+    #[arg(long, default_value = "")]
+    notes: String,
+    /// End the pulses after the last run: the servo goes limp
+    #[arg(long)]
+    release: bool,
+    /// The recording to write; with --repeat, -1, -2, ... are put before its ending
+    #[arg(long, short, value_name = "FILE.csv")]
+    out: PathBuf,
+    /// Number of runs, each in a recording of its own; 'servoid identify' and 'compare' take them together.
+    /// The first run that is not complete is the last one
+    #[arg(long, default_value_t = 1, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=MOST_RUNS))]
+    repeat: u16,
+    /// Replace the file if it exists
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    monitor: MonitorArgs,
+    #[command(flatten)]
+    talk: Talk,
+    #[command(flatten)]
+    reference: ReferenceArgs,
+}
+
+/// A larger number is more likely a typing error than an intention.
+const MOST_RUNS: i64 = 999;
+
+/// The result as `--json` prints it.
+#[derive(Serialize)]
+struct CaptureResult<'a> {
+    file: &'a Path,
+    complete: bool,
+    ended_early: bool,
+    reason: Option<&'a str>,
+    rows: u64,
+    unreadable_messages: u32,
+    frames_asked_again: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    until_band: Option<BandReached>,
+}
+
+impl CaptureArgs {
+    pub(super) fn run(self) -> Result<String> {
+        let Rig {
+            address,
+            file: rig,
+            condition,
+        } = self.rig.require()?;
+        let reference = self.reference.grant(rig.servo.us_per_degree, self.talk)?;
+        let files = run_files(&self.out, self.repeat);
+        ctrl_c::listen()?;
+        let monitor = self.monitor.start(self.talk);
+        let ends = capture(
+            &CaptureJob {
+                address: &address,
+                rig,
+                reference,
+                condition: &condition,
+                notes: &self.notes,
+                release: self.release,
+                files: &files,
+                force: self.force,
+            },
+            &monitor,
+            self.talk,
+        )?;
+        report(&files, &ends, monitor.band_reached(), self.talk)
+    }
+}
+
+/// The file of each run: `out` itself, or for several runs `out` with -1, -2, ... before its ending.
+fn run_files(out: &Path, runs: u16) -> Vec<PathBuf> {
+    if runs == 1 {
+        return vec![out.to_owned()];
+    }
+    let name = |run: u16| {
+        let mut name = out.file_stem().unwrap_or_default().to_owned();
+        name.push(format!("-{run}"));
+        if let Some(ending) = out.extension() {
+            name.push(".");
+            name.push(ending);
+        }
+        out.with_file_name(name)
+    };
+    (1..=runs).map(name).collect()
+}
+
+/// The result: one object for one run, a list of them for several. The band is that of all runs together.
+fn report(
+    files: &[PathBuf],
+    ends: &[CaptureEnd],
+    until_band: Option<BandReached>,
+    talk: Talk,
+) -> Result<String> {
+    let (mut text, mut results) = (String::new(), Vec::new());
+    for (file, end) in files.iter().zip(ends) {
+        let (state, reason) = match &end.ending {
+            Ending::Complete => ("complete", None),
+            Ending::Early { reason } => ("ended early", Some(reason.as_str())),
+            Ending::Partial { reason, .. } => ("partial", Some(reason.as_str())),
+        };
+        if state == "partial"
+            && let Some(reason) = reason
+            && !ctrl_c::asked()
+        {
+            bail!(
+                "{} is partial, {} samples: {reason}{}",
+                file.display(),
+                end.rows,
+                runs_before(&results)
+            );
+        }
+        let why = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
+        text += &format!("{}: {state}{why}, {} samples\n", file.display(), end.rows);
+        results.push(CaptureResult {
+            file,
+            complete: state == "complete",
+            ended_early: state == "ended early",
+            reason,
+            rows: end.rows,
+            unreadable_messages: end.rejects,
+            frames_asked_again: end.asked_again,
+            until_band,
+        });
+    }
+    if results.len() < files.len() && results.last().is_some_and(|last| last.ended_early) {
+        let spared = files.len() - results.len();
+        text += &format!("the band is narrow enough, so {spared} runs were left out\n");
+    }
+    if let Some(advice) = until_band.and_then(|band| band.advice(ends.len())) {
+        text += &(advice + "\n");
+    }
+    match (files.len(), results.first()) {
+        (1, Some(result)) => talk.result(text, result),
+        _ => talk.result(text, &serde_json::json!({ "runs": results })),
+    }
+}
+
+fn runs_before(results: &[CaptureResult<'_>]) -> String {
+    match results.len() {
+        0 => String::new(),
+        count => format!(" ({count} complete before it)"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_runs_are_numbered_before_the_ending() {
+        let names = |out: &str, runs| run_files(Path::new(out), runs);
+        assert_eq!(names("a/rec.csv", 1), [PathBuf::from("a/rec.csv")]);
+        let expected = ["a/rec-1.csv", "a/rec-2.csv"].map(PathBuf::from);
+        assert_eq!(names("a/rec.csv", 2), expected);
+        assert_eq!(names("a.b/rec", 2)[1], PathBuf::from("a.b/rec-2"));
+    }
+}

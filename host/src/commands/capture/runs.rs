@@ -1,0 +1,120 @@
+//! Runs on a rig, one after the other, each into a recording.
+
+use super::monitor::Monitor;
+use crate::commands::ctrl_c;
+use crate::commands::output_args::Talk;
+use crate::data::recording::{Ending, Header, ReservedFile, WriteError};
+use crate::instrument::port;
+use crate::instrument::rig::capture::CaptureError;
+use crate::instrument::rig::{Capture, CaptureEnd, RigClient, RigFile};
+use anyhow::{Context, Result, bail};
+use servoid_protocol::message::Command;
+use servoid_protocol::reference::Reference;
+use std::path::{Path, PathBuf};
+
+/// One or more runs on one rig.
+pub(in crate::commands) struct CaptureJob<'a> {
+    pub address: &'a str,
+    pub rig: RigFile,
+    pub reference: Reference,
+    pub condition: &'a str,
+    pub notes: &'a str,
+    /// Whether the pulses end after the last run.
+    pub release: bool,
+    /// One for each run.
+    pub files: &'a [PathBuf],
+    pub force: bool,
+}
+
+/// Captures the runs one after the other, up to the first one that is not complete.
+pub(in crate::commands) fn capture(
+    job: &CaptureJob<'_>,
+    monitor: &Monitor,
+    talk: Talk,
+) -> Result<Vec<CaptureEnd>> {
+    require_within_limits(job)?;
+    // Before the servo moves: a run may be expensive.
+    let reserve = |path: &PathBuf| ReservedFile::new(path, job.force);
+    let files: Vec<_> = job.files.iter().map(reserve).collect::<Result<_, _>>()?;
+    let mut client = RigClient::connect_beside(port::open(job.address)?, job.address)?;
+    let hello = client.hello();
+    talk.say(format_args!(
+        "{}: {}, firmware {}, {} clock",
+        job.address,
+        hello.board.as_str(),
+        hello.build.as_str(),
+        format!("{:?}", hello.clock).to_lowercase()
+    ));
+    let mut ends = Vec::new();
+    let mut outcome = Ok(());
+    for (file, path) in files.into_iter().zip(job.files) {
+        match capture_run(job, &mut client, file, path, monitor) {
+            Ok(end) => ends.push(end),
+            Err(error) => outcome = Err(error),
+        }
+        let complete = ends.last().map(|end| &end.ending) == Some(&Ending::Complete);
+        if outcome.is_err() || !complete || ctrl_c::asked() {
+            break;
+        }
+    }
+    let released = if job.release {
+        client.request(Command::Disarm)
+    } else {
+        Ok(())
+    };
+    // The first failure is the one to report.
+    outcome?;
+    released.context("the servo still gets pulses: the request to end them failed")?;
+    Ok(ends)
+}
+
+/// The board refuses a reference beyond its limits. This check comes first: it names the numbers and leaves no
+/// file behind.
+fn require_within_limits(job: &CaptureJob<'_>) -> Result<()> {
+    let (low, high) = job.reference.extremes_us();
+    let neutral = i32::from(job.rig.servo.neutral_us);
+    let [lowest, highest] = [low, high].map(|offset| neutral + i32::from(offset));
+    let limits = &job.rig.limits;
+    let [shortest, longest] = [limits.shortest_us, limits.longest_us];
+    if lowest < i32::from(shortest) || highest > i32::from(longest) {
+        bail!(
+            "the reference is refused: it goes from {lowest} to {highest} µs, beyond the rig's limits of {shortest} to {longest} µs; make --amplitude smaller, or widen the limits in the rig file if the linkage allows it"
+        );
+    }
+    Ok(())
+}
+
+/// Captures one run.
+fn capture_run(
+    job: &CaptureJob<'_>,
+    client: &mut RigClient,
+    file: ReservedFile,
+    path: &Path,
+    monitor: &Monitor,
+) -> Result<CaptureEnd> {
+    let capture = Capture::new(job.rig.clone(), job.reference);
+    capture.arm(client)?;
+    let header = Header {
+        condition: job.condition.to_owned(),
+        notes: job.notes.to_owned(),
+        port: job.address.to_owned(),
+        ..Header::of_run(client.hello(), &job.rig, &capture.start)
+    };
+    let writer = file.begin(&header)?;
+    let title = format!("{}  to {}", job.address, path.display());
+    let run = monitor.begin(title, &capture, client.is_paced_by_reader())?;
+    let mut kept = false;
+    let end = capture.record(client, writer, &|| run.stop(), &mut |p| {
+        kept = true;
+        run.update(p);
+    });
+    run.finish();
+    match end {
+        Err(
+            error @ CaptureError::Write(WriteError::Removed { .. } | WriteError::Rescued { .. }),
+        ) => Err(error.into()),
+        Err(error) if kept => Err(error)
+            .with_context(|| format!("{} keeps all rows up to the failure", path.display())),
+        other => Ok(other?),
+    }
+}

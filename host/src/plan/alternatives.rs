@@ -1,0 +1,125 @@
+//! All references beside each other.
+
+use super::answerable_questions;
+use super::band_width::BandWidths;
+use super::expectation::Expectation;
+use super::request::PlanRequest;
+use super::run_time::run_s;
+use super::runs_needed::{Reach, RunsNeeded};
+use crate::instrument::reference::{Kind, ReferenceSpec};
+use serde::Serialize;
+
+/// Simulated identifications behind each reference: references differ by far more than one identification
+/// scatters.
+const SIMULATIONS: u64 = 1;
+
+/// A reference with default options, at the amplitude that was asked for.
+#[derive(Clone, Debug, Serialize)]
+pub struct Alternative {
+    /// Its name.
+    pub reference: &'static str,
+    /// Duration of one run, with its rest (s).
+    pub run_s: f64,
+    /// Half width of the whole curve's band, where it is widest (percent of the step); `None` where it
+    /// cannot be identified, or not with bounds.
+    pub widest_percent: Option<f64>,
+    /// The same after one minute of such runs, which makes references of different length comparable.
+    pub widest_percent_in_a_minute: Option<f64>,
+    /// Whether these figures hold for a linear servo only.
+    pub only_if_linear: bool,
+    /// The runs for the wanted band; `None` also where a reasonable number of runs does not reach it.
+    pub needed: Option<RunsNeeded>,
+    /// The questions that it answers beside the linear response.
+    pub answers: Vec<&'static str>,
+}
+
+/// All references, the narrowest band per minute first. The request's own reference may be among them; its
+/// `expected` result is not computed again.
+pub(super) fn alternatives(request: &PlanRequest, expected: &Expectation) -> Vec<Alternative> {
+    let (low, high) = request.reference.extremes_us();
+    let amplitude_us = f64::from(high.max(low.saturating_neg()));
+    let kinds = [
+        Kind::Staircase,
+        Kind::Stairs,
+        Kind::Prbs,
+        Kind::Sweep,
+        Kind::Multisine,
+    ];
+    let specs = kinds.map(|kind| ReferenceSpec {
+        kind,
+        amplitude_deg: Some(amplitude_us / request.us_per_degree.abs()),
+        ..ReferenceSpec::default()
+    });
+    // A reference that cannot have this amplitude is left out.
+    let requests = specs.iter().filter_map(|spec| {
+        let granted = spec.grant(request.us_per_degree).ok()?;
+        Some(PlanRequest {
+            reference: granted.reference,
+            runs: 1,
+            ..request.clone()
+        })
+    });
+    let mut all: Vec<Alternative> = std::thread::scope(|scope| {
+        let threads: Vec<_> = requests
+            .map(|other| {
+                scope.spawn(move || {
+                    if other.reference == request.reference && request.runs == 1 {
+                        return alternative(&other, Some(expected));
+                    }
+                    let expected = Expectation::of_simulations(&other, SIMULATIONS).ok();
+                    alternative(&other, expected.as_ref())
+                })
+            })
+            .collect();
+        threads
+            .into_iter()
+            .filter_map(|thread| thread.join().ok())
+            .collect()
+    });
+    let rank = |a: &Alternative| {
+        let width = a.widest_percent_in_a_minute.unwrap_or(f64::INFINITY);
+        (a.only_if_linear, width)
+    };
+    all.sort_by(|a, b| {
+        let ((a_linear, a), (b_linear, b)) = (rank(a), rank(b));
+        a_linear.cmp(&b_linear).then(a.total_cmp(&b))
+    });
+    all
+}
+
+/// One line of the table; `expected` is `None` where the reference cannot be identified.
+fn alternative(request: &PlanRequest, expected: Option<&Expectation>) -> Alternative {
+    const MINUTE_S: f64 = 60.0;
+    let run_s = run_s(&request.reference);
+    let band = expected.and_then(|e| e.band);
+    let answers = expected.map_or_else(Vec::new, |e| {
+        answerable_questions::of(&e.example, &e.record)
+    });
+    Alternative {
+        reference: request.reference.name(),
+        run_s,
+        widest_percent: band.map(|b| b.widest_percent),
+        widest_percent_in_a_minute: band.map(|b| b.narrowing().widest_after(MINUTE_S / run_s)),
+        only_if_linear: request.relies_on_linearity(),
+        needed: band.and_then(|b| runs_needed(request, &b)),
+        answers: answers
+            .into_iter()
+            .filter(|answer| answer.answered)
+            .map(|answer| answer.question)
+            .collect(),
+    }
+}
+
+/// The runs for the wanted width; `None` where none is wanted, or where a reasonable number of runs does not
+/// reach it.
+pub(super) fn runs_needed(request: &PlanRequest, band: &BandWidths) -> Option<RunsNeeded> {
+    let band_percent = request.wanted_percent?;
+    match band.narrowing().reach(band_percent, request.runs) {
+        Reach::Runs(runs) => Some(RunsNeeded {
+            band_percent,
+            runs,
+            seconds: runs as f64 * run_s(&request.reference),
+        }),
+        Reach::TooManyRuns | Reach::Never => None,
+    }
+}

@@ -1,0 +1,99 @@
+//! The forecast of a run.
+
+use super::alternatives::{Alternative, alternatives, runs_needed};
+use super::answerable_questions::{self, Answer};
+use super::assumed_servo::noise_rms;
+use super::band_width::BandWidths;
+use super::expectation::Expectation;
+use super::request::PlanRequest;
+use super::run_time::run_s;
+use super::runs_needed::RunsNeeded;
+use super::spectrum::Spectrum;
+use crate::data::recording::as_toml;
+use crate::instrument::reference::{in_words, seconds};
+use serde::Serialize;
+use servoid_identification::metrics::Metrics;
+use servoid_identification::step_response::StepResponse;
+use servoid_identification::{Error, Model};
+
+/// The forecast of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Plan {
+    /// The reference as a recording's header says it.
+    pub reference: toml::Table,
+    /// The reference in words.
+    pub description: String,
+    /// Duration of the reference (s).
+    pub reference_s: f64,
+    /// Duration of one run, with its rest (s).
+    pub run_s: f64,
+    /// Number of runs.
+    pub runs: usize,
+    /// The servo that is assumed, in words.
+    pub servo: String,
+    /// Standard deviation of the noise that is assumed (deg).
+    pub noise_deg: f64,
+    /// Coefficients of the noise that is assumed, d_1..d_d of 1/D(z).
+    pub noise_ar: Vec<f64>,
+    /// N that identification will probably choose.
+    pub settling_samples: usize,
+    /// Number n of frequencies that identification will probably choose.
+    pub frequencies: usize,
+    /// The band of the step response; `None` where identification will find that the residuals are not noise,
+    /// and so give no bounds.
+    pub band: Option<BandWidths>,
+    /// The metrics of the assumed servo with their expected intervals; `None` without a band.
+    pub metrics: Option<Metrics>,
+    /// The power of the reference by frequency.
+    pub spectrum: Spectrum,
+    /// The questions beside the linear response, answered or not.
+    pub answers: Vec<Answer>,
+    /// Whether all this holds for a linear servo only.
+    pub only_if_linear: bool,
+    /// Half width of the band that is wanted (percent of the step).
+    pub wanted_percent: Option<f64>,
+    /// The runs for it; `None` also where a reasonable number of runs does not reach it.
+    pub needed: Option<RunsNeeded>,
+    /// All references beside each other, the best first.
+    pub alternatives: Vec<Alternative>,
+    /// The assumed servo's response with the bounds that are to be expected.
+    #[serde(skip)]
+    pub step: StepResponse,
+}
+
+impl Plan {
+    /// Plans a run.
+    ///
+    /// # Errors
+    /// What identification would say after the run: the reference is too short, or excites too little.
+    pub fn of(request: &PlanRequest) -> Result<Self, Error> {
+        let expected = Expectation::of(request)?;
+        let reference = &request.reference;
+        let band = expected.band;
+        let Model { noise, .. } = &request.assumed.model;
+        Ok(Self {
+            reference: as_toml(reference),
+            description: in_words(reference, request.us_per_degree),
+            reference_s: seconds(reference.frames()),
+            run_s: run_s(reference),
+            runs: request.runs,
+            servo: request.assumed.name.clone(),
+            noise_deg: noise_rms(noise),
+            noise_ar: noise.ar.clone(),
+            settling_samples: expected.model.structure.settling_samples,
+            frequencies: expected.model.structure.frequencies,
+            band,
+            metrics: match band {
+                Some(_) => expected.model.metrics_anew()?.into_valid(),
+                None => None,
+            },
+            spectrum: Spectrum::of(request),
+            answers: answerable_questions::of(&expected.example, &expected.record),
+            only_if_linear: request.relies_on_linearity(),
+            wanted_percent: request.wanted_percent,
+            needed: band.and_then(|band| runs_needed(request, &band)),
+            alternatives: alternatives(request, &expected),
+            step: expected.model.step,
+        })
+    }
+}

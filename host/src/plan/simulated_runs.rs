@@ -1,0 +1,90 @@
+//! Simulated runs of the assumed servo.
+
+use super::request::PlanRequest;
+use crate::instrument::rig::capture::ROLL_FRAMES;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use servoid_identification::{Error, Model, Record, Run};
+use servoid_protocol::Degrees;
+use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
+use servoid_simulator::{SERVO_SCALE, SimulationOptions, simulate};
+
+/// Samples of noise before the first one that is used: the start from zero is forgotten by then.
+const RUN_UP: usize = 2_000;
+
+/// The reference of one run, sample by sample (deg).
+pub(super) fn input(request: &PlanRequest) -> Vec<f64> {
+    let offsets = request.reference.offsets_us();
+    let degrees = offsets.map(|offset| f64::from(offset) / request.us_per_degree);
+    degrees
+        .flat_map(|angle| [angle; SAMPLES_PER_FRAME])
+        .collect()
+}
+
+/// Runs of the assumed servo, from rest at neutral.
+pub(super) fn simulated(request: &PlanRequest, seed: u64) -> Result<Record, Error> {
+    let input = input(request);
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let runs: Result<Vec<Run>, Error> = (0..request.runs)
+        .map(|run| {
+            let output = match &request.assumed.simulation {
+                Some(options) => {
+                    let seed = options.seed.wrapping_add(1_000 * seed + run as u64);
+                    let options = SimulationOptions {
+                        seed,
+                        ..options.clone()
+                    };
+                    of_simulation(request, &options, &mut random)?
+                }
+                None => of_model(&request.assumed.model, &input, &mut random),
+            };
+            Run::new(input.clone(), output)
+        })
+        .collect();
+    Record::new(f64::from(SAMPLE_US) * 1e-6, runs?)
+}
+
+/// The response of the model, with its noise (deg).
+fn of_model(model: &Model, input: &[f64], random: &mut ChaCha8Rng) -> Vec<f64> {
+    let undisturbed = model.simulate_input(input, Some(0.0));
+    let noise = noise(random, model, input.len());
+    undisturbed.iter().zip(noise).map(|(y, v)| y + v).collect()
+}
+
+/// The response of the simulated servo (deg). Its own scale is 10 µs per degree, whatever the rig's scale.
+fn of_simulation(
+    request: &PlanRequest,
+    options: &SimulationOptions,
+    random: &mut ChaCha8Rng,
+) -> Result<Vec<f64>, Error> {
+    let pulse = |offset: i16| SERVO_SCALE.pulse(Degrees(f64::from(offset) / request.us_per_degree));
+    let rest = usize::from(ROLL_FRAMES);
+    let neutral = std::iter::repeat_n(0, rest);
+    let pulses = neutral.chain(request.reference.offsets_us()).map(pulse);
+    // These options have made the assumed model already, so they are valid.
+    let frames = simulate(options, pulses).map_err(|_| Error::AllMissing { column: "output" })?;
+    let mut output = Vec::new();
+    for frame in frames.skip(rest) {
+        match request.assumed.white_noise {
+            None => output.extend(frame.degrees()),
+            Some(sigma) => output.extend(frame.angles.map(|angle| {
+                let white: f64 = StandardNormal.sample(random);
+                angle + sigma * white
+            })),
+        }
+    }
+    Ok(output)
+}
+
+/// Coloured noise v = ε/D(z) (deg).
+fn noise(random: &mut ChaCha8Rng, model: &Model, count: usize) -> Vec<f64> {
+    let (ar, sigma) = (&model.noise.ar, model.noise.sigma);
+    let mut noise: Vec<f64> = Vec::with_capacity(RUN_UP + count);
+    for _ in 0..RUN_UP + count {
+        let white: f64 = StandardNormal.sample(random);
+        let past = ar.iter().zip(noise.iter().rev());
+        noise.push(sigma * white - past.map(|(d, v)| d * v).sum::<f64>());
+    }
+    noise.split_off(RUN_UP)
+}

@@ -1,0 +1,118 @@
+//! The choice of the order, and its intervals.
+
+use faer::Mat;
+use serde::{Deserialize, Serialize};
+
+use super::search::Minimum;
+use crate::numerics::critical_values::{chi_square_upper_tail, pointwise_critical};
+use crate::numerics::matrix_rows::to_rows;
+use crate::results::metrics::Interval;
+use crate::results::model::ParameterBounds;
+use crate::results::validity::Bounds;
+
+/// Probability of rejecting the true order.
+pub(super) const REJECT: f64 = 0.01;
+
+/// Difference of Bayes' criterion that is "not worth more than a bare mention" (Kass & Raftery, Journal of
+/// the American Statistical Association, 1995). A parameter that improves the criterion by less is left
+/// out. Delay and further lags are nearly interchangeable: a needless lag would move the delay out of its
+/// interval.
+const BARE_MENTION: f64 = 2.0;
+
+/// One order, and how well it fits.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OrderTried {
+    /// Number of poles.
+    pub order: usize,
+    /// χ² of the lack of fit.
+    pub chi_square: f64,
+    /// Its degrees of freedom.
+    pub degrees_of_freedom: usize,
+    /// Probability of a χ² at least as large if the servo is of this order.
+    pub p: f64,
+    /// χ² + parameters · ln(rank).
+    pub bic: f64,
+    /// Largest error of the step response \[% of the step\].
+    pub largest_error_percent: f64,
+}
+
+impl OrderTried {
+    /// The order's fit to `rank` independent values, with its largest error relative to the step.
+    /// `None` when no degree of freedom is left.
+    pub(super) fn new(order: usize, minimum: &Minimum, rank: usize, error: f64) -> Option<Self> {
+        let count = minimum.parameters.len();
+        let degrees_of_freedom = rank.checked_sub(count).filter(|degrees| *degrees > 0)?;
+        Some(Self {
+            order,
+            chi_square: minimum.sum_of_squares,
+            degrees_of_freedom,
+            p: chi_square_upper_tail(minimum.sum_of_squares, degrees_of_freedom),
+            bic: minimum.sum_of_squares + count as f64 * (rank as f64).ln(),
+            largest_error_percent: 100.0 * error,
+        })
+    }
+
+    pub(super) fn is_rejected(&self) -> bool {
+        self.p < REJECT
+    }
+}
+
+/// The fits, lowest order first, whose criterion is as good as the best one.
+pub(super) fn simplest<T>(
+    fits: &[T],
+    tried: impl Fn(&T) -> OrderTried,
+) -> impl Iterator<Item = &T> {
+    let least = fits
+        .iter()
+        .map(|fit| tried(fit).bic)
+        .fold(f64::INFINITY, f64::min);
+    fits.iter()
+        .filter(move |fit| tried(fit).bic <= least + BARE_MENTION)
+}
+
+/// The parameters of the chosen order with their intervals.
+pub(super) struct Estimates<'a> {
+    x: &'a [f64],
+    /// Widened by `inflation` already.
+    covariance: Mat<f64>,
+    /// χ²/dof of a rejected order, 1 otherwise.
+    pub(super) inflation: f64,
+    level: Bounds<f64>,
+}
+
+impl<'a> Estimates<'a> {
+    pub(super) fn new(minimum: &'a Minimum, tried: &OrderTried, level: Bounds<f64>) -> Self {
+        let ratio = tried.chi_square / tried.degrees_of_freedom as f64;
+        let inflation = if tried.is_rejected() {
+            ratio.max(1.0)
+        } else {
+            1.0
+        };
+        Self {
+            x: &minimum.parameters,
+            covariance: faer::Scale(inflation) * &minimum.covariance,
+            inflation,
+            level,
+        }
+    }
+
+    /// The interval of parameter `k`.
+    pub(super) fn interval(&self, k: usize) -> Interval {
+        let sd = self.covariance[(k, k)].max(0.0).sqrt();
+        let half = self.level.map(|level| pointwise_critical(level) * sd);
+        Interval::around(self.x[k], half.into_valid())
+    }
+
+    /// The interval of the quantity whose logarithm is parameter `k`.
+    pub(super) fn exponential(&self, k: usize) -> Interval {
+        self.interval(k).map(f64::exp)
+    }
+
+    /// Level and covariance, where bounds hold.
+    pub(super) fn bounds(&self) -> Bounds<ParameterBounds> {
+        self.level.map(|level| ParameterBounds {
+            level,
+            covariance: to_rows(&self.covariance),
+        })
+    }
+}
