@@ -67,7 +67,7 @@ fn the_expected_width_is_the_mean_of_simulated_runs() {
             .map(|seed| {
                 let record = simulated(&question, seed).unwrap();
                 let model = identify(&record, &Options::default()).unwrap();
-                BandWidths::of(&model.step).mean_percent
+                BandWidths::of(model.step.bounds.valid().unwrap()).mean_percent
             })
             .sum::<f64>()
             / RUNS as f64;

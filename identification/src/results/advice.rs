@@ -78,6 +78,13 @@ pub enum Check {
     Other(String),
 }
 
+impl std::fmt::Display for Check {
+    /// The name that documents have.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.serialize(f)
+    }
+}
+
 impl Check {
     /// Whether a finding on one model is worth repeating where it is compared with another.
     #[must_use]
