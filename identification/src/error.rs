@@ -39,8 +39,8 @@ pub enum Error {
     },
     /// The input never changes.
     #[error(
-        "the input never moves from {value}: nothing can be learnt about the response to it, so \
-         record a reference with several steps"
+        "the input never moves from {value}, so nothing shows the response to it: record a reference \
+         with several steps"
     )]
     ConstantInput {
         /// The only value the input takes.
@@ -86,11 +86,13 @@ pub enum Error {
         needed: usize,
     },
     /// The settling time is not a usable number of samples.
-    #[error(
-        "a settling time of {0} samples is not possible: state 3 to {longest} samples",
-        longest = crate::options::LONGEST_SETTLING_BY_HAND
-    )]
-    Settling(usize),
+    #[error("a settling time of {settling} samples is not possible: state 3 to {longest} samples")]
+    Settling {
+        /// The number asked for.
+        settling: usize,
+        /// Largest number supported.
+        longest: usize,
+    },
     /// The number of frequencies is even, zero or larger than the settling time.
     #[error(
         "{frequencies} frequencies do not fit a settling time of {settling} samples: state an odd \
@@ -112,13 +114,13 @@ pub enum Error {
     },
     /// The confidence level is not between 0.5 and 1.
     #[error(
-        "a confidence level of {0} makes no sense: state a number such as 0.99, between 0.5 and 0.99999"
+        "a confidence level of {0} is not possible: state a number such as 0.99, between 0.5 and 0.99999"
     )]
     Level(f64),
-    /// The input tells the gain at rest at the most.
+    /// The input determines the gain at rest at the most.
     #[error(
-        "the input moves too smoothly for a step response: like a single sine or a slow ramp it tells the \
-         gain at one frequency at the most; record a reference with steps, such as a staircase or random \
+        "the input moves too smoothly for a step response: like a single sine or a slow ramp it determines \
+         the gain at one frequency at the most; record a reference with steps, such as a staircase or random \
          steps"
     )]
     NoDetail,
@@ -172,9 +174,9 @@ pub enum Error {
         /// Samples of history needed.
         history: usize,
     },
-    /// The sizes of the changes of the input say nothing beyond the input itself.
+    /// The sizes of the changes of the input add nothing to the input itself.
     #[error(
-        "up and down strokes cannot be told apart in this record: record a reference that moves \
+        "up and down strokes cannot be separated in this record: record a reference that moves \
          both ways several times, with holds of different lengths"
     )]
     OneDirection,
@@ -184,9 +186,9 @@ pub enum Error {
          so look at the step response first"
     )]
     NoResponse,
-    /// The record does not tell the final value of the response.
+    /// The record does not determine the final value of the response.
     #[error(
-        "the recording does not tell the gain: no model of low order can be fitted, so record a \
+        "the recording does not determine the gain: no model of low order can be fitted, so record a \
          reference with steps that are held until the servo rests"
     )]
     Unexcited,

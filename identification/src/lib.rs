@@ -28,6 +28,7 @@ mod numerics;
 pub mod options;
 mod results;
 mod selection;
+pub mod thresholds;
 
 pub use data::quantisation;
 pub use data::{moments, record, timing};
@@ -52,4 +53,4 @@ pub use results::{
     advice, frequency_response, metrics, model, residuals, servo_response, step_response,
     validation, validity,
 };
-pub use selection::settling_time;
+pub use selection::{choice, settling_range};

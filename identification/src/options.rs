@@ -18,7 +18,7 @@ pub const LEVELS: std::ops::RangeInclusive<f64> = 0.5..=0.99999;
 /// Settling time N: the number of samples after which the response to an input is over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Settling {
-    /// Chosen from the data (see [`crate::selection::settling_time`]).
+    /// Chosen from the data (see `selection::settling_time`).
     #[default]
     Auto,
     /// Fixed \[samples\].
@@ -67,7 +67,7 @@ pub struct Options {
     /// Confidence level of every bound, between 0.5 and 0.99999.
     pub level: f64,
     /// Longest settling time that the automatic choice considers \[samples\]; `None` is a seventh
-    /// of the record, at most [`crate::selection::settling_time::LONGEST_SETTLING`].
+    /// of the record, at most [`crate::settling_range::LONGEST_SETTLING`].
     pub longest_settling: Option<usize>,
 }
 
@@ -92,7 +92,10 @@ impl Options {
     pub fn check(&self) -> Result<(), Error> {
         if let Settling::Samples(settling) = self.settling {
             if !(3..=LONGEST_SETTLING_BY_HAND).contains(&settling) {
-                return Err(Error::Settling(settling));
+                return Err(Error::Settling {
+                    settling,
+                    longest: LONGEST_SETTLING_BY_HAND,
+                });
             }
             if let Frequencies::Count(frequencies) = self.frequencies
                 && (frequencies.is_multiple_of(2) || frequencies > settling)

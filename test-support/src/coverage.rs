@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
+use servoid_identification::thresholds::RESIDUAL_SIGNIFICANCE;
 use servoid_identification::{Options, Record, identify_explained};
 
 use crate::plants::{Noise, PERIOD, Plant, low_passed, prbs, random, simulate, square, staircase};
@@ -50,6 +51,11 @@ pub struct Line {
     pub checks: BTreeMap<String, f64>,
     /// Shares of runs in which whiteness, independence of the input, and linearity had p < 1 %.
     pub rejected: [f64; 3],
+    /// Share of runs in which errors were found not to be noise, so that bounds have no level.
+    pub withdrawn: f64,
+    /// Share of runs with any finding of the tests of the errors: false alarms, because all servos are linear and
+    /// all noise is of an order that the choice considers.
+    pub alarmed: f64,
     /// Most frequent n.
     pub frequencies: usize,
 }
@@ -69,6 +75,8 @@ struct Outcome {
     order: usize,
     checks: Vec<String>,
     rejected: [bool; 3],
+    withdrawn: bool,
+    alarmed: bool,
 }
 
 /// The seed of a run: cases and runs never share one.
@@ -129,6 +137,8 @@ pub fn measure(case: Case, runs: usize, options: &Options) -> Line {
             share(|o| o.rejected[1]),
             share(|o| o.rejected[2]),
         ],
+        withdrawn: share(|o| o.withdrawn),
+        alarmed: share(|o| o.alarmed),
     }
 }
 
@@ -163,7 +173,20 @@ fn outcome(case: &Case, run: usize, options: &Options) -> Outcome {
             half_widths: bounds.mean_half_widths(),
         }
     });
+    let tests = &found.model.residuals;
+    let rejected = [
+        tests.whiteness_p,
+        tests.input_correlation_p,
+        tests.linearity_p,
+    ]
+    .map(|p| p.is_some_and(|p| p < RESIDUAL_SIGNIFICANCE));
+    let withdrawn = found.explanation.model_errors.is_some();
+    let follows = found.explanation.linearity;
+    let follows = follows.is_some_and(|linearity| linearity.errors_follow_motion());
     Outcome {
+        withdrawn,
+        alarmed: withdrawn || follows || rejected[0] || rejected[1],
+        rejected,
         held,
         settling: found.model.structure.settling_samples,
         frequencies: found.model.structure.frequencies,
@@ -174,15 +197,6 @@ fn outcome(case: &Case, run: usize, options: &Options) -> Outcome {
             .iter()
             .map(|a| a.check.to_string())
             .collect(),
-        rejected: {
-            let tests = &found.model.residuals;
-            [
-                tests.whiteness_p,
-                tests.input_correlation_p,
-                tests.linearity_p,
-            ]
-            .map(|p| p.is_some_and(|p| p < 0.01))
-        },
     }
 }
 
@@ -207,7 +221,7 @@ fn mode(values: impl Iterator<Item = usize>) -> usize {
 
 impl Line {
     /// The heading of the table.
-    pub const HEADING: &str = "| reference | plant | noise | x | runs | mean % | worst % | whole % | N median (min-max) | n | d | half width point / whole | whiteness / independence / linearity rejected % | advised % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
+    pub const HEADING: &str = "| reference | plant | noise | x | runs | mean % | worst % | whole % | N median (min-max) | n | d | half width point / whole | whiteness / independence / linearity rejected % | withdrawn / any alarm % | advised % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
 
     /// Share of runs with the advice of `check`.
     pub fn share_of(&self, check: &str) -> f64 {
@@ -227,7 +241,7 @@ impl std::fmt::Display for Line {
         let percent = |share: f64| 100.0 * share;
         write!(
             f,
-            "| {reference:?} | {plant:?} | {noise:?} | {scale} | {} | {:.2} | {:.1} | {:.1} | {median} ({low}-{high}) | {} | {} | {:.4} / {:.4} | {:.1} / {:.1} / {:.1} | {:.1}",
+            "| {reference:?} | {plant:?} | {noise:?} | {scale} | {} | {:.2} | {:.1} | {:.1} | {median} ({low}-{high}) | {} | {} | {:.4} / {:.4} | {:.1} / {:.1} / {:.1} | {:.1} / {:.1} | {:.1}",
             self.runs,
             percent(self.mean),
             percent(self.worst),
@@ -239,6 +253,8 @@ impl std::fmt::Display for Line {
             percent(self.rejected[0]),
             percent(self.rejected[1]),
             percent(self.rejected[2]),
+            percent(self.withdrawn),
+            percent(self.alarmed),
             percent(self.advised),
         )?;
         for (check, share) in &self.checks {

@@ -2,7 +2,7 @@
 
 use super::AssumedServo;
 use crate::instrument::reference::seconds;
-use servoid_identification::settling_time::MARGIN;
+use servoid_identification::thresholds::MARGIN;
 use servoid_protocol::Reference;
 
 /// The runs that a plan is made for.

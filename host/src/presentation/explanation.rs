@@ -2,7 +2,7 @@
 
 use crate::presentation::summary::decimals;
 use servoid_identification::model::Structure;
-use servoid_identification::settling_time::{CONTRADICTION, MARGIN};
+use servoid_identification::thresholds::{CONTRADICTION, MARGIN};
 use servoid_identification::{Explanation, Model};
 use std::fmt::Write;
 

@@ -14,7 +14,7 @@ use crate::data::record::Record;
 use crate::error::Error;
 use crate::results::model::Model;
 use crate::results::validity::Bounds;
-use crate::selection::settling_time::MARGIN;
+use crate::thresholds::MARGIN;
 
 /// Compares two sides, each a record of one or more runs.
 ///

@@ -5,8 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::data::holds::usual_hold;
 use crate::data::record::{Record, Run};
-use crate::diagnostics::misfit::usual_hold;
 
 /// More levels than this are a smooth motion.
 const MOST_LEVELS: usize = 25;

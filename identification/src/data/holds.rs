@@ -1,10 +1,14 @@
-//! The command as holds and strokes.
+//! The input as holds and strokes.
+//!
+//! A hold is a stretch of samples over which the input stays where it was at their first one. Exactly, unless
+//! noise of an input that was measured has to be allowed for.
 
 use std::ops::Range;
 
 use crate::data::record::{Record, Run};
+use crate::thresholds::HELD_WITHIN;
 
-/// A stretch of samples over which the command stands still.
+/// A stretch of samples over which the input is held.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Hold {
     pub(crate) samples: Range<usize>,
@@ -13,13 +17,19 @@ pub(crate) struct Hold {
     pub(crate) before: Option<f64>,
 }
 
-/// The holds of one run, in order. A missing command ends a hold, and the next has no level before.
+/// The holds of one run at exact levels, in order. A missing input ends a hold, and the next has no level before.
 pub(crate) fn holds(run: &Run) -> Vec<Hold> {
-    let input = run.input();
+    holds_within(run, 0.0)
+}
+
+/// The same, where an input within `tolerance` of the level counts as held.
+fn holds_within(run: &Run, tolerance: f64) -> Vec<Hold> {
     let mut holds: Vec<Hold> = Vec::new();
-    for (k, &level) in input.iter().enumerate().filter(|(_, u)| !u.is_nan()) {
+    for (k, &level) in run.input().iter().enumerate().filter(|(_, u)| !u.is_nan()) {
         match holds.last_mut() {
-            Some(hold) if hold.samples.end == k && hold.level == level => hold.samples.end = k + 1,
+            Some(hold) if hold.samples.end == k && (level - hold.level).abs() <= tolerance => {
+                hold.samples.end = k + 1;
+            }
             previous => {
                 let before = match previous {
                     Some(hold) if hold.samples.end == k => Some(hold.level),
@@ -37,6 +47,34 @@ pub(crate) fn holds(run: &Run) -> Vec<Hold> {
     holds
 }
 
+/// For how long the input is held after each of its changes, and at the beginning of each run \[samples\]; an
+/// input that was measured may have noise.
+fn hold_lengths(record: &Record) -> Vec<usize> {
+    let present = || record.runs().iter().flat_map(Run::input).copied();
+    let low = present().fold(f64::INFINITY, f64::min);
+    let high = present().fold(f64::NEG_INFINITY, f64::max);
+    let tolerance = HELD_WITHIN * (high - low);
+    let holds = |run| holds_within(run, tolerance);
+    let runs = record.runs().iter();
+    runs.flat_map(holds)
+        .map(|hold| hold.samples.len())
+        .collect()
+}
+
+/// The time for which the input is usually held between changes: the median \[samples\].
+pub(crate) fn usual_hold(record: &Record) -> usize {
+    let mut lengths = hold_lengths(record);
+    lengths.sort_unstable();
+    lengths.get(lengths.len() / 2).copied().unwrap_or(0)
+}
+
+/// Share of the changes of the input after which it is held for at least `samples`.
+pub(crate) fn share_held(record: &Record, samples: usize) -> f64 {
+    let lengths = hold_lengths(record);
+    let held = lengths.iter().filter(|length| **length >= samples).count();
+    held as f64 / lengths.len().max(1) as f64
+}
+
 /// Mean output over `samples`, without those missing; `None` when half of them are.
 pub(crate) fn mean_output(run: &Run, samples: Range<usize>) -> Option<f64> {
     let wanted = samples.len();
@@ -50,10 +88,10 @@ pub(crate) fn last_quarter(samples: &Range<usize>) -> Range<usize> {
     samples.end - (samples.len() / 4).max(1)..samples.end
 }
 
-/// A change of the command with rest before and after.
+/// A change of the input with standstill before and after.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stroke {
-    /// Commanded change, with its sign.
+    /// Change of the input, with its sign.
     pub(crate) size: f64,
     /// What was travelled, positive in the direction commanded \[output\].
     pub(crate) travel: f64,
@@ -86,7 +124,7 @@ pub(crate) fn strokes(record: &Record, settling: usize) -> Vec<Stroke> {
 fn measure(run: &Run, before: &Hold, after: &Hold, period: f64) -> Option<Stroke> {
     let start = mean_output(run, last_quarter(&before.samples))?;
     let travel = mean_output(run, last_quarter(&after.samples))? - start;
-    // From rest: a fast servo has left it by the first sample after the edge.
+    // From standstill: a fast servo has left it by the first sample after the edge.
     let first = after.samples.start - before.samples.len().min(3);
     let relative: Vec<f64> = run.output()[first..after.samples.end]
         .windows(3)
@@ -118,7 +156,7 @@ mod tests {
     use approx::assert_abs_diff_eq;
 
     #[test]
-    fn holds_end_where_the_command_moves_or_is_missing() {
+    fn holds_end_where_the_input_moves_or_is_missing() {
         let input = vec![1.0, 1.0, 2.0, 2.0, f64::NAN, 2.0, 3.0];
         let run = Run::new(input, vec![0.0; 7])
             .unwrap()
@@ -134,6 +172,20 @@ mod tests {
             (6..7, Some(2.0)),
         ];
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn the_usual_hold_allows_for_the_noise_of_a_measured_input() {
+        let noise = |k: usize| 0.01 * (k * 7919 % 101) as f64 / 101.0;
+        let input: Vec<f64> = (0..100).map(|k| (k / 20 % 2) as f64 + noise(k)).collect();
+        let run = Run::new(input.clone(), input).unwrap();
+        assert!(holds(&run).len() > 90);
+        let record = Record::new(0.01, vec![run]).unwrap();
+        assert_eq!(usual_hold(&record), 20);
+        assert_eq!(
+            [20, 21].map(|samples| share_held(&record, samples)),
+            [1.0, 0.0]
+        );
     }
 
     #[test]

@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn white_errors_stay_within_their_bounds_as_often_as_said() {
+    fn white_errors_stay_within_their_bounds_at_the_stated_level() {
         let mut count = (0, 0);
         for seed in 0..8 {
             let record = record(seed, 0.0);

@@ -5,14 +5,15 @@ use serde::{Deserialize, Serialize};
 use crate::data::quantisation::Quantisation;
 use crate::diagnostics::initial_rest::Contradicted;
 use crate::diagnostics::linearity::Linearity;
-use crate::diagnostics::misfit::ModelErrors;
+use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::excitation::Excitation;
 use crate::estimation::least_squares::Solver;
 use crate::estimation::nested_banks::BankCandidate;
 use crate::estimation::noise_model::OrderCandidate;
 use crate::results::model::{Model, SelectedBy};
-use crate::selection::settling_time::{Choice, MARGIN};
+use crate::selection::choice::Choice;
+use crate::thresholds::MARGIN;
 
 /// The way to a model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,7 +33,7 @@ pub struct Explanation {
     /// Degrees of freedom behind each standard deviation of the step response.
     pub degrees_of_freedom: Vec<f64>,
     /// What was found when the errors are not noise; `None` when they are.
-    pub model_errors: Option<ModelErrors>,
+    pub model_errors: Option<Misfit>,
     /// Whether the errors of the first estimate follow the motion; `None` where that could not be
     /// tested.
     #[serde(default)]

@@ -1,5 +1,6 @@
-//! What a fit makes of the input of a record, beside what was measured: the tests of the errors look at
-//! the beginning of it.
+//! The simulation of a record by a fit, and its errors.
+//!
+//! Tests of the errors look at the beginning of a record only.
 
 use std::borrow::Cow;
 
@@ -9,8 +10,14 @@ use crate::data::moments::Moments;
 use crate::data::record::{Record, Run};
 use crate::diagnostics::residual_tests::ScoreTest;
 use crate::estimation::gls::GlsFit;
+use crate::estimation::least_squares::RowInformation;
 use crate::numerics::convolution::causal_filter;
 use crate::numerics::vectors::dot;
+
+/// Sum of squares of the simulation error of a fit, over the rows of `information`.
+pub(crate) fn square(information: &RowInformation, fit: &GlsFit) -> f64 {
+    information.residual_moments(&fit.impulse(), fit.solution.offset(), 0)[(0, 0)].max(0.0)
+}
 
 /// Samples at the beginning of a record that are looked at: what cannot be seen in them is too small
 /// to matter.

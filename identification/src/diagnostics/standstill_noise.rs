@@ -26,7 +26,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::data::holds::holds;
 use crate::data::record::Run;
-use crate::diagnostics::simulation_error::{SAMPLES, Simulated, beginnings};
+use crate::diagnostics::simulation_error::{SAMPLES, Simulated, beginnings, square};
 use crate::estimation::gls::{GlsFit, MAX_AUTO_ORDER};
 use crate::estimation::least_squares::RowInformation;
 use crate::estimation::noise_model::noise_filter;
@@ -84,12 +84,9 @@ pub(crate) fn compare(
     }
     let f = (filtered / degrees) / noise.variance;
     let distribution = FisherSnedecor::new(degrees, noise.degrees).ok()?;
-    let error = information.residual_moments(&fit.impulse(), fit.solution.offset(), 0)[(0, 0)];
-    let own = square(runs.iter().map(Simulated::own_errors))
-        / square(runs.iter().map(|run| &*run.errors));
-    let left = (own * error / information.moments.output_spread())
-        .max(0.0)
-        .sqrt();
+    let own = sum_of_squares(runs.iter().map(Simulated::own_errors))
+        / sum_of_squares(runs.iter().map(|run| &*run.errors));
+    let left = (own * square(information, fit) / information.moments.output_spread()).sqrt();
     Some(StandstillNoise {
         p: distribution.sf(f).clamp(0.0, 1.0),
         ratio: f.sqrt(),
@@ -98,7 +95,7 @@ pub(crate) fn compare(
 }
 
 /// Sum of the squares that are there.
-fn square<'a>(runs: impl Iterator<Item = &'a [f64]>) -> f64 {
+fn sum_of_squares<'a>(runs: impl Iterator<Item = &'a [f64]>) -> f64 {
     let present = runs.flatten().filter(|error| !error.is_nan());
     present.map(|error| error * error).sum()
 }

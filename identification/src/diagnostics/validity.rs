@@ -3,10 +3,10 @@
 //! This is the one place where that is decided, from the evidence alone.
 
 use crate::diagnostics::explanation::Explanation;
-use crate::diagnostics::misfit::DISAGREEMENT;
 use crate::results::metrics::{Interval, Metrics, Withheld};
 use crate::results::model::Model;
 use crate::results::validity::Reason;
+use crate::thresholds::DISAGREEMENT;
 
 /// Why the bounds of `model` do not hold, if they do not. An input that excites only part of the response
 /// leaves errors that do not look like noise either, so it comes first.

@@ -1,19 +1,16 @@
-//! Up to which frequency the input moves, and what it therefore tells.
+//! Up to which frequency the input has power.
 //!
-//! A step has as much power in its changes at any frequency as at any other. An input whose changes lack
-//! high frequencies, because it went through a filter or is made of sines, tells nothing of the response
+//! The changes of an input of steps have as much power at any frequency as at any other. Where they lack high
+//! frequencies, because the input went through a filter or is made of sines, nothing determines the response
 //! there: bounds become wide, settling is seen late, and in the end frequencies have to be left out.
 
 use serde::{Deserialize, Serialize};
 
 use crate::data::moments::Moments;
+use crate::thresholds::SMOOTH_SHARE;
 
 /// Lags over which the changes of the input may be related to each other.
 const LAGS: usize = 64;
-
-/// Share of the power of the changes that an input of steps has above a quarter of the sampling rate is
-/// a half; one that has less than this is smooth.
-const SMOOTH: f64 = 0.1;
 
 /// Share of the power of the changes above the frequency that is named as its end.
 const REST: f64 = 0.05;
@@ -29,8 +26,7 @@ pub struct Excitation {
     /// Above this frequency is a 20th of the power of its changes \[Hz\]; half the sampling rate where the
     /// input is not smooth.
     pub power_up_to_hz: f64,
-    /// Whether what left-out frequencies do to the others could be bounded; true where none are left
-    /// out.
+    /// Whether the effect of left-out frequencies on the others has a bound; true where none are left out.
     pub bounded: bool,
 }
 
@@ -41,9 +37,9 @@ impl Excitation {
         let power = Power::new(moments);
         let (grid, nyquist) = (GRID as f64, 0.5 / moments.sample_period_s());
         let upper_share = power.share_above(0.5);
-        // Nobody asks for the end of an input that has none.
+        // An input of steps has no such end.
         let end = (1..GRID)
-            .filter(|_| upper_share < SMOOTH)
+            .filter(|_| upper_share < SMOOTH_SHARE)
             .find(|&k| power.share_above(k as f64 / grid) < REST)
             .unwrap_or(GRID);
         Self {
@@ -56,7 +52,7 @@ impl Excitation {
     /// Whether the input lacks the power that edges have at high frequencies.
     #[must_use]
     pub fn is_smooth(&self) -> bool {
-        self.upper_share < SMOOTH
+        self.upper_share < SMOOTH_SHARE
     }
 }
 
@@ -110,7 +106,7 @@ mod tests {
         Excitation::of(&Moments::of_record(&record, 100, 1))
     }
 
-    fn low_passed(input: &[f64], keep: f64) -> Vec<f64> {
+    fn filtered(input: &[f64], keep: f64) -> Vec<f64> {
         let follow = |state: &mut f64, u: &f64| {
             *state = keep * *state + (1.0 - keep) * u;
             Some(*state)
@@ -130,7 +126,7 @@ mod tests {
         assert!((sharp.upper_share - 0.5).abs() < 0.03, "{sharp:?}");
         assert!(!sharp.is_smooth());
         let keep: f64 = 0.8;
-        let smooth = of(&low_passed(&edges, keep));
+        let smooth = of(&filtered(&edges, keep));
         // The changes are now 1/|1 - a e^{-jω}|², whose share above ω is 1 - (2/π) atan((1+a)/(1-a) tan(ω/2)).
         let exact = 1.0 - 2.0 / std::f64::consts::PI * ((1.0 + keep) / (1.0 - keep)).atan();
         assert!(
@@ -138,7 +134,7 @@ mod tests {
             "{smooth:?} {exact}"
         );
         assert!(smooth.is_smooth());
-        let twice = of(&low_passed(&low_passed(&edges, keep), keep));
+        let twice = of(&filtered(&filtered(&edges, keep), keep));
         assert!(twice.power_up_to_hz < smooth.power_up_to_hz);
     }
 

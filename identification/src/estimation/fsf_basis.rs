@@ -25,6 +25,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::numerics::vectors::{dot, running_sum};
+use crate::options::LONGEST_SETTLING_BY_HAND;
 
 /// The filter bank of n frequencies for a settling time of N samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,7 +41,10 @@ impl FsfBasis {
     /// A settling time below 3 samples, or a number of frequencies that is even or too large.
     pub fn new(settling: usize, frequencies: usize) -> Result<Self, Error> {
         if settling < 3 {
-            return Err(Error::Settling(settling));
+            return Err(Error::Settling {
+                settling,
+                longest: LONGEST_SETTLING_BY_HAND,
+            });
         }
         if frequencies.is_multiple_of(2) || frequencies > settling {
             return Err(Error::Frequencies {

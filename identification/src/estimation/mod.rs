@@ -1,5 +1,6 @@
 //! Parameters and their covariance from moments, for a given structure.
 
+pub(crate) mod conditioning;
 pub mod excitation;
 pub mod fsf_basis;
 pub mod gls;

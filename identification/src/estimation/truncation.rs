@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_bounds_what_a_sine_between_the_frequencies_of_a_bank_does_to_it() {
+    fn a_sine_between_the_frequencies_of_a_bank_leaves_no_bound() {
         let input: Vec<f64> = (0..2000).map(|k| (0.37 * f64::from(k)).sin()).collect();
         let record = Record::from_slices(0.01, &input, &input).unwrap();
         let moments = Moments::of_record(&record, 101, 1);

@@ -1,24 +1,23 @@
-//! A transfer function of low order at the times of samples, without approximation.
+//! Exact discretisation of a low-order transfer function with a held input.
 
 use faer::Mat;
 
 use super::low_order::{LowOrder, Oscillator};
 use crate::data::timing::Timing;
 
-/// A state-space form that gives, sample by sample, exactly what the continuous transfer function
-/// gives for an input that is held between samples:
+/// A state-space form with exactly the output of the continuous transfer function at the samples, for an
+/// input that is held between samples:
 ///
 /// ```text
 /// x(k+1) = A x(k) + B u(k-m)
 /// y(k)   = C x(k) + D u(k-m)
 /// ```
 ///
-/// u(k) is held from kTs to (k+1)Ts, and y(k) is the output at kTs + φ, as in the model's step
-/// response. The delay need not be a whole number of samples: m is what it has of them, rounded up,
-/// and C and D look ahead by the rest.
+/// u(k) is held from kTs to (k+1)Ts, and y(k) is the output at kTs + φ, as in the model's step response. m is
+/// the delay in samples, rounded up. C and D look ahead by the difference.
 ///
-/// The states are \[p, p'/ω\] of the oscillator, then the output of the lag, which comes before it;
-/// all of them in units of the input.
+/// The states are \[p, p'/ω\] of the oscillator, then the output of the lag before it, in units of the
+/// input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Discrete {
     /// Ts and φ.
@@ -65,7 +64,7 @@ impl LowOrder {
         shifted.zip(scaled).map(|(a, b)| a + b).collect()
     }
 
-    /// The same at the times of samples. A delay below zero counts as none.
+    /// The exact discretisation. A negative delay counts as zero.
     ///
     /// ```
     /// use servoid_identification::flight_model::LowOrder;
@@ -131,14 +130,14 @@ impl LowOrder {
                 vec![0.0, 0.0, 1.0 / lag],
             ),
             (None, Some(lag)) => (vec![vec![-1.0 / lag]], vec![1.0 / lag]),
-            // A gain alone has no state.
+            // A pure gain has no state.
             (None, None) => (Vec::new(), Vec::new()),
         }
     }
 }
 
-/// exp of \[A B; 0 0\] t: how state and held input go over into the state t later. By Taylor's series
-/// of a matrix that has been halved until its norm is below 1/2, and squared as often.
+/// exp(\[A B; 0 0\] t): the state after t from the state and the held input. By scaling and squaring with
+/// Taylor's series.
 fn transition(a: &[Vec<f64>], b: &[f64], t: f64) -> Mat<f64> {
     let order = b.len();
     let matrix = Mat::from_fn(order + 1, order + 1, |i, j| match (i < order, j < order) {
@@ -165,7 +164,7 @@ fn transition(a: &[Vec<f64>], b: &[f64], t: f64) -> Mat<f64> {
 }
 
 impl Discrete {
-    /// The response to an input, at rest at the input `before` until then.
+    /// The response to an input, from rest at the input `before`.
     #[must_use]
     pub fn simulate(&self, input: &[f64], before: f64) -> Vec<f64> {
         let mut x: Vec<f64> = self.rest.iter().map(|r| r * before).collect();

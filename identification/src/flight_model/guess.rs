@@ -1,10 +1,10 @@
-//! Where the search for a flight model starts from.
+//! Starting points of the search for a flight model.
 
 use super::low_order::{LowOrder, Oscillator};
 use crate::data::timing::Timing;
 use crate::results::model::Model;
 
-/// Where to start from, by the figures of the response.
+/// Metrics of the response from which starting points follow.
 pub(super) struct Guess {
     gain: f64,
     t50_s: f64,
@@ -21,7 +21,7 @@ impl Guess {
         })
     }
 
-    /// From a response curve alone.
+    /// From a step response.
     pub(super) fn of_curve(curve: &[f64], timing: Timing) -> Option<Self> {
         let gain = *curve.last()?;
         let reach = |level: f64| {

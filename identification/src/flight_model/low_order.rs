@@ -1,11 +1,11 @@
-//! K e^{-Ls} with one to three poles, answered exactly.
+//! Low-order transfer functions, K e^{-Ls} with one to three poles, and their exact step responses.
 
 use faer::c64;
 use serde::{Deserialize, Serialize};
 
-/// Relative distance to which poles that coincide are moved apart. The response is an even function
-/// of the distance, so that it changes by the square of this; residues lose as many digits as the
-/// distance has.
+/// Smallest relative distance of two poles; coinciding poles are separated by it. The response is an even
+/// function of the distance and changes by its square. The residues lose as many digits as the distance
+/// has.
 const APART: f64 = 1e-5;
 
 /// A transfer function of low order, orders 1 to 3:
@@ -60,7 +60,7 @@ impl LowOrder {
         }
     }
 
-    /// Poles \[1/s\], no two the same.
+    /// Poles \[1/s\], all distinct.
     fn poles(&self) -> Vec<c64> {
         let mut poles = Vec::with_capacity(3);
         if let Some(Oscillator {

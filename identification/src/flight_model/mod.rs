@@ -1,20 +1,20 @@
-//! A model of low order for a flight simulation: gain, delay and one to three poles.
+//! A low-order model for a flight simulation: gain, delay and one to three poles.
 //!
-//! The parameters x minimise (θ - m(x))'C^-1(θ - m(x)), where θ is the estimate, C its covariance and
-//! m(x) what the same estimator would have found of a servo with these parameters: its exact,
-//! continuous response to the held command at the times of the samples, projected as the data were
-//! (after P. J. Gawthrop & L. Wang, "Data compression for estimation of the physical parameters of
-//! stable and unstable linear systems", Automatica 2005, with the projection in place of the plain
-//! frequency response, which would make the delay half a sample too long).
+//! The parameters x minimise (θ - m(x))'C^-1(θ - m(x)). θ is the estimate and C its covariance. m(x) is the
+//! estimate that the same estimator would make of a servo with these parameters: its exact, continuous
+//! response to the held command at the sample times, projected like the data (after P. J. Gawthrop & L.
+//! Wang, "Data compression for estimation of the physical parameters of stable and unstable linear
+//! systems", Automatica 2005, but with the projection instead of the plain frequency response, which would
+//! make the delay half a sample too long).
 //!
-//! The order is the lowest whose χ² + dim x · ln(rank) is within 2 of the smallest. When even that is rejected, as it is
-//! for every nonlinear servo, the model is an approximation: intervals are widened by sqrt(χ²/dof)
-//! (Birge 1932), the largest error is stated, and the order is the lowest whose largest error is
-//! within the limit asked for.
+//! The order is the lowest whose χ² + dim x · ln(rank) is within 2 of the smallest. If the data reject that
+//! order, as they do for every nonlinear servo, the model is an approximation: intervals are widened by
+//! sqrt(χ²/dof) (Birge 1932), the largest error is stated, and the order is the lowest whose largest error
+//! is within the limit in the options.
 //!
-//! The delay counts from the edge of the command as it was applied. A pulse-width command is applied
-//! at frame edges: a simulation is [sample and hold at the frame period] -> [this model]. Without the
-//! hold it must add half a frame of delay, and it misses the jitter of a frame's length.
+//! The delay counts from the edge of the command as applied. A pulse width is applied at frame edges: a
+//! simulation is [sample and hold at the frame period] -> [this model]. Without the hold it needs another
+//! half frame of delay, and it lacks the jitter of up to a frame.
 
 mod discrete;
 mod guess;
@@ -70,21 +70,21 @@ pub struct FlightModel {
     /// Every order that could be fitted. Empty for a fit to a model without bounds, whose noise is not known, and
     /// with it no test of fit.
     pub tried: Vec<OrderTried>,
-    /// Whether the order is rejected by the data, so that the model is an approximation.
+    /// Whether the data reject the order, so that the model is an approximation.
     pub approximation: bool,
-    /// χ²/dof by which the covariance was multiplied, 1 when nothing is rejected.
+    /// χ²/dof by which the covariance was multiplied; 1 when the order is not rejected.
     pub inflation: f64,
     /// Largest error of the step response \[% of the step\].
     pub largest_error_percent: f64,
     /// Period at which the command is held before it reaches this model \[s\].
     pub hold_period_s: Option<f64>,
-    /// The result in words.
+    /// The result as a sentence.
     pub statement: String,
 }
 
 impl FlightModel {
-    /// Whether the parts of a document fit together: the order, and poles that let a response end. A
-    /// model that was fitted always does; one that was read from elsewhere has to be asked.
+    /// Whether order, parameters and covariance agree and the poles are stable. A fitted model is always
+    /// consistent; one that was read from a file must be checked.
     #[must_use]
     pub fn is_consistent(&self) -> bool {
         let transfer = &self.transfer;
@@ -142,7 +142,7 @@ impl FlightModel {
 /// ```
 ///
 /// # Errors
-/// The model has no response to speak of or none that the record tells, or the record is not the one it was identified from.
+/// The model has no response or no supported gain, or the record is not the one it was identified from.
 pub fn fit(
     record: &Record,
     model: &Model,
@@ -151,12 +151,12 @@ pub fn fit(
     choose(Projection::of_record(record, model)?, true, model, options)
 }
 
-/// [`fit`] where the record is not at hand, from θ and its covariance alone.
+/// [`fit`] without the record, from θ and its covariance alone.
 ///
-/// Without the record it is not known what the estimator makes of a response that is longer than N
-/// samples or has more detail than n frequencies; the bank is then taken for what it stands for, a
-/// response that is over after N samples. With the structure chosen from the data (n = N, and N 1.75
-/// times the settling) the two agree; with a short or small bank [`fit`] is right and this is not.
+/// The effect of a response longer than N samples, or with more detail than n frequencies, on the estimate
+/// is then unknown. The bank is taken as a response that is over after N samples. With the structure chosen
+/// from the data (n = N, and N 1.75 times the settling) the two agree. With a short or small bank only
+/// [`fit`] is right.
 ///
 /// ```
 /// # use servoid_identification::{identify, Options, Record, Settling};
@@ -174,7 +174,7 @@ pub fn fit(
 /// ```
 ///
 /// # Errors
-/// The model has no response to speak of, none that its record told, or no covariance.
+/// The model has no response, no supported gain, or no covariance.
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
     let is_tested = model.bounds.valid().is_some();
     choose(Projection::of_model(model)?, is_tested, model, options)
@@ -192,7 +192,7 @@ fn choose(
         projection,
         timing: model.timing(),
     };
-    // A gain that was withheld is not to come back as a parameter.
+    // A withheld gain must not return as a parameter.
     if model.metrics.dc_gain.value.is_none() {
         return Err(Error::Unexcited);
     }
@@ -267,7 +267,7 @@ impl Fitter {
     }
 }
 
-/// One order, fitted.
+/// A fitted order.
 struct FittedOrder {
     order: usize,
     transfer: LowOrder,
@@ -316,13 +316,13 @@ impl FittedOrder {
                 self.tried.largest_error_percent
             )
         } else {
-            format!("the record shows no lack of fit (p = {:.2})", self.tried.p)
+            format!("no lack of fit (p = {:.2})", self.tried.p)
         };
         let hold = hold_period_s.map_or_else(
             || "the delay counts from the applied edge of the command".to_owned(),
             |period| {
                 format!(
-                    "put a sample and hold of {:.1} ms before it; without one, add {:.1} ms of delay",
+                    "put a sample and hold of {:.1} ms before it, or add {:.1} ms of delay",
                     1e3 * period,
                     1e3 * period / 2.0
                 )

@@ -7,7 +7,7 @@ use crate::numerics::linear_algebra::{
 };
 use crate::numerics::vectors::dot;
 
-/// Most steps; a good start needs about ten.
+/// Largest number of steps. A good start needs about ten.
 const STEPS: usize = 60;
 /// Relative decrease of the sum of squares at which the search ends.
 const CONVERGED: f64 = 1e-10;
@@ -38,7 +38,7 @@ fn minimise(
         let gradient = times(&jacobian.transpose().to_owned(), &r);
         let normal = jacobian.transpose() * &jacobian;
         let before = best;
-        // Raise the damping until the step goes down; twelve decades leave no step at all.
+        // Raise the damping until the step descends. After twelve decades the step is negligible.
         for _ in 0..12 {
             let mut damped = normal.clone();
             for k in 0..x.len() {

@@ -1,13 +1,13 @@
-//! A flight model for a servo that answers up and down strokes differently.
+//! The switching model: a flight model with different dynamics for up and down strokes.
 //!
-//! Each change a of the command starts a response of its own, a g_up(t) when it leads upwards and
-//! a g_down(t) when it leads downwards, with one gain K and two sets of delay and poles. The direction-split
-//! estimate (see [`crate::nonlinear::direction`]) is linear in the output just as the plain one, so the same
-//! projection serves, on both of its banks at once.
+//! Each change a of the command starts its own response, a g_up(t) upwards or a g_down(t) downwards. Both
+//! have one gain K, but separate delays and poles. The direction-split estimate
+//! ([`crate::nonlinear::direction`]) is linear in the output, so the projection of the plain model also
+//! serves here, over both banks at once.
 //!
-//! The output at rest is on the line c + K u. Where strokes overlap this is a superposition, which a
-//! real servo need not follow; and its speed may not grow with the stroke. The model holds for
-//! strokes of the sizes recorded, which it states.
+//! The output at rest is on the line c + K u. Overlapping strokes are superposed, which a real servo need not
+//! follow, and the speed of a real servo may not grow with the stroke. The model is valid for strokes of the
+//! recorded sizes, which it states.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -30,7 +30,7 @@ use crate::results::metrics::Interval;
 use crate::results::model::{Model, ParameterBounds};
 use crate::results::validity::Bounds;
 
-/// The answer to strokes of one direction.
+/// The dynamics of strokes in one direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StrokeDynamics {
     /// The transfer function; the gain is common to both directions.
@@ -66,11 +66,11 @@ pub struct SwitchingModel {
     pub order: usize,
     /// Whether the data reject the order, so that this is an approximation.
     pub approximation: bool,
-    /// χ²/dof by which the covariance was multiplied, 1 when nothing is rejected.
+    /// χ²/dof by which the covariance was multiplied; 1 when the order is not rejected.
     pub inflation: f64,
     /// Largest error of either response \[% of the stroke\].
     pub largest_error_percent: f64,
-    /// Smallest and largest commanded change in the record: the model holds for these.
+    /// Smallest and largest commanded change in the record, for which the model is valid.
     pub stroke_sizes: (f64, f64),
     /// Period at which the command is held before it reaches this model \[s\].
     pub hold_period_s: Option<f64>,

@@ -1,66 +1,55 @@
-//! How well a model fits what it was made from.
+//! How well a model fits the data that it was made from.
 
-use super::Pipeline;
 use super::estimate::Estimate;
-use crate::diagnostics::linearity::Linearity;
+use super::fitted::Fitted;
+use super::task::Task;
 use crate::diagnostics::residual_tests::{self, WHITENESS_SAMPLES};
-use crate::diagnostics::simulation_error::beginnings;
+use crate::diagnostics::simulation_error::{beginnings, square};
 use crate::results::model::{Fit, Model};
 use crate::results::residuals::Residuals;
 use crate::results::validation::fit_percent;
 
-impl Pipeline<'_> {
-    /// The figures of merit that follow from the moments.
-    pub(super) fn figures_of_merit(&self, estimate: &Estimate) -> Fit {
-        let Estimate {
-            information, fit, ..
-        } = estimate;
-        let error = information.residual_moments(&fit.impulse(), fit.solution.offset(), 0);
-        let spread = information.moments.output_spread();
-        let error = error[(0, 0)].max(0.0);
-        Fit {
-            simulation_percent: fit_percent(error, spread),
-            one_step_percent: fit_percent(fit.solution.rss, spread),
-            rmse: (error / information.rows() as f64).sqrt(),
-            samples_used: information.rows(),
-            samples_missing: self.collected.moments.missing(),
-        }
+/// The figures of merit that follow from the moments.
+pub(super) fn figures_of_merit(fitted: &Fitted) -> Fit {
+    let estimate = &fitted.estimate;
+    let information = &estimate.information;
+    let error = square(information, &estimate.fit);
+    let spread = information.moments.output_spread();
+    Fit {
+        simulation_percent: fit_percent(error, spread),
+        one_step_percent: fit_percent(estimate.fit.solution.rss, spread),
+        rmse: (error / information.rows() as f64).sqrt(),
+        samples_used: information.rows(),
+        samples_missing: fitted.candidate.moments.missing(),
     }
+}
 
-    /// Residual tests; that of whiteness needs the samples.
-    pub(super) fn residuals(
-        &self,
-        model: &Model,
-        estimate: &Estimate,
-        linearity: Option<Linearity>,
-    ) -> Residuals {
-        let Estimate {
-            coordinates, fit, ..
-        } = estimate;
-        let rest = linearity.and_then(|found| found.rest);
-        Residuals {
-            input_correlation_p: residual_tests::input_independence(
-                &self.collected.extended,
-                coordinates,
-                &fit.ar,
-            ),
-            whiteness_p: self.whiteness(model, estimate),
-            linearity_p: linearity.map(|found| found.p),
-            beyond_linear_percent: linearity.map(|found| found.misfit_percent),
-            rest_p: rest.map(|found| found.p),
-            beyond_rest_percent: rest.map(|found| found.misfit_percent),
-        }
+/// Residual tests; that of whiteness needs the samples.
+pub(super) fn residuals(task: &Task<'_>, fitted: &Fitted, model: &Model) -> Residuals {
+    let (estimate, linearity) = (&fitted.estimate, fitted.linearity);
+    let rest = linearity.and_then(|found| found.rest);
+    Residuals {
+        input_correlation_p: residual_tests::input_independence(
+            &fitted.candidate.extended,
+            &estimate.coordinates,
+            &estimate.fit.ar,
+        ),
+        whiteness_p: whiteness(task, estimate, model),
+        linearity_p: linearity.map(|found| found.p),
+        beyond_linear_percent: linearity.map(|found| found.misfit_percent),
+        rest_p: rest.map(|found| found.p),
+        beyond_rest_percent: rest.map(|found| found.misfit_percent),
     }
+}
 
-    fn whiteness(&self, model: &Model, estimate: &Estimate) -> Option<f64> {
-        let ar = &estimate.fit.ar;
-        let errors: Vec<Vec<f64>> = beginnings(self.record?.runs(), WHITENESS_SAMPLES)
-            .map(|run| one_step_errors(run.output(), &model.simulate(&run), ar))
-            .collect();
-        let parameters = (estimate.coordinates.len() + 1) as f64;
-        let share = parameters / estimate.information.rows() as f64;
-        residual_tests::whiteness(&errors, ar.len(), share)
-    }
+fn whiteness(task: &Task<'_>, estimate: &Estimate, model: &Model) -> Option<f64> {
+    let ar = &estimate.fit.ar;
+    let errors: Vec<Vec<f64>> = beginnings(task.record?.runs(), WHITENESS_SAMPLES)
+        .map(|run| one_step_errors(run.output(), &model.simulate(&run), ar))
+        .collect();
+    let parameters = (estimate.coordinates.len() + 1) as f64;
+    let share = parameters / estimate.information.rows() as f64;
+    residual_tests::whiteness(&errors, ar.len(), share)
 }
 
 /// ε(k) = D(z) (y - y_sim)(k); NaN where a value or its history is missing.

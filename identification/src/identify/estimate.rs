@@ -4,21 +4,12 @@ use super::plan::Plan;
 use crate::data::moments::Moments;
 use crate::data::record::Record;
 use crate::error::Error;
+use crate::estimation::conditioning::is_accurate;
 use crate::estimation::gls::{self, GlsFit, GlsOptions};
 use crate::estimation::least_squares::{Coordinates, RowInformation};
 use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::qr::triangular_factor;
 use crate::estimation::truncation::FIRST_ORDER;
-
-/// Estimated relative error of an estimate through moments above which the rows themselves are
-/// factorised.
-const ACCURACY: f64 = 1e-8;
-
-/// Rounding of the response per unit of the condition number: the largest seen against QR.
-const ROUNDING: f64 = 50.0 * f64::EPSILON;
-
-/// Condition number up to which moments are accurate enough.
-pub(crate) const WELL_CONDITIONED: f64 = ACCURACY / ROUNDING;
 
 /// Change of the noise model that counts as rest, in standard deviations that a coefficient has
 /// at least, 1/sqrt(rows).
@@ -47,7 +38,7 @@ impl Estimate {
         };
         let information = RowInformation::from_moments(moments.clone());
         let fast = gls::fit(&information, &coordinates, &options)
-            .filter(|fit| record.is_none() || relative_error(&information, fit) <= ACCURACY);
+            .filter(|fit| record.is_none() || is_accurate(&information, fit));
         if let Some(fit) = fast {
             return Ok(Self {
                 coordinates,
@@ -84,18 +75,5 @@ fn not_excited(plan: &Plan, moments: &Moments) -> Error {
         asked: basis.frequencies(),
         excited,
         highest_hz,
-    }
-}
-
-/// Estimated relative error of a fit through moments: rounding times the condition number for the
-/// response, and times the ratio of signal to noise for the noise, whose moments are differences
-/// of much larger ones. The factors are the largest seen against QR.
-fn relative_error(information: &RowInformation, fit: &GlsFit) -> f64 {
-    let response = ROUNDING * fit.solution.condition;
-    let noise = 10.0 * f64::EPSILON * information.moments.output_spread() / fit.solution.rss;
-    if noise.is_nan() {
-        f64::INFINITY
-    } else {
-        response.max(noise)
     }
 }

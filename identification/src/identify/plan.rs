@@ -9,9 +9,10 @@ use crate::estimation::nested_banks::{BankCandidate, NestedBanks};
 use crate::estimation::truncation::{FIRST_ORDER, SECOND_ORDER};
 use crate::options::{Frequencies, NoiseOrder, Options};
 use crate::results::model::SelectedBy;
-use crate::selection::settling_time::{self, Choice};
+use crate::selection::choice::Choice;
+use crate::selection::complete_bank::is_wide;
 
-/// A decided structure.
+/// A decided structure. Gates that want another one make another plan.
 pub(super) struct Plan {
     pub(super) basis: FsfBasis,
     pub(super) selected_by: SelectedBy,
@@ -31,17 +32,25 @@ impl Plan {
         moments: &Moments,
         options: &Options,
     ) -> Result<Self, Error> {
-        let mut plan = Self::for_frequencies(choice.settling, moments, options, &choice.ar)?;
-        if let (Some(frequencies), Frequencies::Auto) = (choice.frequencies, options.frequencies) {
-            plan.basis = FsfBasis::new(choice.settling, frequencies)?;
-        }
-        plan.selected_by = match options.frequencies {
+        let bank = Bank::new(choice.settling, moments, options, &choice.ar)?;
+        let basis = match (choice.frequencies, options.frequencies) {
+            (Some(frequencies), Frequencies::Auto) => FsfBasis::new(choice.settling, frequencies)?,
+            _ => bank.basis,
+        };
+        let selected_by = match options.frequencies {
             Frequencies::Auto => SelectedBy::Auto,
             Frequencies::Narrow => SelectedBy::Narrow,
             Frequencies::Count(_) => SelectedBy::User,
         };
-        plan.choice = Some(choice);
-        Ok(plan)
+        Ok(Self {
+            basis,
+            selected_by,
+            roll_off: bank.roll_off,
+            order: options.noise_order,
+            start: choice.ar.clone(),
+            choice: Some(choice),
+            banks: bank.considered,
+        })
     }
 
     /// The plan for a given settling time.
@@ -50,71 +59,96 @@ impl Plan {
         moments: &Moments,
         options: &Options,
     ) -> Result<Self, Error> {
-        let needed = match options.frequencies {
-            Frequencies::Count(frequencies) => FsfBasis::new(settling, frequencies)?.frequencies(),
-            _ => 1,
-        };
-        check_rows(moments, needed)?;
-        let coordinates = Coordinates::new(FsfBasis::full(settling)?);
+        check_rows(moments, 1)?;
         let start = match options.frequencies {
             Frequencies::Count(_) => Vec::new(),
-            _ => {
-                let information = RowInformation::from_moments(moments.clone());
-                let rough = GlsOptions {
-                    order: options.noise_order,
-                    tolerance: 1e-2,
-                    max_iterations: 4,
-                    corrected: false,
-                    start: Vec::new(),
-                };
-                gls::fit(&information, &coordinates, &rough).map_or_else(Vec::new, |fit| fit.ar)
-            }
+            _ => rough_noise(FsfBasis::full(settling)?, moments, options.noise_order),
         };
-        let mut plan = Self::for_frequencies(settling, moments, options, &start)?;
-        plan.selected_by = match options.frequencies {
-            Frequencies::Narrow => SelectedBy::Narrow,
-            _ => SelectedBy::User,
-        };
-        Ok(plan)
+        let bank = Bank::new(settling, moments, options, &start)?;
+        Ok(Self {
+            basis: bank.basis,
+            selected_by: match options.frequencies {
+                Frequencies::Narrow => SelectedBy::Narrow,
+                _ => SelectedBy::User,
+            },
+            roll_off: bank.roll_off,
+            order: options.noise_order,
+            start,
+            choice: None,
+            banks: bank.considered,
+        })
     }
 
-    /// n for a settling time, and D to start from.
-    fn for_frequencies(
+    /// The same choice, carried out with another bank and another order of the noise.
+    pub(super) fn with(&self, basis: FsfBasis, order: NoiseOrder) -> Self {
+        Self {
+            basis,
+            order,
+            start: Vec::new(),
+            selected_by: self.selected_by,
+            roll_off: self.roll_off,
+            choice: self.choice.clone(),
+            banks: self.banks.clone(),
+        }
+    }
+}
+
+/// D of a fit of few passes, to choose n by.
+fn rough_noise(basis: FsfBasis, moments: &Moments, order: NoiseOrder) -> Vec<f64> {
+    let rough = GlsOptions {
+        order,
+        tolerance: 1e-2,
+        max_iterations: 4,
+        corrected: false,
+        start: Vec::new(),
+    };
+    let information = RowInformation::from_moments(moments.clone());
+    gls::fit(&information, &Coordinates::new(basis), &rough).map_or_else(Vec::new, |fit| fit.ar)
+}
+
+/// The bank for a settling time.
+struct Bank {
+    basis: FsfBasis,
+    roll_off: i32,
+    /// None where n is given.
+    considered: Vec<BankCandidate>,
+}
+
+impl Bank {
+    fn new(
         settling: usize,
         moments: &Moments,
         options: &Options,
         ar: &[f64],
     ) -> Result<Self, Error> {
-        let mut plan = Self {
-            basis: FsfBasis::full(settling)?,
-            selected_by: SelectedBy::User,
-            roll_off: FIRST_ORDER,
-            order: options.noise_order,
-            start: ar.to_vec(),
-            choice: None,
-            banks: Vec::new(),
-        };
+        let full = FsfBasis::full(settling)?;
         if let Frequencies::Count(frequencies) = options.frequencies {
-            plan.basis = FsfBasis::new(settling, frequencies)?;
-            return Ok(plan);
+            return Ok(Self {
+                basis: FsfBasis::new(settling, frequencies)?,
+                roll_off: FIRST_ORDER,
+                considered: Vec::new(),
+            });
         }
-        let Some(scan) = NestedBanks::scan(moments, settling, ar, FIRST_ORDER) else {
-            return Err(Error::NotExcited {
+        let scan =
+            NestedBanks::scan(moments, settling, ar, FIRST_ORDER).ok_or(Error::NotExcited {
                 asked: settling,
                 excited: 1,
                 highest_hz: 0.0,
-            });
-        };
-        plan.banks = scan.candidates().to_vec();
-        if options.frequencies == Frequencies::Narrow {
+            })?;
+        let (frequencies, roll_off) = if options.frequencies == Frequencies::Narrow {
+            let largest = full.frequencies().min(scan.excited());
             let narrow = 2 * scan.best_predictor() + 1;
-            let largest = plan.basis.frequencies().min(scan.excited());
-            plan.basis = FsfBasis::new(settling, narrow.min(largest))?;
-            plan.roll_off = SECOND_ORDER;
-        } else if settling_time::is_low_passed(&scan, settling) {
-            plan.basis = FsfBasis::new(settling, scan.narrowest().frequencies)?;
-        }
-        Ok(plan)
+            (narrow.min(largest), SECOND_ORDER)
+        } else if is_wide(&scan, settling) {
+            (scan.narrowest().frequencies, FIRST_ORDER)
+        } else {
+            (full.frequencies(), FIRST_ORDER)
+        };
+        Ok(Self {
+            basis: FsfBasis::new(settling, frequencies)?,
+            roll_off,
+            considered: scan.candidates().to_vec(),
+        })
     }
 }
 

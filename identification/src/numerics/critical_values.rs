@@ -264,7 +264,7 @@ mod tests {
             let many = student_critical(normal, &degrees);
             for (degrees, value) in degrees.iter().zip(&many) {
                 let one = student_critical(normal, &[*degrees])[0];
-                // A ten-thousandth of a standard deviation is beyond any use of a band.
+                // A ten-thousandth of a standard deviation is irrelevant to a bound.
                 assert_abs_diff_eq!(one, *value, epsilon = 1e-4);
             }
         }

@@ -2,22 +2,20 @@
 
 use faer::Mat;
 
-use super::settling_time::{DETECTION, SettlingCandidate, next_noise, noise_change};
+use super::choice::SettlingCandidate;
+use super::noise_filter;
 use crate::data::moments::Moments;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::{Coordinates, NormalEquations};
 use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
 use crate::numerics::vectors::dot;
 use crate::options::NoiseOrder;
+use crate::thresholds::DETECTION;
 
 /// Averages are taken over this part of the settling time.
 const AVERAGED: usize = 8;
 
-/// Passes of the long fit: its noise model only has to be roughly right.
-const PASSES: usize = 4;
-const NOISE_TOLERANCE: f64 = 1e-2;
-
-/// Quantisation of the choice relative to the spread of the output: tails below it do not matter,
+/// Resolution of the choice relative to the spread of the output: tails below it do not matter,
 /// also when a record has no noise at all.
 const RESOLUTION: f64 = 1e-5;
 
@@ -44,18 +42,13 @@ impl LongFit {
     pub(crate) fn new(moments: &Moments, settling: usize, order: NoiseOrder) -> Option<Self> {
         let basis = FsfBasis::full(settling).ok()?;
         let coordinates = Coordinates::new(basis);
-        let mut ar = Vec::new();
-        for pass in 0..PASSES {
-            let factor = OffsetFirst::new(&NormalEquations::new(moments, &coordinates, &ar))?;
-            let solution = factor.solution();
-            let next = next_noise(moments, &solution[1..], solution[0], order, pass == 0);
-            let change = noise_change(&ar, &next);
-            ar = next;
-            if change < NOISE_TOLERANCE {
-                break;
-            }
-        }
-        let factor = OffsetFirst::new(&NormalEquations::new(moments, &coordinates, &ar))?;
+        let factorised =
+            |ar: &[f64]| OffsetFirst::new(&NormalEquations::new(moments, &coordinates, ar));
+        let ar = noise_filter::alternate(moments, order, |ar| {
+            let solution = factorised(ar)?.solution();
+            Some((solution[1..].to_vec(), solution[0]))
+        })?;
+        let factor = factorised(&ar)?;
         let inverse = inverse_of_lower(&factor.lower);
         // Row j of L^-1 holds the weights of z_j in each parameter; running sums over the lags
         // make them the weights in the step response.
@@ -91,8 +84,8 @@ impl LongFit {
         (rss / dof).max(self.floor)
     }
 
-    /// Looks for the end of the response in its averages too: under a smooth input what noise leaves open of
-    /// it is a ripple, which hides a tail from every single sample and not from their mean.
+    /// Looks for the end of the response in its averages too: under a smooth input the noise of a step
+    /// response is a ripple, which hides a tail in every single sample but not in their mean.
     pub(crate) fn look_at_averages(&mut self) {
         let mut sums = self.weights.clone();
         for m in 1..self.settling {
@@ -125,7 +118,7 @@ impl LongFit {
         from.map(|m| m + 1 + width / 2)
     }
 
-    /// What each settling time of `grid`, ascending, would give.
+    /// The settling times of `grid`, ascending, with their detected ends; none is accepted yet.
     pub(crate) fn candidates(&self, grid: &[usize]) -> impl Iterator<Item = SettlingCandidate> {
         let contradictions = self.contradictions(grid);
         grid.iter().zip(contradictions).map(|(&n, contradiction)| {
@@ -154,8 +147,8 @@ impl LongFit {
     }
 
     /// The largest difference between this step response and that of each settling time of `grid`,
-    /// ascending, in standard deviations for σ = 1. What a shorter one lacks are the parts of the
-    /// lags beyond it, so one pass from the longest to the shortest gives them all.
+    /// ascending, in standard deviations for σ = 1. A shorter one lacks the parts of the lags beyond it, so
+    /// one pass from the longest to the shortest gives them all.
     fn contradictions(&self, grid: &[usize]) -> Vec<f64> {
         let mut largest = vec![0.0f64; grid.len()];
         for m in 0..self.settling {

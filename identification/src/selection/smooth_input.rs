@@ -1,11 +1,13 @@
-//! The choice of N and n when the input lacks high frequencies.
+//! Candidate: as many frequencies as the input excites.
 //!
-//! A complete bank would then be determined badly or not at all. For each N the bank is taken whose
-//! band of noise and truncation together is narrowest; N itself is chosen as always, except that
-//! the truncation bound counts as part of the uncertainty.
+//! Where the input lacks high frequencies, a complete bank is determined badly or not at all. For each N the
+//! bank is taken whose band of noise and truncation together is narrowest. N itself is chosen as always, except
+//! that the truncation bound counts as part of the uncertainty.
 
-use crate::data::moments::Moments;
-use crate::error::Error;
+use super::choice::{Choice, SettlingCandidate};
+use super::noise_filter;
+use super::search::Search;
+use super::settling_range::grid;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::{self, GlsOptions};
 use crate::estimation::least_squares::{Coordinates, RowInformation};
@@ -13,110 +15,93 @@ use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::truncation::FIRST_ORDER;
 use crate::estimation::variance::CurveVariance;
 use crate::options::NoiseOrder;
-use crate::selection::settling_time::{
-    Choice, DETECTION, MARGIN, SettlingCandidate, chosen, grid, next_noise, noise_change,
-};
+use crate::thresholds::{DETECTION, MARGIN};
 
-/// Passes of the long fit over its noise.
-const PASSES: usize = 4;
+/// The shortest acceptable N and its n; `None` when the input excites nothing beyond a constant.
+pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
+    let (moments, longest) = (search.moments, search.longest);
+    let information = RowInformation::from_moments(moments.clone());
+    let ar = noise_filter::alternate(moments, search.order, |ar| {
+        let banks = NestedBanks::scan(moments, longest, ar, FIRST_ORDER)?;
+        let basis = FsfBasis::new(longest, banks.narrowest().frequencies).ok()?;
+        let coordinates = Coordinates::new(basis);
+        let solution = information.solve(&coordinates, ar)?;
+        Some((coordinates.impulse(solution.response()), solution.offset()))
+    })?;
+    let long = Response::new(&information, longest, &ar)?;
+    let candidates = grid(longest).into_iter().filter_map(|settling| {
+        Response::new(&information, settling, &ar).map(|response| response.candidate(&long))
+    });
+    let mut choice = Choice::first_accepted(candidates, longest, ar.clone())?;
+    let chosen = Response::new(&information, choice.settling, &ar)?;
+    choice.smooth_input = true;
+    choice.frequencies = Some(chosen.frequencies);
+    Some(choice)
+}
 
-/// The response at one settling time.
-struct Scan {
+/// The step response at one settling time, by its narrowest bank.
+struct Response {
     frequencies: usize,
     value: Vec<f64>,
     sd: Vec<f64>,
+    /// Bound of the error from frequencies left out.
     bias: f64,
 }
 
-/// Chooses N and n from moments with at least `longest` + 8 lags.
-///
-/// # Errors
-/// The input does not excite anything beyond a constant.
-pub(crate) fn choose(
-    moments: &Moments,
-    longest: usize,
-    order: NoiseOrder,
-) -> Result<Choice, Error> {
-    let not_excited = || Error::NotExcited {
-        asked: longest,
-        excited: 1,
-        highest_hz: 0.0,
-    };
-    let information = RowInformation::from_moments(moments.clone());
-    let mut ar = Vec::new();
-    for pass in 0..PASSES {
-        let banks =
-            NestedBanks::scan(moments, longest, &ar, FIRST_ORDER).ok_or_else(not_excited)?;
-        let basis = FsfBasis::new(longest, banks.narrowest().frequencies)?;
-        let coordinates = Coordinates::new(basis);
-        let solution = information
-            .solve(&coordinates, &ar)
-            .ok_or_else(not_excited)?;
-        let impulse = coordinates.impulse(solution.response());
-        let next = next_noise(moments, &impulse, solution.offset(), order, pass == 0);
-        let change = noise_change(&ar, &next);
-        ar = next;
-        if change < 1e-2 {
-            break;
-        }
-    }
-    let long = scan(&information, longest, &ar).ok_or_else(not_excited)?;
-    let mut candidates = Vec::new();
-    let mut frequencies = long.frequencies;
-    for settling in grid(longest) {
-        let Some(scan) = scan(&information, settling, &ar) else {
-            continue;
+impl Response {
+    fn new(information: &RowInformation, settling: usize, ar: &[f64]) -> Option<Self> {
+        let banks = NestedBanks::scan(&information.moments, settling, ar, FIRST_ORDER)?;
+        let best = banks.narrowest();
+        let coordinates = Coordinates::new(FsfBasis::new(settling, best.frequencies).ok()?);
+        let options = GlsOptions {
+            order: NoiseOrder::Order(ar.len()),
+            start: ar.to_vec(),
+            max_iterations: 1,
+            corrected: false,
+            ..GlsOptions::default()
         };
-        let tolerance = |m: usize| DETECTION * scan.sd[m.min(settling - 1)] + scan.bias;
-        let end = scan.value[settling - 1];
-        let moving = (0..settling - 1)
-            .rev()
-            .find(|&m| (scan.value[m] - end).abs() > tolerance(m));
-        // Both responses are uncertain; the shorter one has reached its end after N.
-        let contradiction = (0..longest)
-            .map(|m| {
-                let here = scan.value[m.min(settling - 1)];
-                let sd = long.sd[m] + scan.sd[m.min(settling - 1)];
-                ((here - long.value[m]).abs() - scan.bias - long.bias).max(0.0) / sd
-            })
-            .fold(0.0, f64::max);
-        let detected = moving.map_or(1, |m| m + 2);
-        let accepted = (settling == longest || contradiction <= DETECTION)
-            && settling as f64 >= MARGIN * detected as f64;
-        candidates.push(SettlingCandidate {
+        let fit = gls::fit(information, &coordinates, &options)?;
+        let spread = CurveVariance::of_fit(information, &fit, &coordinates.step_map());
+        Some(Self {
+            frequencies: best.frequencies,
+            value: coordinates.basis.step_response(&fit.theta()),
+            sd: spread.sd,
+            bias: best.truncation_bias,
+        })
+    }
+
+    /// This settling time beside the longest one.
+    fn candidate(&self, long: &Self) -> SettlingCandidate {
+        let (settling, longest) = (self.value.len(), long.value.len());
+        let detected = self.last_moving().map_or(1, |m| m + 2);
+        let contradiction = self.contradiction(long);
+        SettlingCandidate {
             settling,
             detected,
             contradiction,
-            accepted,
-        });
-        frequencies = scan.frequencies;
-        if accepted {
-            break;
+            accepted: (settling == longest || contradiction <= DETECTION)
+                && settling as f64 >= MARGIN * detected as f64,
         }
     }
-    let mut choice = chosen(candidates, longest, ar);
-    choice.low_passed = true;
-    choice.frequencies = Some(frequencies);
-    Ok(choice)
-}
 
-fn scan(information: &RowInformation, settling: usize, ar: &[f64]) -> Option<Scan> {
-    let banks = NestedBanks::scan(&information.moments, settling, ar, FIRST_ORDER)?;
-    let best = banks.narrowest();
-    let coordinates = Coordinates::new(FsfBasis::new(settling, best.frequencies).ok()?);
-    let options = GlsOptions {
-        order: NoiseOrder::Order(ar.len()),
-        start: ar.to_vec(),
-        max_iterations: 1,
-        corrected: false,
-        ..GlsOptions::default()
-    };
-    let fit = gls::fit(information, &coordinates, &options)?;
-    let spread = CurveVariance::of_fit(information, &fit, &coordinates.step_map());
-    Some(Scan {
-        frequencies: best.frequencies,
-        value: coordinates.basis.step_response(&fit.theta()),
-        sd: spread.sd,
-        bias: best.truncation_bias,
-    })
+    /// The last sample at which the response is not yet at its final value.
+    fn last_moving(&self) -> Option<usize> {
+        let last = self.value.len() - 1;
+        let moves = |m: usize| {
+            (self.value[m] - self.value[last]).abs() > DETECTION * self.sd[m] + self.bias
+        };
+        (0..last).rev().find(|&m| moves(m))
+    }
+
+    /// Largest difference from `long` in standard deviations. Both are uncertain; the shorter one has reached
+    /// its end after N.
+    fn contradiction(&self, long: &Self) -> f64 {
+        let last = self.value.len() - 1;
+        let differences = (0..long.value.len()).map(|m| {
+            let here = m.min(last);
+            let difference = (self.value[here] - long.value[m]).abs() - self.bias - long.bias;
+            difference.max(0.0) / (long.sd[m] + self.sd[here])
+        });
+        differences.fold(0.0, f64::max)
+    }
 }

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use servoid_identification::convolution::causal_filter;
-use servoid_identification::misfit::TOLERATED;
+use servoid_identification::thresholds::WHITENING_COST_POINTS;
 use servoid_identification::{Options, Record, Run, identify, identify_explained};
 
 /// The usual frame of a servo \[s\].
@@ -159,7 +159,7 @@ fn where_parts_cannot_stand_for_one_another_nothing_is_chosen_by_predicting_them
     // The rows of a longer N are others, and fewer.
     let simulated = found.model.fit.simulation_percent;
     assert!(
-        simulated > errors.least_squares_percent - TOLERATED,
+        simulated > errors.least_squares_percent - WHITENING_COST_POINTS,
         "{simulated} % at a longer N, {errors:?}"
     );
     let said = |part: &str| found.model.advice.iter().any(|a| a.finding.contains(part));

@@ -1,7 +1,7 @@
 //! Servos that are not linear are told from those that are, and what that does to the bounds.
 
 use rayon::prelude::*;
-use servoid_identification::linearity::SIGNIFICANCE;
+use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
 use servoid_identification::{Model, Options, Record, identify};
 
 use servoid_test_support::servos::{
@@ -50,7 +50,7 @@ fn linear_servos_pass_as_often_as_the_level_says() {
     // to each side.
     assert!(below(0.1) <= 11, "{} below 0.1", below(0.1));
     assert!((14..=34).contains(&below(0.5)), "{} below 0.5", below(0.5));
-    assert_eq!(below(SIGNIFICANCE), 0);
+    assert_eq!(below(MISFIT_SIGNIFICANCE), 0);
 }
 
 #[test]

@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_what_their_definition_says_with_gaps_runs_and_rest() {
+    fn moments_follow_their_definition_with_gaps_runs_and_rest() {
         let record = gappy_record();
         let (l, j) = (23, 4);
         let moments = Moments::of_record(&record, l, j);

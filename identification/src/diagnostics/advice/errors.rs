@@ -1,13 +1,15 @@
 //! Findings on the errors: whether they are noise, and noise of the kind that the model says.
 
 use super::{Advice, Check, Evidence, SIGNIFICANCE};
-use crate::diagnostics::linearity::{self, Linearity};
-use crate::diagnostics::misfit::{
-    DISAGREEMENT, MisfitEvidence, ModelErrors, SEEN, TOLERATED, UNEXPLAINED,
-};
+use crate::diagnostics::linearity::Linearity;
+use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
 use crate::estimation::gls::MAX_AUTO_ORDER;
 use crate::estimation::noise_model::largest_root;
 use crate::options::NoiseOrder;
+use crate::thresholds::{
+    DISAGREEMENT, MATERIAL_MISFIT_PERCENT, STEPS_FOLLOWED, UNEXPLAINED_PERCENT,
+    WHITENING_COST_POINTS,
+};
 
 pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     let errors = evidence.explanation.model_errors.as_ref()?;
@@ -58,8 +60,8 @@ fn probability(p: f64) -> String {
 }
 
 /// What told that errors are not noise, the number and what it was held against.
-fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
-    match errors.sign {
+fn sign_in_words(errors: &Misfit) -> (String, f64, f64) {
+    match errors.evidence {
         MisfitEvidence::Whitening => {
             let (plain, generalised) = (errors.least_squares_percent, errors.generalised_percent);
             let simulated = |percent: f64| match percent > 0.0 {
@@ -71,7 +73,7 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
                 simulated(generalised),
                 simulated(plain)
             );
-            (words, plain - generalised, TOLERATED)
+            (words, plain - generalised, WHITENING_COST_POINTS)
         }
         MisfitEvidence::Misfit(found) => {
             let left = errors.unexplained_percent();
@@ -79,7 +81,7 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
                 "simulation leaves {left:.0} % of the motion (rms), and what it leaves {}",
                 Shown::by(&found).how
             );
-            (words, left, UNEXPLAINED)
+            (words, left, UNEXPLAINED_PERCENT)
         }
         MisfitEvidence::Runs(found) => {
             let left = errors.unexplained_percent();
@@ -89,7 +91,7 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
                 found.misfit_percent,
                 probability(found.p)
             );
-            (words, left, UNEXPLAINED)
+            (words, left, UNEXPLAINED_PERCENT)
         }
         MisfitEvidence::NoSteps(found, seen) => {
             let shown = Shown::by(&found);
@@ -100,7 +102,7 @@ fn sign_in_words(errors: &ModelErrors) -> (String, f64, f64) {
                 shown.how,
                 100.0 * seen
             );
-            (words, seen, SEEN)
+            (words, seen, STEPS_FOLLOWED)
         }
     }
 }
@@ -154,7 +156,7 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
             shown.percent, shown.how
         ),
         shown.percent,
-        linearity::WORTH_MENTIONING,
+        MATERIAL_MISFIT_PERCENT,
         "Compare only what was recorded with the same reference; look at strokes up and down and at the \
          limits of speed and travel apart (--limits).",
     ))

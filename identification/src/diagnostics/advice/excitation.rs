@@ -1,8 +1,8 @@
 //! Findings on the input: whether it moves fast enough to tell the response.
 
 use super::{Advice, Check, Evidence};
-use crate::diagnostics::misfit::DISAGREEMENT;
 use crate::diagnostics::validity::unexcited_share;
+use crate::thresholds::DISAGREEMENT;
 
 /// What cures all of it.
 fn sharper(nyquist_hz: f64) -> String {

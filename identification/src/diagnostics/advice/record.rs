@@ -3,8 +3,8 @@
 use super::{Advice, Check, Evidence, SIGNIFICANCE};
 use crate::diagnostics::initial_rest::CONTRADICTION;
 use crate::diagnostics::run_scatter::RunComparison;
+use crate::estimation::conditioning::WELL_CONDITIONED;
 use crate::estimation::least_squares::Solver;
-use crate::identify::WELL_CONDITIONED;
 
 /// More parameters than this share of the rows leave too little to judge the noise by.
 const LARGE_SHARE: f64 = 0.25;

@@ -3,7 +3,8 @@
 use super::{Advice, Check, Evidence, errors};
 use crate::options::Frequencies;
 use crate::results::model::SelectedBy;
-use crate::selection::settling_time::{Choice, DETECTION, MARGIN};
+use crate::selection::choice::Choice;
+use crate::thresholds::{DETECTION, MARGIN};
 
 /// The choice of the settling time, unless it was overruled because the errors are not noise.
 fn trusted_choice<'a>(evidence: &Evidence<'a>) -> Option<&'a Choice> {

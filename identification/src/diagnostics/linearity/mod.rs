@@ -35,15 +35,8 @@ use crate::diagnostics::simulation_error::{Simulated, explained_by_runs};
 use crate::diagnostics::standstill_noise::StandstillNoise;
 use crate::estimation::gls::GlsFit;
 use crate::estimation::least_squares::RowInformation;
+use crate::thresholds::{MATERIAL_MISFIT_PERCENT, MISFIT_SIGNIFICANCE};
 use reset_test::ResetTest;
-
-/// p-values below this count: far below what one would ask of a single test, because each of many
-/// recordings of linear servos is tested.
-pub const SIGNIFICANCE: f64 = 1e-4;
-
-/// Percent of the motion that must be beyond any linear model before it is worth a word: less is
-/// within what a servo does to itself from day to day.
-pub const WORTH_MENTIONING: f64 = 1.0;
 
 /// What the test found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -86,21 +79,23 @@ impl Linearity {
     /// Whether functions of the motion explain errors, by an amount that matters.
     #[must_use]
     pub fn by_functions(&self) -> bool {
-        self.p < SIGNIFICANCE && self.misfit_percent > WORTH_MENTIONING
+        self.p < MISFIT_SIGNIFICANCE && self.misfit_percent > MATERIAL_MISFIT_PERCENT
     }
 
     /// How much larger errors are in motion than at rest, if that is shown, by an amount that matters.
     #[must_use]
     pub fn against_rest(&self) -> Option<StandstillNoise> {
-        self.rest
-            .filter(|rest| rest.p < SIGNIFICANCE && rest.misfit_percent > WORTH_MENTIONING)
+        self.rest.filter(|rest| {
+            rest.p < MISFIT_SIGNIFICANCE && rest.misfit_percent > MATERIAL_MISFIT_PERCENT
+        })
     }
 
     /// How much runs differ, if that is shown, by an amount that matters.
     #[must_use]
     pub fn between_runs(&self) -> Option<BetweenRuns> {
-        self.runs
-            .filter(|runs| runs.p < SIGNIFICANCE && runs.misfit_percent > WORTH_MENTIONING)
+        self.runs.filter(|runs| {
+            runs.p < MISFIT_SIGNIFICANCE && runs.misfit_percent > MATERIAL_MISFIT_PERCENT
+        })
     }
 
     /// Whether the servo is shown not to be linear, by an amount that matters.

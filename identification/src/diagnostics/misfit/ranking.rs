@@ -1,8 +1,10 @@
 //! Estimators by how well they predict parts of a record that they have not seen.
 
-use super::{Prediction, plain, simulation_error};
+use super::estimators::plain;
+use super::evidence::Prediction;
 use crate::data::moments::{MomentStream, Moments};
 use crate::data::record::Record;
+use crate::diagnostics::simulation_error::square;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::gls::{self, GlsOptions};
 use crate::estimation::least_squares::{Coordinates, RowInformation};
@@ -10,9 +12,7 @@ use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::truncation::FIRST_ORDER;
 use crate::options::NoiseOrder;
 use crate::results::validation::fit_percent;
-
-/// Points of fit within which predictions count as equal.
-const TIE: f64 = 0.5;
+use crate::thresholds::PREDICTION_TIE;
 
 /// Fit of a prediction that is no better than the mean of what it predicts \[%\]. Where that is all
 /// that can be had, parts of the record cannot stand for one another (one step in each, say), and
@@ -97,7 +97,9 @@ pub(crate) fn rank(
     let simplest = ranked
         .iter()
         .enumerate()
-        .take_while(|(_, p)| p.cross_validated_percent > ranked[0].cross_validated_percent - TIE)
+        .take_while(|(_, p)| {
+            p.cross_validated_percent > ranked[0].cross_validated_percent - PREDICTION_TIE
+        })
         .min_by_key(|(_, p)| (p.settling, p.frequencies, p.generalised))
         .map(|(index, _)| index);
     if let Some(index) = simplest {
@@ -149,7 +151,7 @@ fn cross_validate(
         if fit.solution.condition > DETERMINED {
             return None; // Not determined by the parts that are left.
         }
-        error += simulation_error(&RowInformation::from_moments(part.clone()), &fit);
+        error += square(&RowInformation::from_moments(part.clone()), &fit);
     }
     Some(fit_percent(error, total.output_spread()))
 }

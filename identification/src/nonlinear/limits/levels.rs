@@ -1,13 +1,13 @@
-//! Where the servo comes to rest, level by level and by the side it came from.
+//! The level table: rest positions by level and by direction of approach.
 //!
-//! Each hold long enough for the response to settle gives one figure, the mean of its last quarter, freed
-//! of what the linear model says is still moving there.
-//! Holds at one level, reached from one side, form a cell; their scatter within cells is the only
-//! measure of uncertainty, so that it includes whatever differs from visit to visit.
+//! Each hold that is long enough for the response to settle gives one visit: the mean output of its last
+//! quarter, less the motion that the linear model still predicts there. Holds at one level, reached from one
+//! side, form a cell. The scatter within cells is the only measure of uncertainty, so that it includes all
+//! differences between visits.
 //!
-//! * **Hysteresis**: the mean over levels of (rest from above) - (rest from below). Backlash, dead band
-//!   and friction are not told apart. In a servo that overshoots by more than its play the sign
-//!   turns, because the level is then reached from the other side: only the size is reported.
+//! * **Hysteresis**: the mean over levels of (rest from above) - (rest from below). It does not distinguish
+//!   backlash, dead band and friction. In a servo that overshoots by more than its play the sign is
+//!   inverted, because the level is then reached from the other side: only the size is reported.
 //! * **Saturation**: the gain from one level to the next at each end of the range against the
 //!   median of the other gains.
 
@@ -18,14 +18,14 @@ use crate::data::holds::{holds, last_quarter, mean_output};
 use crate::data::record::Run;
 use crate::results::metrics::Interval;
 
-/// Probability of calling out a hysteresis that is not there.
+/// Probability of a false alarm for hysteresis.
 const FALSE_ALARM: f64 = 0.001;
-/// Probability of calling out each end of the range that does not soften.
+/// Probability of a false alarm for each end of the range.
 const FALSE_ALARM_OF_AN_END: f64 = 0.005;
-/// Gain at an end, relative to the others, below which it softens, and below which it stops.
+/// Gain at an end relative to the others: below the first it softens, below the second it stops.
 const SOFT: f64 = 0.9;
 const STOP: f64 = 0.1;
-/// Levels needed to see an end soften.
+/// Number of levels needed to find a softening end.
 pub(crate) const LEVELS: usize = 4;
 
 /// The side from which a level was reached.
@@ -41,20 +41,20 @@ pub enum Side {
 /// All visits to one level from one side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
-    /// The level commanded.
+    /// The commanded level.
     pub command: f64,
-    /// Where it was reached from.
+    /// The side from which it was reached.
     pub from: Side,
     /// Mean of the output at rest, with its interval from the scatter between visits.
     pub reached: Interval,
-    /// Visits.
+    /// Number of visits.
     pub visits: usize,
 }
 
-/// What the level table says about the direction of approach.
+/// Dependence of the rest position on the direction of approach.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Hysteresis {
-    /// Whether there is any; `None` when the recording cannot tell.
+    /// Whether there is hysteresis; `None` when the recording does not show it.
     pub found: Option<bool>,
     /// Size of the dependence on the direction of approach \[output\].
     pub size: Interval,
@@ -62,10 +62,10 @@ pub struct Hysteresis {
     pub statement: String,
 }
 
-/// What one end of the range does.
+/// One end of the commanded range.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RangeEnd {
-    /// Whether the gain falls there; `None` when the recording cannot tell.
+    /// Whether the gain falls there; `None` when the recording does not show it.
     pub softens: Option<bool>,
     /// The last level commanded on this side.
     pub command: f64,
@@ -88,7 +88,7 @@ pub(crate) struct Table {
     degrees: usize,
     /// Confidence level of intervals; `None` where they have no bounds.
     level: Option<f64>,
-    /// How long a hold must last to be counted \[s\].
+    /// Shortest hold that counts \[s\].
     needed_s: f64,
 }
 
@@ -100,8 +100,7 @@ struct Level {
 }
 
 impl Table {
-    /// Collects holds whose last quarter begins at least `settling` samples, `period_s` apart, after
-    /// the edge.
+    /// The table of the holds whose last quarter begins at least `settling` samples after the edge.
     pub(crate) fn new(runs: &[Run], period_s: f64, settling: usize, level: Option<f64>) -> Self {
         let mut visits: Vec<(f64, Side, f64)> = Vec::new();
         for run in runs {
@@ -200,7 +199,7 @@ impl Table {
     }
 
     pub(crate) fn hysteresis(&self) -> Hysteresis {
-        // Weights that make the variance of the mean smallest.
+        // Weights of the mean with the smallest variance.
         let (mut sum, mut weights, mut pairs) = (0.0, 0.0, 0);
         for pair in self
             .cells
@@ -233,20 +232,25 @@ impl Table {
         let sd = (self.variance / weights).sqrt();
         let found = difference.abs() > self.critical(FALSE_ALARM / 2.0) * sd;
         let size = absolute(interval);
-        let by_more = size
-            .upper
-            .map_or_else(String::new, |bound| format!(" by more than {bound:.3}"));
         Hysteresis {
             found: Some(found),
             size,
             statement: if found {
                 format!(
-                    "The rest position depends on the direction of approach by {:.3}: backlash, \
-                     dead band or friction.",
+                    "Hysteresis of {:.3}: the rest position depends on the direction of approach, \
+                     by backlash, dead band or friction.",
                     difference.abs()
                 )
             } else {
-                format!("The rest position does not depend on the direction of approach{by_more}.")
+                match size.upper {
+                    Some(bound) => format!(
+                        "No hysteresis above {bound:.3}: the rest position does not depend on the \
+                         direction of approach by more."
+                    ),
+                    None => "No hysteresis is found: the rest position does not depend on the \
+                             direction of approach by more than it scatters."
+                        .to_owned(),
+                }
             },
         }
     }
@@ -264,8 +268,8 @@ impl Table {
             reached: self.around(level.mean, 1.0 / level.visits as f64),
             gain_ratio: Interval::default(),
             statement: format!(
-                "At {:.3} the servo reaches {:.3}. Cannot tell from this recording whether it \
-                 softens or stops there: record stairs of at least {LEVELS} levels, both ends \
+                "Cannot tell from this recording whether the servo softens or stops at a command of \
+                 {:.3}, where it reaches {:.3}: record stairs of at least {LEVELS} levels, both ends \
                  included, each visited at least twice and held for at least {:.2} s.",
                 level.command, level.mean, self.needed_s
             ),
@@ -297,14 +301,15 @@ impl Table {
         end.softens = Some(softens);
         end.statement = match (softens, ratio < STOP) {
             (false, _) => format!(
-                "No stop at the {name} end: {:.3} is reached at {:.3}, with {:.0} % of the gain elsewhere.",
+                "No stop at the {name} end: {:.3} is reached at a command of {:.3}, with {:.0} % of \
+                 the gain elsewhere.",
                 level.mean,
                 level.command,
                 100.0 * ratio
             ),
             (true, true) => format!("Hard stop at {:.3} (the {name} end).", level.mean),
             (true, false) => format!(
-                "The {name} end softens: the last {:.3} of command give only {:.3}.",
+                "The {name} end softens: the last {:.3} of command move the output by only {:.3}.",
                 neighbours[1].command - neighbours[0].command,
                 (neighbours[1].mean - neighbours[0].mean).abs()
             ),

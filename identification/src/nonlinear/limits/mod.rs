@@ -1,12 +1,11 @@
-//! What no linear model can show: limits of speed and travel, and hysteresis, from the recording
-//! alone.
+//! Limits of speed and travel, and hysteresis, from the recording alone.
 //!
-//! Each detector says what it found, with an interval, or that the recording cannot tell and what to
-//! record instead. They are built to stay silent on linear servos of any damping: a limit that is
-//! not there would send someone looking for a fault that is not there.
+//! Each detector reports its finding with an interval, or that the recording does not show it and which
+//! recording would. They find nothing in linear servos of any damping, because a false alarm would start a
+//! search for a fault that does not exist.
 //!
-//! The record must have holds: a command that stands still, exactly, between its steps. From sweeps
-//! and random references these limits cannot be told.
+//! The record needs holds: a command that is exactly constant between its steps. Sweeps and random
+//! references do not show these limits.
 
 pub(crate) mod levels;
 mod rate;
@@ -16,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::data::holds;
 use crate::data::record::{Record, Run};
 use crate::results::model::Model;
-use crate::selection::settling_time::MARGIN;
+use crate::thresholds::MARGIN;
 
 pub use levels::{Cell, Hysteresis, RangeEnd, Side};
 pub use rate::{Rate, RateVerdict};
@@ -32,13 +31,13 @@ pub struct Limits {
     pub hysteresis: Hysteresis,
     /// The ends of the commanded range, low and high; `None` when no hold is long enough.
     pub ends: Option<[RangeEnd; 2]>,
-    /// Where the servo rests, by level and side.
+    /// The level table.
     pub levels: Vec<Cell>,
 }
 
 impl Limits {
-    /// Looks for limits in `record`, of which `model` is a plain model: its N says how long a
-    /// response lasts, its level how wide intervals are.
+    /// The limits found in `record`. The N of its linear `model` gives the length of a response, the level
+    /// that of the intervals.
     ///
     /// ```
     /// use servoid_identification::limits::{Limits, RateVerdict};
@@ -71,8 +70,7 @@ impl Limits {
         }
     }
 
-    /// The level table by itself: where the servo rests, by level and side. Empty when no hold is
-    /// long enough.
+    /// The level table alone: rest positions by level and side. Empty when no hold is long enough.
     #[must_use]
     pub fn level_table(record: &Record, model: &Model) -> Vec<Cell> {
         table(record, model).cells
@@ -95,21 +93,21 @@ impl Limits {
 
 fn table(record: &Record, model: &Model) -> levels::Table {
     levels::Table::new(
-        &at_rest(record, model),
+        &without_motion(record, model),
         record.sample_period_s(),
         settling(model),
         model.level().into_valid(),
     )
 }
 
-/// Samples that the response takes to settle: N is a margin longer.
+/// Samples that the response takes to settle. N is longer by a margin.
 fn settling(model: &Model) -> usize {
     (model.structure.settling_samples as f64 / MARGIN).ceil() as usize
 }
 
-/// The runs without what the linear model says is still moving, so that ringing is not taken for
-/// rest: y(k) - (ŷ(k) - c - G0 u(k)). Missing where the model has no full history.
-fn at_rest(record: &Record, model: &Model) -> Vec<Run> {
+/// The runs less the motion that the linear model predicts, y(k) - (ŷ(k) - c - G0 u(k)), so that ringing
+/// does not pass for rest. Missing where the model has no full history.
+fn without_motion(record: &Record, model: &Model) -> Vec<Run> {
     let still = |run: &Run| {
         let moving = model.simulate(run);
         let output: Vec<f64> = (0..run.len())
@@ -121,6 +119,6 @@ fn at_rest(record: &Record, model: &Model) -> Vec<Run> {
             None => still,
         })
     };
-    // Finite inputs and outputs of equal length stay so.
+    // `Run::new` cannot fail for the same lengths and finite values.
     record.runs().iter().filter_map(still).collect()
 }

@@ -1,18 +1,18 @@
-//! Whether the speed of a stroke grows with its size, as a linear servo's does.
+//! Rate limit: whether the speed of a stroke grows with its size, as in a linear servo.
 //!
-//! A linear servo runs every stroke on the same time scale, so that the speed v in the middle of a
-//! stroke is proportional to its commanded size A. With b the slope of ln v over ln A (standard
-//! deviation by MacKinnon and White's HC3) and the hinge v = c min(A, A₀) against v = c A by an F test,
+//! All strokes of a linear servo have the same time scale, so that the speed v in the middle of a stroke is
+//! proportional to its commanded size A. Two statistics test this: the slope b of ln v over ln A (standard
+//! deviation by MacKinnon and White's HC3), and the hinge v = c min(A, A₀) against v = c A by an F test.
 //!
 //! ```text
-//! proportional   neither b surely below 0.95 nor a hinge below 0.9 of the largest size
-//! rate limit     else, when v stands still above the hinge: five strokes or more, sizes that
-//!                differ by a fifth, slope surely below 0.25
-//! grows less     else: torque or acceleration is limited, or speed saturates softly
+//! proportional   b is not significantly below 0.95, and no hinge lies below 0.9 of the largest size
+//! rate limit     otherwise, when v is constant above the hinge: five strokes or more, sizes that
+//!                differ by a fifth, slope significantly below 0.25
+//! grows less     otherwise: torque or acceleration is limited, or speed saturates gradually
 //! ```
 //!
-//! The sizes are those commanded: measured travel shares its noise with the speed. The shape of a
-//! single stroke cannot tell a rate limit from a slow servo, and is not used.
+//! The sizes are those commanded, because the noise of the measured travel is also in the speed. The shape
+//! of a single stroke does not distinguish a rate limit from a slow servo, and is not used.
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
@@ -25,29 +25,29 @@ use crate::results::metrics::Interval;
 const STROKES: usize = 6;
 /// Ratio of the largest to the smallest size needed.
 const SIZES: f64 = 1.5;
-/// Strokes above the hinge, and ratio of their sizes, needed to call it a limit.
+/// Strokes above the hinge, and ratio of their sizes, needed for a rate limit.
 const ABOVE: (usize, f64) = (5, 1.2);
-/// Slopes: below the first it surely is not proportional, below the second it stands still.
+/// Slopes: below the first the speed is not proportional, below the second it is constant.
 const SLOPES: (f64, f64) = (0.95, 0.25);
 /// Level of each single test.
 const LEVEL: f64 = 0.99;
-/// Travel for a degree of command, relative to that of the strokes that go farthest, below which a stroke
-/// was stopped on its way.
+/// Travel per command, relative to that of the strokes with the farthest travel, below which a stroke was
+/// stopped.
 const STOPPED: f64 = 0.9;
-/// Hinge relative to the largest size below which it counts.
+/// A hinge below this share of the largest size counts.
 const HINGE: f64 = 0.9;
 
-/// What the strokes of one direction say.
+/// The finding for the strokes of one direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RateVerdict {
-    /// Speed grows with the size of the stroke: no limit in the range recorded.
+    /// Speed grows with the size of the stroke: no limit in the recorded range.
     Proportional,
-    /// Speed does not exceed the figure given.
+    /// Speed is limited to the given value.
     Limited,
-    /// Speed grows less than the size; the figure is that of the largest strokes.
+    /// Speed grows less than the size; the given speed is that of the largest strokes.
     GrowsLess,
-    /// Not enough strokes, or all of one size.
+    /// Too few strokes, or all of one size.
     CannotTell,
 }
 
@@ -61,9 +61,9 @@ pub struct Rate {
     pub speed: Interval,
     /// b: 1 when proportional, 0 when constant.
     pub exponent: Interval,
-    /// Isolated strokes found.
+    /// Number of isolated strokes.
     pub strokes: usize,
-    /// Isolated strokes that were left out because something stopped them on their way.
+    /// Number of isolated strokes that were stopped, and left out.
     #[serde(default)]
     pub stopped: usize,
     /// Smallest and largest commanded size; zero without strokes.
@@ -73,7 +73,7 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// Judges strokes of one direction.
+    /// Of the strokes of one direction.
     pub(crate) fn new(direction: &str, strokes: &[Stroke], level: Option<f64>) -> Self {
         let all = strokes.len();
         let mut strokes = unstopped(strokes);
@@ -109,9 +109,9 @@ impl Rate {
                 ),
             };
             rate.statement = format!(
-                "Cannot tell from this recording whether the speed {direction} is limited: it has {seen}{stopped}; \
-                 record at least {STROKES} in each direction, the largest at least {SIZES} times the \
-                 smallest, each held until it has settled{within}."
+                "Cannot tell whether the speed {direction} is limited, because the recording has \
+                 {seen}{stopped}: record at least {STROKES} strokes in each direction, the largest at \
+                 least {SIZES} times the smallest, each held until it has settled{within}."
             );
             return rate;
         }
@@ -137,7 +137,7 @@ impl Rate {
                 .copied()
                 .collect();
             rate.speed = mean_speed(&largest, level);
-        } else if stands_still(&above, critical) {
+        } else if is_constant(&above, critical) {
             rate.verdict = RateVerdict::Limited;
             rate.speed = mean_speed(&above, level);
         } else {
@@ -158,33 +158,32 @@ impl Rate {
         let exponent = self.exponent.value.unwrap_or(0.0);
         match self.verdict {
             RateVerdict::Proportional => format!(
-                "The speed {direction} grows with the stroke: no rate limit up to {speed:.1} per second."
+                "No rate limit {direction} up to {speed:.1} per second: the speed grows with the stroke."
             ),
             RateVerdict::Limited => {
-                format!("The speed {direction} is limited to {speed:.1} per second.")
+                format!("Rate limit {direction} of {speed:.1} per second.")
             }
             _ => format!(
-                "The speed {direction} grows less than the stroke (to the power {exponent:.2}), {speed:.1} per \
-                 second at the largest: torque or acceleration is limited."
+                "The speed {direction} grows less than the stroke (to the power {exponent:.2}), up to {speed:.1} \
+                 per second at the largest stroke: torque or acceleration is limited."
             ),
         }
     }
 }
 
-/// The strokes without those that something stopped on their way: their speed is not that of the stroke
-/// commanded.
+/// The strokes without those that were stopped, whose speed is not that of the commanded stroke.
 fn unstopped(strokes: &[Stroke]) -> Vec<Stroke> {
     let gain = |stroke: &Stroke| stroke.travel / stroke.size.abs();
     let mut gains: Vec<f64> = strokes.iter().map(gain).collect();
     gains.sort_by(f64::total_cmp);
-    // Most strokes of a recording may meet a stop, but not those that go farthest for their size.
+    // Most strokes may meet a stop, but not those with the farthest travel for their size.
     let free = gains.get(3 * gains.len() / 4).copied().unwrap_or(0.0);
     let went_free = |stroke: &&Stroke| gain(stroke) >= STOPPED * free;
     strokes.iter().filter(went_free).copied().collect()
 }
 
 /// Whether the speed no longer grows with the size.
-fn stands_still(above: &[Stroke], critical: f64) -> bool {
+fn is_constant(above: &[Stroke], critical: f64) -> bool {
     let size = |stroke: &Stroke| stroke.size.abs();
     let smallest = above.iter().map(size).fold(f64::INFINITY, f64::min);
     let largest = above.iter().map(size).fold(0.0, f64::max);
@@ -229,7 +228,7 @@ impl Slope {
         let (x0, y0) = (mean(|p| p.0), mean(|p| p.1));
         let sxx: f64 = points.iter().map(|p| (p.0 - x0).powi(2)).sum();
         let value = points.iter().map(|p| (p.0 - x0) * (p.1 - y0)).sum::<f64>() / sxx;
-        // HC3: residuals divided by one minus their leverage, which need not have one variance.
+        // HC3: residuals divided by one minus their leverage. They need not have equal variances.
         let variance: f64 = points
             .iter()
             .map(|p| {
@@ -253,7 +252,7 @@ impl Slope {
 /// v = c min(A, knee) in logarithms.
 struct Hinge {
     knee: f64,
-    /// Probability of a gain over v = c A at least as large if there is no hinge.
+    /// Probability of an improvement over v = c A at least as large if there is no hinge.
     p: f64,
 }
 

@@ -1,0 +1,134 @@
+//! A structure to be fitted, with the moments that it needs.
+
+use super::plan::{Plan, check_rows};
+use super::task::{Task, noise_lags};
+use crate::data::moments::Moments;
+use crate::data::record::Record;
+use crate::diagnostics::residual_tests::INPUT_LAGS;
+use crate::error::Error;
+use crate::estimation::fsf_basis::FsfBasis;
+use crate::options::{NoiseOrder, Options, Settling};
+use crate::selection::search::Search;
+use crate::selection::settling_range::{longest_settling, odd_at_most};
+use crate::selection::settling_time;
+
+/// Share of rows that must be gained to make another pass over the data worth while.
+const WORTHWHILE_ROWS: f64 = 0.01;
+
+/// A plan and its data.
+pub(super) struct Candidate {
+    pub(super) plan: Plan,
+    /// With the lags of the plan.
+    pub(super) moments: Moments,
+    /// With further lags, for the test of independence.
+    pub(super) extended: Moments,
+}
+
+impl Candidate {
+    /// By the options, from a record.
+    pub(super) fn of_record(record: &Record, options: &Options) -> Result<Self, Error> {
+        let candidate = match options.settling {
+            Settling::Samples(settling) => Self::for_settling(record, settling, options),
+            Settling::Auto => Self::with_chosen_settling(record, options),
+        }?;
+        candidate.checked()
+    }
+
+    fn for_settling(record: &Record, settling: usize, options: &Options) -> Result<Self, Error> {
+        let lags = noise_lags(options.noise_order);
+        let extended = Moments::of_record(record, settling + lags + INPUT_LAGS, lags + 1);
+        let moments = extended.with_fewer_lags(record, settling + lags);
+        Ok(Self {
+            plan: Plan::for_settling(settling, &moments, options)?,
+            moments,
+            extended,
+        })
+    }
+
+    fn with_chosen_settling(record: &Record, options: &Options) -> Result<Self, Error> {
+        let order = options.noise_order;
+        let longest = longest_settling(record, options.longest_settling)?;
+        let lags = noise_lags(order);
+        let long = Moments::of_record(record, longest + lags, lags + 1);
+        let choice = settling_time::choose(&Search {
+            moments: &long,
+            record: Some(record),
+            longest,
+            order,
+        })?;
+        let moments = with_all_rows(record, &long, choice.settling + lags);
+        let beyond = choice.settling + lags + INPUT_LAGS;
+        let extended = if beyond <= long.input_lags() {
+            long.truncated(beyond, long.output_lags())
+        } else {
+            Moments::of_record(record, beyond, long.output_lags())
+        };
+        Ok(Self {
+            plan: Plan::of_choice(choice, &moments, options)?,
+            moments,
+            extended,
+        })
+    }
+
+    /// By the options, from moments that came without their record.
+    pub(super) fn of_moments(moments: &Moments, options: &Options) -> Result<Self, Error> {
+        let noise = noise_lags(options.noise_order).min(moments.output_lags() - 1);
+        let available = moments.input_lags().saturating_sub(noise);
+        let plan = match options.settling {
+            Settling::Auto => {
+                let longest = odd_at_most(available);
+                let choice = settling_time::choose(&Search {
+                    moments,
+                    record: None,
+                    longest: longest.min(options.longest_settling.unwrap_or(longest)),
+                    order: options.noise_order,
+                })?;
+                Plan::of_choice(choice, moments, options)?
+            }
+            Settling::Samples(settling) if settling > available => {
+                return Err(Error::LagMismatch {
+                    left: settling + noise,
+                    right: moments.input_lags(),
+                });
+            }
+            Settling::Samples(settling) => Plan::for_settling(settling, moments, options)?,
+        };
+        let candidate = Self {
+            plan,
+            moments: moments.clone(),
+            extended: moments.clone(),
+        };
+        candidate.checked()
+    }
+
+    fn checked(self) -> Result<Self, Error> {
+        check_rows(&self.moments, self.plan.basis.frequencies())?;
+        Ok(self)
+    }
+
+    /// The same choice with another bank and another order of the noise.
+    pub(super) fn with(&self, task: &Task<'_>, basis: FsfBasis, order: NoiseOrder) -> Self {
+        let of_record = |beyond: usize| {
+            let lags = noise_lags(order);
+            let collect =
+                |record| Moments::of_record(record, basis.settling() + lags + beyond, lags + 1);
+            task.record.map(collect)
+        };
+        Self {
+            plan: self.plan.with(basis, order),
+            moments: of_record(0).unwrap_or_else(|| self.moments.clone()),
+            extended: of_record(INPUT_LAGS).unwrap_or_else(|| self.extended.clone()),
+        }
+    }
+}
+
+/// The moments of `lags`: over more rows than the choice could use, if that is worth another pass.
+fn with_all_rows(record: &Record, long: &Moments, lags: usize) -> Moments {
+    let outputs = long.output_lags();
+    let rows = record.count_rows(lags, outputs) as f64;
+    if rows > (1.0 + WORTHWHILE_ROWS) * long.rows() as f64 {
+        Moments::of_record(record, lags, outputs)
+    } else {
+        long.truncated(lags, outputs)
+    }
+}

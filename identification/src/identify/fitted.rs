@@ -1,0 +1,51 @@
+//! A fitted candidate, and what its errors show.
+
+use super::candidate::Candidate;
+use super::estimate::Estimate;
+use super::task::Task;
+use crate::diagnostics::linearity::{self, Linearity};
+use crate::diagnostics::misfit::Misfit;
+use crate::diagnostics::simulation_error::simulated;
+use crate::diagnostics::standstill_noise;
+use crate::error::Error;
+
+/// What gates look at, and pass on.
+pub(super) struct Fitted {
+    pub(super) candidate: Candidate,
+    pub(super) estimate: Estimate,
+    /// Of the last fit whose errors were tested as noise: one that was chosen by prediction is not.
+    pub(super) linearity: Option<Linearity>,
+    /// Why the errors are not noise, and what was done about it; `None` when they are.
+    pub(super) misfit: Option<Misfit>,
+}
+
+impl Fitted {
+    /// Fits a candidate and tests its errors.
+    pub(super) fn new(task: &Task<'_>, candidate: Candidate) -> Result<Self, Error> {
+        let estimate = Estimate::new(&candidate.plan, &candidate.moments, task.record)?;
+        Ok(Self {
+            linearity: test_linearity(task, &candidate, &estimate),
+            candidate,
+            estimate,
+            misfit: None,
+        })
+    }
+}
+
+fn test_linearity(
+    task: &Task<'_>,
+    candidate: &Candidate,
+    estimate: &Estimate,
+) -> Option<Linearity> {
+    let record = task.record?;
+    let (information, fit) = (&estimate.information, &estimate.fit);
+    let runs = simulated(record, &information.moments, fit);
+    let found = linearity::test(&runs, information, fit)?;
+    // A response that goes on beyond N leaves errors that are not at standstill either.
+    let settled = candidate.plan.choice.as_ref().map(|choice| choice.settled);
+    let rest = settled
+        .unwrap_or(true)
+        .then(|| standstill_noise::compare(&runs, record.rest(), information, fit))
+        .flatten();
+    Some(Linearity { rest, ..found })
+}

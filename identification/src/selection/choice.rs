@@ -1,0 +1,76 @@
+//! A choice of the settling time, and the candidates that led to it.
+
+use serde::{Deserialize, Serialize};
+
+/// One settling time that was considered.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SettlingCandidate {
+    /// N \[samples\].
+    pub settling: usize,
+    /// N0: samples until the response of this N stays at its final value, as far as the noise shows.
+    pub detected: usize,
+    /// Largest difference from the long fit, in standard deviations.
+    pub contradiction: f64,
+    /// Whether it was acceptable.
+    pub accepted: bool,
+}
+
+/// A choice of the settling time and the candidates that led to it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Choice {
+    /// N \[samples\].
+    pub settling: usize,
+    /// N0 of that N \[samples\].
+    pub detected: usize,
+    /// Whether some N was acceptable; otherwise N is the longest possible.
+    pub settled: bool,
+    /// The longest N possible \[samples\].
+    pub longest: usize,
+    /// Whether the input lacks high frequencies, so that n < N.
+    #[serde(rename = "low_passed")]
+    pub smooth_input: bool,
+    /// n, when the input lacks high frequencies.
+    pub frequencies: Option<usize>,
+    /// The lags that the input resolves, where it repeats itself after them: the response is taken to be over
+    /// by then \[samples\].
+    #[serde(default)]
+    pub repeats_after: Option<usize>,
+    /// Whether N is limited to the usual hold of the input, because the servo is not linear and seemed to
+    /// respond for longer.
+    #[serde(default)]
+    pub within_holds: bool,
+    /// D of the long fit, to start from.
+    pub ar: Vec<f64>,
+    /// The settling times considered.
+    pub candidates: Vec<SettlingCandidate>,
+}
+
+impl Choice {
+    /// Takes settling times in ascending order up to the first that is accepted, or the longest.
+    pub(crate) fn first_accepted(
+        candidates: impl Iterator<Item = SettlingCandidate>,
+        longest: usize,
+        ar: Vec<f64>,
+    ) -> Option<Self> {
+        let mut considered = Vec::new();
+        for candidate in candidates {
+            considered.push(candidate);
+            if candidate.accepted {
+                break;
+            }
+        }
+        let last = *considered.last()?;
+        Some(Self {
+            settling: last.settling,
+            detected: last.detected,
+            settled: last.accepted,
+            longest,
+            smooth_input: false,
+            frequencies: None,
+            repeats_after: None,
+            within_holds: false,
+            ar,
+            candidates: considered,
+        })
+    }
+}

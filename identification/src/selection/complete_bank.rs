@@ -1,0 +1,36 @@
+//! Candidate: all frequencies, n = N.
+
+use super::choice::Choice;
+use super::long_fit::LongFit;
+use super::search::Search;
+use super::settling_range::grid;
+use crate::estimation::excitation::Excitation;
+use crate::estimation::nested_banks::NestedBanks;
+use crate::estimation::truncation::FIRST_ORDER;
+use crate::thresholds::{CONTRADICTION, MARGIN, WIDE_COMPLETE_BAND};
+
+/// The shortest acceptable N; `None` where the input does not determine a complete bank.
+pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
+    let (moments, longest) = (search.moments, search.longest);
+    let mut long = LongFit::new(moments, longest, search.order)?;
+    if Excitation::of(moments).is_smooth() {
+        long.look_at_averages();
+    }
+    let grid = grid(longest);
+    let candidates = long.candidates(&grid).map(|mut candidate| {
+        let n = candidate.settling;
+        let agrees = n == longest || candidate.contradiction <= CONTRADICTION;
+        candidate.accepted = agrees && n as f64 >= MARGIN * candidate.detected as f64;
+        candidate
+    });
+    let choice = Choice::first_accepted(candidates, longest, long.ar.clone())?;
+    let banks = NestedBanks::scan(moments, choice.settling, &choice.ar, FIRST_ORDER)?;
+    (!is_wide(&banks, choice.settling)).then_some(choice)
+}
+
+/// Whether the complete bank of a settling time is undetermined, or its band too wide beside the narrowest.
+pub(crate) fn is_wide(banks: &NestedBanks, settling: usize) -> bool {
+    let complete = settling - usize::from(settling.is_multiple_of(2));
+    banks.excited() < complete
+        || banks.largest().half_width() > WIDE_COMPLETE_BAND * banks.narrowest().half_width()
+}

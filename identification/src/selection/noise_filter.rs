@@ -1,0 +1,66 @@
+//! The noise filter of a long fit, which has to be roughly right only.
+
+use crate::data::moments::Moments;
+use crate::estimation::gls::MAX_AUTO_ORDER;
+use crate::estimation::least_squares::RowInformation;
+use crate::estimation::noise_model::{NoiseFit, best_order};
+use crate::options::NoiseOrder;
+
+/// Passes over fit and noise.
+const PASSES: usize = 4;
+
+/// Change of a coefficient below which the passes end.
+const TOLERANCE: f64 = 1e-2;
+
+/// D(z) of the residuals of `fit`, which gives impulse response and offset for a filter, in turn with the fit.
+/// `None` when that is not determined.
+pub(crate) fn alternate(
+    moments: &Moments,
+    order: NoiseOrder,
+    fit: impl Fn(&[f64]) -> Option<(Vec<f64>, f64)>,
+) -> Option<Vec<f64>> {
+    let information = RowInformation::from_moments(moments.clone());
+    let mut ar = Vec::new();
+    for pass in 0..PASSES {
+        let (impulse, offset) = fit(&ar)?;
+        let next = filter(&information, &impulse, offset, order, pass == 0);
+        let change = largest_change(&ar, &next);
+        ar = next;
+        if change < TOLERANCE {
+            break;
+        }
+    }
+    Some(ar)
+}
+
+/// The highest order at the first pass, then by the criterion or as fixed.
+fn filter(
+    information: &RowInformation,
+    impulse: &[f64],
+    offset: f64,
+    order: NoiseOrder,
+    first: bool,
+) -> Vec<f64> {
+    let moments = &information.moments;
+    let max = match order {
+        NoiseOrder::Auto => MAX_AUTO_ORDER,
+        NoiseOrder::Order(order) => order,
+    }
+    .min(moments.output_lags() - 1);
+    let residuals = information.residual_moments(impulse, offset, max);
+    let Some(noise) = NoiseFit::new(&residuals, moments.output_spread()) else {
+        return Vec::new();
+    };
+    match order {
+        NoiseOrder::Auto if !first => {
+            noise.coefficients(best_order(&noise.candidates(moments.rows())))
+        }
+        _ => noise.coefficients(max),
+    }
+}
+
+fn largest_change(a: &[f64], b: &[f64]) -> f64 {
+    (0..a.len().max(b.len()))
+        .map(|i| (a.get(i).unwrap_or(&0.0) - b.get(i).unwrap_or(&0.0)).abs())
+        .fold(0.0, f64::max)
+}

@@ -1,0 +1,116 @@
+//! Every threshold that decides what is chosen, found or withdrawn, in one table.
+//!
+//! Each entry says what it protects and where the evidence for its value is: a table of docs/method.md or
+//! the test that fails when it is moved. Tolerances of the arithmetic (passes, rounding) stay in the files
+//! that need them.
+//!
+//! One record is judged by several of these tests. How often a record of a linear servo is given any finding of
+//! them is measured by the example `coverage`, stated in docs/method.md ("False alarms in all") and held by the
+//! test `bands_of_automatic_structure_hold_as_often_as_they_say`.
+
+// The choice of the settling time.
+
+/// Standard deviations from its final value at which a response counts as still moving.
+///
+/// Protects: the end of the response from being cut off. Lower, noise passes for motion and N grows to the
+/// longest; higher, tails are missed. Evidence: table "Measured coverage", staircase and PRBS.
+pub const DETECTION: f64 = 4.0;
+
+/// N must be this many times the settling time that is detected with it.
+///
+/// Protects: the part of a tail that noise hides. With 1.0 the whole curve is inside its band in 14-91 % of
+/// runs, with 1.25 in 89-99 %, with 1.5 in as few as 90 % at strong noise. Evidence: "Measured coverage".
+pub const MARGIN: f64 = 1.75;
+
+/// Standard deviations by which a shorter response may differ from the longest one.
+///
+/// Protects: a response that rests for a while and moves again. It is the largest of as many differences as
+/// the longest N has samples, hence above [`DETECTION`]. Evidence: "Measured coverage", plant E.
+pub const CONTRADICTION: f64 = 4.75;
+
+/// Ratio of the complete bank's band to the narrowest one above which frequencies are left out.
+///
+/// Protects: users from bands so wide that they say nothing. What it costs is the level, because a bank that
+/// leaves frequencies out rests on an assumption. Evidence: "Poor references and coarse sensors",
+/// Smooth(2) against Smooth(4).
+pub const WIDE_COMPLETE_BAND: f64 = 3.0;
+
+/// Share of the power of the changes of the input above a quarter of the sampling rate below which it is
+/// smooth. Edges have a half.
+///
+/// Protects: the settling time under smooth inputs, which is then looked for in averages too. Evidence:
+/// "Poor references and coarse sensors", Smooth(1) and Smooth(2).
+pub const SMOOTH_SHARE: f64 = 0.1;
+
+// Whether the errors are noise.
+
+/// Probability below which a test of the errors against functions of the motion, against the noise at
+/// standstill or between runs counts.
+///
+/// Protects: linear servos from being called nonlinear. Far below a single test's 1 %, because every recording
+/// is tested and the bounds depend on it. Evidence: no finding in 3600 runs ("When the errors are not noise");
+/// the tests of linearity.
+pub const MISFIT_SIGNIFICANCE: f64 = 1e-4;
+
+/// Percent of the motion (rms) that such a finding must explain.
+///
+/// Protects: users from findings of no consequence; in a long record anything is significant. Less is within
+/// the changes of one servo from day to day. Evidence: table of the simulated servos in "When the errors are not noise".
+pub const MATERIAL_MISFIT_PERCENT: f64 = 1.0;
+
+/// Points of simulation fit that whitening may cost while the errors count as noise.
+///
+/// Protects: bounds whose noise model has absorbed errors of the model. On servos that the model can
+/// represent it costs less than a tenth of a point. Evidence: the test of coarse sampling; "No advice without
+/// cause" in "Measured coverage".
+pub const WHITENING_COST_POINTS: f64 = 1.0;
+
+/// Percent of the motion (rms) that the simulation of a servo that is not linear, or of runs that differ, may
+/// leave before its bounds lose their level.
+///
+/// Protects: readers from bounds of a description that does not describe. On simulated servos with play, a
+/// limited current and unequal ends, references of steps that are held leave 1 to 12 % of strokes of up to
+/// 5 degrees, and their gains agree; random steps of 20 to 60 ms, sweeps and sums of sines leave 10 to 57 %, with
+/// gains that are wrong by up to 45 % and delays by up to 24 ms. Evidence: table of the simulated servos.
+pub const UNEXPLAINED_PERCENT: f64 = 15.0;
+
+/// Share of the steps of the input that must be held until the response has come to [`FOLLOWED`] of its final
+/// value, where the servo is not linear.
+///
+/// Protects: step responses that would be computed from motion without steps. Evidence: table of the
+/// simulated servos, random steps of 20 to 60 ms.
+pub const STEPS_FOLLOWED: f64 = 0.75;
+
+/// Share of the final value beyond which a step has been followed; see [`STEPS_FOLLOWED`].
+pub const FOLLOWED: f64 = 0.9;
+
+/// By how much the input may move while it counts as held, as a share of its range.
+///
+/// Protects: holds of an input that was measured, with noise of its own; it is less than a step. Evidence: the
+/// recordings of real servos in the tests of the host.
+pub const HELD_WITHIN: f64 = 0.02;
+
+/// Points of fit within which predictions count as equal, so that the simplest is taken.
+///
+/// Protects: the choice by prediction from accidents. Evidence: the real recordings in the tests of the host.
+pub const PREDICTION_TIE: f64 = 0.5;
+
+/// Difference between two estimates of a step response, or bound of what may be missing in one, as a share of
+/// its largest value or gain, beyond which the figures read from it are withheld.
+///
+/// Protects: readers from delays and rise times that depend on the estimator. Evidence: "Poor references and
+/// coarse sensors", the column "told".
+pub const DISAGREEMENT: f64 = 0.1;
+
+// Findings beside the bounds.
+
+/// Probability below which residuals count as not white, as dependent on the input, or runs as different.
+///
+/// Protects: users from models whose order is too low. Evidence: "False alarms of the residual tests".
+pub const RESIDUAL_SIGNIFICANCE: f64 = 0.01;
+
+/// Standard deviations by which the first readings of a run may miss the position of rest that was stated.
+///
+/// Protects: responses from a history that was not there, at no alarm in the tables of linear servos.
+/// Evidence: the tests of the initial rest.
+pub const INITIAL_REST_MISSED: f64 = 6.0;
