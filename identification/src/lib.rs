@@ -7,7 +7,7 @@
 //!
 //! A [`record`] is reduced to its lagged [`moments`] in one pass. Least squares ([`least_squares`]) and
 //! generalised least squares ([`gls`]) follow from the moments for any bank and noise filter, and so does the
-//! choice of the structure ([`settling_time`]). The [`variance`] of the estimate and the
+//! [`choice`] of the structure. The [`variance`] of the estimate and the
 //! [`critical_values`] give its bounds, to which the [`truncation`] bias is added. The results are a
 //! [`step_response`], a [`frequency_response`] and [`metrics`] in a [`model`]. [`residual_tests`] and
 //! [`advice`] show how far to trust it.

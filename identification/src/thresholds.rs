@@ -114,3 +114,44 @@ pub const RESIDUAL_SIGNIFICANCE: f64 = 0.01;
 /// Protects: responses from a history that was not there, at no alarm in the tables of linear servos.
 /// Evidence: the tests of the initial rest.
 pub const INITIAL_REST_MISSED: f64 = 6.0;
+
+// Beyond the linear model.
+
+/// Probability of calling a symmetric servo asymmetric.
+///
+/// Protects: linear servos from separate responses for up and down strokes. It is lower than that of the bounds,
+/// because a real asymmetry exceeds tens of standard deviations. Evidence: the tests of the direction-split model.
+pub const ASYMMETRY_FALSE_ALARM: f64 = 0.001;
+
+/// Smallest difference between up and down strokes that counts, as a share of the stroke.
+///
+/// Protects: symmetric servos with limited speed or play, which differ by up to 1.4 % on simulated servos, outside
+/// the bounds in one run of six. Evidence: the tests of the direction-split model.
+pub const MATERIAL_ASYMMETRY: f64 = 0.02;
+
+/// Probability of a false alarm for hysteresis.
+///
+/// Protects: users from searching for play that does not exist. Evidence: the tests of the limits.
+pub const HYSTERESIS_FALSE_ALARM: f64 = 0.001;
+
+/// Probability of a false alarm for each end of the range.
+///
+/// Protects: users from searching for a stop that does not exist. Evidence: the tests of the limits.
+pub const RANGE_END_FALSE_ALARM: f64 = 0.005;
+
+/// Level of each single test for a rate limit.
+///
+/// Protects: linear servos from a rate limit that does not exist. Evidence: the tests of the limits.
+pub const RATE_LIMIT_LEVEL: f64 = 0.99;
+
+/// Probability of rejecting the true order of a flight model.
+///
+/// Protects: users from an approximation that is stated as exact. Evidence: the tests of the flight model.
+pub const ORDER_REJECTED: f64 = 0.01;
+
+/// Difference of Bayes' criterion that is "not worth more than a bare mention" (Kass & Raftery, Journal of
+/// the American Statistical Association, 1995). A parameter that improves the criterion by less is left out.
+///
+/// Protects: the delay of a flight model, which a needless lag would move out of its interval, because delay
+/// and further lags are nearly interchangeable. Evidence: the tests of the flight model.
+pub const BARE_MENTION: f64 = 2.0;

@@ -1,12 +1,11 @@
 //! The report in a real browser: everything is drawn, nothing complains, nothing asks for the network.
 //!
-//! Runs where there is a Chromium and says so where there is none; on Unix only, where the browser and all
+//! Runs where there is a Chromium; on Unix only, where the browser and all
 //! the processes that it starts are one group that ends with the test. The page forbids itself all network
 //! access (its Content-Security-Policy), so that a wish for it is an error in the browser's console.
 
 use crate::report::embedded;
-use crate::support::{arg, run};
-use std::io::Write;
+use crate::support::{arg, missing, run};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -162,12 +161,10 @@ fn made_page(dir: &Path) -> PathBuf {
 #[test]
 fn every_plot_is_drawn_and_nothing_goes_wrong() {
     let Some(browser) = chromium() else {
-        // Past the test harness, which would keep a printed line to itself.
-        let _said = writeln!(
-            std::io::stderr(),
-            "SKIPPED: no chromium here, so the report was not tested in a browser (apt-get install chromium)"
+        return missing(
+            "the report in a browser",
+            "there is no chromium (apt-get install chromium)",
         );
-        return;
     };
     let dir = tempfile::tempdir().unwrap();
     let page = made_page(dir.path());

@@ -33,3 +33,4 @@ mod support;
 mod terminal;
 mod units;
 mod verdicts;
+mod wording;

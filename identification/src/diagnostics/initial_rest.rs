@@ -8,13 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::record::{Record, Run};
 use crate::results::model::Model;
+use crate::thresholds::INITIAL_REST_MISSED;
 
 /// Readings used at the beginning of a run. The servo has not moved far by the last one.
 const READINGS: usize = 3;
-
-/// Multiple of the usual error (rms) from which the first readings contradict the statement. Nonlinear
-/// servos have errors of up to four times the usual, but in motion, not at rest.
-pub(crate) const CONTRADICTION: f64 = 6.0;
 
 /// A run whose first readings contradict the stated input.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -70,7 +67,7 @@ pub(crate) fn contradicted(record: &Record, model: &Model) -> Option<Contradicte
         .zip(&errors)
         .enumerate()
         .filter_map(of_run)
-        .filter(|found| found.times_usual > CONTRADICTION)
+        .filter(|found| found.times_usual > INITIAL_REST_MISSED)
         .max_by(|a, b| a.times_usual.total_cmp(&b.times_usual))
 }
 

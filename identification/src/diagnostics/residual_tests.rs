@@ -149,10 +149,7 @@ pub fn input_independence(moments: &Moments, coordinates: &Coordinates, ar: &[f6
     // Cross moments of the extra lags with the regressors, in coordinates, offset last.
     let p = coordinates.len();
     let by_lag = Mat::from_fn(lags.len(), n, |k, b| uu[(lags[k], b)]);
-    let by_coordinate = match coordinates.impulse_map() {
-        Some(map) => by_lag * map,
-        None => by_lag,
-    };
+    let by_coordinate = coordinates.combine(by_lag);
     let cross = Mat::from_fn(lags.len(), p + 1, |k, j| {
         if j < p {
             by_coordinate[(k, j)]

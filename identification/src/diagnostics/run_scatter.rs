@@ -24,9 +24,7 @@ use crate::numerics::critical_values::{
 use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
 use crate::numerics::vectors::dot;
 use crate::results::model::Model;
-
-/// Significance level of the scatter and of a deviating run.
-pub const SIGNIFICANCE: f64 = 0.01;
+use crate::thresholds::RESIDUAL_SIGNIFICANCE;
 
 /// Gain, delay and offset.
 const QUANTITIES: usize = 3;
@@ -225,7 +223,7 @@ fn farthest(runs: &[RunDifference]) -> Option<Deviation> {
     if others < 2 {
         return None;
     }
-    let share = SIGNIFICANCE / (2 * QUANTITIES * runs.len()) as f64;
+    let share = RESIDUAL_SIGNIFICANCE / (2 * QUANTITIES * runs.len()) as f64;
     let degrees = (others - 1) as f64;
     let threshold = student_critical(normal_upper_quantile(share), &[degrees])[0];
     let distance = |r: usize, index: usize| {

@@ -151,10 +151,7 @@ impl ShiftedProducts {
             let by_shift = (1..d.len()).map(with_weights).collect();
             return Self::InCoordinates(response, by_shift);
         }
-        let lags = match fit.coordinates.impulse_map() {
-            Some(map) => map * response,
-            None => response,
-        };
+        let lags = fit.coordinates.impulses(response);
         let n = fit.coordinates.basis.settling();
         let mut filtered = Mat::<f64>::zeros(n + d.len() - 1, n);
         for b in 0..n {

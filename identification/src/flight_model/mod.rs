@@ -35,8 +35,9 @@ use crate::results::metrics::Interval;
 use crate::results::model::{Model, ParameterBounds};
 use crate::results::usable::is_sized;
 use crate::results::validity::Bounds;
+use crate::thresholds::ORDER_REJECTED;
 use guess::Guess;
-use order::{Estimates, REJECT, simplest};
+use order::{Estimates, simplest};
 use projection::Projection;
 use search::{Minimum, best_minimum};
 
@@ -312,7 +313,7 @@ impl FittedOrder {
             )
         } else if self.tried.is_rejected() {
             format!(
-                "approximation (p < {REJECT}): largest error {:.1} % of the step",
+                "approximation (p < {ORDER_REJECTED}): largest error {:.1} % of the step",
                 self.tried.largest_error_percent
             )
         } else {

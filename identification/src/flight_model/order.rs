@@ -9,15 +9,7 @@ use crate::numerics::matrix_rows::to_rows;
 use crate::results::metrics::Interval;
 use crate::results::model::ParameterBounds;
 use crate::results::validity::Bounds;
-
-/// Probability of rejecting the true order.
-pub(super) const REJECT: f64 = 0.01;
-
-/// Difference of Bayes' criterion that is "not worth more than a bare mention" (Kass & Raftery, Journal of
-/// the American Statistical Association, 1995). A parameter that improves the criterion by less is left
-/// out. Delay and further lags are nearly interchangeable: a needless lag would move the delay out of its
-/// interval.
-const BARE_MENTION: f64 = 2.0;
+use crate::thresholds::{BARE_MENTION, ORDER_REJECTED};
 
 /// One order, and how well it fits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -53,7 +45,7 @@ impl OrderTried {
     }
 
     pub(super) fn is_rejected(&self) -> bool {
-        self.p < REJECT
+        self.p < ORDER_REJECTED
     }
 }
 

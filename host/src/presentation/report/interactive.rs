@@ -7,14 +7,10 @@ use crate::presentation::plots::figure::{Band, Curve, Figure, Ink, Marks, Panel}
 use serde_json::{Value, json};
 
 /// The plotting library itself, as a `<script>` element: it travels inside the report, so that the
-/// report needs no network.
+/// report needs no network. It is the basic bundle, which has scatter plots.
 pub(super) fn library() -> String {
-    let scripts = plotly::Plot::offline_js_sources();
-    // The library comes with one for formulas, which the report has none of.
-    let end = scripts
-        .find("</script>")
-        .map_or(scripts.len(), |at| at + "</script>".len());
-    scripts.get(..end).unwrap_or_default().to_owned()
+    let source = include_str!("plotly-basic-3.0.1.min.js");
+    format!("<script>{source}</script>")
 }
 
 /// Data and layout of a figure, as plotly.js wants them; `panels` is their number. Where panels and

@@ -1,6 +1,7 @@
 //! The C header, compiled as strictly as C99 goes.
 
-use super::{SUBJECT, apart, export, largest_error, must, rows, skipped, trial, works};
+use super::{SUBJECT, apart, export, largest_error, must, rows, trial, works};
+use crate::support::missing;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
@@ -69,7 +70,7 @@ fn responses(folder: &Path, real: &str, input: &[f64]) -> (Vec<f64>, Vec<f64>) {
 #[test]
 fn the_header_gives_the_model_itself() {
     if !works("cc", &["--version"]) {
-        return skipped("the C header", "there is no C compiler 'cc'");
+        return missing("the C header", "there is no C compiler 'cc'");
     }
     let folder = tempfile::tempdir().unwrap();
     export("c", folder.path(), "servo_bench_1.h");

@@ -1,6 +1,7 @@
 //! The JSBSim system, in an aircraft that has nothing else.
 
-use super::{SUBJECT, export, must, rows, skipped, works};
+use super::{SUBJECT, export, must, rows, works};
+use crate::support::missing;
 use std::process::Command;
 
 const AIRCRAFT: &str = r#"<?xml version="1.0"?>
@@ -72,7 +73,7 @@ fn respond(at: &str, folder: &std::path::Path) -> Vec<(f64, f64)> {
 #[test]
 fn the_actuator_moves_as_the_low_order_model() {
     if !works("python3", &["-c", "import xml.dom.minidom"]) {
-        return skipped(
+        return missing(
             "the JSBSim system",
             "there is no python3, not even to parse it",
         );
@@ -95,7 +96,7 @@ fn the_actuator_moves_as_the_low_order_model() {
             .arg(file),
     );
     if !works("python3", &["-c", "import jsbsim"]) {
-        return skipped(
+        return missing(
             "running the JSBSim system",
             "python's jsbsim is not installed",
         );

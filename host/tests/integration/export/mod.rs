@@ -9,7 +9,6 @@ mod texts;
 use crate::support::{arg, run};
 use servoid_identification::Model;
 use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
@@ -53,11 +52,6 @@ fn export(target: &str, folder: &Path, file: &str) -> PathBuf {
         "-q",
     ]);
     path
-}
-
-/// Says on the terminal why a test has not tested: past the capture that hides what passing tests print.
-fn skipped(test: &str, reason: &str) {
-    let _infallible = writeln!(std::io::stderr(), "SKIPPED {test}: {reason}");
 }
 
 /// Whether a command can be started and succeeds.

@@ -1,10 +1,10 @@
 //! Findings on the record: whether it is enough, sound for the arithmetic, and of one piece.
 
 use super::{Advice, Check, Evidence, SIGNIFICANCE};
-use crate::diagnostics::initial_rest::CONTRADICTION;
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::conditioning::WELL_CONDITIONED;
 use crate::estimation::least_squares::Solver;
+use crate::thresholds::INITIAL_REST_MISSED;
 
 /// More parameters than this share of the rows leave too little to judge the noise by.
 const LARGE_SHARE: f64 = 0.25;
@@ -161,7 +161,7 @@ pub(super) fn at_rest(evidence: &Evidence<'_>) -> Option<Advice> {
             found.run, found.stated, found.error, found.times_usual, found.rather
         ),
         found.times_usual,
-        CONTRADICTION,
+        INITIAL_REST_MISSED,
         "State the input that the servo had rested at (--at-rest), or none.",
     ))
 }

@@ -82,6 +82,22 @@ impl Coordinates {
         }
     }
 
+    /// M T: columns of lags combined into columns of coordinates.
+    pub(crate) fn combine(&self, matrix: Mat<f64>) -> Mat<f64> {
+        match &self.map {
+            Some(map) => matrix * map,
+            None => matrix,
+        }
+    }
+
+    /// T M: the impulse response of each column of coordinates.
+    pub(crate) fn impulses(&self, matrix: Mat<f64>) -> Mat<f64> {
+        match &self.map {
+            Some(map) => map * matrix,
+            None => matrix,
+        }
+    }
+
     /// From coordinates to impulse response, `None` when they are the impulse response.
     #[must_use]
     pub fn impulse_map(&self) -> Option<&Mat<f64>> {

@@ -27,10 +27,7 @@ pub(super) fn solve_factor(
             impulse[(a + i, a)] = *di;
         }
     }
-    let filtered = match &coordinates.map {
-        Some(map) => impulse * map,
-        None => impulse,
-    };
+    let filtered = coordinates.combine(impulse);
     // Columns: the filtered regressor, the filtered offset, the filtered output.
     let gain: f64 = d.iter().sum();
     let combination = Mat::from_fn(factor.ncols(), p + 2, |row, k| match (row, k) {

@@ -38,18 +38,11 @@ use crate::results::model::Model;
 use crate::results::step_response::{Biases, StepBounds, StepResponse};
 use crate::results::validation::fit_percent;
 use crate::results::validity::Bounds;
+use crate::thresholds::{ASYMMETRY_FALSE_ALARM, MATERIAL_ASYMMETRY};
 use two_inputs::{TwoInputFit, TwoInputMoments};
 
 /// Number of frequencies of the bank on |du|. With fewer, truncation bias would pass for asymmetry.
 const FREQUENCIES: usize = 31;
-
-/// Probability of calling a symmetric servo asymmetric. It is lower than that of the bounds, because a real
-/// asymmetry exceeds tens of standard deviations.
-const FALSE_ALARM: f64 = 0.001;
-
-/// Smallest difference between up and down strokes, as a share of the stroke, that other nonlinearities do
-/// not cause.
-const MATERIAL: f64 = 0.02;
 
 /// Directions of the covariance below this share of the largest are rounding.
 const ROUNDING: f64 = 1e-10;
@@ -261,7 +254,7 @@ fn symmetry(split: &SplitFit, parameters: std::ops::Range<usize>, timing: Timing
         }
     };
     let largest_deviation = (0..delta.len()).map(deviation).fold(0.0, f64::max);
-    let normal = simultaneous_critical(&spread.neighbour_correlation, 1.0 - FALSE_ALARM);
+    let normal = simultaneous_critical(&spread.neighbour_correlation, 1.0 - ASYMMETRY_FALSE_ALARM);
     let critical_value = student_critical(normal, &[split.degrees_of_freedom])[0];
     let at = (0..delta.len())
         .max_by(|&a, &b| delta[a].abs().total_cmp(&delta[b].abs()))
@@ -275,7 +268,8 @@ fn symmetry(split: &SplitFit, parameters: std::ops::Range<usize>, timing: Timing
         p: chi_square_upper_tail(statistic, degrees),
         largest_deviation,
         critical_value,
-        asymmetric: largest_deviation > critical_value && 2.0 * delta[at].abs() > MATERIAL,
+        asymmetric: largest_deviation > critical_value
+            && 2.0 * delta[at].abs() > MATERIAL_ASYMMETRY,
         largest_difference: 2.0 * delta[at],
         at_s: timing.seconds(at as f64),
     }

@@ -229,7 +229,7 @@ struct Problem<'a> {
     second: Mat<f64>,
 }
 
-struct Solution {
+struct JointSolution {
     parameters: Vec<f64>,
     inverse: Mat<f64>,
     rss: f64,
@@ -245,7 +245,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Least squares on the rows filtered by 1 + ar_1 z^-1 + ...
-    fn solve(&self, ar: &[f64]) -> Option<Solution> {
+    fn solve(&self, ar: &[f64]) -> Option<JointSolution> {
         let combination = self.filtered_columns(ar);
         let gram = combination.transpose() * (&self.moments.products * &combination);
         let p = gram.nrows() - 1;
@@ -264,7 +264,7 @@ impl<'a> Problem<'a> {
         let solved = backward_solve(&lower, &projected);
         let inverse_lower = inverse_of_lower(&lower);
         let inverse = inverse_lower.transpose() * &inverse_lower;
-        Some(Solution {
+        Some(JointSolution {
             parameters: solved.iter().zip(&scale).map(|(x, s)| x * s).collect(),
             inverse: Mat::from_fn(p, p, |i, j| inverse[(i, j)] * scale[i] * scale[j]),
             rss: (gram[(p, p)] - projected.iter().map(|z| z * z).sum::<f64>()).max(0.0),
@@ -283,10 +283,7 @@ impl<'a> Problem<'a> {
             }
         }
         let second = &filter * &self.second;
-        let first = match self.coordinates.impulse_map() {
-            Some(map) => filter * map,
-            None => filter,
-        };
+        let first = self.coordinates.combine(filter);
         let (n, n2) = (first.ncols(), second.ncols());
         let gain: f64 = d.iter().sum();
         Mat::from_fn(2 * lags + 1 + self.moments.outputs, n + n2 + 2, |row, k| {

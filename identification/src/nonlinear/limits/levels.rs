@@ -17,11 +17,8 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use crate::data::holds::{holds, last_quarter, mean_output};
 use crate::data::record::Run;
 use crate::results::metrics::Interval;
+use crate::thresholds::{HYSTERESIS_FALSE_ALARM, RANGE_END_FALSE_ALARM};
 
-/// Probability of a false alarm for hysteresis.
-const FALSE_ALARM: f64 = 0.001;
-/// Probability of a false alarm for each end of the range.
-const FALSE_ALARM_OF_AN_END: f64 = 0.005;
 /// Gain at an end relative to the others: below the first it softens, below the second it stops.
 const SOFT: f64 = 0.9;
 const STOP: f64 = 0.1;
@@ -82,7 +79,7 @@ pub struct RangeEnd {
 pub(crate) struct Table {
     pub(crate) cells: Vec<Cell>,
     /// Mean rest at each level, over both sides, ascending by command.
-    levels: Vec<Level>,
+    levels: Vec<LevelMean>,
     /// Variance within cells and its degrees of freedom.
     variance: f64,
     degrees: usize,
@@ -93,7 +90,7 @@ pub(crate) struct Table {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-struct Level {
+struct LevelMean {
     command: f64,
     mean: f64,
     visits: usize,
@@ -157,7 +154,7 @@ impl Table {
                 cells.push((command, from, mean, values.len()));
                 all.extend(values);
             }
-            self.levels.push(Level {
+            self.levels.push(LevelMean {
                 command,
                 mean: all.iter().sum::<f64>() / all.len() as f64,
                 visits: all.len(),
@@ -230,7 +227,7 @@ impl Table {
         let difference = sum / weights;
         let interval = self.around(difference, 1.0 / weights);
         let sd = (self.variance / weights).sqrt();
-        let found = difference.abs() > self.critical(FALSE_ALARM / 2.0) * sd;
+        let found = difference.abs() > self.critical(HYSTERESIS_FALSE_ALARM / 2.0) * sd;
         let size = absolute(interval);
         Hysteresis {
             found: Some(found),
@@ -261,7 +258,7 @@ impl Table {
         Some([self.end("low", low, false), self.end("high", high, true)])
     }
 
-    fn end(&self, name: &str, level: &Level, high: bool) -> RangeEnd {
+    fn end(&self, name: &str, level: &LevelMean, high: bool) -> RangeEnd {
         let mut end = RangeEnd {
             softens: None,
             command: level.command,
@@ -297,7 +294,7 @@ impl Table {
         let sd = (self.variance * share).sqrt() / (neighbours[1].command - neighbours[0].command);
         let ratio = gain / others;
         end.gain_ratio = self.within(ratio, sd / others.abs());
-        let softens = SOFT - ratio > self.critical(FALSE_ALARM_OF_AN_END) * sd / others.abs();
+        let softens = SOFT - ratio > self.critical(RANGE_END_FALSE_ALARM) * sd / others.abs();
         end.softens = Some(softens);
         end.statement = match (softens, ratio < STOP) {
             (false, _) => format!(

@@ -20,6 +20,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 use crate::data::holds::Stroke;
 use crate::numerics::critical_values::pointwise_critical;
 use crate::results::metrics::Interval;
+use crate::thresholds::RATE_LIMIT_LEVEL;
 
 /// Strokes needed in one direction.
 const STROKES: usize = 6;
@@ -29,8 +30,6 @@ const SIZES: f64 = 1.5;
 const ABOVE: (usize, f64) = (5, 1.2);
 /// Slopes: below the first the speed is not proportional, below the second it is constant.
 const SLOPES: (f64, f64) = (0.95, 0.25);
-/// Level of each single test.
-const LEVEL: f64 = 0.99;
 /// Travel per command, relative to that of the strokes with the farthest travel, below which a stroke was
 /// stopped.
 const STOPPED: f64 = 0.9;
@@ -120,34 +119,27 @@ impl Rate {
             .map(|s| (size(s).ln(), s.speed.ln()))
             .collect();
         let slope = Slope::new(&logs);
-        let critical = pointwise_critical(LEVEL);
+        let critical = pointwise_critical(RATE_LIMIT_LEVEL);
         rate.exponent = slope.interval(level.map(pointwise_critical));
         let hinge = Hinge::new(&logs);
-        let above: Vec<Stroke> = strokes
-            .iter()
-            .filter(|s| size(s) > hinge.knee)
-            .copied()
-            .collect();
-        let bent = hinge.p < 1.0 - LEVEL && hinge.knee < HINGE * sizes.1;
+        let of_size = |wanted: &dyn Fn(f64) -> bool| -> Vec<Stroke> {
+            strokes
+                .iter()
+                .filter(|s| wanted(size(s)))
+                .copied()
+                .collect()
+        };
+        let above = of_size(&|size| size > hinge.knee);
+        let bent = hinge.p < 1.0 - RATE_LIMIT_LEVEL && hinge.knee < HINGE * sizes.1;
         if slope.value + critical * slope.sd >= SLOPES.0 && !bent {
             rate.verdict = RateVerdict::Proportional;
-            let largest: Vec<Stroke> = strokes
-                .iter()
-                .filter(|s| size(s) == sizes.1)
-                .copied()
-                .collect();
-            rate.speed = mean_speed(&largest, level);
+            rate.speed = mean_speed(&of_size(&|size| size == sizes.1), level);
         } else if is_constant(&above, critical) {
             rate.verdict = RateVerdict::Limited;
             rate.speed = mean_speed(&above, level);
         } else {
             rate.verdict = RateVerdict::GrowsLess;
-            let nearly: Vec<Stroke> = strokes
-                .iter()
-                .filter(|s| size(s) * ABOVE.1 >= sizes.1)
-                .copied()
-                .collect();
-            rate.speed = mean_speed(&nearly, level);
+            rate.speed = mean_speed(&of_size(&|size| size * ABOVE.1 >= sizes.1), level);
         }
         rate.statement = rate.sentence(direction);
         rate

@@ -1,0 +1,41 @@
+# The commands that one types. `just` lists them; each is one line that also works without just.
+
+_list:
+    @just --list
+
+# all tests, the flash image included
+test *ARGS:
+    cargo test {{ARGS}}
+
+# the long statistical trials
+long:
+    cargo test -- --ignored --skip an_hour
+
+# what the continuous integration requires
+ci:
+    .ci/run
+
+# the compiler's and clippy's opinion, without building programs
+lint:
+    cargo fmt --all --check
+    cargo clippy --workspace --all-targets -- -D warnings
+
+# the paper on simulated rigs, into demo/
+demo:
+    cargo run --release --bin servoid -- demo
+
+# the image for the board
+image:
+    cargo fw
+
+# take over texts that changed on purpose
+wording:
+    INSTA_UPDATE=always cargo test -p servoid --test integration wording
+
+# what the parts cost; one alone: just bench --bench identify
+bench *ARGS:
+    cargo bench -p servoid-benches {{ARGS}}
+
+# licences, duplicate versions and sources of all dependencies
+deny:
+    cargo deny check licenses bans sources

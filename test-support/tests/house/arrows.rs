@@ -1,0 +1,238 @@
+//! The arrows between the rooms of each crate go one way, and no files of a crate import each other in a
+//! circle.
+
+use crate::imports::{Import, ModulePath, Sources};
+use crate::workspace;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The folders and single files of each crate, the lowest first: each imports only what stands before it.
+const ROOMS: [(&str, &[&str]); 6] = [
+    (
+        "protocol",
+        &[
+            "timing",
+            "units",
+            "framing",
+            "reference",
+            "hello",
+            "message",
+        ],
+    ),
+    (
+        "firmware",
+        &[
+            "board", "limits", "history", "outbox", "run", "session", "rig", "serve",
+        ],
+    ),
+    (
+        "simulator",
+        &[
+            "servo",
+            "random",
+            "delay_line",
+            "load",
+            "motor",
+            "conditions",
+            "bench",
+            "aircraft",
+            "linear",
+            "sensor",
+            "noise",
+            "options",
+            "parts",
+            "apparatus",
+            "board",
+            "serial_line",
+            "in_process",
+            "simulate",
+        ],
+    ),
+    (
+        "identification",
+        &[
+            "error",
+            "thresholds",
+            "options",
+            "numerics",
+            "data",
+            "estimation",
+            "selection",
+            "results",
+            "diagnostics",
+            "nonlinear",
+            "flight_model",
+            "identify",
+            "comparison",
+        ],
+    ),
+    (
+        "host",
+        &["data", "instrument", "presentation", "plan", "commands"],
+    ),
+    (
+        "virtual-board",
+        &[
+            "time",
+            "record",
+            "fault",
+            "memory",
+            "plant",
+            "image",
+            "rtt",
+            "cpu",
+            "peripherals",
+            "line",
+            "chip",
+            "bus",
+            "board",
+            "server",
+        ],
+    ),
+];
+
+/// Imports that still point upward, as the test writes them. A line that is no longer needed fails the test.
+const STILL_UPWARD: &[&str] = &[
+    "protocol: hello imports message",
+    "simulator: sensor imports noise",
+    "identification: results::model imports diagnostics::advice",
+    "identification: results::model imports diagnostics::advice::errors",
+    "identification: results::model imports diagnostics::residual_tests",
+    "host: data::dataset imports presentation::summary",
+    "host: data::model_metadata imports presentation::summary",
+];
+
+/// Files that still import each other in circles, as the test writes them.
+const STILL_CIRCLES: &[&str] = &[
+    "protocol: hello, message",
+    "protocol: reference, reference::multisine, reference::prbs, reference::staircase, reference::stairs, reference::sweep",
+    "simulator: noise, sensor",
+    "identification: comparison, comparison::words",
+    "identification: diagnostics::advice, diagnostics::advice::errors, diagnostics::advice::excitation, diagnostics::advice::record, diagnostics::advice::resolution, diagnostics::advice::response, diagnostics::explanation, diagnostics::initial_rest, diagnostics::run_scatter, diagnostics::unsupported_metrics, results::metrics, results::metrics::aliasing, results::metrics::bands, results::metrics::brackets, results::metrics::draws, results::metrics::figures, results::metrics::interpolation, results::metrics::inversion, results::metrics::shape, results::metrics::spread, results::model, results::validation",
+    "host: data::dataset, data::dataset::error, data::dataset::from_recordings, data::dataset::from_tables, data::fingerprint, data::model_metadata",
+    "host: data::recording, data::recording::ending, data::recording::exact, data::recording::header, data::recording::reader, data::recording::recover, data::recording::reserved, data::recording::row, data::recording::scan, data::recording::scan::head, data::recording::scan::rows, data::recording::writer",
+    "host: instrument::calibration, instrument::calibration::followed, instrument::calibration::rig_text, instrument::calibration::travel",
+    "host: instrument::port, instrument::port::serial, instrument::port::simulated, instrument::port::tcp",
+    "host: instrument::port::chaos, instrument::port::chaos::lane",
+    "host: instrument::reference, instrument::reference::in_words, instrument::reference::resolve, instrument::reference::steps_file",
+    "host: instrument::rig::capture, instrument::rig::run_follower, instrument::rig::run_follower::gaps",
+    "host: presentation::export, presentation::export::c, presentation::export::csv, presentation::export::jsbsim, presentation::export::julia, presentation::export::matlab, presentation::export::python, presentation::export::statement",
+    "host: presentation::plots::paper_figures, presentation::plots::response, presentation::plots::signals",
+    "host: presentation::report, presentation::report::figures, presentation::report::servo, presentation::report::text",
+    "host: presentation::summary, presentation::summary::beyond, presentation::summary::comparison, presentation::summary::metrics",
+    "virtual-board: server, server::pty, server::tcp",
+];
+
+fn name(path: &ModulePath) -> String {
+    path.join("::")
+}
+
+fn of_crate(folder: &str) -> Sources {
+    Sources::read(&workspace().join(folder).join("src"))
+}
+
+#[test]
+fn rooms_import_only_rooms_below() {
+    let mut found = Vec::new();
+    for (folder, rooms) in ROOMS {
+        let sources = of_crate(folder);
+        let floor = |path: &ModulePath| rooms.iter().position(|room| path[0] == *room);
+        for module in sources.modules() {
+            assert!(
+                floor(module).is_some(),
+                "{folder}: the table has no room for {}",
+                name(module)
+            );
+        }
+        for Import { from, to } in sources.imports() {
+            // The root re-exports all rooms.
+            if !from.is_empty() && (to.is_empty() || floor(&to) > floor(&from)) {
+                let to = if to.is_empty() {
+                    "lib".to_owned()
+                } else {
+                    name(&to)
+                };
+                found.push(format!("{folder}: {} imports {to}", name(&from)));
+            }
+        }
+    }
+    require("imports that point upward", &found, STILL_UPWARD);
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let mut found = Vec::new();
+    for (folder, _) in ROOMS {
+        for circle in circles(&of_crate(folder).imports()) {
+            let names: Vec<String> = circle.iter().map(name).collect();
+            found.push(format!("{folder}: {}", names.join(", ")));
+        }
+    }
+    require("circles", &found, STILL_CIRCLES);
+}
+
+/// What is found is what is still known, no more and no less.
+fn require(what: &str, found: &[String], known: &[&str]) {
+    let new: Vec<&str> = found
+        .iter()
+        .map(String::as_str)
+        .filter(|line| !known.contains(line))
+        .collect();
+    let gone: Vec<&str> = known
+        .iter()
+        .copied()
+        .filter(|line| !found.iter().any(|f| f == line))
+        .collect();
+    assert!(new.is_empty(), "{what}:\n{}", new.join("\n"));
+    assert!(
+        gone.is_empty(),
+        "no longer there, so take them off the list:\n{}",
+        gone.join("\n")
+    );
+}
+
+/// The groups of files of which each can be reached from each other.
+fn circles(imports: &BTreeSet<Import>) -> Vec<Vec<ModulePath>> {
+    let mut to: BTreeMap<&ModulePath, Vec<&ModulePath>> = BTreeMap::new();
+    for import in imports {
+        to.entry(&import.from).or_default().push(&import.to);
+    }
+    let reach = |from: &ModulePath| {
+        let mut seen = BTreeSet::new();
+        let mut open: Vec<&ModulePath> = to.get(from).into_iter().flatten().copied().collect();
+        while let Some(next) = open.pop() {
+            if seen.insert(next) {
+                open.extend(to.get(next).into_iter().flatten());
+            }
+        }
+        seen
+    };
+    let reached: BTreeMap<&ModulePath, BTreeSet<&ModulePath>> =
+        to.keys().map(|from| (*from, reach(from))).collect();
+    let mut found: BTreeSet<Vec<ModulePath>> = BTreeSet::new();
+    for (from, there) in &reached {
+        let back = |other: &&ModulePath| reached.get(other).is_some_and(|seen| seen.contains(from));
+        let circle: Vec<ModulePath> = there.iter().copied().filter(back).cloned().collect();
+        if circle.contains(from) {
+            found.insert(circle);
+        }
+    }
+    found.into_iter().collect()
+}
+
+#[test]
+fn circles_are_found() {
+    let import = |from: &str, to: &str| Import {
+        from: vec![from.to_owned()],
+        to: vec![to.to_owned()],
+    };
+    let imports = BTreeSet::from([
+        import("a", "b"),
+        import("b", "c"),
+        import("c", "b"),
+        import("c", "d"),
+    ]);
+    assert_eq!(
+        circles(&imports),
+        [[vec!["b".to_owned()], vec!["c".to_owned()]]]
+    );
+}

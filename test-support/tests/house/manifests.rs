@@ -1,0 +1,69 @@
+//! The arrows between the crates go one way, and the manifest promises the compiler that is tested.
+
+use crate::workspace;
+use std::fs;
+use toml::{Table, Value};
+
+/// The crates and those that each may use, the lowest first.
+const CRATES: [(&str, &[&str]); 7] = [
+    ("protocol", &[]),
+    ("firmware", &["servoid-protocol"]),
+    ("simulator", &["servoid-firmware", "servoid-protocol"]),
+    ("identification", &[]),
+    ("client", &["servoid-protocol"]),
+    (
+        "host",
+        &[
+            "servoid-client",
+            "servoid-firmware",
+            "servoid-identification",
+            "servoid-protocol",
+            "servoid-simulator",
+        ],
+    ),
+    ("virtual-board", &["servoid-protocol", "servoid-simulator"]),
+];
+
+fn table(path: &str) -> Table {
+    let text = fs::read_to_string(workspace().join(path)).expect("the file can be read");
+    text.parse().expect("it is TOML")
+}
+
+/// Dependencies of a crate that are crates of the workspace; those of tests are free.
+fn of_the_house(manifest: &Table) -> Vec<String> {
+    let plain = manifest.get("dependencies").and_then(Value::as_table);
+    let build = manifest.get("build-dependencies").and_then(Value::as_table);
+    let targets = manifest.get("target").and_then(Value::as_table);
+    let of_targets = targets
+        .into_iter()
+        .flat_map(Table::values)
+        .filter_map(|target| target.get("dependencies")?.as_table());
+    let all = plain.into_iter().chain(build).chain(of_targets);
+    let names = all.flat_map(Table::keys).cloned();
+    names
+        .filter(|name| name.starts_with("servoid") || name == "virtual-board")
+        .collect()
+}
+
+#[test]
+fn crates_use_only_crates_below() {
+    for (folder, allowed) in CRATES {
+        let used = of_the_house(&table(&format!("{folder}/Cargo.toml")));
+        for name in used {
+            assert!(
+                allowed.contains(&name.as_str()),
+                "{folder} must not use {name}"
+            );
+        }
+    }
+}
+
+/// `rust-version` is what users read, the pin is what is tested: an older compiler is never promised.
+#[test]
+fn the_promised_compiler_is_the_tested_one() {
+    let pin = table("rust-toolchain.toml")["toolchain"]["channel"].clone();
+    let promised = table("Cargo.toml")["workspace"]["package"]["rust-version"].clone();
+    let pin = pin.as_str().expect("a channel is a text");
+    let promised = promised.as_str().expect("a version is a text");
+    assert_eq!(pin, promised, "rust-toolchain.toml and Cargo.toml differ");
+}
