@@ -1,19 +1,19 @@
-//! What the rig needs from the hardware below it.
+//! The hardware that a rig needs: a board and a link.
 
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_protocol::{Counts, PulseWidth};
 
-/// What a board says of itself; goes into [`Hello`](servoid_protocol::Hello).
+/// The identity of a board; goes into [`Hello`](servoid_protocol::Hello).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity {
     /// The kind of board.
     pub board: Text16,
     /// Its unique number.
     pub unique_id: [u8; 12],
-    /// Where its clock comes from.
+    /// The source of its clock.
     pub clock: ClockSource,
-    /// Why it last started.
+    /// The cause of its last reset.
     pub reset_cause: ResetCause,
     /// From a pulse's rising edge to the start of the frame's first sample (µs).
     pub first_sample_us: u16,
@@ -25,20 +25,19 @@ pub struct Identity {
     pub full_scale: Counts,
 }
 
-/// What one PWM frame brought.
+/// One PWM frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CapturedFrame {
-    /// PWM frames since the board started, wrapping. A number that is more than one above the last
-    /// one says that frames were lost on the board.
+    /// PWM frames since the board started, wrapping. A step of more than one means that the board lost frames.
     pub number: u32,
-    /// The pulse that was on the line in this frame; `None` when there was none.
+    /// The pulse on the line in this frame; `None` without one.
     pub pulse: Option<PulseWidth>,
     /// The samples taken in this frame, in order.
     pub samples: [Counts; SAMPLES_PER_FRAME],
 }
 
 impl CapturedFrame {
-    /// How many frames the board failed to catch between frame `before` and this one.
+    /// Number of frames that the board lost between frame `before` and this one.
     #[must_use]
     pub fn lost_since(&self, before: u32) -> u32 {
         self.number.wrapping_sub(before).saturating_sub(1)
@@ -47,15 +46,15 @@ impl CapturedFrame {
 
 /// A board: pulses out, samples in, both on one clock.
 ///
-/// The board alone keeps time. Pulses change at frame edges only, samples come at fixed phases of
-/// the frame, and the rig never looks at a clock: it counts frames.
+/// Only the board keeps time. Pulses change at frame edges only, samples are taken at fixed phases of the frame, and
+/// the rig counts frames instead of reading a clock.
 #[allow(async_fn_in_trait)] // one executor, one thread: the futures need not be `Send`
 pub trait Board {
-    /// What the board says of itself.
+    /// The identity of the board.
     fn identity(&self) -> Identity;
 
     /// Waits until the next frame has been sampled. The pulse set between two calls applies from
-    /// the next frame edge on; the board reports in [`CapturedFrame::pulse`] what really was.
+    /// the next frame edge on; [`CapturedFrame::pulse`] is the pulse that was really applied.
     ///
     /// Dropping the future before it is ready loses nothing.
     async fn next_frame(&mut self) -> CapturedFrame;
@@ -63,7 +62,7 @@ pub trait Board {
     /// The pulse from the next frame edge on; `None` for no pulse.
     fn set_pulse(&mut self, pulse: Option<PulseWidth>);
 
-    /// Tells the watchdog that the rig is alive. Called once per frame that really came.
+    /// Feeds the watchdog. Called once for each captured frame.
     fn feed_watchdog(&mut self);
 
     /// Shows whether pulses are on, for a person beside the board.
@@ -78,6 +77,6 @@ pub trait Link {
     /// Dropping the future before it is ready loses nothing.
     async fn receive(&mut self, buffer: &mut [u8]) -> usize;
 
-    /// Takes all of `bytes` for sending, or none of it and returns `false` while there is no room.
+    /// Takes all of `bytes` for sending and returns `true`, or takes none if there is no room.
     fn try_send(&mut self, bytes: &[u8]) -> bool;
 }

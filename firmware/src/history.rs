@@ -1,19 +1,17 @@
-//! The last frames of the run.
-//!
-//! Frames wait here until the link takes them, and stay for a host that asks for them again.
+//! The last frames of the run, for sending and for sending again.
 
 use core::num::NonZeroU16;
 use core::ops::Range;
 use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLES_PER_FRAME};
 use servoid_protocol::{Counts, Frame, PulseWidth};
 
-/// A link may be silent for so long (s) and nothing is lost: long enough to push a plug back in.
+/// Longest break of the link without a loss (s): enough to plug a cable in again.
 const SECONDS: u32 = 5;
 
-/// Frames that stay in memory: a power of two, so that the place of a frame is cheap to find.
+/// Frames that stay in memory: a power of two, so the place of a frame is cheap to compute.
 pub const CAPACITY: usize = (SECONDS * FRAMES_PER_SECOND).next_power_of_two() as usize;
 
-/// One frame as it is kept: 22 bytes, and no byte more where there is none.
+/// A stored frame: 22 bytes, and as many for a lost one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Record {
     pulse: NonZeroU16,
@@ -27,7 +25,7 @@ const _: () = assert!(size_of::<Option<Record>>() == 2 * (1 + SAMPLES_PER_FRAME)
 #[cfg_attr(test, derive(Clone))]
 pub struct History {
     run: Option<u16>,
-    /// Index of the frame that comes next: all below have come or are lost.
+    /// Index of the next frame: all below were captured or lost.
     next: u16,
     /// Frame `index` lies at `index % CAPACITY`; `None` for one that the board lost.
     records: [Option<Record>; CAPACITY],
@@ -40,7 +38,7 @@ impl Default for History {
 }
 
 impl History {
-    /// The history of no run.
+    /// An empty history.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -50,7 +48,7 @@ impl History {
         }
     }
 
-    /// Forgets all and begins the history of `run`.
+    /// Clears the history and begins that of `run`.
     pub fn begin(&mut self, run: u16) {
         self.run = Some(run);
         self.next = 0;
@@ -62,15 +60,14 @@ impl History {
         self.run
     }
 
-    /// The frames that may still be here; those that the board lost are among them.
+    /// Indices of the frames in memory, lost ones included.
     #[must_use]
     pub fn indices(&self) -> Range<u16> {
         self.next.saturating_sub(CAPACITY as u16)..self.next
     }
 
-    /// Adds the next frame, or with `None` notes that the board lost it.
-    ///
-    /// A pulse of zero width is no pulse; a frame without one is kept as lost.
+    /// Adds the next frame; `None` for one that the board lost. A frame without a pulse, or with one of zero width,
+    /// counts as lost.
     pub fn push(&mut self, caught: Option<(PulseWidth, [Counts; SAMPLES_PER_FRAME])>) {
         let record = caught.and_then(|(pulse, samples)| {
             let pulse = NonZeroU16::new(pulse.0)?;
@@ -82,7 +79,7 @@ impl History {
         self.next = self.next.saturating_add(1);
     }
 
-    /// The first frame of `wanted` that is still here.
+    /// The first frame of `wanted` that is in memory.
     #[must_use]
     pub fn first_of(&self, wanted: &Range<u16>) -> Option<Frame> {
         let here = self.indices();

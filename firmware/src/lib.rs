@@ -10,14 +10,14 @@
 //!
 //! | module      | what it does                                                        |
 //! |-------------|---------------------------------------------------------------------|
-//! | [`board`]   | what the rig needs from the hardware below it                       |
-//! | [`limits`]  | what a servo may be told, and what a healthy sensor says            |
-//! | [`rig`]     | the states and what moves between them; no input or output in it    |
+//! | [`board`]   | the hardware that a rig needs                                       |
+//! | [`limits`]  | the range of pulses, and that of a healthy sensor                   |
+//! | [`rig`]     | the states and their transitions, the sessions and leases; no I/O   |
 //! | [`history`] | the last frames of the run, for sending and for sending again       |
 //! | [`serve`](mod@serve) | the loop that connects a rig to its board and its link     |
 //!
-//! The same code runs on the STM32F103 and, inside the simulator, on a PC. Nothing in it allocates,
-//! waits for anything but the next frame or byte, or panics.
+//! The same code runs on the STM32F103 and, in the simulator, on a PC. It does not allocate, does not panic, and waits
+//! only for the next frame or byte.
 
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]

@@ -1,24 +1,23 @@
-//! What a servo may be told, and what a healthy sensor says.
+//! The range of pulses that a servo may get, and the range of a healthy sensor.
 
 use servoid_protocol::message::{Arm, Refusal, Start};
 use servoid_protocol::{Counts, PulseWidth};
 
 /// The shortest pulse that the board ever makes.
 ///
-/// R/C servos take 1-2 ms, many of them 0.8-2.2 ms as extended travel; what lies beyond drives most
-/// of them against their end stop. A sample taken 0.5 ms after the rising edge is also over before
-/// the shortest pulse ends, and one at 2.5 ms comes after the longest one has ended, so that no
-/// sample falls on an edge.
+/// R/C servos take 1-2 ms, many of them 0.8-2.2 ms as extended travel; longer or shorter pulses drive most of them
+/// against a stop. No sample falls on an edge either: one that starts 0.5 ms after the rising edge ends before the
+/// shortest pulse does, and one at 2.5 ms starts after the longest one.
 pub const SHORTEST_PULSE: PulseWidth = PulseWidth(800);
 
 /// The longest pulse that the board ever makes; see [`SHORTEST_PULSE`].
 pub const LONGEST_PULSE: PulseWidth = PulseWidth(2_200);
 
-/// So many samples outside the sensor's range in a row end a run: 10 ms. One alone may be a
-/// disturbance on the line, a sensor that is off its magnet or a broken wire stays outside.
+/// Consecutive samples outside the sensor's range that end a run: 10 ms. A single one may be a disturbance; a broken
+/// wire or a sensor without its magnet stays outside.
 pub const UNHEALTHY_SAMPLES: u8 = 5;
 
-/// The limits that a host armed the rig with, checked.
+/// The limits of an armed rig, checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     neutral: PulseWidth,
@@ -30,7 +29,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits in `arm`, where they make sense and stay within the board's own.
+    /// The limits in `arm`, if they are consistent and within those of the board.
     ///
     /// # Errors
     /// [`Refusal::BadLimits`] unless [`SHORTEST_PULSE`] ≤ shortest ≤ neutral ≤ longest ≤
@@ -60,28 +59,28 @@ impl Limits {
         })
     }
 
-    /// The pulse to rest at.
+    /// The neutral pulse.
     #[must_use]
     pub fn neutral(&self) -> PulseWidth {
         self.neutral
     }
 
-    /// Frames that a run goes on after the last sign of life from the host.
+    /// Length of the lease (frames): a run goes on for this time after the last request of the host.
     #[must_use]
     pub fn lease_frames(&self) -> u32 {
         u32::from(self.lease_frames)
     }
 
-    /// Whether a healthy sensor can read `counts`.
+    /// Whether `counts` is within the range of a healthy sensor.
     #[must_use]
     pub fn is_healthy(&self, counts: Counts) -> bool {
         (self.sensor_low..=self.sensor_high).contains(&counts)
     }
 
-    /// The length of a run (frames), if it may be made at all.
+    /// The length of a run (frames), if it is allowed.
     ///
     /// # Errors
-    /// [`Refusal::BadReference`] where the reference contradicts itself or the run does not fit the
+    /// [`Refusal::BadReference`] where the reference is not well formed or the run does not fit the
     /// 16-bit frame index; [`Refusal::BeyondLimits`] where it leaves the travel limits anywhere.
     pub fn admit(&self, start: &Start) -> Result<u16, Refusal> {
         let frames = u16::try_from(start.frames()).map_err(|_| Refusal::BadReference)?;
@@ -101,8 +100,8 @@ impl Limits {
         }
     }
 
-    /// The pulse `offset_us` away from neutral, never outside the limits: the last defence, should a
-    /// reference ever exceed the extremes that it was admitted with.
+    /// The pulse `offset_us` from neutral, clamped to the limits: a last defence, should a reference ever exceed the
+    /// extremes that were checked.
     #[must_use]
     pub fn pulse(&self, offset_us: i16) -> PulseWidth {
         self.neutral

@@ -1,18 +1,18 @@
-//! What waits to be sent, and in which order.
+//! The messages that wait to be sent, and their order.
 
 use crate::history::History;
 use core::ops::Range;
 use heapless::Deque;
 use servoid_protocol::message::{Ended, Frame, Outcome};
 
-/// Answers that may wait. A host asks one thing at a time; a few more are room for repeated
-/// requests that arrive together after the line was held up.
+/// Longest queue of answers. A host has one request open at a time; the rest is for repeated requests that arrive
+/// together after a delay of the line.
 const ANSWERS: usize = 8;
 
-/// Ranges of frames to send again that may wait.
+/// Longest queue of ranges of frames to send again.
 const RESENDS: usize = 8;
 
-/// An answer to a request. What it says of the rig is looked up when it is sent.
+/// An answer to a request. Its content is read from the rig when it is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Answer {
     Hello,
@@ -34,10 +34,13 @@ pub(crate) enum Item {
     Visitor(Answer),
 }
 
-/// Answers first, because a host waits for them; then frames to be sent again; then the run's
-/// frames in order, which wait in the history; then its end, so that a host that has heard of the
-/// end has been told everything. Who has no session is answered when all that is said, so that no
-/// visitor, however insistent, takes the line from a run.
+/// The queue, in this order:
+///
+/// 1. answers, because a host waits for them;
+/// 2. frames to be sent again;
+/// 3. the frames of the run, which wait in the history;
+/// 4. the end of the run, so a host that gets it has got everything before it;
+/// 5. the answer to a host without a session (a visitor), so no visitor takes the line from a run.
 #[derive(Debug, Default)]
 #[cfg_attr(test, derive(Clone))]
 pub(crate) struct Outbox {
@@ -52,27 +55,25 @@ pub(crate) struct Outbox {
 }
 
 impl Outbox {
-    /// Another host has come: nobody waits for these answers and resends any more.
+    /// A new session: drops the answers and resends of the old one.
     pub(crate) fn new_session(&mut self) {
         self.answers.clear();
         self.resends.clear();
     }
 
-    /// A run begins: the frames of the one before are gone, and whoever began it knows that that one
-    /// is over.
+    /// A new run: drops the resends and the end of the run before.
     pub(crate) fn new_run(&mut self) {
         self.resends.clear();
         self.ended = None;
         self.live = 0;
     }
 
-    /// Queues an answer. Where there is no room the oldest gives way: its host has either given up
-    /// on it or will ask again.
+    /// Queues an answer. A full queue drops the oldest: its host has given up or will repeat the request.
     pub(crate) fn answer(&mut self, answer: Answer) {
         push(&mut self.answers, answer);
     }
 
-    /// Keeps an answer to someone who has no session; it takes the place of the one before.
+    /// Queues the answer to a visitor; it replaces the one before.
     pub(crate) fn answer_visitor(&mut self, answer: Answer) {
         self.visitor = Some(answer);
     }
@@ -82,23 +83,23 @@ impl Outbox {
         self.ended = Some(ended);
     }
 
-    /// Queues frames to be sent again; the oldest wish gives way as in [`Self::answer`].
+    /// Queues frames to be sent again; a full queue drops the oldest range.
     pub(crate) fn resend(&mut self, frames: Range<u16>) {
         push(&mut self.resends, frames);
     }
 
-    /// Notes how many frames wait now.
+    /// Updates the largest number of waiting frames.
     pub(crate) fn measure_backlog(&mut self, history: &History) {
         let backlog = history.indices().end.saturating_sub(self.live);
         self.backlog_high_water = self.backlog_high_water.max(backlog);
     }
 
-    /// The most frames that ever waited.
+    /// Largest number of frames that have waited.
     pub(crate) fn backlog_high_water(&self) -> u16 {
         self.backlog_high_water
     }
 
-    /// The next thing to send. It stays the next one until [`Self::sent`] is told of it.
+    /// The next thing to send. It stays the next one until [`Self::sent`].
     pub(crate) fn next(&mut self, history: &History) -> Option<Item> {
         if let Some(&answer) = self.answers.front() {
             return Some(Item::Answer(answer));
@@ -137,6 +138,6 @@ fn push<T, const N: usize>(queue: &mut Deque<T, N>, item: T) {
     if queue.is_full() {
         queue.pop_front();
     }
-    // There is room now, so nothing comes back.
+    // There is room now, so this cannot fail.
     let _ = queue.push_back(item);
 }

@@ -1,8 +1,8 @@
-//! The rig: what it does, without any input or output.
+//! The rig as a state machine without I/O.
 //!
-//! A [`Rig`] is told of frames and requests and says which pulse comes next and what to send. It
-//! keeps no clock: time is the number of the frame. Pulses change with frames only, so a request
-//! has its effect on the line from the frame edge after the next frame that is caught.
+//! A [`Rig`] takes frames and requests, and gives the next pulse and the messages to send. It has no clock: time is
+//! the number of the frame. Pulses change at frame edges only, so a request takes effect at the frame edge after the
+//! next captured frame.
 //!
 //! # States and transitions
 //!
@@ -10,14 +10,14 @@
 //! |-----------|-----------|------------|-------------|--------|----------|--------------------|
 //! | Idle      | none      | -> Armed   | `NotArmed`  | (1)    | stays    |                    |
 //! | Armed     | neutral   | new limits | -> Running  | (1)    | -> Idle  |                    |
-//! | Running   | reference | `Running`  | `Running`   | -> Ended (2) | says `Ended`, -> Idle | -> Ended |
+//! | Running   | reference | `Running`  | `Running`   | -> Ended (2) | sends `Ended`, -> Idle | -> Ended |
 //! | Ended     | neutral   | -> Armed   | -> Running  | (1)    | -> Idle  |                    |
 //!
-//! 1. Done where it is the last run, which has ended; `UnknownRun` otherwise.
-//! 2. `UnknownRun` where it is another run.
+//! 1. Done for the last run, which has ended; `UnknownRun` for others.
+//! 2. `UnknownRun` for another run.
 //!
-//! `KeepAlive`, `Status` and `Hello` change no state; `Resend` is refused as `UnknownRun` unless it
-//! asks for the run under way or the last one. What makes a transition possible:
+//! `KeepAlive`, `Status` and `Hello` change no state; `Resend` is refused as `UnknownRun` unless it names the run
+//! under way or the last one. Conditions of the transitions:
 //!
 //! | transition | needs                                                                                |
 //! |------------|--------------------------------------------------------------------------------------|
@@ -26,12 +26,12 @@
 //!
 //! # Leases
 //!
-//! Every admitted request of the open session, repeated ones included, begins a new lease. The frame
-//! with which a lease is over ends the run, and the next one is at neutral.
+//! Every admitted request of the open session, repeated ones included, begins a new lease. The frame in which the
+//! lease lapses ends the run, and the next frame is at neutral.
 //!
-//! Until then the rig is that session's, unless it is idle: a `Hello` of another one is answered, as
-//! anybody may ask who the rig is, but opens no session. So a run, and what of it is being asked for
-//! again behind its end, is safe from a second program, and a host that is gone can be replaced.
+//! During the lease the session holds the rig, unless the rig is idle: a `Hello` of another session is answered, but
+//! opens no session. So a second program cannot disturb a run, nor the frames that are sent again after its end. A
+//! host that is gone can be replaced once its lease has lapsed.
 
 use crate::board::{CapturedFrame, Identity};
 use crate::history::{self, History};
@@ -46,7 +46,7 @@ use servoid_protocol::message::{
 use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
 use servoid_protocol::{Counts, Hello, PulseWidth};
 
-/// What the rig is doing.
+/// The state of the rig.
 #[derive(Debug)]
 #[cfg_attr(test, derive(Clone))]
 enum State {
@@ -66,16 +66,16 @@ pub struct Rig {
     history: History,
     outbox: Outbox,
     newest: Option<CapturedFrame>,
-    /// Number of the newest frame when the last sign of life came.
+    /// Number of the newest frame at the last request that renewed the lease.
     heard_at: u32,
     frames_lost: u32,
     rejects: u32,
 }
 
 impl Rig {
-    /// A rig on the board that calls itself `identity`: idle, without a session.
+    /// A rig on the board `identity`: idle, without a session.
     #[must_use]
-    #[inline(never)] // or its 6 KB would be on the stack of the loop that keeps it, for ever
+    #[inline(never)] // inlined, its 6 KB would stay on the stack of the loop that owns it
     pub fn new(identity: &Identity) -> Self {
         Self {
             hello: hello(identity),
@@ -90,7 +90,7 @@ impl Rig {
         }
     }
 
-    /// Takes in a frame that the board has caught; returns the pulse for the next one.
+    /// Takes a captured frame; returns the pulse for the next one.
     pub fn on_frame(&mut self, frame: &CapturedFrame) -> Option<PulseWidth> {
         if let Some(before) = self.newest.replace(*frame) {
             let lost = frame.lost_since(before.number);
@@ -112,7 +112,7 @@ impl Rig {
         }
     }
 
-    /// Carries out a request and queues its answer.
+    /// Executes a request and queues its answer.
     pub fn on_request(&mut self, request: &Request) {
         let Request {
             session,
@@ -162,7 +162,7 @@ impl Rig {
         });
     }
 
-    /// Counts `rejects` more requests that could not be read.
+    /// Counts `rejects` more unreadable requests.
     pub fn count_rejects(&mut self, rejects: u32) {
         self.rejects = self.rejects.saturating_add(rejects);
     }
@@ -173,8 +173,8 @@ impl Rig {
         !matches!(self.state, State::Idle)
     }
 
-    /// Offers what waits to be sent to `take`, one message after the other, until there is nothing
-    /// more or `take` returns `false`. What it did not take is offered again the next time.
+    /// Offers the waiting messages to `take`, one after the other, until none is left or `take` returns `false`. That
+    /// message is offered again the next time.
     pub fn send(&mut self, mut take: impl FnMut(&RigMessage) -> bool) {
         while let Some(item) = self.outbox.next(&self.history) {
             let message = match item {
@@ -205,7 +205,7 @@ impl Rig {
         }
     }
 
-    /// Whether the open session has armed the rig and shown a sign of life within its lease.
+    /// Whether the open session holds the rig: it has armed it, and its lease has not lapsed.
     fn is_held(&self) -> bool {
         let limits = match &self.state {
             State::Idle => return false,
@@ -299,7 +299,7 @@ impl Rig {
         }
     }
 
-    /// The history belongs to the run under way or the last one.
+    /// Requires the run of the history: the run under way or the last one.
     fn require_run(&self, run: u16) -> Result<(), Refusal> {
         if self.history.run() == Some(run) {
             Ok(())
@@ -318,7 +318,7 @@ impl Rig {
     }
 }
 
-/// Whether a lease that began with frame `heard_at` is over with `frame`.
+/// Whether a lease that began with frame `heard_at` has lapsed at `frame`.
 fn has_lapsed(frame: &CapturedFrame, heard_at: u32, limits: &Limits) -> bool {
     frame.number.wrapping_sub(heard_at) >= limits.lease_frames()
 }

@@ -6,14 +6,14 @@ use crate::limits::{Limits, UNHEALTHY_SAMPLES};
 use servoid_protocol::message::{EndReason, Ended, Frame, RunCheck, Start};
 use servoid_protocol::{Counts, PulseWidth};
 
-/// How far a run is.
+/// The progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Progress {
-    /// Its first pulse has not been asked for.
+    /// Its first pulse has not been set.
     Requested,
-    /// Its first pulse was asked for when frame `after` had been caught.
+    /// Its first pulse was set after frame `after`.
     Asked { after: u32 },
-    /// Its first pulse was first on the line in frame `first` of the board.
+    /// Its first pulse was on the line in frame `first` of the board.
     Begun { first: u32 },
 }
 
@@ -24,7 +24,7 @@ pub(crate) struct Run {
     start: Start,
     frames: u16,
     progress: Progress,
-    /// Index of the frame that comes next: all below have come or are lost.
+    /// Index of the next frame: all below were captured or lost.
     next: u16,
     lost: u16,
     unhealthy: u8,
@@ -50,12 +50,12 @@ impl Run {
         self.start.run
     }
 
-    /// Frames that have come or are lost.
+    /// Frames that were captured or lost.
     pub(crate) fn frames_so_far(&self) -> u16 {
         self.next
     }
 
-    /// What to report where it ends now.
+    /// The report of its end, if it ends now.
     pub(crate) fn ended(&self, reason: EndReason) -> Ended {
         Ended {
             run: self.start.run,
@@ -66,12 +66,12 @@ impl Run {
         }
     }
 
-    /// The pulse for the frame that comes next.
+    /// The pulse for the next frame.
     pub(crate) fn next_pulse(&self, limits: &Limits) -> PulseWidth {
         limits.pulse(self.start.offset_us(u32::from(self.next)).unwrap_or(0))
     }
 
-    /// Takes in a frame; returns why the run ends with it, if it does.
+    /// Takes a frame; returns the reason if the run ends with it.
     pub(crate) fn on_frame(
         &mut self,
         frame: &CapturedFrame,
@@ -97,8 +97,8 @@ impl Run {
 
     /// The frame's index in the run, or `None` before the run's first pulse is on the line.
     ///
-    /// A first pulse that the board wrote too late for its frame is asked for again: the run begins
-    /// when it is on the line, not when it should have been.
+    /// If the board set the first pulse too late for its frame, the pulse is set again. The run begins when it is
+    /// really on the line.
     fn index_of(&mut self, frame: &CapturedFrame, limits: &Limits) -> Option<u32> {
         let first = match self.progress {
             Progress::Begun { first } => first,
@@ -116,8 +116,7 @@ impl Run {
         Some(frame.number.wrapping_sub(first))
     }
 
-    /// Records a frame of the run, as it was on the line. One without a pulse says nothing of what
-    /// the servo was told: it counts as lost.
+    /// Stores a frame of the run, with the pulse that was applied. A frame without a pulse counts as lost.
     fn take(&mut self, caught: &CapturedFrame, history: &mut History) {
         let Some(pulse) = caught.pulse.filter(|pulse| pulse.0 != 0) else {
             self.lose(history);

@@ -7,14 +7,13 @@ use embassy_futures::poll_once;
 use embassy_futures::select::{Either, select};
 use servoid_protocol::{Decoder, Request, framing};
 
-/// Bytes taken from the link at once: the longest request.
+/// Most bytes taken from the link at once: the longest request.
 const RECEIVE_BUFFER: usize = framing::MAX_WIRE;
 
 /// Runs the rig for ever.
 ///
-/// Frames come first: the pulse for the next one has to be in its register before the edge. Bytes
-/// that came meanwhile are taken after each frame, so neither side can starve the other however fast
-/// it is.
+/// Frames come first: the pulse for the next one must be in its register before the edge. Received bytes are taken
+/// after each frame, so neither side can starve the other.
 pub async fn serve<B: Board, L: Link>(board: &mut B, link: &mut L) -> ! {
     let mut rig = Rig::new(&board.identity());
     let mut decoder = Decoder::new();
@@ -58,7 +57,7 @@ fn flush<L: Link>(rig: &mut Rig, link: &mut L) {
     let mut wire = [0; framing::MAX_WIRE];
     rig.send(|message| match framing::encode(message, &mut wire) {
         Ok(bytes) => link.try_send(bytes),
-        // No message is longer than a frame can be; should one ever be, nothing may wait behind it.
+        // No message is too long. Should one ever be, it is dropped, or it would block the queue.
         Err(framing::TooLong) => true,
     });
 }

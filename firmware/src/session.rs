@@ -1,17 +1,17 @@
-//! Whose requests count, and which of them have been done already.
+//! The open session, and the order of its requests.
 
 use servoid_protocol::message::{Command, Outcome, Refusal, Request};
 
-/// What to do with a request.
+/// The treatment of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Admission {
-    /// Carry it out.
+    /// Execute it.
     New,
-    /// It has been carried out: give the same answer.
+    /// It was executed before: give the same answer.
     Again(Outcome),
-    /// A `Hello` while another session holds the rig: say who the rig is, and nothing else changes.
+    /// A `Hello` while another session holds the rig: answer it, and change nothing.
     Visit,
-    /// Refuse it; it is no sign of life either.
+    /// Refuse it; it does not renew the lease either.
     Refused(Refusal),
 }
 
@@ -25,13 +25,13 @@ pub(crate) struct Session(Option<Open>);
 struct Open {
     number: u16,
     newest: u16,
-    /// What came of the newest request.
+    /// The outcome of the newest request.
     outcome: Outcome,
 }
 
 impl Session {
-    /// Judges a request, where the open session `holds` the rig or does not. Ids wrap: the half of
-    /// the circle ahead of the newest id is newer, the other half older.
+    /// Admits or refuses a request; `holds`: the open session holds the rig. Ids wrap: the half of the circle ahead of
+    /// the newest id is newer, the other half older.
     pub(crate) fn admit(&self, request: &Request, holds: bool) -> Admission {
         match &self.0 {
             Some(open) if open.number == request.session => {
@@ -52,7 +52,7 @@ impl Session {
         self.0.as_ref().is_some_and(|open| open.number == session)
     }
 
-    /// Notes what came of an admitted request; the one that opens a session does it by this.
+    /// Stores the outcome of an admitted request, and opens the session of a `Hello`.
     pub(crate) fn settle(&mut self, request: &Request, outcome: Outcome) {
         self.0 = Some(Open {
             number: request.session,

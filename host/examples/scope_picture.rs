@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What the scope knows in the middle of the staircase.
+/// The state of the scope in the middle of the staircase.
 fn half_of_a_run() -> Result<ScopeState, Box<dyn Error>> {
     let directory = tempfile::tempdir()?;
     let rig = RigFile::default();

@@ -1,41 +1,18 @@
-//! Measures how an R/C servo really moves, and says how sure it is.
+//! Measures the motion of R/C servos: step and frequency response, with 99 % bounds.
 //!
-//! The path of the data, and where each part of it lives:
+//! The rooms of this crate, in the order of the data. Each imports only rooms above it in this table.
 //!
-//! ```text
-//!  Reference -> rig ------> Frame ------> Recording ------> Record -> Model ------> plots, summary
-//!  protocol     port, rig   protocol      rig::capture,     dataset   identification  plots,
-//!                                         recording                                   summary
-//! ```
+//! | folder          | content                                                                          |
+//! |-----------------|----------------------------------------------------------------------------------|
+//! | `data/`         | [`recording`]s, CSV [`table`]s, their [`timeline`], and the [`dataset`] of both   |
+//! | `instrument/`   | [`port`], [`rig`] client, [`mod@reference`], [`calibration`], [`live`] estimate    |
+//! | `presentation/` | [`summary`], [`plots`], [`report`], [`export`], live [`scope`]                     |
+//! | `plan/`         | the forecast of a run: [`plan`]                                                    |
+//! | `commands/`     | the command line: [`commands`]                                                     |
 //!
-//! | module        | what it does                                                             |
-//! |---------------|--------------------------------------------------------------------------|
-//! | [`port`]      | a byte stream to a rig: serial, network, or simulated in this process      |
-//! | [`mod@reference`] | what the servo is told, from degrees, seconds and Hertz                |
-//! | [`rig`]       | talks to a rig, and captures runs                                          |
-//! | [`setup`]     | a rig file for a new rig                                                   |
-//! | [`calibration`] | what a rig file says, measured: scales, neutral, ends of the travel       |
-//! | [`input`]     | files that come in, whole                                                  |
-//! | [`recording`] | recordings on disk, written as they come in and read as what they are      |
-//! | [`table`]     | any other CSV file                                                         |
-//! | [`timeline`]  | where the rows of such a file lie in time                                 |
-//! | [`dataset`]   | from files to a record that can be identified                              |
-//! | [`plan`]      | before a run: how wide the band will be, and what it cannot answer          |
-//! | [`plots`]     | pictures                                                                   |
-//! | [`summary`]   | results as text for a terminal                                             |
-//! | [`explain`]   | why a model has the structure that it has                                  |
-//! | [`report`]    | one page with everything, to open in a browser                             |
-//! | [`origin`]    | units of a model, and what held its command                                |
-//! | [`export`]    | models as scripts, headers and fragments for other programs                |
-//! | [`paper`]     | the paper's facts beside ours                                              |
-//! | [`template`]  | texts with gaps                                                           |
-//! | [`output`]    | files that a command leaves behind                                         |
-//! | [`commands`]  | the command line, thin                                                     |
-//!
-//! The mathematics is in [`servoid_identification`], what goes over the wire in
-//! [`servoid_protocol`].
+//! The mathematics is in [`servoid_identification`], the wire protocol in [`servoid_protocol`].
 
-// What files, lines and users bring meets no panic here.
+// Files, serial lines and users must not cause a panic.
 #![cfg_attr(
     not(test),
     deny(
@@ -60,4 +37,6 @@ pub use data::{
     timeline, units,
 };
 pub use instrument::{calibration, live, port, reference, rig};
-pub use presentation::{explanation, export, paper_facts, plots, report, scope, summary, template};
+pub use presentation::{
+    explanation, export, paper_values, plots, report, scope, summary, template,
+};

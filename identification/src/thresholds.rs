@@ -155,3 +155,8 @@ pub const ORDER_REJECTED: f64 = 0.01;
 /// Protects: the delay of a flight model, which a needless lag would move out of its interval, because delay
 /// and further lags are nearly interchangeable. Evidence: the tests of the flight model.
 pub const BARE_MENTION: f64 = 2.0;
+
+/// Probability of a difference by chance below which the scatter of runs does not explain it.
+///
+/// Protects: the verdict "different" between recordings of one servo. Evidence: "Comparison", table of pairs.
+pub const RUNS_DIFFER_SIGNIFICANCE: f64 = 0.01;

@@ -9,10 +9,10 @@ use crate::load::AerodynamicLoad;
 use crate::motor::{MotorParameters, MotorServo};
 use std::f64::consts::TAU;
 
-/// What is left of the supply under load: scales stall torque and no-load speed.
+/// The supply under load, relative to nominal: scales stall torque and no-load speed.
 const SUPPLY_SAG: f64 = 0.8635;
 
-/// The linkage and the surface add to the inertia.
+/// Factor of the inertia with linkage and surface.
 const INERTIA_RATIO: f64 = 1.292;
 
 /// The servo of the [bench](BENCH), installed.

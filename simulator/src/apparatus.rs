@@ -12,14 +12,14 @@ use std::time::Duration;
 /// Length of a PWM frame.
 pub(crate) const FRAME: Duration = Duration::from_micros(FRAME_US as u64);
 
-/// What one PWM frame brought, and what was behind it.
+/// One PWM frame, with the true angles behind its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulatedFrame {
     /// Frames since the start of the simulation.
     pub number: u64,
     /// The pulse in this frame.
     pub pulse: Option<PulseWidth>,
-    /// What the ADC gave.
+    /// The counts of the ADC.
     pub samples: [Counts; SAMPLES_PER_FRAME],
     /// The true angles at the samples' times, without noise and rounding (deg).
     pub angles: [f64; SAMPLES_PER_FRAME],
@@ -33,19 +33,19 @@ impl SimulatedFrame {
     }
 }
 
-/// One sample, and what was behind it.
+/// One sample, with the true angle behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// The true angle (deg).
     pub angle: f64,
-    /// What each conversion of the ADC gave; the board [sums](sum) them.
+    /// The code of each conversion of the ADC; the board [sums](sum) them.
     pub conversions: [u16; OVERSAMPLING],
 }
 
-/// All that the wires of a board would be connected to.
+/// Servo and sensor, as a board's wires would connect them.
 ///
-/// [`frame`](Self::frame) keeps the rig's timing; with [`command`](Self::command) and
-/// [`sample`](Self::sample) a caller keeps its own, forward only.
+/// [`frame`](Self::frame) keeps the rig's timing. With [`command`](Self::command) and [`sample`](Self::sample) a caller
+/// keeps its own, forward in time only.
 pub struct Apparatus {
     servo: Box<dyn Servo + Send>,
     sensor: HallSensor,
@@ -58,7 +58,7 @@ impl Apparatus {
     /// An apparatus at rest, before its first frame.
     ///
     /// # Errors
-    /// [`OptionsError`] where an option has a value that makes no sense.
+    /// [`OptionsError`] where an option has an invalid value.
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
         let Parts {
             servo,

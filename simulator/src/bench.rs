@@ -1,8 +1,7 @@
 //! The servo free on the bench.
 //!
-//! The parameters were fitted to the figures that the paper reports (its Figs 4-7): that the
-//! simulated servo shows those figures is by construction, no evidence about the real one. The
-//! inertia, above all, is an effective value.
+//! The parameters were fitted to the figures of the paper (its Figs 4-7). So the simulated servo reproduces these
+//! figures by construction, which is no evidence about the real one. Above all, the inertia is an effective value.
 
 use crate::conditions::Conditions;
 use crate::motor::{MotorParameters, MotorServo};

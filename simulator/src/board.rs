@@ -11,7 +11,7 @@ use std::future::poll_fn;
 use std::rc::Rc;
 use std::task::Poll;
 
-/// The only thing that makes a simulated board's time go on. Clones are the same clock.
+/// The clock of a simulated board. Clones are the same clock.
 #[derive(Clone, Debug, Default)]
 pub struct FrameClock(Rc<Cell<u64>>);
 
@@ -22,19 +22,19 @@ impl FrameClock {
         Self::default()
     }
 
-    /// One more PWM frame has passed.
+    /// Advances by one PWM frame.
     pub fn tick(&self) {
         self.0.set(self.0.get() + 1);
     }
 }
 
-/// Is shown each frame as it is sampled.
+/// Gets each frame as it is sampled.
 pub type Observer = Box<dyn FnMut(&SimulatedFrame)>;
 
 /// A [`Board`] over an [`Apparatus`].
 ///
-/// [`Board::next_frame`] is pending until the [`FrameClock`] ticks, once for each frame, and wakes
-/// nobody: whoever ticks polls next.
+/// [`Board::next_frame`] is pending until the [`FrameClock`] ticks, once for each frame. It wakes no task: the caller
+/// that ticks also polls.
 pub struct SimulatedBoard {
     apparatus: Apparatus,
     clock: FrameClock,
@@ -47,10 +47,10 @@ pub struct SimulatedBoard {
 }
 
 impl SimulatedBoard {
-    /// A board that was just switched on. `observer` sees every frame, with the truth behind it.
+    /// A board that was just switched on. `observer` gets every frame, with its true angles.
     ///
     /// # Errors
-    /// [`OptionsError`] where an option has a value that makes no sense.
+    /// [`OptionsError`] where an option has an invalid value.
     pub fn new(
         options: &SimulationOptions,
         clock: FrameClock,
@@ -98,7 +98,7 @@ impl Board for SimulatedBoard {
             }
         })
         .await;
-        // No await from here on: a future that is dropped has not taken the frame.
+        // No await from here on, so a dropped future has not taken the frame.
         self.taken += 1;
         let frame = self.apparatus.frame(self.pulse);
         (self.observer)(&frame);
@@ -113,9 +113,9 @@ impl Board for SimulatedBoard {
         self.pulse = pulse;
     }
 
-    /// Nothing to reset: a rig that hangs hangs its caller, who sees it.
+    /// Does nothing: a rig that hangs also hangs its caller.
     fn feed_watchdog(&mut self) {}
 
-    /// Nobody sits beside a simulated board.
+    /// Does nothing: a simulated board has no LED.
     fn show_armed(&mut self, _armed: bool) {}
 }

@@ -1,8 +1,8 @@
-//! What differs between two runs of the same servo.
+//! Differences between two runs of the same servo.
 //!
-//! A servo that is measured twice is not the same servo twice: the supply differs by a percent, the
-//! friction by a fifth, its control loop runs at another phase to the pulses, the propeller stands
-//! elsewhere. A comparison that ignores this calls equal servos different.
+//! Between two runs the supply differs by a percent and the friction by a fifth, the control loop runs at another
+//! phase to the pulses, and the propeller starts at another angle. A comparison that ignores this reports equal
+//! servos as different.
 
 use crate::motor::MotorParameters;
 use crate::random::{Stream, stream};
@@ -17,7 +17,7 @@ const SUPPLY_SD: f64 = 0.01;
 const FRICTION_SD: f64 = 0.20;
 /// Standard deviation of the sensor's gain between runs, relative.
 const SENSOR_GAIN_SD: f64 = 0.001;
-/// Period of the servo's own loop (s): its phase to the pulses is anywhere within it.
+/// Period of the servo's own loop (s): its phase to the pulses is uniform over it.
 const LOOP_PERIOD: f64 = 0.002;
 
 /// The conditions of one run.
@@ -30,12 +30,12 @@ pub struct Conditions {
     /// Gain of the angle sensor, relative to nominal. Above 0. The calibration that a rig is given
     /// is the nominal one.
     pub sensor_gain: f64,
-    /// Where the angle sensor reads what the calibration has for 0 degrees (deg).
+    /// Angle at which the sensor reads the calibration's counts for 0 degrees (deg).
     pub sensor_zero: f64,
     /// The angles at which the shaft meets its stops (deg), the lower one first, below and above 0; `None`
     /// where it meets none.
     pub stops: Option<(f64, f64)>,
-    /// What the servo's clock adds to its latency.
+    /// Latency that the phase of the servo's clock adds.
     pub clock_phase: Duration,
     /// Angle of the propeller at time 0 (rad).
     pub rotor_phase: f64,
@@ -83,8 +83,7 @@ impl Conditions {
     #[must_use]
     pub fn scattered(mut self, scatter: Scatter, seed: u64) -> Self {
         let mut random = stream(seed, Stream::Scatter);
-        // All are drawn whatever is asked for, so that one part's value does not depend on the
-        // others.
+        // All parts are drawn in any case, so the value of one does not depend on the choice of others.
         let clock = random.random_range(0.0..LOOP_PERIOD);
         let rotor = random.random_range(0.0..TAU);
         let supply = factor(&mut random, SUPPLY_SD);
@@ -130,7 +129,7 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// Everything that a real rig cannot hold still.
+    /// All parts, as on a real rig.
     pub const ALL: Self = Self {
         clock: true,
         supply: true,

@@ -1,9 +1,8 @@
-//! A whole rig inside the caller's own thread.
+//! A whole rig in the caller's own thread.
 //!
-//! The firmware's [`serve()`] runs over a [`SimulatedBoard`] and a serial line, all in simulated time.
-//! Time goes on only while the caller waits in [`InProcessRig::read`]; so nothing depends on how
-//! fast or how loaded the machine is, a run takes no longer than its arithmetic, and leases and
-//! time-outs mean what they mean on a real rig.
+//! The firmware's [`serve()`] runs over a [`SimulatedBoard`] and a serial line, all in simulated time. Time passes only
+//! while the caller waits in [`InProcessRig::read`]. So nothing depends on the speed or load of the computer, and
+//! leases and time-outs have the same meaning as on a real rig.
 
 use crate::apparatus::{FRAME, SimulatedFrame};
 use crate::board::{FrameClock, Observer, SimulatedBoard};
@@ -39,7 +38,7 @@ use std::time::{Duration, Instant};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct InProcessRig {
-    /// `serve` with the board and the link that it owns. It never ends.
+    /// The future of `serve`, which owns the board and the link. It never ends.
     rig: Pin<Box<dyn Future<Output = ()>>>,
     clock: FrameClock,
     line: Rc<RefCell<SerialLine>>,
@@ -53,15 +52,15 @@ impl InProcessRig {
     /// A rig that was just switched on.
     ///
     /// # Errors
-    /// [`OptionsError`] where an option has a value that makes no sense.
+    /// [`OptionsError`] where an option has an invalid value.
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
         Self::observed(options, |_| {})
     }
 
-    /// A rig whose every PWM frame is shown to `observer`, with the truth behind the samples.
+    /// A rig that passes every PWM frame to `observer`, with the true angles behind its samples.
     ///
     /// # Errors
-    /// [`OptionsError`] where an option has a value that makes no sense.
+    /// [`OptionsError`] where an option has an invalid value.
     pub fn observed(
         options: &SimulationOptions,
         observer: impl FnMut(&SimulatedFrame) + 'static,
@@ -93,8 +92,7 @@ impl InProcessRig {
         self.started.is_some()
     }
 
-    /// Hands `bytes` to the line. They reach the rig in the time that the line takes, which passes
-    /// in [`read`](Self::read).
+    /// Sends `bytes`. They take their time on the line, which passes in [`read`](Self::read).
     pub fn write(&mut self, bytes: &[u8]) {
         self.line.borrow_mut().host_writes(bytes);
     }
@@ -102,7 +100,7 @@ impl InProcessRig {
     /// Waits until bytes have come and copies them to `buffer`; returns how many, or 0 when
     /// `timeout` of simulated time has passed without any.
     ///
-    /// With a `timeout` of 0 no time passes; an endless loop of such reads waits for ever.
+    /// With a `timeout` of 0 no time passes, so an endless loop of such reads waits for ever.
     pub fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> usize {
         let deadline = self.now.saturating_add(timeout);
         loop {
@@ -114,7 +112,7 @@ impl InProcessRig {
         }
     }
 
-    /// Lets simulated time go on to `to`, which is not beyond the next frame edge.
+    /// Advances simulated time to `to`, which is not beyond the next frame edge.
     fn advance(&mut self, to: Duration) {
         if let Some(started) = self.started {
             std::thread::sleep(to.saturating_sub(started.elapsed()));
@@ -125,7 +123,7 @@ impl InProcessRig {
             self.clock.tick();
             self.next_edge += FRAME;
         }
-        // Polling once is enough: both things that the rig waits for are looked at anew each time.
+        // One poll is enough: it checks both the frame and the link.
         let _ = self
             .rig
             .as_mut()

@@ -10,17 +10,17 @@
 //!                          InProcessRig: read, write, simulated time
 //! ```
 //!
-//! | module        | what it holds                                                      |
+//! | module        | content                                                            |
 //! |---------------|--------------------------------------------------------------------|
-//! | [`servo`]     | what every simulated servo does; pulses to commanded angles         |
+//! | [`servo`]     | the trait of all simulated servos; pulses to commanded angles       |
 //! | [`motor`]     | the equations of a digital position servo                          |
 //! | [`mod@bench`] | that servo on the bench                                            |
 //! | [`aircraft`]  | the same servo in an aircraft, under [`load`]                      |
 //! | [`linear`]    | a linear servo whose step response is known exactly                |
-//! | [`conditions`] | what differs between two runs of the same servo                   |
+//! | [`conditions`] | differences between two runs of the same servo                    |
 //! | [`noise`]     | noise of the measured angle                                        |
 //! | [`sensor`]    | the Hall sensor, its divider and the ADC                           |
-//! | [`options`]   | everything that can be chosen, and how it is written after `sim:`  |
+//! | [`options`]   | all options, and their text after `sim:`                           |
 //! | [`board`]     | a native board for the firmware's library                          |
 //! | [`in_process`] | the rig on that board, driven by its caller                       |
 //!
@@ -28,7 +28,7 @@
 //! [`SimulationOptions`] and equal calls give equal bytes on every machine with the same libm.
 //! Angles are in degrees outside the servos' equations, times in [`std::time::Duration`].
 
-// What users write after `sim:` meets no panic here.
+// Text from users after `sim:` must not cause a panic.
 #![cfg_attr(
     not(test),
     deny(

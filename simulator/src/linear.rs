@@ -1,11 +1,11 @@
-//! A linear second-order servo with delay, moved exactly: the yardstick of tests.
+//! A linear second-order servo with delay, computed exactly: the reference of tests.
 //!
 //! ```text
 //!  G(s) = K ω² / (s² + 2 ζ ω s + ω²) e^(-L s)
 //! ```
 //!
-//! Between two changes of the command the motion is known in closed form, so there is no step and
-//! no error but rounding, whatever the delay. A missing pulse leaves the command where it is.
+//! Between two changes of the command the motion is known in closed form. So the only error is rounding, with any
+//! delay. A missing pulse leaves the command unchanged.
 
 use crate::delay_line::DelayLine;
 use crate::servo::{Servo, commanded_degrees};
@@ -112,7 +112,7 @@ pub struct LinearServo {
     target: f64,
     /// Output (deg) and its speed (deg/s) when that command came into force.
     state: [f64; 2],
-    /// When it did.
+    /// The time of that.
     since: Duration,
     /// The latest time asked for.
     latest: Duration,
@@ -153,7 +153,7 @@ impl Servo for LinearServo {
         self.latest = self.latest.max(at);
         while let Some((acts, pulse)) = self.commands.pop_due(self.latest) {
             let target = pulse.map_or(self.target, |p| self.parameters.gain * commanded_degrees(p));
-            // A pulse like the one before changes nothing, and so costs no rounding either.
+            // An equal pulse is skipped, which avoids its rounding.
             if target != self.target {
                 self.state = self.state_at(acts);
                 (self.target, self.since) = (target, acts.max(self.since));

@@ -1,4 +1,4 @@
-//! What the air does to a control surface on an aircraft with a turning propeller.
+//! The aerodynamic load of a control surface on an aircraft with a turning propeller.
 
 /// A load that grows with deflection, damps, and shakes with the propeller.
 ///

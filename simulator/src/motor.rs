@@ -34,7 +34,7 @@ use std::time::Duration;
 /// Step of the integration.
 pub const GRID: Duration = Duration::from_micros(100);
 
-/// What makes one motor servo differ from another.
+/// The parameters of a motor servo.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorParameters {
     /// Stall torque τs (N m).
@@ -57,13 +57,13 @@ pub struct MotorParameters {
     pub dead_band: f64,
     /// Full width of the play (deg).
     pub play: f64,
-    /// From a pulse's rising edge to the loop's acting on it.
+    /// Time from a pulse's rising edge to its effect on the loop.
     pub latency: Duration,
     /// The angles at which θ meets its stops (deg), the lower one first; `None` where it meets none.
     pub stops: Option<(f64, f64)>,
 }
 
-/// Where the servo is.
+/// The state of the servo.
 #[derive(Clone, Copy, Debug)]
 struct State {
     /// θ (rad).
@@ -151,7 +151,7 @@ impl MotorServo {
         }
     }
 
-    /// What is left of angle (rad) and speed at the stops.
+    /// Angle (rad) and speed, limited by the stops.
     fn stopped(&self, angle: f64, speed: f64) -> (f64, f64) {
         let Some((low, high)) = self.parameters.stops else {
             return (angle, speed);

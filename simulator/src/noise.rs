@@ -44,9 +44,9 @@ pub enum NoiseKind {
 /// The noise of one sample (deg).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SampleNoise {
-    /// The part that all conversions share.
+    /// The part that is common to all conversions.
     pub shared: f64,
-    /// What each conversion has of its own.
+    /// The independent part of each conversion.
     pub conversions: [f64; OVERSAMPLING],
 }
 

@@ -1,4 +1,4 @@
-//! What is simulated.
+//! The options of a simulation.
 
 mod text;
 
@@ -22,7 +22,7 @@ pub enum ServoKind {
 }
 
 impl ServoKind {
-    /// As it is written after `sim:`.
+    /// Its name after `sim:`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -42,7 +42,7 @@ pub enum LineSpeed {
     Unlimited,
 }
 
-/// Everything that can be chosen. Equal options give equal bytes.
+/// All options. Equal options give equal bytes.
 ///
 /// As text, after `sim:` in a port's name:
 ///
@@ -52,16 +52,16 @@ pub enum LineSpeed {
 ///
 /// | key                 | value                                             | default | servos          |
 /// |---------------------|---------------------------------------------------|---------|-----------------|
-/// | `seed`              | whole number: another one, other noise and scatter | 0      | all             |
+/// | `seed`              | whole number; chooses noise and scatter            | 0      | all             |
 /// | `realtime`          | none: simulated time follows the clock on the wall | off    | all             |
 /// | `noise`             | `full`, `white` or `none`                          | `full` | all             |
-/// | `scatter`           | none or `all`, or some of `clock,supply,friction,sensor,rotor`: what differs from seed to seed | off | all, as far as it has the part |
+/// | `scatter`           | none or `all`, or some of `clock,supply,friction,sensor,rotor`: the parts that differ from seed to seed | off | all, as far as it has the part |
 /// | `baud`              | speed of the serial line, or `unlimited`           | 115200 | all             |
 /// | `fault`             | `open` or `short`, `@` and seconds: the sensor breaks then; `open@3-5`: it is repaired at 5 s; a comma between several | none | all |
 /// | `first-sample-us`   | 0-1999: from a pulse's edge to the first sample    | 500    | all             |
-/// | `clock-phase-ms`    | what the servo's own clock adds to its latency     | 0      | all             |
+/// | `clock-phase-ms`    | latency that the servo's own clock adds            | 0      | all             |
 /// | `sensor-gain`       | relative to the calibration                        | 1      | all             |
-/// | `sensor-zero-deg`   | angle at which the sensor reads what it should at 0 | 0     | all             |
+/// | `sensor-zero-deg`   | angle at which the sensor reads its counts for 0 deg | 0     | all             |
 /// | `stops-deg`         | `LOW:HIGH`, angles below and above 0 at which the shaft meets its stops | none | bench, aircraft |
 /// | `supply`            | relative to nominal                                | 1      | bench, aircraft |
 /// | `friction`          | relative to nominal                                | 1      | bench, aircraft |
@@ -102,7 +102,7 @@ pub struct SimulationOptions {
     pub first_sample_us: u16,
     /// The run's conditions.
     pub conditions: Conditions,
-    /// What of the conditions is drawn by the seed.
+    /// The conditions that the seed draws.
     pub scatter: Scatter,
 }
 
@@ -123,7 +123,7 @@ impl SimulationOptions {
         }
     }
 
-    /// Whether every value makes sense.
+    /// Checks every value.
     pub(crate) fn check(&self) -> Result<(), OptionsError> {
         let require = |holds: bool, key: &'static str, expected: &'static str| {
             if holds {
@@ -151,7 +151,7 @@ impl SimulationOptions {
             "first-sample-us",
             FIRST_SAMPLE,
         )?;
-        // Ten bits a byte; below a byte a second nothing would ever arrive.
+        // Ten bits a byte: at least one byte a second.
         require(!matches!(self.line, LineSpeed::Baud(0..10)), "baud", BAUD)?;
         if let ServoKind::Linear(p) = &self.servo {
             require(p.gain.is_finite(), "gain", NUMBER)?;
@@ -163,7 +163,7 @@ impl SimulationOptions {
     }
 }
 
-/// The longest delay that can be asked for: beyond it, times would overflow in the end.
+/// The longest delay: beyond it, times could overflow.
 const LONGEST: Duration = Duration::from_secs(1000);
 const NUMBER: &str = "a number";
 const POSITIVE: &str = "a number above 0";
@@ -177,7 +177,7 @@ const BAUD: &str = "bits per second, 10 or more, or unlimited";
 const KEYS: &str = "seed, realtime, noise, scatter, baud, fault, first-sample-us, clock-phase-ms, \
     sensor-gain, sensor-zero-deg, stops-deg, supply, friction, rotor-phase-deg, gain, zeta, omega and delay-ms";
 
-/// Why options make no sense.
+/// An invalid option.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum OptionsError {
     /// No such servo.
@@ -189,8 +189,8 @@ pub enum OptionsError {
     /// The key is there twice.
     #[error("the option `{0}` is given twice")]
     Twice(String),
-    /// The key means nothing for this servo.
-    #[error("the option `{key}` means nothing to the {servo} servo")]
+    /// The key does not apply to this servo.
+    #[error("the option `{key}` does not apply to the {servo} servo")]
     NotForThisServo {
         /// The key.
         key: String,
@@ -202,9 +202,9 @@ pub enum OptionsError {
     BadValue {
         /// The key.
         key: String,
-        /// What it was given.
+        /// The text.
         value: String,
-        /// What it takes.
+        /// The values that it takes.
         expected: &'static str,
     },
     /// A value beyond what can be simulated.
@@ -212,7 +212,7 @@ pub enum OptionsError {
     OutOfRange {
         /// The key.
         key: &'static str,
-        /// What it takes.
+        /// The values that it takes.
         expected: &'static str,
     },
 }

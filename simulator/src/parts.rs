@@ -1,4 +1,4 @@
-//! What every simulated rig is made of, whichever board drives it.
+//! The parts of every simulated rig: servo, sensor and noise.
 
 use crate::noise::Noise;
 use crate::options::{OptionsError, ServoKind, SimulationOptions};
@@ -20,7 +20,7 @@ impl Parts {
     /// The parts that `options` describe.
     ///
     /// # Errors
-    /// [`OptionsError`] where an option has a value that makes no sense.
+    /// [`OptionsError`] where an option has an invalid value.
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
         options.check()?;
         let conditions = options.conditions.scattered(options.scatter, options.seed);

@@ -1,12 +1,11 @@
 //! Random numbers: one seed, one independent stream for each use.
 //!
-//! With a stream for each use, turning one source of chance on or off leaves the others as they
-//! were.
+//! With a stream for each use, switching one source of chance on or off does not change the others.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// What a stream is for. The numbers name streams of ChaCha and keep recordings reproducible.
+/// The use of a stream. The numbers are streams of ChaCha; they must not change, so recordings stay reproducible.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Stream {
     White = 1,

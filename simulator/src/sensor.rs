@@ -53,7 +53,7 @@ pub fn sum(conversions: [u16; OVERSAMPLING]) -> Counts {
     Counts(conversions.iter().sum())
 }
 
-/// What may break at the sensor.
+/// A fault of the sensor's wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
     /// The signal wire is off: the divider pulls the input to 0 V.
@@ -68,11 +68,11 @@ pub enum FaultKind {
 /// supply from 3.5 s to 6 s.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SensorFault {
-    /// What breaks.
+    /// The fault.
     pub kind: FaultKind,
-    /// When, counted from the start of the simulation.
+    /// Its time since the start of the simulation.
     pub from: Duration,
-    /// When it is repaired; never, where there is none.
+    /// The time of its repair, if any.
     pub until: Option<Duration>,
 }
 
@@ -123,8 +123,7 @@ pub struct HallSensor {
 }
 
 impl HallSensor {
-    /// A sensor with `gain` relative to [`SENSOR_SCALE`], which reads at `zero` (deg) what that has for 0
-    /// degrees, and breaks as `faults` say.
+    /// A sensor with `gain` relative to [`SENSOR_SCALE`] and its zero at `zero` (deg), with these `faults`.
     #[must_use]
     pub fn new(gain: f64, zero: f64, faults: Vec<SensorFault>) -> Self {
         Self { gain, zero, faults }
@@ -139,7 +138,7 @@ impl HallSensor {
             .map(|own| code(volts + own * VOLTS_PER_DEGREE))
     }
 
-    /// What the sensor puts on its wire (V).
+    /// The voltage on the sensor's wire (V).
     fn volts(&self, at: Duration, angle: f64) -> f64 {
         match self.faults.iter().find(|fault| fault.is_there(at)) {
             Some(fault) => match fault.kind {

@@ -9,8 +9,7 @@ use std::rc::Rc;
 use std::task::Poll;
 use std::time::Duration;
 
-/// Bytes that the rig can hand over before the line has taken them, as a board's transmit buffer
-/// would. A frame of samples is at most 40.
+/// Bytes that the rig can queue for the line, as in a board's transmit buffer. A frame of samples is at most 40.
 pub(crate) const TRANSMIT_BUFFER: usize = 512;
 
 /// Bits on the line for each byte: start, eight, stop.
@@ -19,16 +18,16 @@ const BITS_PER_BYTE: u64 = 10;
 /// One direction.
 #[derive(Debug, Default)]
 struct Lane {
-    /// Handed over, not yet through.
+    /// Queued, not yet transmitted.
     waiting: VecDeque<u8>,
-    /// Through, not yet taken.
+    /// Transmitted, not yet read.
     arrived: VecDeque<u8>,
-    /// Part of the next byte that is through (bit · ns per s).
+    /// Transmitted part of the next byte (bit · ns per s).
     credit: u64,
 }
 
 impl Lane {
-    /// Lets the line work for `elapsed`.
+    /// Transmits for `elapsed`.
     fn advance(&mut self, elapsed: Duration, speed: LineSpeed) {
         let through = match speed {
             LineSpeed::Unlimited => self.waiting.len(),
@@ -44,7 +43,7 @@ impl Lane {
             }
         };
         if through >= self.waiting.len() {
-            // An idle line saves nothing up.
+            // An idle line accumulates no capacity.
             self.credit = 0;
             self.arrived.append(&mut self.waiting);
         } else {
@@ -52,7 +51,7 @@ impl Lane {
         }
     }
 
-    /// Copies what has arrived to `buffer`; returns how many bytes.
+    /// Copies the received bytes to `buffer`; returns how many bytes.
     fn take(&mut self, buffer: &mut [u8]) -> usize {
         let count = buffer.len().min(self.arrived.len());
         for (slot, byte) in buffer.iter_mut().zip(self.arrived.drain(..count)) {
@@ -79,18 +78,18 @@ impl SerialLine {
         }
     }
 
-    /// Lets the line work for `elapsed` of simulated time.
+    /// Transmits for `elapsed` of simulated time.
     pub(crate) fn advance(&mut self, elapsed: Duration) {
         self.to_rig.advance(elapsed, self.speed);
         self.to_host.advance(elapsed, self.speed);
     }
 
-    /// The host hands bytes over; its own buffer has no end.
+    /// The host sends bytes; its buffer is unlimited.
     pub(crate) fn host_writes(&mut self, bytes: &[u8]) {
         self.to_rig.waiting.extend(bytes);
     }
 
-    /// The host takes what has arrived.
+    /// The host reads the received bytes.
     pub(crate) fn host_reads(&mut self, buffer: &mut [u8]) -> usize {
         self.to_host.take(buffer)
     }
@@ -102,7 +101,7 @@ pub(crate) struct RigEnd(pub(crate) Rc<RefCell<SerialLine>>);
 
 impl Link for RigEnd {
     async fn receive(&mut self, buffer: &mut [u8]) -> usize {
-        // Never wakes by itself: whoever drives the simulation polls again after each step of time.
+        // Never wakes by itself: the driver of the simulation polls after each step of time.
         poll_fn(|_| match self.0.borrow_mut().to_rig.take(buffer) {
             0 => Poll::Pending,
             count => Poll::Ready(count),

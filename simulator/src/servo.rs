@@ -1,4 +1,4 @@
-//! What every simulated servo does.
+//! The trait of all simulated servos, and their pulses in degrees.
 
 use servoid_protocol::{PulseWidth, ServoScale};
 use std::time::Duration;
@@ -18,16 +18,15 @@ pub(crate) fn commanded_degrees(pulse: PulseWidth) -> f64 {
 /// A servo: pulses in, the angle of its output shaft out.
 ///
 /// Time counts from the start of the simulation and only goes forward. The motion depends on the
-/// commands and their times alone, never on when or how often the angle is asked for.
+/// commands and their times alone, never on the reads of the angle.
 pub trait Servo {
-    /// A pulse whose rising edge was at `at`, or `None` where a pulse was due and none came. It
-    /// stands for all that follow until the next command.
+    /// A pulse with its rising edge at `at`, or `None` for a missing one. It repeats until the next command.
     ///
-    /// May be told after the angle has been asked for beyond `at`, as long as the servo's latency
-    /// is not over: a real servo, too, knows the width of a pulse only at its end.
+    /// The angle may have been read beyond `at` before, as long as the servo's latency is not over: a real servo, too,
+    /// knows the width of a pulse only at its end.
     fn command(&mut self, at: Duration, pulse: Option<PulseWidth>);
 
     /// The angle of the output shaft at `at` (deg), as a perfect sensor sees it. A time before the
-    /// latest one asked for gives the angle at the latest one.
+    /// latest one read gives the angle at the latest one.
     fn angle(&mut self, at: Duration) -> f64;
 }

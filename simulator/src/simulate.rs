@@ -1,16 +1,16 @@
-//! A recording without board, rig and wire: for Monte-Carlo, where they would only take time.
+//! A recording without board, rig and wire, which is fast enough for Monte-Carlo.
 
 use crate::apparatus::{Apparatus, SimulatedFrame};
 use crate::options::{OptionsError, SimulationOptions};
 use servoid_protocol::PulseWidth;
 
-/// Gives the servo one pulse per PWM frame and yields what is measured, frame by frame.
+/// Commands the servo with one pulse per PWM frame and yields the measured frames.
 ///
 /// The servo starts at rest at 0 degrees, without a pulse before the first one. The samples are
 /// those that a rig on the same options would send, frame for frame.
 ///
 /// # Errors
-/// [`OptionsError`] where an option has a value that makes no sense.
+/// [`OptionsError`] where an option has an invalid value.
 ///
 /// ```
 /// use servoid_protocol::PulseWidth;

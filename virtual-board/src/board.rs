@@ -1,9 +1,8 @@
-//! The whole board, and the loop that lets its time pass.
+//! The whole board, and the loop that advances its time.
 //!
-//! The core executes an instruction, time goes on by its cycles, and all that is due by then happens
-//! in the peripherals. While the core sleeps, time goes from one event to the next at once: this is
-//! what makes a second cost some hundredths of one, and changes nothing, because a sleeping core
-//! does nothing.
+//! The core executes an instruction, time advances by its cycles, and the peripherals handle all events up to then.
+//! While the core sleeps, time jumps from event to event. This makes a simulated second cost some hundredths of a
+//! second, and changes nothing, because a sleeping core does nothing.
 
 use crate::bus::SharedChip;
 use crate::chip::{Chip, Specimen, Surroundings};
@@ -23,21 +22,20 @@ use std::time::Duration;
 
 /// From the supply to the first instruction (datasheet DS5319, reset temporization).
 const POWER_ON_DELAY: Ticks = microseconds(2_500);
-/// Steps after which the peripherals are looked at in any case, for what the core does without
-/// touching them, such as asking for a reset.
+/// Steps after which the peripherals are checked in any case, for effects of the core that do not touch them, such
+/// as a reset.
 const STEPS_BETWEEN_LOOKS: u32 = 1_000;
-/// How often the log is read: before its buffer of a kilobyte is full.
+/// Time between two reads of the log: its buffer of a kilobyte must not fill up.
 const LOG_EVERY: Ticks = milliseconds(5);
-/// How far [`VirtualBoard::read`] goes without looking for bytes: a few of them on the line.
+/// Time that [`VirtualBoard::read`] advances between two checks for bytes: a few bytes on the line.
 const READ_SLICE: Ticks = microseconds(250);
 
-/// What a board is like.
+/// The options of a board.
 #[derive(Clone, Debug)]
 pub struct BoardOptions {
-    /// Servo, sensor, noise and seed. The line is always at 115200 baud, and the time of the samples
-    /// is what the program makes it.
+    /// Servo, sensor, noise and seed. The line always has 115200 baud, and the program sets the time of the samples.
     pub simulation: SimulationOptions,
-    /// What goes wrong.
+    /// The faults.
     pub faults: Vec<Fault>,
     /// Frequency of the low-speed oscillator that the watchdog runs on (Hz): 40 kHz, by the datasheet
     /// anything from 30 to 60.
@@ -47,7 +45,7 @@ pub struct BoardOptions {
 }
 
 impl BoardOptions {
-    /// A good board with `simulation` on its wires, that records everything.
+    /// A board without faults, with `simulation` on its wires, that records everything.
     #[must_use]
     pub fn new(simulation: SimulationOptions) -> Self {
         Self {
@@ -66,7 +64,7 @@ impl BoardOptions {
     }
 }
 
-/// Something planned from outside.
+/// A scheduled event from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Plan {
     StopCrystal,
@@ -86,7 +84,7 @@ pub struct VirtualBoard<C: Core = RsemuCore> {
     now: Ticks,
     hclk: Ticks,
     next_event: Ticks,
-    /// Interrupt lines as the core knows them.
+    /// Interrupt lines as last passed to the core.
     interrupts: u64,
     nmi: bool,
     plans: Vec<(Ticks, Plan)>,
@@ -101,17 +99,17 @@ impl VirtualBoard {
     /// A board with `image` in its flash, switched on at time 0.
     ///
     /// # Errors
-    /// [`OptionsError`] where an option of the simulation has a value that makes no sense.
+    /// [`OptionsError`] where an option of the simulation has an invalid value.
     pub fn new(image: Image, options: &BoardOptions) -> Result<Self, OptionsError> {
         Self::with_core(image, options, RsemuCore::new)
     }
 }
 
 impl<C: Core> VirtualBoard<C> {
-    /// A board with a core of the caller's.
+    /// A board with another core.
     ///
     /// # Errors
-    /// [`OptionsError`] where an option of the simulation has a value that makes no sense.
+    /// [`OptionsError`] where an option of the simulation has an invalid value.
     pub fn with_core(
         image: Image,
         options: &BoardOptions,
@@ -176,7 +174,7 @@ impl<C: Core> VirtualBoard<C> {
         self.awake_cycles
     }
 
-    /// The core, for whoever looks over its shoulder.
+    /// The core.
     #[must_use]
     pub fn core(&mut self) -> &mut C {
         &mut self.core
@@ -188,12 +186,12 @@ impl<C: Core> VirtualBoard<C> {
         &self.ram
     }
 
-    /// The chip, with the record of what happened.
+    /// The chip, with its record.
     pub fn chip(&self) -> MutexGuard<'_, Chip> {
         self.chip.lock()
     }
 
-    /// Hands `bytes` to the line; they take their time.
+    /// Sends `bytes`; they take their time on the line.
     pub fn write(&mut self, bytes: &[u8]) {
         self.chip
             .lock()
@@ -203,7 +201,7 @@ impl<C: Core> VirtualBoard<C> {
         self.next_event = self.now;
     }
 
-    /// Copies what has arrived at the host; returns how many bytes. No time passes.
+    /// Copies the bytes received at the host; returns how many. No time passes.
     pub fn take(&mut self, buffer: &mut [u8]) -> usize {
         self.chip.lock().surroundings.line.host_reads(buffer)
     }
@@ -211,8 +209,7 @@ impl<C: Core> VirtualBoard<C> {
     /// Waits until bytes have come and copies them to `buffer`; returns how many, or 0 when at least
     /// `timeout` of simulated time has passed without any.
     pub fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> usize {
-        // Durations are rounded down here and where the host looks at the time. A tick for each, and
-        // who waits for a moment until it is there does get there.
+        // Durations are rounded down here and in the host's clock. A tick for each lets a wait for a moment end.
         let roundings = if timeout.is_zero() { 0 } else { 2 };
         let wait = from_duration(timeout).saturating_add(roundings);
         let deadline = self.now.saturating_add(wait);
@@ -225,7 +222,7 @@ impl<C: Core> VirtualBoard<C> {
         }
     }
 
-    /// Lets time pass until `end`, or an instruction beyond it.
+    /// Advances time to `end`, or an instruction beyond it.
     pub fn run_until(&mut self, end: Ticks) {
         while self.now < end {
             if self.steps == 0 || self.now >= self.next_event || self.chip.take_touched() {
@@ -246,7 +243,7 @@ impl<C: Core> VirtualBoard<C> {
         let cycles = self.core.step();
         self.now += cycles * self.hclk;
         self.awake_cycles += cycles;
-        // A core that sleeps says one cycle, and asking it costs as much as a step.
+        // A sleeping core returns one cycle, and the query costs as much as a step.
         if cycles == 1 && self.core.is_asleep() {
             self.look_around();
             if self.interrupts == 0 && !self.nmi {
@@ -255,7 +252,7 @@ impl<C: Core> VirtualBoard<C> {
         }
     }
 
-    /// Lets a sleeping core sleep until the next event.
+    /// Advances a sleeping core to the next event.
     fn sleep(&mut self, end: Ticks) {
         let own = self
             .core
@@ -267,7 +264,7 @@ impl<C: Core> VirtualBoard<C> {
         self.now += cycles * self.hclk;
     }
 
-    /// Lets everything happen that is due, and tells the core of it.
+    /// Handles all events that are due, and passes their interrupts to the core.
     fn look_around(&mut self) {
         self.steps = STEPS_BETWEEN_LOOKS;
         self.follow_plans();
@@ -342,7 +339,7 @@ impl<C: Core> VirtualBoard<C> {
     }
 
     fn reset(&mut self, reason: ResetReason) {
-        // What the program said last, before it is overwritten.
+        // The last lines of the log, before they are overwritten.
         self.drain_log();
         if let Some(log) = &mut self.log {
             log.restart();

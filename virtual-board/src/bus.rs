@@ -14,7 +14,7 @@ use crate::time::Ticks;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Who answers at an address.
+/// The unit at an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Unit {
     Tim2,
@@ -177,8 +177,8 @@ impl Chip {
         clocked
     }
 
-    /// Some units have registers of half a word, and may be accessed by it (15.4, 19.4, 27.6); what is
-    /// written beside the half is nothing then. All others are accessed by words.
+    /// Some units have registers of half a word and may be accessed by half words (15.4, 19.4, 27.6), which ignore the
+    /// other half. All others are accessed by words.
     fn check_width(&mut self, address: u32, bytes: u32, now: Ticks) {
         let halves = locate(address).is_some_and(|(unit, ..)| {
             matches!(unit, Unit::Tim2 | Unit::Tim3 | Unit::Iwdg | Unit::Usart1)
@@ -202,7 +202,7 @@ impl Chip {
     }
 }
 
-/// The chip as the core's bus sees it, and the clock that both go by.
+/// The chip as the core's bus sees it, and their common clock.
 #[derive(Debug)]
 pub struct SharedChip {
     chip: Mutex<Chip>,
@@ -221,7 +221,7 @@ impl SharedChip {
         }
     }
 
-    /// The chip. Nobody else may hold it: the core does only while it steps.
+    /// The chip. The core holds it only during a step.
     pub fn lock(&self) -> MutexGuard<'_, Chip> {
         self.chip.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -231,9 +231,9 @@ impl SharedChip {
         self.now.store(now, Ordering::Relaxed);
     }
 
-    /// Whether the core accessed a peripheral since this was last asked.
+    /// Whether the core accessed a peripheral since the last call.
     pub fn take_touched(&self) -> bool {
-        // Asked before each step: a plain load is much cheaper than a swap.
+        // Called before each step: a plain load is much cheaper than a swap.
         self.touched.load(Ordering::Relaxed) && self.touched.swap(false, Ordering::Relaxed)
     }
 

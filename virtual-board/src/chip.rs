@@ -6,8 +6,8 @@
 //!  PA1 --> servo --> shaft --> sensor --> PA4        PA9, PA10 <--> USART1 <--> line
 //! ```
 //!
-//! Everything happens at its exact time, in the order of time; what happens at the same time happens
-//! in the order TIM2, TIM3, ADC, USART, line: a frame edge comes before the sample that it triggers.
+//! Events happen at their exact times, in order. Simultaneous events happen in the order TIM2, TIM3, ADC, USART, line,
+//! so a frame edge comes before the sample that it triggers.
 
 use crate::fault::Fault;
 use crate::line::Line;
@@ -49,7 +49,7 @@ const TIM2_AT_TIM3: u32 = 1;
 /// TIM2's internal trigger input that TIM3 is connected to.
 const TIM3_AT_TIM2: u32 = 2;
 
-/// What lies outside the chip.
+/// The surroundings of the chip.
 #[derive(Debug)]
 pub struct Surroundings {
     /// Servo and sensor.
@@ -58,7 +58,7 @@ pub struct Surroundings {
     pub line: Line,
 }
 
-/// What a chip is like.
+/// The options of a chip.
 #[derive(Clone, Copy, Debug)]
 pub struct Specimen {
     /// Whether the crystal starts.
@@ -70,7 +70,7 @@ pub struct Specimen {
 }
 
 impl Specimen {
-    /// A chip with those of `faults` that are its own.
+    /// A chip with those of `faults` that concern it.
     #[must_use]
     pub fn new(faults: &[Fault], lsi_hz: u32, seed: u64) -> Self {
         let mut unique_id = *b"virt        ";
@@ -85,7 +85,7 @@ impl Specimen {
     }
 }
 
-/// The models of all that a reset resets.
+/// All models that a reset resets.
 #[derive(Debug)]
 pub(crate) struct Peripherals {
     pub flash: Flash,
@@ -127,9 +127,9 @@ pub struct Chip {
     pub(crate) p: Peripherals,
     pub(crate) signature: Signature,
     ram: Ram,
-    /// What is connected to it.
+    /// Its surroundings.
     pub surroundings: Surroundings,
-    /// What happened.
+    /// The record of its events.
     pub record: Record,
     /// When the level of PA1 last rose, if it is high.
     high_since: Option<Ticks>,
@@ -179,7 +179,7 @@ impl Chip {
         self.distribute_clocks(now);
     }
 
-    /// The clocks may have changed.
+    /// Updates the clocks of all models.
     pub(crate) fn distribute_clocks(&mut self, now: Ticks) {
         let clocks = self.rcc.clocks();
         self.p.tim2.set_clock(clocks.timers, now);
@@ -228,7 +228,7 @@ impl Chip {
         })
     }
 
-    /// The next time that something happens by itself.
+    /// The time of the next event.
     #[must_use]
     pub fn next_event(&self) -> Option<Ticks> {
         [
@@ -243,7 +243,7 @@ impl Chip {
         .min()
     }
 
-    /// Lets everything happen that is due by `to`.
+    /// Handles all events up to `to`.
     pub fn advance(&mut self, to: Ticks) {
         while let Some(now) = self.next_event().filter(|&event| event <= to) {
             let trigger = self.p.tim2.advance(now);
@@ -281,7 +281,7 @@ impl Chip {
         }
     }
 
-    /// Looks at PA1: TIM2's channel 2 where pin and mapping say so, its own data otherwise.
+    /// Updates PA1: TIM2's channel 2 where pin and mapping say so, its own data otherwise.
     pub(crate) fn follow_pulse(&mut self, now: Ticks) {
         let [port_a, ..] = &self.p.gpio;
         let level = match port_a.mode(1) {
@@ -324,7 +324,7 @@ impl Chip {
         }
     }
 
-    /// What the ADC reads: ADC_IN4 is PA4, and nothing else is connected.
+    /// The input of the ADC: ADC_IN4 is PA4, and nothing else is connected.
     fn input(&mut self, channel: u32, index: u32, now: Ticks) -> u16 {
         let [port_a, ..] = &self.p.gpio;
         let analog = port_a.mode(4) == Mode::Analog;

@@ -16,7 +16,7 @@ pub trait Bus: Debug + Send + Sync {
     fn write(&self, address: u32, bytes: u32, value: u32);
 }
 
-/// The registers, for whoever looks over the core's shoulder.
+/// The registers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Registers {
     /// R0 to R15, the stack pointer being the one in use.
@@ -40,19 +40,19 @@ pub trait Core {
     /// Whether the core sleeps.
     fn is_asleep(&self) -> bool;
 
-    /// Lets `cycles` pass for a core that sleeps.
+    /// Advances a sleeping core by `cycles`.
     fn skip(&mut self, cycles: u64);
 
-    /// Cycles until the core's own timer does something.
+    /// Cycles until the next event of the core's own timer.
     fn own_event(&self) -> Option<u64>;
 
     /// The registers.
     fn registers(&self) -> Registers;
 
-    /// Where the program was when it met a fault, if it did since this was last asked.
+    /// The program counter at a fault, if there was one since the last call.
     fn take_fault(&mut self) -> Option<u32>;
 
-    /// Whether the program asked for a reset.
+    /// Whether the program requested a reset.
     fn wants_reset(&self) -> bool;
 
     /// Resets the core; it starts at the reset vector with the next step.

@@ -1,4 +1,4 @@
-//! Faults on purpose.
+//! Injected faults.
 
 use crate::time::{Ticks, from_duration};
 use servoid_simulator::sensor::SensorFault;
@@ -15,28 +15,28 @@ pub enum Direction {
     ToHost,
 }
 
-/// What happens to a byte on the line.
+/// A disturbance of a byte on the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Disturbance {
     /// One of its bits is flipped.
     Flip,
     /// It is lost.
     Drop,
-    /// Another one comes before it.
+    /// Another byte is inserted before it.
     Inject,
 }
 
-/// Something that goes wrong.
+/// An injected fault.
 ///
 /// As text:
 ///
-/// | text                             | what goes wrong                                           |
+/// | text                             | fault                                                     |
 /// |----------------------------------|-----------------------------------------------------------|
 /// | `no-crystal`                     | the crystal never starts                                   |
 /// | `crystal-stops@S`                | the crystal stops at second S, for ever                    |
-/// | `sensor-open@S`, `sensor-short@S` | the sensor's wire is off, or touches the supply, from second S on |
+/// | `sensor-open@S`, `sensor-short@S` | the sensor's wire is off, or shorted to the supply, from second S on |
 /// | `sensor-open@S-T`, …             | the same, repaired at second T                             |
-/// | `host-silent@S`                  | nothing of what the host sends arrives from second S on    |
+/// | `host-silent@S`                  | no byte from the host arrives from second S on            |
 /// | `cpu-stuck@S`                    | the processor stops at second S, until the next reset      |
 /// | `brown-out@S`                    | the supply is gone for 0.1 s                               |
 /// | `flip:P`, `drop:P`, `inject:P`   | each byte, in both directions, is disturbed with probability P |
@@ -55,41 +55,41 @@ pub enum Fault {
     NoCrystal,
     /// The crystal stops, for ever.
     CrystalStops {
-        /// When.
+        /// Its time.
         at: Ticks,
     },
     /// The sensor breaks.
     Sensor(SensorFault),
-    /// The host is not heard any more.
+    /// Bytes from the host no longer arrive.
     HostSilent {
-        /// From when on.
+        /// Its time.
         from: Ticks,
     },
     /// The processor stops until the next reset.
     CpuStuck {
-        /// When.
+        /// Its time.
         at: Ticks,
     },
     /// The supply drops out for [`BROWN_OUT`].
     BrownOut {
-        /// When.
+        /// Its time.
         at: Ticks,
     },
     /// Bytes on the line are disturbed.
     Line {
-        /// Which way; both where there is none.
+        /// The direction; both where there is none.
         direction: Option<Direction>,
-        /// How.
+        /// The disturbance.
         disturbance: Disturbance,
-        /// How likely for each byte, 0 to 1.
+        /// Its probability for each byte, 0 to 1.
         probability: f64,
     },
 }
 
-/// How long a brown-out lasts.
+/// Duration of a brown-out.
 pub const BROWN_OUT: Duration = Duration::from_millis(100);
 
-/// Why a text names no fault.
+/// An error for a text that names no fault.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
     "there is no fault '{0}': choose no-crystal, crystal-stops@S, sensor-open@S, sensor-short@S, host-silent@S, \

@@ -1,4 +1,4 @@
-//! The program: what a flash tool would write, and what its log needs to be read.
+//! The flash image: its bytes, and the table of its log.
 
 use crate::memory::{FLASH_BYTES, FLASH_START, RAM_BYTES, RAM_START};
 use defmt_decoder::Table;
@@ -11,7 +11,7 @@ use thiserror::Error;
 /// The log's control block (SEGGER RTT).
 const RTT: &str = "_SEGGER_RTT";
 
-/// Why a file is no image.
+/// An error for a file that is no image.
 #[derive(Debug, Error)]
 pub enum ImageError {
     /// The file cannot be read.
@@ -19,10 +19,10 @@ pub enum ImageError {
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The error of the system.
         source: std::io::Error,
     },
-    /// It is not what a linker makes for this chip.
+    /// It is not an ELF file for this chip.
     #[error("this is no image for an STM32F103C8: {0}")]
     NotAnImage(String),
 }
@@ -49,7 +49,7 @@ impl Image {
         Self::parse(&bytes)
     }
 
-    /// Takes an ELF file apart.
+    /// Parses an ELF file.
     ///
     /// # Errors
     /// [`ImageError::NotAnImage`] where it is not for this chip.
@@ -64,7 +64,7 @@ impl Image {
             if header.p_type(endian) != PT_LOAD || header.p_filesz(endian) == 0 {
                 continue;
             }
-            // The physical address is where a flash tool writes it, initial values included.
+            // A flash tool writes to the physical address, initial values included.
             let (at, length) = (header.p_paddr(endian), header.p_filesz(endian));
             let data = header
                 .data(endian, elf)
@@ -109,7 +109,7 @@ impl Image {
         self.ram_used
     }
 
-    /// Where the log's control block is, and how to read the log.
+    /// The address of the log's control block, and the log's table.
     pub(crate) fn into_log(self) -> Option<(u32, Table)> {
         self.rtt.zip(self.log)
     }

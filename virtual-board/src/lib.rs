@@ -1,5 +1,4 @@
-//! A virtual STM32F103 board: runs the very image that is flashed, in closed loop with a simulated
-//! servo.
+//! A virtual STM32F103 board: runs the flash image, byte for byte, in closed loop with a simulated servo.
 //!
 //! ```text
 //!            +--------------------- chip -----------------------+
@@ -9,24 +8,23 @@
 //!                            servo --> shaft --> sensor
 //! ```
 //!
-//! | module          | what it holds                                                      |
+//! | module          | content                                                            |
 //! |-----------------|--------------------------------------------------------------------|
-//! | [`board`]       | the whole board, and the loop that lets its time pass               |
-//! | [`cpu`]         | what a core has to do, and the one that is used                     |
+//! | [`board`]       | the whole board, and the loop that advances its time                |
+//! | [`cpu`]         | the trait of a core, and its implementation                         |
 //! | [`bus`]         | from addresses to registers                                         |
 //! | [`chip`]        | the peripherals and the wires between them                          |
 //! | [`peripherals`] | one model each, written from the reference manual                   |
 //! | [`plant`]       | servo and sensor on the board's pins                                |
 //! | [`mod@line`]      | the serial line                                                     |
-//! | [`fault`]       | what may go wrong on purpose                                        |
+//! | [`fault`]       | injected faults                                                     |
 //! | [`image`], [`rtt`] | the program, and its log                                         |
-//! | [`record`]      | what happened, and what should not have happened                    |
+//! | [`record`]      | events and irregularities                                           |
 //! | [`memory`], [`time`] | the memory map, and the unit of time                           |
 //! | [`server`]      | the board as a serial port of this machine                          |
 //!
-//! What is not modelled is reported when the program asks for it. What no model here knows: analog
-//! effects, wait states of the flash, contention on the buses, the few cycles from a trigger to what
-//! it triggers, and a debugger.
+//! A function that is not modelled is reported when the program uses it. Not modelled at all: analog effects, wait
+//! states of the flash, contention on the buses, the few cycles from a trigger to its effect, and a debugger.
 
 pub mod board;
 pub mod bus;

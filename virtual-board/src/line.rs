@@ -1,4 +1,4 @@
-//! The serial line between host and board, 115200 baud, and what disturbs it.
+//! The serial line between host and board, 115200 baud, and its disturbances.
 
 use crate::fault::{Direction, Disturbance, Fault};
 use crate::peripherals::usart::FRAME_BITS;
@@ -10,8 +10,7 @@ use std::collections::VecDeque;
 /// Length of the host's bits.
 pub const BIT: Ticks = TICKS_PER_SECOND / 115_200;
 
-/// Ends of the line may differ by so much (percent): beyond it, the last bits of a byte are sampled
-/// in their neighbours (RM0008 27.3.5, table of the receiver's tolerance).
+/// Largest difference of the bit rates (percent): beyond it, the last bits of a byte are sampled in their neighbours (RM0008 27.3.5, table of the receiver's tolerance).
 const TOLERANCE: Ticks = 3;
 
 /// The line.
@@ -54,7 +53,7 @@ impl Line {
         line
     }
 
-    /// The host hands bytes over; they take their time.
+    /// The host sends bytes; they take their time.
     pub fn host_writes(&mut self, bytes: &[u8], now: Ticks) {
         if now >= self.silent_from {
             return;
@@ -98,7 +97,7 @@ impl Line {
         !self.to_host.is_empty()
     }
 
-    /// Copies what has arrived at the host; returns how many bytes.
+    /// Copies the bytes received at the host; returns how many.
     pub fn host_reads(&mut self, buffer: &mut [u8]) -> usize {
         let count = buffer.len().min(self.to_host.len());
         for (slot, byte) in buffer.iter_mut().zip(self.to_host.drain(..count)) {
@@ -107,7 +106,7 @@ impl Line {
         count
     }
 
-    /// What becomes of a byte.
+    /// A byte after its disturbance.
     fn disturb(&mut self, byte: u8, direction: Direction) -> impl Iterator<Item = u8> + use<> {
         let (mut before, mut byte) = (None, Some(byte));
         for (only, disturbance, probability) in &self.disturbances {
@@ -127,8 +126,8 @@ impl Line {
     }
 }
 
-/// A byte between ends whose bits differ too much in length is damaged: what is read for its last
-/// bits and for its stop bit are other bits.
+/// A byte between ends of different bit rates. It is damaged if they differ too much, because its last bits and its
+/// stop bit are sampled in other bits.
 fn through(byte: u8, bit_time: Ticks) -> (u8, bool) {
     let damaged = bit_time.abs_diff(BIT) * 100 > BIT * TOLERANCE;
     (if damaged { byte ^ 0xe0 } else { byte }, damaged)

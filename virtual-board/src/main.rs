@@ -1,4 +1,4 @@
-//! A virtual board as a serial port: try the instrument without one.
+//! The virtual board as a serial port.
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
@@ -9,10 +9,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use virtual_board::server::{HostEnd, Pace, TcpServer, serve};
 use virtual_board::{BoardOptions, Fault, Image, VirtualBoard};
 
-/// A virtual STM32F103 with a simulated servo, running the very image that is flashed
+/// A virtual STM32F103 with a simulated servo, which runs the flash image
 ///
-/// Prints the port that the host opens and runs until Ctrl-C. What the program logs, and whatever it
-/// does that a real chip would take amiss, goes to standard error.
+/// Prints the name of its port and runs until Ctrl-C. The log of the image, and operations that a real chip does not
+/// allow, go to standard error.
 #[derive(Debug, Parser)]
 #[command(
     version,
@@ -25,21 +25,21 @@ struct Cli {
     /// Servo on its pins: bench, aircraft or linear, with options as after sim: (bench?noise=none)
     #[arg(long, default_value = "bench")]
     servo: SimulationOptions,
-    /// Another one, other noise
+    /// Seed of the noise
     #[arg(long)]
     seed: Option<u64>,
     /// The image to run; without it, the one that 'cargo fw' has built
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
-    /// Simulated time follows the clock on the wall; without it, it goes up to twice as fast
+    /// Run in real time; without it, up to twice as fast
     #[arg(long)]
     realtime: bool,
-    /// Something that goes wrong: no-crystal, crystal-stops@S, sensor-open@S, sensor-short@S,
-    /// host-silent@S, cpu-stuck@S, brown-out@S (S in seconds), flip:P, drop:P, inject:P (P for each byte; to-board-
-    /// or to-host- before it for one direction). May be given several times
+    /// Fault to inject: no-crystal, crystal-stops@S, sensor-open@S, sensor-short@S,
+    /// host-silent@S, cpu-stuck@S, brown-out@S (S in seconds), flip:P, drop:P, inject:P (P for each byte; with to-board-
+    /// or to-host- before it, in one direction). May be given several times
     #[arg(long, value_name = "FAULT")]
     fault: Vec<Fault>,
-    /// Listen at this address instead of offering a pseudo-terminal
+    /// Listen at this network address instead of a pseudo-terminal
     #[arg(long, value_name = "HOST:PORT")]
     tcp: Option<String>,
 }
@@ -78,7 +78,7 @@ fn simulation(cli: &Cli) -> Result<SimulationOptions> {
         || simulation.first_sample_us != usual.first_sample_us
     {
         bail!(
-            "the image itself sets the baud rate and when it samples: leave out baud and first-sample-us"
+            "leave out baud and first-sample-us: the image itself sets the baud rate and the sample times"
         );
     }
     simulation.seed = cli.seed.unwrap_or(simulation.seed);
@@ -102,7 +102,7 @@ fn find_image(named: Option<&Path>) -> Result<PathBuf> {
         .flatten()
         .map(|target| target.join(IMAGE))
         .find(|path| path.is_file());
-    found.context("there is no image yet: build it with 'cargo fw', or name one with --elf")
+    found.context("no image was found: build it with 'cargo fw', or name one with --elf")
 }
 
 fn open(tcp: Option<&str>) -> Result<Box<dyn HostEnd>> {
@@ -119,7 +119,7 @@ fn open(tcp: Option<&str>) -> Result<Box<dyn HostEnd>> {
 #[cfg(unix)]
 fn pseudo_terminal() -> Result<Box<dyn HostEnd>> {
     let terminal = virtual_board::server::PseudoTerminal::open()
-        .context("there is no pseudo-terminal to be had: use --tcp 127.0.0.1:5000")?;
+        .context("no pseudo-terminal can be opened: use --tcp 127.0.0.1:5000")?;
     announce(&terminal.path().display().to_string());
     Ok(Box::new(terminal))
 }
@@ -135,7 +135,7 @@ fn announce(port: &str) {
     eprintln!("servoid capture --port {port} -o recording.csv");
 }
 
-/// Says what is new, and forgets it.
+/// Prints new log lines and irregularities, and drops them.
 fn report(board: &mut VirtualBoard) {
     let record = &mut board.chip().record;
     for line in record.log.drain(..) {

@@ -13,7 +13,7 @@ pub const RAM_START: u32 = 0x2000_0000;
 /// Its size: 20 KiB.
 pub const RAM_BYTES: u32 = 20 * 1024;
 
-/// What memory that lost its supply might hold.
+/// Content of memory after a loss of the supply.
 const GARBAGE: u8 = 0xa5;
 
 /// The static memory. Clones are the same memory.
@@ -35,7 +35,7 @@ impl Ram {
         self.0.clone()
     }
 
-    /// What a loss of the supply leaves.
+    /// Overwrites the memory, as after a loss of the supply.
     pub fn forget(&self) {
         // The range is the memory's own.
         let _ = self.0.fill(0, u64::from(RAM_BYTES), GARBAGE);

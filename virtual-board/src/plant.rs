@@ -1,4 +1,4 @@
-//! What the wires of the board are connected to: the servo, and the sensor on its shaft.
+//! The servo and its sensor, on the wires of the board.
 
 use crate::record::Pulse;
 use crate::time::{TICKS_PER_MICROSECOND, Ticks, milliseconds, to_duration};
@@ -9,13 +9,12 @@ use servoid_simulator::{OptionsError, Parts, Servo, SimulationOptions};
 
 /// Period of the pulses that a servo expects.
 const FRAME: Ticks = milliseconds(20);
-/// A pulse that is later than this after its time does not come any more. Less than a servo's
-/// latency, so that it hears of it in time.
+/// A pulse later than this counts as missing. Less than the latency of a servo, so the servo gets this in time.
 const PATIENCE: Ticks = milliseconds(10);
 
 /// Servo, sensor and divider, with the voltage at PA4 as codes of the ADC.
 ///
-/// Unlike the [apparatus](servoid_simulator::Apparatus) of the in-process rig, each conversion sees the angle at the instant at
+/// Unlike the [apparatus](servoid_simulator::Apparatus) of the in-process rig, each conversion reads the angle at the instant at
 /// which the ADC holds its input.
 pub struct Plant {
     servo: Box<dyn Servo + Send>,
@@ -29,7 +28,7 @@ impl Plant {
     /// Servo and sensor at rest.
     ///
     /// # Errors
-    /// [`OptionsError`] where an option has a value that makes no sense.
+    /// [`OptionsError`] where an option has an invalid value.
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
         let Parts {
             servo,
@@ -45,7 +44,7 @@ impl Plant {
         })
     }
 
-    /// A pulse has ended. The servo knows whole microseconds, as its own timer would.
+    /// A pulse has ended. The servo measures it in whole microseconds, as with its own timer.
     pub fn pulse(&mut self, pulse: Pulse) {
         let width = (pulse.width + TICKS_PER_MICROSECOND / 2) / TICKS_PER_MICROSECOND;
         let width = u16::try_from(width).unwrap_or(u16::MAX);

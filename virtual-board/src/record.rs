@@ -1,13 +1,13 @@
-//! What happened on the board, for tests and for people.
+//! The record of a board: pulses, conversions, resets, irregularities and log lines.
 
 use crate::time::{Ticks, to_duration};
 use std::fmt;
 
-/// Something that the program did and that a good program does not do, or that this board cannot
-/// answer for. Every model reports what it does not model, so that nothing passes in silence.
+/// A violation of the manual by the program, or its use of a function that is not modelled. Every model reports both,
+/// so nothing passes in silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Irregularity {
-    /// An access to an address where nothing is.
+    /// An access to an unmapped address.
     Unmapped {
         /// The address.
         address: u32,
@@ -22,7 +22,7 @@ pub enum Irregularity {
         /// The address.
         address: u32,
     },
-    /// The program asks for something that the chip can do and the model cannot.
+    /// A function of the chip that is not modelled.
     NotModelled(&'static str),
     /// Against a rule of the reference manual.
     AgainstTheManual(&'static str),
@@ -30,7 +30,7 @@ pub enum Irregularity {
     TriggerWhileBusy,
     /// A conversion that was started by software (RM0008 11.12.3): it is not on the grid.
     StartedBySoftware,
-    /// The DMA completed a half of its ring before the program had taken note of the one before.
+    /// The DMA completed a half of its ring before the program had acknowledged the one before.
     DmaOverrun {
         /// The channel.
         channel: u8,
@@ -44,12 +44,12 @@ pub enum Irregularity {
     },
 }
 
-/// An [`Irregularity`] and when it happened.
+/// An [`Irregularity`] with its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Violation {
-    /// When.
+    /// Its time.
     pub at: Ticks,
-    /// What.
+    /// The irregularity.
     pub what: Irregularity,
 }
 
@@ -95,21 +95,21 @@ pub struct Conversion {
     pub code: u16,
 }
 
-/// Why the chip was reset.
+/// The cause of a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResetReason {
     /// The supply came up, or came back.
     PowerOn,
     /// The independent watchdog.
     Watchdog,
-    /// The program asked for it.
+    /// A request by the program.
     Software,
 }
 
-/// A line that the program logged.
+/// A line of the program's log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogLine {
-    /// When it was read from the log's memory.
+    /// The time at which it was read from the log's memory.
     pub at: Ticks,
     /// Level and text.
     pub text: String,
@@ -126,12 +126,12 @@ impl fmt::Display for LogLine {
     }
 }
 
-/// Everything that happened since the board was switched on.
+/// The record since the board was switched on.
 #[derive(Debug, Default)]
 pub struct Record {
-    /// Whether pulses and conversions are kept. A board that runs for days would fill the memory.
+    /// Whether pulses and conversions are kept. Those of a board that runs for days would fill the memory.
     pub keeps_signals: bool,
-    /// What a good program does not do.
+    /// The irregularities.
     pub violations: Vec<Violation>,
     /// Pulses on PA1, complete ones only.
     pub pulses: Vec<Pulse>,
@@ -139,11 +139,11 @@ pub struct Record {
     pub conversions: Vec<Conversion>,
     /// Resets; the first one is the switching on.
     pub resets: Vec<(Ticks, ResetReason)>,
-    /// What the program logged.
+    /// The program's log.
     pub log: Vec<LogLine>,
 }
 
-/// As many violations as are kept: one in a loop must not fill the memory.
+/// Largest number of irregularities that are kept: one in a loop must not fill the memory.
 const MOST_VIOLATIONS: usize = 1_000;
 
 impl Record {

@@ -10,7 +10,7 @@ const BUFFER: u32 = 28;
 const SIZE: u32 = 32;
 const WRITE: u32 = 36;
 const READ: u32 = 40;
-/// What the control block begins with once the program has initialised it.
+/// The start of the control block once the program has initialised it.
 const MAGIC: &[u8; 10] = b"SEGGER RTT";
 
 /// Bytes of a defmt frame end with this one (rzCOBS).
@@ -43,7 +43,7 @@ impl Log {
         })
     }
 
-    /// Takes what is new out of the memory, as a debug probe does.
+    /// Reads new data from the memory, as a debug probe does.
     pub fn drain(&mut self, ram: &Ram) -> Vec<String> {
         self.take_bytes(ram);
         let mut lines = Vec::new();
@@ -54,7 +54,7 @@ impl Log {
         lines
     }
 
-    /// Forgets half a line: the program has been reset.
+    /// Drops an incomplete line, after a reset of the program.
     pub fn restart(&mut self) {
         self.pending.clear();
     }

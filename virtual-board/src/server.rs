@@ -1,19 +1,18 @@
-//! The board as a serial port of this machine.
+//! The board as a serial port of this computer.
 //!
 //! # Simulated time and the host's clock
 //!
-//! A host on a real port measures its time-outs with the clock on the wall, and a lease that it
-//! prolongs four times while it lasts must not lapse because simulated time ran away meanwhile. So
+//! A host on a real port measures its time-outs in real time. Its lease, which it renews four times while it lasts,
+//! must not lapse because simulated time ran ahead. So
 //!
-//! 1. simulated time goes at most [`Pace::FASTEST`] times as fast as the clock on the wall, or just as
-//!    fast with [`Pace::REAL_TIME`]: between two signs of life from the host, or one that is said
-//!    again after a lost answer, passes less simulated time than a lease;
-//! 2. it stands still while bytes wait that the host has not taken: none is lost, and the board is
-//!    never ahead of its reader by more than what the system's buffer holds;
-//! 3. what held it up is not made up for afterwards.
+//! 1. simulated time runs at most [`Pace::FASTEST`] times as fast as real time, or as fast with
+//!    [`Pace::REAL_TIME`]: between two keep-alives, one of them repeated after a lost answer, less simulated time
+//!    passes than a lease;
+//! 2. it stands still while the host has unread bytes: none is lost, and the board is ahead of its reader by the
+//!    system's buffer at most;
+//! 3. a delay is not made up for.
 //!
-//! Time also passes while no host is there, as on a real board. Bytes for a network host that has gone
-//! are lost.
+//! Time also passes without a host, as on a real board. Bytes for a network host that is gone are lost.
 
 mod pace;
 #[cfg(unix)]
@@ -31,29 +30,28 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant};
 
-/// Something that a host can open. Neither direction ever waits.
+/// A port that a host can open. Neither direction ever waits.
 pub trait HostEnd {
-    /// Takes bytes from the host; returns how many, 0 for none.
+    /// Reads bytes from the host; returns how many, 0 for none.
     ///
     /// # Errors
     /// When the port is gone for good.
     fn receive(&mut self, buffer: &mut [u8]) -> io::Result<usize>;
 
-    /// Hands bytes to the host; returns how many it took. Without a host it takes all.
+    /// Sends bytes to the host; returns how many it took. Without a host it takes all.
     ///
     /// # Errors
     /// When the port is gone for good.
     fn send(&mut self, bytes: &[u8]) -> io::Result<usize>;
 }
 
-/// Simulated time that passes at once: short enough for prompt answers.
+/// Length of a slice of simulated time: short enough for prompt answers.
 const SLICE: Ticks = milliseconds(1);
 
-/// How long to sleep when there is nothing to do: no answer comes later by more than this.
+/// Sleep when there is nothing to do: delays an answer by at most this time.
 const NAP: Duration = Duration::from_millis(1);
 
-/// Runs `board` behind `end` until `should_stop` says so. `after_slice` sees the board after each bit
-/// of its time.
+/// Runs `board` behind `end` until `should_stop` returns true. Calls `after_slice` after each slice of its time.
 ///
 /// # Errors
 /// When the port is gone for good.
@@ -78,7 +76,7 @@ pub fn serve(
             }
         }
         let allowed = pace.allowed(Instant::now(), board.now());
-        // Whole slices only: many little ones would keep this machine's processor busy.
+        // Whole slices only: many small ones would keep the processor busy.
         let until = board.now() + SLICE;
         if !waiting.is_empty() || until > allowed {
             std::thread::sleep(NAP);
@@ -97,7 +95,7 @@ pub fn serve(
     Ok(())
 }
 
-/// A call that would have had to wait did nothing.
+/// A call that would block did nothing.
 fn none_if_it_would_wait(result: io::Result<usize>) -> io::Result<usize> {
     match result {
         Err(e)

@@ -1,7 +1,7 @@
-//! Builds the flash image, for the tests that look at it or run it.
+//! Builds the flash image for tests.
 //!
-//! The image is built just as `cargo fw` builds it, but into a target directory of its own: a cargo
-//! that runs tests may hold the lock of the usual one.
+//! As `cargo fw`, but into a target directory of its own: the cargo that runs the tests may hold the lock of the
+//! usual one.
 
 use std::env;
 use std::fs::{self, File};
@@ -12,17 +12,16 @@ use std::sync::OnceLock;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// A build from nothing takes about a minute on two cores; one that is not done after ten hangs.
+/// A clean build takes about a minute on two cores; one that takes ten hangs.
 const LONGEST_BUILD: Duration = Duration::from_secs(600);
 
-/// How often the build is asked whether it is done.
+/// Time between two checks whether the build is done.
 const POLL: Duration = Duration::from_millis(50);
 
-/// Builds the image and returns the path of its ELF file: once in each process, however many tests
-/// ask for it. Costs next to nothing when it is up to date.
+/// Builds the image, once in each process, and returns the path of its ELF file. Fast when it is up to date.
 ///
 /// # Errors
-/// One text with what cargo said, where the build fails or is not done within ten minutes.
+/// The output of cargo, where the build fails or takes more than ten minutes.
 pub fn build() -> Result<PathBuf, String> {
     static BUILT: OnceLock<Result<PathBuf, String>> = OnceLock::new();
     BUILT.get_or_init(build_now).clone()
@@ -34,7 +33,7 @@ fn build_now() -> Result<PathBuf, String> {
     let log = target.join(format!("build-{}.log", std::process::id()));
     let built = run(&root, &target, &log);
     let said = fs::read_to_string(&log).unwrap_or_default();
-    // Gone already or not writable: neither harms the image.
+    // A log that stays harms nothing.
     let _ = fs::remove_file(&log);
     match built {
         Ok(Some(status)) if status.success() => {
@@ -74,7 +73,7 @@ fn run(root: &Path, target: &Path, log: &Path) -> io::Result<Option<ExitStatus>>
         .arg("fw")
         .arg("--target-dir")
         .arg(target)
-        // Flags for the host, such as its processor or coverage, mean nothing to the board.
+        // Flags for the host, such as its processor or coverage, are wrong for the board.
         .env_remove("RUSTFLAGS")
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .stdin(Stdio::null())

@@ -1,4 +1,4 @@
-//! A rig on a bench: a perfect board unless told otherwise, and a link that takes all.
+//! A rig on a bench: a perfect board by default, and a link that takes all bytes.
 
 mod arming;
 mod ends;
@@ -65,7 +65,7 @@ const SHORT_RUN_US: [u16; 11] = [
     1500, 1500, 1550, 1550, 1450, 1450, 1550, 1450, 1500, 1500, 1500,
 ];
 
-/// A rig with a perfect board, unless told otherwise, and a link that takes all.
+/// A rig with a perfect board by default, and a link that takes all bytes.
 #[derive(Clone)]
 struct Bench {
     rig: Rig,

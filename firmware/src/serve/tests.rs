@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use std::pin::pin;
 use std::rc::Rc;
 
-/// What the scripted board and link were told, in order.
+/// The calls to the scripted board and link, in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Event {
     Pulse(Option<u16>),

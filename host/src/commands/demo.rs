@@ -8,7 +8,7 @@ use crate::data::dataset::{self, DatasetOptions};
 use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::instrument::rig::RigFile;
-use crate::presentation::paper_facts;
+use crate::presentation::paper_values;
 use crate::presentation::plots::paper_figures;
 use crate::presentation::report::{self, Page, Servo};
 use crate::presentation::summary;
@@ -62,7 +62,7 @@ const REPORT: &str = "report.html";
 struct Summary {
     bench: Metrics,
     aircraft: Metrics,
-    paper: Vec<paper_facts::Fact>,
+    paper: Vec<paper_values::Fact>,
 }
 
 impl Demo {
@@ -74,7 +74,7 @@ impl Demo {
         let (bench, bench_record) = self.measure("bench")?;
         let (aircraft, aircraft_record) = self.measure("aircraft")?;
         let options = ComparisonOptions {
-            wait_samples: Some(paper_facts::WAIT_SAMPLES),
+            wait_samples: Some(paper_values::WAIT_SAMPLES),
             input_unit: "deg".to_owned(),
             output_unit: "deg".to_owned(),
             ..ComparisonOptions::default()
@@ -84,14 +84,14 @@ impl Demo {
         let summary = Summary {
             bench: bench.model.metrics,
             aircraft: aircraft.model.metrics,
-            paper: paper_facts::facts(&bench.model, &aircraft.model, &comparison),
+            paper: paper_values::facts(&bench.model, &aircraft.model, &comparison),
         };
         self.write("summary.json", &output_files::to_json(&summary)?)?;
         let plots = self.draw(&bench, &aircraft, &comparison, &summary.paper)?;
         let text = format!(
             "{}\n{}\nThe first is the bench, the second the aircraft.\n{}\n\nrecordings, models, comparison.json, summary.json and {plots} plots are in {}\nopen {} in a browser to look around\n",
             summary::table_of_comparison("bench", "aircraft", &comparison),
-            paper_facts::as_table(&summary.paper),
+            paper_values::as_table(&summary.paper),
             summary::wrapped(&comparison.summary, 0),
             self.out.display(),
             self.out.join(REPORT).display()
@@ -122,7 +122,7 @@ impl Demo {
         bench: &Servo,
         aircraft: &Servo,
         comparison: &Comparison,
-        paper: &[paper_facts::Fact],
+        paper: &[paper_values::Fact],
     ) -> Result<usize> {
         let (first, second) = (bench.part(), aircraft.part());
         let figures = paper_figures::paper(&first.subject, Some(&second.subject));

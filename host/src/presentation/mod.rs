@@ -2,7 +2,7 @@
 
 pub mod explanation;
 pub mod export;
-pub mod paper_facts;
+pub mod paper_values;
 pub mod plots;
 pub mod report;
 pub mod scope;

@@ -16,6 +16,7 @@ use crate::estimation::fsf_basis::FsfBasis;
 use crate::nonlinear::direction::{DirectionModel, split_with};
 use crate::options::NoiseOrder;
 use crate::results::validity::Bounds;
+use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
 
 /// Runs a side needed for t tests, and for permutations: with four, the smallest possible p is
 /// 2/70.
@@ -25,12 +26,9 @@ const RUNS: (usize, usize) = (3, 5);
 const SPLITS: usize = 20_000;
 const SEED: u64 = 20_250_918;
 
-/// Probability of a difference by chance below which scatter between runs does not explain it.
-pub(super) const CHANCE: f64 = 0.01;
-
 /// Whether runs of one servo differ as much among themselves.
 pub(super) fn explained_by_chance(p_value: Option<f64>) -> bool {
-    p_value.is_some_and(|p| p > CHANCE)
+    p_value.is_some_and(|p| p > RUNS_DIFFER_SIGNIFICANCE)
 }
 
 /// What the scatter of runs says of a difference.

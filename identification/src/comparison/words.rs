@@ -4,8 +4,9 @@ use super::options::ComparisonOptions;
 use super::outcome::{
     Comparison, ComparisonBounds, DifferenceCurve, Levels, Sides, Stroke, Verdict,
 };
-use super::scatter::{CHANCE, explained_by_chance};
+use super::scatter::explained_by_chance;
 use crate::results::validity::Bounds;
+use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
 
 /// A shift in time below this is not worth a word \[s\]: an eighth of a sample of the rig.
 const SHIFT_S: f64 = 0.25e-3;
@@ -81,7 +82,7 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
         .and_then(|levels| rest(levels, options));
     let rest = rest.unwrap_or_default();
     let runs = match found.p_value {
-        Some(p) if p > CHANCE => {
+        Some(p) if p > RUNS_DIFFER_SIGNIFICANCE => {
             format!(
                 "the bounds are those of the noise, and what differs from run to run may be all there is \
                  (p = {p:.3})"

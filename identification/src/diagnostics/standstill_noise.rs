@@ -1,24 +1,23 @@
-//! The noise at rest as a witness of the noise in motion.
+//! The errors in motion against the noise at standstill.
 //!
-//! Whatever follows the motion slowly enough, a flexible noise model takes for drift: nothing in the
-//! recording of the motion itself tells the two apart. A servo at rest can: its noise is measured
-//! there, whatever the motion is like. So D_r(z) is fitted to the output while the input stands still, and
-//! the errors of the simulation in motion must be as small behind that filter as those at rest,
+//! A flexible noise model takes errors that follow the motion slowly for drift, and a recording of motion alone
+//! cannot separate the two. A recording of standstill can: there the noise is measured without any motion. So
+//! D_r(z) is fitted to the output while the input is held, and behind that filter the errors of the simulation in
+//! motion must be as small as those at standstill,
 //!
 //! ```text
-//! s_m² / s_r² ~ F,     s_m² = mean (D_r(z) v)²  in motion,     s_r² = mean (D_r(z) (y - ȳ))²  at rest.
+//! s_m² / s_r² ~ F,     s_m² = mean (D_r(z) v)²  in motion,     s_r² = mean (D_r(z) (y - ȳ))²  at standstill.
 //! ```
 //!
-//! The comparison is like with like, so that it does not matter how good D_r is: the motion is cut into
-//! pieces as long as a stretch of rest, each of them about its own mean. Drift that is too slow
-//! to be seen in a stretch of rest is not seen in a piece of motion either.
+//! Like is compared with like, so the quality of D_r does not matter: the motion is cut into pieces as long as a
+//! stretch of standstill, each about its own mean. Drift that is too slow for a stretch of standstill is not in
+//! a piece of motion either.
 //!
-//! What can make rest look quieter than the same noise is in motion is allowed for: rounding to the
-//! steps of the output, which a servo at rest may hide altogether, is never larger than half a step, and
-//! that much is added to the noise at rest; the loudest fifth of the pieces is left out, so
-//! that a few glitches say nothing. What makes rest look louder (a servo that still creeps) can only hide
-//! a finding, not make one. Where there are several runs, each is allowed a gain, a delay and an offset of its
-//! own, because supply and clock change them from run to run.
+//! Three things may make the noise at standstill too small, and are allowed for. Half a step of the output is added
+//! to it, because a servo that stands on one code shows no noise. The loudest fifth of the pieces is left
+//! out, so that a few glitches are no evidence. Where there are several runs, each has a gain, a delay and an
+//! offset of its own, because supply and clock change them from run to run. Noise that is too large at standstill,
+//! of a servo that still creeps, can only hide a finding.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -29,8 +28,7 @@ use crate::data::record::Run;
 use crate::diagnostics::simulation_error::{SAMPLES, Simulated, beginnings, square};
 use crate::estimation::gls::{GlsFit, MAX_AUTO_ORDER};
 use crate::estimation::least_squares::RowInformation;
-use crate::estimation::noise_model::noise_filter;
-use crate::estimation::noise_model::{NoiseFit, best_order};
+use crate::estimation::noise_model::{NoiseFit, best_order, noise_filter};
 
 /// Shortest stretch of rest that is used \[samples\].
 const SHORTEST: usize = 32;
@@ -41,20 +39,20 @@ const FEWEST: usize = 100;
 /// Share of the pieces of motion that is left out, the loudest ones.
 const LEFT_OUT: usize = 5;
 
-/// How the errors in motion compare with the noise at rest.
+/// The errors in motion against the noise at standstill.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StandstillNoise {
-    /// Probability of errors at least as large if they are the noise that there is at rest.
+    /// Probability of errors at least as large if they are the noise at standstill.
     pub p: f64,
-    /// Root mean square of the errors in motion over that of the noise at rest, both behind the filter
-    /// that makes the noise at rest white.
+    /// Root mean square of the errors in motion over that of the noise at standstill, both behind the filter
+    /// that whitens the latter.
     pub ratio: f64,
-    /// What the simulation leaves and noise does not explain, of the output about its mean \[% rms\].
+    /// Residuals of the simulation that noise does not explain, relative to the output about its mean \[% rms\].
     pub misfit_percent: f64,
 }
 
-/// Compares the errors of `fit` in `runs` with the noise at rest, in them and in what was recorded around
-/// them, `rest`; `None` when nothing rests for long enough.
+/// Compares the errors of `fit` in `runs` with the noise at standstill, in the runs and in the recordings around
+/// them, `rest`; `None` when no standstill is long enough.
 #[must_use]
 pub(crate) fn compare(
     runs: &[Simulated<'_>],
@@ -63,11 +61,11 @@ pub(crate) fn compare(
     fit: &GlsFit,
 ) -> Option<StandstillNoise> {
     let rest: Vec<_> = beginnings(rest, SAMPLES).collect();
-    let seen = Seen {
+    let recorded = Recorded {
         runs: runs.iter().map(|simulated| &*simulated.run).collect(),
         rest: rest.iter().map(|run| &**run).collect(),
     };
-    let noise = RestNoise::of(&seen, fit.coordinates.basis.settling())?;
+    let noise = StandstillModel::of(&recorded, fit.coordinates.basis.settling())?;
     let order = noise.ar.len();
     let mut pieces: Vec<(f64, usize)> = pieces(runs, noise.typical)
         .map(|piece| (noise.filtered_square(piece), piece.len() - order))
@@ -76,7 +74,7 @@ pub(crate) fn compare(
     pieces.truncate(pieces.len() - pieces.len() / LEFT_OUT);
     let filtered: f64 = pieces.iter().map(|(square, _)| square).sum();
     let count: usize = pieces.iter().map(|(_, count)| count).sum();
-    // What the fitted response has taken of the noise, spread over all rows.
+    // The part of the noise that the fitted response explains, spread over all rows.
     let share = fit.degrees_of_freedom() / information.rows() as f64;
     let degrees = (count as f64 - pieces.len() as f64) * share;
     if degrees < FEWEST as f64 {
@@ -100,18 +98,18 @@ fn sum_of_squares<'a>(runs: impl Iterator<Item = &'a [f64]>) -> f64 {
     present.map(|error| error * error).sum()
 }
 
-/// What is looked at.
-struct Seen<'a> {
+/// The data of the comparison.
+struct Recorded<'a> {
     runs: Vec<&'a Run>,
-    /// What was recorded around the runs.
+    /// Recorded around the runs.
     rest: Vec<&'a Run>,
 }
 
-/// The noise while nothing moves.
-struct RestNoise {
+/// The noise at standstill.
+struct StandstillModel {
     /// d_1..d_d of D_r.
     ar: Vec<f64>,
-    /// What to expect of (D_r v)² in samples that D_r has not been fitted to.
+    /// Expected (D_r v)² of samples that D_r has not been fitted to.
     variance: f64,
     /// Degrees of freedom of the variance.
     degrees: f64,
@@ -119,9 +117,9 @@ struct RestNoise {
     typical: usize,
 }
 
-impl RestNoise {
-    fn of(seen: &Seen<'_>, settling: usize) -> Option<Self> {
-        let stretches = seen.stretches(settling);
+impl StandstillModel {
+    fn of(recorded: &Recorded<'_>, settling: usize) -> Option<Self> {
+        let stretches = recorded.stretches(settling);
         let count: usize = stretches.iter().map(|stretch| stretch.len()).sum();
         if count < FEWEST {
             return None;
@@ -135,7 +133,7 @@ impl RestNoise {
             add_moments(&about_mean(stretch), &mut moments);
         }
         let rows = count - MAX_AUTO_ORDER * stretches.len();
-        let rounding = (0.5 * seen.smallest_step()).powi(2);
+        let rounding = (0.5 * recorded.smallest_step()).powi(2);
         for i in 0..size {
             moments[(i, i)] += rounding * rows as f64;
         }
@@ -201,9 +199,9 @@ fn quadratic(moments: &Mat<f64>, d: &[f64]) -> f64 {
     d.iter().enumerate().map(|(i, di)| di * row(i)).sum()
 }
 
-impl<'a> Seen<'a> {
-    /// The output wherever the input has stood still for long enough: in holds of the runs that are
-    /// longer than the settling time, and in the rest around them.
+impl<'a> Recorded<'a> {
+    /// The output wherever the input has been held for long enough: in holds of the runs that are longer than
+    /// the settling time, and in the recordings around them.
     fn stretches(&self, settling: usize) -> Vec<&'a [f64]> {
         let mut found = Vec::new();
         for run in &self.runs {
@@ -266,7 +264,7 @@ mod tests {
 
     const REST: usize = 300;
 
-    /// A first-order servo that is told random levels, after rest and before rest, under noise of first
+    /// A first-order servo under random levels, after rest and before rest, under noise of first
     /// order; it comes to rest `off` (standard deviation) from where it should, another time each time.
     fn identified(seed: u64, off: f64, step: f64) -> Model {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -309,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_at_rest_tells_errors_that_pass_for_drift() {
+    fn noise_at_standstill_shows_errors_that_pass_for_drift() {
         // 0.2 beside levels of 3: 7 % of the motion, and four times the noise of 0.05.
         let model = identified(1, 0.2, 0.0);
         assert!(is_found(&model), "{:?}", model.residuals);
@@ -396,7 +394,7 @@ mod tests {
     }
 
     #[test]
-    fn without_rest_there_is_no_witness() {
+    fn without_standstill_there_is_no_test() {
         let input: Vec<f64> = (0..900).map(|k| f64::from(k / 7 * 7919 % 101)).collect();
         let output: Vec<f64> = input
             .iter()

@@ -15,7 +15,7 @@ use crate::estimation::nested_banks::NestedBanks;
 use crate::estimation::truncation::FIRST_ORDER;
 use crate::estimation::variance::CurveVariance;
 use crate::options::NoiseOrder;
-use crate::thresholds::{DETECTION, MARGIN};
+use crate::thresholds::{CONTRADICTION, DETECTION, MARGIN};
 
 /// The shortest acceptable N and its n; `None` when the input excites nothing beyond a constant.
 pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
@@ -79,7 +79,7 @@ impl Response {
             settling,
             detected,
             contradiction,
-            accepted: (settling == longest || contradiction <= DETECTION)
+            accepted: (settling == longest || contradiction <= CONTRADICTION)
                 && settling as f64 >= MARGIN * detected as f64,
         }
     }

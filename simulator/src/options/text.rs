@@ -1,4 +1,4 @@
-//! Options as they are written after `sim:`; the table is in [`SimulationOptions`]'s text.
+//! The text of options after `sim:`; the table is in [`SimulationOptions`]'s text.
 
 use super::{
     BAUD, FIRST_SAMPLE, LineSpeed, MILLISECONDS, NOT_NEGATIVE, NUMBER, OptionsError, POSITIVE,
@@ -19,7 +19,7 @@ const FAULT: &str = "open or short, @ and seconds, such as open@3.5, or open@3.5
 impl FromStr for SimulationOptions {
     type Err = OptionsError;
 
-    /// Reads what is written after `sim:`; see [`SimulationOptions`].
+    /// Reads the text after `sim:`; see [`SimulationOptions`].
     fn from_str(text: &str) -> Result<Self, OptionsError> {
         let (servo, rest) = text.split_once('?').unwrap_or((text, ""));
         let servo = match servo {
@@ -53,7 +53,7 @@ struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    /// The value through `read`, or the sentence that says what is expected.
+    /// The value by `read`, or an error with the `expected` values.
     fn read<T>(
         &self,
         expected: &'static str,
@@ -244,11 +244,11 @@ mod tests {
             ("bench?seed=1&seed=2", "the option `seed` is given twice"),
             (
                 "bench?zeta=1",
-                "the option `zeta` means nothing to the bench servo",
+                "the option `zeta` does not apply to the bench servo",
             ),
             (
                 "linear?supply=1",
-                "the option `supply` means nothing to the linear servo",
+                "the option `supply` does not apply to the linear servo",
             ),
             (
                 "bench?seed=-1",

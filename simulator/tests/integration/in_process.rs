@@ -14,10 +14,10 @@ use std::time::Duration;
 
 const RUN: u16 = 21;
 
-/// The least that a host must do.
+/// A minimal host.
 struct Host {
     rig: InProcessRig,
-    /// What the board really sampled.
+    /// The frames that the board sampled.
     log: Rc<RefCell<Vec<SimulatedFrame>>>,
     decoder: Decoder,
     id: u16,

@@ -1,13 +1,11 @@
-//! The [`Core`] that is made of the crate `rsemu`.
+//! The [`Core`] of the crate `rsemu`.
 //!
-//! What it lacks, and why that is no harm here: flash wait states (its cycles are a lower bound), and
-//! an event register that exceptions set, which matters only to programs that wait for events
-//! without sending one (Armv7-M ARM, B1.5.18).
+//! It lacks flash wait states, so its cycles are a lower bound. It also lacks an event register that exceptions set,
+//! which matters only to programs that wait for events without sending one (Armv7-M ARM, B1.5.18).
 //!
-//! What it does wrong, and what is done about it: on entry to an exception it stacks the program status
-//! without the state of an IT block (B1.5.6 stacks all of it), so that after the return the rest of
-//! the block runs whatever its condition. Therefore a line that rises within an IT block is raised
-//! behind it, at most four instructions later.
+//! It has a fault: on entry to an exception it stacks the program status without the state of an IT block (B1.5.6
+//! stacks all of it), so after the return the rest of the block runs with any condition. Therefore a line that rises
+//! within an IT block is raised after it, at most four instructions later.
 
 use super::{Bus, Core, Registers};
 use crate::memory::{FLASH_START, RAM_START, Ram};
@@ -175,7 +173,7 @@ impl Core for RsemuCore {
 /// Exception number 3 (Armv7-M ARM, B1.5.2).
 const HARD_FAULT: Exception = Exception(3);
 
-/// A part of the memory map that is the bus's.
+/// The part of the memory map that belongs to the bus.
 #[derive(Debug)]
 struct Window {
     base: u32,
@@ -184,7 +182,7 @@ struct Window {
 
 impl MemOps for Window {
     fn read(&self, offset: u64, bytes: &mut [u8], attributes: MemAttrs) -> MemResult {
-        // A look by a debugger must have no effect.
+        // A read by a debugger must have no effect.
         if !attributes.debug {
             let value = self.bus.read(self.base + offset as u32, bytes.len() as u32);
             for (byte, value) in bytes.iter_mut().zip(value.to_le_bytes()) {

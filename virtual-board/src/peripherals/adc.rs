@@ -45,7 +45,7 @@ const CONVERTING: Ticks = 25;
 const CALIBRATION: Ticks = 83;
 const CALIBRATION_RESET: Ticks = 2;
 
-/// What an event of the ADC asks of the chip around it.
+/// The request of an ADC event to the chip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// Nothing.
@@ -191,7 +191,7 @@ impl Adc {
         self.begin(0, m.now);
     }
 
-    /// The next time that the ADC does something by itself.
+    /// The time of the ADC's next event.
     #[must_use]
     pub fn next_event(&self) -> Option<Ticks> {
         self.scan.map(|scan| match scan.code {
@@ -200,7 +200,7 @@ impl Adc {
         })
     }
 
-    /// Does what is due at `m.now`.
+    /// Handles the event at `m.now`.
     pub fn advance(&mut self, m: &mut Moment<'_>) -> Event {
         let Some(scan) = self.scan.filter(|_| self.next_event() == Some(m.now)) else {
             return Event::None;

@@ -1,8 +1,8 @@
 //! Models of the chip's peripherals, each written from the reference manual RM0008 (rev. 21).
 //!
-//! Section numbers stand beside the rules. A model knows registers and times and nothing of the
-//! other models; what goes from one to the other goes through the [`chip`](crate::chip). What a model
-//! does not do it reports, see [`Irregularity`].
+//! Section numbers stand beside the rules. A model has registers and times, and no access to other models; signals
+//! between models go through the [`chip`](crate::chip). A model reports the functions that it does not have, see
+//! [`Irregularity`].
 
 pub mod adc;
 pub mod afio;
@@ -19,11 +19,11 @@ pub mod usart;
 use crate::record::{Irregularity, Record};
 use crate::time::Ticks;
 
-/// When something happens, and where what is irregular about it goes.
+/// The time of an event, and the record of its irregularities.
 pub struct Moment<'a> {
     /// The time.
     pub now: Ticks,
-    /// What happened so far.
+    /// The record so far.
     pub record: &'a mut Record,
 }
 
@@ -68,7 +68,7 @@ pub(crate) mod testing {
             }
         }
 
-        /// What was reported since the last call.
+        /// The reports since the last call.
         pub(crate) fn reported(&mut self) -> Vec<Irregularity> {
             self.0.violations.drain(..).map(|v| v.what).collect()
         }

@@ -1,12 +1,12 @@
-//! How fast simulated time goes.
+//! The speed of simulated time.
 
 use crate::time::{Ticks, from_duration};
 use std::time::{Duration, Instant};
 
-/// Simulated time that lags behind by more than this is not made up for.
+/// A larger lag of simulated time is not made up for.
 const LONGEST_LAG: Duration = Duration::from_millis(50);
 
-/// The rule by which simulated time follows the clock on the wall.
+/// The rule by which simulated time follows real time.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     speed: u32,
@@ -15,11 +15,11 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// As fast as the clock on the wall.
+    /// As fast as real time.
     pub const REAL_TIME: Self = Self::times(1);
 
-    /// Twice as fast: a host that prolongs a lease of 2 s each 0.5 s, and says so again 0.25 s later
-    /// where no answer came, is heard every 1.5 s of simulated time at the latest.
+    /// Twice as fast: a host that renews a lease of 2 s each 0.5 s, and repeats an unanswered request after 0.25 s,
+    /// does so every 1.5 s of simulated time at the latest.
     pub const FASTEST: Self = Self::times(2);
 
     const fn times(speed: u32) -> Self {
@@ -29,7 +29,7 @@ impl Pace {
         }
     }
 
-    /// Up to when simulated time may go, where it is `simulated` now.
+    /// The latest simulated time allowed, where it is `simulated` now.
     pub fn allowed(&mut self, now: Instant, simulated: Ticks) -> Ticks {
         let &mut (instant, start) = self.anchor.get_or_insert((now, simulated));
         let allowed = start + from_duration(now.saturating_duration_since(instant) * self.speed);
@@ -65,7 +65,7 @@ mod tests {
         let mut pace = Pace::REAL_TIME;
         let start = Instant::now();
         pace.allowed(start, 0);
-        // A second later, nothing has been simulated.
+        // A second later, nothing was simulated.
         let late = start + Duration::from_secs(1);
         assert!(pace.allowed(late, 0) <= milliseconds(50));
         let allowed = pace.allowed(late + Duration::from_millis(30), milliseconds(25));

@@ -40,7 +40,7 @@ impl PseudoTerminal {
         })
     }
 
-    /// What the host opens.
+    /// The name that the host opens.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path

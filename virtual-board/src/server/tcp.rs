@@ -25,10 +25,10 @@ impl TcpServer {
         })
     }
 
-    /// Where it listens.
+    /// Its address.
     ///
     /// # Errors
-    /// When the system does not say.
+    /// When the system does not give it.
     pub fn address(&self) -> io::Result<SocketAddr> {
         self.listener.local_addr()
     }

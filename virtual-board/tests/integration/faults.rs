@@ -135,8 +135,8 @@ fn without_a_crystal_the_internal_oscillator_does_and_says_so() {
     assert_eq!(board.violations(), [""; 0]);
 }
 
-/// A time in the middle of a pulse: 0.7 ms after its rising edge, some 3 s after the start. Every board
-/// boots alike, to the tick, so one without a fault tells when.
+/// A time in the middle of a pulse: 0.7 ms after its rising edge, some 3 s after the start. It is taken from a board
+/// without a fault, because every board boots in the same number of ticks.
 fn in_a_pulse() -> Ticks {
     let board = SharedBoard::new(&options("linear?seed=1", &[]));
     let first_sample = board.with(|board| board.chip().record.conversions[0].start);

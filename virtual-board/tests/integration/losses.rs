@@ -37,7 +37,7 @@ fn board(options: &BoardOptions) -> SharedBoard<Stepped<Swoon>> {
     SharedBoard::from(board.unwrap())
 }
 
-/// The lines of the log that tell of lost frames.
+/// The lines of the log about lost frames.
 fn lines(board: &SharedBoard<Stepped<Swoon>>) -> Vec<String> {
     let log = board.with(|board| board.chip().record.log.clone());
     let lines = log.into_iter().map(|line| line.text);

@@ -5,21 +5,20 @@ use stm32f1xx_hal::pac::{FLASH, RCC};
 use stm32f1xx_hal::prelude::*;
 use stm32f1xx_hal::rcc::{Config, Rcc};
 
-/// The clocks, and where they come from.
+/// The clocks and their source.
 pub struct Clock {
     pub rcc: Rcc,
     pub source: ClockSource,
 }
 
-/// How often the crystal is asked whether it runs before it is given up: some 50 ms at 8 MHz and
-/// about 8 cycles a time. A good crystal takes 2 ms (datasheet, table of HSE characteristics).
+/// Polls of the crystal before it is given up: some 50 ms at 8 MHz and about 8 cycles each. A good crystal takes
+/// 2 ms (datasheet, table of HSE characteristics).
 const CRYSTAL_POLLS: u32 = 50_000;
 
 /// Starts the clocks.
 ///
-/// Either way the timers' clock is a whole number of MHz, so that their microseconds are whole, and
-/// the ADC's clock divides it evenly. A crystal that stops later ends the pulses: see
-/// [`guard_the_crystal`].
+/// From both sources the timers' clock is a whole number of MHz, so they count whole microseconds, and the ADC's
+/// clock divides it evenly. A crystal that stops later ends the pulses: see [`guard_the_crystal`].
 pub fn start(rcc: RCC, flash: FLASH) -> Clock {
     let (config, source) = if crystal_runs(&rcc) {
         let config = Config::hse(8.MHz())
@@ -44,7 +43,7 @@ pub fn start(rcc: RCC, flash: FLASH) -> Clock {
     Clock { rcc, source }
 }
 
-/// Switches the crystal on and waits for it; the HAL would wait for ever for one that is not there.
+/// Switches the crystal on and waits for it. The HAL would wait for ever for a missing one.
 fn crystal_runs(rcc: &RCC) -> bool {
     rcc.cr().modify(|_, w| w.hseon().set_bit()); // 7.3.1
     let runs = (0..CRYSTAL_POLLS).any(|_| rcc.cr().read().hserdy().bit_is_set());
@@ -54,11 +53,11 @@ fn crystal_runs(rcc: &RCC) -> bool {
     runs
 }
 
-/// Switches the flash's prefetch buffer on again, which the HAL leaves off: with two wait states,
-/// every instruction would be waited for. 3.3.3 allows it only below 24 MHz, so the system clock goes
+/// Switches the flash's prefetch buffer on again, which the HAL leaves off: without it every instruction would
+/// take two wait states. 3.3.3 allows it only below 24 MHz, so the system clock goes
 /// back to the internal oscillator (SW, 7.3.2) while the PLL keeps running.
 fn prefetch() {
-    // SAFETY: the HAL is done with both; nothing else runs yet.
+    // SAFETY: the HAL no longer uses them; nothing else runs yet.
     let (rcc, flash) = unsafe { (RCC::steal(), FLASH::steal()) };
     rcc.cfgr().modify(|_, w| w.sw().hsi());
     while !rcc.cfgr().read().sws().is_hsi() {}
@@ -67,11 +66,11 @@ fn prefetch() {
     while !rcc.cfgr().read().sws().is_pll() {}
 }
 
-/// Switches the clock security system on (7.2.7). Without its crystal the chip goes on at 8 MHz, and
-/// a pulse nine times as long would come out: the system's interrupt ends it, and the chip starts
-/// anew with its internal oscillator, which it then says.
+/// Switches the clock security system on (7.2.7). If the crystal stops, the chip goes on at 8 MHz and a pulse
+/// would last nine times as long. The interrupt ends the pulse and restarts the chip, which then reports its
+/// internal oscillator.
 fn guard_the_crystal() {
-    // SAFETY: the HAL is done with it, and nothing else runs yet.
+    // SAFETY: the HAL no longer uses it, and nothing else runs yet.
     let rcc = unsafe { RCC::steal() };
     rcc.cr().modify(|_, w| w.csson().set_bit());
 }

@@ -1,10 +1,10 @@
-//! What a debugger needs so that it can stop the program without the hardware running away.
+//! Settings that let a debugger stop the program together with the hardware.
 
 use cortex_m::peripheral::DCB;
 use stm32f1xx_hal::pac::DBGMCU;
 
-/// With a debugger attached, the timers and the watchdog stop when it stops the processor (31.16.3),
-/// and the debug port stays awake while the processor sleeps, or it could not be attached again.
+/// With a debugger attached, timers and watchdog stop when it stops the processor (31.16.3). The debug port stays
+/// awake while the processor sleeps; otherwise a debugger could not be attached again.
 pub fn prepare(dbgmcu: &DBGMCU) {
     if DCB::is_debugger_attached() {
         dbgmcu.cr().modify(|_, w| {

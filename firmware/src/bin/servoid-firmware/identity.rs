@@ -1,4 +1,4 @@
-//! Who this board is, and why it started.
+//! The identity of the board, and the cause of its last reset.
 
 use crate::{sampling, timing};
 use servoid_firmware::Identity;
@@ -9,11 +9,10 @@ use stm32f1xx_hal::rcc::Clocks;
 /// Unique device ID, 96 bits (30.2).
 const UNIQUE_ID: *const [u8; 12] = 0x1FFF_F7E8 as *const _;
 
-/// Reads why the chip was reset, and clears the flags so that the next reset shows its own cause
-/// (7.3.10).
+/// Reads the cause of the last reset, and clears the flags for the next one (7.3.10).
 ///
-/// Every reset pulls the reset pin as well (7.1.1), so that flag counts only when it is alone; a
-/// supply that comes up may set any of the others.
+/// Every reset also pulls the reset pin (7.1.1), so that flag counts only if it is alone. A rising supply may set
+/// any of the others.
 pub fn take_reset_cause(rcc: &RCC) -> ResetCause {
     let flags = rcc.csr().read();
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
@@ -32,11 +31,11 @@ pub fn take_reset_cause(rcc: &RCC) -> ResetCause {
     }
 }
 
-/// What the board says of itself.
+/// The identity of the board.
 pub fn read(clock: ClockSource, reset_cause: ResetCause, clocks: &Clocks) -> Identity {
     Identity {
         board: Text16::new("STM32F103C8"),
-        // SAFETY: twelve bytes of read-only memory that every chip of the family has there.
+        // SAFETY: every chip of the family has twelve bytes of read-only memory there.
         unique_id: unsafe { UNIQUE_ID.read_volatile() },
         clock,
         reset_cause,

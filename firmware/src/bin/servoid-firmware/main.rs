@@ -11,8 +11,8 @@
 //!  DMA1 channel 1, a ring of two frames --- half done ---> one wake-up, one frame
 //! ```
 //!
-//! The processor is not in the timing path: it prepares the pulse of the next frame and takes the
-//! samples of the last one, 1.4 ms before the next edge. Section numbers in the comments are those
+//! The processor is not in the timing path. 1.4 ms before each edge it takes the samples of the last frame and
+//! prepares the pulse of the next one. Section numbers in the comments are those
 //! of the reference manual RM0008.
 //!
 //! | pin  | use                               |
@@ -25,17 +25,17 @@
 //!
 //! # Interrupts
 //!
-//! | handler         | when            | longest time that it may wait                                   |
+//! | handler         | when            | longest latency                                                 |
 //! |-----------------|-----------------|-----------------------------------------------------------------|
 //! | `DMA1_CHANNEL1` | each frame      | 1.4 ms, or the frame counts as lost                              |
 //! | `USART1`        | each byte       | one byte time, 87 µs, or a byte is lost and its request repeated |
 //!
-//! Both have the priority that the reset gives them, so neither interrupts the other: each is done
-//! in some microseconds, which is less than the other can wait, and one stack depth is enough.
+//! Both keep the priority of the reset, so neither interrupts the other. Each takes a few microseconds, less than
+//! the other's longest latency, and one stack depth is enough.
 
 #![no_std]
 #![no_main]
-#![allow(unsafe_code)] // registers; each block says which section of the manual allows it
+#![allow(unsafe_code)] // registers; each block names the section of the manual that allows it
 
 mod clock;
 mod debugger;
@@ -73,7 +73,7 @@ impl Board for Stm32f103 {
 
     async fn next_frame(&mut self) -> CapturedFrame {
         let frame = sampling::next_frame().await;
-        // The count in the rig is gone after a reset; the log tells of it even then.
+        // A reset clears the count in the rig, but not the log.
         let lost = self.newest.map_or(0, |before| frame.lost_since(before));
         if lost > 0 {
             defmt::warn!("{=u32} frames lost before {=u32}", lost, frame.number);
@@ -95,7 +95,7 @@ impl Board for Stm32f103 {
     }
 }
 
-/// Brings the hardware up in the order that the timing chain needs, then serves for ever.
+/// Starts the hardware in the order of the timing chain, then serves for ever.
 #[embassy_executor::main]
 async fn main(_spawner: Spawner) {
     let Some(p) = Peripherals::take() else {
@@ -113,7 +113,7 @@ async fn main(_spawner: Spawner) {
     gpioa.pa4.into_analog(&mut gpioa.crl);
 
     let chain = timing::prepare(p.TIM2, p.TIM3, &mut rcc);
-    // Only now: the timer holds the line low from here on, before it could have floated.
+    // Not earlier: from here on the timer holds the line low.
     gpioa.pa1.into_alternate_push_pull(&mut gpioa.crl);
     sampling::arm(p.ADC1, p.DMA1, &mut rcc);
     let tx = gpioa.pa9.into_alternate_push_pull(&mut gpioa.crh);

@@ -1,8 +1,8 @@
-//! The pulse on the line, and which frame it was on the line in.
+//! The pulse on the line, and its frame.
 //!
-//! The compare register is preloaded: what is written to it in one frame is on the line in the next
-//! one, and the chip does not let the program read what is on the line now. So this module keeps
-//! both, and moves one to the other at each frame edge, which the timer's update flag tells of.
+//! The compare register is preloaded: a value written in one frame is on the line in the next one. The program
+//! cannot read the value on the line. So this module keeps both values, and moves one to the other at each frame
+//! edge, which the timer's update flag signals.
 
 use core::cell::Cell;
 use critical_section::{CriticalSection, Mutex};
@@ -10,9 +10,9 @@ use servoid_protocol::PulseWidth;
 use servoid_protocol::timing::FRAME_US;
 use stm32f1xx_hal::pac::TIM2;
 
-/// So close before the frame edge (µs), a write might fall on either side of it, and the flag might
-/// come up while it is being cleared. The program waits for the edge instead, and knows that it is
-/// late. What it does after that takes well below a microsecond; the rest is margin.
+/// Within this time before the frame edge (µs), a write may fall on either side of the edge, and the flag may be
+/// set while it is cleared. So the program waits for the edge, and treats the write as late. The work after that
+/// takes well below a microsecond; the rest is margin.
 const EDGE_GUARD_US: u16 = 10;
 
 #[derive(Clone, Copy)]
@@ -43,7 +43,7 @@ pub fn set(pulse: Option<PulseWidth>) {
     });
 }
 
-/// The pulse that is on the line in this frame. Has to be asked for at least once in each.
+/// The pulse on the line in this frame. Must be called at least once in each frame.
 pub fn on_line(cs: CriticalSection) -> Option<PulseWidth> {
     let tim2 = tim2(cs);
     let line = LINE.borrow(cs);

@@ -1,12 +1,11 @@
-//! What happens when the program cannot go on.
+//! The end of the program: panics, faults and a stopped crystal.
 //!
-//! A pulse that is cut short would make the servo jerk. So the compare register is set to zero, which
-//! the timer takes over at the next frame edge without the processor, the pulse under way ends as it
-//! should, and then the chip is reset: it comes up without pulses. Should even this hang, the
-//! watchdog does the same a little later.
+//! A pulse that is cut short would make the servo jerk. So the compare register is set to zero, the pulse under way
+//! ends normally, and the timer makes no more pulses from the next frame edge on. Then the chip is reset, and starts
+//! without pulses. Should even this hang, the watchdog resets the chip a little later.
 //!
-//! No ready-made panic handler, because those stop the processor and leave the timer at the last
-//! pulse until the watchdog bites.
+//! A ready-made panic handler would stop the processor and leave the timer at the last pulse until the watchdog
+//! resets the chip.
 
 use core::panic::PanicInfo;
 use cortex_m::peripheral::SCB;
@@ -17,12 +16,12 @@ use stm32f1xx_hal::pac::{RCC, TIM2};
 /// Ends the pulses at the next frame edge, then resets the chip.
 pub fn stop() -> ! {
     cortex_m::interrupt::disable();
-    // SAFETY: interrupts are off and the program does not go on: nobody else uses these.
+    // SAFETY: interrupts are off and the program does not go on, so nothing else uses these.
     let (rcc, tim2) = unsafe { (RCC::steal(), TIM2::steal()) };
     // Before the timer has a clock there is no pulse to end (7.3.8).
     if rcc.apb1enr().read().tim2en().bit_is_set() {
         tim2.ccr2().write(|w| w.ccr().set(0)); // 15.4.14
-        // A whole frame at least, at the highest clock there is: 72 cycles for a microsecond.
+        // At least a whole frame at the highest clock, 72 cycles per microsecond.
         cortex_m::asm::delay(FRAME_US * 72);
     }
     SCB::sys_reset()
@@ -36,11 +35,10 @@ fn panic(info: &PanicInfo) -> ! {
     stop()
 }
 
-/// The crystal has stopped (7.2.7): the timer counts nine times slower now, so the pulse under way
-/// ends at once, cut short as it may be.
+/// The crystal has stopped (7.2.7). The timer counts nine times slower now, so the pulse under way is cut at once.
 #[exception]
 unsafe fn NonMaskableInt() {
-    // SAFETY: this never returns, so nobody else uses it any more.
+    // SAFETY: this never returns, so nothing else uses it any more.
     let tim2 = unsafe { TIM2::steal() };
     tim2.ccer().modify(|_, w| w.cc2e().clear_bit()); // 15.4.9: off, and low
     SCB::sys_reset()

@@ -1,4 +1,4 @@
-//! The samples: ADC1 by trigger, DMA into a ring of two frames, one interrupt for each frame.
+//! Sampling: ADC1 by trigger, DMA into a ring of two frames, one interrupt for each frame.
 
 use crate::{pulse, timing};
 use core::cell::UnsafeCell;
@@ -45,8 +45,8 @@ static RING: Ring = Ring(UnsafeCell::new([[[0; OVERSAMPLING]; SAMPLES_PER_FRAME]
 /// Transfers in the ring.
 const TRANSFERS: u16 = (2 * SAMPLES_PER_FRAME * OVERSAMPLING) as u16;
 
-/// Frames that may wait for the rig. It takes each one within a millisecond; what does not fit is
-/// lost, and the numbers of the frames say so.
+/// Queue of frames for the rig, which takes each one within a millisecond. A frame that does not fit is lost; the
+/// gap in the frame numbers shows it.
 static FRAMES: Channel<CriticalSectionRawMutex, CapturedFrame, 4> = Channel::new();
 
 /// Waits for the next frame.
@@ -54,10 +54,9 @@ pub async fn next_frame() -> CapturedFrame {
     FRAMES.receive().await
 }
 
-/// Prepares the ADC and the DMA for the first trigger. The timers must be prepared and stand still.
+/// Prepares the ADC and the DMA for the first trigger. The timers must be prepared and stopped.
 ///
-/// Not by the HAL: it would start the ADC by software, and the ring would hold one sample too many
-/// for ever.
+/// Not with the HAL: it would start the ADC by software, and the ring would be off by one sample for ever.
 pub fn arm(adc: ADC1, dma: DMA1, rcc: &mut Rcc) {
     ADC1::enable(rcc);
     ADC1::reset(rcc);
@@ -71,18 +70,17 @@ pub fn arm(adc: ADC1, dma: DMA1, rcc: &mut Rcc) {
         .write(|w| unsafe { (0..OVERSAMPLING as u8).fold(w, |w, n| w.sq(n).bits(CHANNEL)) });
     adc.sqr1().write(|w| w.l().set(OVERSAMPLING as u8 - 1));
     arm_dma(&adc, dma);
-    // In one write, and with ADON as it is: a write that changes nothing but ADON = 1 would start a
-    // conversion (11.12.3).
+    // In one write, with ADON unchanged: a write that only sets ADON = 1 again would start a conversion (11.12.3).
     adc.cr2().modify(|_, w| {
         w.dma().set_bit();
         w.extsel().tim3trgo();
         w.exttrig().set_bit()
     });
-    // SAFETY: the handler below uses nothing that is not set up by now.
+    // SAFETY: everything that the handler below uses is set up.
     unsafe { NVIC::unmask(Interrupt::DMA1_CHANNEL1) };
 }
 
-/// Powers the ADC up and lets it calibrate itself (11.4).
+/// Powers the ADC up and runs its calibration (11.4).
 fn calibrate(adc: &ADC1, cycles_per_microsecond: u32) {
     adc.cr2().write(|w| w.adon().set_bit());
     // Stabilisation, 1 µs (datasheet, tSTAB); twice that, which is also two ADC cycles and more.
@@ -120,7 +118,7 @@ fn arm_dma(adc: &ADC1, dma: DMA1) {
 /// A frame is complete: its half of the ring is full.
 #[interrupt]
 fn DMA1_CHANNEL1() {
-    // How many frames have passed.
+    // Number of frames so far.
     static mut PASSED: u32 = 0;
 
     // SAFETY: only this handler clears the flags of channel 1 (13.4.2), by writing 1 to them.
@@ -140,7 +138,7 @@ fn DMA1_CHANNEL1() {
         (true, false) => 0,
         (false, true) => 1,
         (false, false) => return,
-        // So late that a whole frame passed: it is not known which one the ring holds.
+        // A whole frame late: the ring may hold either frame.
         (true, true) => {
             *PASSED = PASSED.wrapping_add(2);
             return;
@@ -149,14 +147,14 @@ fn DMA1_CHANNEL1() {
     let number = *PASSED;
     *PASSED = PASSED.wrapping_add(1);
     let pulse = critical_section::with(|cs| {
-        // Asked for in any case, because each frame edge has to be seen.
+        // Called in any case, because each frame edge must be seen.
         let pulse = pulse::on_line(cs);
         (pulse::since_edge_us(cs) >= timing::LAST_SAMPLE_US).then_some(pulse)
     });
-    // Too late where the next frame has begun: then the pulse is not this frame's.
+    // If the next frame has begun already, the pulse is not that of this frame.
     if let Some(pulse) = pulse {
         let samples = samples(half);
-        // No room: the rig is behind, and the gap in the numbers will tell it.
+        // A full queue loses the frame; the gap in the numbers shows it.
         let _ = FRAMES.try_send(CapturedFrame {
             number,
             pulse,

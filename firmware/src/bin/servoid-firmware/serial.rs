@@ -14,14 +14,14 @@ use stm32f1xx_hal::serial::{Config, Serial};
 /// Bits per second, in frames of ten: start, eight data, stop.
 const BAUD: u32 = 115_200;
 
-/// The most that passes over the line in one PWM frame (bytes).
+/// Capacity of the line in one PWM frame (bytes).
 const BYTES_PER_FRAME: usize = (BAUD as u64 / 10 * FRAME_US as u64).div_ceil(1_000_000) as usize;
 
-/// Room for what comes in during a frame, should the rig ever be that late.
+/// Received bytes of a whole frame, should the rig ever be that late.
 const RX_RING: usize = BYTES_PER_FRAME.next_power_of_two();
 
-/// The rig fills this ring at least once in each frame: with room for a frame's time and one message
-/// more, the line never stands still while something waits.
+/// The rig fills this ring at least once in each frame. With room for one frame and one message, the line is never
+/// idle while data wait.
 const TX_RING: usize = (BYTES_PER_FRAME + MAX_WIRE).next_power_of_two();
 
 static RX: Pipe<CriticalSectionRawMutex, RX_RING> = Pipe::new();
@@ -30,13 +30,13 @@ static TX: Pipe<CriticalSectionRawMutex, TX_RING> = Pipe::new();
 /// The link.
 pub struct Usart(());
 
-/// Opens the link: 8 data bits, no parity, one stop bit. With a pull-up, because an idle line is high:
-/// a cable that is not plugged in is silence, not noise.
+/// Opens the link: 8 data bits, no parity, one stop bit. An idle line is high, so with the pull-up an unplugged
+/// cable is silence, not noise.
 pub fn open(usart: USART1, tx: PA9<Alternate>, rx: PA10<Input<PullUp>>, rcc: &mut Rcc) -> Usart {
     let config = Config::default().baudrate(BAUD.bps());
     let (_, mut rx) = Serial::new(usart, (tx, rx), config, rcc).split();
     rx.listen();
-    // SAFETY: the handler below uses nothing that is not set up by now.
+    // SAFETY: everything that the handler below uses is set up.
     unsafe { NVIC::unmask(Interrupt::USART1) };
     Usart(())
 }
@@ -58,9 +58,9 @@ impl Link for Usart {
                 break;
             }
         }
-        // The handler stops listening when the ring is empty, so the two must not mix.
+        // The handler clears this bit when the ring is empty, so it must not run in between.
         critical_section::with(|_| {
-            // SAFETY: in a critical section nobody else writes this register.
+            // SAFETY: in a critical section nothing else writes this register.
             let usart = unsafe { USART1::steal() };
             usart.cr1().modify(|_, w| w.txeie().set_bit()); // 27.6.4
         });
@@ -68,18 +68,18 @@ impl Link for Usart {
     }
 }
 
-/// A byte came in, or the next one may go out.
+/// A byte was received, or the next one can be sent.
 #[interrupt]
 fn USART1() {
     // SAFETY: the only other user changes one bit of CR1, in a critical section.
     let usart = unsafe { USART1::steal() };
     let status = usart.sr().read();
     if status.rxne().bit_is_set() || status.ore().bit_is_set() {
-        // Reading DR after SR clears both flags, and those of noise and framing (27.6.1). A byte that
-        // came damaged is passed on: the frame's CRC is the judge.
+        // Reading DR after SR clears both flags, and those of noise and framing (27.6.1). A damaged byte is passed on:
+        // the CRC of the frame finds it.
         let byte = usart.dr().read().dr().bits() as u8;
         if status.rxne().bit_is_set() {
-            // No room: the frame's CRC will tell, and the host will ask again.
+            // A full ring loses the byte; the CRC fails, and the host repeats its request.
             let _ = RX.try_write(&[byte]);
         }
     }

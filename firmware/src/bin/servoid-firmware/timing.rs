@@ -1,4 +1,4 @@
-//! The two timers that everything runs by.
+//! The two timers: TIM2 for the pulses, TIM3 for the samples.
 
 use servoid_firmware::limits::{LONGEST_PULSE, SHORTEST_PULSE};
 use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
@@ -17,10 +17,10 @@ pub const FIRST_SAMPLE_US: u16 = 500;
 const _: () = assert!(FIRST_SAMPLE_US + 100 < SHORTEST_PULSE.0);
 const _: () = assert!(FIRST_SAMPLE_US as u32 + SAMPLE_US > LONGEST_PULSE.0 as u32);
 
-/// When the frame's last sample begins (µs after its rising edge).
+/// Start of the frame's last sample (µs after the rising edge).
 pub const LAST_SAMPLE_US: u16 = (FIRST_SAMPLE_US as u32 + FRAME_US - SAMPLE_US) as u16;
 
-/// The timers, prepared and standing still.
+/// The timers, prepared and stopped.
 #[must_use]
 pub struct Chain {
     tim2: TIM2,
@@ -45,7 +45,7 @@ pub fn prepare(tim2: TIM2, tim3: TIM3, rcc: &mut Rcc) -> Chain {
 fn prepare_pulses(tim2: &TIM2, prescaler: u16) {
     tim2.psc().write(|w| w.psc().set(prescaler));
     tim2.arr().write(|w| w.arr().set((FRAME_US - 1) as u16));
-    // URS: the UG below is no frame edge, and must not set the flag that tells of one.
+    // URS: the UG below is not a frame edge, and must not set the flag of one.
     tim2.cr1().write(|w| w.arpe().set_bit().urs().set_bit());
     // Output while the count is below the compare value; 0 is no pulse (15.3.9). With preload, a
     // value written now applies from the next frame edge on.
@@ -53,16 +53,16 @@ fn prepare_pulses(tim2: &TIM2, prescaler: u16) {
         .write(|w| w.oc2m().pwm_mode1().oc2pe().set_bit());
     tim2.ccr2().write(|w| w.ccr().set(0));
     tim2.ccer().write(|w| w.cc2e().set_bit());
-    // Loads prescaler, period and compare value. It also puts out a trigger, which nobody hears yet.
+    // Loads prescaler, period and compare value. Nothing listens to its trigger yet.
     tim2.egr().write(|w| w.ug().set_bit());
-    // From here on the trigger output says that the counter runs (15.3.15).
+    // From here on the trigger output is the counter's enable (15.3.15).
     tim2.cr2().write(|w| w.mms().enable());
 }
 
 fn prepare_samples(tim3: &TIM3, prescaler: u16) {
     tim3.psc().write(|w| w.psc().set(prescaler));
     tim3.arr().write(|w| w.arr().set((SAMPLE_US - 1) as u16));
-    // While the trigger output is not yet the update event, or this UG would be a sample.
+    // Before the trigger output is the update event; after it, this UG would be a sample.
     tim3.egr().write(|w| w.ug().set_bit());
     let head_start = SAMPLE_US as u16 - FIRST_SAMPLE_US;
     tim3.cnt().write(|w| w.cnt().set(head_start));

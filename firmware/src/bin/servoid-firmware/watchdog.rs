@@ -5,25 +5,25 @@ use stm32f1xx_hal::pac::IWDG;
 use stm32f1xx_hal::prelude::*;
 use stm32f1xx_hal::watchdog::IndependentWatchdog;
 
-/// Frames that may fail to come before the chip is reset, at the oscillator's nominal rate.
+/// Missing frames until the chip is reset, at the oscillator's nominal rate.
 ///
-/// The oscillator has 40 kHz, but anything from 30 to 60 kHz is within its datasheet: so 3.3 to 6.7
-/// frames. Never less than three, so that nothing but a standstill triggers it.
+/// The oscillator has 40 kHz nominally and 30 to 60 kHz by its datasheet: 3.3 to 6.7 frames. With at least three,
+/// only a standstill triggers it.
 const FRAMES: u32 = 5;
 
 /// The watchdog, running. It cannot be stopped (19.3).
 pub struct Watchdog(IndependentWatchdog);
 
 impl Watchdog {
-    /// Starts it. Until it is fed for the first time it counts from its reset value (19.3): the first
-    /// frame has 0.41 s, at the oscillator's nominal rate. There are no pulses before that frame.
+    /// Starts it. Until it is first fed it counts from its reset value (19.3): 0.41 s for the first frame, at the
+    /// oscillator's nominal rate. There are no pulses before that frame.
     pub fn start(iwdg: IWDG) -> Self {
         let mut watchdog = IndependentWatchdog::new(iwdg);
         watchdog.start((FRAMES * FRAME_US / 1_000).millis());
         Self(watchdog)
     }
 
-    /// A frame has come.
+    /// Feeds it; called once for each frame.
     pub fn feed(&mut self) {
         self.0.feed();
     }

@@ -7,7 +7,7 @@ fn frames_lost_on_the_board_leave_a_hole_and_shift_nothing() {
     let mut bench = Bench::running(short_run(1));
     bench.frames(3);
     bench.lose(2);
-    // Frame 5: 1450 was due; the board held the pulse that it was told last.
+    // Frame 5: 1450 was due; the board held the last pulse that was set.
     bench.frames(20);
     let frames = bench.sent_frames();
     let indices: Vec<u16> = frames.iter().map(|f| f.index).collect();

@@ -13,7 +13,7 @@ pub use servo::Servo;
 
 use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::paper_facts::Fact;
+use crate::presentation::paper_values::Fact;
 use crate::presentation::plots::paper_figures::Subject;
 use crate::presentation::template::fill;
 use anyhow::Result;

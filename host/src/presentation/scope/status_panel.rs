@@ -151,7 +151,7 @@ fn band(state: &ScopeState) -> Vec<Line<'static>> {
     vec![
         first.bold(),
         Line::from(format!(
-            "  of the step, {:.0} % for the whole curve",
+            "  of the step, whole curve, {:.0} %",
             100.0 * bounds.level
         )),
         Line::from(format!("  before: ±{} %", history.join(" "))),

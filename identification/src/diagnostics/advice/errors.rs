@@ -1,14 +1,14 @@
 //! Findings on the errors: whether they are noise, and noise of the kind that the model says.
 
-use super::{Advice, Check, Evidence, SIGNIFICANCE};
+use super::{Advice, Check, Evidence};
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
 use crate::estimation::gls::MAX_AUTO_ORDER;
 use crate::estimation::noise_model::largest_root;
 use crate::options::NoiseOrder;
 use crate::thresholds::{
-    DISAGREEMENT, MATERIAL_MISFIT_PERCENT, STEPS_FOLLOWED, UNEXPLAINED_PERCENT,
-    WHITENING_COST_POINTS,
+    DISAGREEMENT, MATERIAL_MISFIT_PERCENT, RESIDUAL_SIGNIFICANCE, STEPS_FOLLOWED,
+    UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,
 };
 
 pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
@@ -200,7 +200,7 @@ pub(super) fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
         .model
         .residuals
         .whiteness_p
-        .filter(|p| *p < SIGNIFICANCE)
+        .filter(|p| *p < RESIDUAL_SIGNIFICANCE)
     {
         let finding = format!(
             "The noise model is incomplete (order {order}): the one-step errors are related to each \
@@ -210,7 +210,7 @@ pub(super) fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
             Check::Whiteness,
             finding,
             p,
-            SIGNIFICANCE,
+            RESIDUAL_SIGNIFICANCE,
             remedy,
         ));
     }
@@ -234,14 +234,14 @@ pub(super) fn independence(evidence: &Evidence<'_>) -> Option<Advice> {
         .model
         .residuals
         .input_correlation_p
-        .filter(|p| *p < SIGNIFICANCE)?;
+        .filter(|p| *p < RESIDUAL_SIGNIFICANCE)?;
     Some(Advice::new(
         Check::InputIndependence,
         "What the model leaves over still depends on the input: the response is longer than the \
          settling time, has more detail than the frequencies, or the servo is not linear."
             .to_owned(),
         p,
-        SIGNIFICANCE,
+        RESIDUAL_SIGNIFICANCE,
         "Take a longer settling time or more frequencies; if neither helps, the servo is not linear \
          and the bounds describe its best linear picture only.",
     ))

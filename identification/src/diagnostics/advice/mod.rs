@@ -24,9 +24,6 @@ pub(crate) struct Evidence<'a> {
     pub(crate) samples: usize,
 }
 
-/// p-values below this are findings.
-const SIGNIFICANCE: f64 = 0.01;
-
 /// All findings on a model.
 pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
     [

@@ -1,10 +1,10 @@
 //! Findings on the record: whether it is enough, sound for the arithmetic, and of one piece.
 
-use super::{Advice, Check, Evidence, SIGNIFICANCE};
+use super::{Advice, Check, Evidence};
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::conditioning::WELL_CONDITIONED;
 use crate::estimation::least_squares::Solver;
-use crate::thresholds::INITIAL_REST_MISSED;
+use crate::thresholds::{INITIAL_REST_MISSED, RESIDUAL_SIGNIFICANCE};
 
 /// More parameters than this share of the rows leave too little to judge the noise by.
 const LARGE_SHARE: f64 = 0.25;
@@ -59,7 +59,7 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
         .map(|s| s.p)
         .fold(1.0, f64::min);
     // Three numbers are tested.
-    let threshold = SIGNIFICANCE / 3.0;
+    let threshold = RESIDUAL_SIGNIFICANCE / 3.0;
     (p < threshold).then(|| {
         Advice::new(
             Check::RunScatter,

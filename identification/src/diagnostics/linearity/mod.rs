@@ -1,11 +1,10 @@
-//! Whether what the model leaves over is a function of what it explains.
+//! Whether the residuals are a function of the simulated motion.
 //!
-//! A linear servo leaves over noise, which knows nothing of the input. One that is limited in speed,
-//! has play or reaches its two ends differently leaves over something that follows the motion, and
-//! a noise model that is flexible enough explains it away one step ahead: whiteness and
-//! independence of further *lags* of the input may pass, and the bounds are far too narrow all the
-//! same. So functions of the simulated output s and its speed v that no linear model has are
-//! offered to the regression,
+//! The residuals of a linear servo are noise, which is independent of the input. Those of a servo with limited
+//! speed, play or unequal ends follow the motion, and a flexible noise model explains them one step
+//! ahead: whiteness and independence of further *lags* of the input may pass although the bounds are far too
+//! narrow. So functions of the simulated output s and its speed v that no linear model has are added to the
+//! regression,
 //!
 //! ```text
 //! D(z) (y - ŷ)(k) = D(z) Σ_j γ_j z_j(k) + ε(k),    z = s², s³, v |v|, |v|, s |v|,
@@ -15,12 +14,12 @@
 //! the data through the fitted response alone, which is independent of the residuals, the usual F
 //! statistic of γ = 0 has its F distribution for any z (Milliken & Graybill 1970), given D.
 //!
-//! Runs of one servo differ: its supply and its clock do. What several runs leave over because each has a
-//! gain, a delay and an offset of its own is no sign of a servo that is not linear, so these, D(z) s, D(z) v and
-//! D(z) 1 for each run, stand beside the parameters of the model where there are several runs.
+//! Runs of one servo differ, because its supply and its clock do. A gain, a delay and an offset of each run are no
+//! evidence of a servo that is not linear. So where there are several runs, D(z) s, D(z) v and D(z) 1 of each run
+//! are regressors as well.
 //!
-//! A bank that leaves out frequencies leaves over their share of the motion, which no function of lags
-//! can be told from: there a small p says that the errors are not noise, but not why
+//! A bank that leaves out frequencies leaves their share of the motion in the residuals, where no function of
+//! lags separates it. There a small p shows that the errors are not noise, but not the reason
 //! ([`Linearity::complete`]).
 //!
 //! Significance is not size: in a long record anything is significant. [`Linearity::misfit_percent`]
@@ -38,34 +37,34 @@ use crate::estimation::least_squares::RowInformation;
 use crate::thresholds::{MATERIAL_MISFIT_PERCENT, MISFIT_SIGNIFICANCE};
 use reset_test::ResetTest;
 
-/// What the test found.
+/// Result of the test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Linearity {
     /// Probability of a relation to functions of the motion at least as strong if the servo is
     /// linear.
     pub p: f64,
-    /// Root mean square of what these functions explain and no linear model does, of that of the
-    /// output about its mean \[%\]. Without a finding, noise alone makes it about
-    /// sqrt(5/rows) times the noise.
+    /// Root mean square of the part that these functions explain and no linear model does, relative to that of
+    /// the output about its mean \[%\]. Noise alone makes it about sqrt(5/rows) times the noise.
     pub misfit_percent: f64,
-    /// Whether the model has all frequencies, so that what follows the motion cannot be those left
-    /// out.
+    /// Whether the model has all frequencies, so that residuals that follow the motion cannot come from those
+    /// left out.
     pub complete: bool,
     /// By how much runs differ from each other; `None` with a single one.
     #[serde(default)]
     pub runs: Option<BetweenRuns>,
-    /// How the errors compare with the noise at rest; `None` where no rest was recorded, or where the
-    /// response may be longer than what the model has of it, which leaves errors of its own.
+    /// The errors against the noise at standstill; `None` where no standstill was recorded, or where the
+    /// response may be longer than N, which leaves errors of its own.
     #[serde(default)]
     pub rest: Option<StandstillNoise>,
 }
 
-/// What runs of one servo leave over because each has a gain, a delay and an offset of its own.
+/// Residuals of the runs of one servo that come from a gain, a delay and an offset of each run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BetweenRuns {
     /// Probability of differences at least as large from noise alone.
     pub p: f64,
-    /// Root mean square of what they explain of the errors, of that of the output about its mean \[%\].
+    /// Root mean square of the part of the errors that they explain, relative to that of the output about its
+    /// mean \[%\].
     pub misfit_percent: f64,
 }
 
@@ -82,7 +81,7 @@ impl Linearity {
         self.p < MISFIT_SIGNIFICANCE && self.misfit_percent > MATERIAL_MISFIT_PERCENT
     }
 
-    /// How much larger errors are in motion than at rest, if that is shown, by an amount that matters.
+    /// How much larger errors are in motion than at standstill, if that is shown, by an amount that matters.
     #[must_use]
     pub fn against_rest(&self) -> Option<StandstillNoise> {
         self.rest.filter(|rest| {
@@ -105,16 +104,15 @@ impl Linearity {
     }
 }
 
-/// Tests the fit that is in `information` on what it makes of its record; `None` when the rows do not allow
-/// it.
+/// Tests the errors of `fit` in `runs`; `None` when there are too few rows.
 #[must_use]
 pub(crate) fn test(
     runs: &[Simulated<'_>],
     information: &RowInformation,
     fit: &GlsFit,
 ) -> Option<Linearity> {
-    let offered = ResetTest::new(runs, &information.moments, fit)?;
-    let found = offered.regress(fit)?;
+    let test = ResetTest::new(runs, &information.moments, fit)?;
+    let found = test.regress(fit)?;
     let (k, free) = (
         found.degrees as f64,
         fit.degrees_of_freedom() - found.of_runs as f64,
@@ -128,7 +126,7 @@ pub(crate) fn test(
         let tail = distribution.sf(reduction / degrees / noise);
         Some(tail.clamp(0.0, 1.0))
     };
-    let misfit = offered.misfit(fit, &found);
+    let misfit = test.misfit(fit, &found);
     let motion = (information.moments.output_spread() / information.rows() as f64).sqrt();
     let between_runs = |p: f64| BetweenRuns {
         p,

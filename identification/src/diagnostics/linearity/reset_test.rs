@@ -14,7 +14,7 @@ use crate::numerics::lagged_sums::LaggedSums;
 use crate::numerics::linear_algebra::times;
 use crate::numerics::vectors::dot;
 
-/// Functions of the simulated motion that are offered.
+/// Functions of the simulated motion among the regressors.
 pub(super) const FUNCTIONS: usize = 5;
 
 /// Functions that each of several runs has for itself.
@@ -23,12 +23,12 @@ const OF_A_RUN: usize = 3;
 /// The functions of the motion, run by run. Of all columns the functions that runs share are the first; those that
 /// each run has for itself follow, run by run.
 pub(super) struct ResetTest {
-    pub(super) runs: Vec<OfferedRun>,
+    pub(super) runs: Vec<RunColumns>,
     columns: usize,
 }
 
 /// One run: everything is relative to the centre of the moments.
-pub(super) struct OfferedRun {
+pub(super) struct RunColumns {
     /// u, with its history before the run; 0 where it is missing.
     pub(super) input: Vec<f64>,
     /// Samples of history at the beginning of `input`.
@@ -45,7 +45,7 @@ pub(super) struct OfferedRun {
     pub(super) rows: Vec<Range<usize>>,
 }
 
-/// What the regression found.
+/// Result of the regression.
 pub(super) struct Found {
     /// By how much the functions that runs share reduce the sum of squares, beside all else.
     pub(super) reduction: f64,
@@ -57,10 +57,10 @@ pub(super) struct Found {
     pub(super) reduction_of_runs: f64,
     /// Sum of squares that is left.
     pub(super) unexplained: f64,
-    /// Coefficients of all columns whose combination is what the shared functions explain and nothing that a
-    /// run has for itself does.
+    /// Coefficients of all columns whose combination is the part that the shared functions explain and the
+    /// columns of the runs do not.
     pub(super) coefficients: Vec<f64>,
-    /// What the fit's own parameters, the offset last, take over of that combination.
+    /// The part of that combination that the fit's own parameters explain, the offset last.
     pub(super) response: Vec<f64>,
 }
 
@@ -68,13 +68,13 @@ impl ResetTest {
     pub(super) fn new(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Self> {
         let scale = Scale::of(runs.iter().map(|run| run.output.as_slice()))?;
         let several = runs.len() > 1;
-        let runs: Vec<OfferedRun> = runs
+        let runs: Vec<RunColumns> = runs
             .iter()
             .enumerate()
             .map(|(index, run)| {
                 let of_run = FUNCTIONS + OF_A_RUN * index;
                 let own = several.then_some(of_run..of_run + OF_A_RUN);
-                OfferedRun::new(run, &scale, own, moments, fit)
+                RunColumns::new(run, &scale, own, moments, fit)
             })
             .collect();
         let columns = runs.iter().filter_map(|run| run.columns.last()).max()? + 1;
@@ -115,7 +115,7 @@ impl ResetTest {
             found.reduction -= runs.reduction;
             found.degrees = found.degrees.checked_sub(runs.degrees).filter(|k| *k > 0)?;
             (found.of_runs, found.reduction_of_runs) = (runs.degrees, runs.reduction);
-            // What the columns of the runs take over of the shared ones.
+            // The part of the shared columns that those of the runs explain.
             let shared: Vec<f64> = of_runs
                 .clone()
                 .map(|i| (0..FUNCTIONS).map(|j| left[(i, j)] * coefficients[j]).sum())
@@ -224,7 +224,7 @@ impl Scale {
     }
 }
 
-impl OfferedRun {
+impl RunColumns {
     fn new(
         simulated: &Simulated<'_>,
         scale: &Scale,
