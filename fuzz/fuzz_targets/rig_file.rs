@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use servoid::rig::RigFile;
+use servoid::rig_file::RigFile;
 use servoid_protocol::{Counts, Degrees};
 use std::path::Path;
 
@@ -10,7 +10,7 @@ fuzz_target!(|text: &str| {
     if let Ok(rig) = RigFile::parse(text, Path::new("rig.toml")) {
         let _ = rig.servo_scale().pulse(Degrees(5.0));
         assert!(rig.sensor_scale().degrees(Counts(8_000)).0.is_finite());
-        let [low, high] = rig.healthy_counts();
-        assert!(low < high);
+        let healthy = rig.healthy_counts();
+        assert!(healthy.lowest < healthy.highest);
     }
 });

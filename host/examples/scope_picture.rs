@@ -9,8 +9,9 @@ use ratatui::buffer::{Buffer, Cell};
 use ratatui::style::{Color, Modifier};
 use servoid::live::{Estimator, RunSamples, second_cycle};
 use servoid::port;
-use servoid::recording::{Header, ReservedFile};
-use servoid::rig::{Capture, Progress, RigClient, RigFile, StopReason};
+use servoid::recording::{Header, RecordingWriter};
+use servoid::rig::{Capture, Progress, RigClient, StopReason};
+use servoid::rig_file::RigFile;
 use servoid::scope::layout::draw;
 use servoid::scope::state::{FrameSeen, Link};
 use servoid::scope::{ScopeEvent, ScopeState};
@@ -50,7 +51,7 @@ fn half_of_a_run() -> Result<ScopeState, Box<dyn Error>> {
     let mut client = RigClient::connect_as(port::open(ADDRESS)?, ADDRESS, 1)?;
     capture.arm(&mut client)?;
     let header = Header::of_run(client.hello(), &rig, &capture.start);
-    let file = ReservedFile::new(&directory.path().join("run.csv"), false)?.begin(&header)?;
+    let file = RecordingWriter::create(&directory.path().join("run.csv"), false, &header)?;
 
     let title = format!("{ADDRESS}  to bench.csv");
     let state = RefCell::new(ScopeState::new(title, capture.start, None));

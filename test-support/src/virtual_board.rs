@@ -2,8 +2,9 @@
 
 use servoid::port::Port;
 use servoid::recording::{Header, RecordingWriter};
+use servoid::rig::RigClient;
 use servoid::rig::capture::{Capture, CaptureEnd, CaptureError};
-use servoid::rig::{RigClient, RigFile};
+use servoid::rig_file::RigFile;
 use servoid_protocol::hello::SCHEMA_HASH;
 use servoid_protocol::message::Arm;
 use servoid_protocol::reference::{Reference, Staircase};
@@ -128,14 +129,14 @@ pub fn rig_file() -> RigFile {
 /// What the rig has to know before it makes a pulse: a lease of two seconds.
 pub fn arm() -> Arm {
     let rig = rig_file();
-    let [sensor_low, sensor_high] = rig.healthy_counts();
+    let healthy = rig.healthy_counts();
     Arm {
         schema_hash: SCHEMA_HASH,
         neutral: PulseWidth(rig.servo.neutral_us),
         shortest: PulseWidth(rig.limits.shortest_us),
         longest: PulseWidth(rig.limits.longest_us),
-        sensor_low,
-        sensor_high,
+        sensor_low: healthy.lowest,
+        sensor_high: healthy.highest,
         lease_frames: 100,
     }
 }

@@ -7,7 +7,7 @@ use crate::commands::output_files;
 use crate::data::dataset::{self, DatasetOptions};
 use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
-use crate::instrument::rig::RigFile;
+use crate::data::rig_file::RigFile;
 use crate::presentation::paper_values;
 use crate::presentation::plots::paper_figures;
 use crate::presentation::report::{self, Page, Servo};

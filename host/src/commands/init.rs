@@ -6,7 +6,7 @@ use super::ports;
 use super::prompts::{Asker, Prompt};
 use crate::commands::output_files;
 use crate::commands::rig_wizard::{self, Range, RigAnswers};
-use crate::instrument::rig::RigFile;
+use crate::data::rig_file::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueHint};
 use serde::Serialize;

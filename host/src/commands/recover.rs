@@ -38,7 +38,7 @@ impl Recover {
             bail!("nothing to recover: {path:?} is no recording of servoid");
         }
         if let Ok(sound) = Recording::parse(&bytes, path) {
-            if sound.samples.is_empty() {
+            if sound.rows.is_empty() {
                 bail!("nothing to recover: {path:?} has no rows");
             }
             let state = match sound.completeness {

@@ -1,8 +1,8 @@
 //! The options that name the rig and the condition of the measurement.
 
 use super::completion_values;
+use crate::data::rig_file::RigFile;
 use crate::instrument::port;
-use crate::instrument::rig::RigFile;
 use anyhow::{Result, bail};
 use clap::{Args, ValueHint};
 use std::path::PathBuf;

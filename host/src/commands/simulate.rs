@@ -3,7 +3,7 @@
 use super::capture::{CaptureJob, Monitor, capture};
 use super::output_args::Talk;
 use super::reference_args::ReferenceArgs;
-use crate::instrument::rig::RigFile;
+use crate::data::rig_file::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;

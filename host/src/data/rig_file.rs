@@ -25,8 +25,9 @@
 //!
 //! Everything may be left out; what stands in for it is in [`RigFile::default`].
 
+use crate::data::sensor_health::HealthyCounts;
 use serde::{Deserialize, Serialize};
-use servoid_protocol::{Counts, PulseWidth, SensorScale, ServoScale};
+use servoid_protocol::{PulseWidth, SensorScale, ServoScale};
 use std::path::Path;
 
 /// What the user knows of their rig.
@@ -245,8 +246,8 @@ impl RigFile {
 
     /// Smallest and largest reading of a healthy sensor.
     #[must_use]
-    pub fn healthy_counts(&self) -> [Counts; 2] {
-        self.sensor.healthy_counts.map(Counts)
+    pub fn healthy_counts(&self) -> HealthyCounts {
+        HealthyCounts::new(Some(self.sensor.healthy_counts))
     }
 }
 
@@ -270,7 +271,7 @@ pub(crate) fn is_usable_scale(scale: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_protocol::Degrees;
+    use servoid_protocol::{Counts, Degrees};
 
     fn read(text: &str) -> Result<RigFile, RigFileError> {
         let dir = tempfile::tempdir().unwrap();

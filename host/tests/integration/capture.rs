@@ -2,6 +2,7 @@
 
 use crate::support::{arg, refusal, run};
 use servoid::dataset::{DatasetOptions, load};
+use servoid::degrees::DegreeScale;
 use servoid::recording::{Completeness, Recording};
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
@@ -14,10 +15,14 @@ fn a_capture_is_whole_and_has_the_applied_pulse_beside_each_sample() {
     let recording = Recording::read(&file).unwrap();
     assert_eq!(recording.completeness, Completeness::Complete);
     let roll = usize::from(servoid::rig::capture::ROLL_FRAMES) * SAMPLES_PER_FRAME;
-    let count = recording.samples.len();
+    let count = recording.rows.len();
     assert_eq!(count, roll + 3600 + roll);
     assert!(
-        recording.samples.iter().copied().eq(0..count as u64),
+        recording
+            .rows
+            .iter()
+            .map(|row| row.sample)
+            .eq(0..count as u64),
         "no gap"
     );
     let expected = (0..count).map(|sample| {
@@ -27,9 +32,11 @@ fn a_capture_is_whole_and_has_the_applied_pulse_beside_each_sample() {
         let offset = in_reference.and_then(|frame| Staircase::PAPER.offset_us(frame));
         f64::from(offset.unwrap_or(0)) / 10.0
     });
-    assert!(recording.reference_deg.iter().copied().eq(expected));
+    let scale = DegreeScale::of_recording(&recording.header);
+    let (reference, position) = scale.columns(&recording.rows);
+    assert!(reference.into_iter().eq(expected));
     // The servo follows: on the last tenth of the first hold it is within a degree of it.
-    let plateau = &recording.position_deg[roll + 360..roll + 400];
+    let plateau = &position[roll + 360..roll + 400];
     assert!(plateau.iter().all(|y| (y - 5.0).abs() < 1.0), "{plateau:?}");
 }
 
@@ -47,7 +54,7 @@ fn equal_seeds_give_equal_rows_and_others_do_not() {
             "-o",
             arg(&file),
         ]);
-        Recording::read(&file).unwrap().position_deg
+        Recording::read(&file).unwrap().rows
     };
     let first = rows("a.csv", "5");
     assert_eq!(first, rows("b.csv", "5"));
@@ -90,11 +97,7 @@ fn a_sensor_that_breaks_ends_the_run_and_keeps_the_rows() {
         panic!("it is partial")
     };
     assert!(reason.contains("sensor"), "{reason}");
-    assert!(
-        recording.samples.len() > 1000,
-        "{}",
-        recording.samples.len()
-    );
+    assert!(recording.rows.len() > 1000, "{}", recording.rows.len());
     // What the broken sensor said is not taken for motion.
     let data = load(&[file], &DatasetOptions::default()).unwrap();
     assert!(data.record.missing() >= 5, "{:?}", data.about.remarks);
@@ -171,9 +174,9 @@ fn end_by(signal: &str) {
     assert!(reason.contains("stopped"), "{reason}");
     assert!(
         recording
-            .samples
+            .rows
             .iter()
-            .copied()
-            .eq(0..recording.samples.len() as u64)
+            .map(|row| row.sample)
+            .eq(0..recording.rows.len() as u64)
     );
 }

@@ -5,7 +5,8 @@ use servoid::dataset::{DatasetOptions, load};
 use servoid::port::{self, Port};
 use servoid::recording::{Recording, recover};
 use servoid::rig::client::TalkError;
-use servoid::rig::{Capture, RigClient, RigFile};
+use servoid::rig::{Capture, RigClient};
+use servoid::rig_file::RigFile;
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::{Decoder, Hello, Reference, RigMessage, framing};
 use std::collections::VecDeque;
@@ -129,14 +130,17 @@ fn what_a_damaged_header_says_is_marked_as_unproved_for_ever() {
     let dir = tempfile::tempdir().unwrap();
     let (file, text) = recorded(dir.path());
     let damaged = with_header(&text, "us_per_degree = 10.0", "us_per_degree = 20.0", false);
-    // Half the reference at twice the pulse per degree: no row contradicts it.
+    // As format 2, which has no column of the pulse, and half the reference at twice the pulse per degree: no
+    // row contradicts it.
     let damaged: String = damaged
-        .split_inclusive('\n')
+        .replace("# format = 3", "# format = 2")
+        .lines()
         .map(|line| match line.split(',').collect::<Vec<_>>()[..] {
-            [n, t, u, y, c] if !n.starts_with(['#', 's']) => {
-                format!("{n},{t},{},{y},{c}", u.parse::<f64>().unwrap() / 2.0)
+            ["sample", t, u, y, _, c] => format!("sample,{t},{u},{y},{c}\n"),
+            [n, t, u, y, _, c] if !n.starts_with('#') => {
+                format!("{n},{t},{},{y},{c}\n", u.parse::<f64>().unwrap() / 2.0)
             }
-            _ => line.to_owned(),
+            _ => format!("{line}\n"),
         })
         .collect();
     std::fs::write(&file, damaged).unwrap();
@@ -162,6 +166,21 @@ fn what_a_damaged_header_says_is_marked_as_unproved_for_ever() {
             .any(|r| r.contains("nothing proves") && r.contains("us_per_degree")),
         "{remarks:?}"
     );
+}
+
+#[test]
+fn rows_with_pulses_prove_the_scale_of_the_servo_too() {
+    let dir = tempfile::tempdir().unwrap();
+    let (file, text) = recorded(dir.path());
+    let (from, to) = ("condition = \"bench\"", "condition = \"wrong\"");
+    std::fs::write(&file, with_header(&text, from, to, false)).unwrap();
+    let saved = dir.path().join("saved.csv");
+    run(&["recover", arg(&file), "-o", arg(&saved)]);
+    let header = Recording::read(&saved).unwrap().header;
+    assert!(header.unproved.contains(to), "{}", header.unproved);
+    for proved in ["neutral_us", "us_per_degree", "degrees_per_count"] {
+        assert!(!header.unproved.contains(proved), "{}", header.unproved);
+    }
 }
 
 #[test]
@@ -234,7 +253,7 @@ fn a_recording_is_known_as_one_whatever_became_of_its_first_line() {
         let servoid::recording::Completeness::Partial(why) = cut_short.completeness else {
             panic!("cut at {cut}: complete")
         };
-        if !cut_short.samples.is_empty() {
+        if !cut_short.rows.is_empty() {
             continue; // four frames are too few for anything, which is another complaint
         }
         // 'recover' says the same of it.
@@ -324,7 +343,7 @@ fn a_level_that_is_none_is_refused_for_models_too() {
 fn a_scale_that_is_none_costs_no_row() {
     let dir = tempfile::tempdir().unwrap();
     let (file, _) = recorded(dir.path());
-    let rows = Recording::read(&file).unwrap().samples.len();
+    let rows = Recording::read(&file).unwrap().rows.len();
     let text = std::fs::read_to_string(&file).unwrap();
     let broken = text.replace("# us_per_degree = 10.0", "# us_per_degree = 0.0");
     assert_ne!(broken, text);
@@ -332,5 +351,5 @@ fn a_scale_that_is_none_costs_no_row() {
     assert!(refusal(&["identify", arg(&file)]).contains("servoid recover"));
     let saved = dir.path().join("saved.csv");
     run(&["recover", arg(&file), "-o", arg(&saved)]);
-    assert_eq!(Recording::read(&saved).unwrap().samples.len(), rows);
+    assert_eq!(Recording::read(&saved).unwrap().rows.len(), rows);
 }

@@ -1,6 +1,7 @@
 //! Recordings under adverse conditions: cut, changed, killed, and disks that are full.
 
 use crate::support::{arg, data, refusal, run};
+use servoid::degrees::DegreeScale;
 use servoid::recording::{
     Completeness, Ending, FORMAT, Header, ReadError, Recording, RecordingWriter, is_recording,
     recover,
@@ -59,20 +60,21 @@ fn parse(bytes: &[u8]) -> Result<Recording, ReadError> {
 
 /// The rows that are there are rows of the original, each with its own numbers.
 fn require_rows_of(found: &Recording, original: &Recording, what: &str) {
-    for (i, &sample) in found.samples.iter().enumerate() {
-        let k = original.samples.iter().position(|s| *s == sample);
-        let k = k.unwrap_or_else(|| panic!("{what}: sample {sample} is new"));
-        let same = found.reference_deg[i] == original.reference_deg[k]
-            && found.position_deg[i] == original.position_deg[k];
-        assert!(same, "{what}: sample {sample} has other numbers");
+    for row in &found.rows {
+        let there = original
+            .rows
+            .iter()
+            .find(|other| other.sample == row.sample);
+        let there = there.unwrap_or_else(|| panic!("{what}: sample {} is new", row.sample));
+        assert_eq!(row, there, "{what}");
     }
 }
 
 #[test]
 fn todays_format_is_what_it_was() {
-    let golden = std::fs::read(data("recording-format-2-end-crc.csv")).unwrap();
+    let golden = std::fs::read(data("recording-format-3.csv")).unwrap();
     assert_eq!(
-        FORMAT, 2,
+        FORMAT, 3,
         "a new format needs a golden file of its own, and this one stays"
     );
     let text = String::from_utf8(small_bytes(Some(&Ending::Complete))).unwrap();
@@ -80,19 +82,27 @@ fn todays_format_is_what_it_was() {
 }
 
 #[test]
-fn recordings_of_earlier_formats_are_read() {
+fn recordings_of_every_format_are_read() {
     for (name, format) in [
         ("recording-format-1.csv", 1),
         ("recording-format-2.csv", 2),
         ("recording-format-2-end-crc.csv", 2),
+        ("recording-format-3.csv", 3),
     ] {
         let recording = Recording::read(&data(name)).unwrap();
         assert_eq!(recording.completeness, Completeness::Complete, "{name}");
         assert_eq!(recording.header.format, format);
         assert_eq!(recording.header.condition, "bench");
-        assert_eq!(recording.samples, (0..40).collect::<Vec<u64>>());
-        assert_eq!(recording.reference_deg[39], 7.5);
-        assert_eq!(recording.position_deg[0], -1.7399);
+        let frames = (0..FRAMES).map(frame);
+        let rows = frames.flat_map(|frame| frame.samples.map(|counts| (frame.pulse, counts)));
+        for (row, (sample, (pulse, counts))) in recording.rows.iter().zip((0..).zip(rows)) {
+            assert_eq!((row.sample, row.pulse, row.counts), (sample, pulse, counts));
+        }
+        let (reference, position) =
+            DegreeScale::of_recording(&recording.header).columns(&recording.rows);
+        assert_eq!((reference.len(), position.len()), (40, 40));
+        assert_eq!(reference[39], 7.5);
+        assert_eq!(position[0], -1.7399);
     }
 }
 
@@ -102,7 +112,7 @@ fn a_recording_of_a_later_format_says_so() {
     let path = dir.path().join("x.csv");
     std::fs::write(
         &path,
-        "# format = 3\n# new = \"thing\"\nsample,angle\n0,1\n",
+        "# format = 4\n# new = \"thing\"\nsample,angle\n0,1\n",
     )
     .unwrap();
     let said = refusal(&["identify", arg(&path)]);
@@ -125,11 +135,7 @@ fn every_prefix_is_read_as_what_it_is() {
         // Whole frames whose last line end is there.
         let rows = text[..cut].get(first_row..).unwrap_or_default();
         let rows = rows.matches('\n').count();
-        assert_eq!(
-            found.samples.len(),
-            (rows / 10 * 10).min(40),
-            "cut at {cut}"
-        );
+        assert_eq!(found.rows.len(), (rows / 10 * 10).min(40), "cut at {cut}");
         require_rows_of(&found, &original, &format!("cut at {cut}"));
     }
 }
@@ -139,7 +145,7 @@ fn require_same_or_damaged(found: &Recording, original: &Recording, what: &str) 
     let state = |recording: &Recording| {
         (
             recording.completeness.clone(),
-            recording.samples.clone(),
+            recording.rows.clone(),
             recording.lost_samples.clone(),
         )
     };
@@ -172,7 +178,7 @@ fn what_an_editor_does_to_a_text_is_undone() {
         let found = parse(changed.as_bytes()).unwrap();
         assert_eq!(found.completeness, Completeness::Complete);
         assert_eq!(found.header, original.header);
-        assert_eq!(found.samples, original.samples);
+        assert_eq!(found.rows, original.rows);
     }
     // One carriage return is no editor's.
     let one = text.replacen("\n10,", "\r\n10,", 1);
@@ -299,7 +305,7 @@ fn require_saved(changed: &[u8], original: &Recording, row_hit: Option<usize>, w
     );
     if let Some(row) = row_hit {
         let least = if row % 10 == 0 { 20 } else { 30 };
-        let rows = found.samples.len();
+        let rows = found.rows.len();
         assert!(rows >= least, "{what}: {rows} rows");
         require_rows_of(&found, original, what);
     }
@@ -415,9 +421,5 @@ fn a_full_disk_ends_with_a_sentence_and_keeps_the_rows() {
     assert!(said.contains("keeps all rows up to the failure"), "{said}");
     let recording = recording.unwrap();
     assert!(matches!(recording.completeness, Completeness::Partial(_)));
-    assert!(
-        recording.samples.len() > 1_000,
-        "{}",
-        recording.samples.len()
-    );
+    assert!(recording.rows.len() > 1_000, "{}", recording.rows.len());
 }

@@ -4,7 +4,7 @@
 
 use crate::support::data;
 use proptest::prelude::*;
-use servoid::rig::RigFile;
+use servoid::rig_file::RigFile;
 use servoid::table::Table;
 use servoid_protocol::{Degrees, PulseWidth};
 use servoid_test_support::trials::any_bytes::read_as_a_recording;
@@ -29,8 +29,8 @@ fn nearly(original: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
     })
 }
 
-fn golden() -> Vec<u8> {
-    std::fs::read(data("recording-format-2.csv")).unwrap()
+fn golden(format: u32) -> Vec<u8> {
+    std::fs::read(data(&format!("recording-format-{format}.csv"))).unwrap()
 }
 
 proptest! {
@@ -40,7 +40,7 @@ proptest! {
     }
 
     #[test]
-    fn nearly_a_recording(bytes in nearly(golden())) {
+    fn nearly_a_recording(bytes in prop_oneof![nearly(golden(2)), nearly(golden(3))]) {
         read_as_a_recording(&bytes);
     }
 

@@ -40,7 +40,7 @@ fn goes_all_the_way(options: &[&str], expected: &[(&str, i64)]) {
     }
     let frames = recording.header.reference_frames as usize;
     let rest = 2 * usize::from(ROLL_FRAMES) * SAMPLES_PER_FRAME;
-    assert_eq!(recording.samples.len(), frames * SAMPLES_PER_FRAME + rest);
+    assert_eq!(recording.rows.len(), frames * SAMPLES_PER_FRAME + rest);
     let used = load(std::slice::from_ref(&first), &DatasetOptions::default()).unwrap();
     assert_eq!(used.record.samples(), frames * SAMPLES_PER_FRAME);
 
@@ -216,11 +216,12 @@ fn several_runs_are_several_recordings_with_noise_of_their_own() {
         .map(|file| Recording::read(file).unwrap())
         .collect();
     assert!(!out.exists());
+    let pulses = |run: &Recording| run.rows.iter().map(|row| row.pulse).collect::<Vec<_>>();
     for run in &runs {
         assert_eq!(run.completeness, Completeness::Complete);
-        assert_eq!(run.reference_deg, runs[0].reference_deg);
+        assert_eq!(pulses(run), pulses(&runs[0]));
     }
-    assert_ne!(runs[0].position_deg, runs[1].position_deg);
+    assert_ne!(runs[0].rows, runs[1].rows);
     let data = load(&files, &DatasetOptions::default()).unwrap();
     assert_eq!(data.record.runs().len(), 3);
     // None is replaced, and none is made where one is in the way.

@@ -8,7 +8,8 @@ use servoid::recording::{
     Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError,
 };
 use servoid::rig::capture::CaptureError;
-use servoid::rig::{Capture, RigClient, RigFile, TalkError};
+use servoid::rig::{Capture, RigClient, TalkError};
+use servoid::rig_file::RigFile;
 use servoid_protocol::message::Refusal;
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::{Counts, Frame, PulseWidth, Reference, RigMessage, framing};
@@ -29,7 +30,7 @@ fn record_unarmed(file: &Path, force: bool, stop: bool) -> CaptureError {
     let mut client = RigClient::connect_as(port::open("sim:bench").unwrap(), "sim", 1).unwrap();
     let capture = Capture::new(RigFile::default(), Reference::Staircase(Staircase::PAPER));
     let header = Header::of_run(client.hello(), &capture.rig, &capture.start);
-    let writer = reserved.begin(&header).unwrap();
+    let writer = RecordingWriter::begin(reserved, &header).unwrap();
     capture
         .record(
             &mut client,
@@ -75,7 +76,7 @@ fn an_empty_file_is_not_in_the_way() {
 /// A recording to a file that nobody else writes to.
 fn recording_under_way(file: &Path) -> RecordingWriter {
     let reserved = ReservedFile::new(file, false).unwrap();
-    reserved.begin(&Header::default()).unwrap()
+    RecordingWriter::begin(reserved, &Header::default()).unwrap()
 }
 
 #[test]
@@ -103,7 +104,7 @@ fn a_file_that_is_removed_under_way_is_put_back_or_beside_the_one_in_its_place()
     let file = dir.path().join("x.csv");
     for (replaced, name) in [(false, "x.csv"), (true, "x-rescued-1.csv")] {
         let reserved = ReservedFile::new(&file, true).unwrap();
-        let mut writer = reserved.begin(&Header::default()).unwrap();
+        let mut writer = RecordingWriter::begin(reserved, &Header::default()).unwrap();
         writer.append(&frame(0)).unwrap();
         std::fs::remove_file(&file).unwrap();
         if replaced {
@@ -116,7 +117,7 @@ fn a_file_that_is_removed_under_way_is_put_back_or_beside_the_one_in_its_place()
         assert_eq!(kept, dir.path().join(name));
         let rescued = Recording::read(&kept).unwrap();
         assert_eq!(rescued.completeness, Completeness::Complete);
-        assert_eq!(rescued.samples.len(), 10);
+        assert_eq!(rescued.rows.len(), 10);
     }
     assert_eq!(std::fs::read_to_string(&file).unwrap(), "another's");
 }
@@ -209,7 +210,7 @@ fn a_recording_is_recovered_onto_itself() {
     let text = std::fs::read_to_string(data("recording-format-2.csv")).unwrap();
     std::fs::write(&file, text.replace("\n15,0.030,", "\n15,0.031,")).unwrap();
     run(&["recover", arg(&file), "-o", arg(&file), "--force"]);
-    assert_eq!(Recording::read(&file).unwrap().samples.len(), 30);
+    assert_eq!(Recording::read(&file).unwrap().rows.len(), 30);
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use servoid::port::Port;
 use servoid::recording::Ending;
 use servoid::rig::capture::{Capture, CaptureError};
-use servoid::rig::{RigClient, RigFile, TalkError};
+use servoid::rig::{RigClient, TalkError};
+use servoid::rig_file::RigFile;
 use servoid_protocol::message::{Activity, Start};
 use servoid_protocol::{Command, Request, framing};
 use servoid_simulator::InProcessRig;

@@ -1,6 +1,7 @@
 //! Any bytes as a recording, for the tests and for the fuzz target alike: they are read as what they are, and
 //! what is saved of them is a recording.
 
+use servoid::degrees::DegreeScale;
 use servoid::recording::{Recording, RecordingWriter, Target, recover};
 use std::cell::RefCell;
 use std::io::{Result, Write};
@@ -37,8 +38,9 @@ impl Target for Memory {
 pub fn read_as_a_recording(bytes: &[u8]) {
     let path = Path::new("x.csv");
     if let Ok(recording) = Recording::parse(bytes, path) {
-        assert!(recording.samples.is_sorted_by(|a, b| a < b));
-        let (input, output) = recording.columns(recording.reference_samples());
+        assert!(recording.rows.is_sorted_by(|a, b| a.sample < b.sample));
+        let rows = recording.rows_of(recording.reference_samples());
+        let (input, output) = DegreeScale::of_recording(&recording.header).columns(rows);
         assert_eq!(input.len(), output.len());
     }
     let Ok(saved) = recover(bytes, path) else {
@@ -55,5 +57,5 @@ pub fn read_as_a_recording(bytes: &[u8]) {
     saved.write(writer).expect("memory takes all");
     let bytes = memory.0.borrow();
     let again = Recording::parse(&bytes, path).expect("what is saved reads well");
-    assert_eq!(again.samples.len(), saved.rows());
+    assert_eq!(again.rows.len(), saved.rows());
 }

@@ -3,9 +3,11 @@
 use servoid::port::Port;
 use servoid::recording::{Completeness, Ending, Header, Recording, RecordingWriter, Target};
 use servoid::rig::capture::CaptureError;
-use servoid::rig::{Capture, RigClient, RigFile, StopReason};
+use servoid::rig::{Capture, RigClient, StopReason};
+use servoid::rig_file::RigFile;
 use servoid_protocol::message::Start;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use servoid_protocol::{Counts, PulseWidth};
 use servoid_simulator::SimulatedFrame;
 use std::cell::RefCell;
 use std::io::{Result as IoResult, Write};
@@ -102,7 +104,7 @@ pub fn check(
     log: &[SimulatedFrame],
 ) -> Result<Outcome, String> {
     let recording = Recording::parse(bytes, Path::new("x.csv")).map_err(|e| e.to_string())?;
-    let frames = frames(&recording, bytes)?;
+    let frames = frames(&recording)?;
     require_truth(&frames, log)?;
     // A file that could not be closed has no line to name anything in.
     let closed = bytes.windows(9).any(|place| place == b"\n# end = ");
@@ -130,37 +132,26 @@ pub fn check(
     }
 }
 
-/// Number, reference (deg) and counts of one frame.
-type Read = (u64, f64, Vec<u16>);
+/// Number, pulse and counts of one frame.
+type Read = (u64, PulseWidth, Vec<Counts>);
 
-fn frames(recording: &Recording, bytes: &[u8]) -> Result<Vec<Read>, String> {
-    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
-    let counts: Vec<u16> = text
-        .lines()
-        .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()))
-        .filter_map(|line| line.rsplit(',').next()?.parse().ok())
-        .collect();
-    if counts.len() != recording.samples.len() || !counts.len().is_multiple_of(SAMPLES_PER_FRAME) {
-        return Err("the rows are no whole frames".to_owned());
-    }
-    let read = counts.chunks(SAMPLES_PER_FRAME).enumerate();
-    Ok(read
-        .map(|(i, counts)| {
-            let at = i * SAMPLES_PER_FRAME;
-            let number = recording.samples[at] / SAMPLES_PER_FRAME as u64;
-            (number, recording.reference_deg[at], counts.to_vec())
-        })
-        .collect())
+fn frames(recording: &Recording) -> Result<Vec<Read>, String> {
+    let frames = recording.rows.chunks(SAMPLES_PER_FRAME);
+    let read = frames.map(|rows| {
+        let [first, ..] = rows else { return None };
+        let counts = rows.iter().map(|row| row.counts).collect();
+        let number = first.sample / SAMPLES_PER_FRAME as u64;
+        (rows.len() == SAMPLES_PER_FRAME).then_some((number, first.pulse, counts))
+    });
+    let read: Option<Vec<Read>> = read.collect();
+    read.ok_or_else(|| "the rows are no whole frames".to_owned())
 }
 
 /// All frames are the board's, at one and the same place of its log.
 fn require_truth(frames: &[Read], log: &[SimulatedFrame]) -> Result<(), String> {
-    let rig = RigFile::default();
-    let same = |(number, reference, counts): &Read, offset: usize| {
-        log.get(offset + *number as usize).is_some_and(|truth| {
-            truth.samples.iter().map(|c| c.0).eq(counts.iter().copied())
-                && truth.pulse.map(|p| rig.servo_scale().degrees(p).0) == Some(*reference)
-        })
+    let same = |(number, pulse, counts): &Read, offset: usize| {
+        log.get(offset + *number as usize)
+            .is_some_and(|truth| truth.samples[..] == counts[..] && truth.pulse == Some(*pulse))
     };
     let fits = |offset: &usize| frames.iter().all(|frame| same(frame, *offset));
     if frames.is_empty() || (0..log.len()).any(|offset| fits(&offset)) {

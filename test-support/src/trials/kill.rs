@@ -100,11 +100,16 @@ fn serve_until_killed(
 
 impl Killed {
     fn hold_against(&self, recording: &Recording) -> Result<Cost, String> {
-        let rows = recording.samples.len();
+        let rows = recording.rows.len();
         if !matches!(recording.completeness, Completeness::Partial(_)) {
             return Err("it is not partial".to_owned());
         }
-        if !recording.samples.iter().copied().eq(0..rows as u64) {
+        if !recording
+            .rows
+            .iter()
+            .map(|row| row.sample)
+            .eq(0..rows as u64)
+        {
             return Err("its rows are not the first ones".to_owned());
         }
         let made = self.newest.map_or(0, |index| u32::from(index) + 1);

@@ -10,12 +10,13 @@ use super::prompts;
 use super::rig_args::RigArgs;
 use super::usage::wrong_usage;
 use crate::commands::output_files;
+use crate::data::rig_file::RigFile;
 use crate::data::rig_file::SensorSection;
 use crate::instrument::calibration::{
     Calibration, Found, Mover, Reading, Rest, Travel, put_into, require_followed,
 };
 use crate::instrument::port;
-use crate::instrument::rig::{RigClient, RigFile};
+use crate::instrument::rig::RigClient;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
 use measured::{DOUBT_PERCENT, Measured};

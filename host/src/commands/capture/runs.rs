@@ -3,10 +3,11 @@
 use super::monitor::Monitor;
 use crate::commands::ctrl_c;
 use crate::commands::output_args::Talk;
-use crate::data::recording::{Ending, Header, ReservedFile, WriteError};
+use crate::data::recording::{Ending, Header, RecordingWriter, ReservedFile, WriteError};
+use crate::data::rig_file::RigFile;
 use crate::instrument::port;
 use crate::instrument::rig::capture::CaptureError;
-use crate::instrument::rig::{Capture, CaptureEnd, RigClient, RigFile};
+use crate::instrument::rig::{Capture, CaptureEnd, RigClient};
 use anyhow::{Context, Result, bail};
 use servoid_protocol::message::Command;
 use servoid_protocol::reference::Reference;
@@ -100,7 +101,7 @@ fn capture_run(
         port: job.address.to_owned(),
         ..Header::of_run(client.hello(), &job.rig, &capture.start)
     };
-    let writer = file.begin(&header)?;
+    let writer = RecordingWriter::begin(file, &header)?;
     let title = format!("{}  to {}", job.address, path.display());
     let run = monitor.begin(title, &capture, client.is_paced_by_reader())?;
     let mut kept = false;

@@ -1,6 +1,7 @@
 //! Recordings of this program.
 
 use super::{About, DatasetError, DatasetOptions, Loaded, run};
+use crate::data::degrees::DegreeScale;
 use crate::data::recording::{Completeness, ReadError, Recording};
 use servoid_identification::Run;
 use servoid_identification::advice::{Advice, Check};
@@ -19,21 +20,21 @@ pub(super) fn from_recording(
     } else {
         recording.reference_samples()
     };
-    let (input, mut output) = recording.columns(range.clone());
-    if input.is_empty() {
+    let scale = DegreeScale::of_recording(&recording.header);
+    let rows = recording.rows_of(range.clone());
+    if rows.is_empty() {
         return Err(DatasetError::NoReference {
             path: path.to_owned(),
             end: said_end(recording),
-            rows: recording.samples.len(),
+            rows: recording.rows.len(),
             begins: range.start,
         });
     }
-    let healthy = recording.header.healthy_degrees();
-    let broken = healthy.map_or(0, |range| drop_unhealthy(&mut output, range));
+    let (input, output) = scale.columns(rows);
     let run = run(input, output, path, options.at_rest)?;
     let rest = match options.with_rest {
         true => Vec::new(), // It is part of the run.
-        false => rest(recording, &range, healthy, path)?,
+        false => rest(recording, &range, &scale, path)?,
     };
     let phase_s = recording.header.sample_phase_s;
     if !(phase_s >= 0.0 && phase_s.is_finite()) {
@@ -50,7 +51,7 @@ pub(super) fn from_recording(
         rest,
         period_s: recording.header.sample_period_s,
         phase_s,
-        about: about(recording, path, options, broken),
+        about: about(recording, path, options, scale.unhealthy(rows)),
     })
 }
 
@@ -70,7 +71,7 @@ fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: u
         provenance: vec![provenance],
         ..About::default()
     };
-    let (shown, rows) = (path.display(), recording.samples.len());
+    let (shown, rows) = (path.display(), recording.rows.len());
     match &recording.completeness {
         Completeness::Complete => {}
         Completeness::Early(reason) => about.remarks.push(format!(
@@ -129,19 +130,14 @@ impl About {
 fn rest(
     recording: &Recording,
     reference: &Range<u64>,
-    healthy: Option<(f64, f64)>,
+    scale: &DegreeScale,
     path: &Path,
 ) -> Result<Vec<Run>, DatasetError> {
     [0..reference.start, reference.end..u64::MAX]
         .into_iter()
-        .map(|range| recording.columns(range))
+        .map(|range| scale.columns(recording.rows_of(range)))
         .filter(|(input, _)| !input.is_empty())
-        .map(|(input, mut output)| {
-            if let Some(range) = healthy {
-                drop_unhealthy(&mut output, range);
-            }
-            super::run(input, output, path, None)
-        })
+        .map(|(input, output)| super::run(input, output, path, None))
         .collect()
 }
 
@@ -164,15 +160,4 @@ pub(super) fn remark_on_named(bytes: &[u8], path: &Path) -> String {
         "{} is a recording of servoid, but with its columns named its rows are taken as they are, neither checked nor cut to the reference: {what}",
         path.display()
     )
-}
-
-/// Marks readings that no healthy sensor gives as missing; returns how many.
-fn drop_unhealthy(output: &mut [f64], (lowest, highest): (f64, f64)) -> usize {
-    // Positions are written with four decimals, so the range's own ends may seem to be beyond it.
-    let slack = 1e-3;
-    let healthy = (lowest - slack)..=(highest + slack);
-    let broken = output
-        .iter_mut()
-        .filter(|y| !y.is_nan() && !healthy.contains(*y));
-    broken.map(|y| *y = f64::NAN).count()
 }

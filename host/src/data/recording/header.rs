@@ -1,13 +1,14 @@
 //! The comment lines above the rows: where a recording comes from.
 
-use super::FORMAT;
-use crate::data::recording::as_toml;
-use crate::instrument::rig::RigFile;
+use super::reference_toml::as_toml;
+use crate::data::rig_file::RigFile;
 use serde::{Deserialize, Serialize};
-use servoid_protocol::framing::CRC;
 use servoid_protocol::message::Start;
-use servoid_protocol::{Counts, Hello, PulseWidth, SensorScale, ServoScale};
+use servoid_protocol::{Hello, PulseWidth, SensorScale, ServoScale};
 use toml::{Table, Value};
+
+/// Version of the format; a reader refuses a higher one.
+pub const FORMAT: u32 = 3;
 
 /// How every recording begins.
 pub(super) const FIRST_LINE: &str = "# format = ";
@@ -172,22 +173,9 @@ impl Header {
             .collect()
     }
 
-    /// Marks what the rows of a recording with a damaged header do not prove.
-    ///
-    /// Each row has its time beside its sample number and its position beside its counts: they prove
-    /// the period, and as soon as two different counts are there, the sensor's scale. All else is
-    /// taken as the damaged header has it.
-    pub(super) fn mark_unproved(&mut self, scale_is_proved: bool) {
-        let proved: &[&str] = if scale_is_proved {
-            &[
-                "format",
-                "sample_period_s",
-                "zero_counts",
-                "degrees_per_count",
-            ]
-        } else {
-            &["format", "sample_period_s"]
-        };
+    /// Marks the values of a damaged header that nothing proves. `proved` are the keys of those that the
+    /// rows prove.
+    pub(super) fn mark_unproved(&mut self, proved: &[&str]) {
         let value = Value::try_from(&*self).unwrap_or_else(|_| Value::Table(Table::new()));
         let fields = value.as_table().into_iter().flatten();
         let unproved: Vec<String> = fields
@@ -213,7 +201,7 @@ impl Header {
             .map(|(key, value)| format!("# {key} = {}\n", on_one_line(value)))
             .collect();
         let lines = format!("{FIRST_LINE}{}\n{lines}", self.format);
-        let crc32 = CRC.checksum(lines.as_bytes());
+        let crc32 = crc32fast::hash(lines.as_bytes());
         Ok(format!("{lines}# {HEADER_CRC} = \"{crc32:08x}\"\n"))
     }
 
@@ -224,17 +212,6 @@ impl Header {
             neutral: PulseWidth(self.neutral_us),
             us_per_degree: self.us_per_degree,
         }
-    }
-
-    /// The smallest and the largest angle that a healthy sensor can report (deg), where that was
-    /// written down.
-    #[must_use]
-    pub fn healthy_degrees(&self) -> Option<(f64, f64)> {
-        let sensor = self.sensor_scale();
-        let [a, b] = self
-            .healthy_counts?
-            .map(|counts| sensor.degrees(Counts(counts)).0);
-        Some((a.min(b), a.max(b)))
     }
 
     /// How counts become degrees.

@@ -1,9 +1,8 @@
 //! Reading a recording as what it is: complete, partial, or damaged.
 
+use super::header::{FORMAT, Header};
 use super::row::{MOST_SAMPLES, Row};
-pub use super::scan::is_recording;
 use super::scan::{Damage, LastLine, Newer, Scan, scan};
-use super::{FORMAT, Header};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -25,12 +24,8 @@ pub enum Completeness {
 pub struct Recording {
     /// Where it comes from.
     pub header: Header,
-    /// Sample numbers, rising; a number that is left out is a lost sample.
-    pub samples: Vec<u64>,
-    /// What the servo was told, by sample (deg).
-    pub reference_deg: Vec<f64>,
-    /// What the sensor saw, by sample (deg).
-    pub position_deg: Vec<f64>,
+    /// Its rows. Their sample numbers rise; a number that is left out is a lost sample.
+    pub rows: Vec<Row>,
     /// Whether all of the run is there.
     pub completeness: Completeness,
     /// The samples that the last line names as lost.
@@ -132,11 +127,8 @@ impl Recording {
             path: path.to_owned(),
             what,
         })?;
-        let column = |value: fn(&Row) -> f64| scanned.rows.iter().map(value).collect();
         Ok(Self {
-            samples: scanned.rows.iter().map(|row| row.sample).collect(),
-            reference_deg: column(|row| row.reference_deg),
-            position_deg: column(|row| row.position_deg),
+            rows: scanned.rows,
             header: scanned.header,
             completeness,
             lost_samples,
@@ -154,32 +146,14 @@ impl Recording {
         }
     }
 
-    /// Input and output of the samples within `range`, one place per sample from the first to the
-    /// last that is there, NaN where one is lost in between.
+    /// The rows of the samples within `range`.
     #[must_use]
-    pub fn columns(&self, range: Range<u64>) -> (Vec<f64>, Vec<f64>) {
+    pub fn rows_of(&self, range: Range<u64>) -> &[Row] {
         // Sample numbers rise.
-        let at = |sample: u64| self.samples.partition_point(|&there| there < sample);
-        let rows = at(range.start)..at(range.end);
-        let samples = self.samples.get(rows.clone()).unwrap_or_default();
-        let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
-            return (Vec::new(), Vec::new());
-        };
-        // A file cannot make this allocate more than a long run takes: see `row::MOST_SAMPLES`.
-        let length = (last - first) as usize + 1;
-        let placed = |column: &[f64]| {
-            let mut placed = vec![f64::NAN; length];
-            for (sample, &value) in samples
-                .iter()
-                .zip(column.get(rows.clone()).unwrap_or_default())
-            {
-                if let Some(place) = placed.get_mut((sample - first) as usize) {
-                    *place = value;
-                }
-            }
-            placed
-        };
-        (placed(&self.reference_deg), placed(&self.position_deg))
+        let at = |sample: u64| self.rows.partition_point(|row| row.sample < sample);
+        self.rows
+            .get(at(range.start)..at(range.end))
+            .unwrap_or_default()
     }
 }
 

@@ -1,19 +1,22 @@
 //! Saving what is sound of a recording that is not readable as it is.
 //!
-//! Nothing is guessed. A frame is kept when all of its ten rows say the same thing twice: the time
-//! that of the sample number, the position that of the counts, the pulse one for the whole frame. A
-//! frame with a damaged row is dropped whole and named as lost.
+//! Nothing is guessed. A frame is kept when each of its ten rows agrees with itself, the time with the sample
+//! number and the degrees with the pulse and the counts, and all have one pulse. A frame with a damaged
+//! row is dropped whole and named as lost.
 
-use super::reader::{ReadError, judge};
-use super::row::Row;
-use super::scan::{LastLine, Newer, SAMPLE_PERIOD_S, scan};
-use super::{Completeness, Ending, FORMAT, Header, RecordingWriter, WriteError};
+use super::header::{FORMAT, Header};
+use super::last_line::Ending;
+use super::reader::{Completeness, ReadError, judge};
+use super::row::{Row, SAMPLE_PERIOD_S};
+use super::scan::{LastLine, Newer, scan};
+use super::write_error::WriteError;
+use super::writer::RecordingWriter;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_protocol::{Counts, Frame};
 use std::ops::Range;
 use std::path::Path;
 
-/// Findings that are told one by one: the header of what is saved keeps them.
+/// Findings that are listed one by one: the header of the saved recording keeps them.
 const MOST_FINDINGS: usize = 20;
 
 /// What could be saved.
@@ -75,7 +78,7 @@ pub fn recover(bytes: &[u8], path: &Path) -> Result<Recovered, ReadError> {
     header.format = FORMAT;
     header.sample_period_s = SAMPLE_PERIOD_S;
     if !scanned.header_is_sound {
-        header.mark_unproved(scale_is_proved(&frames));
+        header.mark_unproved(&proved(&frames, scanned.has_pulse));
         findings.push(format!(
             "the header was damaged, and the rows do not prove these of its values: {}",
             header.unproved
@@ -90,11 +93,22 @@ pub fn recover(bytes: &[u8], path: &Path) -> Result<Recovered, ReadError> {
     })
 }
 
-/// Whether the rows fix zero and scale of the sensor: two different counts do.
-fn scale_is_proved(frames: &[Frame]) -> bool {
-    let mut counts = frames.iter().flat_map(|frame| frame.samples);
-    let first = counts.next();
-    counts.any(|other| Some(other) != first)
+/// The values of the header that the rows prove: the period, and as soon as two different counts are there
+/// the sensor's scale, by the degrees beside them; likewise the servo's scale, where the pulse has a column.
+fn proved(frames: &[Frame], has_pulse: bool) -> Vec<&'static str> {
+    let mut proved = vec!["format", "sample_period_s"];
+    if differ(frames.iter().flat_map(|frame| frame.samples)) {
+        proved.extend(["zero_counts", "degrees_per_count"]);
+    }
+    if has_pulse && differ(frames.iter().map(|frame| frame.pulse)) {
+        proved.extend(["neutral_us", "us_per_degree"]);
+    }
+    proved
+}
+
+fn differ<T: PartialEq>(mut values: impl Iterator<Item = T>) -> bool {
+    let first = values.next();
+    values.any(|other| Some(other) != first)
 }
 
 impl Recovered {
@@ -131,13 +145,13 @@ fn frame(rows: &[Row]) -> Option<Frame> {
     let first = rows.first()?;
     let counts: Vec<Counts> = rows.iter().map(|row| row.counts).collect();
     // Format 1 does not promise whole frames of one pulse.
-    rows.iter()
-        .all(|row| row.pulse == first.pulse)
-        .then_some(())?;
+    if rows.iter().any(|row| row.pulse != first.pulse) {
+        return None;
+    }
     Some(Frame {
         run: 0,
         index: u16::try_from(index(first)).ok()?,
-        pulse: first.pulse?,
+        pulse: first.pulse,
         samples: counts.try_into().ok()?,
     })
 }

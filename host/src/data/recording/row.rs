@@ -1,31 +1,39 @@
-//! One row: written, read, and held against itself.
+//! One row, and how it is written.
 
-use super::Header;
-use super::scan::SAMPLE_PERIOD_S;
+use super::header::Header;
 use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
-use servoid_protocol::{Counts, Degrees, PulseWidth, SensorScale, ServoScale};
+use servoid_protocol::{Counts, PulseWidth, SensorScale, ServoScale};
 use std::fmt::Write as _;
+
+/// The names of the columns. The degrees follow from the pulse and the counts, which are the data.
+pub const COLUMNS: &str = "sample,time_s,reference_deg,position_deg,pulse_us,counts";
+
+/// The names of the columns in formats 1 and 2.
+pub(super) const COLUMNS_WITHOUT_PULSE: &str = "sample,time_s,reference_deg,position_deg,counts";
+
+/// Time between rows (s).
+pub(super) const SAMPLE_PERIOD_S: f64 = SAMPLE_US as f64 * 1e-6;
 
 /// The longest run that the wire can number: 65 536 frames of 10 samples. A sample number beyond
 /// it is damage, and must not decide how much memory is taken.
 pub(super) const MOST_SAMPLES: u64 = 65_536 * SAMPLES_PER_FRAME as u64;
 
-/// How numbers become a row.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RowFormat {
-    servo: ServoScale,
-    sensor: SensorScale,
+/// The data of one row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// Number of the sample, from the first one of the run.
+    pub sample: u64,
+    /// The pulse that was applied.
+    pub pulse: PulseWidth,
+    /// The raw reading of the sensor.
+    pub counts: Counts,
 }
 
-/// One row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Row {
-    pub(super) sample: u64,
-    pub(super) reference_deg: f64,
-    pub(super) position_deg: f64,
-    pub(super) counts: Counts,
-    /// The pulse that commands the reference, to the nearest microsecond.
-    pub(super) pulse: Option<PulseWidth>,
+/// The scales by which rows are written.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowFormat {
+    pub(super) servo: ServoScale,
+    pub(super) sensor: SensorScale,
 }
 
 impl RowFormat {
@@ -37,81 +45,29 @@ impl RowFormat {
     }
 
     /// Appends a row and its line end.
-    pub(super) fn write(&self, text: &mut String, sample: u64, pulse: PulseWidth, counts: Counts) {
+    pub(super) fn write(&self, text: &mut String, row: Row) {
         // Whole microseconds, so that no row's time carries a rounding of its own.
-        let time_us = sample.saturating_mul(SAMPLE_US.into());
+        let time_us = row.sample.saturating_mul(SAMPLE_US.into());
         let _infallible = writeln!(
             text,
-            "{sample},{}.{:03},{},{:.4},{}",
+            "{},{}.{:03},{},{},{},{}",
+            row.sample,
             time_us / 1_000_000,
             time_us % 1_000_000 / 1000,
-            self.servo.degrees(pulse).0,
-            self.sensor.degrees(counts).0,
-            counts.0
+            self.reference_text(row.pulse),
+            self.position_text(row.counts),
+            row.pulse.0,
+            row.counts.0,
         );
     }
 
-    /// Reads a row, without its line end.
-    pub(super) fn read(&self, line: &[u8]) -> Result<Row, &'static str> {
-        let line = std::str::from_utf8(line).map_err(|_| "it is not text")?;
-        let mut fields = line.split(',');
-        let mut next = || fields.next().ok_or("it has too few fields");
-        let (sample, time) = (next()?, next()?);
-        let (reference, position) = (next()?, next()?);
-        let counts = next()?;
-        if fields.next().is_some() {
-            return Err("it has too many fields");
-        }
-        let sample: u64 = sample
-            .parse()
-            .map_err(|_| "the sample number is no whole number")?;
-        if sample >= MOST_SAMPLES {
-            return Err("the sample number is beyond any run");
-        }
-        // Half a period is beyond any rounding, and less than the next sample.
-        if (finite(time)? - sample as f64 * SAMPLE_PERIOD_S).abs() > 0.5 * SAMPLE_PERIOD_S {
-            return Err("its time is not that of its sample number");
-        }
-        let reference_deg = finite(reference)?;
-        Ok(Row {
-            sample,
-            reference_deg,
-            position_deg: finite(position)?,
-            counts: Counts(
-                counts
-                    .parse()
-                    .map_err(|_| "the counts are no whole number")?,
-            ),
-            pulse: self.servo.pulse(Degrees(reference_deg)),
-        })
+    /// The angle that a pulse commands, as it is written.
+    pub(super) fn reference_text(&self, pulse: PulseWidth) -> String {
+        self.servo.degrees(pulse).0.to_string()
     }
 
-    /// Reads a row that a [`RowFormat`] has written: the time must be that of the sample, the
-    /// position that of the counts, and the reference a whole number of microseconds.
-    pub(super) fn read_exactly(&self, line: &[u8]) -> Result<Row, &'static str> {
-        let row = self.read(line)?;
-        let pulse = row.pulse.ok_or("there is no pulse for its reference")?;
-        let mut written = String::new();
-        self.write(&mut written, row.sample, pulse, row.counts);
-        if written.trim_end().as_bytes() == line {
-            return Ok(row);
-        }
-        let differs = |field| {
-            let as_written = written.trim_end().split(',').nth(field).map(str::as_bytes);
-            line.split(|&b| b == b',').nth(field) != as_written
-        };
-        Err(match [1, 2, 3].map(differs) {
-            [true, ..] => "its time is not that of its sample number",
-            [_, true, _] => "its reference is not that of a whole microsecond",
-            [_, _, true] => "its position is not that of its counts",
-            _ => "a number is not written as servoid writes it",
-        })
-    }
-}
-
-fn finite(text: &str) -> Result<f64, &'static str> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        _ => Err("a field is no number"),
+    /// The angle that counts stand for, as it is written.
+    pub(super) fn position_text(&self, counts: Counts) -> String {
+        format!("{:.4}", self.sensor.degrees(counts).0)
     }
 }

@@ -1,5 +1,6 @@
 //! Why a recording could not be written.
 
+use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Why a recording could not be written. The text says what to do.
@@ -29,7 +30,7 @@ pub enum WriteError {
         /// Which.
         path: PathBuf,
         /// What the system said.
-        reason: std::io::Error,
+        reason: Error,
     },
     /// Another program writes to it.
     #[error(
@@ -69,7 +70,7 @@ pub enum WriteError {
         /// Rows that are on the disk.
         rows: u64,
         /// What the system said.
-        reason: std::io::Error,
+        reason: Error,
     },
 }
 
@@ -81,6 +82,20 @@ impl WriteError {
             Self::Folder { path }
         } else {
             Self::Exists { path }
+        }
+    }
+
+    /// That `path` cannot be made, and why.
+    pub(crate) fn not_created(path: &Path, reason: Error) -> Self {
+        match reason.kind() {
+            ErrorKind::AlreadyExists | ErrorKind::IsADirectory => Self::exists(path),
+            ErrorKind::NotFound => Self::NoFolder {
+                path: path.to_owned(),
+            },
+            _ => Self::NotCreated {
+                path: path.to_owned(),
+                reason,
+            },
         }
     }
 }

@@ -1,34 +1,14 @@
 //! Writing a recording so that what has been captured survives whatever comes next.
 
-use super::reserved::ReservedFile;
-use super::row::RowFormat;
-use super::{COLUMNS, Ending, Header, WriteError};
+use super::header::Header;
+use super::last_line::Ending;
+use super::reserved_file::ReservedFile;
+use super::row::{COLUMNS, Row, RowFormat};
+use super::target::Target;
+use super::write_error::WriteError;
 use servoid_protocol::Frame;
-use servoid_protocol::framing::CRC;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// Where a recording is written to: a file, as a rule.
-pub trait Target: Write {
-    /// Takes back everything beyond the first `length` bytes.
-    ///
-    /// # Errors
-    /// When that cannot be done.
-    fn cut_to(&mut self, length: u64) -> std::io::Result<()>;
-
-    /// Waits until everything is where a power cut cannot touch it.
-    ///
-    /// # Errors
-    /// When that cannot be done.
-    fn settle(&mut self) -> std::io::Result<()>;
-
-    /// Puts what was written where it can be found, after its own name has been taken from it; returns where
-    /// that is.
-    fn rescue(&mut self) -> Option<PathBuf> {
-        None
-    }
-}
 
 /// A recording that is being written.
 pub struct RecordingWriter {
@@ -40,7 +20,7 @@ pub struct RecordingWriter {
     rows: u64,
     /// Length of the file up to the last whole frame (bytes).
     bytes: u64,
-    digest: crc::Digest<'static, u32, crc::Table<1>>,
+    digest: crc32fast::Hasher,
 }
 
 impl RecordingWriter {
@@ -49,9 +29,18 @@ impl RecordingWriter {
     /// # Errors
     /// [`WriteError`].
     pub fn create(path: &Path, force: bool, header: &Header) -> Result<Self, WriteError> {
-        let mut writer = ReservedFile::new(path, force)?.begin(header)?;
+        let mut writer = Self::begin(ReservedFile::new(path, force)?, header)?;
         writer.begin_file()?;
         Ok(writer)
+    }
+
+    /// A writer that replaces what is in `file` with the first frame or the end.
+    ///
+    /// # Errors
+    /// [`WriteError::NotCreated`].
+    pub fn begin(file: ReservedFile, header: &Header) -> Result<Self, WriteError> {
+        let path = file.path().to_owned();
+        Self::waiting(Box::new(file), &path, header)
     }
 
     /// Writes the header to `target`; `path` is what error texts call it.
@@ -65,11 +54,7 @@ impl RecordingWriter {
     }
 
     /// A writer that leaves `target` as it is until the first frame or the end.
-    pub(super) fn waiting(
-        target: Box<dyn Target>,
-        path: &Path,
-        header: &Header,
-    ) -> Result<Self, WriteError> {
+    fn waiting(target: Box<dyn Target>, path: &Path, header: &Header) -> Result<Self, WriteError> {
         let lines = header.to_lines().map_err(|error| WriteError::NotCreated {
             path: path.to_owned(),
             reason: std::io::Error::other(error),
@@ -77,11 +62,11 @@ impl RecordingWriter {
         Ok(Self {
             target,
             path: path.to_owned(),
-            header: Some(format!("{lines}{}\n", COLUMNS.join(","))),
+            header: Some(format!("{lines}{COLUMNS}\n")),
             format: RowFormat::new(header),
             rows: 0,
             bytes: 0,
-            digest: CRC.digest(),
+            digest: crc32fast::Hasher::new(),
         })
     }
 
@@ -129,10 +114,15 @@ impl RecordingWriter {
     /// [`WriteError::Stopped`]; the rows before this frame are kept.
     pub fn append(&mut self, frame: &Frame) -> Result<(), WriteError> {
         self.begin_file()?;
-        let mut text = String::with_capacity(SAMPLES_PER_FRAME * 40);
+        let mut text = String::with_capacity(SAMPLES_PER_FRAME * 48);
         let first = u64::from(frame.index) * SAMPLES_PER_FRAME as u64;
         for (sample, counts) in (first..).zip(frame.samples) {
-            self.format.write(&mut text, sample, frame.pulse, counts);
+            let row = Row {
+                sample,
+                pulse: frame.pulse,
+                counts,
+            };
+            self.format.write(&mut text, row);
         }
         // In one piece, so that a program that dies leaves whole frames.
         self.target
@@ -184,7 +174,7 @@ mod tests {
     use crate::data::recording::{Completeness, Recording};
     use servoid_protocol::{Counts, PulseWidth};
     use std::cell::RefCell;
-    use std::io::{Error, ErrorKind, Result as IoResult};
+    use std::io::{Error, ErrorKind, Result as IoResult, Write};
     use std::rc::Rc;
 
     /// A disk with room for so many bytes, which takes part of what does not fit.
@@ -254,7 +244,7 @@ mod tests {
                 };
                 let closed = writer.finish(&Ending::Complete);
                 let recording = Recording::parse(&disk.bytes.borrow(), path).unwrap();
-                let rows = recording.samples.len() as u64;
+                let rows = recording.rows.len() as u64;
                 assert_eq!(rows, u64::from(index) * 10, "{room}");
                 let said = matches!(stopped, WriteError::Stopped { rows: r, .. } if r == rows);
                 assert!(said, "{stopped}");

@@ -1,8 +1,9 @@
 //! Brings the servo to positions, and reads the sensor once it rests there.
 
 use crate::data::recording::{Ending, Header, RecordingWriter, Target};
+use crate::data::rig_file::RigFile;
 use crate::instrument::rig::capture::CaptureError;
-use crate::instrument::rig::{Capture, RigClient, RigFile, StopReason, TalkError};
+use crate::instrument::rig::{Capture, RigClient, StopReason, TalkError};
 use serde::Serialize;
 use servoid_protocol::reference::{MAX_STEPS, Reference, Step, Steps};
 use servoid_protocol::timing::FRAMES_PER_SECOND;

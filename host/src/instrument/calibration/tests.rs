@@ -1,8 +1,9 @@
 //! The sensor's calibration through a simulated rig, against what the simulator knows.
 
 use super::*;
+use crate::data::rig_file::RigFile;
 use crate::instrument::port;
-use crate::instrument::rig::{RigClient, RigFile};
+use crate::instrument::rig::RigClient;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

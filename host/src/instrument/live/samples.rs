@@ -1,18 +1,18 @@
 //! From frames to what is identified of them.
 
-use crate::instrument::rig::RigFile;
+use crate::data::degrees::DegreeScale;
+use crate::data::rig_file::RigFile;
 use servoid_protocol::message::Start;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
-use servoid_protocol::{Counts, Frame, Reference};
-use std::ops::{Range, RangeInclusive};
+use servoid_protocol::{Frame, Reference};
+use std::ops::Range;
 
-/// Makes input and output of a run's frames, in order: what a later reading of the recording would
-/// make of them too. Only the reference counts, not the rest around it; what a frame that was lost or
-/// a sensor beyond its healthy range leaves out is NaN.
+/// Makes input and output of a run's frames, in order: the same as of its recording later. Only the
+/// reference counts, not the rest around it. Samples of a frame that was lost and readings beyond the
+/// sensor's healthy range are NaN.
 #[derive(Clone, Debug)]
 pub struct RunSamples {
-    rig: RigFile,
-    healthy: RangeInclusive<Counts>,
+    scale: DegreeScale,
     reference: Range<u32>,
     /// The frame that would follow without a gap.
     next: Option<u32>,
@@ -23,10 +23,8 @@ impl RunSamples {
     #[must_use]
     pub fn new(rig: &RigFile, start: &Start) -> Self {
         let first = u32::from(start.pre_roll_frames);
-        let [low, high] = rig.healthy_counts();
         Self {
-            rig: rig.clone(),
-            healthy: low..=high,
+            scale: DegreeScale::of_rig(rig),
             reference: first..first + start.reference.frames(),
             next: None,
         }
@@ -41,19 +39,10 @@ impl RunSamples {
         }
         let missing = index.saturating_sub(self.next.unwrap_or(index)) as usize;
         self.next = Some(index + 1);
-        let reference = self.rig.servo_scale().degrees(frame.pulse).0;
-        let sensor = self.rig.sensor_scale();
-        let positions = frame.samples.iter().map(|counts| {
-            if self.healthy.contains(counts) {
-                sensor.degrees(*counts).0
-            } else {
-                f64::NAN
-            }
-        });
         let mut input = vec![f64::NAN; missing * SAMPLES_PER_FRAME];
         let mut output = input.clone();
-        input.extend([reference; SAMPLES_PER_FRAME]);
-        output.extend(positions);
+        input.extend([self.scale.reference(frame.pulse); SAMPLES_PER_FRAME]);
+        output.extend(frame.samples.map(|counts| self.scale.position(counts)));
         (input, output)
     }
 }
@@ -77,8 +66,8 @@ pub fn second_cycle(reference: &Reference) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_protocol::PulseWidth;
     use servoid_protocol::reference::Staircase;
+    use servoid_protocol::{Counts, PulseWidth};
 
     fn frame(index: u16, counts: u16) -> Frame {
         Frame {

@@ -110,14 +110,14 @@ impl Capture {
     /// When the rig refuses or does not answer.
     pub fn arm(&self, client: &mut RigClient) -> Result<(), TalkError> {
         client.require_match()?;
-        let [sensor_low, sensor_high] = self.rig.healthy_counts();
+        let healthy = self.rig.healthy_counts();
         let arm = Command::Arm(Arm {
             schema_hash: SCHEMA_HASH,
             neutral: PulseWidth(self.rig.servo.neutral_us),
             shortest: PulseWidth(self.rig.limits.shortest_us),
             longest: PulseWidth(self.rig.limits.longest_us),
-            sensor_low,
-            sensor_high,
+            sensor_low: healthy.lowest,
+            sensor_high: healthy.highest,
             lease_frames: LEASE_FRAMES,
         });
         // A board that was switched on a moment ago has not read its sensor yet, and one disturbed

@@ -15,7 +15,5 @@ pub mod run;
 mod run_follower;
 mod talk_error;
 
-pub use crate::data::rig_file::RigFile;
-pub(crate) use crate::data::rig_file::is_usable_scale;
 pub use capture::{Capture, CaptureEnd, Progress, StopReason};
 pub use client::{RigClient, TalkError};

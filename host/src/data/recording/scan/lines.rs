@@ -1,13 +1,9 @@
 //! A file's lines.
 
-use std::ops::Range;
-
 /// A line, its line end included.
 pub(super) struct Line<'a> {
     /// From 1.
     pub(super) number: usize,
-    /// Where it is among the bytes.
-    pub(super) place: Range<usize>,
     pub(super) bytes: &'a [u8],
 }
 
@@ -34,13 +30,13 @@ impl<'a> Iterator for Lines<'a> {
     type Item = Line<'a>;
 
     fn next(&mut self) -> Option<Line<'a>> {
-        let place = self.start..self.ends.next()? + 1;
-        self.start = place.end;
+        let end = self.ends.next()? + 1;
+        let bytes = self.body.get(self.start..end)?;
+        self.start = end;
         self.number += 1;
         Some(Line {
             number: self.number,
-            bytes: self.body.get(place.clone())?,
-            place,
+            bytes,
         })
     }
 }

@@ -1,26 +1,33 @@
 //! Rows, held against their own frame and against those before them.
 
-use super::head::comment_table;
+use super::comment::comment_table;
+use super::damage::Damage;
+use super::head::Head;
 use super::lines::Line;
-use super::{Damage, LastLine};
-use crate::data::crc32::{self, BulkDigest};
-use crate::data::recording::exact::ExactReader;
-use crate::data::recording::row::{MOST_SAMPLES, Row, RowFormat};
-use crate::data::recording::{END_CRC, Header};
-use servoid_protocol::framing::CRC;
+use crate::data::recording::last_line::is_as_written;
+use crate::data::recording::row::{MOST_SAMPLES, Row};
+use crate::data::recording::row_reader::RowReader;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
-use std::ops::Range;
 use toml::Table;
 
 /// Bytes of the shortest row that can be written.
 const SHORTEST_ROW: usize = "0,0.000,0,0.0000,0\n".len();
 
+/// The last line.
+#[derive(Debug)]
+pub(in crate::data::recording) enum LastLine {
+    /// There is none, or only a part of one.
+    Missing,
+    /// Something else is in its place.
+    Damaged,
+    /// There is one.
+    Read(Table),
+}
+
 /// The rows, as they are read.
-pub(super) struct Rows<'a> {
-    body: &'a [u8],
-    format: RowFormat,
-    exact: ExactReader,
-    /// From format 2 on rows come in whole frames and are held against themselves.
+pub(super) struct Rows {
+    reader: RowReader,
+    /// From format 2 on rows come in whole frames.
     frames_are_whole: bool,
     pub(super) sound: Vec<Row>,
     /// The frame that is being read.
@@ -31,9 +38,7 @@ pub(super) struct Rows<'a> {
     frame_sound: usize,
     pub(super) seen: usize,
     newest_sample: Option<u64>,
-    pub(super) digest: BulkDigest,
-    /// Rows that are not in the digest yet: one piece of the body.
-    not_summed: Range<usize>,
+    pub(super) digest: crc32fast::Hasher,
     pub(super) last_line: LastLine,
     last_line_number: usize,
     strange_comment: Option<(usize, &'static str)>,
@@ -41,47 +46,29 @@ pub(super) struct Rows<'a> {
     pub(super) damages: Vec<Damage>,
 }
 
-impl<'a> Rows<'a> {
-    pub(super) fn new(body: &'a [u8], header: &Header, damages: Vec<Damage>) -> Self {
-        let format = RowFormat::new(header);
+impl Rows {
+    /// For the rows below `head`, in a file of so many bytes.
+    pub(super) fn new(head: &Head, bytes: usize) -> Self {
         Self {
-            body,
-            format,
-            exact: ExactReader::new(format),
-            frames_are_whole: header.format > 1,
-            sound: Vec::with_capacity((body.len() / SHORTEST_ROW).min(MOST_SAMPLES as usize)),
+            reader: RowReader::new(&head.header, head.has_pulse),
+            frames_are_whole: head.header.format > 1,
+            sound: Vec::with_capacity((bytes / SHORTEST_ROW).min(MOST_SAMPLES as usize)),
             frame: Vec::new(),
             frame_number: None,
             frame_sound: 0,
             seen: 0,
             newest_sample: None,
-            digest: crc32::BULK.digest(),
-            not_summed: 0..0,
+            digest: crc32fast::Hasher::new(),
             last_line: LastLine::Missing,
             last_line_number: 0,
             strange_comment: None,
             cut_rows: 0,
-            damages,
+            damages: Vec::new(),
         }
-    }
-
-    fn damaged(&mut self, line: usize, reason: &str) {
-        self.damages.push(Damage {
-            row: Some(self.seen + 1),
-            line,
-            reason: reason.to_owned(),
-        });
-    }
-
-    /// Brings the digest up to the newest row.
-    fn sum(&mut self) {
-        let rows = std::mem::take(&mut self.not_summed);
-        self.digest.update(self.body.get(rows).unwrap_or_default());
     }
 
     /// Judges what can only be judged when all lines are read.
     pub(super) fn finish(&mut self) {
-        self.sum();
         if self.frames_are_whole {
             self.check_frame();
         }
@@ -93,7 +80,11 @@ impl<'a> Rows<'a> {
                 self.damaged(number, reason);
             }
         }
-        self.damages.sort_by_key(|damage| damage.line);
+    }
+
+    fn damaged(&mut self, line: usize, reason: &str) {
+        self.damages
+            .push(Damage::at_row(self.seen + 1, line, reason));
     }
 
     /// Takes in the next line.
@@ -109,42 +100,35 @@ impl<'a> Rows<'a> {
         }
         let text = line.bytes.trim_ascii_end();
         if let Some(comment) = text.strip_prefix(b"#") {
-            match comment_table(comment) {
-                Ok(end) if end.contains_key("end") => {
-                    self.last_line = if is_as_written(&end, text) {
-                        LastLine::Read(end)
-                    } else {
-                        LastLine::Damaged
-                    };
-                }
-                Ok(_) if !self.frames_are_whole => {}
-                Ok(_) => self.strange_comment = Some((number, "no comment belongs here")),
-                Err(reason) => self.strange_comment = Some((number, reason)),
-            }
+            self.take_comment(number, comment, text);
             return;
         }
-        if line.place.start != self.not_summed.end {
-            self.sum();
-            self.not_summed.start = line.place.start;
-        }
-        self.not_summed.end = line.place.end;
+        self.digest.update(line.bytes);
         self.seen += 1;
+        let row = self.reader.read(text).and_then(|row| self.rising(row));
         if self.frames_are_whole {
-            self.take_exactly(number, text);
-        } else {
-            self.take_loosely(number, text);
+            self.take_into_frame(number, row);
+            return;
+        }
+        match row {
+            Ok(row) => self.sound.push(row),
+            Err(reason) => self.damages.push(Damage::at_row(self.seen, number, reason)),
         }
     }
 
-    fn take_loosely(&mut self, line: usize, text: &[u8]) {
-        let row = self.format.read(text).and_then(|row| self.rising(row));
-        match row {
-            Ok(row) => self.sound.push(row),
-            Err(reason) => self.damages.push(Damage {
-                row: Some(self.seen),
-                line,
-                reason: reason.to_owned(),
-            }),
+    /// Takes in a comment, which is the last line as a rule; `text` is all of its line.
+    fn take_comment(&mut self, number: usize, comment: &[u8], text: &[u8]) {
+        match comment_table(comment) {
+            Ok(end) if end.contains_key("end") => {
+                self.last_line = if is_as_written(&end, text) {
+                    LastLine::Read(end)
+                } else {
+                    LastLine::Damaged
+                };
+            }
+            Ok(_) if !self.frames_are_whole => {}
+            Ok(_) => self.strange_comment = Some((number, "no comment belongs here")),
+            Err(reason) => self.strange_comment = Some((number, reason)),
         }
     }
 
@@ -159,9 +143,7 @@ impl<'a> Rows<'a> {
         Ok(row)
     }
 
-    fn take_exactly(&mut self, line: usize, text: &[u8]) {
-        let row = self.exact.read(text);
-        let row = row.and_then(|row| self.rising(row));
+    fn take_into_frame(&mut self, line: usize, row: Result<Row, &'static str>) {
         let number = row
             .as_ref()
             .ok()
@@ -197,47 +179,32 @@ impl<'a> Rows<'a> {
     /// Finds what is wrong with a frame, or with the end of the file in it.
     fn judge(&mut self, frame: &[FrameRow]) {
         let rows: Vec<Row> = frame.iter().filter_map(|(_, _, row)| row.ok()).collect();
-        let before = self.damages.len();
-        let mut note = |line: usize, row: usize, reason: &str| {
-            self.damages.push(Damage {
-                row: Some(row),
-                line,
-                reason: reason.to_owned(),
-            });
-        };
         let most = most_common(rows.iter().map(|row| row.pulse));
-        for (line, number, row) in frame {
-            match row {
-                Err(reason) => note(*line, *number, reason),
-                Ok(row) if Some(row.pulse) != most => {
-                    note(*line, *number, "its reference is not that of its frame");
-                }
-                Ok(_) => {}
-            }
-        }
-        if self.damages.len() > before {
+        let faults = frame.iter().filter_map(|(line, number, row)| {
+            let reason = match row {
+                Err(reason) => reason,
+                Ok(row) if Some(row.pulse) != most => "its pulse is not that of its frame",
+                Ok(_) => return None,
+            };
+            Some(Damage::at_row(*number, *line, reason))
+        });
+        let before = self.damages.len();
+        self.damages.extend(faults);
+        let Some((line, number, _)) = frame.last().filter(|_| self.damages.len() == before) else {
             return;
-        }
+        };
         let first = rows.first().map_or(0, |row| row.sample);
-        let whole = rows.len() == SAMPLES_PER_FRAME
-            && first.is_multiple_of(SAMPLES_PER_FRAME as u64)
+        let begins_a_frame = first.is_multiple_of(SAMPLES_PER_FRAME as u64)
             && (first..)
                 .zip(&rows)
                 .all(|(sample, row)| row.sample == sample);
-        if whole {
-            self.sound.extend(rows);
-        } else if matches!(self.last_line, LastLine::Missing)
-            && frame
-                .last()
-                .is_some_and(|(line, ..)| *line == self.last_line_number)
-            && first.is_multiple_of(SAMPLES_PER_FRAME as u64)
-            && (first..)
-                .zip(&rows)
-                .all(|(sample, row)| row.sample == sample)
-        {
+        let ends_the_file =
+            matches!(self.last_line, LastLine::Missing) && *line == self.last_line_number;
+        if begins_a_frame && ends_the_file {
             self.cut_rows = rows.len();
-        } else if let Some((line, number, _)) = frame.last() {
-            note_incomplete(&mut self.damages, *line, *number);
+        } else {
+            let reason = "rows of its frame are missing";
+            self.damages.push(Damage::at_row(*number, *line, reason));
         }
     }
 }
@@ -256,32 +223,6 @@ fn is_perfect(frame: &[FrameRow]) -> bool {
     frame.len() == SAMPLES_PER_FRAME
         && first.sample.is_multiple_of(SAMPLES_PER_FRAME as u64)
         && (first.sample..).zip(frame).all(fits)
-}
-
-/// Whether a last line, which is `text`, has the keys of one and matches its own CRC, if it has that.
-fn is_as_written(end: &Table, text: &[u8]) -> bool {
-    const KEYS: [&str; 6] = [
-        "end",
-        "rows",
-        "crc32",
-        "reason",
-        "lost_samples",
-        "end_crc32",
-    ];
-    let sealed = end.get("end_crc32").is_none_or(|crc32| {
-        let own = memchr::memmem::rfind(text, END_CRC.as_bytes()).and_then(|at| text.get(..at));
-        let found = own.map(|own| format!("{:08x}", CRC.checksum(own)));
-        crc32.as_str() == found.as_deref()
-    });
-    sealed && end.keys().all(|key| KEYS.contains(&key.as_str()))
-}
-
-fn note_incomplete(damages: &mut Vec<Damage>, line: usize, row: usize) {
-    damages.push(Damage {
-        row: Some(row),
-        line,
-        reason: "rows of its frame are missing".to_owned(),
-    });
 }
 
 /// The value that is there most often; of equals the one that comes last.

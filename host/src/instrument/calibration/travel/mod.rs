@@ -16,8 +16,8 @@
 use super::mover::{MoveError, Mover, Rest};
 use super::sensor::LEVEL;
 use super::{Estimate, knee};
+use crate::data::rig_file::RigFile;
 use crate::data::rig_file::SensorSection;
-use crate::instrument::rig::RigFile;
 use serde::Serialize;
 use servoid_identification::critical_values::{pointwise_critical, student_critical};
 

@@ -1,10 +1,12 @@
 //! How a recording ends, and the line that says so.
 
-use super::END_CRC;
 use super::header::on_one_line;
-use servoid_protocol::framing::CRC;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::ops::Range;
+use toml::Table;
+
+/// What comes before the line's own CRC in it.
+const END_CRC: &str = ", end_crc32 = ";
 
 /// How a recording ends.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +59,26 @@ impl Ending {
                 )
             }
         };
-        let own_crc = CRC.checksum(line.as_bytes());
+        let own_crc = crc32fast::hash(line.as_bytes());
         format!("{line}{END_CRC}\"{own_crc:08x}\"\n")
     }
+}
+
+/// Whether `line`, whose values are `end`, has the keys of a last line and matches its own CRC, if it has
+/// one.
+pub(super) fn is_as_written(end: &Table, line: &[u8]) -> bool {
+    const KEYS: [&str; 6] = [
+        "end",
+        "rows",
+        "crc32",
+        "reason",
+        "lost_samples",
+        "end_crc32",
+    ];
+    let is_sound = end.get("end_crc32").is_none_or(|crc32| {
+        let sealed = memchr::memmem::rfind(line, END_CRC.as_bytes()).and_then(|at| line.get(..at));
+        let found = sealed.map(|sealed| format!("{:08x}", crc32fast::hash(sealed)));
+        crc32.as_str() == found.as_deref()
+    });
+    is_sound && end.keys().all(|key| KEYS.contains(&key.as_str()))
 }
