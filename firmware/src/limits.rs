@@ -115,8 +115,8 @@ impl Limits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_protocol::hello::SCHEMA_HASH;
     use servoid_protocol::reference::{Reference, Staircase};
+    use servoid_protocol::schema::SCHEMA_HASH;
 
     const FULL_SCALE: Counts = Counts(16_380);
 

@@ -39,10 +39,11 @@ use crate::limits::{LONGEST_PULSE, Limits, SHORTEST_PULSE};
 use crate::outbox::{Answer, Item, Outbox};
 use crate::run::Run;
 use crate::session::{Admission, Session};
-use servoid_protocol::hello::{PROTOCOL_VERSION, SCHEMA_HASH, Text16};
+use servoid_protocol::hello::Text16;
 use servoid_protocol::message::{
     Activity, Arm, Command, EndReason, Ended, Outcome, Refusal, Request, RigMessage, Start, Status,
 };
+use servoid_protocol::schema::{PROTOCOL_VERSION, SCHEMA_HASH};
 use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
 use servoid_protocol::{Counts, Hello, PulseWidth};
 

@@ -5,19 +5,8 @@
 //! reordered or given another meaning; what a later rig has to say goes into a new message. The
 //! golden bytes in this module's tests hold that promise.
 
-use crate::message::{Request, RigMessage};
-use postcard_schema::{Schema, key::Key};
+use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
-
-/// Number of the wire protocol; raised when messages change in a way that the schema cannot show.
-pub const PROTOCOL_VERSION: u16 = 1;
-
-/// Hash (FNV-1a, 64 bit) over the schema of every message, and over the protocol's version.
-///
-/// A rig arms only for a host with an equal hash: with unequal ones the same bytes might mean
-/// another pulse.
-pub const SCHEMA_HASH: u64 =
-    u64::from_le_bytes(Key::for_path::<(Request, RigMessage)>("servoid/1").to_bytes());
 
 /// ASCII text of at most 16 bytes, padded with zeros.
 #[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -125,6 +114,7 @@ pub struct Hello {
 mod tests {
     use super::*;
     use crate::framing;
+    use crate::message::{Request, RigMessage};
 
     fn example() -> Hello {
         Hello {

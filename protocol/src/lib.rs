@@ -15,8 +15,10 @@
 //! | [`units`]     | pulse widths (µs), sensor counts, degrees, and the scales between them     |
 //! | [`timing`]    | the 20 ms PWM frame and the ten samples in it                              |
 //! | [`mod@reference`] | the reference signals, expanded to one pulse per frame by the same code on both ends |
-//! | [`message`]   | requests and what the rig answers                                          |
+//! | [`lease`]     | how long a rig goes on without a sign of life from its host                |
 //! | [`hello`]     | who the rig is: a layout that never changes                                |
+//! | [`message`]   | requests and what the rig answers                                          |
+//! | [`schema`]    | a hash over all messages: unequal ones do not arm                          |
 //! | [`framing`]   | messages to bytes and back: postcard, CRC-32, COBS, zero bytes around      |
 //!
 //! Everything here is `no_std`, allocates nothing and never panics on what the wire brings.
@@ -36,8 +38,10 @@
 
 pub mod framing;
 pub mod hello;
+pub mod lease;
 pub mod message;
 pub mod reference;
+pub mod schema;
 pub mod timing;
 pub mod units;
 

@@ -4,7 +4,7 @@
 //!
 //! 1. Enums grow at the end only; a variant is never reordered, removed or given another meaning.
 //! 2. A struct inside a message is never changed; what must be said beside it is a new variant.
-//! 3. Any change alters [`SCHEMA_HASH`](crate::hello::SCHEMA_HASH), and unequal hashes do not arm.
+//! 3. Any change alters [`SCHEMA_HASH`](crate::schema::SCHEMA_HASH), and unequal hashes do not arm.
 //! 4. The first variant of [`Command`] and of [`RigMessage`] is unused: the byte that says what a
 //!    message is is never zero, the value that a dead line or blank memory would give.
 //!
@@ -76,7 +76,7 @@ pub enum Command {
 /// What a rig needs to know before it makes a pulse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Arm {
-    /// The host's [`SCHEMA_HASH`](crate::hello::SCHEMA_HASH).
+    /// The host's [`SCHEMA_HASH`](crate::schema::SCHEMA_HASH).
     pub schema_hash: u64,
     /// The pulse to rest at.
     pub neutral: PulseWidth,

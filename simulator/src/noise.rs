@@ -14,7 +14,7 @@
 //! of about half.
 
 use crate::random::{Stream, stream};
-use crate::sensor::OVERSAMPLING;
+use crate::sensor::{OVERSAMPLING, SampleNoise};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -39,15 +39,6 @@ pub enum NoiseKind {
     White,
     /// None; the ADC still rounds.
     None,
-}
-
-/// The noise of one sample (deg).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SampleNoise {
-    /// The part that is common to all conversions.
-    pub shared: f64,
-    /// The independent part of each conversion.
-    pub conversions: [f64; OVERSAMPLING],
 }
 
 /// A source of noise.

@@ -8,7 +8,6 @@
 //! 0.0366 deg. Each conversion rounds to the nearest step and stops at both ends; the board sums
 //! [`OVERSAMPLING`] of them.
 
-use crate::noise::SampleNoise;
 use servoid_protocol::{Counts, SensorScale};
 use std::str::FromStr;
 use std::time::Duration;
@@ -51,6 +50,15 @@ pub const SENSOR_SCALE: SensorScale = SensorScale {
 #[must_use]
 pub fn sum(conversions: [u16; OVERSAMPLING]) -> Counts {
     Counts(conversions.iter().sum())
+}
+
+/// The noise of one sample (deg).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SampleNoise {
+    /// The part that is common to all conversions.
+    pub shared: f64,
+    /// The independent part of each conversion.
+    pub conversions: [f64; OVERSAMPLING],
 }
 
 /// A fault of the sensor's wire.

@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Time between samples of all simulations [s].
+/// Time between samples of all simulations \[s\].
 pub const PERIOD: f64 = 0.002;
 
 /// Linear servos of different character, by the letters of the documentation's coverage table.
@@ -160,7 +160,7 @@ pub fn square() -> Vec<f64> {
         .collect()
 }
 
-/// `input` behind two first-order lags of the given corner frequency [Hz].
+/// `input` behind two first-order lags of the given corner frequency \[Hz\].
 pub fn low_passed(input: &[f64], hertz: f64) -> Vec<f64> {
     let keep = (-std::f64::consts::TAU * hertz * PERIOD).exp();
     let lag = |input: &[f64]| -> Vec<f64> {

@@ -3,11 +3,11 @@
 use servoid::port::Port;
 use servoid::recording::{Header, RecordingWriter};
 use servoid::rig::RigClient;
-use servoid::rig::capture::{Capture, CaptureEnd, CaptureError};
+use servoid::rig::{Capture, CaptureEnd, CaptureError};
 use servoid::rig_file::RigFile;
-use servoid_protocol::hello::SCHEMA_HASH;
 use servoid_protocol::message::Arm;
 use servoid_protocol::reference::{Reference, Staircase};
+use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::{Frame, PulseWidth};
 use servoid_simulator::SENSOR_SCALE;
 use std::cell::RefCell;

@@ -3,8 +3,8 @@
 use crate::record::Pulse;
 use crate::time::{TICKS_PER_MICROSECOND, Ticks, milliseconds, to_duration};
 use servoid_protocol::PulseWidth;
-use servoid_simulator::noise::{Noise, SampleNoise};
-use servoid_simulator::sensor::{HallSensor, OVERSAMPLING};
+use servoid_simulator::noise::Noise;
+use servoid_simulator::sensor::{HallSensor, OVERSAMPLING, SampleNoise};
 use servoid_simulator::{OptionsError, Parts, Servo, SimulationOptions};
 
 /// Period of the pulses that a servo expects.

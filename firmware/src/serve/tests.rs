@@ -1,8 +1,9 @@
 use super::*;
 use crate::board::Identity;
 use core::future::poll_fn;
-use servoid_protocol::hello::{ClockSource, ResetCause, SCHEMA_HASH, Text16};
+use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::message::{Activity, Arm, Command, RigMessage};
+use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::{Counts, PulseWidth};
 use std::cell::RefCell;
 use std::collections::VecDeque;

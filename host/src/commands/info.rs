@@ -3,12 +3,14 @@
 use super::completion_values;
 use super::output_args::Talk;
 use crate::instrument::port;
-use crate::instrument::rig::mismatch::{Mismatch, mismatches};
+use crate::instrument::rig::ClientError;
+use crate::instrument::rig::{Mismatch, mismatches};
 use crate::instrument::rig::{RigClient, TalkError};
 use anyhow::Result;
 use clap::Args;
-use servoid_protocol::hello::{ClockSource, PROTOCOL_VERSION, ResetCause, SCHEMA_HASH};
+use servoid_protocol::hello::{ClockSource, ResetCause};
 use servoid_protocol::message::{Activity, Status};
+use servoid_protocol::schema::{PROTOCOL_VERSION, SCHEMA_HASH};
 use servoid_protocol::{Hello, Rejects};
 use std::fmt::Write;
 
@@ -37,7 +39,7 @@ impl Info {
     pub(super) fn run(self) -> Result<String> {
         let port = port::open(&self.port)?;
         let mut client = match RigClient::connect_beside(port, &self.port) {
-            Err(busy @ TalkError::RunOfAnother) => {
+            Err(busy @ TalkError::Rig(ClientError::RunOfAnother)) => {
                 let result = serde_json::json!({ "running": true });
                 return self
                     .talk
@@ -46,7 +48,7 @@ impl Info {
             other => other?,
         };
         let hello = *client.hello();
-        let schema_equal = client.require_equal_schema().is_ok();
+        let schema_equal = client.has_equal_schema();
         // Only the hello of a rig with another schema can be trusted.
         let status = if schema_equal {
             Some(client.status()?)

@@ -2,7 +2,7 @@
 
 use super::output_args::Talk;
 use crate::instrument::port;
-use crate::instrument::rig::{RigClient, TalkError};
+use crate::instrument::rig::{ClientError, RigClient, TalkError};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
@@ -125,7 +125,7 @@ fn probe(info: serialport::SerialPortInfo) -> PortProbe {
                 hello.build.as_str()
             ))
         }
-        Err(TalkError::RunOfAnother) => Some("a run is under way".to_owned()),
+        Err(TalkError::Rig(ClientError::RunOfAnother)) => Some("a run is under way".to_owned()),
         Err(_) => None,
     };
     PortProbe {

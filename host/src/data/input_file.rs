@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
-/// Bytes that are taken from what is no plain file, such as a pipe: ten hours of rows. Without an end to
+/// Most bytes that are read from a pipe or a device: ten hours of rows. Without an end to
 /// it, a device such as `/dev/zero` would take all of the memory.
 const MOST_FROM_A_STREAM: u64 = 1 << 30;
 

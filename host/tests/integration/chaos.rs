@@ -3,8 +3,9 @@
 use servoid::port::Port;
 use servoid::port::chaos::Faults;
 use servoid::recording::Ending;
+use servoid::rig::CaptureError;
+use servoid::rig::ClientError;
 use servoid::rig::TalkError;
-use servoid::rig::capture::CaptureError;
 use servoid_protocol::PulseWidth;
 use servoid_protocol::message::Start;
 use servoid_simulator::InProcessRig;
@@ -103,7 +104,12 @@ fn a_rig_that_is_reset_in_mid_run_leaves_what_came_and_no_pulse() {
     };
     let (end, bytes) = capture(Box::new(port), short_run(), &|| false);
     assert!(
-        matches!(end, Err(CaptureError::Talk(TalkError::RunForgotten))),
+        matches!(
+            end,
+            Err(CaptureError::Talk(TalkError::Rig(
+                ClientError::RunForgotten
+            )))
+        ),
         "{end:?}"
     );
     let bytes = bytes.unwrap();
@@ -142,7 +148,7 @@ fn a_cable_that_is_out_for_longer_than_the_lease_costs_only_what_was_not_made() 
     };
     let (end, bytes) = capture(Box::new(port), long, &|| false);
     let end = end.unwrap();
-    assert!(reason(&end).contains("two seconds"), "{end:?}");
+    assert!(reason(&end).contains("for 2 s"), "{end:?}");
     let bytes = bytes.unwrap();
     assert_eq!(
         check(&bytes, Some(&end), &log.borrow()),
@@ -171,7 +177,12 @@ fn a_cable_that_stays_out_ends_with_a_sentence_and_the_servo_at_neutral() {
     };
     let (end, bytes) = capture(Box::new(port), short_run(), &|| false);
     assert!(
-        matches!(end, Err(CaptureError::Talk(TalkError::FellSilent { .. }))),
+        matches!(
+            end,
+            Err(CaptureError::Talk(TalkError::Rig(
+                ClientError::FellSilent { .. }
+            )))
+        ),
         "{end:?}"
     );
     assert_eq!(

@@ -4,7 +4,8 @@ use crate::support::{arg, data, refusal, run, servoid};
 use servoid::dataset::{DatasetOptions, load};
 use servoid::port::{self, Port};
 use servoid::recording::{Recording, recover};
-use servoid::rig::client::TalkError;
+use servoid::rig::ClientError;
+use servoid::rig::TalkError;
 use servoid::rig::{Capture, RigClient};
 use servoid::rig_file::RigFile;
 use servoid_protocol::reference::Staircase;
@@ -69,7 +70,9 @@ fn a_rig_of_another_timing_is_not_armed_though_its_messages_are_ours() {
         let mut client = RigClient::connect_as(Box::new(port), "sim", 1).unwrap();
         let capture = Capture::new(RigFile::default(), Reference::Staircase(Staircase::PAPER));
         match capture.arm(&mut client) {
-            Err(TalkError::TimingDiffers { field, .. }) => assert_eq!(field, changed),
+            Err(TalkError::Rig(ClientError::TimingDiffers { field, .. })) => {
+                assert_eq!(field, changed)
+            }
             other => panic!("{changed}: {other:?}"),
         }
     }

@@ -220,7 +220,8 @@ fn a_port_that_never_answers_and_one_that_talks_nonsense() {
 
 /// A rig of another version, which can only say who it is.
 fn foreign_rig(mut stream: std::net::TcpStream) {
-    use servoid_protocol::hello::{ClockSource, ResetCause, SCHEMA_HASH, Text16};
+    use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
+    use servoid_protocol::schema::SCHEMA_HASH;
     use servoid_protocol::{Decoder, Hello, Request, RigMessage, framing};
     use std::io::{Read, Write};
     let hello = Hello {

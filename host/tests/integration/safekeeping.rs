@@ -7,7 +7,8 @@ use servoid::port;
 use servoid::recording::{
     Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError,
 };
-use servoid::rig::capture::CaptureError;
+use servoid::rig::CaptureError;
+use servoid::rig::ClientError;
 use servoid::rig::{Capture, RigClient, TalkError};
 use servoid::rig_file::RigFile;
 use servoid_protocol::message::Refusal;
@@ -51,7 +52,7 @@ fn a_run_that_does_not_begin_costs_no_file_and_leaves_none() {
             let error = record_unarmed(file, force, stop);
             let expected = match error {
                 CaptureError::StoppedBefore => stop,
-                CaptureError::Talk(TalkError::Refused { refusal, .. }) => {
+                CaptureError::Talk(TalkError::Rig(ClientError::Refused { refusal, .. })) => {
                     refusal == Refusal::NotArmed && !stop
                 }
                 _ => false,

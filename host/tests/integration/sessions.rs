@@ -2,7 +2,8 @@
 
 use servoid::port::Port;
 use servoid::recording::Ending;
-use servoid::rig::capture::{Capture, CaptureError};
+use servoid::rig::ClientError;
+use servoid::rig::{Capture, CaptureError};
 use servoid::rig::{RigClient, TalkError};
 use servoid::rig_file::RigFile;
 use servoid_protocol::message::{Activity, Start};
@@ -133,7 +134,10 @@ fn a_rig_whose_program_goes_on_is_not_had() {
     };
     let refused = RigClient::connect_as(Box::new(port), "the line", 2).err();
     let refused = refused.expect("the first program has the rig");
-    assert!(matches!(refused, TalkError::RunOfAnother), "{refused:?}");
+    assert!(
+        matches!(refused, TalkError::Rig(ClientError::RunOfAnother)),
+        "{refused:?}"
+    );
     assert!(refused.to_string().contains("wait for its end"));
 }
 
@@ -157,7 +161,12 @@ fn a_program_that_was_silent_for_too_long_and_has_lost_its_rig_says_so() {
         },
     };
     let (end, bytes) = capture(Box::new(port), long_run(), &|| false);
-    let forgotten = matches!(end, Err(CaptureError::Talk(TalkError::RunForgotten)));
+    let forgotten = matches!(
+        end,
+        Err(CaptureError::Talk(TalkError::Rig(
+            ClientError::RunForgotten
+        )))
+    );
     assert!(forgotten, "{end:?}");
     let bytes = bytes.unwrap();
     let result = check(&bytes, long_run().frames(), None, &log.borrow());

@@ -198,6 +198,7 @@ fn runs(gains: &[f64], seed: u64) -> Record {
 }
 
 #[test]
+#[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored coverage"]
 fn equal_runs_are_not_blamed_and_a_deviating_one_is_named() {
     let options = Options {
         settling: Settling::Samples(151),
@@ -230,6 +231,7 @@ fn equal_runs_are_not_blamed_and_a_deviating_one_is_named() {
 }
 
 #[test]
+#[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored coverage"]
 fn errors_that_are_not_noise_withdraw_the_label_and_honest_noise_does_not() {
     // A lightly damped arm that rings far longer than a record of short sweeps shows, with hardly
     // any noise: the misfit is a function of the input.
@@ -282,6 +284,7 @@ fn errors_that_are_not_noise_withdraw_the_label_and_honest_noise_does_not() {
 /// A square wave tells no lag beyond a hold, and the other side's longer settling time must not be
 /// asked of it.
 #[test]
+#[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored coverage"]
 fn a_reference_that_repeats_itself_compares_as_far_as_it_goes() {
     let record = |input: &[f64], seed| {
         let output = simulate(Plant::B, Noise::White, input, 1.0, &mut random(seed));

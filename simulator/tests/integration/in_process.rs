@@ -1,8 +1,9 @@
 //! Whole runs through the byte link, with the firmware's own rig in between.
 
-use servoid_protocol::hello::{ClockSource, SCHEMA_HASH};
+use servoid_protocol::hello::ClockSource;
 use servoid_protocol::message::{Activity, Arm, Ended, Start, Status};
 use servoid_protocol::reference::Staircase;
+use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::{
     Command, Counts, Decoder, EndReason, Frame, Outcome, PulseWidth, Reference, Request,
     RigMessage, RunCheck, framing,

@@ -2,7 +2,7 @@
 
 use servoid::port::Port;
 use servoid::recording::{Completeness, Ending, Header, Recording, RecordingWriter, Target};
-use servoid::rig::capture::CaptureError;
+use servoid::rig::CaptureError;
 use servoid::rig::{Capture, RigClient, StopReason};
 use servoid::rig_file::RigFile;
 use servoid_protocol::message::Start;

@@ -109,7 +109,6 @@ const STILL_CIRCLES: &[&str] = &[
     "identification: comparison, comparison::words",
     "identification: diagnostics::advice, diagnostics::advice::errors, diagnostics::advice::excitation, diagnostics::advice::record, diagnostics::advice::resolution, diagnostics::advice::response, diagnostics::explanation, diagnostics::initial_rest, diagnostics::run_scatter, diagnostics::unsupported_metrics, results::metrics, results::metrics::aliasing, results::metrics::bands, results::metrics::brackets, results::metrics::draws, results::metrics::figures, results::metrics::interpolation, results::metrics::inversion, results::metrics::shape, results::metrics::spread, results::model, results::validation",
     "host: data::dataset, data::dataset::error, data::dataset::from_recordings, data::dataset::from_tables, data::fingerprint, data::model_metadata",
-    "host: data::recording, data::recording::ending, data::recording::exact, data::recording::header, data::recording::reader, data::recording::recover, data::recording::reserved, data::recording::row, data::recording::scan, data::recording::scan::head, data::recording::scan::rows, data::recording::writer",
     "host: instrument::calibration, instrument::calibration::followed, instrument::calibration::rig_text, instrument::calibration::travel",
     "host: instrument::port, instrument::port::serial, instrument::port::simulated, instrument::port::tcp",
     "host: instrument::port::chaos, instrument::port::chaos::lane",

@@ -2,8 +2,8 @@
 
 use servoid::port::Port as _;
 use servoid::recording::Ending;
+use servoid::rig::Capture;
 use servoid::rig::RigClient;
-use servoid::rig::capture::Capture;
 use servoid_protocol::reference::{Reference, Staircase};
 use servoid_test_support::virtual_board::{SharedBoard, capture, image, options, staircase};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -6,7 +6,7 @@ use crate::commands::output_args::Talk;
 use crate::data::recording::{Ending, Header, RecordingWriter, ReservedFile, WriteError};
 use crate::data::rig_file::RigFile;
 use crate::instrument::port;
-use crate::instrument::rig::capture::CaptureError;
+use crate::instrument::rig::CaptureError;
 use crate::instrument::rig::{Capture, CaptureEnd, RigClient};
 use anyhow::{Context, Result, bail};
 use servoid_protocol::message::Command;

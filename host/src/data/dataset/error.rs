@@ -7,7 +7,7 @@ use crate::data::timeline::TimeFault;
 use servoid_identification::Error as DataError;
 use std::path::PathBuf;
 
-/// Why files did not become a record. The text says what to do.
+/// Why files did not become a record. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum DatasetError {
     /// A recording.

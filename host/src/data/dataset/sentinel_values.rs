@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-/// They are what fits no measurement: nothing but nines, and the ends of whole numbers of 16 and 32 bits.
-const STAND_INS: [f64; 16] = [
+/// They fit no measurement: nothing but nines, and the ends of whole numbers of 16 and 32 bits.
+const SENTINELS: [f64; 16] = [
     99.0,
     -99.0,
     999.0,
@@ -31,7 +31,7 @@ pub(super) fn find(column: &[f64]) -> Option<(f64, usize)> {
     let all = extent(column.iter().copied())?;
     let found = [all.start, all.end]
         .into_iter()
-        .find(|end| STAND_INS.contains(end))?;
+        .find(|end| SENTINELS.contains(end))?;
     let others = extent(column.iter().copied().filter(|value| *value != found))?;
     let distance = (found - others.end).max(others.start - found);
     let apart = distance > APART * (others.end - others.start);

@@ -1,7 +1,7 @@
-//! Which column of a foreign file is what, guessed by its name: for a command to try, never to compute
-//! with.
+//! Guesses the input and the output of a foreign file by the names of its columns: for a command to try,
+//! never to compute with.
 
-/// Names that people give to what was commanded, and to what was measured, the plainest first.
+/// Names that people give to the command and to the measured position, the plainest first.
 const INPUTS: [&str; 22] = [
     "u",
     "input",
@@ -49,7 +49,7 @@ const OUTPUTS: [&str; 20] = [
     "posizione",
 ];
 
-/// Names of a column that tells runs apart.
+/// Names of a column whose value changes from run to run.
 const RUNS: [&str; 6] = [
     "run",
     "run_id",
@@ -60,7 +60,7 @@ const RUNS: [&str; 6] = [
 ];
 
 /// "--input u --output y --period SECONDS" for a file with these columns; words in capitals where no name
-/// tells.
+/// is known.
 pub(super) fn options(columns: &[String]) -> String {
     let input = named(columns, &INPUTS, None);
     let output = named(columns, &OUTPUTS, input);

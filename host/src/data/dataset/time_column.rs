@@ -1,4 +1,4 @@
-//! The column of time of a foreign file: which it is, and in what unit.
+//! The column of time of a foreign file, and its unit.
 
 use clap::ValueEnum;
 

@@ -16,7 +16,7 @@ pub(super) const FIRST_LINE: &str = "# format = ";
 /// The key of the header's own CRC-32.
 pub(super) const HEADER_CRC: &str = "header_crc32";
 
-/// What a recording says of itself. One `# key = value` line each, in this order.
+/// The provenance and the scales of a recording. One `# key = value` line each, in this order.
 ///
 /// Keys that are missing get their defaults and keys that are not known are passed over, so that
 /// recordings of other versions of the same format can be read.
@@ -37,11 +37,10 @@ pub struct Header {
     pub rig: String,
     /// The user's remarks.
     pub notes: String,
-    /// What was lost when the recording was rescued from a damaged file; empty where it was not.
+    /// The damage that the recording was recovered from; empty where there was none.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub recovered: String,
-    /// Values that nothing proves, where the recording was rescued from one whose header was damaged:
-    /// their names and what the damaged header said; empty where it was not.
+    /// Values of a damaged header that nothing proves, by name; empty where the header was sound.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub unproved: String,
     /// Where the rig was.
@@ -156,10 +155,10 @@ impl Header {
         }
     }
 
-    /// What is known, in words and in the file's order: name and value, what is empty left out.
+    /// All that is known, in the file's order: name and value, empty values left out.
     #[must_use]
     pub fn facts(&self) -> Vec<(String, String)> {
-        // A header always has a form in TOML; were it not so, there would be nothing to tell.
+        // A header always has a form in TOML.
         let value = Value::try_from(self).unwrap_or_else(|_| Value::Table(Table::new()));
         let text = |value: &Value| {
             value

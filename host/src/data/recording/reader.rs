@@ -1,4 +1,4 @@
-//! Reading a recording as what it is: complete, partial, or damaged.
+//! Reads a recording and says whether it is complete, partial, or damaged.
 
 use super::header::{FORMAT, Header};
 use super::row::{MOST_SAMPLES, Row};
@@ -13,7 +13,7 @@ use toml::{Table, Value};
 pub enum Completeness {
     /// Every sample, proved by row count and CRC.
     Complete,
-    /// Every sample until the run was ended on purpose, proved as well, and what had been reached.
+    /// Every sample until the run was ended on purpose, proved as well, and the aim that had been reached.
     Early(String),
     /// Samples are missing, and why.
     Partial(String),
@@ -32,7 +32,7 @@ pub struct Recording {
     pub lost_samples: Vec<Range<u64>>,
 }
 
-/// Why a recording could not be read. The text says what to do.
+/// Why a recording could not be read. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The file cannot be read.
@@ -85,7 +85,7 @@ pub enum ReadError {
         /// Which.
         path: PathBuf,
     },
-    /// Every row reads well and yet they are not what was written.
+    /// Every row reads well, and yet rows are not as they were written.
     #[error(
         "{path:?} was changed after it was recorded: its rows do not match its last line ({what}); if you meant to, 'servoid recover' makes a partial recording of it"
     )]
@@ -170,7 +170,7 @@ pub(super) fn damaged(damage: &Damage, path: &Path) -> ReadError {
     }
 }
 
-/// Holds the last line against the rows; returns how complete they are, and what it names as lost.
+/// Holds the last line against the rows; returns how complete they are, and the samples that it names as lost.
 pub(super) fn judge(scanned: &Scan) -> Result<(Completeness, Vec<Range<u64>>), &'static str> {
     let partial = |why: &str| Ok((Completeness::Partial(why.to_owned()), Vec::new()));
     let end = match &scanned.last_line {

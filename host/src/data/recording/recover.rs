@@ -1,4 +1,4 @@
-//! Saving what is sound of a recording that is not readable as it is.
+//! Saves the sound frames of a damaged recording.
 //!
 //! Nothing is guessed. A frame is kept when each of its ten rows agrees with itself, the time with the sample
 //! number and the degrees with the pulse and the counts, and all have one pulse. A frame with a damaged
@@ -22,7 +22,7 @@ const MOST_FINDINGS: usize = 20;
 /// What could be saved.
 #[derive(Clone, Debug)]
 pub struct Recovered {
-    /// Where it comes from, and in `recovered` what was wrong.
+    /// Where it comes from, and in `recovered` the damage.
     pub header: Header,
     /// The sound frames, in order.
     pub frames: Vec<Frame>,
@@ -118,7 +118,7 @@ impl Recovered {
         self.frames.len() * SAMPLES_PER_FRAME
     }
 
-    /// Writes a partial recording of what was saved.
+    /// Writes a partial recording of the frames that were saved.
     ///
     /// # Errors
     /// [`WriteError`].
@@ -156,7 +156,7 @@ fn frame(rows: &[Row]) -> Option<Frame> {
     })
 }
 
-/// The stretches between the frames, and what the file itself named as lost behind them.
+/// The gaps between the frames, and the lost samples behind them that the file itself names.
 fn lost_frames(frames: &[Frame], named: &[Range<u64>]) -> Vec<Range<u32>> {
     let mut lost = Vec::new();
     let mut next = 0;

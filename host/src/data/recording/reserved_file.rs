@@ -31,7 +31,7 @@ impl ReservedFile {
             .is_some_and(|there| there.is_file() && there.len() == 0);
         require_reader(path)?;
         let mut options = OpenOptions::new();
-        // Read only if it has to be rescued; what is no file may not be readable.
+        // Read only if it has to be rescued; a pipe or a device may not be readable.
         let is_file = there.as_ref().is_none_or(std::fs::Metadata::is_file);
         options.read(is_file).write(true);
         if force || empty {

@@ -19,8 +19,8 @@ pub trait Target: Write {
     /// When that cannot be done.
     fn settle(&mut self) -> std::io::Result<()>;
 
-    /// Puts what was written where it can be found, after its own name has been taken from it; returns where
-    /// that is.
+    /// Saves the contents under another name, after the file's own name has been taken from it; returns that
+    /// name.
     fn rescue(&mut self) -> Option<PathBuf> {
         None
     }

@@ -3,7 +3,7 @@
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// Why a recording could not be written. The text says what to do.
+/// Why a recording could not be written. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// The target is there already.
@@ -40,7 +40,7 @@ pub enum WriteError {
         /// Which.
         path: PathBuf,
     },
-    /// What was written had no name any more, and has got another one.
+    /// The file had no name any more, and has got another one.
     #[error(
         "{path:?} was removed or replaced by another program while it was written: all of its {rows} rows are in {kept:?}"
     )]
@@ -52,7 +52,7 @@ pub enum WriteError {
         /// Rows that are in it.
         rows: u64,
     },
-    /// What was written has no name any more.
+    /// The file has no name any more.
     #[error(
         "{path:?} was removed or replaced by another program while it was written: its {rows} rows are lost"
     )]

@@ -1,4 +1,4 @@
-//! Writing a recording so that what has been captured survives whatever comes next.
+//! Writes a recording so that the frames so far survive the death of this program.
 
 use super::header::Header;
 use super::last_line::Ending;
@@ -34,7 +34,7 @@ impl RecordingWriter {
         Ok(writer)
     }
 
-    /// A writer that replaces what is in `file` with the first frame or the end.
+    /// A writer that replaces the contents of `file` with the first frame or the end.
     ///
     /// # Errors
     /// [`WriteError::NotCreated`].
@@ -70,13 +70,13 @@ impl RecordingWriter {
         })
     }
 
-    /// Whether anything of it is in the file; before, the file is what it was.
+    /// Whether anything of it is in the file; before that, the file is unchanged.
     #[must_use]
     pub fn has_begun(&self) -> bool {
         self.header.is_none()
     }
 
-    /// Replaces what is in the file by the lines above the rows, unless that has been done.
+    /// Replaces the contents of the file by the lines above the rows, unless that has been done.
     fn begin_file(&mut self) -> Result<(), WriteError> {
         let Some(text) = self.header.take() else {
             return Ok(());

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// Why a table could not be read. The text says what to do.
+/// Why a table could not be read. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
     /// The file cannot be read.

@@ -1,4 +1,4 @@
-//! How a table is laid out: where its header row is, and what parts its cells.
+//! The layout of a table: the place of its header row, and the separator of its cells.
 //!
 //! Programs write tables with commas, semicolons or tabs, with lines of text above the header row, with a
 //! row of units below it, or without any header row. What is found is what the rows themselves confirm:

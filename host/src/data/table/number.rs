@@ -138,7 +138,7 @@ mod tests {
         }
     }
 
-    /// The general way, for what the short one takes too.
+    /// The general way, for text that the short one takes too.
     fn general(text: &str, decimal: Decimal) -> Option<f64> {
         match decimal {
             Decimal::Point => text.parse().ok(),

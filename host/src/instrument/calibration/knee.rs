@@ -65,7 +65,8 @@ impl Knees {
             column(&|x| (x - self.low).min(0.0)),
             column(&|x| (x - self.high).max(0.0)),
         ];
-        least_squares(&columns, points.iter().map(|point| point.1))
+        let values: Vec<f64> = points.iter().map(|point| point.1).collect();
+        least_squares(&columns, &values)
     }
 }
 

@@ -1,18 +1,16 @@
-//! Least squares with four columns, by modified Gram-Schmidt (Å. Björck, *Numerical Methods for Least
-//! Squares Problems*, 1996, §2.4).
+//! Least squares with four columns, by QR.
 
-#![allow(
-    clippy::indexing_slicing,
-    reason = "four columns, as the types say, and loops over four"
-)]
+use faer::linalg::solvers::{Qr, SolveLstsq};
+use faer::linalg::triangular_inverse::invert_upper_triangular;
+use faer::{Mat, Par};
 
 /// What least squares give.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solution {
-    /// One for each column; 0 for a column that says nothing beside those before it.
+    /// One for each column; 0 for a column that depends on those before it.
     pub coefficients: [f64; 4],
-    /// The diagonal of (X'X)^-1: times σ², the variances of the coefficients. Infinite where a column says
-    /// nothing.
+    /// The diagonal of (X'X)^-1: times σ², the variances of the coefficients. Infinite where a column
+    /// depends on those before it.
     pub variances: [f64; 4],
     /// Sum of the squares of the residuals.
     pub squares: f64,
@@ -20,67 +18,60 @@ pub(super) struct Solution {
     pub largest_residual: f64,
 }
 
-/// What is left of a column is rounding when it is this part of what it was.
+/// The rest of a column, beside those before it, is rounding when it is this part of the column.
 const ROUNDING: f64 = 1e-9;
 
-/// Fits `values` by the columns; `None` where the first two, zero and slope, cannot be told apart.
-pub(super) fn least_squares(
-    columns: &[Vec<f64>; 4],
-    values: impl Iterator<Item = f64>,
-) -> Option<Solution> {
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut directions = columns.clone();
-    let mut triangle = [[0.0; 4]; 4];
-    let mut told = [false; 4];
-    let mut residuals: Vec<f64> = values.collect();
-    let mut projections = [0.0; 4];
-    for j in 0..4 {
-        for i in 0..j {
-            let part = dot(&directions[i], &directions[j]);
-            triangle[i][j] = part;
-            let earlier = directions[i].clone();
-            let column = directions[j].iter_mut().zip(earlier);
-            column.for_each(|(x, q)| *x -= part * q);
+/// Fits `values` by the columns; `None` where the first two, zero and slope, depend on each other.
+pub(super) fn least_squares(columns: &[Vec<f64>; 4], values: &[f64]) -> Option<Solution> {
+    let mut kept: Vec<&Vec<f64>> = Vec::new();
+    let mut places = [None; 4];
+    for (place, column) in places.iter_mut().zip(columns) {
+        kept.push(column);
+        if adds_something(&kept) {
+            *place = Some(kept.len() - 1);
+        } else {
+            kept.pop();
         }
-        let left = dot(&directions[j], &directions[j]).sqrt();
-        told[j] = left > ROUNDING * dot(&columns[j], &columns[j]).sqrt() && left > 0.0;
-        if !told[j] {
-            directions[j].fill(0.0);
-            triangle[j][j] = 1.0;
-            continue;
-        }
-        triangle[j][j] = left;
-        directions[j].iter_mut().for_each(|x| *x /= left);
-        projections[j] = dot(&directions[j], &residuals);
-        let fitted = directions[j].iter().map(|q| projections[j] * q);
-        residuals.iter_mut().zip(fitted).for_each(|(r, f)| *r -= f);
     }
-    let inverse = inverse(&triangle);
-    let row = |i: usize| (i..4).filter(|&j| told[j]).map(move |j| (j, inverse[i][j]));
-    let coefficient = |i| row(i).map(|(j, part)| part * projections[j]).sum();
-    let variance = |i| match told[i] {
-        true => row(i).map(|(_, part)| part * part).sum(),
-        false => f64::INFINITY,
+    let [Some(_), Some(_), ..] = places else {
+        return None;
     };
-    (told[0] && told[1]).then(|| Solution {
-        coefficients: std::array::from_fn(|i| if told[i] { coefficient(i) } else { 0.0 }),
-        variances: std::array::from_fn(variance),
-        squares: dot(&residuals, &residuals),
-        largest_residual: residuals.iter().map(|r| r.abs()).fold(0.0, f64::max),
+    let design = matrix(&kept);
+    let values = matrix(&[&values.to_vec()]);
+    let qr = design.qr();
+    let solution = qr.solve_lstsq(&values);
+    let residuals = &values - &design * &solution;
+    let mut inverse = Mat::zeros(kept.len(), kept.len());
+    invert_upper_triangular(inverse.as_mut(), qr.thin_R(), Par::Seq);
+    Some(Solution {
+        coefficients: places.map(|place| place.map_or(0.0, |j| solution[(j, 0)])),
+        variances: places.map(|place| {
+            // (X'X)^-1 = R^-1 R^-T
+            place.map_or(f64::INFINITY, |j| inverse.row(j).squared_norm_l2())
+        }),
+        squares: residuals.squared_norm_l2(),
+        largest_residual: residuals.norm_max(),
     })
 }
 
-/// Of an upper triangle.
-fn inverse(triangle: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
-    let mut inverse = [[0.0; 4]; 4];
-    for j in 0..4 {
-        inverse[j][j] = 1.0 / triangle[j][j];
-        for i in (0..j).rev() {
-            let sum: f64 = (i + 1..=j).map(|k| triangle[i][k] * inverse[k][j]).sum();
-            inverse[i][j] = -sum / triangle[i][i];
-        }
+/// Whether the last column is no combination of those before it.
+fn adds_something(columns: &[&Vec<f64>]) -> bool {
+    let design = matrix(columns);
+    let last = columns.len() - 1;
+    let length = design.col(last).norm_l2();
+    design.nrows() > last && {
+        let qr: Qr<f64> = design.qr();
+        let rest = qr.thin_R()[(last, last)].abs();
+        rest > ROUNDING * length && rest > 0.0
     }
-    inverse
+}
+
+fn matrix(columns: &[&Vec<f64>]) -> Mat<f64> {
+    let rows = columns.first().map_or(0, |column| column.len());
+    let cell = |i: usize, j: usize| columns.get(j).and_then(|column| column.get(i));
+    Mat::from_fn(rows, columns.len(), |i, j| {
+        cell(i, j).copied().unwrap_or(f64::NAN)
+    })
 }
 
 #[cfg(test)]
@@ -92,7 +83,7 @@ mod tests {
         let x = [-2.0, -1.0, 0.0, 1.0, 3.0];
         let y = [1.0, 0.0, 2.0, 5.0, 4.0];
         let columns = [vec![1.0; 5], x.to_vec(), vec![0.0; 5], vec![0.0; 5]];
-        let found = least_squares(&columns, y.into_iter()).unwrap();
+        let found = least_squares(&columns, &y).unwrap();
         // Mean of x 0.2, Σ(x - 0.2)² = 14.8, Σ(x - 0.2)(y - 2.4) = 12.6.
         let slope = 12.6 / 14.8;
         assert!((found.coefficients[1] - slope).abs() < 1e-12);
@@ -118,7 +109,8 @@ mod tests {
         ];
         let expected = [3.0, -1.5, 0.25, 7.0];
         let value = |k: usize| (0..4).map(|j| expected[j] * columns[j][k]).sum();
-        let found = least_squares(&columns, (0..9).map(value)).unwrap();
+        let values: Vec<f64> = (0..9).map(value).collect();
+        let found = least_squares(&columns, &values).unwrap();
         for (found, expected) in found.coefficients.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12);
         }

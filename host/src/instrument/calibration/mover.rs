@@ -2,7 +2,7 @@
 
 use crate::data::recording::{Ending, Header, RecordingWriter, Target};
 use crate::data::rig_file::RigFile;
-use crate::instrument::rig::capture::CaptureError;
+use crate::instrument::rig::CaptureError;
 use crate::instrument::rig::{Capture, RigClient, StopReason, TalkError};
 use serde::Serialize;
 use servoid_protocol::reference::{MAX_STEPS, Reference, Step, Steps};

@@ -1,4 +1,4 @@
-//! From frames to what is identified of them.
+//! From frames to the two columns that are identified.
 
 use crate::data::degrees::DegreeScale;
 use crate::data::rig_file::RigFile;

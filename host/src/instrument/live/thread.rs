@@ -13,7 +13,7 @@ enum Order {
     /// Estimate; where a percentage is given and seems to be reached, make sure of it. The answer
     /// goes to whoever waits for it.
     Estimate(Option<f64>, Option<Sender<()>>),
-    /// Estimate from all samples, with every test of what the errors are, and answer.
+    /// Estimate from all samples, with every test of the residuals, and answer.
     EstimateAnew(Sender<()>),
 }
 
@@ -36,7 +36,7 @@ impl Found {
 
 /// An [`Estimator`] on a thread of its own. Handing it samples never waits.
 ///
-/// The thread ends when this is dropped and what was asked of it is done.
+/// The thread ends when this is dropped and all requests are done.
 pub struct LiveIdentification {
     orders: Sender<Order>,
     found: Arc<Found>,

@@ -1,32 +1,29 @@
 //! Recording one run.
 //!
-//! Frames are written in order as they come; the module `under_way` sees to it that they do. The end is
-//! *complete* only when the rig's own check over the run agrees with what was written.
+//! Frames are written in order as they come. The end is *complete* only when the rig's own check over the
+//! run agrees with what was written.
 
-use super::client::{RigClient, TalkError, session_number};
-use crate::data::recording::{Ending, RecordingWriter, WriteError};
+use super::capture_outcome::{CaptureEnd, CaptureError, Progress, StopReason};
+use super::client::{RigClient, session_number};
+use super::recording_ending::recording_ending;
+use super::run_rows::RunRows;
+use super::talk_error::TalkError;
+use crate::data::recording::{Ending, RecordingWriter};
 use crate::data::rig_file::RigFile;
-use crate::instrument::rig::run_follower::RunFollower;
-use servoid_protocol::hello::SCHEMA_HASH;
-use servoid_protocol::message::{Arm, Command, Frame, Refusal, Start, Status};
+use servoid_client::{Event, RunEnding};
+use servoid_protocol::lease::LEASE_FRAMES;
+use servoid_protocol::message::{Arm, Start};
+use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::timing::FRAMES_PER_SECOND;
-use servoid_protocol::{PulseWidth, Reference, Rejects};
+use servoid_protocol::{PulseWidth, Reference};
 use std::time::Duration;
 
 /// Rest before and after the reference: as long as the paper's longest hold, 0.8 s, so that what
 /// settles within a hold has settled before the first edge.
 pub const ROLL_FRAMES: u16 = (FRAMES_PER_SECOND * 8 / 10) as u16;
 
-/// A run goes on for two seconds after the last sign of life from this program.
-const LEASE_FRAMES: u16 = (2 * FRAMES_PER_SECOND) as u16;
-
-/// Run numbers that are tried where the rig's last run had the same one.
-const RUN_NUMBERS: u16 = 3;
-
-/// How often arming is tried where the sensor reads outside its range, and the pause in between: five
-/// frames.
-const SENSOR_ATTEMPTS: u32 = 3;
-const SENSOR_PAUSE: Duration = Duration::from_millis(100);
+/// How often a capture asks whether it is to stop, where no frame comes.
+const STOP_ASKED_EVERY: Duration = Duration::from_millis(5);
 
 /// What is to be recorded.
 #[derive(Clone, Debug)]
@@ -35,60 +32,6 @@ pub struct Capture {
     pub rig: RigFile,
     /// The run.
     pub start: Start,
-}
-
-/// How a capture is getting on.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress<'a> {
-    /// The newest frame that was written.
-    pub frame: &'a Frame,
-    /// Frames that the run will have.
-    pub frames_total: u32,
-    /// Messages from the rig that could not be read, by class.
-    pub rejects: Rejects,
-    /// Frames that had to be asked for again.
-    pub asked_again: u32,
-    /// Frames that have been given up.
-    pub lost: u32,
-    /// What the rig last said of itself, about twice a second.
-    pub status: Option<&'a Status>,
-}
-
-/// Why a run is to end before its reference does.
-#[derive(Clone, Debug, PartialEq)]
-pub enum StopReason {
-    /// The user wants it: the recording is partial.
-    User,
-    /// What the run was made for has been reached, in plain words: the recording is whole as far as
-    /// it goes.
-    Enough(String),
-}
-
-/// How a capture ended.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CaptureEnd {
-    /// Complete, or what is missing and why.
-    pub ending: Ending,
-    /// Rows written.
-    pub rows: u64,
-    /// Messages from the rig that could not be read.
-    pub rejects: u32,
-    /// Frames that had to be asked for again.
-    pub asked_again: u32,
-}
-
-/// Why a capture did not take place or broke off. Rows written before are kept in every case.
-#[derive(Debug, thiserror::Error)]
-pub enum CaptureError {
-    /// The rig.
-    #[error(transparent)]
-    Talk(#[from] TalkError),
-    /// The file.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    /// There is nothing to keep.
-    #[error("stopped by the user before the run began: no file was written")]
-    StoppedBefore,
 }
 
 impl Capture {
@@ -109,9 +52,8 @@ impl Capture {
     /// # Errors
     /// When the rig refuses or does not answer.
     pub fn arm(&self, client: &mut RigClient) -> Result<(), TalkError> {
-        client.require_match()?;
         let healthy = self.rig.healthy_counts();
-        let arm = Command::Arm(Arm {
+        client.arm(Arm {
             schema_hash: SCHEMA_HASH,
             neutral: PulseWidth(self.rig.servo.neutral_us),
             shortest: PulseWidth(self.rig.limits.shortest_us),
@@ -119,19 +61,7 @@ impl Capture {
             sensor_low: healthy.lowest,
             sensor_high: healthy.highest,
             lease_frames: LEASE_FRAMES,
-        });
-        // A board that was switched on a moment ago has not read its sensor yet, and one disturbed
-        // sample is no broken sensor.
-        for _ in 1..SENSOR_ATTEMPTS {
-            match client.request(arm) {
-                Err(TalkError::Refused {
-                    refusal: Refusal::SensorOutOfRange,
-                    ..
-                }) => client.receive(SENSOR_PAUSE)?,
-                other => return other,
-            };
-        }
-        client.request(arm)
+        })
     }
 
     /// Records the run. `should_stop` is asked often; when it gives a reason, the servo goes to
@@ -144,61 +74,90 @@ impl Capture {
     pub fn record(
         &self,
         client: &mut RigClient,
-        mut writer: RecordingWriter,
+        writer: RecordingWriter,
         should_stop: &dyn Fn() -> Option<StopReason>,
         on_progress: &mut dyn FnMut(Progress<'_>),
     ) -> Result<CaptureEnd, CaptureError> {
-        let mut run = RunFollower::new(client, self.start);
-        let outcome = self.begin_and_follow(&mut run, &mut writer, should_stop, on_progress);
+        let mut run = RecordedRun {
+            rows: RunRows::new(writer, self.start.frames(), on_progress),
+            begun: false,
+            stopped: None,
+        };
+        let outcome = run.follow(client, self.start, should_stop);
         if let Err(error) = &outcome {
-            run.stop_after(error);
-            if !matches!(error, CaptureError::Write(_)) {
-                // What waited for an earlier frame is worth as much as the rest.
-                let _the_first_error_is_told = run.write_out_over_gaps(&mut writer, on_progress);
-            }
+            run.leave(client, error);
         }
-        if !run.has_begun() && !writer.has_begun() {
+        if !run.begun && !run.rows.writer.has_begun() {
             // No run, no recording: what was in the file is there still.
             return Err(outcome.err().unwrap_or(CaptureError::StoppedBefore));
         }
+        let lost_frames = run.rows.missing();
         let ending = match &outcome {
-            Ok(()) => run.ending(),
-            Err(error) => run.broken_off(error),
+            Ok(ended) => recording_ending(ended.as_ref(), run.stopped.as_ref(), lost_frames),
+            Err(error) => Ending::Partial {
+                reason: error.to_string(),
+                lost_frames,
+            },
         };
-        let (rows, rejects, asked_again) = (writer.rows(), run.rejects(), run.asked_again());
-        match (outcome, writer.finish(&ending)) {
-            (Ok(()), Ok(())) => Ok(CaptureEnd {
-                ending,
-                rows,
-                rejects,
-                asked_again,
-            }),
-            (Err(error), _) => Err(error),
-            (Ok(()), Err(error)) => Err(error.into()),
+        let rows = run.rows.writer.rows();
+        let closed = run.rows.writer.finish(&ending);
+        outcome?;
+        closed?;
+        Ok(CaptureEnd {
+            ending,
+            rows,
+            rejects: client.rejects().total(),
+            asked_again: client.conversation().frames_asked_again(),
+        })
+    }
+}
+
+/// A run that is being recorded.
+struct RecordedRun<'a> {
+    rows: RunRows<'a>,
+    /// Whether the rig has said that it has begun it.
+    begun: bool,
+    stopped: Option<StopReason>,
+}
+
+impl RecordedRun<'_> {
+    /// Writes the run's frames until it is over; `None` where it was stopped before it began.
+    fn follow(
+        &mut self,
+        client: &mut RigClient,
+        start: Start,
+        should_stop: &dyn Fn() -> Option<StopReason>,
+    ) -> Result<Option<RunEnding>, CaptureError> {
+        self.stopped = should_stop();
+        if self.stopped.is_some() {
+            return Ok(None);
+        }
+        client.begin_run(start);
+        loop {
+            match client.next_event(STOP_ASKED_EVERY)? {
+                Some(Event::RunBegun { .. }) => self.begun = true,
+                Some(Event::Frame(frame)) => self.rows.write(&frame, client.conversation())?,
+                Some(Event::RunEnded(ending)) => return Ok(Some(ending)),
+                Some(Event::Failed(error)) => return Err(TalkError::from(error).into()),
+                Some(_) | None => {}
+            }
+            if self.stopped.is_none() {
+                self.stopped = should_stop();
+                if self.stopped.is_some() {
+                    client.stop_run();
+                }
+            }
         }
     }
 
-    fn begin_and_follow(
-        &self,
-        run: &mut RunFollower<'_>,
-        writer: &mut RecordingWriter,
-        should_stop: &dyn Fn() -> Option<StopReason>,
-        on_progress: &mut dyn FnMut(Progress<'_>),
-    ) -> Result<(), CaptureError> {
-        for _ in 0..RUN_NUMBERS {
-            if should_stop().is_some() {
-                return Ok(());
+    /// Lets go of the run after an error, and writes the rest of what came where the file takes it.
+    fn leave(&mut self, client: &mut RigClient, error: &CaptureError) {
+        let line_is_gone = matches!(error, CaptureError::Talk(TalkError::Broken(_)));
+        let mut file_takes_it = !matches!(error, CaptureError::Write(_));
+        client.leave_run(line_is_gone, |event, client| {
+            if let Event::Frame(frame) = event {
+                file_takes_it = file_takes_it && self.rows.write(&frame, client).is_ok();
             }
-            match run.begin() {
-                Err(TalkError::Refused {
-                    refusal: Refusal::RunRepeated,
-                    ..
-                }) => run.take_another_number(),
-                Err(error) => return Err(error.into()),
-                Ok(()) => return run.follow(writer, should_stop, on_progress),
-            }
-        }
-        run.begin()?;
-        run.follow(writer, should_stop, on_progress)
+        });
     }
 }

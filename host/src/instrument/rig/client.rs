@@ -1,31 +1,23 @@
-//! A rig at the other end of a port.
+//! A rig at the other end of a port: asks, and waits for the answers.
 
-use super::conversation::{ATTEMPTS, Conversation};
-pub use super::conversation::{Answer, Asked};
-use super::mismatch::mismatches;
-pub use super::talk_error::TalkError;
-use crate::instrument::port::Port;
-use crate::instrument::rig::foreign_traffic::{RUN_IS_FOLLOWED, hears_a_run};
-use servoid_protocol::hello::SCHEMA_HASH;
-use servoid_protocol::message::{Command, RigMessage, Status};
+use super::driver::Driver;
+use super::talk_error::TalkError;
+use crate::instrument::port::{Port, is_simulated};
+use servoid_client::{Answer, Client, ClientError, Connect, Event};
+use servoid_protocol::message::{Arm, Command, Start, Status};
+use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::{Hello, Rejects};
 use std::time::Duration;
 
 /// A board that has just been plugged in needs a moment until it answers (bootloader, USB bridge).
 const HELLO_ATTEMPTS: u32 = 12;
 
-/// How often a session is opened anew where the rig denies it.
-const SESSION_ATTEMPTS: u32 = 5;
-
-/// Between two of these attempts: a run's frames need the line as well.
-const SESSION_PAUSE: Duration = Duration::from_millis(100);
-
 /// A look at a port that may well be something else.
 const PROBE_ATTEMPTS: u32 = 3;
 
 /// A rig at the other end of a port.
 pub struct RigClient {
-    talk: Conversation,
+    driver: Driver,
     hello: Hello,
 }
 
@@ -35,9 +27,9 @@ impl RigClient {
     ///
     /// # Errors
     /// [`TalkError::Silent`] or [`TalkError::Garbled`] when no rig is there, and
-    /// [`TalkError::RunOfAnother`] when another session goes on.
+    /// [`ClientError::RunOfAnother`] when another session goes on.
     pub fn connect(port: Box<dyn Port>, address: &str) -> Result<Self, TalkError> {
-        Self::open(port, address, session_number(), HELLO_ATTEMPTS)
+        Self::connect_as(port, address, session_number())
     }
 
     /// [`RigClient::connect`] with a session number of the caller's: equal numbers on equal ports
@@ -46,12 +38,15 @@ impl RigClient {
     /// # Errors
     /// As [`RigClient::connect`].
     pub fn connect_as(port: Box<dyn Port>, address: &str, session: u16) -> Result<Self, TalkError> {
-        Self::open(port, address, session, HELLO_ATTEMPTS)
+        let connect = Connect {
+            session,
+            attempts: HELLO_ATTEMPTS,
+            listens_first: false,
+        };
+        Self::open(port, address, &connect)
     }
 
-    /// [`RigClient::connect`], but where frames of a run are heard nothing is said. The rig would
-    /// keep to its session anyway; but whatever is said on a line that two programs share may meet
-    /// what the other one says.
+    /// [`RigClient::connect`], but nothing is sent where frames of a run are heard.
     ///
     /// # Errors
     /// As [`RigClient::connect`].
@@ -68,61 +63,38 @@ impl RigClient {
         Self::open_beside(port, address, PROBE_ATTEMPTS)
     }
 
-    fn open_beside(
-        mut port: Box<dyn Port>,
-        address: &str,
-        attempts: u32,
-    ) -> Result<Self, TalkError> {
-        // A simulated rig belongs to whoever opened it.
-        if !crate::instrument::port::is_simulated(address) && hears_a_run(port.as_mut())? {
-            return Err(TalkError::RunOfAnother);
-        }
-        Self::open(port, address, session_number(), attempts)
+    fn open_beside(port: Box<dyn Port>, address: &str, attempts: u32) -> Result<Self, TalkError> {
+        let connect = Connect {
+            session: session_number(),
+            attempts,
+            // A simulated rig belongs to whoever opened it.
+            listens_first: !is_simulated(address),
+        };
+        Self::open(port, address, &connect)
     }
 
-    fn open(
-        port: Box<dyn Port>,
-        address: &str,
-        session: u16,
-        attempts: u32,
-    ) -> Result<Self, TalkError> {
-        let mut talk = Conversation::new(port, session);
-        let nobody = |talk: &Conversation| {
-            let port = address.to_owned();
-            match talk.bytes_received {
-                0 => TalkError::Silent { port },
-                bytes => TalkError::Garbled { port, bytes },
-            }
+    fn open(port: Box<dyn Port>, address: &str, connect: &Connect) -> Result<Self, TalkError> {
+        let client = Client::connect(connect, port.now());
+        let mut driver = Driver { port, client };
+        let nobody = |bytes| match bytes {
+            0 => TalkError::Silent {
+                port: address.to_owned(),
+            },
+            bytes => TalkError::Garbled {
+                port: address.to_owned(),
+                bytes,
+            },
         };
-        // A hello may be an old one that had got stuck on the way, and a rig that another session holds
-        // says hello as well: the session is open when the rig has answered to a request of it.
-        let (begin, mut tries) = (talk.port.now(), 0);
         loop {
-            match talk.ask(Command::Hello, attempts)? {
-                // With other messages the same bytes could ask for anything: a hello has to do.
-                Some(Answer::Hello(hello)) if hello.schema_hash != SCHEMA_HASH => {
-                    return Ok(Self { talk, hello });
+            match driver.next_event(Duration::MAX)? {
+                Some(Event::Connected(hello)) => return Ok(Self { driver, hello }),
+                Some(Event::Failed(ClientError::NobodyThere { bytes })) => {
+                    return Err(nobody(bytes));
                 }
-                Some(Answer::Hello(hello)) => match talk.ask(Command::KeepAlive, attempts)? {
-                    Some(Answer::Done) => {
-                        // What came before is not of this session.
-                        talk.inbox.clear();
-                        return Ok(Self { talk, hello });
-                    }
-                    Some(_) => {}
-                    None => return Err(nobody(&talk)),
-                },
-                // An older session of that number.
-                Some(_) => talk.session = talk.session.wrapping_add(1),
-                None => return Err(nobody(&talk)),
+                Some(Event::Failed(error)) => return Err(error.into()),
+                Some(_) => {}
+                None => return Err(nobody(0)),
             }
-            tries += 1;
-            // A session that nobody follows any more gives the rig free within its lease.
-            let waited = talk.port.now().saturating_sub(begin);
-            if tries >= SESSION_ATTEMPTS && waited >= RUN_IS_FOLLOWED {
-                return Err(TalkError::RunOfAnother);
-            }
-            talk.pause(SESSION_PAUSE)?;
         }
     }
 
@@ -132,54 +104,28 @@ impl RigClient {
         &self.hello
     }
 
+    /// Whether the rig was built for the messages of this program.
+    #[must_use]
+    pub fn has_equal_schema(&self) -> bool {
+        self.hello.schema_hash == SCHEMA_HASH
+    }
+
     /// What could not be read of what the rig sent.
     #[must_use]
     pub fn rejects(&self) -> Rejects {
-        self.talk.decoder.rejects()
+        self.driver.client.rejects()
     }
 
     /// The port's clock.
     #[must_use]
     pub fn now(&self) -> Duration {
-        self.talk.port.now()
+        self.driver.port.now()
     }
 
     /// Whether the rig's time stands still while nobody listens to it.
     #[must_use]
     pub fn is_paced_by_reader(&self) -> bool {
-        self.talk.port.is_paced_by_reader()
-    }
-
-    /// Refuses to go on with a rig that was built for other messages.
-    ///
-    /// # Errors
-    /// [`TalkError::SchemaDiffers`].
-    pub fn require_equal_schema(&self) -> Result<(), TalkError> {
-        match self.hello.schema_hash {
-            SCHEMA_HASH => Ok(()),
-            rig => Err(TalkError::SchemaDiffers {
-                rig,
-                host: SCHEMA_HASH,
-            }),
-        }
-    }
-
-    /// Refuses to go on with a rig that differs in anything a recording depends on (see
-    /// [`mismatches`]): with an equal schema, its timing.
-    ///
-    /// # Errors
-    /// [`TalkError::SchemaDiffers`], [`TalkError::TimingDiffers`].
-    pub fn require_match(&self) -> Result<(), TalkError> {
-        self.require_equal_schema()?;
-        match mismatches(&self.hello).into_iter().next() {
-            None => Ok(()),
-            Some(first) => Err(TalkError::TimingDiffers {
-                field: first.field,
-                rig: first.rig,
-                host: first.servoid,
-                meaning: first.meaning,
-            }),
-        }
+        self.driver.port.is_paced_by_reader()
     }
 
     /// How the rig is.
@@ -187,88 +133,85 @@ impl RigClient {
     /// # Errors
     /// When it does not answer.
     pub fn status(&mut self) -> Result<Status, TalkError> {
-        match self.ask(Command::Status)? {
+        self.driver.client.request(Command::Status, self.now());
+        match self.answer()? {
             Answer::Status(status) => Ok(status),
-            _ => Err(TalkError::NoAnswer {
-                request: name(&Command::Status),
-            }),
+            _ => Err(no_answer()),
         }
     }
 
-    /// Has the rig do something; returns when it has said that it did.
+    /// Has the rig do something; returns when it has done it.
     ///
     /// # Errors
     /// When it refuses, or does not answer.
     pub fn request(&mut self, command: Command) -> Result<(), TalkError> {
-        self.ask(command).map(|_done| ())
+        self.driver.client.request(command, self.now());
+        self.answer().map(|_done| ())
     }
 
-    fn ask(&mut self, command: Command) -> Result<Answer, TalkError> {
-        let request = name(&command);
-        match self.talk.ask(command, ATTEMPTS)? {
-            Some(Answer::Refused(refusal)) => Err(TalkError::Refused { request, refusal }),
-            Some(answer) => Ok(answer),
-            None => Err(TalkError::NoAnswer { request }),
+    /// Brings the rig to neutral; returns when it is there.
+    ///
+    /// # Errors
+    /// When it does not go with this program, refuses, or does not answer.
+    pub fn arm(&mut self, arm: Arm) -> Result<(), TalkError> {
+        self.driver.client.arm(arm, self.now());
+        self.answer().map(|_done| ())
+    }
+
+    fn answer(&mut self) -> Result<Answer, TalkError> {
+        while let Some(event) = self.driver.next_event(Duration::MAX)? {
+            match event {
+                Event::Answered(answer) => return Ok(answer),
+                Event::Failed(error) => return Err(error.into()),
+                _ => {}
+            }
+        }
+        Err(no_answer())
+    }
+
+    /// Has the rig begin a run, which [`RigClient::next_event`] follows.
+    pub(super) fn begin_run(&mut self, start: Start) {
+        self.driver.client.run(start, self.now());
+    }
+
+    /// Has the run end before its reference does.
+    pub(super) fn stop_run(&mut self) {
+        self.driver.client.stop_run(self.now());
+    }
+
+    /// What happens next in the run, waiting up to `timeout` for it.
+    pub(super) fn next_event(&mut self, timeout: Duration) -> Result<Option<Event>, TalkError> {
+        self.driver.next_event(timeout)
+    }
+
+    /// Lets go of a run that went wrong, so that the servo returns to neutral; hands what is left of it to
+    /// `rest`. Where the line is gone nobody can be asked, and the lease brings the servo there.
+    pub(super) fn leave_run(&mut self, line_is_gone: bool, mut rest: impl FnMut(Event, &Client)) {
+        self.driver.client.break_off_run(self.now());
+        while let Some(event) = self.driver.client.poll_event() {
+            rest(event, &self.driver.client);
+        }
+        if !line_is_gone {
+            let _what_went_wrong_before_is_reported = self.answer();
         }
     }
 
-    /// Says a new request and does not wait: [`Asked::answer_in`] knows its answer among what
-    /// [`RigClient::receive`] brings. It overtakes every request before it: the rig answers those
-    /// no more.
-    ///
-    /// # Errors
-    /// When the stream broke.
-    pub fn say(&mut self, command: Command) -> Result<Asked, TalkError> {
-        self.talk.say(command)
-    }
-
-    /// Says the newest request again if its answer is overdue; `false` when that has been done often
-    /// enough.
-    ///
-    /// # Errors
-    /// When the stream broke.
-    pub fn insist(&mut self, asked: &mut Asked) -> Result<bool, TalkError> {
-        self.talk.insist(asked)
-    }
-
-    /// The next message that is no answer, waiting up to `timeout` for it.
-    ///
-    /// # Errors
-    /// When the stream broke.
-    pub fn receive(&mut self, timeout: Duration) -> Result<Option<RigMessage>, TalkError> {
-        let deadline = self.now() + timeout;
-        loop {
-            if let Some(message) = self.talk.inbox.pop_front() {
-                return Ok(Some(message));
-            }
-            let left = deadline.saturating_sub(self.now());
-            if left.is_zero() {
-                return Ok(None);
-            }
-            self.talk.fill_inbox(left)?;
-        }
+    /// The conversation, for what it knows of the run.
+    pub(super) fn conversation(&self) -> &Client {
+        &self.driver.client
     }
 }
 
+fn no_answer() -> TalkError {
+    let request = "answer";
+    ClientError::NoAnswer { request }.into()
+}
+
 /// A number that two programs on one rig will hardly both choose. It need not be random in any
-/// stronger sense: it tells sessions apart, it does not protect them.
+/// stronger sense: it keeps sessions apart, it does not protect them.
 #[must_use]
 pub fn session_number() -> u16 {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let nanos = now.map_or(0, |d| d.subsec_nanos() ^ d.as_secs() as u32);
     (nanos ^ (nanos >> 16) ^ std::process::id()) as u16
-}
-
-/// What error texts call a request.
-fn name(command: &Command) -> &'static str {
-    match command {
-        Command::Unused | Command::Hello => "say who it is",
-        Command::Status => "say how it is",
-        Command::Arm(_) => "arm",
-        Command::Disarm => "disarm",
-        Command::Start(_) => "start the run",
-        Command::Stop { .. } => "stop the run",
-        Command::KeepAlive => "prolong the lease",
-        Command::Resend { .. } => "send frames again",
-    }
 }

@@ -1,19 +1,19 @@
 //! Talking to a rig.
 //!
-//! [`client`] asks and hears, by the requests and answers of `conversation`, once `overheard` has found
-//! no other program's run; [`mismatch`] says why a rig cannot be used with this
-//! program; [`mod@file`] is what the user knows of their servo and sensor; [`run`] puts
-//! the frames of a run in order and knows which are missing; `under_way` follows a run over a line
-//! that loses some; [`capture`] records it.
+//! The conversation itself is `servoid_client`, which knows no port and no clock. `driver` connects the
+//! two; [`client`] asks and waits for answers; [`capture`] records a run, with `run_rows` for its rows and
+//! `recording_ending` for the last line of its file; [`capture_outcome`] is what comes of it.
 
 pub mod capture;
+pub mod capture_outcome;
 pub mod client;
-mod conversation;
-mod foreign_traffic;
-pub mod mismatch;
-pub mod run;
-mod run_follower;
+mod driver;
+mod recording_ending;
+mod run_rows;
 mod talk_error;
 
-pub use capture::{Capture, CaptureEnd, Progress, StopReason};
-pub use client::{RigClient, TalkError};
+pub use capture::Capture;
+pub use capture_outcome::{CaptureEnd, CaptureError, Progress, StopReason};
+pub use client::RigClient;
+pub use servoid_client::{ClientError, Mismatch, mismatches};
+pub use talk_error::TalkError;

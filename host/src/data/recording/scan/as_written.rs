@@ -1,4 +1,4 @@
-//! Takes out of a file what editors and other systems put into text.
+//! Undoes the changes that editors and other systems make to text.
 
 use crate::data::table::BYTE_ORDER_MARK;
 use std::borrow::Cow;

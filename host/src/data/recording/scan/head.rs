@@ -1,4 +1,4 @@
-//! The lines above the rows, and what a recording is known by.
+//! The lines above the rows, and the marks by which a recording is recognised.
 
 use super::comment::{NO_COMMENT, comment_table};
 use super::damage::Damage;

@@ -67,7 +67,7 @@ impl Rows {
         }
     }
 
-    /// Judges what can only be judged when all lines are read.
+    /// Judges the last frame and the last comment, when all lines are read.
     pub(super) fn finish(&mut self) {
         if self.frames_are_whole {
             self.check_frame();
@@ -209,7 +209,7 @@ impl Rows {
     }
 }
 
-/// Line, row number and what came of it.
+/// Line, row number and result.
 type FrameRow = (usize, usize, Result<Row, &'static str>);
 
 /// Whether these are the ten rows of a frame, all sound.

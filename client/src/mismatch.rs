@@ -1,8 +1,9 @@
 //! What differs between a rig and this program, where they were not built for each other.
 
+use crate::error::ClientError;
 use serde::Serialize;
 use servoid_protocol::Hello;
-use servoid_protocol::hello::{PROTOCOL_VERSION, SCHEMA_HASH};
+use servoid_protocol::schema::{PROTOCOL_VERSION, SCHEMA_HASH};
 use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
 
 /// One thing in which they differ.
@@ -63,4 +64,23 @@ pub fn mismatches(hello: &Hello) -> Vec<Mismatch> {
         "samples come at another rate: every time in a recording would be wrong",
     );
     all
+}
+
+/// Refuses a rig that differs in anything that a recording depends on.
+pub(crate) fn require_match(hello: &Hello) -> Result<(), ClientError> {
+    if hello.schema_hash != SCHEMA_HASH {
+        return Err(ClientError::SchemaDiffers {
+            rig: hello.schema_hash,
+            host: SCHEMA_HASH,
+        });
+    }
+    match mismatches(hello).into_iter().next() {
+        None => Ok(()),
+        Some(first) => Err(ClientError::TimingDiffers {
+            field: first.field,
+            rig: first.rig,
+            host: first.servoid,
+            meaning: first.meaning,
+        }),
+    }
 }

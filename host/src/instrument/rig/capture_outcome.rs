@@ -1,0 +1,60 @@
+//! What comes of a capture, while it goes on and at its end.
+
+use super::talk_error::TalkError;
+use crate::data::recording::{Ending, WriteError};
+use servoid_protocol::Rejects;
+use servoid_protocol::message::{Frame, Status};
+
+/// How a capture is getting on.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// The newest frame that was written.
+    pub frame: &'a Frame,
+    /// Frames that the run will have.
+    pub frames_total: u32,
+    /// Messages from the rig that could not be read, by class.
+    pub rejects: Rejects,
+    /// Frames that had to be asked for again.
+    pub asked_again: u32,
+    /// Frames that have been given up.
+    pub lost: u32,
+    /// What the rig last said of itself, about twice a second.
+    pub status: Option<&'a Status>,
+}
+
+/// Why a run is to end before its reference does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StopReason {
+    /// The user wants it: the recording is partial.
+    User,
+    /// What the run was made for has been reached, in plain words: the recording is whole as far as
+    /// it goes.
+    Enough(String),
+}
+
+/// How a capture ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaptureEnd {
+    /// Complete, or what is missing and why.
+    pub ending: Ending,
+    /// Rows written.
+    pub rows: u64,
+    /// Messages from the rig that could not be read.
+    pub rejects: u32,
+    /// Frames that had to be asked for again.
+    pub asked_again: u32,
+}
+
+/// Why a capture did not take place or broke off. Rows written before are kept in every case.
+#[derive(Debug, thiserror::Error)]
+pub enum CaptureError {
+    /// The rig.
+    #[error(transparent)]
+    Talk(#[from] TalkError),
+    /// The file.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// There is nothing to keep.
+    #[error("stopped by the user before the run began: no file was written")]
+    StoppedBefore,
+}
