@@ -5,7 +5,9 @@ use libfuzzer_sys::fuzz_target;
 use servoid::export::{Export, Target};
 use servoid::model_metadata::ModelMetadata;
 use servoid::report::{self, Page, Servo};
-use servoid::{output, plots, summary};
+use servoid::model_file::ModelFile;
+use servoid::units::Units;
+use servoid::{plots, summary};
 use servoid_identification::Record;
 use servoid_identification::comparison::{ComparisonOptions, compare_models};
 use servoid_identification::model::Model;
@@ -15,19 +17,20 @@ use std::sync::LazyLock;
 /// A model to compare with: a file that is in the corpus.
 static OTHER: LazyLock<Model> = LazyLock::new(|| {
     let text = include_str!("../corpus/model_file/lag.json");
-    output::parse_model(text, Path::new("lag.json")).expect("it is a model")
+    let file = ModelFile::parse(text, Path::new("lag.json"));
+    file.expect("it is a model").model
 });
 
 fuzz_target!(|text: &str| {
-    let path = Path::new("x.json");
-    let Ok(model) = output::parse_model(text, path) else { return };
-    let flight = output::parse_flight_model(text, path).ok().flatten();
-    let export = Export::new("x", "x.json", &model, flight, ModelMetadata::in_model_file(text));
+    let Ok(file) = ModelFile::parse(text, Path::new("x.json")) else { return };
+    let flight = file.flight_model().ok().flatten();
+    let ModelFile { model, metadata, .. } = file;
+    let export = Export::new("x", "x.json", &model, flight, metadata.clone());
     for target in Target::ALL {
         let _ = export.write(target);
     }
     let _ = export.warnings();
-    assert!(!summary::of_model("x", &model, summary::Units::default()).is_empty());
+    assert!(!summary::of_model("x", &model, Units::default()).is_empty());
 
     let input: Vec<f64> = (0..200).map(|k| f64::from(k / 7 % 2)).collect();
     let record = Record::from_slices(model.sample_period_s, &input, &input);
@@ -36,7 +39,7 @@ fuzz_target!(|text: &str| {
     }
     for (a, b) in [(&*OTHER, &model), (&model, &*OTHER), (&model, &model)] {
         let found = compare_models(a, b, &ComparisonOptions::default());
-        let first = Servo::of_model("a".into(), a.clone(), ModelMetadata::in_model_file(text));
+        let first = Servo::of_model("a".into(), a.clone(), metadata.clone());
         let second = Servo::of_model("b".into(), b.clone(), ModelMetadata::default());
         let page = report::page(&Page {
             title: "x",

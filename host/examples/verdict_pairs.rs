@@ -28,7 +28,8 @@ const CASES: [(&str, [&str; 2]); 8] = [
 ];
 
 fn mean(found: &[Comparison], of: fn(&DifferencePercent) -> f64) -> f64 {
-    found.iter().map(|c| of(&c.difference_percent)).sum::<f64>() / found.len() as f64
+    let bounds = found.iter().filter_map(|c| c.bounds.valid());
+    bounds.map(|b| of(&b.difference_percent)).sum::<f64>() / found.len() as f64
 }
 
 fn main() {
@@ -45,7 +46,8 @@ fn main() {
         let found = compare_pairs(servos, 0..pairs);
         let most = found
             .iter()
-            .map(|c| c.difference_percent.at_most)
+            .filter_map(|c| c.bounds.valid())
+            .map(|bounds| bounds.difference_percent.at_most)
             .fold(0.0, f64::max);
         println!(
             "| {name} | {} | {} | {} | {:.2} | {:.2} | {most:.2} |",

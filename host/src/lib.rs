@@ -33,8 +33,8 @@ mod presentation;
 
 pub use commands::{output_files, rig_wizard};
 pub use data::{
-    dataset, degrees, fingerprint, input_file, model_metadata, recording, rig_file, sensor_health,
-    table, timeline,
+    dataset, degrees, fingerprint, input_file, model_file, model_metadata, recording, rig_file,
+    sensor_health, table, timeline, units,
 };
 pub use instrument::{calibration, live, port, reference, rig};
 pub use presentation::{

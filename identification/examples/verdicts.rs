@@ -155,12 +155,13 @@ fn comparisons(pairs: u64) {
             100.0 * found.iter().filter(|c| c.verdict == verdict).count() as f64 / pairs as f64
         };
         let mean = |of: fn(&servoid_identification::comparison::DifferencePercent) -> f64| {
-            found.iter().map(|c| of(&c.difference_percent)).sum::<f64>() / pairs as f64
+            let bounds = found.iter().filter_map(|c| c.bounds.valid());
+            bounds.map(|b| of(&b.difference_percent)).sum::<f64>() / pairs as f64
         };
         let exact = exact_shift(&bench, &other);
         let bounds: Vec<[f64; 2]> = found
             .iter()
-            .filter_map(|c| c.delay_shift_bounds_s)
+            .filter_map(|c| c.bounds.valid()?.delay_shift_s)
             .collect();
         let held = bounds
             .iter()

@@ -32,10 +32,9 @@ pub mod thresholds;
 
 pub use data::quantisation;
 pub use data::{moments, record, timing};
-pub use diagnostics::advice::Advice;
 pub use diagnostics::explanation::Explanation;
 pub use diagnostics::{
-    advice, correlogram, explanation, initial_rest, linearity, misfit, residual_tests, run_scatter,
+    correlogram, explanation, initial_rest, linearity, misfit, residual_tests, run_scatter,
     standstill_noise,
 };
 pub use error::Error;
@@ -47,7 +46,11 @@ pub use nonlinear::{direction, limits};
 pub use numerics::{convolution, critical_values};
 pub use options::{Frequencies, NoiseOrder, Options, Settling};
 pub use record::{Record, Run};
+pub use results::advice::Advice;
 pub use results::model::Model;
 pub use results::validation::Validation;
-pub use results::{frequency_response, metrics, model, step_response, validation};
+pub use results::{
+    advice, frequency_response, metrics, model, residuals, servo_response, step_response,
+    validation, validity,
+};
 pub use selection::{choice, settling_range};

@@ -60,13 +60,19 @@ pub struct Line {
     pub frequencies: usize,
 }
 
-struct Outcome {
+/// What the bounds of one run hold.
+struct Held {
     inside: Vec<bool>,
     whole: bool,
+    half_widths: (f64, f64),
+}
+
+struct Outcome {
+    /// `None` where bounds are withdrawn.
+    held: Option<Held>,
     settling: usize,
     frequencies: usize,
     order: usize,
-    half_widths: (f64, f64),
     checks: Vec<String>,
     rejected: [bool; 3],
     withdrawn: bool,
@@ -87,21 +93,24 @@ pub fn measure(case: Case, runs: usize, options: &Options) -> Line {
         .map(|run| outcome(&case, run, options))
         .collect();
     let count = outcomes.len() as f64;
-    let longest = outcomes.iter().map(|o| o.inside.len()).max().unwrap_or(0);
+    let held: Vec<&Held> = outcomes.iter().filter_map(|o| o.held.as_ref()).collect();
+    let longest = held.iter().map(|held| held.inside.len()).max().unwrap_or(0);
     let points: Vec<f64> = (0..longest)
         .filter_map(|m| {
-            let reached: Vec<bool> = outcomes
+            let reached: Vec<bool> = held
                 .iter()
-                .filter_map(|o| o.inside.get(m).copied())
+                .filter_map(|held| held.inside.get(m).copied())
                 .collect();
-            (2 * reached.len() >= outcomes.len()).then(|| {
+            (2 * reached.len() >= held.len()).then(|| {
                 reached.iter().filter(|inside| **inside).count() as f64 / reached.len() as f64
             })
         })
         .collect();
     let share =
         |what: fn(&Outcome) -> bool| outcomes.iter().filter(|o| what(o)).count() as f64 / count;
-    let mean = |what: fn(&Outcome) -> f64| outcomes.iter().map(what).sum::<f64>() / count;
+    let mean = |what: fn(&Held) -> f64| {
+        held.iter().map(|held| what(held)).sum::<f64>() / held.len() as f64
+    };
     let mut settling: Vec<usize> = outcomes.iter().map(|o| o.settling).collect();
     settling.sort_unstable();
     Line {
@@ -109,7 +118,7 @@ pub fn measure(case: Case, runs: usize, options: &Options) -> Line {
         runs,
         mean: points.iter().sum::<f64>() / points.len() as f64,
         worst: points.iter().copied().fold(1.0, f64::min),
-        whole: share(|o| o.whole),
+        whole: mean(|held| f64::from(u8::from(held.whole))),
         settling: (
             settling[0],
             settling[settling.len() / 2],
@@ -117,7 +126,10 @@ pub fn measure(case: Case, runs: usize, options: &Options) -> Line {
         ),
         order: mode(outcomes.iter().map(|o| o.order)),
         frequencies: mode(outcomes.iter().map(|o| o.frequencies)),
-        half_widths: (mean(|o| o.half_widths.0), mean(|o| o.half_widths.1)),
+        half_widths: (
+            mean(|held| held.half_widths.0),
+            mean(|held| held.half_widths.1),
+        ),
         advised: share(|o| !o.checks.is_empty()),
         checks: shares(outcomes.iter().flat_map(|o| &o.checks), runs),
         rejected: [
@@ -151,8 +163,16 @@ fn outcome(case: &Case, run: usize, options: &Options) -> Outcome {
             .collect()
     };
     // The final value is judged with the whole curve; its place differs between runs.
-    let inside = within(&step.pointwise.lower, &step.pointwise.upper);
-    let whole = within(&step.simultaneous.lower, &step.simultaneous.upper);
+    let held = step.bounds.valid().map(|bounds| {
+        let (each, whole) = (&bounds.pointwise, &bounds.simultaneous);
+        Held {
+            inside: within(&each.lower, &each.upper),
+            whole: within(&whole.lower, &whole.upper)
+                .iter()
+                .all(|inside| *inside),
+            half_widths: bounds.mean_half_widths(),
+        }
+    });
     let tests = &found.model.residuals;
     let rejected = [
         tests.whiteness_p,
@@ -167,13 +187,16 @@ fn outcome(case: &Case, run: usize, options: &Options) -> Outcome {
         withdrawn,
         alarmed: withdrawn || follows || rejected[0] || rejected[1],
         rejected,
-        inside,
-        whole: whole.iter().all(|inside| *inside),
+        held,
         settling: found.model.structure.settling_samples,
         frequencies: found.model.structure.frequencies,
         order: found.model.structure.noise_order,
-        half_widths: step.mean_half_widths(),
-        checks: found.model.advice.iter().map(|a| a.check.clone()).collect(),
+        checks: found
+            .model
+            .advice
+            .iter()
+            .map(|a| a.check.to_string())
+            .collect(),
     }
 }
 

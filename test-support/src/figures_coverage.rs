@@ -155,7 +155,7 @@ pub fn measure(case: &Case, runs: u64, seed: u64) -> Line {
     let levels = outcomes.iter().filter(|o| o.level).count();
     let mut advice = BTreeMap::new();
     for found in outcomes.iter().flat_map(|o| &o.model.advice) {
-        *advice.entry(found.check.clone()).or_insert(0.0) += 1.0 / runs as f64;
+        *advice.entry(found.check.to_string()).or_insert(0.0) += 1.0 / runs as f64;
     }
     Line {
         level: share(levels, outcomes.len()),
@@ -175,9 +175,10 @@ pub fn measure(case: &Case, runs: u64, seed: u64) -> Line {
         }),
         half_width: outcomes
             .iter()
-            .map(|o| o.model.step.mean_half_widths().0)
+            .filter_map(|o| o.model.step.bounds.valid())
+            .map(|bounds| bounds.mean_half_widths().0)
             .sum::<f64>()
-            / runs as f64,
+            / levels.max(1) as f64,
         advice,
     }
 }
@@ -222,7 +223,7 @@ fn outcome(truth: &Truth, input: &[f64], output: &[f64]) -> Outcome {
     }
     held[6] = step_held(&model, &truth.servo);
     Outcome {
-        level: model.bounds_hold(),
+        level: model.bounds.valid().is_some(),
         held,
         frequencies_held: frequencies_held(&model, &truth.impulse),
         told: intervals.map(|interval| interval.value.is_some()),
@@ -232,7 +233,10 @@ fn outcome(truth: &Truth, input: &[f64], output: &[f64]) -> Outcome {
 
 /// Whether the whole step response is inside its simultaneous band.
 fn step_held(model: &Model, servo: &Linear) -> bool {
-    let band = &model.step.simultaneous;
+    let Some(bounds) = model.step.bounds.valid() else {
+        return false;
+    };
+    let band = &bounds.simultaneous;
     let last = band.lower.len() - 1;
     (0..=last).all(|m| {
         let exact = match m {
@@ -246,12 +250,15 @@ fn step_held(model: &Model, servo: &Linear) -> bool {
 /// The share of the frequencies at which magnitude and phase are both inside their bounds.
 fn frequencies_held(model: &Model, impulse: &[f64]) -> f64 {
     let f = &model.frequency;
+    let Some(bounds) = f.bounds.valid() else {
+        return 0.0;
+    };
     let points = f.omega_rad_s.len();
     let held = (0..points).filter(|&k| {
         let (magnitude_db, phase_deg) = transformed(impulse, f.omega_rad_s[k] * PERIOD);
         let phase_deg = phase_deg - 360.0 * ((phase_deg - f.phase_deg[k]) / 360.0).round();
-        (f.magnitude_db_lower[k]..=f.magnitude_db_upper[k]).contains(&magnitude_db)
-            && (f.phase_deg_lower[k]..=f.phase_deg_upper[k]).contains(&phase_deg)
+        (bounds.magnitude_db_lower[k]..=bounds.magnitude_db_upper[k]).contains(&magnitude_db)
+            && (bounds.phase_deg_lower[k]..=bounds.phase_deg_upper[k]).contains(&phase_deg)
     });
     held.count() as f64 / points as f64
 }

@@ -7,7 +7,8 @@ use super::usage::wrong_usage;
 use crate::commands::output_files;
 use crate::data::dataset::listed;
 use crate::data::dataset::{self, DatasetOptions};
-use crate::data::fingerprint::{self, advice_on_sides, in_model_file};
+use crate::data::fingerprint::{self, advice_on_sides};
+use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary;
 use anyhow::{Context, Result, bail};
@@ -90,7 +91,6 @@ impl Compare {
         // What makes all the rest pointless is said first.
         found.advice.splice(0..0, same);
         let text = summary::of_comparison(&listed(a), &listed(b), &found);
-        output_files::withhold_bounds(&mut found);
         if let Some(out) = &self.out {
             output_files::write_file(out, self.force, &output_files::to_json(&found)?)?;
         }
@@ -103,15 +103,11 @@ type Compared = (Comparison, Option<Advice>);
 
 fn models(a: &Path, b: &Path, options: &ComparisonOptions) -> Result<Compared> {
     let (name_a, name_b) = (a.display().to_string(), b.display().to_string());
-    let [text_a, text_b] = [output_files::read_text(a)?, output_files::read_text(b)?];
-    let [runs_a, runs_b] = [&text_a, &text_b].map(|text| in_model_file(text));
-    let [from_a, from_b] = [&text_a, &text_b].map(|text| ModelMetadata::in_model_file(text));
-    let model_a = output_files::parse_model(&text_a, a)?;
-    let model_b = output_files::parse_model(&text_b, b)?;
-    from_a.same_units(&name_a, &from_b, &name_b)?;
-    let found = compare_models(&model_a, &model_b, options)
+    let [a, b] = [ModelFile::read(a)?, ModelFile::read(b)?];
+    a.metadata.same_units(&name_a, &b.metadata, &name_b)?;
+    let found = compare_models(&a.model, &b.model, options)
         .with_context(|| format!("{name_a} against {name_b}"))?;
-    Ok((found, advice_on_sides(&runs_a, &runs_b)))
+    Ok((found, advice_on_sides(&a.fingerprints, &b.fingerprints)))
 }
 
 fn recordings(

@@ -5,7 +5,7 @@ use super::ctrl_c;
 use super::output_args::Talk;
 use crate::commands::output_files;
 use crate::data::dataset::{self, DatasetOptions};
-use crate::data::fingerprint::ModelDocument;
+use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::rig_file::RigFile;
 use crate::presentation::paper_values;
@@ -166,11 +166,11 @@ impl Demo {
         let model = &found.model;
         self.write(
             &format!("{condition}.json"),
-            &output_files::to_json(&ModelDocument::new(
+            &output_files::to_json(&ModelDocument {
                 model,
-                Some(&data.record),
-                ModelMetadata::from(&data.about),
-            ))?,
+                metadata: ModelMetadata::from(&data.about),
+                record: Some(&data.record),
+            })?,
         )?;
         self.talk.say(summary::of_model(
             &file.display().to_string(),

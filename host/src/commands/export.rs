@@ -4,7 +4,8 @@ use super::file_names::stem;
 use super::output_args::Talk;
 use super::usage::wrong_usage;
 use crate::commands::output_files;
-use crate::data::model_metadata::{ModelMetadata, PULSE_FRAMES_S};
+use crate::data::model_file::ModelFile;
+use crate::data::model_metadata::PULSE_FRAMES_S;
 use crate::presentation::export::{Export, Target};
 use anyhow::Result;
 use clap::builder::PossibleValue;
@@ -73,14 +74,13 @@ impl ExportArgs {
         if let Some(out) = &self.out {
             output_files::check_free(out, self.force)?;
         }
-        let text = output_files::read_text(&self.model)?;
-        let model = output_files::parse_model(&text, &self.model)?;
-        let fitted = output_files::parse_flight_model(&text, &self.model)?;
-        let mut origin = ModelMetadata::in_model_file(&text);
-        origin.pulse_frame_s = stated_s.or(origin.pulse_frame_s);
+        let file = ModelFile::read(&self.model)?;
+        let fitted = file.flight_model()?;
+        let mut metadata = file.metadata;
+        metadata.pulse_frame_s = stated_s.or(metadata.pulse_frame_s);
         let source = self.model.file_name().unwrap_or_default().to_string_lossy();
         let name = self.name.clone().unwrap_or_else(|| stem(&self.model));
-        let export = Export::new(&name, &source, &model, fitted, origin);
+        let export = Export::new(&name, &source, &file.model, fitted, metadata);
         let text = export.write(self.to)?;
         let warnings = export.warnings();
         for warning in &warnings {

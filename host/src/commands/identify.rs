@@ -9,7 +9,7 @@ use crate::data::dataset;
 use crate::data::dataset::Dataset;
 use crate::data::dataset::listed;
 use crate::data::dataset::suggestion::quoted;
-use crate::data::fingerprint::ModelDocument;
+use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::explanation;
 use crate::presentation::plots::{paper_figures, structure};
@@ -118,7 +118,7 @@ impl Identify {
         text.extend(explanation.map(|e| explanation::as_text(e, model)));
         result.explanation = explanation;
         match &flight {
-            Some(Ok(fitted)) => text += &summary::of_flight_model(fitted, model.bounds_hold()),
+            Some(Ok(fitted)) => text += &summary::of_flight_model(fitted),
             Some(Err(reason)) => {
                 text += &format!("\nno model of low order: {reason}\n");
                 result.no_flight_model = Some(reason);
@@ -206,7 +206,11 @@ struct Identified<'a> {
 impl<'a> Identified<'a> {
     fn of(model: &'a Model, data: &'a Dataset) -> Self {
         Self {
-            model: ModelDocument::new(model, Some(&data.record), ModelMetadata::from(&data.about)),
+            model: ModelDocument {
+                model,
+                metadata: ModelMetadata::from(&data.about),
+                record: Some(&data.record),
+            },
             explanation: None,
             flight_model: None,
             no_flight_model: None,

@@ -5,6 +5,7 @@ use super::reference_args::ReferenceArgs;
 use super::usage::wrong_usage;
 use crate::commands::output_files;
 use crate::data::dataset::listed;
+use crate::data::model_file::ModelFile;
 use crate::data::rig_file::RigFile;
 use crate::instrument::reference;
 use crate::plan::{AssumedServo, Plan, PlanRequest, figure, of_plan};
@@ -110,7 +111,7 @@ impl PlanArgs {
     fn assumed(&self) -> Result<AssumedServo> {
         let assumed = match &self.model {
             Some(path) => {
-                let model = output_files::read_model(path)?;
+                let ModelFile { model, .. } = ModelFile::read(path)?;
                 let period_us = model.sample_period_s * 1e6;
                 // The file has the period as rounded digits, so equality is to a nanosecond.
                 if (period_us - f64::from(SAMPLE_US)).abs() > 1e-3 {

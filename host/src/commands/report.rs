@@ -9,7 +9,7 @@ use crate::commands::output_files;
 use crate::data::dataset::listed;
 use crate::data::dataset::{self, Dataset, DatasetOptions};
 use crate::data::fingerprint;
-use crate::data::model_metadata::ModelMetadata;
+use crate::data::model_file::ModelFile;
 use crate::presentation::report::{self, Page, Servo};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -114,10 +114,10 @@ fn read(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Servo
     let Some(file) = model_file(files) else {
         return identified(files, dataset::load(files, options)?, talk);
     };
-    let text = output_files::read_text(file)?;
-    let model = output_files::parse_model(&text, file)?;
-    let origin = ModelMetadata::in_model_file(&text);
-    Ok(Servo::of_model(stem(file), model, origin))
+    let ModelFile {
+        model, metadata, ..
+    } = ModelFile::read(file)?;
+    Ok(Servo::of_model(stem(file), model, metadata))
 }
 
 fn identified(files: &[PathBuf], data: Dataset, talk: Talk) -> Result<Servo> {
@@ -139,7 +139,7 @@ fn comparison(a: &Servo, b: &Servo, margin: f64, talk: Talk) -> Result<Option<Co
         margin_percent: margin,
         ..ComparisonOptions::default()
     };
-    if let Err(why) = a.origin.same_units(&a.name, &b.origin, &b.name) {
+    if let Err(why) = a.metadata.same_units(&a.name, &b.metadata, &b.name) {
         talk.say(format_args!("no verdict: {why}"));
         return Ok(None);
     }

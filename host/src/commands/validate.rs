@@ -7,8 +7,9 @@ use crate::commands::output_files;
 use crate::data::dataset;
 use crate::data::dataset::listed;
 use crate::data::fingerprint;
+use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::plots::paper_figures::Named;
+use crate::presentation::plots::named::Named;
 use crate::presentation::plots::signals;
 use crate::presentation::summary;
 use anyhow::{Context, Result};
@@ -54,16 +55,19 @@ impl Validate {
         if let Some(out) = &self.out {
             output_files::check_free(out, self.force)?;
         }
-        let text = output_files::read_text(&self.model)?;
-        let model = output_files::parse_model(&text, &self.model)?;
+        let ModelFile {
+            model,
+            metadata,
+            fingerprints,
+            ..
+        } = ModelFile::read(&self.model)?;
         let data = dataset::load(&self.files, &self.table.clone().into())?;
-        ModelMetadata::in_model_file(&text).same_units(
+        metadata.same_units(
             &self.model.display().to_string(),
             &ModelMetadata::from(&data.about),
             &listed(&self.files),
         )?;
-        let seen = fingerprint::in_model_file(&text);
-        let own = fingerprint::advice_on_validation(&seen, &fingerprint::of(&data.record));
+        let own = fingerprint::advice_on_validation(&fingerprints, &fingerprint::of(&data.record));
         data.about
             .remarks
             .iter()

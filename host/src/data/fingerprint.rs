@@ -1,10 +1,7 @@
-//! By what a run is known again: a CRC-32 of its samples, whatever file they are in and however that is
-//! written.
+//! Fingerprints of runs: a CRC-32 of the samples, whatever file they are in and however that is written.
 
-use crate::data::model_metadata::ModelMetadata;
-use serde::{Deserialize, Serialize, Serializer};
-use servoid_identification::advice::Advice;
-use servoid_identification::{Model, Record, Run};
+use servoid_identification::advice::{Advice, Check};
+use servoid_identification::{Record, Run};
 use std::collections::HashSet;
 
 /// Samples whose bytes are gathered at a time: the table of the CRC takes sixteen bytes at once, and one
@@ -47,70 +44,21 @@ pub fn of(record: &Record) -> Vec<String> {
     record.runs().iter().map(of_run).collect()
 }
 
-/// A model with where it comes from, and the fingerprints of its runs, as model files have them.
-#[derive(Debug, Serialize)]
-pub struct ModelDocument<'a> {
-    /// The model.
-    #[serde(flatten)]
-    pub model: &'a Model,
-    /// What its files say of themselves.
-    #[serde(flatten)]
-    pub origin: ModelMetadata,
-    /// The record that it is of, where that is at hand: written as [`of`] it.
-    #[serde(
-        rename = "runs_crc32",
-        serialize_with = "as_fingerprints",
-        skip_serializing_if = "Option::is_none"
-    )]
-    pub record: Option<&'a Record>,
-}
-
-/// Fingerprints cost a pass over all samples, and most models are printed for people, without them.
-fn as_fingerprints<S: Serializer>(
-    record: &Option<&Record>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    record.map(of).serialize(serializer)
-}
-
-impl<'a> ModelDocument<'a> {
-    /// A model, where it comes from, and its record, where that is at hand.
-    #[must_use]
-    pub fn new(model: &'a Model, record: Option<&'a Record>, origin: ModelMetadata) -> Self {
-        Self {
-            model,
-            origin,
-            record,
-        }
-    }
-}
-
-/// The fingerprints in a model file; none in one that has none.
-#[must_use]
-pub fn in_model_file(text: &str) -> Vec<String> {
-    #[derive(Deserialize)]
-    struct OnlyThese {
-        #[serde(default)]
-        runs_crc32: Vec<String>,
-    }
-    serde_json::from_str(text).map_or_else(|_| Vec::new(), |found: OnlyThese| found.runs_crc32)
-}
-
 /// How many of `these` are among `those`.
 fn shared(these: &[String], those: &[String]) -> usize {
     these.iter().filter(|one| those.contains(one)).count()
 }
 
-/// What to say where the two sides of a comparison share runs.
+/// Advice where the two sides of a comparison share runs.
 #[must_use]
 pub fn advice_on_sides(a: &[String], b: &[String]) -> Option<Advice> {
     let count = shared(b, a);
     (count > 0).then(|| {
         Advice::new(
-            "same_data",
+            Check::SameData,
             format!(
-                "Both sides have the same samples{}: what is compared with itself is the same, which says nothing of \
-                 the servo.",
+                "Both sides have the same samples{}: what is compared with itself is the same, whatever \
+                 the servo does.",
                 match b.len() - count {
                     0 => String::new(),
                     _ => format!(" in {count} of the second's {}", runs(b.len())),
@@ -123,16 +71,16 @@ pub fn advice_on_sides(a: &[String], b: &[String]) -> Option<Advice> {
     })
 }
 
-/// What to say where a model is held against runs that it was identified from.
+/// Advice where a model is validated on runs that it was identified from.
 #[must_use]
 pub fn advice_on_validation(model: &[String], record: &[String]) -> Option<Advice> {
     let count = shared(record, model);
     (count > 0).then(|| {
         Advice::new(
-            "same_data",
+            Check::SameData,
             format!(
                 "The model was identified from these very samples{}: it fits what it has seen, and how well it \
-                 predicts anything else is not told.",
+                 predicts anything else is not known.",
                 match record.len() - count {
                     0 => String::new(),
                     _ => format!(" ({count} of {})", runs(record.len())),
@@ -145,7 +93,7 @@ pub fn advice_on_validation(model: &[String], record: &[String]) -> Option<Advic
     })
 }
 
-/// What to say where a record has a run twice.
+/// Advice where a record has a run twice.
 #[must_use]
 pub fn advice_on_repeats(record: &Record) -> Option<Advice> {
     if record.runs().len() < 2 {
@@ -156,7 +104,7 @@ pub fn advice_on_repeats(record: &Record) -> Option<Advice> {
     let count = all.len() - different.len();
     (count > 0).then(|| {
         Advice::new(
-            "same_data",
+            Check::SameData,
             format!(
                 "{} of {} repeat the samples of another one: a run that counts twice makes bounds narrower than they are.",
                 runs(count),
@@ -192,17 +140,11 @@ mod tests {
         let b = of(&record(&[other, [1.0, -f64::NAN, -0.0]]));
         assert_eq!(b[1], a[0]);
         assert_ne!(b[0], a[0]);
-        let told = advice_on_sides(&a, &b).unwrap();
-        assert!(told.finding.contains("in 1 of the second's 2 runs"));
+        let advice = advice_on_sides(&a, &b).unwrap();
+        assert!(advice.finding.contains("in 1 of the second's 2 runs"));
         assert_eq!(advice_on_sides(&a, &b[..1]), None);
         assert!(advice_on_validation(&a, &b).is_some());
         assert!(advice_on_repeats(&record(&[one, other])).is_none());
         assert!(advice_on_repeats(&record(&[one, other, one])).is_some());
-    }
-
-    #[test]
-    fn a_model_file_without_fingerprints_has_none() {
-        assert!(in_model_file("{\"schema\":1}").is_empty());
-        assert_eq!(in_model_file("{\"runs_crc32\":[\"0a\"]}"), ["0a"]);
     }
 }

@@ -1,13 +1,9 @@
-//! What the files behind a model say of it, which its numbers do not: units, and what held the command.
+//! Facts about a model that its numbers do not show: units, and the frame that held the command.
 
-use crate::data::dataset::About;
 use crate::data::table;
-use crate::presentation::summary::Units;
+use crate::data::units::Units;
 use serde::{Deserialize, Serialize};
-use servoid_protocol::timing::FRAME_US;
-
-/// The pulse frame of servoid's rig \[s\].
-const RIG_FRAME_S: f64 = FRAME_US as f64 * 1e-6;
+use serde_json::Value;
 
 /// Pulse frames that a servo may have \[s\]; beyond a second it is a slip.
 pub const PULSE_FRAMES_S: std::ops::RangeInclusive<f64> = 0.0..=1.0;
@@ -38,17 +34,27 @@ pub struct ModelMetadata {
 }
 
 impl ModelMetadata {
-    /// What a model file says; one without these fields, as older ones are, says nothing.
+    /// Units where they are named, and the pulse frame where it is known.
+    #[must_use]
+    pub fn new(input: Option<String>, output: Option<String>, pulse_frame_s: Option<f64>) -> Self {
+        Self {
+            units: UnitNames { input, output },
+            pulse_frame_s,
+        }
+    }
+
+    /// Those of a model's document; one without these fields, as older ones are, has none.
     ///
     /// ```
     /// use servoid::model_metadata::ModelMetadata;
-    /// let origin = ModelMetadata::in_model_file(r#"{"units": {"input": "us"}, "pulse_frame_s": 0.02}"#);
-    /// assert_eq!((origin.units().input, origin.pulse_frame_s), (Some("us"), Some(0.02)));
-    /// assert_eq!(ModelMetadata::in_model_file("{}"), ModelMetadata::default());
+    /// let document = serde_json::json!({"units": {"input": "us"}, "pulse_frame_s": 0.02});
+    /// let metadata = ModelMetadata::in_document(&document);
+    /// assert_eq!((metadata.units().input, metadata.pulse_frame_s), (Some("us"), Some(0.02)));
+    /// assert_eq!(ModelMetadata::in_document(&serde_json::json!({})), ModelMetadata::default());
     /// ```
     #[must_use]
-    pub fn in_model_file(text: &str) -> Self {
-        let found: Self = serde_json::from_str(text).unwrap_or_default();
+    pub fn in_document(document: &Value) -> Self {
+        let found = Self::deserialize(document).unwrap_or_default();
         Self {
             pulse_frame_s: found
                 .pulse_frame_s
@@ -99,19 +105,6 @@ impl ModelMetadata {
     }
 }
 
-impl From<&About> for ModelMetadata {
-    fn from(about: &About) -> Self {
-        Self {
-            units: UnitNames {
-                input: about.input_unit.clone(),
-                output: about.output_unit.clone(),
-            },
-            // A recording of servoid was commanded by pulses, which change with the frame only.
-            pulse_frame_s: about.by_servoid.then_some(RIG_FRAME_S),
-        }
-    }
-}
-
 /// Two that cannot be held against each other.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
@@ -148,17 +141,13 @@ fn unit_meant(unit: &str) -> Option<String> {
 mod tests {
     use super::*;
 
-    fn origin(input: &str, output: &str) -> ModelMetadata {
-        ModelMetadata::from(&About {
-            input_unit: Some(input.to_owned()),
-            output_unit: Some(output.to_owned()),
-            ..About::default()
-        })
+    fn of(input: &str, output: &str) -> ModelMetadata {
+        ModelMetadata::new(Some(input.to_owned()), Some(output.to_owned()), Some(0.02))
     }
 
     #[test]
     fn units_differ_where_both_are_known_and_mean_different_things() {
-        let degrees = origin("deg", "deg");
+        let degrees = of("deg", "deg");
         for (input, output, differs) in [
             ("°", "degrees", false),
             ("bench", "deg", false),
@@ -166,7 +155,7 @@ mod tests {
             ("µs", "deg", true),
             ("deg", "counts", true),
         ] {
-            let other = origin(input, output);
+            let other = of(input, output);
             for (a, b) in [(&degrees, &other), (&other, &degrees)] {
                 assert_eq!(
                     a.same_units("a", b, "b").is_err(),
@@ -180,12 +169,10 @@ mod tests {
             Ok(())
         );
         assert_eq!(
-            origin("µs", "deg").same_units("a", &origin("usec", "°"), "b"),
+            of("µs", "deg").same_units("a", &of("usec", "°"), "b"),
             Ok(())
         );
-        let sentence = degrees
-            .same_units("a", &origin("µs", "deg"), "b")
-            .unwrap_err();
+        let sentence = degrees.same_units("a", &of("µs", "deg"), "b").unwrap_err();
         assert!(
             sentence
                 .to_string()
@@ -196,23 +183,17 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_again_and_what_is_not_known_is_not_written() {
-        let ours = ModelMetadata {
-            pulse_frame_s: Some(RIG_FRAME_S),
-            ..origin("deg", "deg")
-        };
-        let text = serde_json::to_string(&ours).unwrap();
-        assert_eq!(ModelMetadata::in_model_file(&text), ours);
+        let ours = of("deg", "deg");
+        let document = serde_json::to_value(&ours).unwrap();
+        assert_eq!(ModelMetadata::in_document(&document), ours);
         assert_eq!(
             serde_json::to_string(&ModelMetadata::default()).unwrap(),
             "{}"
         );
         for wrong in ["-0.02", "1e300", "\"x\""] {
-            let text = format!("{{\"pulse_frame_s\": {wrong}}}");
-            assert_eq!(
-                ModelMetadata::in_model_file(&text).pulse_frame_s,
-                None,
-                "{wrong}"
-            );
+            let document = format!("{{\"pulse_frame_s\": {wrong}}}").parse().unwrap();
+            let found = ModelMetadata::in_document(&document);
+            assert_eq!(found.pulse_frame_s, None, "{wrong}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::runs_needed::NarrowingBand;
 use serde::Serialize;
-use servoid_identification::step_response::StepResponse;
+use servoid_identification::step_response::StepBounds;
 
 /// Half widths of a step response's bands (percent of the step).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -25,17 +25,14 @@ pub struct BandWidths {
 impl BandWidths {
     /// The widths of a step response's bands.
     #[must_use]
-    pub fn of(step: &StepResponse) -> Self {
-        let (pointwise, whole) = step.mean_half_widths();
-        let band = &step.simultaneous;
-        let widest = band.upper.iter().zip(&band.lower);
-        let widest = widest.map(|(u, l)| (u - l) / 2.0).fold(0.0, f64::max);
+    pub fn of(bounds: &StepBounds) -> Self {
+        let (pointwise, whole) = bounds.mean_half_widths();
         Self {
-            level: band.level,
-            widest_percent: 100.0 * widest,
+            level: bounds.level,
+            widest_percent: 100.0 * bounds.widest_half_width(),
             mean_percent: 100.0 * whole,
             mean_pointwise_percent: 100.0 * pointwise,
-            bias_percent: 100.0 * step.bias(),
+            bias_percent: 100.0 * bounds.bias(),
             beyond_noise_percent: 0.0,
         }
     }

@@ -6,8 +6,9 @@ use super::simulated_runs::simulated;
 use servoid_identification::fsf_basis::FsfBasis;
 use servoid_identification::gls::{self, GlsOptions};
 use servoid_identification::least_squares::{Coordinates, RowInformation};
+use servoid_identification::model::ParameterBounds;
 use servoid_identification::moments::Moments;
-use servoid_identification::step_response::StepResponse;
+use servoid_identification::step_response::{StepBounds, StepResponse};
 use servoid_identification::variance::CurveVariance;
 use servoid_identification::{Error, Model, NoiseOrder, Options, Record, identify};
 
@@ -50,19 +51,20 @@ impl Expectation {
             let model = with_assumed_noise(request, &example, &record)?;
             all.push((model, example, record));
         }
+        let is_bounded = |(model, ..): &(Model, Model, Record)| model.bounds.valid().is_some();
+        let bounded = 2 * all.iter().filter(|one| is_bounded(one)).count() > all.len();
+        if bounded {
+            all.retain(is_bounded);
+        }
         all.sort_by_key(|(model, ..)| model.structure.settling_samples);
-        let bounded = all.iter().filter(|(_, example, _)| example.bounds_hold());
-        let bounds_hold = 2 * bounded.count() > all.len();
-        let linear: Vec<_> = all.iter().map(|(m, ..)| BandWidths::of(&m.step)).collect();
-        let found: Vec<_> = all
-            .iter()
-            .map(|(_, p, _)| BandWidths::of(&p.step))
-            .collect();
+        let widths = |model: &Model| model.step.bounds.valid().map(BandWidths::of);
+        let linear: Vec<_> = all.iter().filter_map(|(m, ..)| widths(m)).collect();
+        let found: Vec<_> = all.iter().filter_map(|(_, e, _)| widths(e)).collect();
         let (model, example, record) = all.swap_remove(all.len() / 2);
         let linear = BandWidths::mean(&linear);
         if request.assumed.simulation.is_none() {
             return Ok(Self {
-                band: bounds_hold.then_some(linear),
+                band: bounded.then_some(linear),
                 model,
                 example,
                 record,
@@ -73,7 +75,7 @@ impl Expectation {
         let exceeds_noise = found.widest_percent > SCATTER * noise;
         let beyond = found.widest_percent - noise;
         Ok(Self {
-            band: bounds_hold.then_some(BandWidths {
+            band: bounded.then_some(BandWidths {
                 beyond_noise_percent: if exceeds_noise { beyond } else { 0.0 },
                 ..found
             }),
@@ -125,17 +127,19 @@ fn with_assumed_noise(
     let n = basis.frequencies();
     let rows = (0..n).map(|i| (0..n).map(|j| covariance[(i, j)]).collect());
     let theta = parameters(&basis, &value);
+    // The bounds hold if those of the example do.
+    let step_bounds = example.step.bounds.as_ref().map(|known| {
+        let biases = known.biases();
+        StepBounds::new(&value, &spread, request.level, biases)
+    });
     Ok(Model {
         theta,
-        covariance: rows.collect(),
+        bounds: example.level().map(|level| ParameterBounds {
+            level,
+            covariance: rows.collect(),
+        }),
         noise: truth.noise.clone(),
-        step: StepResponse::new(
-            example.sample_period_s,
-            value,
-            &spread,
-            request.level,
-            example.step.biases(),
-        ),
+        step: StepResponse::new(example.sample_period_s, value, step_bounds),
         ..example.clone()
     })
 }

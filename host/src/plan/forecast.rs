@@ -84,7 +84,7 @@ impl Plan {
             frequencies: expected.model.structure.frequencies,
             band,
             metrics: match band {
-                Some(_) => Some(Metrics::of_model(&expected.model)?),
+                Some(_) => expected.model.metrics_anew()?.into_valid(),
                 None => None,
             },
             spectrum: Spectrum::of(request),

@@ -5,6 +5,7 @@ use super::forecast::Plan;
 use super::spectrum::Density;
 use crate::presentation::plots::figure::{Band, Curve, Figure, Ink, Legend, Panel};
 use crate::presentation::summary;
+use servoid_identification::step_response::StepBounds;
 
 /// The spectrum beside the noise, and the step response with the expected band, if there is one.
 #[must_use]
@@ -35,23 +36,27 @@ pub fn figure(plan: &Plan, name: &str) -> Figure {
         ..Panel::default()
     };
     let step = &plan.step;
-    let bounds = step.simultaneous.lower.iter().zip(&step.simultaneous.upper);
     let times = || step.time_s.iter().copied();
-    let band = |widths: BandWidths| Band {
-        name: format!(
-            "expected, the whole curve, {} %",
-            summary::percent(widths.level)
-        ),
-        ink: Ink::Model,
-        points: times()
-            .zip(bounds)
-            .map(|(t, (&lower, &upper))| (t, lower, upper))
-            .collect(),
+    let band = |(widths, bounds): (BandWidths, &StepBounds)| {
+        let whole = &bounds.simultaneous;
+        let bounds = whole.lower.iter().zip(&whole.upper);
+        Band {
+            name: format!(
+                "expected, the whole curve, {} %",
+                summary::percent(widths.level)
+            ),
+            ink: Ink::Model,
+            points: times()
+                .zip(bounds)
+                .map(|(t, (&lower, &upper))| (t, lower, upper))
+                .collect(),
+        }
     };
+    let expected = plan.band.zip(step.bounds.valid());
     let response = Panel {
         x_label: "time since the edge of the command (s)".into(),
         y_label: "response to a unit step".into(),
-        bands: plan.band.map(band).into_iter().collect(),
+        bands: expected.map(band).into_iter().collect(),
         curves: vec![Curve::solid(
             plan.servo.as_str(),
             Ink::Model,

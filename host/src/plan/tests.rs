@@ -67,7 +67,7 @@ fn the_expected_width_is_the_mean_of_simulated_runs() {
             .map(|seed| {
                 let record = simulated(&question, seed).unwrap();
                 let model = identify(&record, &Options::default()).unwrap();
-                BandWidths::of(&model.step).mean_percent
+                BandWidths::of(model.step.bounds.valid().unwrap()).mean_percent
             })
             .sum::<f64>()
             / RUNS as f64;
@@ -91,8 +91,7 @@ fn four_runs_halve_the_band_as_the_figures_of_what_is_needed_say() {
         runs: 4,
         ..one.clone()
     };
-    let ratio = BandWidths::of(&Expectation::of(&four).unwrap().model.step).widest_percent
-        / band.widest_percent;
+    let ratio = Expectation::of(&four).unwrap().band.unwrap().widest_percent / band.widest_percent;
     // N is chosen anew: with more data more of the response is seen, and a longer N costs some of the
     // half.
     assert!((0.45..0.62).contains(&ratio), "{ratio}");
@@ -158,9 +157,15 @@ fn where_identification_gives_bounds_the_plan_has_them_too_and_else_neither() {
         )
     };
     let (planned, found) = both(0.06);
-    assert!(planned.is_none() && !found.bounds_hold(), "{planned:?}");
+    assert!(
+        planned.is_none() && found.bounds.valid().is_none(),
+        "{planned:?}"
+    );
     let (planned, found) = both(0.16);
-    let (planned, found) = (planned.unwrap(), BandWidths::of(&found.step));
+    let (planned, found) = (
+        planned.unwrap(),
+        BandWidths::of(found.step.bounds.valid().unwrap()),
+    );
     let ratio = planned.widest_percent / found.widest_percent;
     assert!((0.67..1.5).contains(&ratio), "{planned:?} {found:?}");
     assert!(

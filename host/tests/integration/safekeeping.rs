@@ -1,7 +1,8 @@
 //! What is on the disk stays until something better takes its place; a rig in use is left alone.
 
 use crate::support::{arg, data, json, refusal, run};
-use servoid::output_files::{read_model, write_file};
+use servoid::model_file::ModelFile;
+use servoid::output_files::write_file;
 use servoid::port;
 use servoid::recording::{
     Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError,
@@ -257,7 +258,7 @@ fn a_model_of_another_schema_is_named_as_what_it_is() {
         ("1", "is no model"),
     ] {
         std::fs::write(&file, format!("{{\"schema\":{schema}}}")).unwrap();
-        let said = read_model(&file).unwrap_err().to_string();
+        let said = ModelFile::read(&file).unwrap_err().to_string();
         assert!(said.contains(words), "{schema}: {said}");
     }
 }

@@ -7,21 +7,28 @@ use crate::nonlinear::direction::DirectionModel;
 use crate::numerics::critical_values::{simultaneous_critical, student_critical};
 use crate::numerics::linear_algebra::times;
 use crate::numerics::vectors::dot;
-use crate::results::metrics::covariance_of;
 use crate::results::model::Model;
+use crate::results::validity::Bounds;
 
-/// One or more response curves, one after the other, with their second moments.
+/// One or more response curves, one after the other.
 #[derive(Debug, Clone)]
 pub(crate) struct Curves {
     pub(crate) value: Vec<f64>,
+    /// Points of each curve.
+    pub(crate) points: usize,
+    /// Their uncertainty, where bounds hold.
+    pub(super) spread: Bounds<Spread>,
+}
+
+/// The second moments of curves.
+#[derive(Debug, Clone)]
+pub(super) struct Spread {
     pub(super) variance: Vec<f64>,
     /// Covariance of each point with the next; one fewer.
     neighbour: Vec<f64>,
     pub(super) degrees_of_freedom: f64,
-    /// Bound of what no variance covers.
+    /// Bound of the errors that no variance contains.
     pub(super) bias: f64,
-    /// Points of each curve.
-    pub(crate) points: usize,
     /// Weights of the parameters in each point, a column for each, and those times the covariance.
     map: Mat<f64>,
     weighted: Mat<f64>,
@@ -33,52 +40,53 @@ impl Curves {
         let map = model.basis()?.step_map();
         let last = map.nrows() - 1;
         let map = Mat::from_fn(points, map.ncols(), |m, k| map[(m.min(last), k)]);
-        let bias = model.step.bias();
         let parameters = model.structure.frequencies + 1 + model.structure.noise_order;
         let degrees = (model.fit.samples_used as f64 - parameters as f64).max(1.0);
-        Ok(Self::new(
-            &map,
-            &model.theta,
-            &covariance_of(model),
-            degrees,
-            bias,
+        let known = model.bounds.as_ref().zip(model.step.bounds.as_ref());
+        Ok(Self {
+            value: times(&map, &model.theta),
             points,
-        ))
+            spread: known.map(|(parameters, step)| {
+                let covariance = parameters.covariance_matrix();
+                Spread::new(&map, &covariance, degrees, step.bias())
+            }),
+        })
     }
 
     /// Up and down response of a direction-split model.
     pub(crate) fn of_split(model: &DirectionModel) -> Self {
         let fit = &model.fit;
         let map = fit.curves_map();
-        let points = map.nrows() / 2;
-        Self::new(
-            &map,
-            &fit.parameters,
-            &fit.covariance,
-            fit.degrees_of_freedom,
-            0.0,
-            points,
-        )
+        Self {
+            value: times(&map, &fit.parameters),
+            points: map.nrows() / 2,
+            spread: model
+                .level
+                .map(|_| Spread::new(&map, &fit.covariance, fit.degrees_of_freedom, 0.0)),
+        }
     }
 
+    /// The final value.
+    pub(crate) fn gain(&self) -> f64 {
+        self.value[self.points - 1]
+    }
+}
+
+impl Spread {
     pub(super) fn new(
         map: &Mat<f64>,
-        parameters: &[f64],
         covariance: &Mat<f64>,
         degrees_of_freedom: f64,
         bias: f64,
-        points: usize,
     ) -> Self {
         let rows = map.transpose().to_owned();
         let weighted = covariance * &rows;
         let product = |i: usize, j: usize| dot(weighted.col_as_slice(i), rows.col_as_slice(j));
         Self {
-            value: times(map, parameters),
             variance: (0..map.nrows()).map(|i| product(i, i).max(0.0)).collect(),
             neighbour: (1..map.nrows()).map(|i| product(i - 1, i)).collect(),
             degrees_of_freedom,
             bias,
-            points,
             map: rows,
             weighted,
         }
@@ -89,9 +97,24 @@ impl Curves {
         dot(&times(&self.map, weights), &times(&self.weighted, weights))
     }
 
-    /// The final value.
-    pub(crate) fn gain(&self) -> f64 {
-        self.value[self.points - 1]
+    /// Half widths of the difference to another, for all points at once.
+    fn half_widths(&self, other: &Self, level: f64) -> Vec<f64> {
+        let count = self.variance.len();
+        let sd: Vec<f64> = (0..count)
+            .map(|m| (self.variance[m] + other.variance[m]).sqrt())
+            .collect();
+        let correlation: Vec<f64> = (1..count)
+            .map(|m| match sd[m - 1] * sd[m] {
+                scale if scale > 0.0 => {
+                    ((self.neighbour[m - 1] + other.neighbour[m - 1]) / scale).clamp(-1.0, 1.0)
+                }
+                _ => 1.0,
+            })
+            .collect();
+        let degrees = self.degrees_of_freedom.min(other.degrees_of_freedom);
+        let q = student_critical(simultaneous_critical(&correlation, level), &[degrees])[0];
+        let bias = self.bias + other.bias;
+        sd.iter().map(|sd| q * sd + bias).collect()
     }
 }
 
@@ -106,38 +129,27 @@ pub(crate) struct LargestDifference {
     pub(crate) sample: usize,
 }
 
-/// Second curves minus the first, relative to the gain of the first: all of them lie within their half
-/// widths of these estimates at once with probability `level`, and so does the largest.
+/// Second curves minus the first, relative to the gain of the first.
 #[derive(Debug, Clone)]
 pub(crate) struct Differences {
     value: Vec<f64>,
-    half: Vec<f64>,
+    /// All differences lie within their half widths of these estimates at once with the probability of the
+    /// level, and so does the largest.
+    half: Bounds<Vec<f64>>,
     points: usize,
 }
 
 impl Differences {
     pub(crate) fn of(a: &Curves, b: &Curves, level: f64) -> Self {
-        let count = a.value.len();
-        let sd: Vec<f64> = (0..count)
-            .map(|m| (a.variance[m] + b.variance[m]).sqrt())
-            .collect();
-        let correlation: Vec<f64> = (1..count)
-            .map(|m| {
-                let scale = sd[m - 1] * sd[m];
-                if scale > 0.0 {
-                    ((a.neighbour[m - 1] + b.neighbour[m - 1]) / scale).clamp(-1.0, 1.0)
-                } else {
-                    1.0
-                }
-            })
-            .collect();
-        let degrees = a.degrees_of_freedom.min(b.degrees_of_freedom);
-        let q = student_critical(simultaneous_critical(&correlation, level), &[degrees])[0];
-        let (bias, gain) = (a.bias + b.bias, a.gain().abs());
+        let gain = a.gain().abs();
         let both = a.value.iter().zip(&b.value);
+        let spreads = a.spread.as_ref().zip(b.spread.as_ref());
         Self {
             value: both.map(|(a, b)| (b - a) / gain).collect(),
-            half: sd.iter().map(|sd| (q * sd + bias) / gain).collect(),
+            half: spreads.map(|(a, b)| {
+                let half = a.half_widths(b, level).into_iter();
+                half.map(|half| half / gain).collect()
+            }),
             points: a.points,
         }
     }
@@ -147,27 +159,25 @@ impl Differences {
     }
 
     /// Differences and half widths of one curve.
-    pub(crate) fn curve(&self, index: usize) -> (&[f64], &[f64]) {
+    pub(crate) fn curve(&self, index: usize) -> (&[f64], Bounds<&[f64]>) {
         let range = index * self.points..(index + 1) * self.points;
-        (&self.value[range.clone()], &self.half[range])
+        let half = self.half.as_ref().map(|half| &half[range.clone()]);
+        (&self.value[range], half)
     }
 
-    pub(crate) fn largest(&self) -> LargestDifference {
-        let least = |m: usize| self.value[m].abs() - self.half[m];
-        let surest = (0..self.value.len())
-            .max_by(|&i, &j| least(i).total_cmp(&least(j)))
-            .unwrap_or(0);
-        let most = |(d, half): (&f64, &f64)| d.abs() + half;
-        LargestDifference {
-            at_least: least(surest),
-            at_most: self
-                .value
-                .iter()
-                .zip(&self.half)
-                .map(most)
-                .fold(0.0, f64::max),
-            curve: surest / self.points,
-            sample: surest % self.points,
-        }
+    pub(crate) fn largest(&self) -> Bounds<LargestDifference> {
+        self.half.as_ref().map(|half| {
+            let least = |m: usize| self.value[m].abs() - half[m];
+            let surest = (0..self.value.len())
+                .max_by(|&i, &j| least(i).total_cmp(&least(j)))
+                .unwrap_or(0);
+            let most = |(d, half): (&f64, &f64)| d.abs() + half;
+            LargestDifference {
+                at_least: least(surest),
+                at_most: self.value.iter().zip(half).map(most).fold(0.0, f64::max),
+                curve: surest / self.points,
+                sample: surest % self.points,
+            }
+        })
     }
 }

@@ -1,11 +1,15 @@
-//! What a comparison finds, as plain data.
+//! The outcome of a comparison, as plain data.
 
 use serde::{Deserialize, Serialize};
 
 use super::motion::Motion;
 use super::over_prediction::OverPrediction;
-use crate::diagnostics::advice::Advice;
+use crate::results::advice::Advice;
 use crate::results::metrics::Interval;
+use crate::results::validity::Bounds;
+
+/// Version of the JSON document.
+pub const SCHEMA: u32 = 2;
 
 /// The answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -44,8 +48,7 @@ pub enum Stroke {
     Down,
 }
 
-/// Second step response minus the first, with bounds that hold for all points of all curves at
-/// once.
+/// Second step response minus the first; its bounds hold for all points of all curves at once.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DifferenceCurve {
     /// The strokes it belongs to.
@@ -54,15 +57,23 @@ pub struct DifferenceCurve {
     pub time_s: Vec<f64>,
     /// Difference \[% of the step\].
     pub percent: Vec<f64>,
-    /// Lower bound \[% of the step\].
-    pub lower: Vec<f64>,
-    /// Upper bound \[% of the step\].
-    pub upper: Vec<f64>,
+    /// Its bounds, where they hold.
+    #[serde(flatten)]
+    pub bounds: Bounds<CurveBounds>,
     /// The delay shift on these strokes alone \[s\], as [`Comparison::delay_shift_s`].
     pub delay_shift_s: Interval,
     /// How far apart the responses are where that shift leaves them farthest \[% of their final
     /// values\]: zero when a delay is all that lies between them.
     pub shift_leaves_percent: Option<f64>,
+}
+
+/// Bounds of a difference curve \[% of the step\].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CurveBounds {
+    /// Lower bounds.
+    pub lower: Vec<f64>,
+    /// Upper bounds.
+    pub upper: Vec<f64>,
 }
 
 /// Where one side comes to rest.
@@ -81,7 +92,7 @@ pub struct Levels {
 /// Whether one side answers up and down strokes differently.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Asymmetry {
-    /// Probability of the difference seen if it does not; `None` when the record cannot tell.
+    /// Probability of the difference seen if it does not; `None` when the record has no answer.
     pub p: Option<f64>,
     /// Largest difference between up and down \[% of the stroke\].
     pub largest_percent: Option<f64>,
@@ -96,10 +107,10 @@ pub struct Sides<T> {
     pub b: T,
 }
 
-/// One figure of both sides, each identified with the structure that the comparison gives both.
+/// One metric of both sides, each identified with the structure that the comparison gives both.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MetricDifference {
-    /// Name of the figure, as in the model.
+    /// Name of the metric, as in the model.
     pub metric: String,
     /// Of the first side.
     pub a: Option<f64>,
@@ -117,6 +128,21 @@ pub struct MetricDifference {
     pub upper: Option<f64>,
 }
 
+/// What can be said of the size of the difference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ComparisonBounds {
+    /// Level of every bound.
+    pub level: f64,
+    /// Bounds of the largest difference between the responses.
+    pub difference_percent: DifferencePercent,
+    /// Largest difference at a moment that the scatter between runs leaves open \[% of the step\]: the difference of
+    /// the mean responses of the runs and Welch's half width; `None` with fewer than three runs on a side. The
+    /// verdict "same" needs it within the margin.
+    pub run_to_run_at_most_percent: Option<f64>,
+    /// Bounds of [`Comparison::delay_shift_s`] \[s\].
+    pub delay_shift_s: Option<[f64; 2]>,
+}
+
 /// Two servos, or one servo under two conditions, side by side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
@@ -124,33 +150,24 @@ pub struct Comparison {
     pub schema: u32,
     /// The answer.
     pub verdict: Verdict,
-    /// Whether the bounds of both sides hold: their errors are noise. Without that there is no verdict.
-    pub bounds_hold: bool,
     /// The margin it is held against \[% of the step\].
     pub margin_percent: f64,
-    /// Bounds of the largest difference between the responses.
-    pub difference_percent: DifferencePercent,
-    /// Level of every bound.
-    pub level: f64,
+    /// The bounds that the verdict rests on. There are none, and no verdict, where a side has none.
+    #[serde(flatten)]
+    pub bounds: Bounds<ComparisonBounds>,
     /// Runs on each side.
     pub runs: [usize; 2],
     /// Probability of the difference by scatter between runs of one servo; `None` with fewer than
     /// three runs on a side.
     pub p_value: Option<f64>,
-    /// Largest difference at a moment that the scatter between runs leaves open \[% of the step\]: the difference of
-    /// the mean responses of the runs and Welch's half width, at `level`; `None` as above. The
-    /// verdict "same" needs it within the margin.
-    pub run_to_run_at_most_percent: Option<f64>,
     /// Delay that brings the first response closest to the second, each relative to its own final
     /// value \[s\]; `None` when there is no best one.
     pub delay_shift_s: Option<f64>,
-    /// Its bounds \[s\].
-    pub delay_shift_bounds_s: Option<[f64; 2]>,
-    /// What the delay shift is.
+    /// The definition of the delay shift.
     pub delay_shift_definition: String,
     /// Whether up and down strokes are compared apart.
     pub split: bool,
-    /// What each side was asked to do; `None` without records.
+    /// The reference of each side; `None` without records.
     #[serde(default)]
     pub motions: Option<Sides<Motion>>,
     /// Whether the references differ and a side is not linear: then the difference is one of linear
@@ -164,31 +181,12 @@ pub struct Comparison {
     pub levels: Option<Sides<Levels>>,
     /// Up against down strokes on each side; `None` without records or bounds.
     pub asymmetry: Option<Sides<Asymmetry>>,
-    /// Figures of both sides.
+    /// Metrics of both sides.
     pub differences: Vec<MetricDifference>,
     /// The difference of the step responses: one curve, or up and down strokes.
     pub curves: Vec<DifferenceCurve>,
     /// The answer in two sentences.
     pub summary: String,
-    /// What the recordings cannot answer, and what would.
+    /// Questions that the recordings leave open, and how to answer them.
     pub advice: Vec<Advice>,
-}
-
-impl Comparison {
-    /// Takes the verdict back: the errors of a side are not noise, and bounds of noise say nothing.
-    pub(super) fn without_bounds(&mut self) {
-        self.bounds_hold = false;
-        self.verdict = Verdict::Undecided;
-        self.difference_percent.at_least = 0.0;
-        self.delay_shift_bounds_s = None;
-        // Where the servo rests and how its strokes differ is read off the same fits.
-        (self.levels, self.asymmetry, self.over_prediction) = (None, None, None);
-        for figure in &mut self.differences {
-            (figure.a_bounds, figure.b_bounds) = (None, None);
-            (figure.lower, figure.upper) = (None, None);
-        }
-        for curve in &mut self.curves {
-            (curve.delay_shift_s.lower, curve.delay_shift_s.upper) = (None, None);
-        }
-    }
 }

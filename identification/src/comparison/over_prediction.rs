@@ -33,12 +33,12 @@ pub struct OverPrediction {
     pub travel_percent: Interval,
     /// w \[samples\].
     pub wait_samples: usize,
-    /// What the figures are.
+    /// The definition of these percentages.
     pub definition: String,
 }
 
-/// What the intervals rest on, beside the record.
-pub(crate) struct FsfBasis<'a> {
+/// The first servo, as far as the intervals rest on it.
+pub(crate) struct Predictor<'a> {
     /// Model of the first servo.
     pub(crate) model: &'a Model,
     /// Standard deviation of its output at rest, at the largest and smallest command.
@@ -60,14 +60,17 @@ struct End {
 }
 
 /// `None` when the record has no two ends with two plateaus each.
-pub(crate) fn over_prediction(record: &Record, basis: &FsfBasis<'_>) -> Option<OverPrediction> {
+pub(crate) fn over_prediction(
+    record: &Record,
+    predictor: &Predictor<'_>,
+) -> Option<OverPrediction> {
     let levels: Vec<f64> = record
         .runs()
         .iter()
         .flat_map(|run| {
             holds(run)
                 .into_iter()
-                .filter(|hold| hold.samples.len() > basis.wait)
+                .filter(|hold| hold.samples.len() > predictor.wait)
         })
         .map(|hold| hold.level)
         .collect();
@@ -77,10 +80,10 @@ pub(crate) fn over_prediction(record: &Record, basis: &FsfBasis<'_>) -> Option<O
         return None;
     }
     let (plus, minus) = (
-        End::new(record, basis, high)?,
-        End::new(record, basis, low)?,
+        End::new(record, predictor, high)?,
+        End::new(record, predictor, low)?,
     );
-    let zero = basis.zero_sd;
+    let zero = predictor.zero_sd;
     let side = |level: f64, end: &End, sd_at_rest: f64| {
         if level == 0.0 {
             return Interval::new(f64::NAN, f64::NAN, f64::NAN);
@@ -88,29 +91,34 @@ pub(crate) fn over_prediction(record: &Record, basis: &FsfBasis<'_>) -> Option<O
         let (a, b) = (end.mean, end.predicted);
         let variance =
             (end.sd / b).powi(2) + (sd_at_rest * a / (b * b)).powi(2) + (zero / b).powi(2);
-        interval(1.0 - a / b, variance.sqrt(), end.plateaus - 1, basis.level)
+        interval(
+            1.0 - a / b,
+            variance.sqrt(),
+            end.plateaus - 1,
+            predictor.level,
+        )
     };
     let (travel, predicted) = (plus.mean - minus.mean, plus.predicted - minus.predicted);
     // The zero cancels, and so does the offset; the gain's part adds up.
-    let sd_predicted = basis.sd_at_rest[0].hypot(basis.sd_at_rest[1]);
+    let sd_predicted = predictor.sd_at_rest[0].hypot(predictor.sd_at_rest[1]);
     let variance = (plus.sd.hypot(minus.sd) / predicted).powi(2)
         + (sd_predicted * travel / (predicted * predicted)).powi(2);
     let degrees = plus.plateaus.min(minus.plateaus) - 1;
     Some(OverPrediction {
-        plus_percent: side(high, &plus, basis.sd_at_rest[0]),
-        minus_percent: side(low, &minus, basis.sd_at_rest[1]),
+        plus_percent: side(high, &plus, predictor.sd_at_rest[0]),
+        minus_percent: side(low, &minus, predictor.sd_at_rest[1]),
         travel_percent: interval(
             1.0 - travel / predicted,
             variance.sqrt(),
             degrees,
-            basis.level,
+            predictor.level,
         ),
-        wait_samples: basis.wait,
+        wait_samples: predictor.wait,
         definition: format!(
             "(predicted - measured) / predicted of the plateaus at {high} (plus) and {low} (minus), from \
              {} samples after the edge; predicted by the first model from the second's own input; {} and {} \
              plateaus; zero of the sensor {}",
-            basis.wait,
+            predictor.wait,
             plus.plateaus,
             minus.plateaus,
             if zero > 0.0 {
@@ -123,17 +131,17 @@ pub(crate) fn over_prediction(record: &Record, basis: &FsfBasis<'_>) -> Option<O
 }
 
 impl End {
-    fn new(record: &Record, basis: &FsfBasis<'_>, level: f64) -> Option<Self> {
+    fn new(record: &Record, predictor: &Predictor<'_>, level: f64) -> Option<Self> {
         let mut plateaus: Vec<(f64, f64, f64)> = Vec::new();
         for run in record.runs() {
-            let predicted = Run::new(run.input(), basis.model.simulate(run)).ok()?;
+            let predicted = Run::new(run.input(), predictor.model.simulate(run)).ok()?;
             for Hold {
                 samples,
                 level: at,
                 before,
             } in holds(run)
             {
-                let settled = samples.start + basis.wait..samples.end;
+                let settled = samples.start + predictor.wait..samples.end;
                 if at != level || before.is_none() || settled.len() < 2 {
                     continue;
                 }

@@ -1,6 +1,7 @@
 //! One side of a comparison, identified.
 
-use super::{Asymmetry, Levels, scatter};
+use super::outcome::{Asymmetry, Levels};
+use super::scatter;
 use crate::data::record::Record;
 use crate::error::Error;
 use crate::identify::{identify, identify_explained};
@@ -10,20 +11,24 @@ use crate::numerics::critical_values::pointwise_critical;
 use crate::options::{Frequencies, Options, Settling};
 use crate::results::metrics::Interval;
 use crate::results::model::Model;
+use crate::results::validity::Bounds;
 
 /// One side, identified.
 pub(super) struct Identified<'a> {
     pub(super) record: &'a Record,
     pub(super) model: Model,
     pub(super) split: Option<DirectionModel>,
-    /// The model with a structure of its own, whose choice carries findings too.
+    /// The model with a structure of its own. It decides whether bounds hold, and carries the advice.
     pub(super) alone: Model,
 }
 
 impl<'a> Identified<'a> {
     fn new(record: &'a Record, alone: Model, options: &Options) -> Result<Self, Error> {
-        let model = identify(record, options)?;
-        // What one record cannot tell, such as strokes in one direction only, is no error here.
+        let mut model = identify(record, options)?;
+        if let Bounds::Withdrawn(reason) = alone.level() {
+            model.withdraw(reason);
+        }
+        // A record without an answer, such as one with strokes in one direction only, is no error here.
         let split = split(record, &model).ok();
         Ok(Self {
             record,
@@ -76,23 +81,25 @@ impl<'a> Identified<'a> {
     }
 
     /// Standard deviation of the rest at the largest and the smallest command.
-    pub(super) fn sd_at_rest(&self) -> [f64; 2] {
+    pub(super) fn sd_at_rest(&self) -> Bounds<[f64; 2]> {
         let (low, high) = scatter::ends(self.record);
-        let critical = pointwise_critical(self.model.step.pointwise.level);
-        [high, low].map(|command| match &self.split {
-            Some(split) => {
-                let rest = split.level_at(command);
-                rest.upper
-                    .zip(rest.lower)
-                    .map_or(0.0, |(up, low)| (up - low) / 2.0 / critical)
-            }
-            None => command.abs() * self.model.covariance[0][0].max(0.0).sqrt(),
+        self.model.bounds.as_ref().map(|bounds| {
+            let critical = pointwise_critical(bounds.level);
+            [high, low].map(|command| match &self.split {
+                Some(split) => {
+                    let rest = split.level_at(command);
+                    rest.upper
+                        .zip(rest.lower)
+                        .map_or(0.0, |(up, low)| (up - low) / 2.0 / critical)
+                }
+                None => command.abs() * bounds.covariance[0][0].max(0.0).sqrt(),
+            })
         })
     }
 }
 
 /// Both sides with one structure: the longer settling time of the two, as far as the references of
-/// both tell lags apart.
+/// both distinguish lags.
 pub(super) fn identified<'a>(
     a: &'a Record,
     b: &'a Record,
@@ -103,19 +110,19 @@ pub(super) fn identified<'a>(
         identify_explained(a, options)?,
         identify_explained(b, options)?,
     ];
-    let told = found.iter().filter_map(|side| {
+    let distinct = found.iter().filter_map(|side| {
         let choice = side.explanation.settling.as_ref()?;
         // An odd number of lags, as every complete bank has.
         Some((choice.repeats_after? - 1) | 1)
     });
-    let told = told.min().unwrap_or(usize::MAX);
+    let distinct = distinct.min().unwrap_or(usize::MAX);
     let models = found.map(|side| side.model);
     let structure = [&models[0].structure, &models[1].structure];
     let longer = structure[0]
         .settling_samples
         .max(structure[1].settling_samples);
     let common = Options {
-        settling: Settling::Samples(longer.min(told)),
+        settling: Settling::Samples(longer.min(distinct)),
         frequencies: match options.frequencies {
             // Where one side is low-passed, both are seen through its bank.
             Frequencies::Auto

@@ -15,6 +15,8 @@ use crate::error::Error;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::nonlinear::direction::{DirectionModel, split_with};
 use crate::options::NoiseOrder;
+use crate::results::validity::Bounds;
+use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
 
 /// Runs a side needed for t tests, and for permutations: with four, the smallest possible p is
 /// 2/70.
@@ -23,6 +25,11 @@ const RUNS: (usize, usize) = (3, 5);
 /// Most splits that are all tried; beyond, as many are drawn at random, seed below.
 const SPLITS: usize = 20_000;
 const SEED: u64 = 20_250_918;
+
+/// Whether runs of one servo differ as much among themselves.
+pub(super) fn explained_by_chance(p_value: Option<f64>) -> bool {
+    p_value.is_some_and(|p| p > RUNS_DIFFER_SIGNIFICANCE)
+}
 
 /// What the scatter of runs says of a difference.
 #[derive(Debug, Clone, Copy)]
@@ -91,7 +98,7 @@ fn models(record: &Record, basis: FsfBasis, level: f64) -> Result<Vec<DirectionM
     let alone = |run: &crate::data::record::Run| {
         let record = Record::new(record.sample_period_s(), vec![run.clone()])?
             .with_sample_phase(record.sample_phase_s());
-        split_with(&record, basis, NoiseOrder::Auto, level)
+        split_with(&record, basis, NoiseOrder::Auto, Bounds::Valid(level))
     };
     record.runs().iter().map(alone).collect()
 }

@@ -9,8 +9,8 @@
 //!
 //! over all samples m of all curves alike; samples on the steep part of a response decide it, as a
 //! shift changes nothing where a response is flat. Between samples a is interpolated by cubic
-//! convolution (Catmull-Rom). A servo that is slower without any more dead time has a shift too: what
-//! the shift does not explain is given beside it.
+//! convolution (Catmull-Rom). A servo that is slower without any more dead time has a shift too: the
+//! remainder is given beside it.
 //!
 //! **The interval** is that of the implicit function: with J(s) half the sum and J'(s) = 0,
 //!
@@ -18,14 +18,14 @@
 //! ds/dx = -(∂J'/∂x) / J''      Var s = (ds/da)' Cov(a) (ds/da) + (ds/db)' Cov(b) (ds/db)
 //! ```
 //!
-//! to which the bound of what no variance covers is added as if it had the worst sign at every sample.
+//! to which the bound of the errors that no variance contains is added as if it had the worst sign at every sample.
 
 use crate::numerics::critical_values::{pointwise_critical, student_critical};
 use crate::results::metrics::Interval;
 
 use super::difference::Curves;
 
-/// What the figure is, for whoever reads it without this file.
+/// The definition, for readers of a document.
 pub(super) const DEFINITION: &str = "the delay that brings the first step response closest to the \
     second, each relative to its own final value (least squares over all samples of the response, so \
     that the steep part decides); a slower servo has one without more dead time, which is what the delay (5 %) shows";
@@ -44,7 +44,7 @@ const HALVINGS: usize = 50;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shift {
     /// \[samples\], positive when the second are later; empty when no shift within half the response
-    /// is best, or a final value is not surely different from zero.
+    /// is best, or a final value may be zero.
     pub(super) samples: Interval,
     /// Largest distance of the curves that remains after the shift \[share of the final value\].
     pub(super) remains: Option<f64>,
@@ -60,13 +60,15 @@ pub(super) fn shift(a: &Curves, b: &Curves, which: std::ops::Range<usize>, level
         };
     };
     let (of_a, of_b) = pair.gradients(best);
-    let variance = a.variance_of(&of_a) + b.variance_of(&of_b);
-    let degrees = a.degrees_of_freedom.min(b.degrees_of_freedom);
-    let critical = student_critical(pointwise_critical(level), &[degrees])[0];
     let worst = |weights: &[f64], bias: f64| bias * weights.iter().map(|w| w.abs()).sum::<f64>();
-    let half = critical * variance.max(0.0).sqrt() + worst(&of_a, a.bias) + worst(&of_b, b.bias);
+    let half = a.spread.as_ref().zip(b.spread.as_ref()).map(|(a, b)| {
+        let variance = a.variance_of(&of_a) + b.variance_of(&of_b);
+        let degrees = a.degrees_of_freedom.min(b.degrees_of_freedom);
+        let critical = student_critical(pointwise_critical(level), &[degrees])[0];
+        critical * variance.max(0.0).sqrt() + worst(&of_a, a.bias) + worst(&of_b, b.bias)
+    });
     Shift {
-        samples: Interval::new(best, best - half, best + half),
+        samples: Interval::around(best, half.into_valid()),
         remains: Some(pair.farthest(best)),
     }
 }
@@ -91,8 +93,11 @@ impl Pair {
         let finals = |curves: &Curves| -> Option<Vec<f64>> {
             let of = |curve: usize| {
                 let last = (curve + 1) * points - 1;
-                let (gain, sd) = (curves.value[last], curves.variance[last].sqrt());
-                (gain.abs() > pointwise_critical(level) * sd + curves.bias).then_some(gain)
+                let gain = curves.value[last];
+                let least = curves.spread.valid().map_or(0.0, |known| {
+                    pointwise_critical(level) * known.variance[last].sqrt() + known.bias
+                });
+                (gain.abs() > least).then_some(gain)
             };
             which.clone().map(of).collect()
         };
@@ -269,7 +274,9 @@ impl Around {
 
 #[cfg(test)]
 mod tests {
+    use super::super::difference::Spread;
     use super::*;
+    use crate::results::validity::Bounds;
     use approx::assert_abs_diff_eq;
     use faer::Mat;
 
@@ -278,7 +285,11 @@ mod tests {
         let size = values.len();
         let unit = Mat::<f64>::identity(size, size);
         let covariance = Mat::from_fn(size, size, |i, k| if i == k { sd * sd } else { 0.0 });
-        Curves::new(&unit, values, &covariance, 1e6, 0.0, points)
+        Curves {
+            value: values.to_vec(),
+            points,
+            spread: Bounds::Valid(Spread::new(&unit, &covariance, 1e6, 0.0)),
+        }
     }
 
     fn rising(gain: f64, delay: f64, lag: f64) -> Vec<f64> {

@@ -1,18 +1,36 @@
-//! The answer in two sentences: is it different and by how much, and what that feels like.
+//! The answer in two sentences: whether and by how much the two differ, and what a pilot notices of it.
 
-use super::outcome::{Comparison, DifferenceCurve, Levels, Sides, Stroke, Verdict};
-use super::{ComparisonOptions, explained_by_chance};
+use super::options::ComparisonOptions;
+use super::outcome::{
+    Comparison, ComparisonBounds, DifferenceCurve, Levels, Sides, Stroke, Verdict,
+};
+use super::scatter::explained_by_chance;
+use crate::results::validity::Bounds;
 use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
 
 /// A shift in time below this is not worth a word \[s\]: an eighth of a sample of the rig.
 const SHIFT_S: f64 = 0.25e-3;
 
 pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String {
-    format!("{} {}", answer(found), feel(found, options))
+    match found.bounds {
+        Bounds::Valid(bounds) => {
+            format!("{} {}", answer(found, &bounds), feel(found, options))
+        }
+        Bounds::Withdrawn(reason) => format!(
+            "Not decided: for at least one of the two no bounds can be given, because {}. Record steps that are \
+             held until the servo rests.",
+            reason.because()
+        ),
+    }
 }
 
-fn answer(found: &Comparison) -> String {
-    let bounds = &found.difference_percent;
+fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
+    let ComparisonBounds {
+        level,
+        difference_percent: bounds,
+        run_to_run_at_most_percent,
+        ..
+    } = bounds;
     let stroke = match bounds.stroke {
         Stroke::Both => "",
         Stroke::Up => " on the way up",
@@ -23,16 +41,11 @@ fn answer(found: &Comparison) -> String {
          sure), most clearly {:.0} ms after a command{stroke}",
         bounds.at_least,
         bounds.at_most,
-        rounded(100.0 * found.level),
+        rounded(100.0 * level),
         1e3 * bounds.at_s
     );
     let margin = found.margin_percent;
     match found.verdict {
-        _ if !found.bounds_hold => {
-            "Not decided: the bounds of one model or both have no level, so that none can be given (see the \
-             advice)."
-                .to_owned()
-        }
         _ if found.descriptions_of_different_motions => format!(
             "Not decided: the references differ and a servo is not linear, so that what differs may be the \
              motion and not the servo; of the linear descriptions of the two motions, {apart}."
@@ -46,7 +59,7 @@ fn answer(found: &Comparison) -> String {
         Verdict::Undecided if explained_by_chance(found.p_value) && bounds.at_least > margin => {
             format!("Not decided: {apart}, but runs of one servo differ as much among themselves.")
         }
-        Verdict::Undecided => match found.run_to_run_at_most_percent {
+        Verdict::Undecided => match run_to_run_at_most_percent {
             Some(most) if bounds.at_most <= margin => format!(
                 "Not decided: {apart} by these runs, but as runs scatter, {most:.1} % is possible, which is beyond the \
                  margin of {margin} %."
@@ -62,11 +75,6 @@ fn rounded(percent: f64) -> f64 {
 }
 
 fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
-    if !found.bounds_hold {
-        return "What a pilot would notice cannot be told from these recordings: record steps that are held \
-                until the servo rests."
-            .to_owned();
-    }
     let time = behind(found);
     let rest = found
         .levels
@@ -109,7 +117,7 @@ fn behind(found: &Comparison) -> String {
         };
         let level = shift.lower.is_some() && shift.contains(0.0);
         if level || seconds.abs() < SHIFT_S {
-            return "is not told apart from the first in time".to_owned();
+            return "is as fast as the first, as far as these recordings show".to_owned();
         }
         let place = if seconds > 0.0 { "behind" } else { "ahead of" };
         format!("is about {:.1} ms {place} the first", 1e3 * seconds.abs())
@@ -156,7 +164,7 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
             };
             let said = |level: f64| with(format!("{level:.decimals$}"), &options.output_unit);
             format!(
-                "; told {} it comes to rest at {}, the first at {}",
+                "; commanded {} it comes to rest at {}, the first at {}",
                 with(format!("{command:+}"), &options.input_unit),
                 said(b),
                 said(a)

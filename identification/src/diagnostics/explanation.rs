@@ -69,7 +69,7 @@ impl Explanation {
                 "Frequencies: {} of {} that the input excites{}.",
                 structure.frequencies,
                 all.frequencies,
-                if !model.bounds_hold() {
+                if model.bounds.withdrawn().is_some() {
                     String::new()
                 } else if narrowest.frequencies == all.frequencies {
                     format!(
@@ -107,7 +107,7 @@ impl Explanation {
         }
         if let Some(errors) = &self.model_errors {
             sentences.push(match errors.candidates.len() {
-                0 => "The errors are not noise, and no part of the record tells how well a model predicts \
+                0 => "The errors are not noise, and no part of the record shows how well a model predicts \
                       another; the estimator was taken that simulates the record better."
                     .to_owned(),
                 tried => format!(

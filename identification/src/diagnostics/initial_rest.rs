@@ -90,6 +90,7 @@ fn usual(errors: &[Vec<f64>], settling: usize) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::results::advice::Check;
     use crate::{Options, identify};
 
     /// A first-order servo that has rested at 2 and then gets random levels.
@@ -119,12 +120,20 @@ mod tests {
         };
         let (right, model) = found(2.0);
         assert_eq!(right, None);
-        assert!(model.advice.iter().all(|advice| advice.check != "at_rest"));
+        assert!(
+            model
+                .advice
+                .iter()
+                .all(|advice| advice.check != Check::AtRest)
+        );
         let (wrong, model) = found(-1.0);
         let wrong = wrong.unwrap();
         // The wrong rows bend the model.
         assert!((1.0..3.0).contains(&wrong.rather), "{wrong:?}");
-        let advice = model.advice.iter().find(|advice| advice.check == "at_rest");
+        let advice = model
+            .advice
+            .iter()
+            .find(|advice| advice.check == Check::AtRest);
         assert!(advice.unwrap().finding.contains("-1"), "{advice:?}");
     }
 }

@@ -10,4 +10,4 @@ pub mod residual_tests;
 pub mod run_scatter;
 pub mod simulation_error;
 pub mod standstill_noise;
-pub(crate) mod unsupported_metrics;
+pub(crate) mod validity;

@@ -14,7 +14,6 @@
 //! [`crate::diagnostics::standstill_noise`] for a servo that was recorded at rest too.
 
 use faer::{Mat, Side};
-use serde::{Deserialize, Serialize};
 
 use crate::data::moments::Moments;
 use crate::estimation::least_squares::{
@@ -34,31 +33,6 @@ pub const WHITENESS_SAMPLES: usize = 100_000;
 
 /// Extra lags of the input in the test of independence.
 pub const INPUT_LAGS: usize = 10;
-
-/// p-values of the tests; `None` where the data do not allow the test.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Residuals {
-    /// Probability of autocorrelations at least as large if the one-step errors are white.
-    pub whiteness_p: Option<f64>,
-    /// Probability of a relation to further input at least as strong if there is none.
-    pub input_correlation_p: Option<f64>,
-    /// Probability of a relation to functions of the motion at least as strong if the servo is linear
-    /// (see [`crate::diagnostics::linearity`]).
-    #[serde(default)]
-    pub linearity_p: Option<f64>,
-    /// Part of the motion that these functions explain beyond any linear model \[% rms\]. Without a small p
-    /// it is noise.
-    #[serde(default)]
-    pub beyond_linear_percent: Option<f64>,
-    /// Probability of errors in motion at least as large if they are the noise at standstill (see
-    /// [`crate::diagnostics::standstill_noise`]); `None` without a recording at rest.
-    #[serde(default)]
-    pub rest_p: Option<f64>,
-    /// Part of the motion that neither the simulation nor the noise at standstill explains \[% rms\].
-    /// Without a small p it is noise.
-    #[serde(default)]
-    pub beyond_rest_percent: Option<f64>,
-}
 
 /// The p-value of Ljung and Box's test on one-step errors, one slice per run, NaN where missing.
 /// `noise_order` coefficients were fitted to them, and a response of `share` parameters per row.

@@ -29,9 +29,11 @@ use serde::{Deserialize, Serialize};
 use crate::data::record::Record;
 use crate::data::timing::Timing;
 use crate::error::Error;
-use crate::numerics::matrix_rows::to_rows;
+use crate::options::LEVELS;
 use crate::results::metrics::Interval;
-use crate::results::model::{LARGEST, Model};
+use crate::results::model::{Model, ParameterBounds};
+use crate::results::usable::is_sized;
+use crate::results::validity::Bounds;
 use crate::thresholds::ORDER_REJECTED;
 use guess::Guess;
 use order::{Estimates, simplest};
@@ -58,13 +60,14 @@ pub struct FlightModel {
     pub damping: Option<Interval>,
     /// T \[s\], orders 1 and 3.
     pub lag_s: Option<Interval>,
-    /// Level of the intervals.
-    pub level: f64,
-    /// Covariance of \[K, L, ln ω, ln ζ, ln T\], those that the order has, after the inflation.
-    pub covariance: Vec<Vec<f64>>,
+    /// Level of the intervals and covariance of \[K, L, ln ω, ln ζ, ln T\], of those that the order has, widened
+    /// already, where bounds hold.
+    #[serde(flatten)]
+    pub bounds: Bounds<ParameterBounds>,
     /// Number of poles.
     pub order: usize,
-    /// Every order that could be fitted.
+    /// Every order that could be fitted. Empty for a fit to a model without bounds, whose noise is not known, and
+    /// with it no test of fit.
     pub tried: Vec<OrderTried>,
     /// Whether the data reject the order, so that the model is an approximation.
     pub approximation: bool,
@@ -87,13 +90,30 @@ impl FlightModel {
         let oscillates = transfer.oscillator.is_some();
         let order = 2 * usize::from(oscillates) + usize::from(transfer.lag_s.is_some());
         let parameters = transfer.parameters();
+        let count = parameters.len();
+        let bounds = match &self.bounds {
+            Bounds::Valid(bounds) => {
+                LEVELS.contains(&bounds.level)
+                    && bounds.covariance.len() == count
+                    && bounds.covariance.iter().all(|row| is_sized(row, count))
+            }
+            Bounds::Withdrawn(_) => self
+                .intervals()
+                .all(|interval| interval.lower.or(interval.upper).is_none()),
+        };
         order == self.order
             && (1..=3).contains(&order)
-            // The logarithm of a value that is not positive is not finite.
-            && parameters.iter().all(|x| x.abs() <= LARGEST)
-            && self.covariance.len() == parameters.len()
-            && self.covariance.iter().all(|row| row.len() == parameters.len())
-            && self.covariance.iter().flatten().all(|x| x.abs() <= LARGEST)
+            // The logarithm of what must be above zero is no number otherwise.
+            && is_sized(&parameters, count)
+            && bounds
+    }
+
+    fn intervals(&self) -> impl Iterator<Item = Interval> {
+        let of_some_orders = [self.omega_rad_s, self.damping, self.lag_s];
+        let of_all = [self.gain, self.delay_s];
+        of_all
+            .into_iter()
+            .chain(of_some_orders.into_iter().flatten())
     }
 }
 
@@ -127,7 +147,7 @@ pub fn fit(
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
-    choose(Projection::of_record(record, model)?, model, options)
+    choose(Projection::of_record(record, model)?, true, model, options)
 }
 
 /// [`fit`] without the record, from θ and its covariance alone.
@@ -155,12 +175,15 @@ pub fn fit(
 /// # Errors
 /// The model has no response, no supported gain, or no covariance.
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
-    choose(Projection::of_model(model)?, model, options)
+    let is_tested = model.bounds.valid().is_some();
+    choose(Projection::of_model(model)?, is_tested, model, options)
 }
 
-/// Fits every order and chooses one by the rule above.
+/// Fits every order and takes the one that the rule above says.
+/// Lack of fit `is_tested` where the noise is known; else an order is good by its largest error alone.
 fn choose(
     projection: Projection,
+    is_tested: bool,
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
@@ -181,7 +204,7 @@ fn choose(
             .map(|fit| fit.transfer);
         fits.extend(fitter.best(order, &guess.starts(order, second)));
     }
-    let not_rejected = |fit: &&FittedOrder| !fit.tried.is_rejected();
+    let not_rejected = |fit: &&FittedOrder| is_tested && !fit.tried.is_rejected();
     let chosen = match simplest(&fits, |fit| fit.tried).find(not_rejected) {
         None if fits.is_empty() => return Err(Error::NoResponse),
         Some(simplest) => simplest,
@@ -192,7 +215,12 @@ fn choose(
             fits.iter().find(good).unwrap_or(&fits[fits.len() - 1])
         }
     };
-    Ok(chosen.report(&fits, model.step.pointwise.level, options.frame_period_s))
+    let tried: Vec<_> = fits
+        .iter()
+        .filter(|_| is_tested)
+        .map(|fit| fit.tried)
+        .collect();
+    Ok(chosen.report(tried, model.level(), options.frame_period_s))
 }
 
 struct Fitter {
@@ -247,9 +275,15 @@ struct FittedOrder {
 }
 
 impl FittedOrder {
-    fn report(&self, all: &[Self], level: f64, hold_period_s: Option<f64>) -> FlightModel {
+    fn report(
+        &self,
+        tried: Vec<OrderTried>,
+        level: Bounds<f64>,
+        hold_period_s: Option<f64>,
+    ) -> FlightModel {
         let estimates = Estimates::new(&self.minimum, &self.tried, level);
         let oscillates = self.transfer.oscillator.is_some();
+        let is_tested = !tried.is_empty();
         FlightModel {
             transfer: self.transfer,
             gain: estimates.interval(0),
@@ -258,20 +292,24 @@ impl FittedOrder {
             damping: oscillates.then(|| estimates.exponential(3)),
             lag_s: (self.transfer.lag_s)
                 .map(|_| estimates.exponential(self.minimum.parameters.len() - 1)),
-            level,
-            covariance: to_rows(&estimates.covariance),
+            bounds: estimates.bounds(),
             order: self.order,
-            tried: all.iter().map(|fit| fit.tried).collect(),
-            approximation: self.tried.is_rejected(),
-            inflation: estimates.inflation,
+            tried,
+            approximation: !is_tested || self.tried.is_rejected(),
+            inflation: if is_tested { estimates.inflation } else { 1.0 },
             largest_error_percent: self.tried.largest_error_percent,
             hold_period_s,
-            statement: self.statement(hold_period_s),
+            statement: self.statement(is_tested, hold_period_s),
         }
     }
 
-    fn statement(&self, hold_period_s: Option<f64>) -> String {
-        let quality = if self.tried.is_rejected() {
+    fn statement(&self, is_tested: bool, hold_period_s: Option<f64>) -> String {
+        let quality = if !is_tested {
+            format!(
+                "approximation: largest error {:.1} % of the step",
+                self.tried.largest_error_percent
+            )
+        } else if self.tried.is_rejected() {
             format!(
                 "approximation (p < {ORDER_REJECTED}): largest error {:.1} % of the step",
                 self.tried.largest_error_percent

@@ -1,11 +1,14 @@
-//! The choice of the order, and the intervals of its parameters.
+//! The choice of the order, and its intervals.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use super::search::Minimum;
 use crate::numerics::critical_values::{chi_square_upper_tail, pointwise_critical};
+use crate::numerics::matrix_rows::to_rows;
 use crate::results::metrics::Interval;
+use crate::results::model::ParameterBounds;
+use crate::results::validity::Bounds;
 use crate::thresholds::{BARE_MENTION, ORDER_REJECTED};
 
 /// One order, and how well it fits.
@@ -62,15 +65,15 @@ pub(super) fn simplest<T>(
 /// The parameters of the chosen order with their intervals.
 pub(super) struct Estimates<'a> {
     x: &'a [f64],
-    critical: f64,
     /// Widened by `inflation` already.
-    pub(super) covariance: Mat<f64>,
+    covariance: Mat<f64>,
     /// χ²/dof of a rejected order, 1 otherwise.
     pub(super) inflation: f64,
+    level: Bounds<f64>,
 }
 
 impl<'a> Estimates<'a> {
-    pub(super) fn new(minimum: &'a Minimum, tried: &OrderTried, level: f64) -> Self {
+    pub(super) fn new(minimum: &'a Minimum, tried: &OrderTried, level: Bounds<f64>) -> Self {
         let ratio = tried.chi_square / tried.degrees_of_freedom as f64;
         let inflation = if tried.is_rejected() {
             ratio.max(1.0)
@@ -79,25 +82,29 @@ impl<'a> Estimates<'a> {
         };
         Self {
             x: &minimum.parameters,
-            critical: pointwise_critical(level),
             covariance: faer::Scale(inflation) * &minimum.covariance,
             inflation,
+            level,
         }
     }
 
     /// The interval of parameter `k`.
     pub(super) fn interval(&self, k: usize) -> Interval {
-        self.mapped(k, |x| x)
+        let sd = self.covariance[(k, k)].max(0.0).sqrt();
+        let half = self.level.map(|level| pointwise_critical(level) * sd);
+        Interval::around(self.x[k], half.into_valid())
     }
 
     /// The interval of the quantity whose logarithm is parameter `k`.
     pub(super) fn exponential(&self, k: usize) -> Interval {
-        self.mapped(k, f64::exp)
+        self.interval(k).map(f64::exp)
     }
 
-    fn mapped(&self, k: usize, map: fn(f64) -> f64) -> Interval {
-        let half = self.critical * self.covariance[(k, k)].max(0.0).sqrt();
-        let x = self.x[k];
-        Interval::new(map(x), map(x - half), map(x + half))
+    /// Level and covariance, where bounds hold.
+    pub(super) fn bounds(&self) -> Bounds<ParameterBounds> {
+        self.level.map(|level| ParameterBounds {
+            level,
+            covariance: to_rows(&self.covariance),
+        })
     }
 }

@@ -19,8 +19,8 @@ use crate::estimation::least_squares::{Coordinates, RowInformation, filtered_inp
 use crate::estimation::noise_model::noise_filter;
 use crate::numerics::linear_algebra::times;
 use crate::numerics::vectors::dot;
-use crate::results::metrics::covariance_of;
 use crate::results::model::Model;
+use crate::results::validity::Bounds;
 
 /// Length of h in settling times. N leaves a margin over the response; a response that is longer than
 /// twice N is too slow for the data to show.
@@ -106,8 +106,16 @@ impl Projection {
         let projection = Mat::from_fn(analysis.nrows(), LENGTH * basis.settling(), |k, i| {
             analysis[(k, i.min(last))]
         });
+        // Without a covariance all deviations count alike, relative to the gain.
+        let size = model.theta.len();
+        let covariance = match &model.bounds {
+            Bounds::Valid(bounds) => bounds.covariance_matrix(),
+            Bounds::Withdrawn(_) => {
+                faer::Scale(model.theta[0].powi(2)) * Mat::<f64>::identity(size, size)
+            }
+        };
         let curve = (model.step.value.clone(), basis.step_map());
-        Self::new(&model.theta, &covariance_of(model), &projection, curve).ok_or(Error::NoResponse)
+        Self::new(&model.theta, &covariance, &projection, curve).ok_or(Error::NoResponse)
     }
 
     /// Length of impulse responses.

@@ -3,9 +3,10 @@
 use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::task::Task;
-use crate::diagnostics::residual_tests::{self, Residuals, WHITENESS_SAMPLES};
+use crate::diagnostics::residual_tests::{self, WHITENESS_SAMPLES};
 use crate::diagnostics::simulation_error::{beginnings, square};
 use crate::results::model::{Fit, Model};
+use crate::results::residuals::Residuals;
 use crate::results::validation::fit_percent;
 
 /// The figures of merit that follow from the moments.

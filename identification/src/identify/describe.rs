@@ -8,15 +8,17 @@ use super::task::Task;
 use crate::data::timing::Timing;
 use crate::diagnostics::explanation::Explanation;
 use crate::diagnostics::initial_rest;
-use crate::diagnostics::residual_tests::Residuals;
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::excitation::Excitation;
 use crate::estimation::noise_model::Noise;
 use crate::numerics::matrix_rows::to_rows;
-use crate::results::frequency_response::FrequencyResponse;
-use crate::results::metrics::{Measured, Metrics};
-use crate::results::model::{Model, SCHEMA, Structure};
-use crate::results::step_response::StepResponse;
+use crate::results::frequency_response::{FrequencyBounds, FrequencyResponse};
+use crate::results::metrics::Metrics;
+use crate::results::metrics::measured::Measured;
+use crate::results::model::{Model, ParameterBounds, SCHEMA, Structure};
+use crate::results::residuals::Residuals;
+use crate::results::step_response::{StepBounds, StepResponse};
+use crate::results::validity::Bounds;
 
 /// The model without tests of its residuals and advice.
 pub(super) fn model(
@@ -36,29 +38,34 @@ pub(super) fn model(
     let theta = fit.theta();
     let n = theta.len();
     let covariance = fit.covariance().as_ref().submatrix(0, 0, n, n).to_owned();
-    let step = StepResponse::new(
-        period,
-        responses.step_values.clone(),
+    let step_bounds = StepBounds::new(
+        &responses.step_values,
         &responses.step,
         level,
         allowances.step,
     );
-    let frequency = FrequencyResponse::new(
-        period,
-        &responses.omegas,
+    let frequency_bounds = FrequencyBounds::new(
         &responses.frequency_values,
         &responses.frequency,
         level,
         allowances.frequency.clone(),
     );
+    let omega_rad_s: Vec<f64> = responses.omegas.iter().map(|w| w / period).collect();
+    let parameter_bounds = ParameterBounds {
+        level,
+        covariance: to_rows(&covariance),
+    };
     let metrics = Metrics::new(&Measured {
-        basis,
+        basis: *basis,
         theta: &theta,
-        covariance: &covariance,
-        step: &step,
-        frequency: &frequency,
+        covariance,
+        step: &responses.step_values,
+        step_bounds: &step_bounds,
+        omega_rad_s: &omega_rad_s,
+        frequency_bounds: &frequency_bounds,
         timing,
     });
+    let follows_motion = fitted.linearity.is_some_and(|found| found.is_rejected());
     Model {
         schema: SCHEMA,
         sample_period_s: period,
@@ -70,15 +77,25 @@ pub(super) fn model(
             selected_by: plan.selected_by,
         },
         theta,
-        covariance: to_rows(&covariance),
+        bounds: Bounds::Valid(parameter_bounds),
         offset: fit.offset(information),
         noise: Noise {
             ar: fit.ar.clone(),
             sigma: fit.variance.sqrt(),
         },
         metrics,
-        step,
-        frequency,
+        linear: fitted.misfit.is_none() && !follows_motion,
+        step: StepResponse::new(
+            period,
+            responses.step_values.clone(),
+            Bounds::Valid(step_bounds),
+        ),
+        frequency: FrequencyResponse::new(
+            period,
+            &responses.omegas,
+            &responses.frequency_values,
+            Bounds::Valid(frequency_bounds),
+        ),
         fit: figures_of_merit(fitted),
         residuals: Residuals::default(),
         iterations: fit.iterations,

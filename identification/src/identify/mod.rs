@@ -20,7 +20,7 @@ use crate::data::moments::Moments;
 use crate::data::record::Record;
 use crate::diagnostics::advice::{self, Evidence};
 use crate::diagnostics::explanation::Explanation;
-use crate::diagnostics::unsupported_metrics;
+use crate::diagnostics::validity;
 use crate::error::Error;
 use crate::options::Options;
 use crate::results::model::Model;
@@ -85,12 +85,17 @@ fn run(task: &Task<'_>, first: Candidate) -> Result<Identification, Error> {
     let mut model = describe::model(task, &fitted, &responses, &allowances);
     model.residuals = assess::residuals(task, &fitted, &model);
     let explanation = describe::explanation(task, fitted, &responses, &allowances, &model);
-    model.metrics = unsupported_metrics::withheld(&model, &explanation);
+    model.metrics = validity::supported_metrics(&explanation, &model);
+    let withdrawn = validity::reason_against_bounds(&explanation, &model);
     model.advice = advice::gather(&Evidence {
         model: &model,
+        withdrawn,
         explanation: &explanation,
         options: task.options,
         samples,
     });
+    if let Some(reason) = withdrawn {
+        model.withdraw(reason);
+    }
     Ok(Identification { model, explanation })
 }

@@ -14,9 +14,13 @@ use std::sync::LazyLock;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
+use crate::data::timing::Timing;
 use crate::estimation::least_squares::Coordinates;
 use crate::estimation::variance::CurveVariance;
 use crate::numerics::critical_values::{pointwise_critical, student_critical};
+use crate::options::LEVELS;
+use crate::results::usable::is_sized;
+use crate::results::validity::Bounds;
 
 /// Decibels that stand for a magnitude of zero.
 pub const ZERO_DB: f64 = -300.0;
@@ -27,7 +31,7 @@ const STEPS: usize = 48;
 /// Frequencies of the response in a document.
 const POINTS: usize = 120;
 
-/// The response at a row of frequencies, each with pointwise bounds at the level of the model.
+/// The response at a row of frequencies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrequencyResponse {
     /// Frequencies \[rad/s\].
@@ -38,19 +42,29 @@ pub struct FrequencyResponse {
     pub im: Vec<f64>,
     /// 20 log10 |G|.
     pub magnitude_db: Vec<f64>,
+    /// Phase \[degrees\], continuous over frequency; a lag is negative.
+    pub phase_deg: Vec<f64>,
+    /// Its bounds, where they hold.
+    #[serde(flatten)]
+    pub bounds: Bounds<FrequencyBounds>,
+}
+
+/// Bounds of a frequency response, for each frequency by itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrequencyBounds {
+    /// Confidence level.
+    pub level: f64,
     /// Lower bound of the magnitude; [`ZERO_DB`] stands for zero.
     pub magnitude_db_lower: Vec<f64>,
     /// Upper bound of the magnitude.
     pub magnitude_db_upper: Vec<f64>,
-    /// Phase \[degrees\], continuous over frequency; a lag is negative.
-    pub phase_deg: Vec<f64>,
     /// Lower bound of the phase; 180 below it when any phase is possible.
     pub phase_deg_lower: Vec<f64>,
     /// Upper bound of the phase; 180 above it when any phase is possible.
     pub phase_deg_upper: Vec<f64>,
     /// Bound of the error of G, as a distance in the complex plane, from leaving out high frequencies and from
     /// the steps of the sensor, and in the response of the servo itself
-    /// ([`crate::Model::servo_response`]) from higher frequencies that samples do not tell from these; it is
+    /// ([`crate::Model::servo_response`]) from higher frequencies that fold onto these; it is
     /// part of all bounds. Empty where there is none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bias: Vec<f64>,
@@ -97,39 +111,102 @@ pub fn frequency_map(coordinates: &Coordinates, omegas: &[f64]) -> Mat<f64> {
 }
 
 impl FrequencyResponse {
-    /// Draws the bounds around `values`, which alternate between Re G and Im G at `omegas`
-    /// \[rad/sample\], as do the entries of `spread`. `bias` bounds what else G may be wrong by;
-    /// it is empty where that is nothing.
+    /// The response with `values`, which alternate between Re G and Im G at `omegas` \[rad/sample\].
     #[must_use]
-    pub fn new(
+    pub(crate) fn new(
         sample_period_s: f64,
         omegas: &[f64],
         values: &[f64],
-        spread: &CurveVariance,
-        level: f64,
-        bias: Vec<f64>,
+        bounds: Bounds<FrequencyBounds>,
     ) -> Self {
+        let points = || values.chunks_exact(2).map(|point| (point[0], point[1]));
+        Self {
+            omega_rad_s: omegas.iter().map(|omega| omega / sample_period_s).collect(),
+            re: points().map(|(re, _)| re).collect(),
+            im: points().map(|(_, im)| im).collect(),
+            magnitude_db: points().map(|(re, im)| decibels(re.hypot(im))).collect(),
+            phase_deg: continuous_phase(values),
+            bounds,
+        }
+    }
+
+    /// The response of the servo itself, from that of its samples: freed of their hold and phase.
+    #[must_use]
+    pub(crate) fn freed_of_hold(mut self, timing: Timing) -> Self {
+        let bounds = match &mut self.bounds {
+            Bounds::Valid(bounds) => Some(bounds),
+            Bounds::Withdrawn(_) => None,
+        };
+        let (mut magnitudes, mut phases) =
+            (vec![&mut self.magnitude_db], vec![&mut self.phase_deg]);
+        if let Some(bounds) = bounds {
+            magnitudes.extend([
+                &mut bounds.magnitude_db_lower,
+                &mut bounds.magnitude_db_upper,
+            ]);
+            phases.extend([&mut bounds.phase_deg_lower, &mut bounds.phase_deg_upper]);
+            for (bias, omega) in bounds.bias.iter_mut().zip(&self.omega_rad_s) {
+                *bias *= timing.magnitude_factor(*omega);
+            }
+        }
+        for (k, &omega) in self.omega_rad_s.iter().enumerate() {
+            let (factor, lead) = (timing.magnitude_factor(omega), timing.phase_lead(omega));
+            let (sin, cos) = lead.sin_cos();
+            let (re, im) = (self.re[k], self.im[k]);
+            self.re[k] = factor * (re * cos - im * sin);
+            self.im[k] = factor * (re * sin + im * cos);
+            for magnitude in magnitudes.iter_mut().map(|all| &mut all[k]) {
+                if *magnitude > ZERO_DB {
+                    *magnitude += 20.0 * factor.log10();
+                }
+            }
+            for phase in &mut phases {
+                phase[k] += lead.to_degrees();
+            }
+        }
+        self
+    }
+
+    /// Whether all of it is of one length, with numbers that can be computed with.
+    pub(super) fn is_consistent(&self) -> bool {
+        let sized = |values: &[f64]| is_sized(values, self.omega_rad_s.len());
+        let bounds = self.bounds.valid().is_none_or(|bounds| {
+            LEVELS.contains(&bounds.level)
+                && [&bounds.magnitude_db_lower, &bounds.magnitude_db_upper]
+                    .into_iter()
+                    .chain([&bounds.phase_deg_lower, &bounds.phase_deg_upper])
+                    .all(|values| sized(values))
+                && (bounds.bias.is_empty() || sized(&bounds.bias))
+                && bounds.bias.iter().all(|bias| *bias >= 0.0)
+        });
+        bounds
+            && [&self.omega_rad_s, &self.re, &self.im]
+                .into_iter()
+                .chain([&self.magnitude_db, &self.phase_deg])
+                .all(|values| sized(values))
+    }
+}
+
+impl FrequencyBounds {
+    /// Draws the bounds around `values`, which alternate between Re G and Im G, as do the entries of `spread`.
+    /// `bias` bounds the other errors of G; it is empty where there are none.
+    #[must_use]
+    pub(crate) fn new(values: &[f64], spread: &CurveVariance, level: f64, bias: Vec<f64>) -> Self {
         let single = student_critical(pointwise_critical(level), &spread.degrees_of_freedom);
         // Radius of the joint region of two normal quantities: -2 ln(1 - level), squared.
         let joint = (-2.0 * (1.0 - level).ln()).sqrt();
         let joint = student_critical(joint, &spread.degrees_of_freedom);
-        let mut response = Self {
-            omega_rad_s: omegas.iter().map(|omega| omega / sample_period_s).collect(),
-            re: values.iter().step_by(2).copied().collect(),
-            im: values.iter().skip(1).step_by(2).copied().collect(),
-            magnitude_db: Vec::new(),
+        let mut bounds = Self {
+            level,
             magnitude_db_lower: Vec::new(),
             magnitude_db_upper: Vec::new(),
-            phase_deg: Vec::new(),
             phase_deg_lower: Vec::new(),
             phase_deg_upper: Vec::new(),
             bias,
         };
-        let mut previous = 0.0;
-        for k in 0..omegas.len() {
-            let (re, im) = (response.re[k], response.im[k]);
+        for (k, phase) in continuous_phase(values).into_iter().enumerate() {
             let region = Ellipse::new(
-                (re, im),
+                (values[2 * k], values[2 * k + 1]),
                 (spread.sd[2 * k], spread.sd[2 * k + 1]),
                 spread.neighbour_correlation[2 * k],
             );
@@ -137,42 +214,48 @@ impl FrequencyResponse {
             let (single, joint) = (radius(&single), radius(&joint));
             let excluded = region.distance_of_origin() > joint;
             let (nearest, high) = region.magnitudes(if excluded { single } else { joint });
-            let bias = response.bias.get(k).copied().unwrap_or(0.0);
-            let low = if excluded {
-                (nearest - bias).max(0.0)
-            } else {
-                0.0
+            let bias = bounds.bias.get(k).copied().unwrap_or(0.0);
+            let low = match excluded {
+                true => (nearest - bias).max(0.0),
+                false => 0.0,
             };
-            response.magnitude_db.push(decibels(re.hypot(im)));
-            response.magnitude_db_lower.push(decibels(low));
-            response.magnitude_db_upper.push(decibels(high + bias));
-            let phase = im.atan2(re).to_degrees();
-            let phase = phase + 360.0 * ((previous - phase) / 360.0_f64).round();
-            previous = phase;
+            bounds.magnitude_db_lower.push(decibels(low));
+            bounds.magnitude_db_upper.push(decibels(high + bias));
             let nearest = || match excluded {
                 true => nearest,
                 false => region.magnitudes(single).0,
             };
             let (below, above) = with_disc(region.phase_margins(single), bias, nearest);
-            response.phase_deg.push(phase);
-            response.phase_deg_lower.push(phase - below.to_degrees());
-            response.phase_deg_upper.push(phase + above.to_degrees());
+            bounds.phase_deg_lower.push(phase - below.to_degrees());
+            bounds.phase_deg_upper.push(phase + above.to_degrees());
         }
-        response
+        bounds
     }
 
-    /// [`FrequencyResponse::bias`] at `omega` \[rad/s\]. Above the highest frequency kept nothing is known but that |G| is at most what it may be there.
-    pub(crate) fn bias_at(&self, omega: f64) -> f64 {
+    /// [`FrequencyBounds::bias`] at `omega`, of the response at the frequencies `known` \[rad/s\]. Above the
+    /// highest frequency kept only |G| itself has a bound.
+    pub(crate) fn bias_at(&self, known: &[f64], omega: f64) -> f64 {
         let Some(highest) = self.bias.len().checked_sub(1) else {
             return 0.0;
         };
-        let next = self.omega_rad_s.partition_point(|known| *known < omega);
+        let next = known.partition_point(|known| *known < omega);
         if next > highest {
             let largest = 10f64.powf(self.magnitude_db_upper[highest] / 20.0);
             return 2.0 * largest;
         }
         self.bias[next].max(self.bias[next.saturating_sub(1)])
     }
+}
+
+/// The phase of Re G and Im G in turn \[degrees\], each on the branch next to the one before.
+fn continuous_phase(values: &[f64]) -> Vec<f64> {
+    let mut previous = 0.0;
+    let next = |point: &[f64]| {
+        let phase = point[1].atan2(point[0]).to_degrees();
+        previous = phase + 360.0 * ((previous - phase) / 360.0_f64).round();
+        previous
+    };
+    values.chunks_exact(2).map(next).collect()
 }
 
 fn decibels(magnitude: f64) -> f64 {

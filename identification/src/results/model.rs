@@ -1,30 +1,30 @@
 //! The identified model: everything that is known about the servo after one identification.
 //!
-//! [`Model`] is plain data. It serialises to the schema-1 JSON document described field by field
+//! [`Model`] is plain data. It serialises to the schema-2 JSON document described field by field
 //! below and back; every number in it is finite. Angles have the record's units, times are in
 //! seconds, frequencies in rad/s.
 
+use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::data::record::{Record, Run};
-use crate::diagnostics::advice::{Advice, NOT_LINEAR, WITHDRAWING};
-use crate::diagnostics::residual_tests::Residuals;
+use crate::data::record::Run;
+use crate::data::timing::Timing;
 use crate::error::Error;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::noise_model::Noise;
 use crate::numerics::convolution::causal_filter;
-use crate::options::{LEVELS, LONGEST_SETTLING_BY_HAND, MAX_NOISE_ORDER};
+use crate::options::{LONGEST_SETTLING_BY_HAND, MAX_NOISE_ORDER};
+use crate::results::advice::Advice;
 use crate::results::frequency_response::FrequencyResponse;
 use crate::results::metrics::Metrics;
-use crate::results::step_response::StepResponse;
-use crate::results::validation::Validation;
+use crate::results::metrics::measured::Measured;
+use crate::results::residuals::Residuals;
+use crate::results::step_response::{StepResponse, is_zero};
+use crate::results::usable::{LARGEST, is_sized, is_usable};
+use crate::results::validity::{Bounds, Reason};
 
 /// Version of the JSON document.
-pub const SCHEMA: u32 = 1;
-
-/// The largest number in a model that was read from elsewhere: products of four such numbers are
-/// still numbers.
-pub(crate) const LARGEST: f64 = 1e75;
+pub const SCHEMA: u32 = 2;
 
 /// Sample periods of a model that was read from elsewhere \[s\]: from a thousandth of what any
 /// converter does to decades.
@@ -86,34 +86,48 @@ pub struct Model {
     /// θ = \[G0, Re G1, Im G1, ...\], n values: the frequency response at l·2π/(N Ts) rad/s, with
     /// the physical sign (a lag has negative imaginary part).
     pub theta: Vec<f64>,
-    /// Covariance of θ, n x n.
-    pub covariance: Vec<Vec<f64>>,
+    /// The uncertainty of θ, where bounds hold.
+    #[serde(flatten)]
+    pub bounds: Bounds<ParameterBounds>,
     /// c of y = G u + c + v.
     pub offset: f64,
     /// D(z) and σ of v = ε/D(z).
     pub noise: Noise,
-    /// Response to a unit step, with bounds.
+    /// Whether nothing was found that makes the response one of this motion alone. The bounds of a servo
+    /// that is not linear are those of the linear description that fits this reference best.
+    pub linear: bool,
+    /// Response to a unit step.
     pub step: StepResponse,
-    /// Frequency response, with bounds.
+    /// Frequency response.
     pub frequency: FrequencyResponse,
     /// Gain, delay, rise time and the like.
     pub metrics: Metrics,
     /// How well the model reproduces its record.
     pub fit: Fit,
-    /// Tests of what is left over.
+    /// Tests of the residuals.
     pub residuals: Residuals,
     /// Iterations of generalised least squares.
     pub iterations: usize,
     /// Whether the iterations came to rest.
     pub converged: bool,
-    /// What to know and what to do about it; never a replacement for the numbers.
+    /// Findings, and what to do about them.
     pub advice: Vec<Advice>,
 }
 
-/// For serde, which hands over a reference.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
+/// The uncertainty of the parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ParameterBounds {
+    /// Confidence level of all bounds of the model.
+    pub level: f64,
+    /// Covariance of θ, n x n.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+impl ParameterBounds {
+    pub(crate) fn covariance_matrix(&self) -> Mat<f64> {
+        let n = self.covariance.len();
+        Mat::from_fn(n, n, |i, j| self.covariance[i][j])
+    }
 }
 
 impl Model {
@@ -124,39 +138,83 @@ impl Model {
     pub fn is_consistent(&self) -> bool {
         let n = self.structure.frequencies;
         let settling = self.structure.settling_samples;
-        let usable = |value: &f64| value.abs() <= LARGEST;
-        let finite = |values: &[f64]| values.iter().all(usable);
-        let sized = |values: &[f64], length: usize| values.len() == length && finite(values);
-        let (step, f) = (&self.step, &self.frequency);
-        let points = f.omega_rad_s.len();
-        let levels = [step.pointwise.level, step.simultaneous.level];
+        let covariance = self.bounds.valid().is_none_or(|bounds| {
+            bounds.covariance.len() == n && bounds.covariance.iter().all(|row| is_sized(row, n))
+        });
         settling <= LONGEST_SETTLING_BY_HAND
             && self.basis().is_ok()
-            && levels.iter().all(|level| LEVELS.contains(level))
+            && self.is_of_one_validity()
             && PERIODS_S.contains(&self.sample_period_s)
             && (0.0..=*PERIODS_S.end()).contains(&self.sample_phase_s)
-            && usable(&self.offset)
-            && (0.0..=LARGEST).contains(&step.truncation_bias)
-            && (0.0..=LARGEST).contains(&step.rounding_bias)
-            && usable(&step.simultaneous.critical_value)
-            && sized(&self.theta, n)
-            && self.covariance.len() == n
-            && self.covariance.iter().all(|row| sized(row, n))
+            && is_usable(&self.offset)
+            && is_sized(&self.theta, n)
+            && covariance
             && self.structure.noise_order <= MAX_NOISE_ORDER
-            && sized(&self.noise.ar, self.structure.noise_order)
+            && is_sized(&self.noise.ar, self.structure.noise_order)
             && (0.0..=LARGEST).contains(&self.noise.sigma)
-            && [&step.time_s, &step.value, &step.sd]
-                .into_iter()
-                .chain([&step.pointwise.lower, &step.pointwise.upper])
-                .chain([&step.simultaneous.lower, &step.simultaneous.upper])
-                .all(|values| sized(values, settling))
-            && [&f.omega_rad_s, &f.re, &f.im, &f.magnitude_db, &f.phase_deg]
-                .into_iter()
-                .chain([&f.magnitude_db_lower, &f.magnitude_db_upper])
-                .chain([&f.phase_deg_lower, &f.phase_deg_upper])
-                .all(|values| sized(values, points))
-            && (f.bias.is_empty() || sized(&f.bias, points))
-            && f.bias.iter().all(|bias| *bias >= 0.0)
+            && self.step.is_consistent(settling)
+            && self.frequency.is_consistent()
+            && self.metrics.is_consistent()
+    }
+
+    /// Whether all parts have bounds of one level, or none for one reason.
+    fn is_of_one_validity(&self) -> bool {
+        let level = self.level();
+        self.step.bounds.as_ref().map(|bounds| bounds.level) == level
+            && self.frequency.bounds.as_ref().map(|bounds| bounds.level) == level
+            && self.metrics.bounds.map(|bounds| bounds.level) == level
+    }
+
+    /// The level of the bounds, where they hold.
+    #[must_use]
+    pub fn level(&self) -> Bounds<f64> {
+        self.bounds.as_ref().map(|bounds| bounds.level)
+    }
+
+    /// Takes all bounds away.
+    pub(crate) fn withdraw(&mut self, reason: Reason) {
+        self.bounds = Bounds::Withdrawn(reason);
+        self.step.bounds = Bounds::Withdrawn(reason);
+        self.frequency.bounds = Bounds::Withdrawn(reason);
+        self.metrics = self.metrics.withdrawn(reason);
+    }
+
+    /// All that metrics are read from, where bounds hold.
+    ///
+    /// # Errors
+    /// The structure of a hand-made document does not describe a filter bank.
+    pub(crate) fn measured(&self) -> Result<Bounds<Measured<'_>>, Error> {
+        let basis = self.basis()?;
+        let (step, frequency) = (self.step.bounds.as_ref(), self.frequency.bounds.as_ref());
+        let known = self.bounds.as_ref().zip(step.zip(frequency));
+        let measured = |(parameters, (step_bounds, frequency_bounds))| Measured {
+            basis,
+            theta: &self.theta,
+            covariance: ParameterBounds::covariance_matrix(parameters),
+            step: &self.step.value,
+            step_bounds,
+            omega_rad_s: &self.frequency.omega_rad_s,
+            frequency_bounds,
+            timing: self.timing(),
+        };
+        Ok(known.map(measured))
+    }
+
+    /// The metrics, read off the responses again, where bounds hold.
+    ///
+    /// # Errors
+    /// The structure of a hand-made document does not describe a filter bank.
+    pub fn metrics_anew(&self) -> Result<Bounds<Metrics>, Error> {
+        Ok(self.measured()?.map(|measured| Metrics::new(&measured)))
+    }
+
+    /// When the samples of the model's responses are taken.
+    #[must_use]
+    pub fn timing(&self) -> Timing {
+        Timing {
+            sample_period_s: self.sample_period_s,
+            sample_phase_s: self.sample_phase_s,
+        }
     }
 
     /// The filter bank of the model.
@@ -165,31 +223,6 @@ impl Model {
     /// The structure of a hand-made document does not describe a filter bank.
     pub fn basis(&self) -> Result<FsfBasis, Error> {
         FsfBasis::new(self.structure.settling_samples, self.structure.frequencies)
-    }
-
-    /// Whether the bounds have earned their level: not when the errors turned out not to be noise (see
-    /// [`crate::diagnostics::misfit`]), nor when the input does not tell all of the response ([`crate::estimation::excitation`]), nor when
-    /// a rounding that no bound contains is larger than the noise ([`crate::data::quantisation`]). The advice has the reason.
-    #[must_use]
-    pub fn bounds_hold(&self) -> bool {
-        self.without_level_because().is_none()
-    }
-
-    /// Why the bounds have no level, in a few words for beside a number; `None` while they hold. The advice says
-    /// it in full.
-    #[must_use]
-    pub fn without_level_because(&self) -> Option<&'static str> {
-        WITHDRAWING
-            .iter()
-            .find(|(check, _)| self.advice.iter().any(|advice| advice.check == *check))
-            .map(|(_, reason)| *reason)
-    }
-
-    /// Whether the bounds are only those of the linear description that fits the reference best,
-    /// because the servo is not linear (see [`crate::diagnostics::linearity`]).
-    #[must_use]
-    pub fn is_best_linear_description(&self) -> bool {
-        self.advice.iter().any(|advice| advice.check == NOT_LINEAR)
     }
 
     /// The impulse response T θ, N samples.
@@ -247,25 +280,5 @@ impl Model {
                 simulated - past.sum::<f64>()
             })
             .collect()
-    }
-
-    /// Simulates every run of a record that the model has not seen and compares.
-    ///
-    /// ```
-    /// # use servoid_identification::{identify, Options, Record, Settling, Frequencies, NoiseOrder};
-    /// # let u: Vec<f64> = (0..400).map(|k| f64::from(k * k / 35 % 2)).collect();
-    /// # let y: Vec<f64> = u.iter().scan(0.0, |y, u| { *y += 0.3 * (u - *y); Some(*y) }).collect();
-    /// let seen = Record::from_slices(0.01, &u[..200], &y[..200])?;
-    /// let unseen = Record::from_slices(0.01, &u[200..], &y[200..])?;
-    /// let options = Options { settling: Settling::Samples(31), ..Options::default() };
-    /// let model = identify(&seen, &options)?;
-    /// assert!(model.validate(&unseen)?.fit_percent > 99.0);
-    /// # Ok::<(), servoid_identification::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// The record has another sample period, or no sample with enough history.
-    pub fn validate(&self, record: &Record) -> Result<Validation, Error> {
-        Validation::of(self, record)
     }
 }

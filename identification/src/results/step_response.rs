@@ -6,13 +6,14 @@ use crate::estimation::variance::CurveVariance;
 use crate::numerics::critical_values::{
     pointwise_critical, simultaneous_critical, student_critical,
 };
+use crate::options::LEVELS;
+use crate::results::usable::{LARGEST, is_sized, is_usable};
+use crate::results::validity::Bounds;
 
 /// Bounds that hold point by point: each single point is inside with the stated probability. The
 /// whole curve is inside far less often.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PointwiseBand {
-    /// Confidence level.
-    pub level: f64,
     /// Lower bounds.
     pub lower: Vec<f64>,
     /// Upper bounds.
@@ -22,8 +23,6 @@ pub struct PointwiseBand {
 /// Bounds that hold for all points at once: the whole curve is inside with the stated probability.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SimultaneousBand {
-    /// Confidence level.
-    pub level: f64,
     /// Standard deviations to each side, before Student's correction.
     pub critical_value: f64,
     /// Lower bounds.
@@ -42,6 +41,16 @@ pub struct StepResponse {
     pub time_s: Vec<f64>,
     /// The response \[output per input\].
     pub value: Vec<f64>,
+    /// Its bounds, where they hold.
+    #[serde(flatten)]
+    pub bounds: Bounds<StepBounds>,
+}
+
+/// The uncertainty of a step response.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StepBounds {
+    /// Confidence level of both bands.
+    pub level: f64,
     /// Standard deviation of each value, from the noise alone.
     pub sd: Vec<f64>,
     /// Bounds for single points.
@@ -59,11 +68,11 @@ pub struct StepResponse {
 
 /// For serde, which hands over a reference.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
-fn is_zero(value: &f64) -> bool {
+pub(super) fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// Bounds of errors that no standard deviation knows of \[output per input\].
+/// Bounds of errors that no standard deviation contains \[output per input\].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Biases {
     /// From leaving out high frequencies.
@@ -73,24 +82,49 @@ pub struct Biases {
 }
 
 impl StepResponse {
+    /// A response of which `bounds` are known.
+    #[must_use]
+    pub fn new(sample_period_s: f64, value: Vec<f64>, bounds: Bounds<StepBounds>) -> Self {
+        Self {
+            time_s: (0..value.len())
+                .map(|m| m as f64 * sample_period_s)
+                .collect(),
+            value,
+            bounds,
+        }
+    }
+
+    /// Whether it has `points` points, with numbers that can be computed with.
+    pub(super) fn is_consistent(&self, points: usize) -> bool {
+        let sized = |values: &[f64]| is_sized(values, points);
+        let bounds = self.bounds.valid().is_none_or(|bounds| {
+            let (each, whole) = (&bounds.pointwise, &bounds.simultaneous);
+            LEVELS.contains(&bounds.level)
+                && (0.0..=LARGEST).contains(&bounds.truncation_bias)
+                && (0.0..=LARGEST).contains(&bounds.rounding_bias)
+                && is_usable(&whole.critical_value)
+                && sized(&bounds.sd)
+                && [&each.lower, &each.upper, &whole.lower, &whole.upper]
+                    .into_iter()
+                    .all(|values| sized(values))
+        });
+        bounds && sized(&self.time_s) && sized(&self.value)
+    }
+}
+
+impl StepBounds {
     /// Draws both bands around `value`.
     ///
     /// # Panics
     /// When `spread` does not describe the points of `value`.
     #[must_use]
-    pub fn new(
-        sample_period_s: f64,
-        value: Vec<f64>,
-        spread: &CurveVariance,
-        level: f64,
-        biases: Biases,
-    ) -> Self {
+    pub fn new(value: &[f64], spread: &CurveVariance, level: f64, biases: Biases) -> Self {
         assert_eq!(
             value.len(),
             spread.sd.len(),
             "one standard deviation per value"
         );
-        let critical = simultaneous_critical(&spread.neighbour_correlation, level);
+        let critical_value = simultaneous_critical(&spread.neighbour_correlation, level);
         let bias = biases.truncation + biases.rounding;
         let bounds = |normal: f64| {
             let critical = student_critical(normal, &spread.degrees_of_freedom);
@@ -103,32 +137,23 @@ impl StepResponse {
             (at(-1.0), at(1.0))
         };
         let (lower, upper) = bounds(pointwise_critical(level));
-        let pointwise = PointwiseBand {
-            level,
-            lower,
-            upper,
-        };
-        let (lower, upper) = bounds(critical);
-        let simultaneous = SimultaneousBand {
-            level,
-            critical_value: critical,
-            lower,
-            upper,
-        };
+        let pointwise = PointwiseBand { lower, upper };
+        let (lower, upper) = bounds(critical_value);
         Self {
-            time_s: (0..value.len())
-                .map(|m| m as f64 * sample_period_s)
-                .collect(),
+            level,
             sd: spread.sd.clone(),
-            value,
             pointwise,
-            simultaneous,
+            simultaneous: SimultaneousBand {
+                critical_value,
+                lower,
+                upper,
+            },
             truncation_bias: biases.truncation,
             rounding_bias: biases.rounding,
         }
     }
 
-    /// Bound of the errors that no standard deviation knows of; it is part of both bands.
+    /// Bound of the errors that no standard deviation contains; it is part of both bands.
     #[must_use]
     pub fn bias(&self) -> f64 {
         self.truncation_bias + self.rounding_bias
@@ -147,16 +172,21 @@ impl StepResponse {
     #[must_use]
     pub fn mean_half_widths(&self) -> (f64, f64) {
         let mean = |lower: &[f64], upper: &[f64]| {
-            upper
-                .iter()
-                .zip(lower)
-                .map(|(u, l)| (u - l) / 2.0)
-                .sum::<f64>()
-                / upper.len() as f64
+            half_widths(lower, upper).sum::<f64>() / upper.len() as f64
         };
         (
             mean(&self.pointwise.lower, &self.pointwise.upper),
             mean(&self.simultaneous.lower, &self.simultaneous.upper),
         )
     }
+
+    /// Half width of the simultaneous band where it is widest.
+    #[must_use]
+    pub fn widest_half_width(&self) -> f64 {
+        half_widths(&self.simultaneous.lower, &self.simultaneous.upper).fold(0.0, f64::max)
+    }
+}
+
+fn half_widths(lower: &[f64], upper: &[f64]) -> impl Iterator<Item = f64> {
+    upper.iter().zip(lower).map(|(u, l)| (u - l) / 2.0)
 }

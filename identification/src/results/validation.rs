@@ -106,7 +106,29 @@ impl Validation {
     }
 }
 
-/// The first N-1 samples of a run with what the model gives for them when the servo had stood still
+impl Model {
+    /// Simulates every run of a record that the model has not seen and compares.
+    ///
+    /// ```
+    /// # use servoid_identification::{identify, Options, Record, Settling, Frequencies, NoiseOrder};
+    /// # let u: Vec<f64> = (0..400).map(|k| f64::from(k * k / 35 % 2)).collect();
+    /// # let y: Vec<f64> = u.iter().scan(0.0, |y, u| { *y += 0.3 * (u - *y); Some(*y) }).collect();
+    /// let seen = Record::from_slices(0.01, &u[..200], &y[..200])?;
+    /// let unseen = Record::from_slices(0.01, &u[200..], &y[200..])?;
+    /// let options = Options { settling: Settling::Samples(31), ..Options::default() };
+    /// let model = identify(&seen, &options)?;
+    /// assert!(model.validate(&unseen)?.fit_percent > 99.0);
+    /// # Ok::<(), servoid_identification::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The record has another sample period, or no sample with enough history.
+    pub fn validate(&self, record: &Record) -> Result<Validation, Error> {
+        Validation::of(self, record)
+    }
+}
+
+/// The first N-1 samples of a run with the model's output for them when the servo had stood still
 /// before where its first sample finds it. `None` when that sample is missing.
 fn beginning_from_rest(model: &Model, run: &Run) -> Option<Vec<(f64, f64)>> {
     let count = (model.structure.settling_samples - 1).min(run.len());

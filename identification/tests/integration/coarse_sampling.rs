@@ -50,7 +50,7 @@ fn a_response_of_few_samples_has_bounds_that_hold() {
     let (mut points, mut inside, mut whole) = (0, 0, 0);
     for seed in 0..RUNS {
         let model = identify(&record(9_000 + seed, 400), &Options::default()).unwrap();
-        assert!(model.bounds_hold(), "{seed}: {:?}", model.advice);
+        assert!(model.bounds.valid().is_some(), "{seed}: {:?}", model.advice);
         let settling = model.structure.settling_samples;
         assert!((31..60).contains(&settling), "{seed}: N = {settling}");
         let last = settling - 1;
@@ -60,7 +60,8 @@ fn a_response_of_few_samples_has_bounds_that_hold() {
                 .filter(|&m| (lower[m]..=upper[m]).contains(&truth(m)))
                 .count()
         };
-        let (point, simultaneous) = (&model.step.pointwise, &model.step.simultaneous);
+        let bounds = model.step.bounds.valid().unwrap();
+        let (point, simultaneous) = (&bounds.pointwise, &bounds.simultaneous);
         points += last + 1;
         inside += held(&point.lower, &point.upper);
         whole += usize::from(held(&simultaneous.lower, &simultaneous.upper) == last + 1);
@@ -98,7 +99,7 @@ fn steps(seed: u64, runs: usize, rest: usize) -> Record {
 fn step_tests_are_records_of_all_frequencies_however_many_there_are() {
     for runs in [2, 8, 16] {
         let model = identify(&steps(9_800, runs, 300), &Options::default()).unwrap();
-        assert!(model.bounds_hold(), "{runs}: {:?}", model.advice);
+        assert!(model.bounds.valid().is_some(), "{runs}: {:?}", model.advice);
         let structure = &model.structure;
         assert_eq!(structure.frequencies, structure.settling_samples);
         // Five time constants leave 0.7 %, and N is 1.75 times what was seen of them.
@@ -154,7 +155,7 @@ fn where_parts_cannot_stand_for_one_another_nothing_is_chosen_by_predicting_them
         (structure.settling_samples, structure.frequencies),
         (longest, longest)
     );
-    assert!(!found.model.bounds_hold());
+    assert!(found.model.bounds.valid().is_none());
     // The rows of a longer N are others, and fewer.
     let simulated = found.model.fit.simulation_percent;
     assert!(

@@ -1,6 +1,7 @@
 //! The same servo is never called different, a different one is.
 
 use rayon::prelude::*;
+use servoid_identification::advice::Check;
 use servoid_identification::comparison::{
     Comparison, ComparisonOptions, Verdict, compare, compare_models,
 };
@@ -91,9 +92,10 @@ fn bounds_of_the_difference_hold_the_true_one() {
         .map(|t| (a.step(t) - b.step(t)).abs() / a.gain)
         .fold(0.0, f64::max);
     assert_eq!(found.verdict, Verdict::Different);
-    assert!(found.difference_percent.at_least <= 100.0 * exact);
-    assert!(found.difference_percent.at_most >= 100.0 * exact);
-    assert!(found.difference_percent.at_most < 100.0 * exact + 2.0);
+    let difference = found.bounds.valid().unwrap().difference_percent;
+    assert!(difference.at_least <= 100.0 * exact);
+    assert!(difference.at_most >= 100.0 * exact);
+    assert!(difference.at_most < 100.0 * exact + 2.0);
     let figure = |name: &str| found.differences.iter().find(|d| d.metric == name).unwrap();
     let gain = figure("dc_gain");
     assert!(gain.lower.unwrap() < -0.1 && -0.1 < gain.upper.unwrap());
@@ -101,7 +103,7 @@ fn bounds_of_the_difference_hold_the_true_one() {
     // Two milliseconds of delay alone.
     let later = Linear::second_order(0.97, 0.0275, 0.5, 60.0);
     let found = compare(&plain(&a, 1), &plain(&later, 2), &options()).unwrap();
-    let [low, high] = found.delay_shift_bounds_s.unwrap();
+    let [low, high] = found.bounds.valid().unwrap().delay_shift_s.unwrap();
     assert!(low < 0.002 && 0.002 < high && high - low < 1e-3);
     let delay = found
         .differences
@@ -128,7 +130,7 @@ fn the_interval_of_the_delay_shift_holds_the_true_one() {
             .filter(|k| {
                 let seeds = [200 * case + 2 * k, 200 * case + 2 * k + 1];
                 let found = compare(&plain(&a, seeds[0]), &plain(b, seeds[1]), &options()).unwrap();
-                let [low, high] = found.delay_shift_bounds_s.unwrap();
+                let [low, high] = found.bounds.valid().unwrap().delay_shift_s.unwrap();
                 assert!(high - low < 5e-4, "{low} .. {high}");
                 !(low <= exact && exact <= high)
             })
@@ -245,9 +247,10 @@ fn runs_that_scatter_are_not_called_the_same() {
     // The means of these runs are 2 % apart.
     let (a, b) = (side([0.97, 1.03, 0.97], 0), side([0.97, 0.98, 0.96], 10));
     let found = compare(&a, &b, &options()).unwrap();
-    assert!(found.difference_percent.at_most < 5.0, "{}", found.summary);
+    let bounds = found.bounds.valid().unwrap();
+    assert!(bounds.difference_percent.at_most < 5.0, "{}", found.summary);
     assert_eq!(found.verdict, Verdict::Undecided, "{}", found.summary);
-    assert!(found.run_to_run_at_most_percent.unwrap() > 6.0);
+    assert!(bounds.run_to_run_at_most_percent.unwrap() > 6.0);
     assert!(
         found.summary.contains("as runs scatter"),
         "{}",
@@ -283,12 +286,17 @@ fn models_can_be_compared_without_records_and_whatever_their_settling_time() {
         found
             .advice
             .iter()
-            .any(|advice| advice.check == "one_response")
+            .any(|advice| advice.check == Check::OneResponse)
     );
     assert!(found.summary.contains("between up and down strokes"));
     let json = serde_json::to_value(&found).unwrap();
     assert_eq!(json["verdict"], "different");
-    assert!(json["difference_percent"]["at_least"].as_f64().unwrap() > 5.0);
+    assert!(
+        json["bounds"]["difference_percent"]["at_least"]
+            .as_f64()
+            .unwrap()
+            > 5.0
+    );
 }
 
 #[test]
@@ -308,7 +316,7 @@ fn one_servo_under_two_references_is_not_called_two_servos() {
     assert_eq!(found.verdict, Verdict::Undecided, "{}", found.summary);
     let said = |found: &Comparison| {
         let mut advice = found.advice.iter();
-        let found = advice.find(|advice| advice.check == "references");
+        let found = advice.find(|advice| advice.check == Check::References);
         found.map(|advice| advice.finding.clone())
     };
     let words = said(&found).unwrap();

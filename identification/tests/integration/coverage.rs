@@ -1,7 +1,9 @@
 //! Whether bands hold as often as they say: a short version of the `coverage` example. Limits are
 //! those of the full table, widened by three standard deviations of so few runs.
 
+use servoid_identification::advice::Check;
 use servoid_identification::comparison::{ComparisonOptions, Verdict, compare};
+use servoid_identification::validity::Reason;
 use servoid_identification::{
     Frequencies, NoiseOrder, Options, Record, Run, Settling, identify, identify_explained,
 };
@@ -122,16 +124,25 @@ fn a_low_passed_input_widens_the_band_and_says_so() {
         let record = Record::from_slices(PERIOD, &input, &output).unwrap();
         let model = identify(&record, &options).unwrap();
         assert!(model.structure.frequencies < model.structure.settling_samples);
-        assert!(model.step.truncation_bias > 0.0);
+        assert_eq!(model.bounds.withdrawn(), Some(Reason::InputUnexcited));
         assert!(
             model
                 .advice
                 .iter()
-                .any(|advice| advice.check == "truncation")
+                .any(|advice| advice.check == Check::Truncation)
         );
+        // Asked for by hand, the same bank has the bounds that its truncation is part of.
+        let by_hand = Options {
+            settling: Settling::Samples(model.structure.settling_samples),
+            frequencies: Frequencies::Count(model.structure.frequencies),
+            ..options
+        };
+        let model = identify(&record, &by_hand).unwrap();
+        let bounds = model.step.bounds.valid().unwrap();
+        assert!(bounds.truncation_bias > 0.0);
         let truth = Plant::A.step(model.step.value.len() - 1);
         for (m, truth) in truth.iter().enumerate() {
-            let band = &model.step.simultaneous;
+            let band = &bounds.simultaneous;
             assert!(
                 (band.lower[m]..=band.upper[m]).contains(truth),
                 "seed {seed}, sample {m}"
@@ -162,9 +173,10 @@ fn narrow_is_narrower_and_labelled() {
     let narrow = identify(&record, &options).unwrap();
     assert!(narrow.structure.frequencies < full.structure.frequencies);
     let mean_sd = |sd: &[f64]| sd.iter().sum::<f64>() / sd.len() as f64;
-    assert!(mean_sd(&narrow.step.sd) < mean_sd(&full.step.sd));
+    let [narrow, full] = [&narrow, &full].map(|model| model.step.bounds.valid().unwrap());
+    assert!(mean_sd(&narrow.sd) < mean_sd(&full.sd));
     assert!(
-        narrow.step.truncation_bias > 0.0,
+        narrow.truncation_bias > 0.0,
         "what is left out is part of the band"
     );
 }
@@ -214,7 +226,7 @@ fn equal_runs_are_not_blamed_and_a_deviating_one_is_named() {
         .model
         .advice
         .iter()
-        .find(|advice| advice.check == "deviating_run");
+        .find(|advice| advice.check == Check::DeviatingRun);
     assert!(advice.unwrap().finding.starts_with("Run 3 "));
 }
 
@@ -252,7 +264,7 @@ fn errors_that_are_not_noise_withdraw_the_label_and_honest_noise_does_not() {
         found.model.structure,
         found.model.fit
     );
-    assert!(!found.model.bounds_hold());
+    assert!(found.model.bounds.valid().is_none());
     assert!(!errors.unwrap().other_step.is_empty());
 
     let honest = runs(&[1.0], 5);
@@ -260,7 +272,13 @@ fn errors_that_are_not_noise_withdraw_the_label_and_honest_noise_does_not() {
         settling: Settling::Samples(151),
         ..Options::default()
     };
-    assert!(identify(&honest, &options).unwrap().bounds_hold());
+    assert!(
+        identify(&honest, &options)
+            .unwrap()
+            .bounds
+            .valid()
+            .is_some()
+    );
 }
 
 /// A square wave tells no lag beyond a hold, and the other side's longer settling time must not be
@@ -276,6 +294,11 @@ fn a_reference_that_repeats_itself_compares_as_far_as_it_goes() {
     for (a, b) in [(&whole, &repeats), (&repeats, &whole)] {
         let found = compare(a, b, &ComparisonOptions::default()).unwrap();
         assert_eq!(found.verdict, Verdict::Same, "{}", found.summary);
-        assert!(found.advice.iter().any(|advice| advice.check == "repeats"));
+        assert!(
+            found
+                .advice
+                .iter()
+                .any(|advice| advice.check == Check::Repeats)
+        );
     }
 }

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use servoid_identification::direction::{DirectionModel, split_with};
 use servoid_identification::fsf_basis::FsfBasis;
+use servoid_identification::validity::Bounds;
 use servoid_identification::{NoiseOrder, Record};
 
 use servoid_test_support::servos::{Linear, PERIOD, measured, respond_by_stroke, staircase};
@@ -28,7 +29,7 @@ fn model(up: &Linear, down: &Linear, zero: f64, seed: u64, level: f64) -> Direct
         &record,
         FsfBasis::full(SETTLING).unwrap(),
         NoiseOrder::Auto,
-        level,
+        Bounds::Valid(level),
     )
     .unwrap()
 }
@@ -63,7 +64,8 @@ fn both_strokes_and_both_levels_of_an_asymmetric_servo_are_found() {
             );
             let inside = |step: &servoid_identification::step_response::StepResponse,
                           servo: &Linear| {
-                let (lower, upper) = (&step.pointwise.lower, &step.pointwise.upper);
+                let each = &step.bounds.valid().unwrap().pointwise;
+                let (lower, upper) = (&each.lower, &each.upper);
                 let held = (0..SETTLING).filter(|&m| {
                     let exact = servo.step(m as f64 * PERIOD);
                     (lower[m]..=upper[m]).contains(&exact)

@@ -1,7 +1,6 @@
 //! Servos that are not linear are told from those that are, and what that does to the bounds.
 
 use rayon::prelude::*;
-use servoid_identification::advice::NOT_LINEAR;
 use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
 use servoid_identification::{Model, Options, Record, identify};
 
@@ -29,10 +28,6 @@ fn random_steps(hold: usize) -> Vec<f64> {
         .collect()
 }
 
-fn has(model: &Model, check: &str) -> bool {
-    model.advice.iter().any(|advice| advice.check == check)
-}
-
 #[test]
 #[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored linearity"]
 fn linear_servos_pass_as_often_as_the_level_says() {
@@ -47,7 +42,7 @@ fn linear_servos_pass_as_often_as_the_level_says() {
         .flat_map_iter(|input| (0..16u64).map(move |seed| (input, seed)))
         .map(|(input, seed)| {
             let model = identified(input, &servo.respond(input, input[0], 0.0), seed);
-            assert!(model.bounds_hold() && !has(&model, NOT_LINEAR));
+            assert!(model.bounds.valid().is_some() && model.linear);
             model.residuals.linearity_p.unwrap()
         })
         .collect();
@@ -69,12 +64,11 @@ fn limits_under_held_steps_are_said_and_bounds_keep_their_level() {
     ] {
         let model = identified(input, &limited(0.7, 60.0, limit, input, input[0]), 3);
         assert!(
-            has(&model, NOT_LINEAR),
+            !model.linear,
             "{limit:?}: {:?} {:?}",
-            model.residuals,
-            model.advice
+            model.residuals, model.advice
         );
-        assert!(model.bounds_hold(), "{limit:?}");
+        assert!(model.bounds.valid().is_some(), "{limit:?}");
         // Not longer than a hold: later is the answer to the next step.
         assert!(model.structure.settling_samples <= 150, "{limit:?}");
     }
@@ -88,7 +82,7 @@ fn a_limited_servo_under_short_random_steps_gets_no_level() {
     for seed in 0..4 {
         let model = identified(&input, &clean, seed);
         assert!(
-            !model.bounds_hold(),
+            model.bounds.valid().is_none(),
             "{:?} {:?}",
             model.fit,
             model.residuals

@@ -167,7 +167,7 @@ fn counts_of_a_converter_far_from_zero_cost_no_accuracy() {
     let covariance = slow.covariance();
     for (k, (a, b)) in fast.model.theta.iter().zip(slow.theta()).enumerate() {
         assert_relative_eq!(*a, b, epsilon = 1e-8 * slow.theta()[0].abs());
-        let sd = fast.model.covariance[k][k].sqrt();
+        let sd = fast.model.bounds.valid().unwrap().covariance[k][k].sqrt();
         assert_relative_eq!(sd, covariance[(k, k)].sqrt(), max_relative = 1e-8);
     }
 }
@@ -238,10 +238,8 @@ fn a_known_gain_comes_back_within_its_bounds_in_white_and_coloured_noise() {
         for seed in 0..15 {
             let model = identify(&record(noise, seed), &options).unwrap();
             let last = model.step.value.len() - 1;
-            let (lower, upper) = (
-                model.step.pointwise.lower[last],
-                model.step.pointwise.upper[last],
-            );
+            let each = &model.step.bounds.valid().unwrap().pointwise;
+            let (lower, upper) = (each.lower[last], each.upper[last]);
             assert!(upper - lower < 0.05, "{noise:?}: {lower} to {upper}");
             missed += usize::from(!(lower..=upper).contains(&1.0));
         }

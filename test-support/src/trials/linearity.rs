@@ -3,7 +3,6 @@
 
 use super::recordings::{US_PER_DEGREE, recording};
 use servoid::reference::{Band, Kind, ReferenceSpec};
-use servoid_identification::advice::NOT_LINEAR;
 use servoid_identification::{Error, Options, identify_explained};
 use servoid_protocol::reference::Reference;
 
@@ -87,13 +86,13 @@ pub fn said(servo: &str, reference: Reference, seed: u64) -> Result<Said, Error>
     let record = recording(servo, reference, seed);
     let found = identify_explained(&record, &Options::default())?;
     let (model, linearity) = (&found.model, found.explanation.linearity);
-    let level = model.bounds_hold();
+    let level = model.bounds.valid().is_some();
     Ok(Said {
         found: [
             linearity.is_some_and(|linearity| linearity.by_functions()),
             linearity.is_some_and(|linearity| linearity.against_rest().is_some()),
         ],
-        told: !level || model.advice.iter().any(|advice| advice.check == NOT_LINEAR),
+        told: !level || !model.linear,
         level,
         leaves_percent: 100.0 - model.fit.simulation_percent,
         gain: model.metrics.dc_gain.value,

@@ -50,8 +50,9 @@ fn phase(board: &SharedBoard) -> f64 {
 fn the_linear_servos_exact_step_response_is_in_the_band() {
     let (model, board) = of_board("linear?seed=11");
     let (truth, phase) = (LinearParameters::default(), phase(&board));
-    let band = &model.step.simultaneous;
-    assert_eq!(band.level, 0.99);
+    let bounds = model.step.bounds.valid().unwrap();
+    let band = &bounds.simultaneous;
+    assert_eq!(bounds.level, 0.99);
     let last = model.step.value.len() - 1;
     let mut widest: f64 = 0.0;
     for m in 0..=last {
@@ -91,7 +92,8 @@ fn the_image_and_the_rig_in_this_process_find_the_same_servo() {
         let folder = tempfile::tempdir().unwrap();
         let in_process = model(&mut client, &folder.path().join("in-process.csv"));
         let half_width = |model: &Model, m: usize| {
-            (model.step.simultaneous.upper[m] - model.step.simultaneous.lower[m]) / 2.0
+            let whole = &model.step.bounds.valid().unwrap().simultaneous;
+            (whole.upper[m] - whole.lower[m]) / 2.0
         };
         assert_eq!(on_board.step.value.len(), in_process.step.value.len());
         let worst = (0..on_board.step.value.len())

@@ -189,7 +189,7 @@ impl MonitoredRun<'_> {
 
     fn latest_width(&self) -> Option<f64> {
         let latest = self.monitor.live.as_ref()?.latest()?;
-        Some(latest.half_width_percent())
+        latest.half_width_percent()
     }
 
     /// Why the run is to end, once it is.

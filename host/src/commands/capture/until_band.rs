@@ -3,6 +3,7 @@
 use crate::instrument::live::LiveStep;
 use crate::plan::NarrowingBand;
 use serde::Serialize;
+use servoid_identification::validity::Bounds;
 
 /// The band that was asked for, and the band of all runs together.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -29,12 +30,12 @@ enum Estimate {
 impl BandReached {
     /// Compares the last estimate, if there is one, with the band that was asked for.
     pub(super) fn of(asked_percent: f64, step: Option<&LiveStep>) -> Self {
-        let estimate = match step {
+        let estimate = match step.map(|live| &live.step.bounds) {
             None => Estimate::None,
-            Some(step) if !step.bounds_hold => Estimate::NoBounds,
-            Some(step) => Estimate::Band(NarrowingBand {
-                widest_percent: step.half_width_percent(),
-                floor_percent: step.bias_percent,
+            Some(Bounds::Withdrawn(_)) => Estimate::NoBounds,
+            Some(Bounds::Valid(bounds)) => Estimate::Band(NarrowingBand {
+                widest_percent: 100.0 * bounds.widest_half_width(),
+                floor_percent: 100.0 * bounds.bias(),
             }),
         };
         Self {

@@ -4,7 +4,7 @@ use super::{About, DatasetError, DatasetOptions, Loaded, run};
 use crate::data::degrees::DegreeScale;
 use crate::data::recording::{Completeness, ReadError, Recording};
 use servoid_identification::Run;
-use servoid_identification::advice::Advice;
+use servoid_identification::advice::{Advice, Check};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::ops::Range;
 use std::path::Path;
@@ -78,7 +78,7 @@ fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: u
             "{shown} was ended on purpose ({reason}): it has {rows} rows"
         )),
         Completeness::Partial(reason) => about.tell(
-            "partial",
+            Check::Partial,
             format!("{shown} is partial ({reason}): it has {rows} rows"),
             [rows as f64, samples_meant(recording)],
             "The missing rows are left out and the bounds are as wide as that makes them; capture again for the rest.",
@@ -86,7 +86,7 @@ fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: u
     }
     if !header.unproved.is_empty() {
         about.tell(
-            "unproved",
+            Check::Unproved,
             format!(
                 "{shown} was recovered from a recording whose header was damaged; check these, which nothing proves: {}",
                 header.unproved
@@ -118,13 +118,7 @@ fn samples_meant(recording: &Recording) -> f64 {
 
 impl About {
     /// Says something that every result has to carry too; it counts `value` where `threshold` was meant.
-    fn tell(
-        &mut self,
-        check: &'static str,
-        remark: String,
-        [value, threshold]: [f64; 2],
-        remedy: &str,
-    ) {
+    fn tell(&mut self, check: Check, remark: String, [value, threshold]: [f64; 2], remedy: &str) {
         let finding = format!("{remark}.");
         self.advice
             .push(Advice::new(check, finding, value, threshold, remedy));

@@ -4,7 +4,7 @@ use super::{About, DatasetError, DatasetOptions, Loaded, run, sentinel_values, s
 use crate::data::dataset::time_column::{self, TimeUnit};
 use crate::data::table::{Table, TableError, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
-use servoid_identification::advice::Advice;
+use servoid_identification::advice::{Advice, Check};
 use std::path::Path;
 
 /// The runs of a table.
@@ -94,7 +94,7 @@ fn tell_stand_in(about: &mut About, path: &Path, name: &str, column: &[f64]) {
     let finding = format!("{finding}.");
     let remedy =
         "Where that stands for no reading, leave the cells empty: they count as missing then.";
-    let advice = Advice::new("stand_in", finding, rows as f64, 0.0, remedy);
+    let advice = Advice::new(Check::SentinelValues, finding, rows as f64, 0.0, remedy);
     about.advice.push(advice);
 }
 

@@ -8,6 +8,7 @@
 mod error;
 mod from_recordings;
 mod from_tables;
+mod metadata;
 mod sentinel_values;
 pub(crate) mod suggestion;
 mod time_column;
@@ -19,7 +20,7 @@ use crate::data::fingerprint;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::recording::{self, Recording};
 use crate::data::table::{Table, TableError};
-use crate::presentation::summary::Units;
+use crate::data::units::Units;
 use servoid_identification::advice::Advice;
 use servoid_identification::{Record, Run};
 use std::path::{Path, PathBuf};

@@ -2,7 +2,8 @@
 
 use servoid_identification::moments::MomentStream;
 use servoid_identification::options::Settling;
-use servoid_identification::{Error, Model, Options, Record, Run, identify, identify_moments};
+use servoid_identification::step_response::StepResponse;
+use servoid_identification::{Error, Options, Record, Run, identify, identify_moments};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
 /// The settling time is chosen anew when there are so many times the samples of the last choice: then
@@ -21,49 +22,24 @@ const NOISE_LAGS: usize = 8;
 pub struct LiveStep {
     /// Samples that it is made of.
     pub samples: usize,
-    /// 0, Ts, ... \[s\].
-    pub time_s: Vec<f64>,
-    /// Response to a unit step.
-    pub value: Vec<f64>,
-    /// Lower end of the band for the whole curve.
-    pub lower: Vec<f64>,
-    /// Upper end of the band for the whole curve.
-    pub upper: Vec<f64>,
-    /// Confidence of that band.
-    pub level: f64,
-    /// The part of its half width that more data do not narrow: what frequencies without power and the steps of
-    /// the sensor may hide (percent of the commanded step).
-    pub bias_percent: f64,
-    /// Whether the band deserves that level: the errors are noise.
-    pub bounds_hold: bool,
+    /// The response, with its bounds where they hold.
+    pub step: StepResponse,
 }
 
 impl LiveStep {
-    fn of(model: &Model, samples: usize) -> Self {
-        let step = &model.step;
-        Self {
-            samples,
-            time_s: step.time_s.clone(),
-            value: step.value.clone(),
-            lower: step.simultaneous.lower.clone(),
-            upper: step.simultaneous.upper.clone(),
-            level: step.simultaneous.level,
-            bias_percent: 100.0 * step.bias(),
-            bounds_hold: model.bounds_hold(),
-        }
-    }
-
-    /// Half of the band's width where it is widest, in percent of the commanded step.
+    /// Half of the width of the whole curve's band where it is widest, in percent of the commanded step; `None`
+    /// where there is no band.
     #[must_use]
-    pub fn half_width_percent(&self) -> f64 {
-        let widths = self.upper.iter().zip(&self.lower).map(|(u, l)| u - l);
-        widths.fold(0.0, f64::max) * 50.0
+    pub fn half_width_percent(&self) -> Option<f64> {
+        let bounds = self.step.bounds.valid()?;
+        Some(100.0 * bounds.widest_half_width())
     }
 
-    /// Whether the whole band is within ±`percent` of the commanded step, and deserves its level.
+    /// Whether the whole band is within ±`percent` of the commanded step.
     #[must_use]
     pub fn is_within(&self, percent: f64) -> bool {
-        self.bounds_hold && self.half_width_percent() <= percent
+        self.half_width_percent()
+            .is_some_and(|half| half <= percent)
     }
 }
 
@@ -87,7 +63,7 @@ impl LiveStep {
 ///     estimator.push(&[u], &[measured]);
 /// }
 /// let step = estimator.estimate()?;
-/// assert!(step.is_within(1.0), "{}", step.half_width_percent());
+/// assert!(step.is_within(1.0), "{:?}", step.half_width_percent());
 /// # Ok::<(), servoid_identification::Error>(())
 /// ```
 pub struct Estimator {
@@ -202,7 +178,10 @@ impl Estimator {
             self.chosen = Some((settling, stream));
         }
         self.chosen_at = self.samples;
-        Ok(LiveStep::of(&model, self.samples))
+        Ok(LiveStep {
+            samples: self.samples,
+            step: model.step,
+        })
     }
 
     fn of_moments(&self, settling: usize, stream: &MomentStream) -> Result<LiveStep, Error> {
@@ -211,7 +190,10 @@ impl Estimator {
             ..self.options
         };
         let found = identify_moments(&stream.moments(), &options)?;
-        Ok(LiveStep::of(&found.model, self.samples))
+        Ok(LiveStep {
+            samples: self.samples,
+            step: found.model.step,
+        })
     }
 }
 
@@ -240,6 +222,11 @@ mod tests {
             .unzip()
     }
 
+    /// The upper bounds of the whole curve.
+    fn upper(step: &StepResponse) -> &[f64] {
+        &step.bounds.valid().unwrap().simultaneous.upper
+    }
+
     /// With an equal settling time moments and rows give the same; pieces do not matter.
     #[test]
     fn the_live_estimate_is_that_of_the_whole_record() {
@@ -255,18 +242,18 @@ mod tests {
         assert!(second.half_width_percent() < first.half_width_percent());
         let record = Record::from_slices(0.002, &u, &y).unwrap();
         let options = Options {
-            settling: Settling::Samples(first.value.len()),
+            settling: Settling::Samples(first.step.value.len()),
             ..Options::default()
         };
         let whole = identify(&record, &options).unwrap();
-        for (live, whole) in second.upper.iter().zip(&whole.step.simultaneous.upper) {
+        for (live, whole) in upper(&second.step).iter().zip(upper(&whole.step)) {
             // The alternation rests within 1e-3 of a standard deviation of its noise model, and may
             // come to rest from elsewhere.
             assert!((live - whole).abs() < 1e-4, "{live} {whole}");
         }
         let anew = live.estimate_anew().unwrap();
         let whole = identify(&record, &Options::default()).unwrap();
-        assert_eq!(anew.upper, whole.step.simultaneous.upper);
+        assert_eq!(upper(&anew.step), upper(&whole.step));
     }
 
     #[test]
@@ -287,14 +274,14 @@ mod tests {
         assert!(short.runs.is_none());
         let step = short.estimate_anew().unwrap();
         assert_eq!(step.samples, 4_000);
-        let settling = step.value.len();
+        let settling = step.step.value.len();
         let options = Options {
             settling: Settling::Samples(settling),
             ..Options::default()
         };
         let record = Record::from_slices(0.002, &u, &y).unwrap();
         let whole = identify(&record, &options).unwrap();
-        for (live, whole) in step.upper.iter().zip(&whole.step.simultaneous.upper) {
+        for (live, whole) in upper(&step.step).iter().zip(upper(&whole.step)) {
             assert!((live - whole).abs() < 1e-4, "{live} {whole}");
         }
         // Too few samples for any choice at a time: nothing is found, and nothing piles up.
@@ -315,8 +302,8 @@ mod tests {
             three.begin_run();
             three.push(&u, &y);
         }
-        let ratio = three.estimate().unwrap().half_width_percent()
-            / one.estimate().unwrap().half_width_percent();
+        let width = |live: &mut Estimator| live.estimate().unwrap().half_width_percent().unwrap();
+        let ratio = width(&mut three) / width(&mut one);
         // Three times the rows: 1/√3 = 0.58, a little off as another N may be chosen.
         assert!((0.45..0.75).contains(&ratio), "{ratio}");
     }
@@ -333,8 +320,8 @@ mod tests {
         let found = live.estimate_anew().unwrap();
         let record = Record::from_slices(0.002, &u, &y).unwrap();
         let step = identify(&record, &Options::default()).unwrap().step;
-        assert!(step.rounding_bias > 0.0);
-        let stays = 100.0 * (step.truncation_bias + step.rounding_bias);
-        assert_eq!(found.bias_percent, stays);
+        let bounds = step.bounds.valid().unwrap();
+        assert!(bounds.rounding_bias > 0.0);
+        assert_eq!(found.step.bounds.valid().unwrap().bias(), bounds.bias());
     }
 }

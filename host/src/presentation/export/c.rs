@@ -1,40 +1,35 @@
 //! A C99 header.
 
 use super::Export;
+use super::scripts::Language;
 use super::text::{Style, number};
-use crate::presentation::template::fill;
 
-const STYLE: Style = Style {
-    comment: " * ",
-    forbidden: &[("*/", "* /"), ("/*", "/ *")],
-    between: ", ",
-    broken: "",
-    row: ("{", "},"),
+const LANGUAGE: Language = Language {
+    style: Style {
+        comment: " * ",
+        forbidden: &[("*/", "* /"), ("/*", "/ *")],
+        between: ", ",
+        broken: "",
+        row: ("{", "},"),
+    },
+    file: include_str!("templates/servo.h"),
+    low_order: include_str!("templates/low_order.h"),
+    bounds_of_parameters: include_str!("templates/bounds_of_parameters.h"),
+    bounds_of_step: include_str!("templates/bounds_of_step.h"),
+    bounds_of_frequency: "",
+    bounds_of_low_order: include_str!("templates/bounds_of_low_order.h"),
 };
 
 /// The header.
 pub(super) fn write(export: &Export<'_>) -> String {
-    let mut values = export.values(&STYLE);
-    let count = export.model.theta.len();
-    values.extend([
+    let holds = u8::from(export.model.bounds.valid().is_some());
+    let values = vec![
         // A question mark could begin a trigraph.
         ("name", export.quoted_name(&['"', '?'])),
-        (
-            "bounds_hold",
-            u8::from(export.model.bounds_hold()).to_string(),
-        ),
-        ("theta_count", count.to_string()),
-        (
-            "theta_bytes",
-            (size_of::<f64>() * count * (count + 1)).to_string(),
-        ),
-    ]);
-    let parameters = vec![("parameters", parameters(export))];
-    values.push((
-        "low_order",
-        export.low_order_part(include_str!("templates/low_order.h"), &STYLE, parameters),
-    ));
-    fill(include_str!("templates/servo.h"), &values)
+        ("bounds_hold", holds.to_string()),
+        ("theta_count", export.model.theta.len().to_string()),
+    ];
+    export.in_language(&LANGUAGE, values, vec![("parameters", parameters(export))])
 }
 
 /// The parameters that not every order has.

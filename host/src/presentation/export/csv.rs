@@ -5,6 +5,7 @@ use super::Export;
 use super::statement::low_order_covariance;
 use super::text::{Style, number};
 use servoid_identification::Model;
+use servoid_identification::validity::Bounds;
 
 const STYLE: Style = Style {
     comment: "# ",
@@ -21,12 +22,12 @@ type Column = (String, Vec<f64>);
 /// empty cells.
 pub(super) fn write(export: &Export<'_>) -> String {
     let mut paragraphs = export.statement(false);
-    paragraphs.push(
+    paragraphs.extend(export.model.bounds.valid().map(|_| {
         "The columns theta_covariance_1, theta_covariance_2, ... are those of the covariance of theta, and theta_sd is the root of its diagonal."
-            .to_owned(),
-    );
+            .to_owned()
+    }));
     if let Ok(flight) = &export.low_order {
-        paragraphs.push(low_order_covariance(flight, &STYLE));
+        paragraphs.extend(low_order_covariance(flight, &STYLE));
     }
     let columns = columns(export.model);
     let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
@@ -45,38 +46,58 @@ pub(super) fn write(export: &Export<'_>) -> String {
 fn columns(model: &Model) -> Vec<Column> {
     let (step, frequency) = (&model.step, &model.frequency);
     let times = (0..step.value.len()).map(|m| model.timing().seconds(m as f64));
-    let cell = |row: usize, column: usize| model.covariance.get(row)?.get(column).copied();
-    let of_covariance = |of: &dyn Fn(usize) -> Option<f64>| -> Vec<f64> {
-        (0..model.covariance.len()).filter_map(of).collect()
-    };
-    let theta_sd = of_covariance(&|k| Some(cell(k, k)?.max(0.0).sqrt()));
-    let mut columns: Vec<Column> = [
+    let mut columns = named([
         ("time_s", times.collect()),
         ("step", step.value.clone()),
-        ("step_sd", step.sd.clone()),
-        ("step_lower", step.pointwise.lower.clone()),
-        ("step_upper", step.pointwise.upper.clone()),
-        ("step_lower_simultaneous", step.simultaneous.lower.clone()),
-        ("step_upper_simultaneous", step.simultaneous.upper.clone()),
         ("impulse", model.impulse_response()),
         ("omega_rad_s", frequency.omega_rad_s.clone()),
         ("re", frequency.re.clone()),
         ("im", frequency.im.clone()),
         ("magnitude_db", frequency.magnitude_db.clone()),
-        ("magnitude_db_lower", frequency.magnitude_db_lower.clone()),
-        ("magnitude_db_upper", frequency.magnitude_db_upper.clone()),
         ("phase_deg", frequency.phase_deg.clone()),
-        ("phase_deg_lower", frequency.phase_deg_lower.clone()),
-        ("phase_deg_upper", frequency.phase_deg_upper.clone()),
         ("noise_ar", model.noise.ar.clone()),
         ("theta", model.theta.clone()),
-        ("theta_sd", theta_sd),
-    ]
-    .map(|(name, cells)| (name.to_owned(), cells))
-    .into();
-    columns.extend((0..model.covariance.len()).map(|column| {
+    ]);
+    if let Bounds::Valid(bounds) = &step.bounds {
+        let (each, whole) = (&bounds.pointwise, &bounds.simultaneous);
+        columns.extend(named([
+            ("step_sd", bounds.sd.clone()),
+            ("step_lower", each.lower.clone()),
+            ("step_upper", each.upper.clone()),
+            ("step_lower_simultaneous", whole.lower.clone()),
+            ("step_upper_simultaneous", whole.upper.clone()),
+        ]));
+    }
+    if let Bounds::Valid(bounds) = &frequency.bounds {
+        columns.extend(named([
+            ("magnitude_db_lower", bounds.magnitude_db_lower.clone()),
+            ("magnitude_db_upper", bounds.magnitude_db_upper.clone()),
+            ("phase_deg_lower", bounds.phase_deg_lower.clone()),
+            ("phase_deg_upper", bounds.phase_deg_upper.clone()),
+        ]));
+    }
+    if let Bounds::Valid(bounds) = &model.bounds {
+        columns.extend(of_covariance(&bounds.covariance));
+    }
+    columns
+}
+
+fn named<const COUNT: usize>(columns: [(&str, Vec<f64>); COUNT]) -> Vec<Column> {
+    columns.map(|(name, cells)| (name.to_owned(), cells)).into()
+}
+
+/// Standard deviations and covariance of the parameters.
+fn of_covariance(covariance: &[Vec<f64>]) -> Vec<Column> {
+    let cell = |row: &Vec<f64>, column: usize| row.get(column).copied().unwrap_or(f64::NAN);
+    let diagonal = covariance.iter().zip(0..).map(|(row, k)| cell(row, k));
+    let sd = diagonal.map(|variance| variance.max(0.0).sqrt()).collect();
+    let mut columns = named([("theta_sd", sd)]);
+    columns.extend((0..covariance.len()).map(|column| {
         let name = format!("theta_covariance_{}", column + 1);
-        (name, of_covariance(&|row| cell(row, column)))
+        (
+            name,
+            covariance.iter().map(|row| cell(row, column)).collect(),
+        )
     }));
     columns
 }

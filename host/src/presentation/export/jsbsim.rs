@@ -24,7 +24,7 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
     let mut paragraphs = export.statement(held);
-    paragraphs.push(low_order_covariance(flight, &STYLE));
+    paragraphs.extend(low_order_covariance(flight, &STYLE));
     paragraphs.push(
         "Run it at 500 Hz or more: JSBSim replaces poles by Tustin's rule and has delays of whole steps, so that the position is right to half a step of time. Set the step before the aircraft is loaded: delays are counted out then."
             .to_owned(),

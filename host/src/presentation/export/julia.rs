@@ -1,8 +1,8 @@
 //! A Julia module.
 
 use super::Export;
+use super::scripts::Language;
 use super::text::Style;
-use crate::presentation::template::fill;
 
 const STYLE: Style = Style {
     comment: "# ",
@@ -18,26 +18,35 @@ const LITERAL: Style = Style {
     ..STYLE
 };
 
+const LANGUAGE: Language = Language {
+    style: STYLE,
+    file: include_str!("templates/servo.jl"),
+    low_order: include_str!("templates/low_order.jl"),
+    bounds_of_parameters: include_str!("templates/bounds_of_parameters.jl"),
+    bounds_of_step: include_str!("templates/bounds_of_step.jl"),
+    bounds_of_frequency: include_str!("templates/bounds_of_frequency.jl"),
+    bounds_of_low_order: include_str!("templates/bounds_of_low_order.jl"),
+};
+
 /// The module.
 pub(super) fn write(export: &Export<'_>) -> String {
-    let mut values = export.values(&STYLE);
-    values.extend([
+    let holds = export.model.bounds.valid().is_some();
+    let values = vec![
         // A dollar would put the value of an expression in.
         ("name", export.quoted_name(&['"', '$'])),
-        ("bounds_hold", export.model.bounds_hold().to_string()),
-    ]);
-    if let Ok(flight) = &export.low_order {
-        let discrete = flight.transfer.discrete(export.model.timing());
-        let literals = vec![
-            ("denominator", LITERAL.short(&flight.transfer.denominator())),
-            ("b", LITERAL.short(&discrete.b)),
-            ("c", LITERAL.short(&discrete.c)),
-            ("rest", LITERAL.short(&discrete.rest)),
-        ];
-        values.push((
-            "low_order",
-            export.low_order_part(include_str!("templates/low_order.jl"), &STYLE, literals),
-        ));
-    }
-    fill(include_str!("templates/servo.jl"), &values)
+        ("bounds_hold", holds.to_string()),
+    ];
+    let literals = match &export.low_order {
+        Ok(flight) => {
+            let discrete = flight.transfer.discrete(export.model.timing());
+            vec![
+                ("denominator", LITERAL.short(&flight.transfer.denominator())),
+                ("b", LITERAL.short(&discrete.b)),
+                ("c", LITERAL.short(&discrete.c)),
+                ("rest", LITERAL.short(&discrete.rest)),
+            ]
+        }
+        Err(_) => Vec::new(),
+    };
+    export.in_language(&LANGUAGE, values, literals)
 }

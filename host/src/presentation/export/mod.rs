@@ -93,7 +93,7 @@ pub struct Export<'a> {
     /// The model of low order, or why there is none.
     pub low_order: Result<FlightModel, String>,
     /// Units, and the pulse frame that holds a command before the servo, where they are known.
-    pub origin: ModelMetadata,
+    pub metadata: ModelMetadata,
 }
 
 impl<'a> Export<'a> {
@@ -104,10 +104,10 @@ impl<'a> Export<'a> {
         source: &'a str,
         model: &'a Model,
         fitted: Option<FlightModel>,
-        origin: ModelMetadata,
+        metadata: ModelMetadata,
     ) -> Self {
         let options = FlightModelOptions {
-            frame_period_s: origin.pulse_frame_s.filter(|frame| *frame > 0.0),
+            frame_period_s: metadata.pulse_frame_s.filter(|frame| *frame > 0.0),
             ..FlightModelOptions::default()
         };
         let low_order = match fitted {
@@ -119,13 +119,13 @@ impl<'a> Export<'a> {
             source,
             model,
             low_order,
-            origin,
+            metadata,
         }
     }
 
     /// The frame that holds a command in what is written \[s\]: 0 where there is none, or none is known.
     fn frame_s(&self) -> f64 {
-        self.origin.pulse_frame_s.unwrap_or(0.0)
+        self.metadata.pulse_frame_s.unwrap_or(0.0)
     }
 
     /// The text of the file.

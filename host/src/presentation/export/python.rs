@@ -1,31 +1,35 @@
 //! A Python module.
 
 use super::Export;
+use super::scripts::Language;
 use super::text::Style;
-use crate::presentation::template::fill;
+use servoid_identification::validity::Bounds;
 
-const STYLE: Style = Style {
-    comment: "# ",
-    forbidden: &[],
-    between: ", ",
-    broken: "",
-    row: ("[", "],"),
+const LANGUAGE: Language = Language {
+    style: Style {
+        comment: "# ",
+        forbidden: &[],
+        between: ", ",
+        broken: "",
+        row: ("[", "],"),
+    },
+    file: include_str!("templates/servo.py"),
+    low_order: include_str!("templates/low_order.py"),
+    bounds_of_parameters: include_str!("templates/bounds_of_parameters.py"),
+    bounds_of_step: include_str!("templates/bounds_of_step.py"),
+    bounds_of_frequency: include_str!("templates/bounds_of_frequency.py"),
+    bounds_of_low_order: include_str!("templates/bounds_of_low_order.py"),
 };
 
 /// The module.
 pub(super) fn write(export: &Export<'_>) -> String {
-    let mut values = export.values(&STYLE);
-    let holds = export.model.bounds_hold();
-    values.extend([
+    let holds = match export.model.bounds {
+        Bounds::Valid(_) => "True",
+        Bounds::Withdrawn(_) => "False",
+    };
+    let values = vec![
         ("name", export.quoted_name(&['"'])),
-        (
-            "bounds_hold",
-            if holds { "True" } else { "False" }.to_owned(),
-        ),
-        (
-            "low_order",
-            export.low_order_part(include_str!("templates/low_order.py"), &STYLE, Vec::new()),
-        ),
-    ]);
-    fill(include_str!("templates/servo.py"), &values)
+        ("bounds_hold", holds.to_owned()),
+    ];
+    export.in_language(&LANGUAGE, values, Vec::new())
 }

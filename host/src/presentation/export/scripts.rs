@@ -1,31 +1,58 @@
-//! What the templates of scripts and headers have in common.
+//! Values that the templates of scripts and headers share.
 
 use super::Export;
 use super::statement::parameters_of;
 use super::text::{Style, identifier, number};
 use crate::presentation::template::fill;
 use servoid_identification::flight_model::FlightModel;
+use servoid_identification::frequency_response::FrequencyBounds;
+use servoid_identification::model::ParameterBounds;
+use servoid_identification::step_response::StepBounds;
 
 /// Values for the gaps of a template.
 pub(super) type Values = Vec<(&'static str, String)>;
 
+/// A language: how it is written, and its templates.
+pub(super) struct Language {
+    pub(super) style: Style,
+    /// The file.
+    pub(super) file: &'static str,
+    /// The low-order model in it.
+    pub(super) low_order: &'static str,
+    /// Sections that are there where bounds hold, and only there.
+    pub(super) bounds_of_parameters: &'static str,
+    pub(super) bounds_of_step: &'static str,
+    pub(super) bounds_of_frequency: &'static str,
+    pub(super) bounds_of_low_order: &'static str,
+}
+
 impl Export<'_> {
-    /// The values of the identified model, in the style of a language.
-    pub(super) fn values(&self, style: &Style) -> Values {
-        let (model, step, frequency) = (self.model, &self.model.step, &self.model.frequency);
+    /// The file in a language; `more` are values that only this language has, `of_low_order` those of its
+    /// low-order model.
+    pub(super) fn in_language(
+        &self,
+        language: &Language,
+        more: Values,
+        of_low_order: Values,
+    ) -> String {
+        let mut values = self.values(&language.style);
+        values.extend(more);
+        values.push(("low_order", self.low_order_part(language, of_low_order)));
+        values.extend(self.sections_of_bounds(language));
+        fill(language.file, &values)
+    }
+
+    fn names(&self) -> [(&'static str, String); 2] {
         let id = identifier(self.name);
+        [("ID", id.to_ascii_uppercase()), ("id", id)]
+    }
+
+    /// The values of the identified model, in the style of a language.
+    fn values(&self, style: &Style) -> Values {
+        let (model, step, frequency) = (self.model, &self.model.step, &self.model.frequency);
         let taps = step.value.len();
-        vec![
+        let mut values = vec![
             ("about", style.comment(&self.statement(false))),
-            ("ID", id.to_ascii_uppercase()),
-            ("id", id),
-            (
-                "level",
-                number(match model.bounds_hold() {
-                    true => step.pointwise.level,
-                    false => 0.0,
-                }),
-            ),
             ("period", number(model.sample_period_s)),
             ("phase", number(model.sample_phase_s)),
             ("frame", number(self.frame_s())),
@@ -33,39 +60,84 @@ impl Export<'_> {
             ("taps", taps.to_string()),
             ("last", (taps - 1).to_string()),
             ("theta", style.list(&model.theta)),
-            ("theta_covariance", style.matrix(&model.covariance)),
             ("impulse", style.list(&model.impulse_response())),
             ("step", style.list(&step.value)),
-            ("sd", style.list(&step.sd)),
-            ("lower", style.list(&step.pointwise.lower)),
-            ("upper", style.list(&step.pointwise.upper)),
-            ("lower_all", style.list(&step.simultaneous.lower)),
-            ("upper_all", style.list(&step.simultaneous.upper)),
             ("omega", style.list(&frequency.omega_rad_s)),
             ("re", style.list(&frequency.re)),
             ("im", style.list(&frequency.im)),
-            ("magnitude_lower", style.list(&frequency.magnitude_db_lower)),
-            ("magnitude_upper", style.list(&frequency.magnitude_db_upper)),
-            ("phase_lower", style.list(&frequency.phase_deg_lower)),
-            ("phase_upper", style.list(&frequency.phase_deg_upper)),
-        ]
+        ];
+        values.extend(self.names());
+        values
     }
 
-    /// `template` with the values of the low-order model; nothing where there is none.
-    pub(super) fn low_order_part(&self, template: &str, style: &Style, more: Values) -> String {
+    /// The sections with bounds.
+    fn sections_of_bounds(&self, language: &Language) -> Values {
+        let Language { style, .. } = language;
+        let section = |template: &str, mut values: Values| {
+            values.extend(self.names());
+            fill(template, &values)
+        };
+        let parameters = |bounds: &ParameterBounds| {
+            let count = bounds.covariance.len();
+            let values = vec![
+                ("level", number(bounds.level)),
+                ("theta_covariance", style.matrix(&bounds.covariance)),
+                (
+                    "theta_bytes",
+                    (size_of::<f64>() * count * (count + 1)).to_string(),
+                ),
+            ];
+            section(language.bounds_of_parameters, values)
+        };
+        let step = |bounds: &StepBounds| {
+            let (each, whole) = (&bounds.pointwise, &bounds.simultaneous);
+            let values = vec![
+                ("level", number(bounds.level)),
+                ("sd", style.list(&bounds.sd)),
+                ("lower", style.list(&each.lower)),
+                ("upper", style.list(&each.upper)),
+                ("lower_all", style.list(&whole.lower)),
+                ("upper_all", style.list(&whole.upper)),
+            ];
+            section(language.bounds_of_step, values)
+        };
+        let frequency = |bounds: &FrequencyBounds| {
+            let values = vec![
+                ("magnitude_lower", style.list(&bounds.magnitude_db_lower)),
+                ("magnitude_upper", style.list(&bounds.magnitude_db_upper)),
+                ("phase_lower", style.list(&bounds.phase_deg_lower)),
+                ("phase_upper", style.list(&bounds.phase_deg_upper)),
+            ];
+            section(language.bounds_of_frequency, values)
+        };
+        let model = self.model;
+        [
+            ("bounds_of_parameters", model.bounds.valid().map(parameters)),
+            ("bounds_of_step", model.step.bounds.valid().map(step)),
+            (
+                "bounds_of_frequency",
+                model.frequency.bounds.valid().map(frequency),
+            ),
+        ]
+        .map(|(name, section)| (name, section.unwrap_or_default()))
+        .into()
+    }
+
+    /// The low-order model; nothing where there is none.
+    fn low_order_part(&self, language: &Language, more: Values) -> String {
         let Ok(flight) = &self.low_order else {
             return String::new();
         };
-        let mut values = more;
-        values.extend(low_order_values(flight, style));
-        let largest_error = self.largest_error_percent(flight);
-        values.push(("largest_error", number(largest_error)));
+        let style = &language.style;
         let discrete = flight.transfer.discrete(self.model.timing());
         let (numerator, denominator) = discrete.transfer_function();
-        let id = identifier(self.name);
+        let mut values = more;
         values.extend([
-            ("ID", id.to_ascii_uppercase()),
-            ("id", id),
+            ("order", flight.order.to_string()),
+            ("gain", number(flight.transfer.gain)),
+            ("delay", number(flight.transfer.delay_s.max(0.0))),
+            ("denominator", style.short(&flight.transfer.denominator())),
+            ("largest_error", number(self.largest_error_percent(flight))),
             ("delay_samples", discrete.delay_samples.to_string()),
             ("a", style.matrix(&discrete.a)),
             ("b", style.short(&discrete.b)),
@@ -74,19 +146,25 @@ impl Export<'_> {
             ("rest", style.short(&discrete.rest)),
             ("numerator_z", style.short(&numerator)),
             ("denominator_z", style.short(&denominator)),
+            (
+                "bounds_of_low_order",
+                self.bounds_of_low_order(flight, language),
+            ),
         ]);
-        fill(template, &values)
+        values.extend(self.names());
+        fill(language.low_order, &values)
     }
-}
 
-fn low_order_values(flight: &FlightModel, style: &Style) -> Values {
-    vec![
-        ("order", flight.order.to_string()),
-        ("gain", number(flight.transfer.gain)),
-        ("delay", number(flight.transfer.delay_s.max(0.0))),
-        ("denominator", style.short(&flight.transfer.denominator())),
-        ("covariance_of", parameters_of(flight).to_owned()),
-        ("covariance", style.matrix(&flight.covariance)),
-        ("parameter_count", flight.covariance.len().to_string()),
-    ]
+    fn bounds_of_low_order(&self, flight: &FlightModel, language: &Language) -> String {
+        let section = |bounds: &ParameterBounds| {
+            let mut values = vec![
+                ("covariance_of", parameters_of(flight).to_owned()),
+                ("covariance", language.style.matrix(&bounds.covariance)),
+                ("parameter_count", bounds.covariance.len().to_string()),
+            ];
+            values.extend(self.names());
+            fill(language.bounds_of_low_order, &values)
+        };
+        flight.bounds.valid().map(section).unwrap_or_default()
+    }
 }

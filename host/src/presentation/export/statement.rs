@@ -1,12 +1,12 @@
-//! What every export says of itself.
+//! The comment at the top of every export.
 
 use super::Export;
 use super::text::{Style, number};
 use crate::presentation::summary;
-use servoid_identification::Model;
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::metrics::Interval;
 use servoid_identification::model::SelectedBy;
+use servoid_identification::validity::Bounds;
 
 impl Export<'_> {
     /// Why the numbers, or their bounds, should not be trusted as they stand; a sentence each.
@@ -14,16 +14,16 @@ impl Export<'_> {
     pub fn warnings(&self) -> Vec<String> {
         let model = self.model;
         let mut found = Vec::new();
-        if let Some(reason) = model.without_level_because() {
-            found.push(format!(
-                "no bounds can be given: {reason}, and the bounds in this file have no level"
-            ));
-        }
-        if model.is_best_linear_description() {
-            found.push(
+        match model.level() {
+            Bounds::Withdrawn(reason) => found.push(format!(
+                "no bounds can be given, as {}: this file has none",
+                reason.because()
+            )),
+            Bounds::Valid(_) if !model.linear => found.push(
                 "the servo is not linear: the bounds are those of the linear description that fits the reference best"
                     .to_owned(),
-            );
+            ),
+            Bounds::Valid(_) => {}
         }
         if !model.is_consistent() {
             found.push("the model contradicts itself: identify again".to_owned());
@@ -39,10 +39,10 @@ impl Export<'_> {
                 "the noise model did not come to rest: the bounds are approximate".to_owned(),
             );
         }
-        if let Some(why) = summary::why_withheld(model) {
-            found.push(format!("figures are withheld: {why}"));
+        if let Some(reason) = model.metrics.withheld {
+            found.push(format!("metrics are withheld: {}", reason.because()));
         }
-        if self.origin.pulse_frame_s.is_none() {
+        if self.metadata.pulse_frame_s.is_none() {
             found.push(
                 "it is not known how the command is held: the model does not say that it comes from recordings of servoid, so no frame hold is assumed; for a servo on pulses, state their frame with --frame-ms"
                     .to_owned(),
@@ -82,17 +82,16 @@ impl Export<'_> {
             self.sampling(),
             self.hold(held),
             self.bounds(),
-            self.covariance(),
+            self.parameters(),
         ]);
         let flight = self.low_order.as_ref().ok();
-        paragraphs.extend(
-            flight.map(|flight| low_order(flight, self.largest_error_percent(flight), self.model)),
-        );
+        paragraphs
+            .extend(flight.map(|flight| low_order(flight, self.largest_error_percent(flight))));
         paragraphs
     }
 
     fn units_and_signs(&self) -> String {
-        let units = self.origin.units();
+        let units = self.metadata.units();
         let of = |what: &str, unit: Option<&str>| match unit {
             Some(unit) => format!("the {what} is in {unit}"),
             None => format!("the unit of the {what} is that of the recording, and not known"),
@@ -123,7 +122,7 @@ impl Export<'_> {
     fn hold(&self, held: bool) -> String {
         let milliseconds = |seconds: f64| number((seconds * 1e7).round() / 1e4);
         let begin = "Delay: all of the servo's own delay, counted from the edge of the command as it was applied, is in the model.";
-        let Some(frame_s) = self.origin.pulse_frame_s else {
+        let Some(frame_s) = self.metadata.pulse_frame_s else {
             return format!(
                 "{begin} How the command is held is not known, and no hold is assumed."
             );
@@ -148,16 +147,15 @@ impl Export<'_> {
     }
 
     fn bounds(&self) -> String {
-        let step = &self.model.step;
-        if !self.model.bounds_hold() {
-            return "Bounds: none can be given (see the warning). What this file has in their place is what noise alone would leave, and has no level.".to_owned();
-        }
+        let Bounds::Valid(bounds) = &self.model.step.bounds else {
+            return "Bounds: none can be given (see the warning).".to_owned();
+        };
         format!(
-            "Bounds: level {}. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them, saturation and what changes from run to run are not.{}",
-            summary::level_text(self.model),
+            "Bounds: level {} %. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them, saturation and what changes from run to run are not.{}",
+            summary::percent(bounds.level),
             [
-                (step.truncation_bias, "left-out high frequencies"),
-                (step.rounding_bias, "the steps of the sensor"),
+                (bounds.truncation_bias, "left-out high frequencies"),
+                (bounds.rounding_bias, "the steps of the sensor"),
             ]
             .into_iter()
             .filter(|(bias, _)| *bias != 0.0)
@@ -169,10 +167,17 @@ impl Export<'_> {
         )
     }
 
-    fn covariance(&self) -> String {
+    fn parameters(&self) -> String {
         let structure = &self.model.structure;
+        let [size, spread] = match self.model.bounds {
+            Bounds::Valid(_) => [
+                format!("; its covariance is {n} x {n}", n = structure.frequencies),
+                ", and has the covariance A cov(theta) A'".to_owned(),
+            ],
+            Bounds::Withdrawn(_) => [String::new(), String::new()],
+        };
         format!(
-            "Parameters: theta = [G0, Re G1, Im G1, ...], {n} values, where Gl is the frequency response of the samples at l * 2 pi / (N Ts) rad/s; its covariance is {n} x {n}. With q = 2 pi l i / N, h(i) = (G0 + 2 sum (Re Gl cos q - Im Gl sin q)) / N: every response is a linear map A of theta, and has the covariance A cov(theta) A'. The hold of the samples is part of that response: at w rad/s the servo alone has a phase that is greater by w (Ts/2 - p), where p is the time by which samples follow the edges of the command.",
+            "Parameters: theta = [G0, Re G1, Im G1, ...], {n} values, where Gl is the frequency response of the samples at l * 2 pi / (N Ts) rad/s{size}. With q = 2 pi l i / N, h(i) = (G0 + 2 sum (Re Gl cos q - Im Gl sin q)) / N: every response is a linear map A of theta{spread}. The hold of the samples is part of that response: at w rad/s the servo alone has a phase that is greater by w (Ts/2 - p), where p is the time by which samples follow the edges of the command.",
             n = structure.frequencies
         )
     }
@@ -187,21 +192,24 @@ pub(super) fn parameters_of(flight: &FlightModel) -> &'static str {
     }
 }
 
-/// The covariance of a low-order model in one paragraph, for files that have no place for a matrix.
-pub(super) fn low_order_covariance(flight: &FlightModel, style: &Style) -> String {
+/// The covariance of a low-order model in one paragraph, for files that have no place for a matrix; `None`
+/// where it has no bounds.
+pub(super) fn low_order_covariance(flight: &FlightModel, style: &Style) -> Option<String> {
     let rows: Vec<String> = flight
+        .bounds
+        .valid()?
         .covariance
         .iter()
         .map(|row| format!("[{}]", style.short(row)))
         .collect();
-    format!(
+    Some(format!(
         "Covariance of {}: [{}]",
         parameters_of(flight),
         rows.join(", ")
-    )
+    ))
 }
 
-fn low_order(flight: &FlightModel, largest_error_percent: f64, model: &Model) -> String {
+fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
     let form = match flight.order {
         1 => "K exp(-L s) / (1 + T s)",
         2 => "K exp(-L s) / (1 + 2 zeta s/w + s^2/w^2)",
@@ -224,18 +232,18 @@ fn low_order(flight: &FlightModel, largest_error_percent: f64, model: &Model) ->
             continue;
         };
         let bound = |bound: Option<f64>| bound.map_or("-".to_owned(), |b| format!("{b:.6}"));
-        text += &match model.bounds_hold() {
-            true => format!(
+        text += &match (lower, upper) {
+            (None, None) => format!(" {name} = {value:.6}{unit},"),
+            _ => format!(
                 " {name} = {value:.6}{unit} ({} to {}),",
                 bound(lower),
                 bound(upper)
             ),
-            false => format!(" {name} = {value:.6}{unit},"),
         };
     }
-    let intervals = match model.bounds_hold() {
-        true => format!("intervals of {} %", summary::percent(flight.level)),
-        false => "of which no intervals can be given".to_owned(),
+    let intervals = match &flight.bounds {
+        Bounds::Valid(bounds) => format!("intervals of {} %", summary::percent(bounds.level)),
+        Bounds::Withdrawn(_) => "of which no intervals can be given".to_owned(),
     };
     format!(
         "{text} {intervals}. Largest error of its step response: {largest_error_percent:.3} % of the step. {}",

@@ -1,7 +1,8 @@
-//! What lies between two servos: the second step response less the first, with bounds and margin.
+//! The difference of two servos: the second step response less the first, with bounds and margin.
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Panel};
-use servoid_identification::comparison::{Comparison, Stroke};
+use crate::presentation::summary::percent;
+use servoid_identification::comparison::{Comparison, CurveBounds, Stroke};
 
 /// The difference curves of a comparison of `a` with `b`, within bounds that hold for all of them at
 /// once. The verdict is "different" where a band lies outside the margin somewhere, "same" where all
@@ -20,17 +21,19 @@ pub fn difference(name: &str, title: &str, a: &str, b: &str, found: &Comparison)
             Stroke::Up => ("up strokes", Ink::Model),
             Stroke::Down => ("down strokes", Ink::SecondModel),
         };
-        let bounds = curve.lower.iter().zip(&curve.upper);
-        panel.bands.push(Band {
-            name: format!("{stroke}: everywhere at once, {} %", 100.0 * found.level),
+        let band = |(level, bounds): (f64, &CurveBounds)| Band {
+            name: format!("{stroke}: everywhere at once, {} %", percent(level)),
             ink,
             points: curve
                 .time_s
                 .iter()
-                .zip(bounds)
+                .zip(bounds.lower.iter().zip(&bounds.upper))
                 .map(|(&t, (&low, &high))| (t, low, high))
                 .collect(),
-        });
+        };
+        let level = found.bounds.map(|bounds| bounds.level);
+        let bounds = level.zip(curve.bounds.as_ref());
+        panel.bands.extend(bounds.map(band).into_valid());
         let points = curve
             .time_s
             .iter()

@@ -7,6 +7,7 @@
 
 pub mod difference;
 pub mod figure;
+pub mod named;
 pub mod paper_figures;
 pub mod residuals;
 pub mod response;

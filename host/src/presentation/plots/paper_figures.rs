@@ -1,30 +1,11 @@
 //! The paper's figures, made from recordings and models.
 
-use super::figure::{Figure, Ink};
+use super::figure::Figure;
+use super::named::Named;
 use super::response::{bode, step_response};
 use super::signals::{input_output, validation};
-use crate::presentation::summary::Units;
+use crate::data::units::Units;
 use servoid_identification::{Model, Record, Run};
-
-/// A model with the name that its curves carry.
-#[derive(Clone, Copy, Debug)]
-pub struct Named<'a> {
-    /// What the legend calls it.
-    pub name: &'a str,
-    /// The model.
-    pub model: &'a Model,
-}
-
-/// Colours of the first model and of the second.
-pub(super) const INKS: [Ink; 2] = [Ink::Model, Ink::SecondModel];
-
-/// "angle (deg)", or the quantity alone where the unit is not known.
-pub(super) fn with_unit(quantity: &str, unit: Option<&str>) -> String {
-    unit.map_or_else(
-        || quantity.to_owned(),
-        |unit| format!("{quantity} ({unit})"),
-    )
-}
 
 /// Everything that is drawn of one identification: Figs 4-7 of the paper for this record.
 #[must_use]

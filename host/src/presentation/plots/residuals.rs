@@ -1,4 +1,4 @@
-//! What the model leaves over: correlations of its one-step errors with themselves and with the input.
+//! Residuals: correlations of its one-step errors with themselves and with the input.
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
 use crate::presentation::summary::probability;
@@ -9,23 +9,24 @@ use servoid_identification::{Model, Record};
 /// Lags of the input looked at before the present and beyond the settling time.
 const AROUND: isize = 25;
 
+/// Share of the lags that lie within their bound if the errors are noise.
+const LEVEL: f64 = 0.99;
+
 /// Both correlograms, with the p-values of the tests that belong to them in the legend. A record
 /// without errors to look at gives no panels.
 #[must_use]
 pub fn residuals(name: &str, title: &str, model: &Model, record: &Record) -> Figure {
-    let level = model.step.pointwise.level;
     let beyond = model.structure.settling_samples as isize + AROUND;
     let p = |p: Option<f64>| format!(", {}", probability(p));
     let tests = &model.residuals;
-    let own = correlogram::of_errors(model, record, 2 * WHITENESS_LAGS, level);
-    let input = correlogram::with_input(model, record, -AROUND..=beyond, level);
+    let own = correlogram::of_errors(model, record, 2 * WHITENESS_LAGS, LEVEL);
+    let input = correlogram::with_input(model, record, -AROUND..=beyond, LEVEL);
     let panels = [
         own.map(|found| {
             panel(
                 &found,
                 "lag (samples)",
                 &format!("one-step error with itself{}", p(tests.whiteness_p)),
-                level,
             )
         }),
         input.map(|found| {
@@ -36,7 +37,6 @@ pub fn residuals(name: &str, title: &str, model: &Model, record: &Record) -> Fig
                     "one-step error with the input{}",
                     p(tests.input_correlation_p)
                 ),
-                level,
             )
         }),
     ];
@@ -47,7 +47,7 @@ pub fn residuals(name: &str, title: &str, model: &Model, record: &Record) -> Fig
     }
 }
 
-fn panel(found: &Correlogram, x_label: &str, name: &str, level: f64) -> Panel {
+fn panel(found: &Correlogram, x_label: &str, name: &str) -> Panel {
     let stem = |(&lag, &value): (&isize, &f64)| Mark {
         x: lag as f64,
         y: value,
@@ -62,7 +62,7 @@ fn panel(found: &Correlogram, x_label: &str, name: &str, level: f64) -> Panel {
         bands: vec![Band {
             name: format!(
                 "{} % of each lag, if there is nothing to find",
-                100.0 * level
+                100.0 * LEVEL
             ),
             ink: Ink::Model,
             points: ends

@@ -1,16 +1,21 @@
 //! Responses of models: to a step, and to sines.
 
 use super::figure::{Band, Curve, Figure, Legend, Panel};
-use crate::presentation::plots::paper_figures::{INKS, Named, with_unit};
-use crate::presentation::summary::{Units, level_text};
+use super::named::{INKS, Named, with_unit};
+use crate::data::units::Units;
+use crate::presentation::summary::percent;
 use servoid_identification::frequency_response::FrequencyResponse;
+use servoid_identification::validity::Bounds;
 
-/// What the legend calls the response of a model whose errors are not noise.
-fn without_bounds(name: &str) -> String {
-    format!("{name}: no bounds can be given")
+/// The name of a response in a legend.
+fn in_legend<T>(name: &str, bounds: &Bounds<T>) -> String {
+    match bounds {
+        Bounds::Valid(_) => name.to_owned(),
+        Bounds::Withdrawn(_) => format!("{name}: no bounds can be given"),
+    }
 }
 
-/// Figs 5 and 10: the step response, with its bounds where they can be given.
+/// Figs 5 and 10: the step response, with its bounds where they hold.
 #[must_use]
 pub fn step_response(name: &str, title: &str, models: &[Named<'_>], units: Units<'_>) -> Figure {
     let mut panel = Panel {
@@ -25,35 +30,29 @@ pub fn step_response(name: &str, title: &str, models: &[Named<'_>], units: Units
             let place = |(m, &value)| (timing.seconds(m as f64), value);
             values.iter().enumerate().map(place).collect()
         };
-        if !model.bounds_hold() {
-            let name = without_bounds(name);
-            panel
-                .curves
-                .push(Curve::solid(name, ink, line(&step.value)));
+        let legend = in_legend(name, &step.bounds);
+        panel
+            .curves
+            .push(Curve::solid(legend, ink, line(&step.value)));
+        let Bounds::Valid(bounds) = &step.bounds else {
             continue;
-        }
-        let level = level_text(model);
-        let bounds = line(&step.simultaneous.lower)
-            .into_iter()
-            .zip(&step.simultaneous.upper);
+        };
+        let (each, whole) = (&bounds.pointwise, &bounds.simultaneous);
+        let level = percent(bounds.level);
         panel.bands.push(Band {
-            name: format!("{name}: the whole curve, {level}"),
+            name: format!("{name}: the whole curve, {level} %"),
             ink,
-            points: bounds
+            points: line(&whole.lower)
+                .into_iter()
+                .zip(&whole.upper)
                 .map(|((t, lower), &upper)| (t, lower, upper))
                 .collect(),
         });
-        panel
-            .curves
-            .push(Curve::solid(*name, ink, line(&step.value)));
-        let each = format!("{name}: each point, {level}");
-        panel
-            .curves
-            .push(Curve::dashed(each, ink, line(&step.pointwise.lower)));
-        panel.curves.push(Curve {
-            name: String::new(),
-            ..Curve::dashed("", ink, line(&step.pointwise.upper))
-        });
+        let point = format!("{name}: each point, {level} %");
+        panel.curves.extend([
+            Curve::dashed(point, ink, line(&each.lower)),
+            Curve::dashed("", ink, line(&each.upper)),
+        ]);
     }
     Figure {
         name: name.into(),
@@ -63,7 +62,7 @@ pub fn step_response(name: &str, title: &str, models: &[Named<'_>], units: Units
 }
 
 /// Figs 6 and 11: magnitude and phase of the servo, freed of the hold and the phase of the samples, with
-/// their bounds where they can be given.
+/// their bounds where they hold.
 #[must_use]
 pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     let panel = |y_label: &str| Panel {
@@ -79,7 +78,6 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
         let own = model.servo_response(&model.frequency.omega_rad_s);
         let f = &own.unwrap_or_else(|_| model.frequency.clone());
         let shown = shown_frequencies(f);
-        let level = format!("{name}: {}", level_text(model));
         let points = |values: &[f64]| {
             let points = f.omega_rad_s.iter().copied().zip(values.iter().copied());
             points
@@ -87,31 +85,29 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
                 .take(shown.len())
                 .collect::<Vec<_>>()
         };
-        let band = |lower: &[f64], upper: &[f64]| {
-            let bounds = points(lower).into_iter().zip(points(upper));
-            let points = bounds
-                .map(|((w, lower), (_, upper))| (w, lower, upper))
-                .collect();
-            Band {
-                name: level.clone(),
-                ink,
-                points,
-            }
-        };
-        let named = match model.bounds_hold() {
-            true => (*name).to_owned(),
-            false => without_bounds(name),
-        };
-        let curve = |values: &[f64]| Curve::solid(&named, ink, points(values));
+        let legend = in_legend(name, &f.bounds);
+        let curve = |values: &[f64]| Curve::solid(&legend, ink, points(values));
         magnitude.curves.push(curve(&f.magnitude_db));
         phase.curves.push(curve(&f.phase_deg));
-        if model.bounds_hold() {
-            let lower = floored(f);
-            magnitude.bands.push(band(&lower, &f.magnitude_db_upper));
-            phase
-                .bands
-                .push(band(&f.phase_deg_lower, &f.phase_deg_upper));
-        }
+        let Bounds::Valid(bounds) = &f.bounds else {
+            continue;
+        };
+        let band = |lower: &[f64], upper: &[f64]| Band {
+            name: format!("{name}: {} %", percent(bounds.level)),
+            ink,
+            points: points(lower)
+                .into_iter()
+                .zip(points(upper))
+                .map(|((w, lower), (_, upper))| (w, lower, upper))
+                .collect(),
+        };
+        let lower = floored(&bounds.magnitude_db_lower, &f.magnitude_db, &shown);
+        magnitude
+            .bands
+            .push(band(&lower, &bounds.magnitude_db_upper));
+        phase
+            .bands
+            .push(band(&bounds.phase_deg_lower, &bounds.phase_deg_upper));
     }
     Figure {
         name: name.into(),
@@ -120,39 +116,31 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     }
 }
 
-/// The lower bounds of the magnitude, no lower than a little below the lowest point of the curve:
+/// The lower bounds of the magnitude, no lower than a little below the lowest point of the curve as `shown`:
 /// where zero is possible, minus infinity would flatten everything else.
-fn floored(response: &FrequencyResponse) -> Vec<f64> {
-    let shown = response.magnitude_db.get(shown_frequencies(response));
-    let floor = shown
-        .unwrap_or_default()
-        .iter()
-        .copied()
-        .fold(0.0, f64::min)
-        - 10.0;
-    response
-        .magnitude_db_lower
-        .iter()
-        .map(|&lower| lower.max(floor))
-        .collect()
+fn floored(lower: &[f64], magnitude_db: &[f64], shown: &std::ops::Range<usize>) -> Vec<f64> {
+    let shown = magnitude_db.get(shown.clone()).unwrap_or_default();
+    let floor = shown.iter().copied().fold(0.0, f64::min) - 10.0;
+    lower.iter().map(|&lower| lower.max(floor)).collect()
 }
 
 /// The frequencies that can be drawn and mean something: above 0, which has no place on a
-/// logarithmic axis, and below the first one where the response cannot be told from zero and any
-/// phase is possible.
+/// logarithmic axis, and below the first one where zero is within the bounds and any phase is possible.
 fn shown_frequencies(response: &FrequencyResponse) -> std::ops::Range<usize> {
     let start = response
         .omega_rad_s
         .iter()
         .take_while(|&&w| w <= 0.0)
         .count();
-    let margins = response
-        .phase_deg_upper
-        .iter()
-        .zip(&response.phase_deg_lower);
-    let known = margins
-        .skip(start)
-        .take_while(|(upper, lower)| *upper - *lower < 360.0)
-        .count();
+    let known = match &response.bounds {
+        Bounds::Valid(bounds) => bounds
+            .phase_deg_upper
+            .iter()
+            .zip(&bounds.phase_deg_lower)
+            .skip(start)
+            .take_while(|(upper, lower)| *upper - *lower < 360.0)
+            .count(),
+        Bounds::Withdrawn(_) => response.omega_rad_s.len() - start,
+    };
     start..start + known
 }

@@ -5,7 +5,7 @@ use crate::presentation::summary::{percent, probability};
 use servoid_identification::Model;
 use servoid_identification::critical_values::pointwise_critical;
 use servoid_identification::run_scatter::{Difference, RunComparison, RunDifference};
-use servoid_identification::step_response::StepResponse;
+use servoid_identification::step_response::StepBounds;
 
 /// Each run's own step response less the mean of all, and gain, delay and offset of each run against
 /// the common model. `alone` are models of single runs, all with the same settling time; fewer than
@@ -101,20 +101,27 @@ fn curves(alone: &[Model], level: Option<f64>) -> Option<Panel> {
     let at = |curve: &[f64], m: usize| curve.get(m).copied().unwrap_or(f64::NAN);
     let gain = mean_of(&|model| at(&model.step.value, points - 1)).abs();
     let timing = alone.first()?.timing();
-    let share = (1.0 - 1.0 / count).sqrt();
-    let half_of =
-        |step: &StepResponse, m: usize| at(&step.simultaneous.upper, m) - at(&step.value, m);
-    let half = |m: usize| share * mean_of(&|model| half_of(&model.step, m));
-    let band = |level: f64| Band {
-        name: format!("noise alone, the whole curve, {} %", percent(level)),
-        ink: Ink::Reference,
-        points: (0..points)
-            .map(|m| (timing.seconds(m as f64), 100.0 * half(m) / gain))
-            .map(|(time, half)| (time, -half, half))
-            .collect(),
-    };
     // The mean of bounds is one only where each of them is.
-    let level = level.filter(|_| alone.iter().all(Model::bounds_hold));
+    let bounds: Option<Vec<&StepBounds>> = alone
+        .iter()
+        .map(|model| model.step.bounds.valid())
+        .collect();
+    let band = |(level, bounds): (f64, Vec<&StepBounds>)| {
+        let share = (1.0 - 1.0 / count).sqrt();
+        let half_of = |bounds: &&StepBounds, m: usize| {
+            let whole = &bounds.simultaneous;
+            (at(&whole.upper, m) - at(&whole.lower, m)) / 2.0
+        };
+        let half = |m: usize| share * bounds.iter().map(|b| half_of(b, m)).sum::<f64>() / count;
+        Band {
+            name: format!("noise alone, the whole curve, {} %", percent(level)),
+            ink: Ink::Reference,
+            points: (0..points)
+                .map(|m| (timing.seconds(m as f64), 100.0 * half(m) / gain))
+                .map(|(time, half)| (time, -half, half))
+                .collect(),
+        }
+    };
     let mean: Vec<f64> = (0..points)
         .map(|m| mean_of(&|model| at(&model.step.value, m)))
         .collect();
@@ -128,7 +135,7 @@ fn curves(alone: &[Model], level: Option<f64>) -> Option<Panel> {
         x_label: "time since the edge of the command (s)".into(),
         y_label: "run - mean (% of the step)".into(),
         legend: Legend::Above,
-        bands: level.map(band).into_iter().collect(),
+        bands: level.zip(bounds).map(band).into_iter().collect(),
         curves: alone.iter().enumerate().map(run).collect(),
         ..Panel::default()
     })

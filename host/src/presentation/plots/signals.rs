@@ -1,8 +1,8 @@
 //! Signals over time: what was commanded and measured, and what models make of it.
 
 use super::figure::{Curve, Figure, Ink, Legend, Panel};
-use crate::presentation::plots::paper_figures::{INKS, Named, with_unit};
-use crate::presentation::summary::Units;
+use super::named::{INKS, Named, with_unit};
+use crate::data::units::Units;
 use servoid_identification::{Record, Run};
 
 /// Points of a long record that are still drawn one by one.

@@ -4,6 +4,7 @@
 use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
 use servoid_identification::choice::Choice;
 use servoid_identification::critical_values::pointwise_critical;
+use servoid_identification::model::ParameterBounds;
 use servoid_identification::nested_banks::BankCandidate;
 use servoid_identification::thresholds::MARGIN;
 use servoid_identification::{Explanation, Model};
@@ -71,58 +72,62 @@ fn settling(choice: &Choice, model: &Model) -> Panel {
     }
 }
 
-/// What the response still does in the second half of its settling time, with pointwise bounds of its
-/// distance from the final value where they can be given. `None` for a document that describes no filter bank.
+/// The response in the second half of its settling time as its distance from the final value, with pointwise
+/// bounds where they hold. `None` for a document that describes no filter bank.
 fn tail(model: &Model) -> Option<Panel> {
-    let map = model.basis().ok()?.step_map();
-    let (last, step) = (map.nrows().checked_sub(1)?, &model.step.value);
-    let final_value = *step.last()?;
-    let gain = final_value.abs();
-    let critical = pointwise_critical(model.step.pointwise.level);
+    let step = &model.step.value;
+    let (last, final_value) = (step.len().checked_sub(1)?, *step.last()?);
+    let percent = |x: f64| 100.0 * x / final_value.abs();
     let timing = model.timing();
-    let second_half = (last / 2..=last).zip(step.iter().skip(last / 2));
-    let points = second_half.map(|(m, value)| {
-        let q: Vec<f64> = (0..map.ncols())
-            .map(|k| map[(m, k)] - map[(last, k)])
-            .collect();
-        let variance: f64 = model
-            .covariance
-            .iter()
-            .zip(&q)
-            .map(|(row, a)| a * row.iter().zip(&q).map(|(c, b)| c * b).sum::<f64>())
-            .sum();
-        let distance = value - final_value;
-        let half = critical * variance.max(0.0).sqrt();
-        let percent = [distance, distance - half, distance + half].map(|x| 100.0 * x / gain);
-        (timing.seconds(m as f64), percent)
-    });
-    let points: Vec<(f64, [f64; 3])> = points.collect();
+    let points: Vec<(usize, f64, f64)> = (last / 2..=last)
+        .zip(step.iter().skip(last / 2))
+        .map(|(m, value)| (m, timing.seconds(m as f64), value - final_value))
+        .collect();
+    let band = |bounds: &ParameterBounds| -> Option<Band> {
+        let half = half_widths_to_last(model, bounds)?;
+        let bound = |&(m, t, distance): &(usize, f64, f64)| {
+            let half = half.get(m).copied().unwrap_or(f64::NAN);
+            (t, percent(distance - half), percent(distance + half))
+        };
+        Some(Band {
+            name: "each point, no motion left where 0 is inside".into(),
+            ink: Ink::Measured,
+            points: points.iter().map(bound).collect(),
+        })
+    };
+    let distances = points.iter().map(|&(_, t, x)| (t, percent(x)));
     Some(Panel {
         x_label: "time since the edge of the command (s)".into(),
         y_label: "still to go (% of the step)".into(),
         legend: Legend::UpperRight,
-        bands: model
-            .bounds_hold()
-            .then(|| Band {
-                name: "each point, no motion left where 0 is inside".into(),
-                ink: Ink::Measured,
-                points: points
-                    .iter()
-                    .map(|(t, [_, low, high])| (*t, *low, *high))
-                    .collect(),
-            })
-            .into_iter()
-            .collect(),
+        bands: model.bounds.valid().and_then(band).into_iter().collect(),
         curves: vec![
-            Curve::solid(
-                "tail of the step response",
-                Ink::Measured,
-                points.iter().map(|(t, p)| (*t, p[0])),
-            ),
-            Curve::dashed("", Ink::Reference, points.iter().map(|(t, _)| (*t, 0.0))),
+            Curve::solid("tail of the step response", Ink::Measured, distances),
+            Curve::dashed("", Ink::Reference, points.iter().map(|&(_, t, _)| (t, 0.0))),
         ],
         ..Panel::default()
     })
+}
+
+/// Half widths of the pointwise bounds of the distance of each sample from the last.
+fn half_widths_to_last(model: &Model, bounds: &ParameterBounds) -> Option<Vec<f64>> {
+    let map = model.basis().ok()?.step_map();
+    let last = map.nrows().checked_sub(1)?;
+    let critical = pointwise_critical(bounds.level);
+    let half = |m: usize| {
+        let q: Vec<f64> = (0..map.ncols())
+            .map(|k| map[(m, k)] - map[(last, k)])
+            .collect();
+        let product = |row: &Vec<f64>| row.iter().zip(&q).map(|(c, b)| c * b).sum::<f64>();
+        let variance: f64 = bounds
+            .covariance
+            .iter()
+            .zip(&q)
+            .map(|(row, a)| a * product(row))
+            .sum();
+        critical * variance.max(0.0).sqrt()
+    };
+    Some((0..=last).map(half).collect())
 }
 
 fn noise_order(explanation: &Explanation, model: &Model) -> Panel {

@@ -18,7 +18,9 @@ pub(super) struct Shown {
 pub(super) fn all(page: &Page<'_>) -> Vec<Shown> {
     let mut all = Vec::new();
     // Without bounds the difference says nothing that the step responses side by side do not.
-    let compared = page.comparison.filter(|found| found.bounds_hold);
+    let compared = page
+        .comparison
+        .filter(|found| found.bounds.valid().is_some());
     if let (Some(found), Some(second)) = (compared, &page.second) {
         let (a, b) = (page.first.subject.name, second.subject.name);
         all.push(Shown {
@@ -78,13 +80,13 @@ fn beyond(part: &Part<'_>, index: usize) -> Vec<Shown> {
     }
     if let Some(runs) = explanation.and_then(|explanation| explanation.runs.as_ref()) {
         let model = subject.model;
-        let level = model.bounds_hold().then_some(model.step.pointwise.level);
+        let level = model.level().into_valid();
         let caption = match level {
             Some(_) => {
                 "Runs that lie farther apart than noise allows show what changes from run to run: supply, friction, clocks. The bounds of the model do not contain it; the p-value of a comparison does."
             }
             None => {
-                "How far the runs lie apart. What noise alone would do cannot be told here, as the bounds of the model have no level."
+                "How far the runs lie apart. How much of that is noise is not known, as the model has no bounds."
             }
         };
         shown.push(Shown {
@@ -114,7 +116,7 @@ fn of_bounds(figure: &Figure, page: &Page<'_>, whole: &str) -> String {
         .parts()
         .take(drawn)
         .map(|part| &part.subject)
-        .filter(|subject| !subject.model.bounds_hold())
+        .filter(|subject| subject.model.bounds.withdrawn().is_some())
         .map(|subject| subject.name)
         .collect();
     let models = page.parts().take(drawn).count();
@@ -149,7 +151,7 @@ fn caption(figure: &Figure, page: &Page<'_>) -> String {
         } else {
             String::new()
         };
-        format!("What the servo was told and what it did{more}.")
+        format!("The command and the position{more}.")
     } else if of("step") {
         let bounds = "The area holds the whole curve, the dashed lines each point by itself.";
         format!(
@@ -166,7 +168,7 @@ fn caption(figure: &Figure, page: &Page<'_>) -> String {
             )
         )
     } else if of("fig-09") {
-        "The first servo's model, driven by what the second was told: what flying by the bench model would get wrong.".into()
+        "The first servo's model, driven by the second's command: the error of flying by the bench model.".into()
     } else {
         "Simulated from the reference alone, on the first run; below, what is left.".into()
     }

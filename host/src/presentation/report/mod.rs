@@ -11,12 +11,13 @@ mod text;
 
 pub use servo::Servo;
 
-use crate::data::fingerprint::ModelDocument;
+use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::paper_values::Fact;
 use crate::presentation::plots::paper_figures::Subject;
 use crate::presentation::template::fill;
 use anyhow::Result;
+use serde_json::Value;
 use servoid_identification::comparison::Comparison;
 use servoid_identification::{
     Explanation, Identification, Model, Options, Record, Settling, identify,
@@ -40,7 +41,7 @@ pub struct Part<'a> {
     /// Models of its runs, each identified on its own, where there are several.
     pub runs: &'a [Model],
     /// What is known of units and of what held the command.
-    pub origin: &'a ModelMetadata,
+    pub metadata: &'a ModelMetadata,
     /// Where the data come from, file by file.
     pub provenance: &'a [Facts],
 }
@@ -77,10 +78,11 @@ fn runs_alone(record: &Record, found: &Identification) -> Vec<Model> {
     if !(2..=MOST_RUNS_ALONE).contains(&runs.len()) {
         return Vec::new();
     }
+    let default = Options::default();
     let options = Options {
         settling: Settling::Samples(found.model.structure.settling_samples),
-        level: found.model.step.pointwise.level,
-        ..Options::default()
+        level: found.model.level().into_valid().unwrap_or(default.level),
+        ..default
     };
     let alone = |run: &servoid_identification::Run| {
         let record = Record::new(record.sample_period_s(), vec![run.clone()])?;
@@ -135,8 +137,10 @@ const MODELS_BYTES: usize = 1_000_000;
 fn models_in_page(page: &Page<'_>) -> Result<(String, &'static str)> {
     let models: Vec<ModelDocument<'_>> = page
         .parts()
-        .map(|part| {
-            ModelDocument::new(part.subject.model, part.subject.record, part.origin.clone())
+        .map(|part| ModelDocument {
+            model: part.subject.model,
+            metadata: part.metadata.clone(),
+            record: part.subject.record,
         })
         .collect();
     let whole = json_in_page(&models)?;
@@ -148,7 +152,9 @@ fn models_in_page(page: &Page<'_>) -> Result<(String, &'static str)> {
     }
     let mut values = serde_json::to_value(&models)?;
     for model in values.as_array_mut().into_iter().flatten() {
-        model["covariance"] = serde_json::Value::Null;
+        if let Some(Value::Object(bounds)) = model.get_mut("bounds") {
+            bounds.insert("covariance".to_owned(), Value::Null);
+        }
     }
     Ok((
         json_in_page(&values)?,

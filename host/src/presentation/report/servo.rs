@@ -18,20 +18,20 @@ pub struct Servo {
     /// What it was identified from; not known of a model from a file.
     pub data: Option<Dataset>,
     /// What is known of units and of what held the command.
-    pub origin: ModelMetadata,
+    pub metadata: ModelMetadata,
     runs: Vec<Model>,
 }
 
 impl Servo {
     /// A model from a file.
     #[must_use]
-    pub fn of_model(name: String, model: Model, origin: ModelMetadata) -> Self {
+    pub fn of_model(name: String, model: Model, metadata: ModelMetadata) -> Self {
         Self {
             name,
             model,
             explanation: None,
             data: None,
-            origin,
+            metadata,
             runs: Vec::new(),
         }
     }
@@ -44,7 +44,7 @@ impl Servo {
             name,
             model: found.model,
             explanation: Some(found.explanation),
-            origin: ModelMetadata::from(&data.about),
+            metadata: ModelMetadata::from(&data.about),
             data: Some(data),
             runs,
         }
@@ -59,11 +59,11 @@ impl Servo {
                 name: &self.name,
                 model: &self.model,
                 record: data.map(|data| &data.record),
-                units: self.origin.units(),
+                units: self.metadata.units(),
             },
             explanation: self.explanation.as_ref(),
             runs: &self.runs,
-            origin: &self.origin,
+            metadata: &self.metadata,
             provenance: data.map_or(&[], |data| &data.about.provenance),
         }
     }

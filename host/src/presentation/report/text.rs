@@ -3,6 +3,7 @@
 use super::{Page, Part};
 use crate::presentation::summary;
 use servoid_identification::comparison::Verdict;
+use servoid_identification::validity::Bounds;
 use std::fmt::{Error, Result, Write};
 
 /// Text for a page: what has a meaning in HTML loses it.
@@ -52,17 +53,17 @@ pub(super) fn write_verdict(body: &mut String, page: &Page<'_>) -> Result {
             "<p><b>{name}</b>: from {from}{runs}, {:.1} s used.</p>",
             model.fit.samples_used as f64 * model.sample_period_s
         )?;
-        if let Some(reason) = model.without_level_because() {
-            writeln!(
+        match model.level() {
+            Bounds::Withdrawn(reason) => writeln!(
                 body,
-                "<p class=\"verdict different\">{name}: no bounds can be given, as {reason} (see the advice).</p>"
-            )?;
-        }
-        if model.is_best_linear_description() {
-            writeln!(
+                "<p class=\"verdict different\">{name}: no bounds can be given, as {} (see the advice).</p>",
+                reason.because()
+            )?,
+            Bounds::Valid(_) if !model.linear => writeln!(
                 body,
                 "<p class=\"verdict undecided\">{name}: not linear; the bounds are those of the linear description that fits this reference best (see the advice).</p>"
-            )?;
+            )?,
+            Bounds::Valid(_) => {}
         }
     }
     let Some(found) = page.comparison else {
@@ -119,17 +120,18 @@ fn write_metrics(body: &mut String, page: &Page<'_>) -> std::result::Result<Stri
         .map(|part| head(part.subject.name, &summary::level_text(part.subject.model)))
         .collect();
     let gain = common_gain(&parts);
-    let (rows, remark) = match page.comparison {
+    let compared = page.comparison.map(|found| (found, &found.bounds));
+    let (rows, remark) = match compared {
         None => (summary::metric_rows(&models, &gain), String::new()),
-        Some(found) if !found.bounds_hold => (
+        Some((_, Bounds::Withdrawn(_))) => (
             summary::metric_rows(&models, &gain),
             format!(
-                "{} The figures of each side are those of its own model.",
+                "{} The metrics of each side are those of its own model.",
                 summary::NOT_COMPARED
             ),
         ),
-        Some(found) => {
-            let level = summary::percent(found.level);
+        Some((found, Bounds::Valid(bounds))) => {
+            let level = summary::percent(bounds.level);
             heads += &head("difference", &format!("{level} %"));
             (
                 summary::difference_rows(found, &gain),

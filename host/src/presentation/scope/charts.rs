@@ -7,6 +7,7 @@ use ratatui::style::{Color, Style};
 use ratatui::symbols::Marker;
 use ratatui::text::Line;
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
+use servoid_identification::validity::Bounds;
 
 /// Yellow is the reference, cyan the measured motion, in both plots.
 pub(super) const REFERENCE: Color = Color::Yellow;
@@ -45,27 +46,33 @@ pub(super) fn step(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
         let block = Block::bordered().title(" step response ");
         return frame.render_widget(Paragraph::new(text).block(block), area);
     };
-    let title = Line::from(vec![
-        " ".into(),
-        ratatui::text::Span::styled("step response", POSITION),
-        " and its ".into(),
-        ratatui::text::Span::styled(format!("{} % band", 100.0 * step.level), BAND),
-        ", against time (ms) ".into(),
-    ]);
+    let step = &step.step;
     let line = |values: &[f64]| -> Vec<(f64, f64)> {
         let times = step.time_s.iter().map(|t| 1e3 * t);
         times.zip(values.iter().copied()).collect()
     };
-    let (lower, value, upper) = (line(&step.lower), line(&step.value), line(&step.upper));
-    let end = value.last().map_or(1.0, |(t, _)| *t);
-    let values = lower.iter().chain(&upper).map(|(_, y)| *y);
-    let y = range(values, [0.0, 1.0]);
-    let curves = vec![
-        curve(&lower, BAND),
-        curve(&upper, BAND),
-        curve(&value, POSITION),
+    let value = line(&step.value);
+    let mut title = vec![
+        " ".into(),
+        ratatui::text::Span::styled("step response", POSITION),
     ];
-    chart(frame, area, title, curves, ([0.0, end], 0), y);
+    let mut edges = Vec::new();
+    if let Bounds::Valid(bounds) = &step.bounds {
+        let percent = format!("{} % band", 100.0 * bounds.level);
+        title.extend([
+            " and its ".into(),
+            ratatui::text::Span::styled(percent, BAND),
+        ]);
+        let whole = &bounds.simultaneous;
+        edges.extend([line(&whole.lower), line(&whole.upper)]);
+    }
+    title.push(", against time (ms) ".into());
+    let end = value.last().map_or(1.0, |(t, _)| *t);
+    let values = edges.iter().flatten().chain(&value).map(|(_, y)| *y);
+    let y = range(values, [0.0, 1.0]);
+    let mut curves: Vec<_> = edges.iter().map(|edge| curve(edge, BAND)).collect();
+    curves.push(curve(&value, POSITION));
+    chart(frame, area, Line::from(title), curves, ([0.0, end], 0), y);
 }
 
 /// The range of the values and of `least`, with a margin.

@@ -102,6 +102,10 @@ mod tests {
     use crate::presentation::scope::state::{FrameSeen, Link, ScopeEvent};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
+    use servoid_identification::critical_values::pointwise_critical;
+    use servoid_identification::step_response::{Biases, StepBounds, StepResponse};
+    use servoid_identification::validity::Bounds;
+    use servoid_identification::variance::CurveVariance;
     use servoid_protocol::Counts;
     use servoid_protocol::Rejects;
     use servoid_protocol::message::{Activity, Start, Status};
@@ -153,15 +157,19 @@ mod tests {
         let value: Vec<f64> = (0..60)
             .map(|k| 1.0 - (-f64::from(k) / 10.0).exp())
             .collect();
+        let spread = CurveVariance {
+            sd: vec![0.001; value.len()],
+            neighbour_correlation: vec![1.0; value.len() - 1],
+            degrees_of_freedom: vec![f64::INFINITY; value.len()],
+        };
+        let biases = Biases {
+            truncation: 0.005 - 0.001 * pointwise_critical(0.99),
+            rounding: 0.0,
+        };
+        let bounds = StepBounds::new(&value, &spread, 0.99, biases);
         state.apply(ScopeEvent::Step(Arc::new(LiveStep {
             samples: 1600,
-            time_s: (0..60).map(|k| 0.002 * f64::from(k)).collect(),
-            lower: value.iter().map(|v| v - 0.005).collect(),
-            upper: value.iter().map(|v| v + 0.005).collect(),
-            value,
-            level: 0.99,
-            bias_percent: 0.0,
-            bounds_hold: true,
+            step: StepResponse::new(0.002, value, Bounds::Valid(bounds)),
         })));
         state
     }

@@ -123,7 +123,7 @@ impl ScopeState {
                 if self.widths.len() == WIDTHS {
                     self.widths.pop_front();
                 }
-                self.widths.push_back(step.half_width_percent());
+                self.widths.extend(step.half_width_percent());
                 self.step = Some(step);
             }
             ScopeEvent::Stopping => self.stopping = true,

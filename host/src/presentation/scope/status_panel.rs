@@ -7,6 +7,7 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Style, Stylize};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Wrap};
+use servoid_identification::validity::Bounds;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
 /// The whole panel, 40 columns wide. Where the height is too small, the lowest lines are cut off.
@@ -135,11 +136,12 @@ fn band(state: &ScopeState) -> Vec<Line<'static>> {
         };
         return vec![Line::from(wanted)];
     };
-    let width = step.half_width_percent();
+    let Bounds::Valid(bounds) = &step.step.bounds else {
+        return vec![Line::from("no band: see 'servoid identify'").red().bold()];
+    };
+    let width = 100.0 * bounds.widest_half_width();
     let first = if state.enough() {
         Line::from(format!("done: the band is ±{width:.2} %")).green()
-    } else if !step.bounds_hold {
-        Line::from("no band: see 'servoid identify'").red()
     } else if let Some(percent) = state.until_percent {
         Line::from(format!("band ±{width:.2} %, run ends at ±{percent} %"))
     } else {
@@ -150,7 +152,7 @@ fn band(state: &ScopeState) -> Vec<Line<'static>> {
         first.bold(),
         Line::from(format!(
             "  of the step, whole curve, {:.0} %",
-            100.0 * step.level
+            100.0 * bounds.level
         )),
         Line::from(format!("  before: ±{} %", history.join(" "))),
     ]

@@ -5,16 +5,17 @@ use servoid_identification::direction::{DirectionModel, Symmetry};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::limits::Limits;
 use servoid_identification::metrics::Interval;
+use servoid_identification::validity::Bounds;
 use std::fmt::Write;
 
-/// A low-order model for a flight simulation, made of a model whose bounds hold or do not.
+/// A low-order model for a flight simulation.
 #[must_use]
-pub fn of_flight_model(flight: &FlightModel, bounds_hold: bool) -> String {
+pub fn of_flight_model(flight: &FlightModel) -> String {
     let mut text =
         String::from("\nlow-order model: K e^(-Ls) / ((1 + 2 zeta s/w + s^2/w^2) (1 + Ts))\n");
-    let interval = match bounds_hold {
-        true => format!("{} % interval", super::percent(flight.level)),
-        false => "no bounds".to_owned(),
+    let interval = match &flight.bounds {
+        Bounds::Valid(bounds) => format!("{} % interval", super::percent(bounds.level)),
+        Bounds::Withdrawn(_) => "no bounds".to_owned(),
     };
     let rows = [
         ("gain K", "", 1.0, Some(flight.gain)),
@@ -35,9 +36,9 @@ pub fn of_flight_model(flight: &FlightModel, bounds_hold: bool) -> String {
         };
         let number =
             |bound: Option<f64>| bound.map_or("-".to_owned(), |b| format!("{:.4}", b * scale));
-        let bounds = match bounds_hold {
-            true => format!("{} .. {}", number(lower), number(upper)),
-            false => String::new(),
+        let bounds = match (lower, upper) {
+            (None, None) => String::new(),
+            _ => format!("{} .. {}", number(lower), number(upper)),
         };
         let line = format!("  {name:22} {:>10.4} {unit:5} {bounds}", value * scale);
         let _infallible = writeln!(text, "{}", line.trim_end());

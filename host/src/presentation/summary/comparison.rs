@@ -1,8 +1,9 @@
 //! A comparison as text.
 
 use super::{difference_rows, percent, probability, wrapped, write_advice};
-use servoid_identification::comparison::{Comparison, DifferenceCurve, Stroke};
+use servoid_identification::comparison::{Comparison, ComparisonBounds, DifferenceCurve, Stroke};
 use servoid_identification::metrics::Interval;
+use servoid_identification::validity::Bounds;
 use std::fmt::Write;
 
 /// What came of a comparison, for a terminal.
@@ -26,22 +27,21 @@ fn write_comparison(text: &mut String, a: &str, b: &str, found: &Comparison) -> 
 /// Width of the column with the names of facts \[letters\].
 const NAMES: usize = 30;
 
-/// Why figures of two sides are not set against each other.
-pub const NOT_COMPARED: &str =
-    "No differences of figures: without bounds nothing tells whether they mean anything.";
+/// Why metrics of two sides are not set against each other.
+pub const NOT_COMPARED: &str = "No differences of metrics: without bounds they may mean nothing.";
 
 /// Metrics of both sides and their difference with its bounds, and how they were made.
 #[must_use]
 pub fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
-    if !found.bounds_hold {
-        let instead = "'servoid identify' prints the figures of each side, and 'servoid report' both side by side.";
+    let Bounds::Valid(bounds) = &found.bounds else {
+        let instead = "'servoid identify' prints the metrics of each side, and 'servoid report' both side by side.";
         return format!("  {}\n", wrapped(&format!("{NOT_COMPARED} {instead}"), 2));
-    }
+    };
     let mut text = format!(
         "  {:32} {a:>10} {b:>10} {:>12}  {} % interval\n",
         "",
         "difference",
-        percent(found.level)
+        percent(bounds.level)
     );
     for row in difference_rows(found, "") {
         if let [(a, _), (b, _), (difference, bounds)] = &row.cells[..] {
@@ -55,19 +55,19 @@ pub fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
     text + "\n  " + &wrapped(how_compared(found), 2) + "\n"
 }
 
-/// How the figures of a comparison were made, which are not those of each side by itself.
+/// How the metrics of a comparison were made, which are not those of each side by itself.
 #[must_use]
 pub fn how_compared(found: &Comparison) -> &'static str {
-    // Only recordings tell where a side comes to rest.
+    // Only recordings show where a side comes to rest.
     match found.levels {
         Some(_) => {
             "Difference: second less first. Both sides as the comparison takes them, with one settling \
              time and number of frequencies for both: a side by itself, with a structure of its own, has \
-             figures that differ a little."
+             metrics that differ a little."
         }
         None => {
             "Difference: second less first. Each side as its model has it, with a structure of its own; \
-             the recordings, taken with one structure for both, give figures that differ a little."
+             the recordings, taken with one structure for both, give metrics that differ a little."
         }
     }
 }
@@ -75,12 +75,6 @@ pub fn how_compared(found: &Comparison) -> &'static str {
 /// What was found beside the metrics, a line each: what it is, and what it came to.
 #[must_use]
 pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
-    let bounds = &found.difference_percent;
-    let stroke = match bounds.stroke {
-        Stroke::Both => "",
-        Stroke::Up => " of an up stroke",
-        Stroke::Down => " of a down stroke",
-    };
     let mut facts = vec![
         (
             "verdict".to_owned(),
@@ -92,20 +86,16 @@ pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String,
         ),
         (
             "largest difference".to_owned(),
-            match found.bounds_hold {
-                true => format!(
-                    "at least {:.2} %, at most {:.2} % of the step ({} %), surest {:.0} ms after the edge{stroke}",
-                    bounds.at_least,
-                    bounds.at_most,
-                    percent(found.level),
-                    1e3 * bounds.at_s
-                ),
-                false => "no bounds can be given: those of a side have no level".to_owned(),
+            match &found.bounds {
+                Bounds::Valid(bounds) => largest_difference(bounds),
+                Bounds::Withdrawn(reason) => {
+                    format!("no bounds can be given: {}", reason.because())
+                }
             },
         ),
     ];
-    if found.bounds_hold {
-        facts.extend(delay_shift(a, b, found));
+    if let Bounds::Valid(bounds) = &found.bounds {
+        facts.extend(delay_shift(a, b, found, bounds));
         facts.push((
             "which means".to_owned(),
             found.delay_shift_definition.clone(),
@@ -132,11 +122,32 @@ pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String,
     facts
 }
 
+fn largest_difference(bounds: &ComparisonBounds) -> String {
+    let difference = &bounds.difference_percent;
+    let stroke = match difference.stroke {
+        Stroke::Both => "",
+        Stroke::Up => " of an up stroke",
+        Stroke::Down => " of a down stroke",
+    };
+    format!(
+        "at least {:.2} %, at most {:.2} % of the step ({} %), surest {:.0} ms after the edge{stroke}",
+        difference.at_least,
+        difference.at_most,
+        percent(bounds.level),
+        1e3 * difference.at_s
+    )
+}
+
 /// The equivalent delay shift, stroke by stroke where they are taken apart.
-fn delay_shift(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
+fn delay_shift(
+    a: &str,
+    b: &str,
+    found: &Comparison,
+    bounds: &ComparisonBounds,
+) -> Vec<(String, String)> {
     let milliseconds = |value: Option<f64>, bounds: Option<[f64; 2]>| {
         let Some(value) = value else {
-            return "nothing that could be told".to_owned();
+            return "an unknown time".to_owned();
         };
         let bounds = bounds.map_or_else(
             || " (no bounds)".to_owned(),
@@ -155,7 +166,7 @@ fn delay_shift(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
     let name = format!("{b} is behind {a} by");
     match &found.curves[..] {
         [up, down] => {
-            let both = milliseconds(found.delay_shift_s, found.delay_shift_bounds_s);
+            let both = milliseconds(found.delay_shift_s, bounds.delay_shift_s);
             vec![
                 (name, of(up, " on the way up")),
                 (String::new(), of(down, " on the way down")),
@@ -197,7 +208,7 @@ fn levels(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
     sides
         .map(|(name, side)| {
             let text = format!(
-                "{} when told {:+}, {} when told {:+}",
+                "{} when commanded {:+}, {} when commanded {:+}",
                 rest(&side.plus),
                 side.command_plus,
                 rest(&side.minus),

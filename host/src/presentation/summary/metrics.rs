@@ -1,9 +1,10 @@
 //! Tables of gain, delay, rise time and the like.
 
-use super::{Units, decimals, level_text};
+use super::{Units, decimals, percent};
 use servoid_identification::Model;
 use servoid_identification::comparison::Comparison;
 use servoid_identification::metrics::{Interval, Metrics};
+use servoid_identification::validity::Bounds;
 use std::fmt::Write;
 
 /// One line of a table of metrics.
@@ -139,17 +140,18 @@ impl Row {
 /// The figures of one model, a line each.
 pub(super) fn write_table(text: &mut String, model: &Model, units: Units<'_>) -> std::fmt::Result {
     let gain = units.gain().unwrap_or_default();
-    let interval = match model.bounds_hold() {
-        true => format!("{} interval", level_text(model)),
-        false => "no bounds".to_owned(),
+    let metrics = &model.metrics;
+    let interval = match metrics.bounds {
+        Bounds::Valid(bounds) => format!("{} % interval", percent(bounds.level)),
+        Bounds::Withdrawn(_) => "no bounds".to_owned(),
     };
     writeln!(text, "\n  {:22} {:>10}       {interval}", "", "value")?;
-    let missing = why_withheld(model).map_or_else(
-        || "not reached, as far as this recording tells".to_owned(),
-        |why| format!("withheld: {why}"),
+    let missing = metrics.withheld.map_or_else(
+        || "not reached, as far as this recording shows".to_owned(),
+        |reason| format!("withheld: {} (see the advice)", reason.because()),
     );
     for row in &ROWS {
-        let interval = shown((row.of)(&model.metrics), model.bounds_hold());
+        let interval = (row.of)(metrics);
         // A unit beside no number would read as one.
         let unit = interval.value.map_or("", |_| row.unit_with(&gain));
         let bounds = match (interval.value, row.bounds(&interval)) {
@@ -164,34 +166,6 @@ pub(super) fn write_table(text: &mut String, model: &Model, units: Units<'_>) ->
         writeln!(text, "{}", line.trim_end())?;
     }
     Ok(())
-}
-
-/// The value alone where no bounds can be given.
-fn shown(interval: Interval, bounds_hold: bool) -> Interval {
-    match bounds_hold {
-        true => interval,
-        false => Interval {
-            lower: None,
-            upper: None,
-            ..interval
-        },
-    }
-}
-
-/// Why all figures but the gain, or all of them, have been left out; `None` where they have not.
-#[must_use]
-pub fn why_withheld(model: &Model) -> Option<&'static str> {
-    let gain = &model.metrics.dc_gain;
-    let has = |check: &str| model.advice.iter().any(|advice| advice.check == check);
-    if has("untold") {
-        Some("the reference does not tell them (see the advice)")
-    } else if has("metrics") {
-        Some("two ways to estimate them disagree (see the advice)")
-    } else if gain.value.is_some() && gain.contains(0.0) {
-        Some("the gain may be zero")
-    } else {
-        None
-    }
 }
 
 /// A line of a table of metrics: what it is, and value and bounds for each model.
@@ -217,11 +191,12 @@ pub fn rows_of_metrics(metrics: &Metrics) -> Vec<MetricRow> {
 /// empty where there is none.
 #[must_use]
 pub fn metric_rows(models: &[&Model], gain: &str) -> Vec<MetricRow> {
-    let cell =
-        |row: &Row, model: &Model| row.cell(&shown((row.of)(&model.metrics), model.bounds_hold()));
     let row = |row: &Row| MetricRow {
         label: row.label(gain),
-        cells: models.iter().map(|model| cell(row, model)).collect(),
+        cells: models
+            .iter()
+            .map(|model| row.cell(&(row.of)(&model.metrics)))
+            .collect(),
     };
     ROWS.iter().map(row).collect()
 }

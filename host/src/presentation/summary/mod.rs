@@ -8,49 +8,20 @@ pub use beyond::{of_flight_model, of_limits};
 pub use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, of_comparison, table_of_comparison,
 };
-pub use metrics::{MetricRow, difference_rows, metric_rows, rows_of_metrics, why_withheld};
+pub use metrics::{MetricRow, difference_rows, metric_rows, rows_of_metrics};
 
+use crate::data::units::Units;
 use servoid_identification::model::SelectedBy;
+use servoid_identification::validity::Bounds;
 use servoid_identification::{Advice, Model, Validation};
 use std::fmt::Write;
 
 /// The level of a model's bounds, as text: none where no bounds can be given.
 #[must_use]
 pub fn level_text(model: &Model) -> String {
-    match model.bounds_hold() {
-        true => format!("{} %", percent(model.step.pointwise.level)),
-        false => "no bounds".to_owned(),
-    }
-}
-
-/// The units of a record's two columns, where they are known.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Units<'a> {
-    /// Of what was commanded.
-    pub input: Option<&'a str>,
-    /// Of what was measured.
-    pub output: Option<&'a str>,
-}
-
-impl<'a> Units<'a> {
-    /// One unit for both.
-    #[must_use]
-    pub fn common(self) -> Option<&'a str> {
-        self.output.filter(|_| self.input == self.output)
-    }
-
-    /// "deg/us", the unit of a gain; `None` where it is 1, or not known.
-    ///
-    /// ```
-    /// use servoid::summary::Units;
-    /// let units = |input, output| Units { input: Some(input), output: Some(output) };
-    /// assert_eq!(units("us", "deg").gain().as_deref(), Some("deg/us"));
-    /// assert_eq!(units("deg", "deg").gain(), None);
-    /// ```
-    #[must_use]
-    pub fn gain(self) -> Option<String> {
-        let (input, output) = (self.input?, self.output?);
-        (input != output).then(|| format!("{output}/{input}"))
+    match model.level() {
+        Bounds::Valid(level) => format!("{} %", percent(level)),
+        Bounds::Withdrawn(_) => "no bounds".to_owned(),
     }
 }
 
@@ -73,17 +44,17 @@ fn write_model(
     let (structure, fit, period) = (&model.structure, &model.fit, model.sample_period_s);
     let error_digits = decimals(fit.rmse, 2);
     writeln!(text, "{source}")?;
-    if let Some(reason) = model.without_level_because() {
-        writeln!(
+    match model.level() {
+        Bounds::Withdrawn(reason) => writeln!(
             text,
-            "  ! NO BOUNDS CAN BE GIVEN: {reason} (see the advice)"
-        )?;
-    }
-    if model.is_best_linear_description() {
-        writeln!(
+            "  ! NO BOUNDS CAN BE GIVEN: {} (see the advice)",
+            reason.because()
+        )?,
+        Bounds::Valid(_) if !model.linear => writeln!(
             text,
             "  ! NOT LINEAR: the bounds are those of the linear description that fits this reference best (see the advice)"
-        )?;
+        )?,
+        Bounds::Valid(_) => {}
     }
     writeln!(
         text,
@@ -136,14 +107,14 @@ fn write_model(
 
 /// How wide the bounds of the step response are.
 fn step_band(model: &Model) -> String {
-    if !model.bounds_hold() {
+    let Bounds::Valid(bounds) = &model.step.bounds else {
         return "none, as no bounds can be given".to_owned();
-    }
-    let (each, whole) = model.step.mean_half_widths();
+    };
+    let (each, whole) = bounds.mean_half_widths();
     let digits = decimals(each, 2);
     format!(
-        "+-{each:.digits$} each point, +-{whole:.digits$} whole curve ({}, of a unit step, mean)",
-        level_text(model)
+        "+-{each:.digits$} each point, +-{whole:.digits$} whole curve ({} %, of a unit step, mean)",
+        percent(bounds.level)
     )
 }
 

@@ -84,7 +84,8 @@ fn the_header_gives_the_model_itself() {
     assert!(apart(&ss[..taps], &discrete.simulate(&step, 0.0)) < 1e-12);
     let (theta, covariance) = (fir.split_off(taps + 50), ss.split_off(taps + 50));
     assert_eq!(theta, subject.model.theta);
-    let first: Vec<f64> = subject.model.covariance.iter().map(|row| row[0]).collect();
+    let bounds = subject.model.bounds.valid().unwrap();
+    let first: Vec<f64> = bounds.covariance.iter().map(|row| row[0]).collect();
     assert_eq!(covariance, first);
     let gain = subject.model.step.value[taps - 1];
     assert!(fir[taps..].iter().all(|y| (y - 2.0 * gain).abs() < 1e-12));

@@ -34,10 +34,10 @@ fn check(printed: &str) {
     let exact = discrete.simulate(&vec![1.0; step.len()], 0.0);
     // As polynomials in z the close poles cost some six digits.
     assert!(apart(&rows[2], &exact) < 1e-7, "its discrete form");
-    let flat: Vec<f64> = SUBJECT.flight.covariance.concat();
+    let flat: Vec<f64> = SUBJECT.flight.bounds.valid().unwrap().covariance.concat();
     assert_eq!(rows[3], flat, "its covariance");
     let variances: Vec<f64> = (0..=last.min(SUBJECT.model.theta.len() - 1))
-        .map(|k| SUBJECT.model.covariance[k][k])
+        .map(|k| SUBJECT.model.bounds.valid().unwrap().covariance[k][k])
         .collect();
     assert_eq!(
         rows[4][..variances.len()],

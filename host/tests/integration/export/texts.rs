@@ -64,6 +64,7 @@ fn bounds_that_do_not_hold_are_said_in_every_file_and_on_the_terminal() {
         json["advice"] = serde_json::json!([{
             "check": "model_error", "finding": "*/ --> not noise", "value": 1, "threshold": 0, "do": "x"
         }]);
+        crate::support::withdraw(json);
         json["structure"]["selected_by"] = "narrow".into();
     });
     for target in TARGETS {
@@ -92,7 +93,7 @@ fn bounds_that_do_not_hold_are_said_in_every_file_and_on_the_terminal() {
 fn what_the_bounds_contain_beside_noise_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let model = changed(folder.path(), |json| {
-        json["step"]["rounding_bias"] = 0.0125.into();
+        json["step"]["bounds"]["rounding_bias"] = 0.0125.into();
     });
     let text = text(&model, "csv", &[]);
     let said = "0.0125 of their half width is a bound of what the steps of the sensor may hide";
@@ -103,7 +104,7 @@ fn what_the_bounds_contain_beside_noise_is_said() {
 fn a_model_without_a_low_order_one_is_exported_as_far_as_it_goes() {
     let folder = tempfile::tempdir().unwrap();
     let model = changed(folder.path(), |json| {
-        for row in json["covariance"].as_array_mut().unwrap() {
+        for row in json["bounds"]["covariance"].as_array_mut().unwrap() {
             row.as_array_mut().unwrap().fill(0.0.into());
         }
     });
@@ -152,11 +153,14 @@ fn the_table_has_the_model_to_the_last_digit() {
     assert_eq!(column("step"), model.step.value);
     assert_eq!(
         column("step_upper_simultaneous"),
-        model.step.simultaneous.upper
+        model.step.bounds.valid().unwrap().simultaneous.upper
     );
-    assert_eq!(column("phase_deg_lower"), model.frequency.phase_deg_lower);
+    assert_eq!(
+        column("phase_deg_lower"),
+        model.frequency.bounds.valid().unwrap().phase_deg_lower
+    );
     assert_eq!(column("theta"), model.theta);
-    for (k, expected) in (1..).zip(&model.covariance) {
+    for (k, expected) in (1..).zip(&model.bounds.valid().unwrap().covariance) {
         // Of a symmetric matrix columns are rows.
         assert_eq!(&column(&format!("theta_covariance_{k}")), expected);
     }

@@ -36,7 +36,7 @@ use crate::numerics::vectors::dot;
 ///     stream.push(input, output); // Ten samples; NaN where one was lost.
 ///     if number % 25 == 24 {
 ///         match identify_moments(&stream.moments(), &options) {
-///             Ok(found) => shown += found.model.step.simultaneous.lower.len(),
+///             Ok(found) => shown += found.model.step.value.len(),
 ///             Err(not_yet) => println!("{not_yet}"), // Too few samples so far: go on.
 ///         }
 ///     }

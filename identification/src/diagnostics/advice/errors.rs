@@ -1,6 +1,6 @@
 //! Findings on the errors: whether they are noise, and noise of the kind that the model says.
 
-use super::{Advice, Evidence};
+use super::{Advice, Check, Evidence};
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
 use crate::estimation::gls::MAX_AUTO_ORDER;
@@ -10,9 +10,6 @@ use crate::thresholds::{
     DISAGREEMENT, MATERIAL_MISFIT_PERCENT, RESIDUAL_SIGNIFICANCE, STEPS_FOLLOWED,
     UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,
 };
-
-/// The check of errors that are not noise: while it is among the advice, bounds have no level.
-pub const MODEL_ERROR: &str = "model_error";
 
 pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     let errors = evidence.explanation.model_errors.as_ref()?;
@@ -39,7 +36,7 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     };
     let (sign, value, threshold) = sign_in_words(errors);
     Some(Advice::new(
-        MODEL_ERROR,
+        Check::ModelError,
         format!(
             "What the model cannot explain is not noise: {sign}. So no bounds can be given. The structure was chosen by {chosen_by}, and {taken} \
              least squares was taken.{smooth}"
@@ -141,10 +138,6 @@ impl Shown {
     }
 }
 
-/// The check of a servo that is not linear, by little enough for bounds of its best linear
-/// description to have their level.
-pub const NOT_LINEAR: &str = "linearity";
-
 pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
     let found = evidence
         .explanation
@@ -155,7 +148,7 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
     }
     let shown = Shown::by(&found);
     Some(Advice::new(
-        NOT_LINEAR,
+        Check::Linearity,
         format!(
             "The servo is not linear: {:.1} % of the motion (rms) {}. The bounds are those of the linear \
              description that fits this reference best: a single stroke may lie outside, and other steps, \
@@ -176,12 +169,12 @@ pub(super) fn nonlinear(evidence: &Evidence<'_>) -> bool {
         || linearity.is_some_and(Linearity::errors_follow_motion)
 }
 
-pub(super) fn figures(evidence: &Evidence<'_>) -> Option<Advice> {
+pub(super) fn metrics(evidence: &Evidence<'_>) -> Option<Advice> {
     let errors = evidence.explanation.model_errors.as_ref()?;
     let apart = errors.disagreement(&evidence.model.step.value);
     (apart > DISAGREEMENT).then(|| {
         Advice::new(
-            "metrics",
+            Check::Metrics,
             format!(
                 "Delay, rise time, overshoot and the like cannot be told from this recording: the step \
                  responses of plain and generalised least squares differ by up to {:.0} % of the largest \
@@ -214,7 +207,7 @@ pub(super) fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
              other, so the bounds are approximate."
         );
         return Some(Advice::new(
-            "whiteness",
+            Check::Whiteness,
             finding,
             p,
             RESIDUAL_SIGNIFICANCE,
@@ -224,7 +217,7 @@ pub(super) fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
     (evidence.options.noise_order == NoiseOrder::Auto && order == MAX_AUTO_ORDER).then(|| {
         let finding = format!("The noise model has the highest order considered, {order}.");
         Advice::new(
-            "noise_order",
+            Check::NoiseOrder,
             finding,
             order as f64,
             MAX_AUTO_ORDER as f64,
@@ -243,7 +236,7 @@ pub(super) fn independence(evidence: &Evidence<'_>) -> Option<Advice> {
         .input_correlation_p
         .filter(|p| *p < RESIDUAL_SIGNIFICANCE)?;
     Some(Advice::new(
-        "input_independence",
+        Check::InputIndependence,
         "What the model leaves over still depends on the input: the response is longer than the \
          settling time, has more detail than the frequencies, or the servo is not linear."
             .to_owned(),
@@ -277,7 +270,7 @@ pub(super) fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
         let finding = "The noise drifts slowly; the bounds of the gain rest on few independent \
                        stretches of it.";
         return Some(Advice::new(
-            "slow_noise",
+            Check::SlowNoise,
             finding.to_owned(),
             root,
             SLOW_ROOT,
@@ -289,6 +282,6 @@ pub(super) fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
         let finding = format!(
             "The noise is slow: the width of the bands is itself uncertain by {uncertain:.0} %."
         );
-        Advice::new("slow_noise", finding, degrees, FEW_DEGREES, remedy)
+        Advice::new(Check::SlowNoise, finding, degrees, FEW_DEGREES, remedy)
     })
 }

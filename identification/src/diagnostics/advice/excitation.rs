@@ -1,12 +1,8 @@
 //! Findings on the input: whether it moves fast enough to tell the response.
 
-use super::{Advice, Evidence};
-use crate::diagnostics::unsupported_metrics::unexcited_share;
+use super::{Advice, Check, Evidence};
+use crate::diagnostics::validity::unexcited_share;
 use crate::thresholds::DISAGREEMENT;
-
-/// The check of an input that does not tell the response at high frequencies: while it is among the
-/// advice, bounds have no level.
-pub const EXCITATION: &str = "excitation";
 
 /// What cures all of it.
 fn sharper(nyquist_hz: f64) -> String {
@@ -24,7 +20,7 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
     let untold = evidence.explanation.unexcited_above_hz(evidence.model)?;
     let nyquist = nyquist_hz(evidence);
     Some(Advice::new(
-        EXCITATION,
+        Check::Excitation,
         format!(
             "The reference has too little power from {untold:.1} Hz upwards to tell the response there, and a \
              step has much of its detail there. The bounds have no level; figures that rest on it are left out."
@@ -48,7 +44,7 @@ pub(super) fn smooth(evidence: &Evidence<'_>) -> Option<Advice> {
     }
     let nyquist = nyquist_hz(evidence);
     Some(Advice::new(
-        "smooth_reference",
+        Check::SmoothReference,
         format!(
             "The reference is smooth: it has little power above {:.0} Hz, which makes the bounds of the step \
              response wide.",
@@ -60,16 +56,15 @@ pub(super) fn smooth(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// Figures that were left out because they rest on frequencies that the input does not tell.
-pub(super) fn figures(evidence: &Evidence<'_>) -> Option<Advice> {
-    evidence.explanation.unexcited_above_hz(evidence.model)?;
-    let share = unexcited_share(&evidence.model.step, evidence.model.theta[0]);
+/// Metrics that were left out because they rest on frequencies that the input does not excite.
+pub(super) fn metrics(evidence: &Evidence<'_>) -> Option<Advice> {
+    let share = unexcited_share(evidence.explanation, evidence.model)?;
     (share > DISAGREEMENT).then(|| {
         Advice::new(
-            "untold",
+            Check::UnexcitedMetrics,
             format!(
-                "Gain, delay, bandwidth and the like cannot be told from this recording: what the reference does \
-                 not tell may change the step response by {:.0} % of its final value. They are left out.",
+                "Gain, delay, bandwidth and the like are left out: the frequencies that the reference does not \
+                 excite may change the step response by {:.0} % of its final value.",
                 100.0 * share.min(9.99)
             ),
             share,

@@ -1,6 +1,6 @@
 //! Findings on the record: whether it is enough, sound for the arithmetic, and of one piece.
 
-use super::{Advice, Evidence};
+use super::{Advice, Check, Evidence};
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::conditioning::WELL_CONDITIONED;
 use crate::estimation::least_squares::Solver;
@@ -14,7 +14,7 @@ pub(super) fn parameters(evidence: &Evidence<'_>) -> Option<Advice> {
     let share = (evidence.model.theta.len() + 1) as f64 / rows;
     (share > LARGE_SHARE).then(|| {
         Advice::new(
-            "parameters",
+            Check::Parameters,
             format!(
                 "The model has a parameter for every {:.1} samples.",
                 1.0 / share
@@ -29,7 +29,7 @@ pub(super) fn parameters(evidence: &Evidence<'_>) -> Option<Advice> {
 pub(super) fn conditioning(evidence: &Evidence<'_>) -> Option<Advice> {
     (evidence.explanation.path == Solver::Qr).then(|| {
         Advice::new(
-            "conditioning",
+            Check::Conditioning,
             "The moments were not accurate enough for this input or this little noise; the rows \
              were factorised by QR instead, which is slower and as accurate as ever."
                 .to_owned(),
@@ -43,7 +43,7 @@ pub(super) fn conditioning(evidence: &Evidence<'_>) -> Option<Advice> {
 pub(super) fn converged(evidence: &Evidence<'_>) -> Option<Advice> {
     (!evidence.model.converged).then(|| {
         Advice::new(
-            "converged",
+            Check::Converged,
             "The noise model did not come to rest.".to_owned(),
             evidence.model.iterations as f64,
             evidence.model.iterations as f64,
@@ -62,7 +62,7 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
     let threshold = RESIDUAL_SIGNIFICANCE / 3.0;
     (p < threshold).then(|| {
         Advice::new(
-            "run_scatter",
+            Check::RunScatter,
             format!(
                 "The runs differ by more than their noise: gain by {:.2} %, delay by {:.2} ms, offset \
                  by {:.3} (standard deviations between runs).{}{}",
@@ -109,7 +109,7 @@ pub(super) fn deviating(evidence: &Evidence<'_>) -> Option<Advice> {
     let deviating = runs.deviating?;
     let run = runs.runs.iter().find(|run| run.run == deviating.run)?;
     Some(Advice::new(
-        "deviating_run",
+        Check::DeviatingRun,
         format!(
             "Run {} stands out from the others: gain {:+.2} %, delay {:+.2} ms, offset {:+.3} against \
              the common model.",
@@ -136,7 +136,7 @@ pub(super) fn history(evidence: &Evidence<'_>) -> Option<Advice> {
     let lost = 1.0 - evidence.explanation.rows as f64 / present;
     (lost > LOST_TO_HISTORY).then(|| {
         Advice::new(
-            "history",
+            Check::History,
             format!(
                 "{:.0} % of the samples only serve as history of others, because each run begins \
                  with an unknown past, and so does what follows a gap.",
@@ -153,7 +153,7 @@ pub(super) fn history(evidence: &Evidence<'_>) -> Option<Advice> {
 pub(super) fn at_rest(evidence: &Evidence<'_>) -> Option<Advice> {
     let found = evidence.explanation.at_rest?;
     Some(Advice::new(
-        "at_rest",
+        Check::AtRest,
         format!(
             "Run {} does not begin where an input of {} at rest would have brought the servo: its first readings are \
              {:+.3} from there, {:.0} times the usual error, as if the input had been {:.3}. A wrong statement \

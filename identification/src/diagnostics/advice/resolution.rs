@@ -1,10 +1,7 @@
 //! Findings on the sensor: whether its steps are small enough for the noise.
 
-use super::{Advice, Evidence};
+use super::{Advice, Check, Evidence};
 use crate::data::quantisation::DITHERED;
-
-/// The check of a sensor whose rounding no bound contains: while it is among the advice, bounds have no level.
-pub const ROUNDING: &str = "rounding";
 
 const REMEDY: &str =
     "Use larger strokes, many different levels, or a sensor with smaller steps or more noise.";
@@ -20,7 +17,7 @@ pub(super) fn coarse(evidence: &Evidence<'_>) -> Option<Advice> {
         _ => 0.0,
     };
     Some(Advice::new(
-        "resolution",
+        Check::Resolution,
         format!(
             "The sensor's steps of {} are larger than the noise: its rounding repeats itself and is not \
              averaged out. The bounds contain {percent:.2} % of the gain for it.",
@@ -37,7 +34,7 @@ pub(super) fn rounding(evidence: &Evidence<'_>) -> Option<Advice> {
     let found = evidence.explanation.resolution?;
     is_smooth(evidence).then(|| {
         Advice::new(
-            ROUNDING,
+            Check::Rounding,
             format!(
                 "The sensor's steps of {} are larger than the noise, and the reference is smooth: what the \
                  rounding does to the response is not known. The bounds have no level.",

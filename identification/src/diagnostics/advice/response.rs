@@ -1,6 +1,6 @@
 //! Findings on the response: whether it is over, and what of it was left out.
 
-use super::{Advice, Evidence, errors};
+use super::{Advice, Check, Evidence, errors};
 use crate::options::Frequencies;
 use crate::results::model::SelectedBy;
 use crate::selection::choice::Choice;
@@ -21,7 +21,7 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     let longest = choice.longest as f64 * period;
     let moving = choice.detected as f64 * period;
     Some(Advice::new(
-        "settled",
+        Check::Settled,
         format!(
             "The response has not settled within the longest time that can be judged, {longest:.3} \
              s: it still moves at {moving:.3} s. The bounds hold up to there; the final value is not \
@@ -41,7 +41,7 @@ pub(super) fn repeats(evidence: &Evidence<'_>) -> Option<Advice> {
     let settling = evidence.explanation.settling.as_ref()?;
     let repeats = settling.repeats_after? as f64 * evidence.model.sample_period_s;
     Some(Advice::new(
-        "repeats",
+        Check::Repeats,
         format!(
             "The reference repeats itself after {repeats:.3} s: what the response does later than that cannot be \
              told from what it does before, and is taken to be over."
@@ -53,9 +53,6 @@ pub(super) fn repeats(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// The check of what the noise hides at the end of the response.
-const HIDDEN_TAIL: &str = "hidden_tail";
-
 /// What may go on below the noise after the settling time, in standard deviations, without spoiling
 /// bounds.
 const HIDDEN: f64 = 0.5;
@@ -66,7 +63,7 @@ pub(super) fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
     trusted_choice(evidence).filter(|choice| choice.settled && choice.detected > 1)?;
     let step = &evidence.model.step;
     let size = step.value.last()?.abs();
-    let sd = step.sd.iter().copied().fold(0.0, f64::max);
+    let sd = step.bounds.valid()?.sd.iter().copied().fold(0.0, f64::max);
     let hidden = DETECTION * (DETECTION * sd / size).powf(MARGIN - 1.0);
     if errors::nonlinear(evidence) {
         // More motion would bring more of the errors, not less noise.
@@ -74,7 +71,7 @@ pub(super) fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
     }
     (hidden > HIDDEN).then(|| {
         Advice::new(
-            HIDDEN_TAIL,
+            Check::HiddenTail,
             format!(
                 "The noise is large for what this input excites: a slow end or a ringing of the response below {:.0} % of the final \
                  value cannot be seen, and what is left of it after the settling time may be {hidden:.1} \
@@ -92,7 +89,7 @@ pub(super) fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
 /// value.
 fn hidden_by_errors(hidden: f64, share: f64) -> Advice {
     Advice::new(
-        HIDDEN_TAIL,
+        Check::HiddenTail,
         format!(
             "The errors of a servo that is not linear hide what its response does below {:.0} % of the final value: \
              a slow end or a ringing cannot be seen.",
@@ -118,7 +115,7 @@ pub(super) fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
         "The output shows no response to the input above the noise."
     };
     Some(Advice::new(
-        "response",
+        Check::Response,
         finding.to_owned(),
         choice.detected as f64,
         1.0,
@@ -132,8 +129,9 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     if basis.has_all_frequencies() {
         return None;
     }
-    let bias = model.step.truncation_bias;
-    let noise = model.step.mean_half_widths().0 - bias;
+    let bounds = model.step.bounds.valid()?;
+    let bias = bounds.truncation_bias;
+    let noise = bounds.mean_half_widths().0 - bias;
     let highest = basis.highest_hz(model.sample_period_s);
     let decade = if model.structure.selected_by == SelectedBy::Narrow {
         40
@@ -175,17 +173,22 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     };
     // Two digits that count.
     let digits = (1.0 - bias.log10().floor()).clamp(0.0, 9.0) as usize;
-    // Of errors that are not noise there are no bands that could contain it.
-    let contained = match evidence.explanation.model_errors {
-        Some(_) => String::new(),
-        None => format!(
-            " The bands contain {bias:.digits$} for what is left out, which holds if the response falls by at \
+    if evidence.withdrawn.is_some() {
+        let structure = &model.structure;
+        return Some(Advice::new(
+            Check::Truncation,
+            format!("{finding}."),
+            structure.frequencies as f64,
+            structure.settling_samples as f64,
+            remedy,
+        ));
+    }
+    Some(Advice::new(
+        Check::Truncation,
+        format!(
+            "{finding}. The bands contain {bias:.digits$} for what is left out, which holds if the response falls by at \
              least {decade} dB/decade above."
         ),
-    };
-    Some(Advice::new(
-        "truncation",
-        format!("{finding}.{contained}"),
         bias,
         noise,
         remedy,

@@ -35,8 +35,9 @@ use crate::numerics::vectors::dot;
 use crate::options::NoiseOrder;
 use crate::results::metrics::Interval;
 use crate::results::model::Model;
-use crate::results::step_response::{Biases, StepResponse};
+use crate::results::step_response::{Biases, StepBounds, StepResponse};
 use crate::results::validation::fit_percent;
+use crate::results::validity::Bounds;
 use crate::thresholds::{ASYMMETRY_FALSE_ALARM, MATERIAL_ASYMMETRY};
 use two_inputs::{TwoInputFit, TwoInputMoments};
 
@@ -80,8 +81,8 @@ pub struct DirectionModel {
     pub symmetry: Symmetry,
     /// 100 (1 - |y - ŷ| / |y - mean y|), ŷ simulated from the input alone.
     pub simulation_percent: f64,
-    /// Confidence level of the bounds and the test.
-    pub level: f64,
+    /// Confidence level of the bands, where they hold.
+    pub level: Bounds<f64>,
     pub(crate) fit: SplitFit,
 }
 
@@ -147,12 +148,7 @@ impl SplitFit {
 /// The record has too few samples, or strokes in one direction only, which do not separate the two
 /// responses.
 pub fn split(record: &Record, model: &Model) -> Result<DirectionModel, Error> {
-    split_with(
-        record,
-        model.basis()?,
-        NoiseOrder::Auto,
-        model.step.pointwise.level,
-    )
+    split_with(record, model.basis()?, NoiseOrder::Auto, model.level())
 }
 
 /// [`split`] with a given bank, noise order and level.
@@ -163,7 +159,7 @@ pub fn split_with(
     record: &Record,
     basis: FsfBasis,
     order: NoiseOrder,
-    level: f64,
+    level: Bounds<f64>,
 ) -> Result<DirectionModel, Error> {
     let settling = basis.settling();
     let second = changes_bank(settling)?;
@@ -199,7 +195,7 @@ fn build(
     second: &FsfBasis,
     fit: TwoInputFit,
     timing: Timing,
-    level: f64,
+    level: Bounds<f64>,
 ) -> DirectionModel {
     let (n, n2) = (coordinates.len(), second.frequencies());
     let p = n + n2 + 1;
@@ -227,13 +223,8 @@ fn build(
         let map = Mat::from_fn(settling, p, |m, k| curves[(from + m, k)]);
         let spread = CurveVariance::of_functions(&map, &split.covariance, split.degrees_of_freedom);
         let value = times(&map, &split.parameters);
-        StepResponse::new(
-            timing.sample_period_s,
-            value,
-            &spread,
-            level,
-            Biases::default(),
-        )
+        let bounds = level.map(|level| StepBounds::new(&value, &spread, level, Biases::default()));
+        StepResponse::new(timing.sample_period_s, value, bounds)
     };
     let symmetry = symmetry(&split, n..n + n2, timing);
     DirectionModel {
@@ -308,8 +299,10 @@ impl DirectionModel {
         let sd = dot(&weights, &times(&self.fit.covariance, &weights))
             .max(0.0)
             .sqrt();
-        let normal = pointwise_critical(self.level);
-        let half = sd * student_critical(normal, &[self.fit.degrees_of_freedom])[0];
-        Interval::new(value, value - half, value + half)
+        let half = self.level.valid().map(|level| {
+            let normal = pointwise_critical(*level);
+            sd * student_critical(normal, &[self.fit.degrees_of_freedom])[0]
+        });
+        Interval::around(value, half)
     }
 }

@@ -83,7 +83,8 @@ pub(crate) struct Table {
     /// Variance within cells and its degrees of freedom.
     variance: f64,
     degrees: usize,
-    level: f64,
+    /// Confidence level of intervals; `None` where they have no bounds.
+    level: Option<f64>,
     /// Shortest hold that counts \[s\].
     needed_s: f64,
 }
@@ -97,7 +98,7 @@ struct LevelMean {
 
 impl Table {
     /// The table of the holds whose last quarter begins at least `settling` samples after the edge.
-    pub(crate) fn new(runs: &[Run], period_s: f64, settling: usize, level: f64) -> Self {
+    pub(crate) fn new(runs: &[Run], period_s: f64, settling: usize, level: Option<f64>) -> Self {
         let mut visits: Vec<(f64, Side, f64)> = Vec::new();
         for run in runs {
             for hold in holds(run) {
@@ -177,8 +178,15 @@ impl Table {
 
     /// Student's interval of a mean whose variance is `share` of that of one visit.
     fn around(&self, value: f64, share: f64) -> Interval {
-        let half = self.critical(0.5 - self.level / 2.0) * (self.variance * share).sqrt();
-        Interval::new(value, value - half, value + half)
+        self.within(value, (self.variance * share).sqrt())
+    }
+
+    /// Student's interval of a value with a standard deviation.
+    fn within(&self, value: f64, sd: f64) -> Interval {
+        let half = self
+            .level
+            .map(|level| self.critical(0.5 - level / 2.0) * sd);
+        Interval::around(value, half)
     }
 
     /// Student's quantile with `tail` above it; infinite without degrees of freedom.
@@ -221,7 +229,6 @@ impl Table {
         let sd = (self.variance / weights).sqrt();
         let found = difference.abs() > self.critical(HYSTERESIS_FALSE_ALARM / 2.0) * sd;
         let size = absolute(interval);
-        let bound = size.upper.unwrap_or(f64::INFINITY);
         Hysteresis {
             found: Some(found),
             size,
@@ -232,10 +239,15 @@ impl Table {
                     difference.abs()
                 )
             } else {
-                format!(
-                    "No hysteresis above {bound:.3}: the rest position does not depend on the \
-                     direction of approach by more."
-                )
+                match size.upper {
+                    Some(bound) => format!(
+                        "No hysteresis above {bound:.3}: the rest position does not depend on the \
+                         direction of approach by more."
+                    ),
+                    None => "No hysteresis is found: the rest position does not depend on the \
+                             direction of approach by more than it scatters."
+                        .to_owned(),
+                }
             },
         }
     }
@@ -281,8 +293,7 @@ impl Table {
             .sum();
         let sd = (self.variance * share).sqrt() / (neighbours[1].command - neighbours[0].command);
         let ratio = gain / others;
-        let half = self.critical(0.5 - self.level / 2.0) * sd / others.abs();
-        end.gain_ratio = Interval::new(ratio, ratio - half, ratio + half);
+        end.gain_ratio = self.within(ratio, sd / others.abs());
         let softens = SOFT - ratio > self.critical(RANGE_END_FALSE_ALARM) * sd / others.abs();
         end.softens = Some(softens);
         end.statement = match (softens, ratio < STOP) {

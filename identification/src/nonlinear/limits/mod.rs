@@ -56,7 +56,7 @@ impl Limits {
     #[must_use]
     pub fn of(record: &Record, model: &Model) -> Self {
         let settling = settling(model);
-        let level = model.step.pointwise.level;
+        let level = model.level().into_valid();
         let strokes = holds::strokes(record, settling);
         let (up, down): (Vec<_>, Vec<_>) =
             strokes.into_iter().partition(|stroke| stroke.size > 0.0);
@@ -96,7 +96,7 @@ fn table(record: &Record, model: &Model) -> levels::Table {
         &without_motion(record, model),
         record.sample_period_s(),
         settling(model),
-        model.step.pointwise.level,
+        model.level().into_valid(),
     )
 }
 

@@ -1,19 +1,16 @@
-//! Figures of the frequency response, freed of the hold and phase of the samples.
+//! Metrics of the frequency response, freed of the hold and phase of the samples.
 //!
 //! Each is a frequency at which a function of the response comes down to zero, and has the interval of
 //! the frequencies at which that function is not surely on one side of zero (Fieller 1954).
 
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 
-use faer::Mat;
-
-use super::{Interval, Measured};
-use crate::estimation::variance::CurveVariance;
+use super::aliasing::Folding;
+use super::interval::Interval;
+use super::measured::Measured;
 use crate::numerics::critical_values::pointwise_critical;
 use crate::numerics::linear_algebra::times;
 use crate::numerics::vectors::dot;
-use crate::results::frequency_response::{FrequencyResponse, ZERO_DB};
-use crate::results::metrics::aliasing::Folding;
 
 /// Points at which a crossing is looked for, evenly over the logarithm of frequency.
 const SCAN: usize = 200;
@@ -29,15 +26,15 @@ const STEPS: usize = 12;
 /// degrees \[rad/s\]. Deviations count `widest` times.
 pub(crate) fn bandwidth_and_quarter_turn(measured: &Measured<'_>, widest: f64) -> [Interval; 2] {
     let scan = Scan::new(measured);
-    let zeros = [Figure::Bandwidth, Figure::QuarterTurn]
-        .map(|figure| (figure, figure.first_zero(measured, &scan)));
+    let zeros = [Quantity::Bandwidth, Quantity::QuarterTurn]
+        .map(|quantity| (quantity, quantity.first_zero(measured, &scan)));
     let folding = Folding::new(measured, zeros[0].1);
-    zeros.map(|(figure, zero)| {
+    zeros.map(|(quantity, zero)| {
         Falling {
             measured,
-            figure,
+            quantity,
             folding: &folding,
-            critical: widest * pointwise_critical(measured.step.pointwise.level),
+            critical: widest * pointwise_critical(measured.level()),
         }
         .interval(zero)
     })
@@ -51,7 +48,7 @@ struct Scan {
 
 impl Scan {
     fn new(measured: &Measured<'_>) -> Self {
-        let (basis, period) = (measured.basis, measured.timing.sample_period_s);
+        let (basis, period) = (&measured.basis, measured.timing.sample_period_s);
         let low = 0.02 * basis.fundamental() / period;
         // A bank of the gain alone says nothing of any other frequency: there is nowhere to look.
         let points = if basis.highest() == 0 { 0 } else { SCAN };
@@ -69,7 +66,7 @@ impl Scan {
 }
 
 #[derive(Clone, Copy)]
-enum Figure {
+enum Quantity {
     Bandwidth,
     QuarterTurn,
 }
@@ -77,7 +74,7 @@ enum Figure {
 /// Something that comes down to zero at the frequency that is sought.
 struct Falling<'a> {
     measured: &'a Measured<'a>,
-    figure: Figure,
+    quantity: Quantity,
     folding: &'a Folding,
     /// Standard deviations to each side.
     critical: f64,
@@ -134,16 +131,16 @@ impl Falling<'_> {
             theta,
             timing,
             ..
-        } = *self.measured;
+        } = self.measured;
         let (re_row, im_row) = basis.frequency_rows(omega * timing.sample_period_s);
         let gain = theta[0];
-        let (re, im, constant) = match self.figure {
-            Figure::Bandwidth => {
+        let (re, im, constant) = match self.quantity {
+            Quantity::Bandwidth => {
                 let (re, im) = (dot(&re_row, theta), dot(&im_row, theta));
                 let factor = SQRT_2 * timing.magnitude_factor(omega) / re.hypot(im);
                 (factor * re, factor * im, -gain.signum())
             }
-            Figure::QuarterTurn => {
+            Quantity::QuarterTurn => {
                 let (sin, cos) = timing.phase_lead(omega).sin_cos();
                 (gain.signum() * cos, -gain.signum() * sin, 0.0)
             }
@@ -154,7 +151,7 @@ impl Falling<'_> {
             .map(|(re_k, im_k)| re * re_k + im * im_k)
             .collect();
         weights[0] += constant;
-        let variance = dot(&weights, &times(self.measured.covariance, &weights));
+        let variance = dot(&weights, &times(&self.measured.covariance, &weights));
         (dot(&weights, theta), variance.max(0.0).sqrt())
     }
 
@@ -164,24 +161,23 @@ impl Falling<'_> {
             basis,
             theta,
             timing,
-            frequency,
             ..
-        } = *self.measured;
-        let of_response = frequency.bias_at(omega) + self.folding.at(self.measured, omega);
-        match self.figure {
-            Figure::Bandwidth => {
+        } = self.measured;
+        let of_response = self.measured.bias_at(omega) + self.folding.at(self.measured, omega);
+        match self.quantity {
+            Quantity::Bandwidth => {
                 let (re, im) = basis.frequency_response(theta, omega * timing.sample_period_s);
                 // Across the estimate an error adds to the magnitude by its square.
                 let across = of_response.powi(2) / (2.0 * re.hypot(im));
                 let factor = SQRT_2 * timing.magnitude_factor(omega);
-                factor * (of_response + across) + frequency.bias_at(0.0)
+                factor * (of_response + across) + self.measured.bias_at(0.0)
             }
-            Figure::QuarterTurn => of_response,
+            Quantity::QuarterTurn => of_response,
         }
     }
 }
 
-impl Figure {
+impl Quantity {
     /// The lowest frequency of the scan where the value has come down to zero.
     fn first_zero(self, measured: &Measured<'_>, scan: &Scan) -> Option<f64> {
         let indicator = self.indicator(measured);
@@ -194,7 +190,7 @@ impl Figure {
                 before.map_or(FRAC_PI_2, |(_, value)| value),
             );
             if let Some(inside) = before.filter(|(_, before)| *before > 0.0 && value <= 0.0) {
-                let (basis, theta) = (measured.basis, measured.theta);
+                let (basis, theta) = (&measured.basis, measured.theta);
                 let period = measured.timing.sample_period_s;
                 let at = |omega: f64| {
                     indicator(omega, basis.frequency_response(theta, omega * period), 0.0)
@@ -211,10 +207,10 @@ impl Figure {
     fn indicator(self, measured: &Measured<'_>) -> impl Fn(f64, (f64, f64), f64) -> f64 + use<> {
         let (timing, gain) = (measured.timing, measured.theta[0]);
         move |omega, (re, im), near| match self {
-            Figure::Bandwidth => {
+            Quantity::Bandwidth => {
                 (re.hypot(im) * timing.magnitude_factor(omega) * SQRT_2 / gain.abs()).ln()
             }
-            Figure::QuarterTurn => {
+            Quantity::QuarterTurn => {
                 let (re, im) = (re * gain.signum(), im * gain.signum());
                 let phase = im.atan2(re) + timing.phase_lead(omega) + FRAC_PI_2;
                 phase - 2.0 * PI * ((phase - near) / (2.0 * PI)).round()
@@ -242,136 +238,12 @@ fn zero_between(mut a: (f64, f64), mut b: (f64, f64), value: impl Fn(f64) -> f64
     b.0
 }
 
-/// Re G, Im G at some frequencies and the gain, with their covariance.
-struct Rows {
-    value: Vec<f64>,
-    covariance: Mat<f64>,
-}
-
-impl Rows {
-    fn new(measured: &Measured<'_>, omegas: &[f64]) -> Self {
-        let period = measured.timing.sample_period_s;
-        let n = measured.theta.len();
-        let mut rows: Vec<Vec<f64>> = Vec::new();
-        for omega in omegas {
-            let (re, im) = measured.basis.frequency_rows(omega * period);
-            rows.extend([re, im]);
-        }
-        rows.push((0..n).map(|k| f64::from(u8::from(k == 0))).collect());
-        let map = Mat::from_fn(n, rows.len(), |k, i| rows[i][k]);
-        Self {
-            value: rows.iter().map(|row| dot(row, measured.theta)).collect(),
-            covariance: map.transpose() * (measured.covariance * &map),
-        }
-    }
-}
-
-/// The response of the servo with its bounds.
-pub(crate) fn servo_response(measured: &Measured<'_>, omega_rad_s: &[f64]) -> FrequencyResponse {
-    let timing = measured.timing;
-    let rows = Rows::new(measured, omega_rad_s);
-    let count = 2 * omega_rad_s.len();
-    let sd: Vec<f64> = (0..count)
-        .map(|k| rows.covariance[(k, k)].max(0.0).sqrt())
-        .collect();
-    let correlation = |k: usize| {
-        let scale = sd[k] * sd[k + 1];
-        if scale > 0.0 {
-            (rows.covariance[(k, k + 1)] / scale).clamp(-1.0, 1.0)
-        } else {
-            1.0
-        }
-    };
-    let spread = CurveVariance {
-        neighbour_correlation: (0..count.saturating_sub(1)).map(correlation).collect(),
-        degrees_of_freedom: vec![f64::INFINITY; count],
-        sd,
-    };
-    let omegas: Vec<f64> = omega_rad_s
-        .iter()
-        .map(|omega| omega * timing.sample_period_s)
-        .collect();
-    let level = measured.step.pointwise.level;
-    let mut response = FrequencyResponse::new(
-        timing.sample_period_s,
-        &omegas,
-        &rows.value[..count],
-        &spread,
-        level,
-        bias(measured, omega_rad_s),
-    );
-    for (k, &omega) in omega_rad_s.iter().enumerate() {
-        let (factor, lead) = (timing.magnitude_factor(omega), timing.phase_lead(omega));
-        let (sin, cos) = lead.sin_cos();
-        let (re, im) = (response.re[k], response.im[k]);
-        response.re[k] = factor * (re * cos - im * sin);
-        response.im[k] = factor * (re * sin + im * cos);
-        let decibels = 20.0 * factor.log10();
-        if let Some(bias) = response.bias.get_mut(k) {
-            *bias *= factor;
-        }
-        for magnitude in [
-            &mut response.magnitude_db[k],
-            &mut response.magnitude_db_lower[k],
-            &mut response.magnitude_db_upper[k],
-        ] {
-            if *magnitude > ZERO_DB {
-                *magnitude += decibels;
-            }
-        }
-        for phase in [
-            &mut response.phase_deg[k],
-            &mut response.phase_deg_lower[k],
-            &mut response.phase_deg_upper[k],
-        ] {
-            *phase += lead.to_degrees();
-        }
-    }
-    response
-}
-
-/// Bounds of what no covariance knows of, at each of `omegas` \[rad/s\].
-fn bias(measured: &Measured<'_>, omegas: &[f64]) -> Vec<f64> {
+/// Bounds of the errors that no covariance contains, at each of `omegas` \[rad/s\].
+pub(crate) fn bias(measured: &Measured<'_>, omegas: &[f64]) -> Vec<f64> {
     let scan = Scan::new(measured);
-    let folding = Folding::new(measured, Figure::Bandwidth.first_zero(measured, &scan));
-    let at = |&omega: &f64| measured.frequency.bias_at(omega) + folding.at(measured, omega);
+    let folding = Folding::new(measured, Quantity::Bandwidth.first_zero(measured, &scan));
+    let at = |&omega: &f64| measured.bias_at(omega) + folding.at(measured, omega);
     omegas.iter().map(at).collect()
-}
-
-/// The phase of the servo at some frequencies \[degrees\], continued from rest.
-pub(crate) fn phases_at(measured: &Measured<'_>, omega_rad_s: &[f64]) -> Vec<Interval> {
-    let bounds = servo_response(measured, omega_rad_s);
-    let interval = |(k, &omega): (usize, &f64)| {
-        let phase = continued_phase(measured, omega).to_degrees();
-        let turn = phase - bounds.phase_deg[k];
-        let (lower, upper) = (
-            bounds.phase_deg_lower[k] + turn,
-            bounds.phase_deg_upper[k] + turn,
-        );
-        if upper - lower >= 359.999 {
-            return Interval::new(phase, f64::INFINITY, f64::INFINITY);
-        }
-        Interval::new(phase, lower, upper)
-    };
-    omega_rad_s.iter().enumerate().map(interval).collect()
-}
-
-/// The phase at one frequency \[rad\], followed from rest.
-fn continued_phase(measured: &Measured<'_>, omega: f64) -> f64 {
-    // Steps of at most a quarter of the fundamental: between them no response of N samples turns
-    // by half a turn.
-    let step = 0.25 * measured.basis.fundamental() / measured.timing.sample_period_s;
-    let steps = (omega / step).ceil().max(1.0);
-    let gain = measured.theta[0].signum();
-    let start = if gain < 0.0 { -PI } else { 0.0 };
-    (1..=steps as usize).fold(start, |phase, k| {
-        let omega = omega * k as f64 / steps;
-        let (re, im) = measured
-            .basis
-            .frequency_response(measured.theta, omega * measured.timing.sample_period_s);
-        let next = im.atan2(re) + measured.timing.phase_lead(omega);
-        next - 2.0 * PI * ((next - phase) / (2.0 * PI)).round()
-    })
 }
 
 #[cfg(test)]

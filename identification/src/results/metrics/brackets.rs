@@ -3,8 +3,8 @@
 //! Draws from a rough estimate are rougher still: they pass a level earlier, and later, than the truth, and
 //! their quantiles miss it. A bracket asks of each sample by itself whether it may be beyond a level, or surely is.
 
-use super::Interval;
-use super::figures::RiseIntervals;
+use super::interval::Interval;
+use super::rise::RiseIntervals;
 use super::shape::{EARLY, HALF, LATE};
 use super::spread::Spread;
 

@@ -1,7 +1,7 @@
-//! Figures of seeded draws of a response: where several samples may be the one at which a level is
+//! Metrics of seeded draws of a response: where several samples may be the one at which a level is
 //! passed, the distribution of a crossing has no formula.
 //!
-//! Only the samples that a figure can depend on are drawn, jointly, from one factor of their
+//! Only the samples that a metric can depend on are drawn, jointly, from one factor of their
 //! covariance. Draws come in pairs z, -z, which serve both tails alike.
 
 use faer::Mat;
@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::Interval;
+use super::interval::Interval;
 use super::spread::{Joint, semidefinite_factor};
 use crate::numerics::critical_values::pointwise_critical;
 
@@ -29,9 +29,9 @@ fn pairs(level: f64) -> usize {
     (BEYOND / (1.0 - level.min(DRAWN_LEVEL))).ceil() as usize
 }
 
-/// Figures of draws of `curve` about the samples of `joint`, for an interval of `level`: draws of
-/// each figure that `read` gives.
-pub(crate) fn figures<const K: usize>(
+/// Metrics of draws of `curve` about the samples of `joint`, for an interval of `level`: draws of
+/// each metric that `read` gives.
+pub(crate) fn of_curve<const K: usize>(
     curve: &[f64],
     joint: &Joint,
     level: f64,
@@ -46,21 +46,21 @@ pub(crate) fn figures<const K: usize>(
     }
     let deviations = semidefinite_factor(&joint.covariance) * normals;
     let mut drawn = curve.to_vec();
-    let mut figures = [const { Vec::new() }; K];
+    let mut metrics = [const { Vec::new() }; K];
     for k in 0..deviations.ncols() {
         for side in [1.0, -1.0] {
             for (&m, deviation) in joint.points.iter().zip(deviations.col_as_slice(k)) {
                 drawn[m] = curve[m] + side * deviation;
             }
-            for (figure, value) in figures.iter_mut().zip(read(&drawn)) {
-                figure.push(value);
+            for (metric, value) in metrics.iter_mut().zip(read(&drawn)) {
+                metric.push(value);
             }
         }
     }
-    figures
+    metrics
 }
 
-/// The interval of a figure from its value and its draws.
+/// The interval of a metric from its value and its draws.
 pub(crate) fn interval_of(value: f64, mut draws: Vec<f64>, level: f64) -> Interval {
     if !value.is_finite() || draws.is_empty() {
         return Interval::new(value, f64::INFINITY, f64::INFINITY);

@@ -1,6 +1,6 @@
-//! The numbers that people ask for, read off the responses, each with its interval.
+//! Gain, delay, rise time and the like, read off the responses, each with its interval.
 //!
-//! The figures are those of the servo, not of its samples: times count from the edge of the command
+//! They are those of the servo, not of its samples: times count from the edge of the command
 //! (see [`crate::data::timing`]), crossings between samples are interpolated by cubics, and magnitude and
 //! phase are freed of the hold of the samples.
 //!
@@ -32,74 +32,62 @@
 //! The bounds of what left-out frequencies may hide, and of what the steps of a sensor add, are in all of them.
 
 mod aliasing;
-mod bands;
+pub(crate) mod bands;
 mod brackets;
+mod crossing;
 mod draws;
-mod figures;
 mod interpolation;
+pub(crate) mod interval;
 mod inversion;
+pub(crate) mod measured;
+mod rise;
 mod shape;
 mod spread;
+mod step_metrics;
 
-use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::data::timing::Timing;
-use crate::error::Error;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::results::frequency_response::FrequencyResponse;
-use crate::results::model::Model;
-use crate::results::step_response::StepResponse;
+use crate::options::LEVELS;
+use crate::results::validity::{Bounds, Reason};
 
-use figures::Figures;
+use measured::Measured;
 use spread::Spread;
+use step_metrics::StepMetrics;
 
-/// A value with its bounds; `None` where the responses do not determine it.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Interval {
-    /// Best estimate.
-    pub value: Option<f64>,
-    /// Lower bound.
-    pub lower: Option<f64>,
-    /// Upper bound.
-    pub upper: Option<f64>,
+pub use interval::Interval;
+
+/// Why metrics are left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Withheld {
+    /// All of them: they rest on frequencies that the input does not excite.
+    InputUnexcited,
+    /// All but the gain, if that: plain and generalised least squares give different ones.
+    EstimatorsDisagree,
+    /// All but the gain: they are relative to it, and it may be zero.
+    GainMayBeZero,
 }
 
-impl Interval {
-    /// An interval; numbers that are not finite become `None`.
+impl Withheld {
+    /// The reason in a few words, for beside a number.
     #[must_use]
-    pub fn new(value: f64, lower: f64, upper: f64) -> Self {
-        let finite = |x: f64| x.is_finite().then_some(x);
-        Self {
-            value: finite(value),
-            lower: finite(lower),
-            upper: finite(upper),
+    pub fn because(self) -> &'static str {
+        match self {
+            Self::InputUnexcited => "the reference does not excite what they rest on",
+            Self::EstimatorsDisagree => "two ways to estimate them disagree",
+            Self::GainMayBeZero => "the gain may be zero",
         }
-    }
-
-    /// The same interval in another unit: a rising function of value and bounds.
-    pub(crate) fn map(self, of: impl Fn(f64) -> f64) -> Self {
-        Self {
-            value: self.value.map(&of),
-            lower: self.lower.map(&of),
-            upper: self.upper.map(&of),
-        }
-    }
-
-    /// Whether `x` is not excluded: a missing bound excludes nothing.
-    ///
-    /// ```
-    /// use servoid_identification::metrics::Interval;
-    /// assert!(Interval::new(1.0, 0.9, f64::INFINITY).contains(7.0));
-    /// assert!(!Interval::new(1.0, 0.9, 1.1).contains(0.8));
-    /// ```
-    #[must_use]
-    pub fn contains(&self, x: f64) -> bool {
-        self.lower.is_none_or(|lower| lower <= x) && self.upper.is_none_or(|upper| x <= upper)
     }
 }
 
-/// Figures of the responses, with intervals at the level of the model.
+/// The level of the intervals of metrics.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MetricBounds {
+    /// Confidence level.
+    pub level: f64,
+}
+
+/// Metrics of the responses. Where their bounds are withdrawn, intervals have a value alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
     /// Final value of the step response \[output per input\].
@@ -122,45 +110,30 @@ pub struct Metrics {
     /// Where the phase of the servo reaches -90 degrees \[rad/s\].
     #[serde(default)]
     pub phase_minus_90_rad_s: Interval,
-}
-
-/// The phase of the servo at one frequency.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct PhaseAt {
-    /// Frequency \[rad/s\].
-    pub omega_rad_s: f64,
-    /// Phase \[degrees\]; a lag is negative.
-    pub phase_deg: Interval,
-}
-
-/// A response and what is known about it: all that the figures are read from.
-pub(crate) struct Measured<'a> {
-    pub(crate) basis: &'a FsfBasis,
-    pub(crate) theta: &'a [f64],
-    /// Covariance of θ.
-    pub(crate) covariance: &'a Mat<f64>,
-    pub(crate) step: &'a StepResponse,
-    pub(crate) frequency: &'a FrequencyResponse,
-    pub(crate) timing: Timing,
+    /// Why metrics are left out, where they are.
+    pub withheld: Option<Withheld>,
+    /// The level of the intervals, where they hold.
+    #[serde(flatten)]
+    pub bounds: Bounds<MetricBounds>,
 }
 
 impl Metrics {
-    /// Reads the figures off.
+    /// Reads them off.
     pub(crate) fn new(measured: &Measured<'_>) -> Self {
         let step = measured.step;
-        let last = step.value.len() - 1;
-        let dc_gain = Interval::new(
-            step.value[last],
-            step.pointwise.lower[last],
-            step.pointwise.upper[last],
-        );
+        let last = step.len() - 1;
+        let pointwise = &measured.step_bounds.pointwise;
+        let dc_gain = Interval::new(step[last], pointwise.lower[last], pointwise.upper[last]);
+        let bounds = Bounds::Valid(MetricBounds {
+            level: measured.level(),
+        });
         // Everything else is relative to a gain, and there is none if it may be zero.
         if dc_gain.contains(0.0) {
-            return Self::gain_alone(dc_gain);
+            return Self::withheld(dc_gain, Withheld::GainMayBeZero, bounds);
         }
         let spread = Spread::new(measured);
-        let figures = Figures::new(measured, &spread);
-        let rise = figures.rise();
+        let of_step = StepMetrics::new(measured, &spread);
+        let rise = of_step.rise();
         let [bandwidth_rad_s, phase_minus_90_rad_s] =
             bands::bandwidth_and_quarter_turn(measured, spread.widest());
         // No response comes before its edge, whatever a wide interval says.
@@ -170,17 +143,23 @@ impl Metrics {
             rise_time_s: rise
                 .rise
                 .map(|samples| (samples * measured.timing.sample_period_s).max(0.0)),
-            settling_time_s: figures.settling().map(since_edge),
-            overshoot_percent: figures.overshoot().map(|share| 100.0 * share),
+            settling_time_s: of_step.settling().map(since_edge),
+            overshoot_percent: of_step.overshoot().map(|share| 100.0 * share),
             delay_s: rise.delay.map(since_edge),
             t50_s: rise.half.map(since_edge),
             bandwidth_rad_s,
             phase_minus_90_rad_s,
+            withheld: None,
+            bounds,
         }
     }
 
-    /// Nothing but the gain is determined.
-    pub(crate) fn gain_alone(dc_gain: Interval) -> Self {
+    /// Nothing but the gain, if that.
+    pub(crate) fn withheld(
+        dc_gain: Interval,
+        reason: Withheld,
+        bounds: Bounds<MetricBounds>,
+    ) -> Self {
         Self {
             dc_gain,
             rise_time_s: Interval::default(),
@@ -190,94 +169,41 @@ impl Metrics {
             t50_s: Interval::default(),
             bandwidth_rad_s: Interval::default(),
             phase_minus_90_rad_s: Interval::default(),
+            withheld: Some(reason),
+            bounds,
         }
     }
 
-    /// The figures of a model, as [`crate::identify()`] has already put them into it.
-    ///
-    /// # Errors
-    /// The structure of a hand-made document does not describe a filter bank.
-    pub fn of_model(model: &Model) -> Result<Self, Error> {
-        let (basis, covariance) = (model.basis()?, covariance_of(model));
-        Ok(Self::new(&Measured {
-            basis: &basis,
-            theta: &model.theta,
-            covariance: &covariance,
-            step: &model.step,
-            frequency: &model.frequency,
-            timing: model.timing(),
-        }))
-    }
-}
-
-pub(crate) fn covariance_of(model: &Model) -> Mat<f64> {
-    let n = model.theta.len();
-    Mat::from_fn(n, n, |i, j| model.covariance[i][j])
-}
-
-impl Model {
-    /// When the samples of the model's responses are taken.
-    #[must_use]
-    pub fn timing(&self) -> Timing {
-        Timing {
-            sample_period_s: self.sample_period_s,
-            sample_phase_s: self.sample_phase_s,
+    /// The values without their bounds.
+    pub(crate) fn withdrawn(mut self, reason: Reason) -> Self {
+        for interval in self.intervals_mut() {
+            *interval = interval.without_bounds();
         }
+        self.bounds = Bounds::Withdrawn(reason);
+        self
     }
 
-    /// The frequency response of the servo itself, at any frequencies \[rad/s\] up to half the rate
-    /// of sampling, with pointwise bounds at the level of the model: [`Model::frequency`] is what
-    /// the samples show, and this is freed of their hold and phase (see [`crate::data::timing`]).
-    ///
-    /// # Errors
-    /// The structure of a hand-made document does not describe a filter bank.
-    pub fn servo_response(&self, omega_rad_s: &[f64]) -> Result<FrequencyResponse, Error> {
-        let (basis, covariance) = (self.basis()?, covariance_of(self));
-        Ok(bands::servo_response(
-            &Measured {
-                basis: &basis,
-                theta: &self.theta,
-                covariance: &covariance,
-                step: &self.step,
-                frequency: &self.frequency,
-                timing: self.timing(),
-            },
-            omega_rad_s,
-        ))
+    fn intervals_mut(&mut self) -> [&mut Interval; 8] {
+        [
+            &mut self.dc_gain,
+            &mut self.rise_time_s,
+            &mut self.settling_time_s,
+            &mut self.overshoot_percent,
+            &mut self.delay_s,
+            &mut self.t50_s,
+            &mut self.bandwidth_rad_s,
+            &mut self.phase_minus_90_rad_s,
+        ]
     }
 
-    /// The phase of the servo at given frequencies \[rad/s\], continued from zero at rest. A
-    /// frequency at which any phase is possible has no bounds.
-    ///
-    /// ```
-    /// # use servoid_identification::{identify, Options, Record, Settling};
-    /// # let u: Vec<f64> = (0..400).map(|k| f64::from(k * k / 35 % 2)).collect();
-    /// # let y: Vec<f64> = (0..400).map(|k| u[k.max(2) - 2] + 0.001 * f64::from(k as u32 * 7919 % 101)).collect();
-    /// # let options = Options { settling: Settling::Samples(31), ..Options::default() };
-    /// // A servo that answers two samples late, 10 ms apart and held: its phase is -ω (20 - 5) ms.
-    /// let model = identify(&Record::from_slices(0.01, &u, &y)?, &options)?;
-    /// let phase = model.phase_at(&[10.0])?[0].phase_deg;
-    /// assert!((phase.value.unwrap() + 0.15f64.to_degrees()).abs() < 1.0);
-    /// # Ok::<(), servoid_identification::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// The structure of a hand-made document does not describe a filter bank.
-    pub fn phase_at(&self, omega_rad_s: &[f64]) -> Result<Vec<PhaseAt>, Error> {
-        let (basis, covariance) = (self.basis()?, covariance_of(self));
-        let measured = Measured {
-            basis: &basis,
-            theta: &self.theta,
-            covariance: &covariance,
-            step: &self.step,
-            frequency: &self.frequency,
-            timing: self.timing(),
-        };
-        let phases = bands::phases_at(&measured, omega_rad_s);
-        let phase = |(&omega_rad_s, phase_deg)| PhaseAt {
-            omega_rad_s,
-            phase_deg,
-        };
-        Ok(omega_rad_s.iter().zip(phases).map(phase).collect())
+    /// Whether intervals have bounds only where the document says that they hold.
+    pub(super) fn is_consistent(mut self) -> bool {
+        match self.bounds {
+            Bounds::Valid(bounds) => LEVELS.contains(&bounds.level),
+            Bounds::Withdrawn(_) => self
+                .intervals_mut()
+                .iter()
+                .all(|interval| interval.lower.or(interval.upper).is_none()),
+        }
     }
 }

@@ -1,12 +1,12 @@
 //! Reading a step response: crossings, peak, settling, in samples.
 //!
-//! The same reading may be done thousands of times over curves that differ little, so it is told where
-//! to look: [`Windows`] holds, for each figure, the samples that can matter within six standard
+//! The same reading may be done thousands of times over curves that differ little, so it is limited
+//! in advance: [`Windows`] holds, for each metric, the samples that can matter within six standard
 //! deviations. All other samples are surely on their side of every level.
 
 use std::ops::Range;
 
-use super::interpolation::crossing_before;
+use super::crossing::crossing_before;
 
 /// Half width of the band that the response must not leave any more, relative to the final value.
 pub(crate) const SETTLED: f64 = 0.02;
@@ -20,7 +20,7 @@ pub(crate) const EARLY: [f64; 2] = [0.05, 0.1];
 pub(crate) const HALF: f64 = 0.5;
 pub(crate) const LATE: f64 = 0.9;
 
-/// Figures of one curve; infinite where the curve does not have them. Times in samples.
+/// Metrics of one curve; infinite where the curve does not have them. Times in samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shape {
     pub(crate) gain: f64,

@@ -1,11 +1,11 @@
-//! What is known of the samples of a step response, alone and jointly.
+//! The uncertainty of the samples of a step response, alone and jointly.
 //!
 //! Every sample is widened by Student's t as the band is, so that normal quantiles of a widened
 //! response are Student's of the response itself.
 
 use faer::Mat;
 
-use super::Measured;
+use super::measured::Measured;
 use crate::numerics::critical_values::pointwise_critical;
 use crate::numerics::vectors::dot;
 
@@ -24,7 +24,7 @@ impl<'a> Spread<'a> {
     pub(crate) fn new(measured: &'a Measured<'a>) -> Self {
         let widening = widening(measured);
         let last = widening.len() - 1;
-        let sd = measured.step.sd.iter().zip(&widening);
+        let sd = measured.step_bounds.sd.iter().zip(&widening);
         // The last sample is G0 itself, the first parameter.
         let with_gain = measured.covariance.col_as_slice(0);
         let with_last = measured.basis.step_response(with_gain);
@@ -59,14 +59,14 @@ impl<'a> Spread<'a> {
                 *entry *= self.widening[m];
             }
         }
-        rows.transpose() * (self.measured.covariance * &rows)
+        rows.transpose() * (&self.measured.covariance * &rows)
     }
 }
 
 /// Student's widening of each sample.
 fn widening(measured: &Measured<'_>) -> Vec<f64> {
-    let step = measured.step;
-    let normal = pointwise_critical(step.pointwise.level);
+    let step = measured.step_bounds;
+    let normal = pointwise_critical(step.level);
     step.sd
         .iter()
         .zip(step.pointwise.upper.iter().zip(&step.pointwise.lower))

@@ -6,11 +6,7 @@
 #define {{ID}}_GAIN {{gain}}
 #define {{ID}}_DELAY_S {{delay}}
 {{parameters}}
-/* Covariance of {{covariance_of}} */
-static const double {{id}}_covariance[{{parameter_count}}][{{parameter_count}}] = {
-{{covariance}}
-};
-
+{{bounds_of_low_order}}
 /* x(k+1) = A x(k) + B u(k-m), y(k) = C x(k) + D u(k-m), m = {{ID}}_DELAY_SAMPLES */
 static const {{id}}_real {{id}}_a[{{ID}}_ORDER][{{ID}}_ORDER] = {
 {{a}}

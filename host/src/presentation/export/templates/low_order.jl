@@ -4,11 +4,7 @@ const GAIN = {{gain}}
 const DELAY_S = {{delay}}
 const DENOMINATOR = [{{denominator}}] # falling powers of s
 const LARGEST_ERROR_PERCENT = {{largest_error}} # of the step
-# Covariance of {{covariance_of}}
-const LOW_ORDER_COVARIANCE = matrix("""
-{{covariance}}
-""")
-
+{{bounds_of_low_order}}
 # The same by samples, exactly: x(k+1) = A x(k) + B u(k-m), y(k) = C x(k) + D u(k-m)
 const A = matrix("""
 {{a}}

@@ -4,11 +4,7 @@ GAIN = {{gain}}
 DELAY_S = {{delay}}
 DENOMINATOR = [{{denominator}}]  # falling powers of s
 LARGEST_ERROR_PERCENT = {{largest_error}}  # of the step
-# Covariance of {{covariance_of}}
-LOW_ORDER_COVARIANCE = np.array([
-{{covariance}}
-])
-
+{{bounds_of_low_order}}
 # The same by samples, exactly: x(k+1) = A x(k) + B u(k-m), y(k) = C x(k) + D u(k-m)
 A = np.array([
 {{a}}

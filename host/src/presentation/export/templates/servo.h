@@ -13,8 +13,7 @@
 typedef {{ID}}_REAL {{id}}_real;
 
 #define {{ID}}_NAME "{{name}}"
-#define {{ID}}_BOUNDS_HOLD {{bounds_hold}} /* 0: the bounds have no level */
-#define {{ID}}_LEVEL {{level}}
+#define {{ID}}_BOUNDS_HOLD {{bounds_hold}} /* 0: there are no bounds below, and no level */
 #define {{ID}}_SAMPLE_PERIOD_S {{period}}
 #define {{ID}}_SAMPLE_PHASE_S {{phase}}
 #define {{ID}}_FRAME_S {{frame}}
@@ -29,38 +28,19 @@ static const {{id}}_real {{id}}_impulse[{{ID}}_TAPS] = {
 {{impulse}}
 };
 
-/* The answer to a unit step: h summed up, its standard deviation, and its bounds for each point and
- * for the whole curve. The last element is the gain. */
+/* The answer to a unit step: h summed up. The last element is the gain. */
 static const {{id}}_real {{id}}_step_response[{{ID}}_TAPS] = {
 {{step}}
 };
-static const {{id}}_real {{id}}_step_sd[{{ID}}_TAPS] = {
-{{sd}}
-};
-static const {{id}}_real {{id}}_step_lower[{{ID}}_TAPS] = {
-{{lower}}
-};
-static const {{id}}_real {{id}}_step_upper[{{ID}}_TAPS] = {
-{{upper}}
-};
-static const {{id}}_real {{id}}_step_lower_simultaneous[{{ID}}_TAPS] = {
-{{lower_all}}
-};
-static const {{id}}_real {{id}}_step_upper_simultaneous[{{ID}}_TAPS] = {
-{{upper_all}}
-};
-
-/* The parameters of all this (see Parameters above) and their covariance, for programs that carry the
- * uncertainty on: {{theta_bytes}} bytes, for those that define {{ID}}_WITH_THETA before they include this. */
+{{bounds_of_step}}
+/* The parameters of all this (see Parameters above), for programs that define {{ID}}_WITH_THETA before they
+ * include this. */
 #ifdef {{ID}}_WITH_THETA
 #define {{ID}}_PARAMETERS {{theta_count}}
 static const double {{id}}_theta[{{ID}}_PARAMETERS] = {
 {{theta}}
 };
-static const double {{id}}_theta_covariance[{{ID}}_PARAMETERS][{{ID}}_PARAMETERS] = {
-{{theta_covariance}}
-};
-#endif
+{{bounds_of_parameters}}#endif
 
 typedef struct {
     {{id}}_real past[{{ID}}_TAPS]; /* a ring of commands */

@@ -11,44 +11,25 @@ except ImportError:
     control = None
 
 NAME = "{{name}}"
-BOUNDS_HOLD = {{bounds_hold}}  # False: the bounds have no level
-LEVEL = {{level}}
+BOUNDS_HOLD = {{bounds_hold}}  # False: there are no bounds below, and no LEVEL
 SAMPLE_PERIOD_S = {{period}}
 SAMPLE_PHASE_S = {{phase}}
 FRAME_S = {{frame}}
 OFFSET = {{offset}}
 
-# theta = [G0, Re G1, Im G1, ...] and its covariance
+# theta = [G0, Re G1, Im G1, ...]
 THETA = np.array([
 {{theta}}
 ])
-COVARIANCE = np.array([
-{{theta_covariance}}
-])
-
-# Step response: answers a unit step at sample 0; bounds for each point and for the whole curve
+{{bounds_of_parameters}}
+# Step response: answers a unit step at sample 0
 STEP_TIME_S = SAMPLE_PERIOD_S * np.arange({{taps}}) + SAMPLE_PHASE_S
 STEP = np.array([
 {{step}}
 ])
-STEP_SD = np.array([
-{{sd}}
-])
-STEP_LOWER = np.array([
-{{lower}}
-])
-STEP_UPPER = np.array([
-{{upper}}
-])
-STEP_LOWER_SIMULTANEOUS = np.array([
-{{lower_all}}
-])
-STEP_UPPER_SIMULTANEOUS = np.array([
-{{upper_all}}
-])
-IMPULSE = np.diff(STEP, prepend=0.0)
+{{bounds_of_step}}IMPULSE = np.diff(STEP, prepend=0.0)
 
-# Frequency response of the samples, with bounds for each frequency
+# Frequency response of the samples
 OMEGA_RAD_S = np.array([
 {{omega}}
 ])
@@ -57,19 +38,7 @@ RESPONSE = np.array([
 ]) + 1j * np.array([
 {{im}}
 ])
-MAGNITUDE_DB_LOWER = np.array([
-{{magnitude_lower}}
-])
-MAGNITUDE_DB_UPPER = np.array([
-{{magnitude_upper}}
-])
-PHASE_DEG_LOWER = np.array([
-{{phase_lower}}
-])
-PHASE_DEG_UPPER = np.array([
-{{phase_upper}}
-])
-
+{{bounds_of_frequency}}
 
 def simulate(command, before=0.0):
     """Position for a command sampled every SAMPLE_PERIOD_S, without the offset.

@@ -1,16 +1,18 @@
-//! The figures of a step response with their intervals.
+//! The metrics of a step response with their intervals.
 
 use super::brackets::Brackets;
 use super::draws;
 use super::interpolation::Interpolation;
+use super::interval::Interval;
 use super::inversion::{Known, Level, SureCrossing};
+use super::measured::Measured;
+use super::rise::RiseIntervals;
 use super::shape::{Crossings, EARLY, HALF, LATE, SETTLED, Shape, Windows, bump};
 use super::spread::{Joint, Spread};
-use super::{Interval, Measured};
 use crate::numerics::critical_values::{normal_upper_quantile, pointwise_critical};
 
-/// A step response, turned so that its gain is positive, and its figures. Times in samples.
-pub(crate) struct Figures<'a> {
+/// A step response, turned so that its gain is positive, and its metrics. Times in samples.
+pub(crate) struct StepMetrics<'a> {
     curve: Vec<f64>,
     spread: &'a Spread<'a>,
     windows: Windows,
@@ -22,28 +24,20 @@ pub(crate) struct Figures<'a> {
     gain_bias: f64,
 }
 
-/// Intervals of the crossings of the rise and of the time between two of them, in samples.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct RiseIntervals {
-    pub(crate) delay: Interval,
-    pub(crate) half: Interval,
-    pub(crate) rise: Interval,
-}
-
-impl<'a> Figures<'a> {
+impl<'a> StepMetrics<'a> {
     pub(crate) fn new(measured: &Measured<'_>, spread: &'a Spread<'a>) -> Self {
         let step = measured.step;
-        let sign = step.value[step.value.len() - 1].signum();
-        let curve: Vec<f64> = step.value.iter().map(|value| sign * value).collect();
+        let sign = step[step.len() - 1].signum();
+        let curve: Vec<f64> = step.iter().map(|value| sign * value).collect();
         let windows = Windows::new(&curve, &spread.sd);
         Self {
             nominal: windows.read(&curve),
             windows,
             curve,
             spread,
-            level: step.pointwise.level,
-            bias: step.bias(),
-            gain_bias: measured.frequency.bias_at(0.0),
+            level: measured.level(),
+            bias: measured.step_bounds.bias(),
+            gain_bias: measured.bias_at(0.0),
         }
     }
 
@@ -88,7 +82,7 @@ impl<'a> Figures<'a> {
             let drawn = self.windows.crossings(curve);
             [drawn.delay, drawn.half, drawn.rise()]
         };
-        let [delays, halves, rises] = draws::figures(&self.curve, &joint, self.level, read);
+        let [delays, halves, rises] = draws::of_curve(&self.curve, &joint, self.level, read);
         let drawn = |value: f64, draws: Vec<f64>| draws::interval_of(value, draws, self.level);
         let found = RiseIntervals {
             delay: inverted(&sure.delay).unwrap_or_else(|| drawn(value.delay, delays)),
@@ -187,7 +181,7 @@ impl<'a> Figures<'a> {
             return Interval::new(value, only.lower, only.upper);
         }
         let read = |curve: &[f64]| [self.windows.settling(curve)];
-        let [drawn] = draws::figures(&self.curve, &joint, self.level, read);
+        let [drawn] = draws::of_curve(&self.curve, &joint, self.level, read);
         draws::interval_of(value, drawn, self.level)
     }
 
@@ -324,7 +318,6 @@ fn widened(interval: Interval, (below, above): (f64, f64)) -> Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::metrics::covariance_of;
     use crate::{Model, Options, Record, Settling, identify};
     use approx::assert_abs_diff_eq;
     use rand::{RngExt, SeedableRng};
@@ -362,28 +355,20 @@ mod tests {
     #[test]
     fn sure_crossings_have_the_intervals_that_draws_have() {
         let model = model();
-        let (basis, covariance) = (model.basis().unwrap(), covariance_of(&model));
-        let measured = Measured {
-            basis: &basis,
-            theta: &model.theta,
-            covariance: &covariance,
-            step: &model.step,
-            frequency: &model.frequency,
-            timing: model.timing(),
-        };
+        let measured = model.measured().unwrap().into_valid().unwrap();
         let spread = Spread::new(&measured);
-        let figures = Figures::new(&measured, &spread);
-        let joint = Joint::new(&spread, figures.windows.of_rise.clone());
-        let value = figures.nominal.crossings;
-        let sure = SureRise::new(&figures.known(&joint), &value, pointwise_critical(0.99));
+        let metrics = StepMetrics::new(&measured, &spread);
+        let joint = Joint::new(&spread, metrics.windows.of_rise.clone());
+        let value = metrics.nominal.crossings;
+        let sure = SureRise::new(&metrics.known(&joint), &value, pointwise_critical(0.99));
         assert!(sure.delay.is_some() && sure.half.is_some());
         assert!(sure.tenth.is_some() && sure.ninety.is_some());
         let read = |curve: &[f64]| {
-            let drawn = figures.windows.crossings(curve);
+            let drawn = metrics.windows.crossings(curve);
             [drawn.delay, drawn.half, drawn.rise()]
         };
-        let drawn = draws::figures(&figures.curve, &joint, 0.99, read);
-        let exact = figures.rise_from_noise();
+        let drawn = draws::of_curve(&metrics.curve, &joint, 0.99, read);
+        let exact = metrics.rise_from_noise();
         for ((exact, draws), value) in [exact.delay, exact.half, exact.rise]
             .into_iter()
             .zip(drawn)

@@ -1,0 +1,181 @@
+//! Model files: a model, and beside it its units, the fingerprints of its runs and a model of low order.
+
+mod schema_1;
+
+use crate::data::model_metadata::ModelMetadata;
+use crate::data::{fingerprint, input_file};
+use serde::{Deserialize, Serialize, Serializer};
+use serde_json::Value;
+use servoid_identification::flight_model::FlightModel;
+use servoid_identification::model::SCHEMA;
+use servoid_identification::{Model, Record};
+use std::path::{Path, PathBuf};
+
+/// A model as its file has it, to be written.
+#[derive(Debug, Serialize)]
+pub struct ModelDocument<'a> {
+    /// The model.
+    #[serde(flatten)]
+    pub model: &'a Model,
+    /// Units, and the pulse frame.
+    #[serde(flatten)]
+    pub metadata: ModelMetadata,
+    /// The record that it is of, where that is at hand: written as its [`fingerprint::of`].
+    #[serde(
+        rename = "runs_crc32",
+        serialize_with = "as_fingerprints",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub record: Option<&'a Record>,
+}
+
+/// Fingerprints cost a pass over all samples, and most models are printed for people, without them.
+fn as_fingerprints<S: Serializer>(
+    record: &Option<&Record>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    record.map(fingerprint::of).serialize(serializer)
+}
+
+/// Why a file is not read as a model. The text says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelFileError {
+    /// What the system said.
+    #[error("the model {0:?} cannot be read: {1}")]
+    NotRead(PathBuf, std::io::Error),
+    /// Bytes that are no letters.
+    #[error("the model {0:?} is not text")]
+    NotText(PathBuf),
+    /// Not an object of JSON.
+    #[error(
+        "{0:?} is no model: identify the recording first, with servoid identify RECORDING.csv -o MODEL.json"
+    )]
+    NotAModel(PathBuf),
+    /// A later version wrote it.
+    #[error(
+        "the model {path:?} was made by a newer servoid (schema {schema}, this one reads up to {SCHEMA}): update servoid"
+    )]
+    Newer {
+        /// The file.
+        path: PathBuf,
+        /// Its schema.
+        schema: Value,
+    },
+    /// No version wrote it.
+    #[error(
+        "the model {path:?} has the schema {schema}, which no servoid writes (this one writes {SCHEMA}): identify again"
+    )]
+    UnknownSchema {
+        /// The file.
+        path: PathBuf,
+        /// Its schema.
+        schema: Value,
+    },
+    /// Fields are missing, or are not what they should be.
+    #[error("{0:?} is no model of 'servoid identify': {1}")]
+    Malformed(PathBuf, serde_json::Error),
+    /// Its parts do not fit together.
+    #[error(
+        "the model {0:?} contradicts itself: its lists do not have the lengths that its structure says, its bounds are there in part, or its numbers are beyond what any servo could have; identify again"
+    )]
+    Inconsistent(PathBuf),
+    /// The model of low order cannot be read.
+    #[error("the low-order model in {0:?} cannot be read: {1}")]
+    MalformedFlightModel(PathBuf, serde_json::Error),
+    /// The parts of the model of low order do not fit together.
+    #[error("the low-order model in {0:?} contradicts itself: identify again")]
+    InconsistentFlightModel(PathBuf),
+}
+
+/// A model file that was read.
+#[derive(Debug)]
+pub struct ModelFile {
+    /// The model.
+    pub model: Model,
+    /// Units, and the pulse frame.
+    pub metadata: ModelMetadata,
+    /// The fingerprints of its runs; none in a file that has none.
+    pub fingerprints: Vec<String>,
+    flight_model: Value,
+    path: PathBuf,
+}
+
+/// The fields beside the model.
+#[derive(Deserialize)]
+struct Beside {
+    #[serde(default)]
+    runs_crc32: Vec<String>,
+}
+
+impl ModelFile {
+    /// Reads a model that `servoid identify` has written.
+    ///
+    /// # Errors
+    /// [`ModelFileError`].
+    pub fn read(path: &Path) -> Result<Self, ModelFileError> {
+        let bytes = input_file::read(path)
+            .map_err(|reason| ModelFileError::NotRead(path.to_owned(), reason))?;
+        let text =
+            String::from_utf8(bytes).map_err(|_| ModelFileError::NotText(path.to_owned()))?;
+        Self::parse(&text, path)
+    }
+
+    /// [`ModelFile::read`] of a text; errors call it `path`.
+    ///
+    /// # Errors
+    /// As [`ModelFile::read`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, ModelFileError> {
+        if !text.trim_start().starts_with('{') {
+            return Err(ModelFileError::NotAModel(path.to_owned()));
+        }
+        let malformed = |reason| ModelFileError::Malformed(path.to_owned(), reason);
+        let document: Value = serde_json::from_str(text).map_err(malformed)?;
+        let document = to_todays_schema(document, path)?;
+        let model = Model::deserialize(&document).map_err(malformed)?;
+        if !model.is_consistent() {
+            return Err(ModelFileError::Inconsistent(path.to_owned()));
+        }
+        let beside = Beside::deserialize(&document);
+        Ok(Self {
+            model,
+            metadata: ModelMetadata::in_document(&document),
+            fingerprints: beside.map_or_else(|_| Vec::new(), |beside| beside.runs_crc32),
+            flight_model: document.get("flight_model").cloned().unwrap_or_default(),
+            path: path.to_owned(),
+        })
+    }
+
+    /// The model of low order that the file may carry beside the model.
+    ///
+    /// # Errors
+    /// It cannot be read, or it contradicts itself.
+    pub fn flight_model(&self) -> Result<Option<FlightModel>, ModelFileError> {
+        let found: Option<FlightModel> = Deserialize::deserialize(&self.flight_model)
+            .map_err(|reason| ModelFileError::MalformedFlightModel(self.path.clone(), reason))?;
+        match &found {
+            Some(flight) if !flight.is_consistent() => {
+                Err(ModelFileError::InconsistentFlightModel(self.path.clone()))
+            }
+            _ => Ok(found),
+        }
+    }
+}
+
+/// The document as this version would have written it.
+fn to_todays_schema(mut document: Value, path: &Path) -> Result<Value, ModelFileError> {
+    let schema = document.get("schema").cloned().unwrap_or_default();
+    let number = match &schema {
+        Value::String(text) => text.trim().parse().ok(),
+        other => other.as_f64(),
+    };
+    if schema == schema_1::SCHEMA {
+        schema_1::upgrade(&mut document);
+    } else if number.is_some_and(|number| number > f64::from(SCHEMA)) {
+        let path = path.to_owned();
+        return Err(ModelFileError::Newer { path, schema });
+    } else if schema != SCHEMA && !schema.is_null() {
+        let path = path.to_owned();
+        return Err(ModelFileError::UnknownSchema { path, schema });
+    }
+    Ok(document)
+}

@@ -1,0 +1,32 @@
+//! Units of a record's two columns.
+
+/// The units of a record's two columns, where they are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Units<'a> {
+    /// Of what was commanded.
+    pub input: Option<&'a str>,
+    /// Of what was measured.
+    pub output: Option<&'a str>,
+}
+
+impl<'a> Units<'a> {
+    /// One unit for both.
+    #[must_use]
+    pub fn common(self) -> Option<&'a str> {
+        self.output.filter(|_| self.input == self.output)
+    }
+
+    /// "deg/us", the unit of a gain; `None` where it is 1, or not known.
+    ///
+    /// ```
+    /// use servoid::units::Units;
+    /// let units = |input, output| Units { input: Some(input), output: Some(output) };
+    /// assert_eq!(units("us", "deg").gain().as_deref(), Some("deg/us"));
+    /// assert_eq!(units("deg", "deg").gain(), None);
+    /// ```
+    #[must_use]
+    pub fn gain(self) -> Option<String> {
+        let (input, output) = (self.input?, self.output?);
+        (input != output).then(|| format!("{output}/{input}"))
+    }
+}

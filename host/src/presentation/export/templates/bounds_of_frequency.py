@@ -1,0 +1,13 @@
+# Its bounds for each frequency
+MAGNITUDE_DB_LOWER = np.array([
+{{magnitude_lower}}
+])
+MAGNITUDE_DB_UPPER = np.array([
+{{magnitude_upper}}
+])
+PHASE_DEG_LOWER = np.array([
+{{phase_lower}}
+])
+PHASE_DEG_UPPER = np.array([
+{{phase_upper}}
+])

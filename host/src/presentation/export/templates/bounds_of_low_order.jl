@@ -1,0 +1,4 @@
+# Covariance of {{covariance_of}}
+const LOW_ORDER_COVARIANCE = matrix("""
+{{covariance}}
+""")

@@ -1,0 +1,4 @@
+# Covariance of {{covariance_of}}
+LOW_ORDER_COVARIANCE = np.array([
+{{covariance}}
+])

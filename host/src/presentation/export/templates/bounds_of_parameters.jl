@@ -1,0 +1,5 @@
+const LEVEL = {{level}}
+# Covariance of theta
+const COVARIANCE = matrix("""
+{{theta_covariance}}
+""")

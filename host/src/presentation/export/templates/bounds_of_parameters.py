@@ -1,0 +1,5 @@
+LEVEL = {{level}}
+# Covariance of theta
+COVARIANCE = np.array([
+{{theta_covariance}}
+])

@@ -1,0 +1,91 @@
+//! The sentences of advice on a comparison.
+
+use super::motion::Motion;
+use super::outcome::{Comparison, Sides};
+use super::pair::Identified;
+use crate::nonlinear::limits::Limits;
+use crate::nonlinear::limits::levels::LEVELS;
+use crate::results::advice::{Advice, Check};
+use crate::results::model::Model;
+
+/// That the sides were not asked to do the same.
+pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: &str) -> Advice {
+    let (a, b) = (motions.a.in_words(unit), motions.b.in_words(unit));
+    let meaning = if linear {
+        "Neither shows a servo that is not linear under its own reference, and a linear servo answers both \
+         alike; one that is limited in speed or torque, or has play, does not, and would differ from itself."
+    } else {
+        "At least one of these is not shown to be linear, and a servo that is not answers each motion in a way \
+         of its own: the two descriptions are then of different motions, and their difference is no finding \
+         about the servos."
+    };
+    let range = |motion: &Motion| motion.highest - motion.lowest;
+    Advice::new(
+        Check::References,
+        format!("The references differ: the first is {a}; the second is {b}. {meaning}"),
+        range(&motions.b),
+        range(&motions.a),
+        "Record both sides with the same reference.",
+    )
+}
+
+/// What two models cannot show, whatever servo they are of.
+pub(super) fn one_response() -> Advice {
+    Advice::new(
+        Check::OneResponse,
+        "A model holds one response for up and down strokes alike, and a settling time of its own: where \
+         a servo answers the two differently, as a loaded one does, each stroke may differ by more than \
+         is said here, and the figures of models and of recordings are not the same."
+            .to_owned(),
+        1.0,
+        2.0,
+        "Compare the recordings: that takes up and down strokes apart, with one structure for both sides.",
+    )
+}
+
+/// Findings on either side that bear on their difference, and questions that the recordings leave open.
+pub(super) fn gather(
+    comparison: &Comparison,
+    models: [&Model; 2],
+    sides: &[&Identified<'_>],
+) -> Vec<Advice> {
+    let mut advice = Vec::new();
+    for (which, model) in ["The first", "The second"].into_iter().zip(models) {
+        let bearing = |found: &&Advice| found.check.bears_on_comparison();
+        advice.extend(model.advice.iter().filter(bearing).map(|found| Advice {
+            finding: format!("{which}: {}", found.finding),
+            ..found.clone()
+        }));
+    }
+    let fewest = comparison.runs[0].min(comparison.runs[1]);
+    if comparison.p_value.is_none() {
+        advice.push(Advice::new(
+            Check::Runs,
+            format!("{fewest} run a side: differences from run to run are not included."),
+            fewest as f64,
+            3.0,
+            "Record three or more runs a side, five for the sharper test.",
+        ));
+    }
+    let rested = |side: &&Identified<'_>| {
+        let cells = Limits::level_table(side.record, &side.model);
+        let mut levels: Vec<f64> = cells.iter().map(|cell| cell.command).collect();
+        levels.dedup();
+        levels.len()
+    };
+    let fewest = sides.iter().map(rested).min().unwrap_or(0);
+    if fewest < LEVELS {
+        advice.push(Advice::new(
+            Check::Levels,
+            format!(
+                "Where between its levels a servo loses travel, and whether it meets a stop, cannot be known \
+                 from {fewest} levels at which it rests."
+            ),
+            fewest as f64,
+            LEVELS as f64,
+            "Record stairs up and down with at least four levels, both ends included, each reached \
+             from both sides three times and held for twice the settling time.",
+        ));
+    }
+    advice
+}

@@ -1,0 +1,205 @@
+//! From two records, or two models, to a verdict.
+
+use super::difference::{Curves, Differences, LargestDifference};
+use super::difference_curves::{Later, difference_curves};
+use super::metric_differences::metric_differences;
+use super::motion::Motion;
+use super::options::ComparisonOptions;
+use super::outcome::{Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Verdict};
+use super::over_prediction::{Predictor, over_prediction};
+use super::pair::{identified, same_period};
+use super::scatter::{self, RunToRun, explained_by_chance};
+use super::{advice, shift, words};
+use crate::data::record::Record;
+use crate::error::Error;
+use crate::results::model::Model;
+use crate::results::validity::Bounds;
+use crate::thresholds::MARGIN;
+
+/// Compares two sides, each a record of one or more runs.
+///
+/// ```
+/// use servoid_identification::comparison::{compare, ComparisonOptions, Verdict};
+/// use servoid_identification::Record;
+/// let u: Vec<f64> = (0..3000).map(|k| if k * k / 9000 % 2 == 0 { 5.0 } else { -5.0 }).collect();
+/// let servo = |speed: f64, shift: usize| {
+///     let noise = |k: usize| 0.01 * (((k + shift) * 7919 % 101) as f64 - 50.0) / 50.0;
+///     let y: Vec<f64> = u.iter().enumerate().scan(5.0, |y, (k, u)| {
+///         *y += speed * (u - *y); Some(*y + noise(k))
+///     }).collect();
+///     Record::from_slices(0.002, &u, &y)
+/// };
+/// let (bench, again, loaded) = (servo(0.2, 0)?, servo(0.2, 17)?, servo(0.1, 5)?);
+/// let options = ComparisonOptions::default();
+/// assert_eq!(compare(&bench, &again, &options)?.verdict, Verdict::Same);
+/// let found = compare(&bench, &loaded, &options)?;
+/// assert_eq!(found.verdict, Verdict::Different);
+/// let bounds = found.bounds.valid().unwrap();
+/// assert!(bounds.difference_percent.at_least > 20.0);
+/// # Ok::<(), servoid_identification::Error>(())
+/// ```
+///
+/// # Errors
+/// A side cannot be identified, or the two differ in sample period.
+pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Comparison, Error> {
+    let (a, b) = identified(a, b, &options.identification)?;
+    let level = options.identification.level;
+    let both = a.split.as_ref().zip(b.split.as_ref());
+    let split = both.filter(|_| a.asymmetric() || b.asymmetric());
+    let points = a.model.structure.settling_samples;
+    let curves = match split {
+        Some((a, b)) => [Curves::of_split(a), Curves::of_split(b)],
+        None => [
+            Curves::of_model(&a.model, points)?,
+            Curves::of_model(&b.model, points)?,
+        ],
+    };
+    let run_to_run = match scatter::run_to_run(a.record, b.record, a.model.basis()?, level) {
+        // A single run may be too short for a model of its own; then there is no test.
+        Err(Error::TooFewSamples { .. } | Error::OneDirection) => None,
+        other => other?,
+    };
+    let runs = [a.record.runs().len(), b.record.runs().len()];
+    let mut comparison = of_curves([&a.model, &b.model], &curves, run_to_run, runs, options);
+    comparison.split = split.is_some();
+    // Where the servo rests and how its strokes differ is read off the same fits as the bounds.
+    if let Bounds::Valid((sd_at_rest, _)) = a.sd_at_rest().zip(comparison.bounds) {
+        let wait = (points as f64 / MARGIN).ceil() as usize;
+        let predictor = Predictor {
+            model: &a.model,
+            sd_at_rest,
+            zero_sd: options.zero_sd,
+            wait: options.wait_samples.unwrap_or(wait),
+            level,
+        };
+        comparison.over_prediction = over_prediction(b.record, &predictor);
+        comparison.levels = Some(Sides {
+            a: a.levels(),
+            b: b.levels(),
+        });
+        comparison.asymmetry = Some(Sides {
+            a: a.asymmetry(),
+            b: b.asymmetry(),
+        });
+    }
+    let motions = Sides {
+        a: Motion::of(a.record),
+        b: Motion::of(b.record),
+    };
+    comparison.motions = Some(motions);
+    let differ = !motions.a.is_like(&motions.b);
+    let linear = a.alone.linear && b.alone.linear;
+    if differ && !linear {
+        // Each side has another description for the motion of the other.
+        comparison.verdict = Verdict::Undecided;
+        comparison.descriptions_of_different_motions = true;
+    }
+    comparison.summary = words::summary(&comparison, options);
+    comparison.advice = advice::gather(&comparison, [&a.alone, &b.alone], &[&a, &b]);
+    if differ {
+        let finding = advice::different_references(&motions, linear, &options.input_unit);
+        comparison.advice.insert(0, finding);
+    }
+    Ok(comparison)
+}
+
+/// Compares two models without their records: plain step responses and metrics.
+///
+/// # Errors
+/// The two differ in sample period, or a hand-made document does not describe a filter bank.
+pub fn compare_models(
+    a: &Model,
+    b: &Model,
+    options: &ComparisonOptions,
+) -> Result<Comparison, Error> {
+    options.identification.check()?;
+    same_period(a.sample_period_s, b.sample_period_s)?;
+    let points = a
+        .structure
+        .settling_samples
+        .max(b.structure.settling_samples);
+    let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
+    let mut comparison = of_curves([a, b], &curves, None, [1, 1], options);
+    comparison.summary = words::summary(&comparison, options);
+    comparison.advice = advice::gather(&comparison, [a, b], &[]);
+    comparison.advice.push(advice::one_response());
+    Ok(comparison)
+}
+
+fn of_curves(
+    [a, b]: [&Model; 2],
+    curves: &[Curves; 2],
+    run_to_run: Option<RunToRun>,
+    runs: [usize; 2],
+    options: &ComparisonOptions,
+) -> Comparison {
+    let level = options.identification.level;
+    let differences = Differences::of(&curves[0], &curves[1], level);
+    let largest = differences.largest();
+    let timing = a.timing();
+    let later = Later {
+        curves,
+        level,
+        period_s: timing.sample_period_s,
+        phases_s: b.sample_phase_s - a.sample_phase_s,
+    };
+    let difference_curves = difference_curves(&differences, timing, &later);
+    let (shift, _) = later.by(0..differences.curves());
+    let verdict = largest.map(|found| {
+        let margin = options.margin_percent / 100.0;
+        verdict(found, margin, run_to_run)
+    });
+    let [metrics_a, metrics_b] = [a, b].map(|model| match largest {
+        Bounds::Valid(_) => model.metrics,
+        Bounds::Withdrawn(reason) => model.metrics.withdrawn(reason),
+    });
+    Comparison {
+        schema: SCHEMA,
+        verdict: verdict.into_valid().unwrap_or(Verdict::Undecided),
+        margin_percent: options.margin_percent,
+        bounds: largest.map(|found| ComparisonBounds {
+            level,
+            difference_percent: DifferencePercent {
+                at_least: 100.0 * found.at_least.max(0.0),
+                at_most: 100.0 * found.at_most,
+                at_s: timing.seconds(found.sample as f64),
+                stroke: difference_curves[found.curve].stroke,
+            },
+            run_to_run_at_most_percent: run_to_run.map(|found| 100.0 * found.at_most),
+            delay_shift_s: shift.lower.zip(shift.upper).map(<[f64; 2]>::from),
+        }),
+        runs,
+        p_value: run_to_run.map(|found| found.p),
+        delay_shift_s: shift.value,
+        delay_shift_definition: shift::DEFINITION.to_owned(),
+        split: false,
+        motions: None,
+        descriptions_of_different_motions: false,
+        over_prediction: None,
+        levels: None,
+        asymmetry: None,
+        differences: metric_differences(&metrics_a, &metrics_b),
+        curves: difference_curves,
+        summary: String::new(),
+        advice: Vec::new(),
+    }
+}
+
+fn verdict(found: LargestDifference, margin: f64, run_to_run: Option<RunToRun>) -> Verdict {
+    let by_margin = if found.at_least > margin {
+        Verdict::Different
+    } else if found.at_most <= margin {
+        Verdict::Same
+    } else {
+        Verdict::Undecided
+    };
+    match by_margin {
+        Verdict::Different if explained_by_chance(run_to_run.map(|found| found.p)) => {
+            Verdict::Undecided
+        }
+        Verdict::Same if run_to_run.is_some_and(|found| found.at_most > margin) => {
+            Verdict::Undecided
+        }
+        other => other,
+    }
+}

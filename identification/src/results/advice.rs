@@ -1,0 +1,141 @@
+//! Findings with their numbers, and what to do about each, as plain data.
+
+use serde::{Deserialize, Serialize};
+
+/// What was checked. Documents have these names, which are stable between versions; nothing but their
+/// reader acts on them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Check {
+    /// Whether the errors are noise.
+    ModelError,
+    /// Whether the servo is linear.
+    Linearity,
+    /// Whether the input excites all of the response.
+    Excitation,
+    /// Whether the input is smooth.
+    SmoothReference,
+    /// Whether two estimators agree on the metrics.
+    Metrics,
+    /// Whether the metrics rest on frequencies that the input excites.
+    #[serde(rename = "untold")]
+    UnexcitedMetrics,
+    /// Whether the response is over within the settling time.
+    Settled,
+    /// Whether the input repeats itself.
+    Repeats,
+    /// How much of the end of the response the noise hides.
+    HiddenTail,
+    /// Whether there is a response at all.
+    Response,
+    /// What frequencies that were left out may hide.
+    Truncation,
+    /// What the steps of the sensor may hide.
+    Resolution,
+    /// Whether the steps of the sensor have a bound.
+    Rounding,
+    /// Whether there are rows enough for the parameters.
+    Parameters,
+    /// Whether the noise drifts.
+    SlowNoise,
+    /// Whether the one-step errors are white.
+    Whiteness,
+    /// Whether the order of the noise is the largest considered.
+    NoiseOrder,
+    /// Whether the residuals are independent of the input.
+    InputIndependence,
+    /// Whether moments were accurate enough.
+    Conditioning,
+    /// Whether the iterations came to rest.
+    Converged,
+    /// Whether runs differ by more than their noise.
+    RunScatter,
+    /// Whether one run stands out.
+    DeviatingRun,
+    /// How many samples only serve as history.
+    History,
+    /// Whether runs begin where they are said to have rested.
+    AtRest,
+    /// Whether both sides had the same reference.
+    References,
+    /// What models, without their recordings, cannot show.
+    OneResponse,
+    /// Whether there are runs enough for a test of their scatter.
+    Runs,
+    /// Whether there are levels enough for limits.
+    Levels,
+    /// Whether samples are there twice.
+    SameData,
+    /// Whether values stand for missing ones.
+    #[serde(rename = "stand_in")]
+    SentinelValues,
+    /// Whether a recording came to its end.
+    Partial,
+    /// Whether the header of a recording is proved by its checksum.
+    Unproved,
+    /// One that this version does not know.
+    #[serde(untagged)]
+    Other(String),
+}
+
+impl std::fmt::Display for Check {
+    /// The name that documents have.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.serialize(f)
+    }
+}
+
+impl Check {
+    /// Whether a finding on one model is worth repeating where it is compared with another.
+    #[must_use]
+    pub fn bears_on_comparison(&self) -> bool {
+        matches!(
+            self,
+            Self::ModelError | Self::Linearity | Self::Excitation | Self::Repeats | Self::Settled
+        )
+    }
+}
+
+/// One finding.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Advice {
+    /// What was checked.
+    pub check: Check,
+    /// What was found, as one sentence.
+    pub finding: String,
+    /// The number that was found.
+    pub value: f64,
+    /// The number it was held against.
+    pub threshold: f64,
+    /// What to do, as one sentence.
+    #[serde(rename = "do")]
+    pub remedy: String,
+}
+
+impl Advice {
+    /// A finding; numbers beyond the finite ones are brought to the largest finite ones, because
+    /// the document that carries them has no infinity.
+    #[must_use]
+    pub fn new(
+        check: Check,
+        finding: String,
+        value: f64,
+        threshold: f64,
+        remedy: impl Into<String>,
+    ) -> Self {
+        let finite = |x: f64| {
+            if x.is_nan() {
+                0.0
+            } else {
+                x.clamp(f64::MIN, f64::MAX)
+            }
+        };
+        Self {
+            check,
+            finding,
+            value: finite(value),
+            threshold: finite(threshold),
+            remedy: remedy.into(),
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! A value between two bounds.
+
+use serde::{Deserialize, Serialize};
+
+/// A value with its bounds; `None` where the responses do not determine it.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Interval {
+    /// Best estimate.
+    pub value: Option<f64>,
+    /// Lower bound.
+    pub lower: Option<f64>,
+    /// Upper bound.
+    pub upper: Option<f64>,
+}
+
+impl Interval {
+    /// An interval; numbers that are not finite become `None`.
+    #[must_use]
+    pub fn new(value: f64, lower: f64, upper: f64) -> Self {
+        let finite = |x: f64| x.is_finite().then_some(x);
+        Self {
+            value: finite(value),
+            lower: finite(lower),
+            upper: finite(upper),
+        }
+    }
+
+    /// A value with bounds `half` to each side; none where that is not known.
+    #[must_use]
+    pub(crate) fn around(value: f64, half: Option<f64>) -> Self {
+        half.map_or(Self::new(value, f64::NAN, f64::NAN), |half| {
+            Self::new(value, value - half, value + half)
+        })
+    }
+
+    /// The value alone.
+    #[must_use]
+    pub(crate) fn without_bounds(self) -> Self {
+        Self {
+            lower: None,
+            upper: None,
+            ..self
+        }
+    }
+
+    /// The same interval in another unit: a rising function of value and bounds.
+    pub(crate) fn map(self, of: impl Fn(f64) -> f64) -> Self {
+        Self {
+            value: self.value.map(&of),
+            lower: self.lower.map(&of),
+            upper: self.upper.map(&of),
+        }
+    }
+
+    /// Whether `x` is not excluded: a missing bound excludes nothing.
+    ///
+    /// ```
+    /// use servoid_identification::metrics::Interval;
+    /// assert!(Interval::new(1.0, 0.9, f64::INFINITY).contains(7.0));
+    /// assert!(!Interval::new(1.0, 0.9, 1.1).contains(0.8));
+    /// ```
+    #[must_use]
+    pub fn contains(&self, x: f64) -> bool {
+        self.lower.is_none_or(|lower| lower <= x) && self.upper.is_none_or(|upper| x <= upper)
+    }
+}

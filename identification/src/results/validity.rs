@@ -1,0 +1,180 @@
+//! Whether bounds hold: they are valid at their level, or withdrawn for a reason.
+//!
+//! Bounds of this crate are those of noise. They hold if the input excites all of the response, the
+//! errors are noise, and the steps of the sensor are smaller than that noise. Identification decides
+//! that once; bounds that do not hold are not there at all, neither here nor in any document.
+
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
+
+/// Why no bounds can be given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reason {
+    /// The input lacks the frequencies that part of the response consists of.
+    InputUnexcited,
+    /// The errors follow the motion, or generalised least squares fits worse for taking them for noise.
+    ErrorsNotNoise,
+    /// The steps of the sensor are larger than the noise, and the input does not average them out.
+    QuantisationAboveNoise,
+}
+
+impl Reason {
+    /// The reason in a few words, for beside a number.
+    #[must_use]
+    pub fn because(self) -> &'static str {
+        match self {
+            Self::InputUnexcited => "the reference does not excite all of the response",
+            Self::ErrorsNotNoise => "the errors are not noise",
+            Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
+        }
+    }
+}
+
+/// Bounds, if they hold.
+///
+/// In a document these are two fields: `"bounds"`, which is `null` unless they hold, and
+/// `"withdrawn"`, which is `null` if they do and else has the `reason` and a few words, `because`.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "Document<T>")]
+#[serde(bound(deserialize = "T: Deserialize<'de>"))]
+pub enum Bounds<T> {
+    /// They hold at the level that is stated in them.
+    Valid(T),
+    /// There are none.
+    Withdrawn(Reason),
+}
+
+impl<T> Bounds<T> {
+    /// The bounds; `None` where they are withdrawn.
+    pub fn valid(&self) -> Option<&T> {
+        self.as_ref().into_valid()
+    }
+
+    /// The bounds themselves; `None` where they are withdrawn.
+    pub fn into_valid(self) -> Option<T> {
+        match self {
+            Self::Valid(bounds) => Some(bounds),
+            Self::Withdrawn(_) => None,
+        }
+    }
+
+    /// Why there are none; `None` where they hold.
+    pub fn withdrawn(&self) -> Option<Reason> {
+        match self {
+            Self::Valid(_) => None,
+            Self::Withdrawn(reason) => Some(*reason),
+        }
+    }
+
+    /// The same by reference.
+    pub fn as_ref(&self) -> Bounds<&T> {
+        match self {
+            Self::Valid(bounds) => Bounds::Valid(bounds),
+            Self::Withdrawn(reason) => Bounds::Withdrawn(*reason),
+        }
+    }
+
+    /// What follows from the bounds holds if they do.
+    pub fn map<U>(self, of: impl FnOnce(T) -> U) -> Bounds<U> {
+        match self {
+            Self::Valid(bounds) => Bounds::Valid(of(bounds)),
+            Self::Withdrawn(reason) => Bounds::Withdrawn(reason),
+        }
+    }
+
+    /// What follows from both holds if both do. The first reason is the one that is kept.
+    pub fn zip<U>(self, other: Bounds<U>) -> Bounds<(T, U)> {
+        match (self, other) {
+            (Self::Valid(mine), Bounds::Valid(theirs)) => Bounds::Valid((mine, theirs)),
+            (Self::Withdrawn(reason), _) | (_, Bounds::Withdrawn(reason)) => {
+                Bounds::Withdrawn(reason)
+            }
+        }
+    }
+}
+
+/// The words go with the reason wherever it is written.
+struct Withdrawn(Reason);
+
+impl Serialize for Withdrawn {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut object = serializer.serialize_struct("Withdrawn", 2)?;
+        object.serialize_field("reason", &self.0)?;
+        object.serialize_field("because", self.0.because())?;
+        object.end()
+    }
+}
+
+impl<T: Serialize> Serialize for Bounds<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut object = serializer.serialize_struct("Bounds", 2)?;
+        object.serialize_field("bounds", &self.valid())?;
+        object.serialize_field("withdrawn", &self.withdrawn().map(Withdrawn))?;
+        object.end()
+    }
+}
+
+/// What is read; the words are passed over.
+#[derive(Deserialize)]
+struct Document<T> {
+    bounds: Option<T>,
+    withdrawn: Option<WithdrawnDocument>,
+}
+
+#[derive(Deserialize)]
+struct WithdrawnDocument {
+    reason: Reason,
+}
+
+impl<T> TryFrom<Document<T>> for Bounds<T> {
+    type Error = &'static str;
+
+    fn try_from(found: Document<T>) -> Result<Self, Self::Error> {
+        match (found.bounds, found.withdrawn) {
+            (Some(bounds), None) => Ok(Self::Valid(bounds)),
+            (None, Some(withdrawn)) => Ok(Self::Withdrawn(withdrawn.reason)),
+            _ => Err("bounds must be either there or withdrawn with a reason"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    struct Curve {
+        value: f64,
+        #[serde(flatten)]
+        bounds: Bounds<f64>,
+    }
+
+    #[test]
+    fn withdrawn_bounds_are_null_beside_their_reason() {
+        let valid = Curve {
+            value: 1.0,
+            bounds: Bounds::Valid(0.5),
+        };
+        let withdrawn = Curve {
+            bounds: Bounds::Withdrawn(Reason::ErrorsNotNoise),
+            ..valid
+        };
+        for (curve, text) in [
+            (valid, r#"{"value":1.0,"bounds":0.5,"withdrawn":null}"#),
+            (
+                withdrawn,
+                r#"{"value":1.0,"bounds":null,"withdrawn":{"reason":"errors_not_noise","because":"the errors are not noise"}}"#,
+            ),
+        ] {
+            assert_eq!(serde_json::to_string(&curve).unwrap(), text);
+            assert_eq!(serde_json::from_str::<Curve>(text).unwrap(), curve);
+        }
+        for neither_nor in [
+            r#"{"value":1.0}"#,
+            r#"{"value":1.0,"bounds":1.0,"withdrawn":{"reason":"errors_not_noise"}}"#,
+        ] {
+            assert!(serde_json::from_str::<Curve>(neither_nor).is_err());
+        }
+    }
+}
