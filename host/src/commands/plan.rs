@@ -23,7 +23,7 @@ use std::path::PathBuf;
 /// band, most of all with references that change before it has come to rest.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  servoid plan                                      the paper's staircase, beside the other references
+  servoid plan                                      the paper's staircase beside the other kinds
   servoid plan --reference prbs --band 0.5          the number of runs for +-0.5 %
   servoid plan --model bench.json --reference stairs --plots plots
   servoid plan --servo linear --noise 0.05 --json")]
