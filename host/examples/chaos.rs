@@ -8,7 +8,7 @@
 //! doubles, delays and holds up frames both ways. The exit code is 1 if one of them was silently
 //! wrong or hung, or if fewer than 99.9 % were complete at 1 %.
 
-use servoid::port::chaos::Faults;
+use servoid_test_support::bad_line::Faults;
 use servoid_test_support::trials::chaos::trial;
 use servoid_test_support::trials::judge::Outcome;
 use std::process::ExitCode;

@@ -1,7 +1,6 @@
 //! Captures over bad lines: complete or labelled, never silently wrong.
 
 use servoid::port::Port;
-use servoid::port::chaos::Faults;
 use servoid::recording::Ending;
 use servoid::rig::CaptureError;
 use servoid::rig::ClientError;
@@ -10,6 +9,7 @@ use servoid_protocol::PulseWidth;
 use servoid_protocol::message::Start;
 use servoid_simulator::InProcessRig;
 use servoid_simulator::SimulatedFrame;
+use servoid_test_support::bad_line::Faults;
 use servoid_test_support::trials::chaos::{capture, rig, short_run, trial};
 use servoid_test_support::trials::judge::{self, Outcome, capture_to_disk};
 use std::time::Duration;

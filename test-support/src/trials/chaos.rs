@@ -1,8 +1,8 @@
 //! One capture over a bad line, held against what the board really sampled.
 
 use super::judge::{Outcome, capture_to_disk, check};
+use crate::bad_line::{ChaosPort, Faults};
 use servoid::port::Port;
-use servoid::port::chaos::{ChaosPort, Faults};
 use servoid::recording::Ending;
 use servoid::rig::CaptureError;
 use servoid::rig::TalkError;

@@ -111,7 +111,6 @@ const STILL_CIRCLES: &[&str] = &[
     "host: data::dataset, data::dataset::error, data::dataset::from_recordings, data::dataset::from_tables, data::fingerprint, data::model_metadata",
     "host: instrument::calibration, instrument::calibration::followed, instrument::calibration::rig_text, instrument::calibration::travel",
     "host: instrument::port, instrument::port::serial, instrument::port::simulated, instrument::port::tcp",
-    "host: instrument::port::chaos, instrument::port::chaos::lane",
     "host: instrument::reference, instrument::reference::in_words, instrument::reference::resolve, instrument::reference::steps_file",
     "host: instrument::rig::capture, instrument::rig::run_follower, instrument::rig::run_follower::gaps",
     "host: presentation::export, presentation::export::c, presentation::export::csv, presentation::export::jsbsim, presentation::export::julia, presentation::export::matlab, presentation::export::python, presentation::export::statement",

@@ -10,12 +10,12 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use servoid::port::chaos::{ChaosPort, Faults};
 use servoid_protocol::message::Start;
 use servoid_protocol::reference::{Reference, Staircase};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_protocol::{Counts, PulseWidth};
 use servoid_simulator::SimulatedFrame;
+use servoid_test_support::bad_line::{ChaosPort, Faults};
 use servoid_test_support::trials::judge::{Outcome, capture_to_disk, check};
 use servoid_test_support::virtual_board::{
     FIRST_SAMPLE, FRAME, LOST, OVERSAMPLING, SharedBoard, options, staircase,

@@ -8,7 +8,6 @@
 //!
 //! Code that talks to a rig sees a [`Port`] and cannot tell which of them it has.
 
-pub mod chaos;
 mod serial;
 mod simulated;
 mod tcp;

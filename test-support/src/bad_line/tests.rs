@@ -1,3 +1,4 @@
+use super::faults::{LATEST, LONGEST_BURST};
 use super::*;
 use servoid_protocol::{Counts, Frame, PulseWidth};
 use servoid_protocol::{Decoder, RigMessage, framing};

@@ -1,6 +1,6 @@
 //! One direction of a bad line: what becomes of each frame, and when it arrives.
 
-use super::{Faults, LATEST, LONGEST_BURST, LONGEST_STALL};
+use super::faults::{Faults, LATEST, LONGEST_BURST, LONGEST_STALL};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, VecDeque};
