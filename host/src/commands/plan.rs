@@ -85,7 +85,7 @@ impl PlanArgs {
         .servo
         .us_per_degree;
         let request = PlanRequest {
-            reference: self.reference.grant(us_per_degree, self.talk)?,
+            reference: self.reference.resolve(us_per_degree, self.talk)?,
             us_per_degree,
             runs: self.repeat.into(),
             assumed,
@@ -93,7 +93,7 @@ impl PlanArgs {
             wanted_percent: self.band,
         };
         let plan = Plan::of(&request).with_context(|| {
-            let words = reference::in_words(&request.reference, us_per_degree);
+            let words = reference::describe(&request.reference, us_per_degree);
             format!("a run of {words} could not be identified")
         })?;
         if let Some(out) = &self.out {

@@ -42,7 +42,7 @@ pub(super) struct ReferenceArgs {
 impl ReferenceArgs {
     /// The reference; options that do not fit its kind are wrong usage.
     pub(super) fn grant(self, us_per_degree: f64, talk: Talk) -> Result<Reference> {
-        let wish = ReferenceSpec {
+        let spec = ReferenceSpec {
             kind: self.reference,
             amplitude_deg: self.amplitude,
             hold_s: self.hold,
@@ -51,11 +51,11 @@ impl ReferenceArgs {
             seed: self.prbs_seed,
             frequencies_hz: self.frequencies,
         };
-        let granted = match wish.grant(us_per_degree) {
+        let resolved = match spec.resolve(us_per_degree) {
             Err(error @ ReferenceError::NotFor { .. }) => wrong_usage(error),
             other => other?,
         };
-        granted.remarks.iter().for_each(|remark| talk.say(remark));
-        Ok(granted.reference)
+        resolved.remarks.iter().for_each(|remark| talk.say(remark));
+        Ok(resolved.reference)
     }
 }

@@ -49,7 +49,7 @@ impl Simulate {
             Servo::Linear => "linear",
         };
         let rig = RigFile::default();
-        let reference = self.reference.grant(rig.servo.us_per_degree, self.talk)?;
+        let reference = self.reference.resolve(rig.servo.us_per_degree, self.talk)?;
         let ends = capture(
             &CaptureJob {
                 address: &format!("sim:{servo}?seed={}", self.seed),

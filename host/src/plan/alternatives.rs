@@ -52,9 +52,9 @@ pub(super) fn alternatives(request: &PlanRequest, expected: &Expectation) -> Vec
     });
     // A reference that cannot have this amplitude is left out.
     let requests = specs.iter().filter_map(|spec| {
-        let granted = spec.grant(request.us_per_degree).ok()?;
+        let resolved = spec.resolve(request.us_per_degree).ok()?;
         Some(PlanRequest {
-            reference: granted.reference,
+            reference: resolved.reference,
             runs: 1,
             ..request.clone()
         })

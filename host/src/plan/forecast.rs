@@ -10,7 +10,7 @@ use super::run_time::run_s;
 use super::runs_needed::RunsNeeded;
 use super::spectrum::Spectrum;
 use crate::data::recording::as_toml;
-use crate::instrument::reference::{in_words, seconds};
+use crate::instrument::reference::{describe, seconds};
 use serde::Serialize;
 use servoid_identification::metrics::Metrics;
 use servoid_identification::step_response::StepResponse;
@@ -73,7 +73,7 @@ impl Plan {
         let Model { noise, .. } = &request.assumed.model;
         Ok(Self {
             reference: as_toml(reference),
-            description: in_words(reference, request.us_per_degree),
+            description: describe(reference, request.us_per_degree),
             reference_s: seconds(reference.frames()),
             run_s: run_s(reference),
             runs: request.runs,

@@ -14,12 +14,12 @@ fn question(kind: &str, noise: Noise) -> PlanRequest {
     assumed.model.noise = noise;
     // Its model alone: for the linear servo that is all, but for the noise that a test wants.
     assumed.simulation = None;
-    let wish = ReferenceSpec {
+    let spec = ReferenceSpec {
         kind: kind.parse().unwrap(),
         ..ReferenceSpec::default()
     };
     PlanRequest {
-        reference: wish.grant(10.0).unwrap().reference,
+        reference: spec.resolve(10.0).unwrap().reference,
         us_per_degree: 10.0,
         runs: 1,
         assumed,
@@ -139,13 +139,13 @@ fn stairs_answer_what_the_staircase_cannot() {
 fn where_identification_gives_bounds_the_plan_has_them_too_and_else_neither() {
     let bench = AssumedServo::simulated(&"bench".parse().unwrap()).unwrap();
     let both = |hold_s: f64| {
-        let wish = ReferenceSpec {
+        let spec = ReferenceSpec {
             kind: Kind::Prbs,
             hold_s: Some(hold_s),
             ..ReferenceSpec::default()
         };
         let question = PlanRequest {
-            reference: wish.grant(10.0).unwrap().reference,
+            reference: spec.resolve(10.0).unwrap().reference,
             assumed: bench.clone(),
             ..question("prbs", white())
         };
@@ -241,7 +241,7 @@ fn the_spectrum_has_the_references_power_where_its_documentation_says() {
                 hold_s: Some(0.02),
                 ..ReferenceSpec::default()
             };
-            question.reference = short.grant(10.0).unwrap().reference;
+            question.reference = short.resolve(10.0).unwrap().reference;
         }
         Spectrum::of(&question)
     };

@@ -10,22 +10,24 @@ use servoid_protocol::reference::Reference;
 pub struct Motion {
     /// As the table calls it.
     pub name: String,
-    wish: ReferenceSpec,
+    spec: ReferenceSpec,
 }
 
 impl Motion {
-    fn new(name: &str, wish: ReferenceSpec) -> Self {
+    fn new(name: &str, spec: ReferenceSpec) -> Self {
         let name = name.to_owned();
-        Self { name, wish }
+        Self { name, spec }
     }
 
     /// With steps or sines of so many degrees to each side.
     pub fn of_size(&self, degrees: f64) -> Reference {
-        let wish = ReferenceSpec {
+        let spec = ReferenceSpec {
             amplitude_deg: Some(degrees),
-            ..self.wish.clone()
+            ..self.spec.clone()
         };
-        wish.grant(US_PER_DEGREE).expect("a usual wish").reference
+        spec.resolve(US_PER_DEGREE)
+            .expect("a valid specification")
+            .reference
     }
 }
 
@@ -51,11 +53,11 @@ pub fn motions() -> Vec<Motion> {
     for last in [5.0, 15.0] {
         let frequencies_hz = Some(Band { first: 0.2, last });
         for (kind, name) in [(Kind::Sweep, "sweep"), (Kind::Multisine, "sum of sines")] {
-            let wish = ReferenceSpec {
+            let spec = ReferenceSpec {
                 frequencies_hz,
                 ..of(kind)
             };
-            motions.push(Motion::new(&format!("{name}, to {last} Hz"), wish));
+            motions.push(Motion::new(&format!("{name}, to {last} Hz"), spec));
         }
     }
     motions

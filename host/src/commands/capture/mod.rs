@@ -86,7 +86,7 @@ impl CaptureArgs {
             file: rig,
             condition,
         } = self.rig.require()?;
-        let reference = self.reference.grant(rig.servo.us_per_degree, self.talk)?;
+        let reference = self.reference.resolve(rig.servo.us_per_degree, self.talk)?;
         let files = run_files(&self.out, self.repeat);
         ctrl_c::listen()?;
         let monitor = self.monitor.start(self.talk);

@@ -10,10 +10,10 @@ fn default_answers_are_the_default_rig() {
     // Within what the board takes by itself, and with room for what a reference does by itself.
     let [shortest, longest] = [rig.limits.shortest_us, rig.limits.longest_us];
     assert_eq!([shortest, longest], [1400, 1600]);
-    let granted = ReferenceSpec::default()
-        .grant(default.servo.us_per_degree)
+    let resolved = ReferenceSpec::default()
+        .resolve(default.servo.us_per_degree)
         .unwrap();
-    let (_, farthest) = granted.reference.extremes_us();
+    let (_, farthest) = resolved.reference.extremes_us();
     let room = i32::from(longest) - i32::from(default.servo.neutral_us);
     assert_eq!(room, 2 * i32::from(farthest));
     assert_eq!(rig.servo, default.servo);

@@ -1,13 +1,14 @@
-//! From what is asked for to a reference of whole frames and microseconds.
+//! From degrees, seconds and Hertz to a reference of whole frames and microseconds.
 
-use super::{Band, Kind, seconds, steps_file};
-use crate::data::table::TableError;
+use super::error::ReferenceError;
+use super::kind::{Band, Kind};
+use super::steps_file;
+use super::whole_frames::{LARGEST_AMPLITUDE_US, LONGEST_S, frames, repetitions, seconds};
 use servoid_protocol::reference::{
     MAX_LEVELS, MAX_TONES, Multisine, Prbs, Reference, Staircase, Stairs, Sweep,
 };
-use servoid_protocol::timing::FRAMES_PER_SECOND;
 
-/// A reference as it is asked for; what is `None` gets its default.
+/// A reference in degrees, seconds and Hertz. `None` takes the default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReferenceSpec {
     /// Which.
@@ -26,33 +27,12 @@ pub struct ReferenceSpec {
     pub frequencies_hz: Option<Band>,
 }
 
-/// Why a wish cannot be fulfilled. The text says what to do.
-#[derive(Debug, thiserror::Error)]
-pub enum ReferenceError {
-    /// An option that says nothing about this reference.
-    #[error("{option} is not for the reference {kind}: it is for {instead}")]
-    NotFor {
-        /// The option.
-        option: &'static str,
-        /// The reference.
-        kind: Kind,
-        /// What it is for.
-        instead: &'static str,
-    },
-    /// A number out of its range.
-    #[error("{0}")]
-    OutOfRange(String),
-    /// The table of steps.
-    #[error(transparent)]
-    Table(#[from] TableError),
-}
-
-/// A reference, and what a user should know about how it came about.
+/// A reference, and remarks on how it differs from the specification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResolvedReference {
     /// The reference.
     pub reference: Reference,
-    /// What was rounded, and what is hardly enough.
+    /// Roundings, and amplitudes that friction may swallow.
     pub remarks: Vec<String>,
 }
 
@@ -64,7 +44,7 @@ pub const AMPLITUDE_DEG: f64 = 5.0;
 const LEVELS: u16 = 5;
 /// Longer than the 599 samples that a settling time may have. Where strokes of different size differ in shape,
 /// identification with shorter holds takes the differences for a slow tail: on the simulated bench servo it
-/// chooses N = 599 for holds of 0.2 to 1.1 s, with a band of 6 to 3 % and nothing to say of limits, and
+/// chooses N = 599 for holds of 0.2 to 1.1 s, with a band of 6 to 3 % and no limits found, and
 /// N = 85 from 1.2 s on, with 1.4 % and all of them (aircraft: N = 121, 2.3 %).
 const STAIRS_HOLD_S: f64 = 1.2;
 /// A third longer than the paper's servo takes to settle (0.12 s). A servo that is not linear does not answer
@@ -88,28 +68,21 @@ const PERIODS: u16 = 2;
 /// Below this, rounding to whole microseconds alone is more than 5 % of the step (µs).
 const SMALL_AMPLITUDE_US: f64 = 10.0;
 
-/// Beyond this nothing on the board is allowed anyway (µs).
-pub(super) const LARGEST_AMPLITUDE_US: f64 = 1000.0;
-
-/// The longest reference that leaves room for the rest around it within 16 bits of frames (s): 20
-/// minutes.
-pub(super) const LONGEST_S: f64 = 1200.0;
-
 impl ReferenceSpec {
     /// The reference for a servo of `us_per_degree`.
     ///
     /// ```
     /// use servoid::reference::{Kind, ReferenceSpec};
-    /// let wish = ReferenceSpec { kind: Kind::Stairs, ..ReferenceSpec::default() };
-    /// let granted = wish.grant(10.0)?;
-    /// assert_eq!(granted.reference.frames(), 2400); // 5 levels, 20 strokes of 1.2 s, twice
+    /// let spec = ReferenceSpec { kind: Kind::Stairs, ..ReferenceSpec::default() };
+    /// let resolved = spec.resolve(10.0)?;
+    /// assert_eq!(resolved.reference.frames(), 2400); // 5 levels, 20 strokes of 1.2 s, twice
     /// # Ok::<(), servoid::reference::ReferenceError>(())
     /// ```
     ///
     /// # Errors
     /// [`ReferenceError`].
-    pub fn grant(&self, us_per_degree: f64) -> Result<ResolvedReference, ReferenceError> {
-        self.refuse_what_does_not_apply()?;
+    pub fn resolve(&self, us_per_degree: f64) -> Result<ResolvedReference, ReferenceError> {
+        self.refuse_inapplicable_options()?;
         let mut remarks = Vec::new();
         let mut amplitude = || self.amplitude_us(us_per_degree, &mut remarks);
         let reference = match &self.kind {
@@ -137,10 +110,10 @@ impl ReferenceSpec {
         Ok(ResolvedReference { reference, remarks })
     }
 
-    fn refuse_what_does_not_apply(&self) -> Result<(), ReferenceError> {
+    fn refuse_inapplicable_options(&self) -> Result<(), ReferenceError> {
         use Kind::{Multisine, Prbs, Staircase, Stairs, Steps, Sweep};
         let kind = &self.kind;
-        let wished = [
+        let options = [
             (
                 "--amplitude",
                 self.amplitude_deg.is_some() && matches!(kind, Steps(_)),
@@ -172,7 +145,7 @@ impl ReferenceSpec {
                 "sweep and multisine",
             ),
         ];
-        match wished
+        match options
             .into_iter()
             .find(|(_, does_not_apply, _)| *does_not_apply)
         {
@@ -211,24 +184,12 @@ impl ReferenceSpec {
         Ok(microseconds as u16)
     }
 
-    /// A number of whole frames, at least one.
-    pub(super) fn frames(name: &str, wished_s: f64) -> Result<u16, ReferenceError> {
-        let frames = (wished_s * f64::from(FRAMES_PER_SECOND)).round();
-        if (1.0..=LONGEST_S * f64::from(FRAMES_PER_SECOND)).contains(&frames) {
-            Ok(frames as u16)
-        } else {
-            Err(ReferenceError::OutOfRange(format!(
-                "a {name} of {wished_s} s is no number of frames of 20 ms: choose one from 0.02 to {LONGEST_S} s"
-            )))
-        }
-    }
-
     fn hold_frames(&self, otherwise_s: f64) -> Result<u16, ReferenceError> {
-        Self::frames("hold", self.hold_s.unwrap_or(otherwise_s))
+        frames("hold", self.hold_s.unwrap_or(otherwise_s))
     }
 
     fn length_frames(&self) -> Result<u16, ReferenceError> {
-        Self::frames("length", self.length_s.unwrap_or(seconds(LENGTH_FRAMES)))
+        frames("length", self.length_s.unwrap_or(seconds(LENGTH_FRAMES)))
     }
 
     fn stairs(&self, amplitude_us: u16) -> Result<Stairs, ReferenceError> {
@@ -245,7 +206,7 @@ impl ReferenceSpec {
             cycles: 1,
         };
         let cycles = match self.length_s {
-            Some(_) => nearest(self.length_frames()?.into(), once.frames()),
+            Some(_) => repetitions(self.length_frames()?.into(), once.frames()),
             None => CYCLES,
         };
         Ok(Stairs {
@@ -300,7 +261,7 @@ impl ReferenceSpec {
         let period_frames = self.length_frames()? / PERIODS;
         let period_s = seconds(period_frames.into());
         let lowest = (low * period_s).ceil().max(1.0) as u16;
-        // Half the frame rate itself cannot be told from nothing.
+        // A tone at half the frame rate may be sampled at its zeros.
         let below_half = period_frames.saturating_sub(1) / 2;
         let highest = ((high * period_s).floor() as u16).min(below_half);
         let Some(beyond) = highest.checked_sub(lowest) else {
@@ -321,10 +282,4 @@ impl ReferenceSpec {
         }
         .with_largest_tones())
     }
-}
-
-/// How many times `once` comes nearest to `length`; at least one.
-pub(super) fn nearest(length: u32, once: u32) -> u32 {
-    let twice = (2 * length).checked_div(once).unwrap_or(0);
-    (twice / 2 + twice % 2).max(1)
 }

@@ -1,8 +1,8 @@
 //! A table of steps from a CSV file.
 
-use super::{ReferenceError, ReferenceSpec, seconds};
+use super::error::ReferenceError;
+use super::whole_frames::{LARGEST_AMPLITUDE_US, LONGEST_S, frames, repetitions, seconds};
 use crate::data::table::Table;
-use crate::instrument::reference::resolve::{LARGEST_AMPLITUDE_US, LONGEST_S, nearest};
 use servoid_protocol::reference::{MAX_STEPS, Step, Steps};
 use std::path::Path;
 
@@ -35,8 +35,7 @@ pub(super) fn read(
         if hold_s.is_nan() {
             return Err(wrong(row, "a hold in seconds is needed".to_owned()));
         }
-        let hold_frames =
-            ReferenceSpec::frames("hold", hold_s).map_err(|error| wrong(row, error.to_string()))?;
+        let hold_frames = frames("hold", hold_s).map_err(|error| wrong(row, error.to_string()))?;
         let held_s = seconds(hold_frames.into());
         // Far below a frame, and above the rounding of a number with a few decimals.
         if (held_s - hold_s).abs() > 1e-6 {
@@ -67,10 +66,7 @@ pub(super) fn read(
     }
     let repeats = match length_s {
         Some(length_s) if length_s > LONGEST_S => u32::from(u16::MAX),
-        Some(length_s) => nearest(
-            ReferenceSpec::frames("length", length_s)?.into(),
-            once.frames(),
-        ),
+        Some(length_s) => repetitions(frames("length", length_s)?.into(), once.frames()),
         None => 1,
     };
     Ok(Steps {

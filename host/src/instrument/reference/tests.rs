@@ -4,25 +4,25 @@ use servoid_protocol::Reference;
 use servoid_protocol::reference::{MAX_STEPS, Steps};
 use servoid_protocol::reference::{Staircase, Sweep};
 
-fn wish(kind: &str) -> ReferenceSpec {
+fn spec(kind: &str) -> ReferenceSpec {
     ReferenceSpec {
         kind: kind.parse().unwrap(),
         ..ReferenceSpec::default()
     }
 }
 
-fn granted(wish: &ReferenceSpec) -> Reference {
-    wish.grant(10.0).unwrap().reference
+fn resolved(spec: &ReferenceSpec) -> Reference {
+    spec.resolve(10.0).unwrap().reference
 }
 
 #[test]
 fn without_options_references_take_about_ten_seconds_and_stairs_more_at_five_degrees() {
     assert_eq!(
-        granted(&wish("staircase")),
+        resolved(&spec("staircase")),
         Reference::Staircase(Staircase::PAPER)
     );
     for kind in ["stairs", "prbs", "sweep", "multisine"] {
-        let reference = granted(&wish(kind));
+        let reference = resolved(&spec(kind));
         assert_eq!(reference.name(), kind);
         assert_eq!(reference.extremes_us(), (-50, 50));
         let length_s = seconds(reference.frames());
@@ -34,7 +34,7 @@ fn without_options_references_take_about_ten_seconds_and_stairs_more_at_five_deg
         };
         assert!(expected.contains(&length_s), "{kind}: {length_s} s");
     }
-    let Reference::Prbs(prbs) = granted(&wish("prbs")) else {
+    let Reference::Prbs(prbs) = resolved(&spec("prbs")) else {
         panic!("it is one")
     };
     assert_eq!((prbs.register, prbs.chips, prbs.seed), (6, 63, 63));
@@ -46,26 +46,26 @@ fn lengths_and_holds_are_kept_as_nearly_as_whole_cycles_allow() {
     let stairs = ReferenceSpec {
         length_s: Some(20.0),
         hold_s: Some(0.4),
-        ..wish("stairs")
+        ..spec("stairs")
     };
     // 20 strokes of 0.4 s are 8 s: two and a half cycles, of which three come as near as two.
-    assert_eq!(seconds(granted(&stairs).frames()), 24.0);
+    assert_eq!(seconds(resolved(&stairs).frames()), 24.0);
     let prbs = ReferenceSpec {
         length_s: Some(20.0),
         hold_s: Some(0.04),
-        ..wish("prbs")
+        ..spec("prbs")
     };
-    let Reference::Prbs(prbs) = granted(&prbs) else {
+    let Reference::Prbs(prbs) = resolved(&prbs) else {
         panic!("it is one")
     };
     assert_eq!((prbs.chips, prbs.chip_frames, prbs.register), (500, 2, 9));
     let sweep = ReferenceSpec {
         length_s: Some(30.0),
         frequencies_hz: Some("12:1".parse().unwrap()),
-        ..wish("sweep")
+        ..spec("sweep")
     };
     assert_eq!(
-        granted(&sweep),
+        resolved(&sweep),
         Reference::Sweep(Sweep {
             amplitude_us: 50,
             first_millihertz: 12_000,
@@ -78,12 +78,12 @@ fn lengths_and_holds_are_kept_as_nearly_as_whole_cycles_allow() {
 #[test]
 fn a_long_multisine_has_its_tones_spread_over_its_frequencies() {
     for length_s in [2.0, 10.0, 60.0, 600.0] {
-        let wish = ReferenceSpec {
+        let spec = ReferenceSpec {
             length_s: Some(length_s),
             frequencies_hz: Some("0.5:25".parse().unwrap()),
-            ..wish("multisine")
+            ..spec("multisine")
         };
-        let Reference::Multisine(multisine) = granted(&wish) else {
+        let Reference::Multisine(multisine) = resolved(&spec) else {
             panic!("it is one")
         };
         let period_s = seconds(multisine.period_frames.into());
@@ -104,63 +104,63 @@ fn a_long_multisine_has_its_tones_spread_over_its_frequencies() {
 fn what_does_not_apply_or_cannot_be_is_refused_with_advice() {
     let seed = ReferenceSpec {
         seed: Some(3),
-        ..wish("sweep")
+        ..spec("sweep")
     };
     let refusals = [
         (seed, "prbs"),
         (
             ReferenceSpec {
                 seed: Some(64),
-                ..wish("prbs")
+                ..spec("prbs")
             },
             "1 to 63",
         ),
         (
             ReferenceSpec {
                 levels: Some(17),
-                ..wish("stairs")
+                ..spec("stairs")
             },
             "2 to 16",
         ),
         (
             ReferenceSpec {
                 length_s: Some(5.0),
-                ..wish("staircase")
+                ..spec("staircase")
             },
             "7.2 s",
         ),
         (
             ReferenceSpec {
                 length_s: Some(1e9),
-                ..wish("prbs")
+                ..spec("prbs")
             },
             "1200 s",
         ),
         (
             ReferenceSpec {
                 hold_s: Some(0.0),
-                ..wish("stairs")
+                ..spec("stairs")
             },
             "0.02",
         ),
         (
             ReferenceSpec {
                 amplitude_deg: Some(500.0),
-                ..wish("prbs")
+                ..spec("prbs")
             },
             "1000 µs",
         ),
         (
             ReferenceSpec {
                 frequencies_hz: Some("0.01:0.02".parse().unwrap()),
-                ..wish("multisine")
+                ..spec("multisine")
             },
             "--length",
         ),
         (
             ReferenceSpec {
                 frequencies_hz: Some("0:0".parse().unwrap()),
-                ..wish("sweep")
+                ..spec("sweep")
             },
             "has to move",
         ),
@@ -168,14 +168,14 @@ fn what_does_not_apply_or_cannot_be_is_refused_with_advice() {
             ReferenceSpec {
                 levels: Some(16),
                 amplitude_deg: Some(0.5),
-                ..wish("stairs")
+                ..spec("stairs")
             },
             "has to move",
         ),
     ];
-    for (wish, advice) in refusals {
-        let error = wish.grant(10.0).unwrap_err().to_string();
-        assert!(error.contains(advice), "{wish:?}: {error}");
+    for (spec, advice) in refusals {
+        let error = spec.resolve(10.0).unwrap_err().to_string();
+        assert!(error.contains(advice), "{spec:?}: {error}");
     }
     assert!("sine".parse::<Kind>().is_err());
     for bad in ["", "5", "1:x", "-1:5", "1:26", "nan:1"] {
@@ -194,18 +194,18 @@ fn a_table_of_steps_is_read_with_its_signs() {
             length_s,
             ..ReferenceSpec::default()
         }
-        .grant(-10.0)
+        .resolve(-10.0)
     };
-    let granted = read("angle_deg,hold_s\n5,0.4\n-2.5,0.31\n", Some(5.0)).unwrap();
-    let Reference::Steps(steps) = granted.reference else {
+    let resolved = read("angle_deg,hold_s\n5,0.4\n-2.5,0.31\n", Some(5.0)).unwrap();
+    let Reference::Steps(steps) = resolved.reference else {
         panic!("it is one")
     };
     let held: Vec<_> = steps.held().map(|s| (s.offset_us, s.hold_frames)).collect();
     assert_eq!((held, steps.repeats), (vec![(-50, 20), (25, 16)], 7));
     assert!(
-        granted.remarks[0].contains("row 2"),
+        resolved.remarks[0].contains("row 2"),
         "{:?}",
-        granted.remarks
+        resolved.remarks
     );
     for (text, advice) in [
         ("angle_deg,hold_s\n5,0\n", "row 1"),
@@ -226,7 +226,7 @@ fn a_table_of_steps_is_read_with_its_signs() {
 fn a_header_names_the_reference_with_every_number() {
     let text = |reference| toml::to_string(&as_toml(&reference)).unwrap();
     assert_eq!(
-        text(granted(&wish("stairs"))),
+        text(resolved(&spec("stairs"))),
         "amplitude_us = 50\ncycles = 2\nhold_frames = 60\nkind = \"stairs\"\nlevels = 5\n"
     );
     let steps =

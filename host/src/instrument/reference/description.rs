@@ -1,14 +1,14 @@
-//! A reference for people.
+//! A reference in one line, for people.
 
-use super::seconds;
+use super::whole_frames::seconds;
 use servoid_protocol::reference::{MAX_STEPS, Reference};
 
 /// A reference in one line, for people: its name, its numbers, how long it takes.
 #[must_use]
-pub fn in_words(reference: &Reference, us_per_degree: f64) -> String {
+pub fn describe(reference: &Reference, us_per_degree: f64) -> String {
     let degrees = |us: u16| f64::from(us) / us_per_degree.abs();
     let hertz = |millihertz: u16| f64::from(millihertz) * 1e-3;
-    let what = match reference {
+    let numbers = match reference {
         Reference::Staircase(s) => format!(
             "±{} deg, holds of {} to {} s",
             degrees(s.amplitude_us),
@@ -55,5 +55,5 @@ pub fn in_words(reference: &Reference, us_per_degree: f64) -> String {
         ),
     };
     let name = reference.name();
-    format!("{name}: {what}; {} s", seconds(reference.frames()))
+    format!("{name}: {numbers}; {} s", seconds(reference.frames()))
 }
