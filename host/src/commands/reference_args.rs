@@ -41,7 +41,7 @@ pub(super) struct ReferenceArgs {
 
 impl ReferenceArgs {
     /// The reference; options that do not fit its kind are wrong usage.
-    pub(super) fn grant(self, us_per_degree: f64, talk: Talk) -> Result<Reference> {
+    pub(super) fn resolve(self, us_per_degree: f64, talk: Talk) -> Result<Reference> {
         let spec = ReferenceSpec {
             kind: self.reference,
             amplitude_deg: self.amplitude,
