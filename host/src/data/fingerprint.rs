@@ -57,8 +57,7 @@ pub fn advice_on_sides(a: &[String], b: &[String]) -> Option<Advice> {
         Advice::new(
             Check::SameData,
             format!(
-                "Both sides have the same samples{}: what is compared with itself is the same, whatever \
-                 the servo does.",
+                "Both sides have the same samples{}, so the comparison shows nothing about the servo.",
                 match b.len() - count {
                     0 => String::new(),
                     _ => format!(" in {count} of the second's {}", runs(b.len())),

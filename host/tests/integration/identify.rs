@@ -53,22 +53,23 @@ fn the_model_has_every_field_and_finite_numbers() {
         arg(&plots),
     ]);
     let model = json(&model);
-    assert_eq!(model["schema"], 1);
+    assert_eq!(model["schema"], 2);
+    assert!(model["withdrawn"].is_null());
     assert_eq!(model["sample_period_s"], 0.002);
     let settling = model["structure"]["settling_samples"].as_u64().unwrap() as usize;
     let frequencies = model["structure"]["frequencies"].as_u64().unwrap() as usize;
     let length = |pointer: &str| model.pointer(pointer).unwrap().as_array().unwrap().len();
     assert_eq!(length("/theta"), frequencies);
-    assert_eq!(length("/covariance"), frequencies);
-    assert_eq!(length("/covariance/0"), frequencies);
+    assert_eq!(length("/bounds/covariance"), frequencies);
+    assert_eq!(length("/bounds/covariance/0"), frequencies);
     for field in [
         "time_s",
         "value",
-        "sd",
-        "pointwise/lower",
-        "pointwise/upper",
-        "simultaneous/lower",
-        "simultaneous/upper",
+        "bounds/sd",
+        "bounds/pointwise/lower",
+        "bounds/pointwise/upper",
+        "bounds/simultaneous/lower",
+        "bounds/simultaneous/upper",
     ] {
         assert_eq!(length(&format!("/step/{field}")), settling, "{field}");
     }
@@ -78,8 +79,8 @@ fn the_model_has_every_field_and_finite_numbers() {
         "im",
         "magnitude_db",
         "phase_deg",
-        "magnitude_db_lower",
-        "phase_deg_upper",
+        "bounds/magnitude_db_lower",
+        "bounds/phase_deg_upper",
     ] {
         assert_eq!(length(&format!("/frequency/{field}")), points, "{field}");
     }

@@ -53,7 +53,9 @@ fn a_plan_says_what_a_capture_then_finds() {
     let found = run(&["identify", arg(&file), "--json", "--quiet"]);
     let found: serde_json::Value = serde_json::from_str(&found).unwrap();
     let widths = |side: &str| -> Vec<f64> {
-        let list = found["step"]["simultaneous"][side].as_array().unwrap();
+        let list = found["step"]["bounds"]["simultaneous"][side]
+            .as_array()
+            .unwrap();
         list.iter().map(|number| number.as_f64().unwrap()).collect()
     };
     let (lower, upper) = (widths("lower"), widths("upper"));

@@ -58,8 +58,8 @@ fn goes_all_the_way(options: &[&str], expected: &[(&str, i64)]) {
         list.iter().map(|number| number.as_f64().unwrap()).collect()
     };
     let (lower, upper) = (
-        numbers("/step/simultaneous/lower"),
-        numbers("/step/simultaneous/upper"),
+        numbers("/step/bounds/simultaneous/lower"),
+        numbers("/step/bounds/simultaneous/upper"),
     );
     let phase = found["sample_phase_s"].as_f64().unwrap();
     for (m, (lower, upper)) in lower.iter().zip(&upper).enumerate() {

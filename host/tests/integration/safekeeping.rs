@@ -248,14 +248,15 @@ fn a_model_of_another_schema_is_named_as_what_it_is() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("m.json");
     for (schema, words) in [
-        ("2", "made by a newer servoid"),
-        ("2.0", "made by a newer servoid"),
-        ("\"2\"", "made by a newer servoid"),
+        ("3", "made by a newer servoid"),
+        ("3.0", "made by a newer servoid"),
+        ("\"3\"", "made by a newer servoid"),
         ("99999999999", "made by a newer servoid"),
         ("0", "no servoid writes"),
         ("\"1\"", "no servoid writes"),
         ("null", "no servoid writes"),
         ("1", "is no model"),
+        ("2", "is no model"),
     ] {
         std::fs::write(&file, format!("{{\"schema\":{schema}}}")).unwrap();
         let said = ModelFile::read(&file).unwrap_err().to_string();

@@ -25,7 +25,7 @@ fn the_same_samples_are_known_again_under_another_name() {
     std::fs::write(&foreign, &bare).unwrap();
     std::fs::write(&twice, bare.replace("\r\n", "\n")).unwrap();
 
-    let noticed = "which says nothing of the servo";
+    let noticed = "Both sides have the same samples";
     for (args, expected) in [
         (vec!["compare", &one, &one], true),
         (vec!["compare", &one, &copy], true),

@@ -4,6 +4,7 @@
 //! errors are noise, and the steps of the sensor are smaller than that noise. Identification decides
 //! that once; bounds that do not hold are not there at all, neither here nor in any document.
 
+use serde::de::DeserializeOwned;
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -36,8 +37,8 @@ impl Reason {
 /// In a document these are two fields: `"bounds"`, which is `null` unless they hold, and
 /// `"withdrawn"`, which is `null` if they do and else has the `reason` and a few words, `because`.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "Document<T>")]
-#[serde(bound(deserialize = "T: Deserialize<'de>"))]
+#[serde(try_from = "Document")]
+#[serde(bound(deserialize = "T: DeserializeOwned"))]
 pub enum Bounds<T> {
     /// They hold at the level that is stated in them.
     Valid(T),
@@ -115,10 +116,13 @@ impl<T: Serialize> Serialize for Bounds<T> {
     }
 }
 
-/// What is read; the words are passed over.
+/// The two fields as they are read. The words are passed over.
+///
+/// The bounds wait as a JSON value: serde buffers flattened fields, and where any crate of a program turns on
+/// `arbitrary_precision` of `serde_json`, buffered numbers are numbers to nothing else.
 #[derive(Deserialize)]
-struct Document<T> {
-    bounds: Option<T>,
+struct Document {
+    bounds: Option<serde_json::Value>,
     withdrawn: Option<WithdrawnDocument>,
 }
 
@@ -127,14 +131,16 @@ struct WithdrawnDocument {
     reason: Reason,
 }
 
-impl<T> TryFrom<Document<T>> for Bounds<T> {
-    type Error = &'static str;
+impl<T: DeserializeOwned> TryFrom<Document> for Bounds<T> {
+    type Error = String;
 
-    fn try_from(found: Document<T>) -> Result<Self, Self::Error> {
+    fn try_from(found: Document) -> Result<Self, Self::Error> {
         match (found.bounds, found.withdrawn) {
-            (Some(bounds), None) => Ok(Self::Valid(bounds)),
+            (Some(bounds), None) => serde_json::from_value(bounds)
+                .map(Self::Valid)
+                .map_err(|error| error.to_string()),
             (None, Some(withdrawn)) => Ok(Self::Withdrawn(withdrawn.reason)),
-            _ => Err("bounds must be either there or withdrawn with a reason"),
+            _ => Err("bounds must be either there or withdrawn with a reason".to_owned()),
         }
     }
 }
