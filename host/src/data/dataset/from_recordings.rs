@@ -1,10 +1,13 @@
 //! Recordings of this program.
 
-use super::{About, DatasetError, DatasetOptions, Loaded, run};
+use super::about::About;
+use super::error::DatasetError;
+use super::loaded::{Loaded, run};
+use super::options::DatasetOptions;
 use crate::data::degrees::DegreeScale;
 use crate::data::recording::{Completeness, ReadError, Recording};
 use servoid_identification::Run;
-use servoid_identification::advice::{Advice, Check};
+use servoid_identification::advice::Check;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::ops::Range;
 use std::path::Path;
@@ -77,7 +80,7 @@ fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: u
         Completeness::Early(reason) => about.remarks.push(format!(
             "{shown} was ended on purpose ({reason}): it has {rows} rows"
         )),
-        Completeness::Partial(reason) => about.tell(
+        Completeness::Partial(reason) => about.add(
             Check::Partial,
             format!("{shown} is partial ({reason}): it has {rows} rows"),
             [rows as f64, samples_meant(recording)],
@@ -85,7 +88,7 @@ fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: u
         ),
     }
     if !header.unproved.is_empty() {
-        about.tell(
+        about.add(
             Check::Unproved,
             format!(
                 "{shown} was recovered from a recording whose header was damaged; check these, which nothing proves: {}",
@@ -116,16 +119,6 @@ fn samples_meant(recording: &Recording) -> f64 {
     (rolls + f64::from(header.reference_frames)) * SAMPLES_PER_FRAME as f64
 }
 
-impl About {
-    /// Says something that every result has to carry too; it counts `value` where `threshold` was meant.
-    fn tell(&mut self, check: Check, remark: String, [value, threshold]: [f64; 2], remedy: &str) {
-        let finding = format!("{remark}.");
-        self.advice
-            .push(Advice::new(check, finding, value, threshold, remedy));
-        self.remarks.push(remark);
-    }
-}
-
 /// What was recorded before and after the reference, which shows the noise of a servo at rest.
 fn rest(
     recording: &Recording,
@@ -137,7 +130,7 @@ fn rest(
         .into_iter()
         .map(|range| scale.columns(recording.rows_of(range)))
         .filter(|(input, _)| !input.is_empty())
-        .map(|(input, output)| super::run(input, output, path, None))
+        .map(|(input, output)| run(input, output, path, None))
         .collect()
 }
 

@@ -1,7 +1,11 @@
 //! Any CSV file with its columns named.
 
-use super::{About, DatasetError, DatasetOptions, Loaded, run, sentinel_values, suggestion};
-use crate::data::dataset::time_column::{self, TimeUnit};
+use super::about::About;
+use super::error::DatasetError;
+use super::loaded::{Loaded, run};
+use super::options::DatasetOptions;
+use super::time_column::{self, TimeUnit};
+use super::{sentinel_values, suggestion};
 use crate::data::table::{Table, TableError, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
 use servoid_identification::advice::{Advice, Check};

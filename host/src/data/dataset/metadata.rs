@@ -1,6 +1,6 @@
 //! The metadata that a model has from its files.
 
-use super::About;
+use super::about::About;
 use crate::data::model_metadata::ModelMetadata;
 use servoid_protocol::timing::FRAME_US;
 
