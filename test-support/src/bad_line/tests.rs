@@ -1,5 +1,6 @@
 use super::faults::{LATEST, LONGEST_BURST};
 use super::*;
+use servoid_protocol::timing::FRAME_US;
 use servoid_protocol::{Counts, Frame, PulseWidth};
 use servoid_protocol::{Decoder, RigMessage, framing};
 use std::collections::BTreeSet;

@@ -31,15 +31,15 @@ fn every_module_that_the_method_names_exists() {
         .map(|entry| entry.unwrap().path())
         .chain([sources])
         .collect();
-    let exists = |module: &&str| {
+    let exists = |module: &String| {
         rooms
             .iter()
             .any(|room| room.join(module).is_dir() || room.join(format!("{module}.rs")).is_file())
     };
-    let missing: Vec<&str> = text
+    let missing: Vec<String> = text
         .split("[`")
         .skip(1)
-        .filter_map(|rest| Some(rest.split_once("`]")?.0))
+        .filter_map(|rest| Some(rest.split_once("`]")?.0.replace("::", "/")))
         .filter(|module| !exists(module))
         .collect();
     assert!(missing.is_empty(), "{missing:#?}");

@@ -61,7 +61,13 @@ impl About {
     }
 
     /// Adds a remark that every result carries too, as advice that `value` is there where `threshold` was meant.
-    pub(super) fn add(&mut self, check: Check, remark: String, [value, threshold]: [f64; 2], remedy: &str) {
+    pub(super) fn add(
+        &mut self,
+        check: Check,
+        remark: String,
+        [value, threshold]: [f64; 2],
+        remedy: &str,
+    ) {
         let finding = format!("{remark}.");
         self.advice
             .push(Advice::new(check, finding, value, threshold, remedy));

@@ -24,7 +24,12 @@ pub(super) struct Loaded {
 
 impl Loaded {
     /// Adds the runs of `next`, which is the file `path`; these are of the files `earlier`.
-    pub(super) fn append(&mut self, next: Self, earlier: &[PathBuf], path: &Path) -> Result<(), DatasetError> {
+    pub(super) fn append(
+        &mut self,
+        next: Self,
+        earlier: &[PathBuf],
+        path: &Path,
+    ) -> Result<(), DatasetError> {
         if (next.period_s / self.period_s - 1.0).abs() > PERIOD_TOLERANCE {
             return Err(DatasetError::MixedPeriods {
                 path: path.to_owned(),

@@ -1,4 +1,5 @@
 use super::*;
+use servoid_identification::Run;
 
 fn write(dir: &Path, name: &str, text: &str) -> PathBuf {
     let path = dir.join(name);

@@ -163,7 +163,10 @@ impl ModelFile {
 
 /// The document as this version would have written it.
 fn to_todays_schema(mut document: Value, path: &Path) -> Result<Value, ModelFileError> {
-    let schema = document.get("schema").cloned().unwrap_or_default();
+    // A document without one is no model at all, which reading it says better.
+    let Some(schema) = document.get("schema").cloned() else {
+        return Ok(document);
+    };
     let number = match &schema {
         Value::String(text) => text.trim().parse().ok(),
         other => other.as_f64(),
@@ -173,7 +176,7 @@ fn to_todays_schema(mut document: Value, path: &Path) -> Result<Value, ModelFile
     } else if number.is_some_and(|number| number > f64::from(SCHEMA)) {
         let path = path.to_owned();
         return Err(ModelFileError::Newer { path, schema });
-    } else if schema != SCHEMA && !schema.is_null() {
+    } else if schema != SCHEMA {
         let path = path.to_owned();
         return Err(ModelFileError::UnknownSchema { path, schema });
     }
