@@ -12,7 +12,7 @@ use servoid::port;
 use servoid::recording::{Header, RecordingWriter};
 use servoid::rig::{Capture, Progress, RigClient, StopReason};
 use servoid::rig_file::RigFile;
-use servoid::scope::layout::draw;
+use servoid::scope::drawing::draw;
 use servoid::scope::state::{FrameSeen, Link};
 use servoid::scope::{ScopeEvent, ScopeState};
 use servoid_identification::Options;

@@ -22,6 +22,8 @@
 //! number of steps: the board has no floating point unit, may lose a frame, and knows the next pulse
 //! all the same.
 
+mod amplitude;
+mod highest_frequency;
 mod multisine;
 mod prbs;
 mod sine;
@@ -30,6 +32,7 @@ mod stairs;
 mod steps;
 mod sweep;
 
+pub use highest_frequency::HIGHEST_MILLIHERTZ;
 pub use multisine::{MAX_TONES, Multisine};
 pub use prbs::Prbs;
 pub use staircase::Staircase;
@@ -37,12 +40,9 @@ pub use stairs::{MAX_LEVELS, Stairs};
 pub use steps::{MAX_STEPS, Step, Steps};
 pub use sweep::Sweep;
 
-use crate::timing::FRAMES_PER_SECOND;
+use amplitude::amplitude;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
-
-/// Half the frame rate (mHz): what changes once per frame can carry no higher frequency.
-pub const HIGHEST_MILLIHERTZ: u16 = (FRAMES_PER_SECOND * 1_000 / 2) as u16;
 
 /// A reference signal, in frames and microseconds from neutral.
 ///
@@ -141,16 +141,6 @@ impl Reference {
             Self::Steps(steps) => steps.is_well_formed(),
         }
     }
-}
-
-/// An amplitude as an offset (µs). One that does not fit is not well formed; what is made of it here
-/// is beyond every limit.
-fn amplitude(amplitude_us: u16) -> i16 {
-    i16::try_from(amplitude_us).unwrap_or(i16::MAX)
-}
-
-fn is_amplitude(amplitude_us: u16) -> bool {
-    (1..=i16::MAX as u16).contains(&amplitude_us)
 }
 
 #[cfg(test)]

@@ -14,11 +14,13 @@
 //!
 //! Time also passes without a host, as on a real board. Bytes for a network host that is gone are lost.
 
+mod host_end;
 mod pace;
 #[cfg(unix)]
 mod pty;
 mod tcp;
 
+pub use host_end::HostEnd;
 pub use pace::Pace;
 #[cfg(unix)]
 pub use pty::PseudoTerminal;
@@ -29,21 +31,6 @@ use crate::time::{Ticks, milliseconds};
 use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant};
-
-/// A port that a host can open. Neither direction ever waits.
-pub trait HostEnd {
-    /// Reads bytes from the host; returns how many, 0 for none.
-    ///
-    /// # Errors
-    /// When the port is gone for good.
-    fn receive(&mut self, buffer: &mut [u8]) -> io::Result<usize>;
-
-    /// Sends bytes to the host; returns how many it took. Without a host it takes all.
-    ///
-    /// # Errors
-    /// When the port is gone for good.
-    fn send(&mut self, bytes: &[u8]) -> io::Result<usize>;
-}
 
 /// Length of a slice of simulated time: short enough for prompt answers.
 const SLICE: Ticks = milliseconds(1);
@@ -93,19 +80,4 @@ pub fn serve(
         after_slice(board);
     }
     Ok(())
-}
-
-/// A call that would block did nothing.
-fn none_if_it_would_wait(result: io::Result<usize>) -> io::Result<usize> {
-    match result {
-        Err(e)
-            if matches!(
-                e.kind(),
-                io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted
-            ) =>
-        {
-            Ok(0)
-        }
-        other => other,
-    }
 }

@@ -4,7 +4,7 @@ use super::motion::Motion;
 use super::outcome::{Comparison, Sides};
 use super::pair::Identified;
 use crate::nonlinear::limits::Limits;
-use crate::nonlinear::limits::levels::LEVELS;
+use crate::nonlinear::limits::hysteresis_and_ends::LEVELS;
 use crate::results::advice::{Advice, Check};
 use crate::results::model::Model;
 

@@ -1,7 +1,7 @@
 //! Many sines at once.
 
+use super::amplitude::{amplitude, is_amplitude};
 use super::sine::{ONE, sine};
-use super::{amplitude, is_amplitude};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 

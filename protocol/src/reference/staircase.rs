@@ -1,6 +1,6 @@
 //! The paper's staircase.
 
-use super::{amplitude, is_amplitude};
+use super::amplitude::{amplitude, is_amplitude};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
 //! Many levels, each reached from all others.
 
-use super::{amplitude, is_amplitude};
+use super::amplitude::{amplitude, is_amplitude};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,8 @@
 //! A sine whose frequency moves evenly.
 
+use super::amplitude::{amplitude, is_amplitude};
+use super::highest_frequency::HIGHEST_MILLIHERTZ;
 use super::sine::{ONE, sine};
-use super::{HIGHEST_MILLIHERTZ, amplitude, is_amplitude};
 use crate::timing::FRAMES_PER_SECOND;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};

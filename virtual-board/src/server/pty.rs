@@ -1,6 +1,6 @@
 //! The board behind a pseudo-terminal: to the host, a serial port like any other.
 
-use super::{HostEnd, none_if_it_would_wait};
+use super::host_end::{HostEnd, none_if_it_would_wait};
 use rustix::fs::{Mode, OFlags, fcntl_getfl, fcntl_setfl, open};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};

@@ -1,6 +1,6 @@
 //! The board behind a network socket.
 
-use super::{HostEnd, none_if_it_would_wait};
+use super::host_end::{HostEnd, none_if_it_would_wait};
 use std::io::{self, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
 

@@ -143,7 +143,7 @@ impl Line {
         }
         let fit = knees.fit(points)?;
         // However straight the line, what is read is rounded.
-        let variance = (fit.squares / degrees_of_freedom).max(super::sensor::ROUNDING);
+        let variance = (fit.squares / degrees_of_freedom).max(super::sensor_scale::ROUNDING);
         let [zero, slope, ..] = fit.coefficients;
         let [zero_variance, slope_variance, ..] = fit.variances;
         Some(Self {

@@ -5,50 +5,21 @@
 //! [`travel`] tells from a slow staircase over the pulses that the servo may be given where neutral is, how far
 //! a microsecond turns it, and where it ends; [`rig_text`] puts what was found into a rig file.
 
+mod estimate;
 mod followed;
 mod knee;
 mod least_squares;
 pub mod mover;
 pub mod rig_text;
-pub mod sensor;
+pub mod sensor_scale;
 pub mod travel;
 
+pub use estimate::Estimate;
 pub use followed::{NotFollowed, require_followed};
 pub use mover::{MoveError, Mover, Rest};
 pub use rig_text::{Found, put_into};
-pub use sensor::{Calibration, CalibrationError, LEVEL, Reading};
+pub use sensor_scale::{Calibration, CalibrationError, LEVEL, Reading};
 pub use travel::{End, Travel, TravelError};
-
-use serde::Serialize;
-
-/// A value with its interval at [`LEVEL`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Estimate {
-    /// The value.
-    pub value: f64,
-    /// The interval's lower end.
-    pub lower: f64,
-    /// Its upper end.
-    pub upper: f64,
-}
-
-impl Estimate {
-    /// `value` plus and minus `half`.
-    #[must_use]
-    pub fn around(value: f64, half: f64) -> Self {
-        Self {
-            value,
-            lower: value - half,
-            upper: value + half,
-        }
-    }
-
-    /// Whether a number lies in the interval.
-    #[must_use]
-    pub fn covers(&self, number: f64) -> bool {
-        (self.lower..=self.upper).contains(&number)
-    }
-}
 
 #[cfg(test)]
 mod tests;

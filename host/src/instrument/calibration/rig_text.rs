@@ -1,6 +1,7 @@
 //! Puts what was found into the text of a rig file, which otherwise stays as it is.
 
-use super::{Calibration, Estimate, LEVEL};
+use super::estimate::Estimate;
+use super::sensor_scale::{Calibration, LEVEL};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 /// What was found.

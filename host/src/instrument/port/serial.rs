@@ -1,6 +1,8 @@
 //! A board on a serial port.
 
-use super::{OpenError, Port, SHORTEST_TIMEOUT, none_if_timed_out};
+use super::byte_stream::Port;
+use super::open_error::OpenError;
+use super::timed_read::{SHORTEST_TIMEOUT, none_if_timed_out};
 use serialport::ErrorKind;
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};

@@ -1,6 +1,7 @@
 //! The rig's own program in this process, on a simulated servo.
 
-use super::{OpenError, Port};
+use super::byte_stream::Port;
+use super::open_error::OpenError;
 use servoid_simulator::{InProcessRig, SimulationOptions};
 use std::time::Duration;
 

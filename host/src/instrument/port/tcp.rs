@@ -1,6 +1,8 @@
 //! A board behind a network bridge, or the virtual board.
 
-use super::{OpenError, Port, SHORTEST_TIMEOUT, closed, none_if_timed_out};
+use super::byte_stream::Port;
+use super::open_error::OpenError;
+use super::timed_read::{SHORTEST_TIMEOUT, closed, none_if_timed_out};
 use std::io::{Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};

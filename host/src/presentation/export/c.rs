@@ -1,8 +1,8 @@
 //! A C99 header.
 
-use super::Export;
+use super::described_model::Export;
 use super::scripts::Language;
-use super::text::{Style, number};
+use super::text::{Style, identifier, number};
 
 const LANGUAGE: Language = Language {
     style: Style {
@@ -47,7 +47,7 @@ fn parameters(export: &Export<'_>) -> String {
     .into_iter()
     .filter_map(|(name, value)| Some((name, value?)))
     .map(|(name, value)| {
-        let id = super::identifier(export.name).to_ascii_uppercase();
+        let id = identifier(export.name).to_ascii_uppercase();
         format!("#define {id}_{name} {}\n", number(value))
     })
     .collect()

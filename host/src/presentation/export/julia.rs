@@ -1,6 +1,6 @@
 //! A Julia module.
 
-use super::Export;
+use super::described_model::Export;
 use super::scripts::Language;
 use super::text::Style;
 

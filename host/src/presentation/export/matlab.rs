@@ -1,6 +1,6 @@
 //! A MATLAB script, which Octave runs too.
 
-use super::Export;
+use super::described_model::Export;
 use super::scripts::Language;
 use super::text::{Style, plain};
 use servoid_identification::validity::Bounds;

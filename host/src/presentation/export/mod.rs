@@ -15,6 +15,8 @@
 
 mod c;
 mod csv;
+mod described_model;
+mod error;
 mod jsbsim;
 mod julia;
 mod matlab;
@@ -23,10 +25,8 @@ mod scripts;
 mod statement;
 mod text;
 
-use crate::data::model_metadata::ModelMetadata;
-use servoid_identification::Model;
-use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
-
+pub use described_model::Export;
+pub use error::ExportError;
 pub use text::identifier;
 
 /// What a model is written for.
@@ -71,63 +71,7 @@ impl Target {
     }
 }
 
-/// Why there is no export. The text says what to do.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ExportError {
-    /// The target is a ratio of polynomials.
-    #[error(
-        "a JSBSim actuator needs a low-order model, and there is none ({0}): export to c or csv, or record larger steps"
-    )]
-    NoLowOrder(String),
-}
-
-/// A model, ready to be written.
-#[derive(Clone, Debug)]
-pub struct Export<'a> {
-    /// What the servo is called; any text.
-    pub name: &'a str,
-    /// Where the model comes from; any text.
-    pub source: &'a str,
-    /// The model.
-    pub model: &'a Model,
-    /// The model of low order, or why there is none.
-    pub low_order: Result<FlightModel, String>,
-    /// Units, and the pulse frame that holds a command before the servo, where they are known.
-    pub metadata: ModelMetadata,
-}
-
-impl<'a> Export<'a> {
-    /// A model with the low-order model that was fitted with it, or else one that is fitted now.
-    #[must_use]
-    pub fn new(
-        name: &'a str,
-        source: &'a str,
-        model: &'a Model,
-        fitted: Option<FlightModel>,
-        metadata: ModelMetadata,
-    ) -> Self {
-        let options = FlightModelOptions {
-            frame_period_s: metadata.pulse_frame_s.filter(|frame| *frame > 0.0),
-            ..FlightModelOptions::default()
-        };
-        let low_order = match fitted {
-            Some(fitted) => Ok(fitted),
-            None => flight_model::of_model(model, &options).map_err(|error| error.to_string()),
-        };
-        Self {
-            name,
-            source,
-            model,
-            low_order,
-            metadata,
-        }
-    }
-
-    /// The frame that holds a command in what is written \[s\]: 0 where there is none, or none is known.
-    fn frame_s(&self) -> f64 {
-        self.metadata.pulse_frame_s.unwrap_or(0.0)
-    }
-
+impl Export<'_> {
     /// The text of the file.
     ///
     /// # Errors
@@ -141,33 +85,5 @@ impl<'a> Export<'a> {
             Target::Csv => csv::write(self),
             Target::Jsbsim => jsbsim::write(self)?,
         })
-    }
-
-    /// Largest distance of the low-order model's step response from the identified one at any sample
-    /// but the last, which gathers what comes later \[% of the step\]; at least what its own fit says.
-    pub(crate) fn largest_error_percent(&self, flight: &FlightModel) -> f64 {
-        let step = &self.model.step.value;
-        let count = step.len().saturating_sub(1);
-        let discrete = flight.transfer.discrete(self.model.timing());
-        let gain = step.last().copied().unwrap_or(f64::NAN).abs();
-        let response = discrete.simulate(&vec![1.0; count], 0.0);
-        let errors = response
-            .iter()
-            .zip(step)
-            .map(|(a, b)| 100.0 * (a - b).abs() / gain);
-        errors.fold(flight.largest_error_percent, f64::max)
-    }
-
-    /// The name as text within a language, with what has a meaning there escaped: `signs` get a
-    /// backslash before them, as the backslash itself does.
-    fn quoted_name(&self, signs: &[char]) -> String {
-        let mut safe = String::new();
-        for letter in text::plain(self.name).chars() {
-            if letter == '\\' || signs.contains(&letter) {
-                safe.push('\\');
-            }
-            safe.push(letter);
-        }
-        safe
     }
 }

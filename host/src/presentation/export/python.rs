@@ -1,6 +1,6 @@
 //! A Python module.
 
-use super::Export;
+use super::described_model::Export;
 use super::scripts::Language;
 use super::text::Style;
 use servoid_identification::validity::Bounds;

@@ -1,6 +1,6 @@
 //! Values that the templates of scripts and headers share.
 
-use super::Export;
+use super::described_model::Export;
 use super::statement::parameters_of;
 use super::text::{Style, identifier, number};
 use crate::presentation::template::fill;

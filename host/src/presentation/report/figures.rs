@@ -1,7 +1,7 @@
 //! The report's figures in order, each with what it shows and how to read it.
 
+use super::content::{Page, Part};
 use super::text::escape;
-use super::{Page, Part};
 use crate::presentation::plots::Figure;
 use crate::presentation::plots::paper_figures;
 use crate::presentation::plots::signals::MOST_RUNS;

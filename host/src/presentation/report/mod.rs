@@ -4,96 +4,25 @@
 //! A page has at most 8 MB: 4.7 for the plotting library, up to 1 for models, the rest for figures,
 //! whose long signals are thinned out and of whose runs only the first are drawn.
 
+mod content;
 mod figures;
 mod interactive;
+mod runs_alone;
 mod servo;
 mod text;
 
+pub use content::{Facts, Page, Part};
 pub use servo::Servo;
 
 use crate::data::model_file::ModelDocument;
-use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::paper_values::Fact;
-use crate::presentation::plots::paper_figures::Subject;
 use crate::presentation::template::fill;
 use anyhow::Result;
 use serde_json::Value;
-use servoid_identification::comparison::Comparison;
-use servoid_identification::{
-    Explanation, Identification, Model, Options, Record, Settling, identify,
-};
 use std::fmt::Write;
 use text::{escape, json_in_page};
 
 /// The page around it all; `{{name}}` stands for what is put in.
 const PAGE: &str = include_str!("page.html");
-
-/// Name and value of each thing that is known about one file.
-pub type Facts = Vec<(String, String)>;
-
-/// One servo in the report.
-#[derive(Clone, Copy, Debug)]
-pub struct Part<'a> {
-    /// Model, and record where there is one.
-    pub subject: Subject<'a>,
-    /// How the model came about, where that is known.
-    pub explanation: Option<&'a Explanation>,
-    /// Models of its runs, each identified on its own, where there are several.
-    pub runs: &'a [Model],
-    /// What is known of units and of what held the command.
-    pub metadata: &'a ModelMetadata,
-    /// Where the data come from, file by file.
-    pub provenance: &'a [Facts],
-}
-
-/// What a page shows.
-#[derive(Clone, Copy, Debug)]
-pub struct Page<'a> {
-    /// What it is called.
-    pub title: &'a str,
-    /// The servo, or the reference condition.
-    pub first: Part<'a>,
-    /// What it is held against.
-    pub second: Option<Part<'a>>,
-    /// The outcome of holding the two against each other.
-    pub comparison: Option<&'a Comparison>,
-    /// The paper's facts beside ours, where the servos are those of the paper.
-    pub paper: &'a [Fact],
-}
-
-impl<'a> Page<'a> {
-    fn parts(&self) -> impl Iterator<Item = &Part<'a>> {
-        std::iter::once(&self.first).chain(&self.second)
-    }
-}
-
-/// Most runs that are identified one by one.
-const MOST_RUNS_ALONE: usize = 10;
-
-/// Each run of a record identified on its own, with the settling time that all of them have together.
-/// Nothing where there is one run, or one is too short for a model.
-#[must_use]
-fn runs_alone(record: &Record, found: &Identification) -> Vec<Model> {
-    let runs = record.runs();
-    if !(2..=MOST_RUNS_ALONE).contains(&runs.len()) {
-        return Vec::new();
-    }
-    let default = Options::default();
-    let options = Options {
-        settling: Settling::Samples(found.model.structure.settling_samples),
-        level: found.model.level().into_valid().unwrap_or(default.level),
-        ..default
-    };
-    let alone = |run: &servoid_identification::Run| {
-        let record = Record::new(record.sample_period_s(), vec![run.clone()])?;
-        identify(
-            &record.with_sample_phase(found.model.sample_phase_s),
-            &options,
-        )
-    };
-    let models: Result<Vec<Model>, _> = runs.iter().map(alone).collect();
-    models.unwrap_or_default()
-}
 
 /// Makes the page.
 ///

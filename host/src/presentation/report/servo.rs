@@ -1,6 +1,7 @@
 //! One servo, read and identified: what a page says of it, owned.
 
-use super::{Part, runs_alone};
+use super::content::Part;
+use super::runs_alone::runs_alone;
 use crate::data::dataset::Dataset;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::plots::paper_figures::Subject;

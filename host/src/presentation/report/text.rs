@@ -1,6 +1,6 @@
 //! The page's text: verdict, numbers, advice, provenance.
 
-use super::{Page, Part};
+use super::content::{Facts, Page, Part};
 use crate::presentation::summary;
 use servoid_identification::comparison::Verdict;
 use servoid_identification::validity::Bounds;
@@ -265,8 +265,8 @@ pub(super) fn write_provenance(body: &mut String, page: &Page<'_>) -> Result {
     Ok(())
 }
 
-fn of_all_files(files: &[super::Facts], key: &str) -> String {
-    let of = |facts: &super::Facts| {
+fn of_all_files(files: &[Facts], key: &str) -> String {
+    let of = |facts: &Facts| {
         let found = facts.iter().find(|(name, _)| name == key);
         found.map_or("-", |(_, value)| value.as_str()).to_owned()
     };

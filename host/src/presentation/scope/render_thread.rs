@@ -4,7 +4,7 @@
 //! go into one shared state, and the thread draws a copy of it whenever the terminal is ready. A thread that is
 //! still blocked when the run is over is abandoned.
 
-use super::layout::draw;
+use super::drawing::draw;
 use super::state::{ScopeEvent, ScopeState};
 use super::terminal::{self, Screen};
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};

@@ -1,6 +1,6 @@
 //! What goes beyond the linear response, as text for a terminal: low-order models, strokes apart, limits.
 
-use super::probability;
+use super::numbers::{percent, probability};
 use servoid_identification::direction::{DirectionModel, Symmetry};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::limits::Limits;
@@ -14,7 +14,7 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
     let mut text =
         String::from("\nlow-order model: K e^(-Ls) / ((1 + 2 zeta s/w + s^2/w^2) (1 + Ts))\n");
     let interval = match &flight.bounds {
-        Bounds::Valid(bounds) => format!("{} % interval", super::percent(bounds.level)),
+        Bounds::Valid(bounds) => format!("{} % interval", percent(bounds.level)),
         Bounds::Withdrawn(_) => "no bounds".to_owned(),
     };
     let rows = [

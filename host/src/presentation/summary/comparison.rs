@@ -1,6 +1,9 @@
 //! A comparison as text.
 
-use super::{difference_rows, percent, probability, wrapped, write_advice};
+use super::advice::write_advice;
+use super::lines::wrapped;
+use super::metrics::difference_rows;
+use super::numbers::{percent, probability};
 use servoid_identification::comparison::{Comparison, ComparisonBounds, DifferenceCurve, Stroke};
 use servoid_identification::metrics::Interval;
 use servoid_identification::validity::Bounds;

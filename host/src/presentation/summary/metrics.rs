@@ -1,6 +1,7 @@
 //! Tables of gain, delay, rise time and the like.
 
-use super::{Units, decimals, percent};
+use super::numbers::{decimals, percent};
+use crate::data::units::Units;
 use servoid_identification::Model;
 use servoid_identification::comparison::Comparison;
 use servoid_identification::metrics::{Interval, Metrics};

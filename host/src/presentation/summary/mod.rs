@@ -1,8 +1,11 @@
 //! Results as text for a terminal.
 
+mod advice;
 mod beyond;
 mod comparison;
+mod lines;
 mod metrics;
+mod numbers;
 
 pub use beyond::{of_flight_model, of_limits};
 pub use comparison::{
@@ -10,7 +13,12 @@ pub use comparison::{
 };
 pub use metrics::{MetricRow, difference_rows, metric_rows, rows_of_metrics};
 
+pub(crate) use lines::wrapped;
+pub(crate) use numbers::{decimals, percent, probability};
+
 use crate::data::units::Units;
+use advice::write_advice;
+use numbers::rounded;
 use servoid_identification::model::SelectedBy;
 use servoid_identification::validity::Bounds;
 use servoid_identification::{Advice, Model, Validation};
@@ -139,14 +147,6 @@ pub fn of_validation(validation: &Validation, unit: Option<&str>, advice: &[Advi
     text
 }
 
-fn write_advice(text: &mut String, advice: &[Advice]) -> std::fmt::Result {
-    for item in advice {
-        let [finding, remedy] = [&item.finding, &item.remedy].map(|text| wrapped(text, 4));
-        writeln!(text, "\n  ! {finding}\n    {remedy}")?;
-    }
-    Ok(())
-}
-
 /// Samples, structure and fit in one sentence.
 #[must_use]
 pub fn one_line(model: &Model, unit: Option<&str>) -> String {
@@ -167,83 +167,4 @@ pub fn one_line(model: &Model, unit: Option<&str>) -> String {
         probability(model.residuals.input_correlation_p),
         probability(model.residuals.linearity_p)
     )
-}
-
-/// "p = 0.021"; a test that could not be made has none.
-pub(crate) fn probability(p: Option<f64>) -> String {
-    match p {
-        None => "p = -".to_owned(),
-        Some(p) if p < 0.001 => "p < 0.001".to_owned(),
-        Some(p) => format!("p = {p:.3}"),
-    }
-}
-
-/// Letters of a line.
-const LINE: usize = 110;
-
-/// The text in lines of [`LINE`] letters, all but the first indented.
-pub(crate) fn wrapped(text: &str, indent: usize) -> String {
-    let mut lines = String::new();
-    let mut column = indent;
-    for word in text.split(' ') {
-        let length = word.chars().count();
-        if column > indent && column + 1 + length > LINE {
-            lines.push('\n');
-            lines.extend(std::iter::repeat_n(' ', indent));
-            column = indent;
-        } else if column > indent {
-            lines.push(' ');
-            column += 1;
-        }
-        lines.push_str(word);
-        column += length;
-    }
-    lines
-}
-
-/// Decimals that show at least so many digits of a number, and four where that is more.
-pub(crate) fn decimals(number: f64, significant: i32) -> usize {
-    let leading = if number == 0.0 || !number.is_finite() {
-        0.0
-    } else {
-        number.abs().log10().floor()
-    };
-    // The smallest positive number begins at the 324th decimal.
-    let needed = (significant - 1 - leading as i32).clamp(4, 330);
-    needed as usize
-}
-
-/// A level in percent: 57 rather than 56.99999999999999.
-pub(crate) fn percent(level: f64) -> f64 {
-    rounded(100.0 * level)
-}
-
-/// 2 rather than 2.0000000000000004.
-fn rounded(number: f64) -> f64 {
-    (number * 1e6).round() / 1e6
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn long_lines_are_broken_between_words_and_lose_none() {
-        let lines = wrapped(&("word ".repeat(60) + "end"), 4);
-        assert!(lines.lines().count() > 2 && lines.lines().all(|line| line.len() <= LINE));
-        assert!(lines.lines().skip(1).all(|line| line.starts_with("    ")));
-        assert_eq!(lines.split_whitespace().count(), 61);
-    }
-
-    #[test]
-    fn small_numbers_keep_their_digits() {
-        let shown = |number: f64, digits| format!("{number:.*}", decimals(number, digits));
-        assert_eq!(shown(0.97, 4), "0.9700");
-        assert_eq!(shown(0.000_012_36, 4), "0.00001236");
-        assert_eq!(
-            (shown(0.0, 4), shown(123.4, 2)),
-            ("0.0000".into(), "123.4000".into())
-        );
-        assert_eq!(percent(0.57), 57.0);
-    }
 }

@@ -1,11 +1,12 @@
 //! Findings on the errors: whether they are noise, and noise of the kind that the model says.
 
-use super::{Advice, Check, Evidence};
+use super::evidence::Evidence;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
 use crate::estimation::gls::MAX_AUTO_ORDER;
 use crate::estimation::noise_model::largest_root;
 use crate::options::NoiseOrder;
+use crate::results::advice::{Advice, Check};
 use crate::thresholds::{
     DISAGREEMENT, MATERIAL_MISFIT_PERCENT, RESIDUAL_SIGNIFICANCE, STEPS_FOLLOWED,
     UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,

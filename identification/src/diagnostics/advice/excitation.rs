@@ -1,7 +1,8 @@
 //! Findings on the input: whether it moves fast enough to tell the response.
 
-use super::{Advice, Check, Evidence};
+use super::evidence::Evidence;
 use crate::diagnostics::validity::unexcited_share;
+use crate::results::advice::{Advice, Check};
 use crate::thresholds::DISAGREEMENT;
 
 /// What cures all of it.

@@ -1,28 +1,15 @@
 //! The sentences of advice: findings, and what to do about each.
 
 mod errors;
+mod evidence;
 mod excitation;
 mod record;
 mod resolution;
 mod response;
 
-use crate::diagnostics::explanation::Explanation;
-use crate::options::Options;
-use crate::results::advice::{Advice, Check};
-use crate::results::model::Model;
-use crate::results::validity::Reason;
+pub(crate) use evidence::Evidence;
 
-/// What advice is drawn from.
-pub(crate) struct Evidence<'a> {
-    /// The model, with the bounds that it has as long as nothing speaks against them.
-    pub(crate) model: &'a Model,
-    /// Why these bounds do not hold, if they do not.
-    pub(crate) withdrawn: Option<Reason>,
-    pub(crate) explanation: &'a Explanation,
-    pub(crate) options: &'a Options,
-    /// Samples of the record, missing ones included.
-    pub(crate) samples: usize,
-}
+use crate::results::advice::Advice;
 
 /// All findings on a model.
 pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {

@@ -1,9 +1,10 @@
 //! Findings on the record: whether it is enough, sound for the arithmetic, and of one piece.
 
-use super::{Advice, Check, Evidence};
+use super::evidence::Evidence;
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::conditioning::WELL_CONDITIONED;
 use crate::estimation::least_squares::Solver;
+use crate::results::advice::{Advice, Check};
 use crate::thresholds::{INITIAL_REST_MISSED, RESIDUAL_SIGNIFICANCE};
 
 /// More parameters than this share of the rows leave too little to judge the noise by.

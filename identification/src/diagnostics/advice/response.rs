@@ -1,7 +1,9 @@
 //! Findings on the response: whether it is over, and what of it was left out.
 
-use super::{Advice, Check, Evidence, errors};
+use super::errors;
+use super::evidence::Evidence;
 use crate::options::Frequencies;
+use crate::results::advice::{Advice, Check};
 use crate::results::model::SelectedBy;
 use crate::selection::choice::Choice;
 use crate::thresholds::{DETECTION, MARGIN};

@@ -7,7 +7,7 @@
 //! The record needs holds: a command that is exactly constant between its steps. Sweeps and random
 //! references do not show these limits.
 
-pub(crate) mod levels;
+pub(crate) mod hysteresis_and_ends;
 mod rate;
 
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ use crate::data::record::{Record, Run};
 use crate::results::model::Model;
 use crate::thresholds::MARGIN;
 
-pub use levels::{Cell, Hysteresis, RangeEnd, Side};
+pub use hysteresis_and_ends::{Cell, Hysteresis, RangeEnd, Side};
 pub use rate::{Rate, RateVerdict};
 
 /// The limits of a servo as far as one record shows them.
@@ -91,8 +91,8 @@ impl Limits {
     }
 }
 
-fn table(record: &Record, model: &Model) -> levels::Table {
-    levels::Table::new(
+fn table(record: &Record, model: &Model) -> hysteresis_and_ends::Table {
+    hysteresis_and_ends::Table::new(
         &without_motion(record, model),
         record.sample_period_s(),
         settling(model),

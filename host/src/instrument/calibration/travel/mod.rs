@@ -13,9 +13,10 @@
 //! D. V. Hinkley, *Inference in two-phase regression*, JASA 66, 1971), and whether the servo stops there or
 //! only answers less is told by the slope beyond it, over all places in that interval.
 
+use super::estimate::Estimate;
+use super::knee;
 use super::mover::{MoveError, Mover, Rest};
-use super::sensor::LEVEL;
-use super::{Estimate, knee};
+use super::sensor_scale::LEVEL;
 use crate::data::rig_file::RigFile;
 use crate::data::rig_file::SensorSection;
 use serde::Serialize;

@@ -1,0 +1,36 @@
+//! Why a port could not be opened, and what to do about it.
+
+/// Why a port could not be opened. The text says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// No such port.
+    #[error("there is no port {0:?}: 'servoid ports' lists those that are there")]
+    NotFound(String),
+    /// Somebody else has it, or the user may not open it.
+    #[error(
+        "port {0:?} is busy or not permitted: close the program that uses it, or join the group that owns it (on Linux usually 'dialout')"
+    )]
+    Busy(String),
+    /// There is something of that name, and it is no serial port.
+    #[error("{0:?} is no serial port: 'servoid ports' lists those that are there")]
+    NoSerialPort(String),
+    /// Nobody listens there.
+    #[error("nobody answers at {address}: {reason}")]
+    Unreachable {
+        /// Where.
+        address: String,
+        /// What the network said.
+        reason: String,
+    },
+    /// The text after `sim:` or `tcp:` makes no sense.
+    #[error("{0}")]
+    BadAddress(String),
+    /// Anything else that the system said.
+    #[error("port {port:?} cannot be opened: {reason}")]
+    Other {
+        /// Which.
+        port: String,
+        /// What the system said.
+        reason: String,
+    },
+}

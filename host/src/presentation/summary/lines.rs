@@ -1,0 +1,37 @@
+//! Text in lines that a terminal shows whole.
+
+/// Letters of a line.
+const LINE: usize = 110;
+
+/// The text in lines of [`LINE`] letters, all but the first indented.
+pub(crate) fn wrapped(text: &str, indent: usize) -> String {
+    let mut lines = String::new();
+    let mut column = indent;
+    for word in text.split(' ') {
+        let length = word.chars().count();
+        if column > indent && column + 1 + length > LINE {
+            lines.push('\n');
+            lines.extend(std::iter::repeat_n(' ', indent));
+            column = indent;
+        } else if column > indent {
+            lines.push(' ');
+            column += 1;
+        }
+        lines.push_str(word);
+        column += length;
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lines_are_broken_between_words_and_lose_none() {
+        let lines = wrapped(&("word ".repeat(60) + "end"), 4);
+        assert!(lines.lines().count() > 2 && lines.lines().all(|line| line.len() <= LINE));
+        assert!(lines.lines().skip(1).all(|line| line.starts_with("    ")));
+        assert_eq!(lines.split_whitespace().count(), 61);
+    }
+}
