@@ -76,9 +76,9 @@ pub enum ResetCause {
 /// Who the rig is and how it measures. Frozen: see the module's text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Hello {
-    /// [`PROTOCOL_VERSION`] of the rig.
+    /// [`PROTOCOL_VERSION`](crate::schema::PROTOCOL_VERSION) of the rig.
     pub protocol_version: u16,
-    /// [`SCHEMA_HASH`] of the rig.
+    /// [`SCHEMA_HASH`](crate::schema::SCHEMA_HASH) of the rig.
     pub schema_hash: u64,
     /// The kind of board, such as `STM32F103C8`.
     pub board: Text16,

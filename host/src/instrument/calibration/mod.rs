@@ -1,6 +1,6 @@
 //! What a rig file says, measured: the sensor's scale, the servo's, and the ends of its travel.
 //!
-//! [`sensor`] fits the sensor's scale to readings at known angles; [`mover`] brings the servo to
+//! [`sensor_scale`] fits the sensor's scale to readings at known angles; [`mover`] brings the servo to
 //! positions and reads the sensor there; [`require_followed`] tells positions to which it did not come;
 //! [`travel`] tells from a slow staircase over the pulses that the servo may be given where neutral is, how far
 //! a microsecond turns it, and where it ends; [`rig_text`] puts what was found into a rig file.

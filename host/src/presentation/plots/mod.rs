@@ -1,6 +1,6 @@
 //! Pictures of recordings and models.
 //!
-//! [`figure`] is what a picture shows, as data. [`figures`] makes the paper's figures from recordings
+//! [`figure`] is what a picture shows, as data. [`paper_figures`] makes the paper's figures from recordings
 //! and models, those over time in [`signals`] and those of responses in [`response`]; [`structure`],
 //! [`residuals`], [`scatter`] and [`difference`] make what a reader needs to trust them. [`svg`] draws them; a
 //! drawing in another format is another file beside it.
