@@ -167,8 +167,11 @@ fn counts_of_a_converter_far_from_zero_cost_no_accuracy() {
     let covariance = slow.covariance();
     for (k, (a, b)) in fast.model.theta.iter().zip(slow.theta()).enumerate() {
         assert_relative_eq!(*a, b, epsilon = 1e-8 * slow.theta()[0].abs());
-        let sd = fast.model.bounds.valid().unwrap().covariance[k][k].sqrt();
-        assert_relative_eq!(sd, covariance[(k, k)].sqrt(), max_relative = 1e-8);
+        // Withdrawn where nothing bounds the frequencies that this bank leaves out.
+        if let Some(bounds) = fast.model.bounds.valid() {
+            let sd = bounds.covariance[k][k].sqrt();
+            assert_relative_eq!(sd, covariance[(k, k)].sqrt(), max_relative = 1e-8);
+        }
     }
 }
 
@@ -259,8 +262,8 @@ fn a_record_without_noise_gives_the_exact_response() {
             // What is left of the tail after the settling time.
             assert_relative_eq!(model.step.value[m], truth, epsilon = 2e-4);
         }
-        let text = serde_json::to_string(&model).unwrap();
-        assert!(!text.contains("null,\"offset"), "{text}");
+        let numbers = model.theta.iter().chain(&model.step.value);
+        assert!(numbers.chain([&model.offset]).all(|x| x.is_finite()));
     }
 }
 
@@ -275,10 +278,13 @@ fn a_model_survives_its_document() {
         assert_relative_eq!(a, b, max_relative = 1e-15);
     }
     let document: serde_json::Value = serde_json::from_str(&text).unwrap();
-    for key in ["theta", "covariance", "step", "frequency", "noise", "fit"] {
+    for key in ["theta", "bounds", "noise", "fit"] {
         assert!(no_null(&document[key]), "{key}");
     }
-    assert_eq!(document["schema"], 1);
+    for key in ["step", "frequency"] {
+        assert!(no_null(&document[key]["bounds"]), "{key}");
+    }
+    assert_eq!(document["schema"], 2);
     assert_eq!(document["structure"]["selected_by"], "auto");
 }
 
