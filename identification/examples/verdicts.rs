@@ -33,7 +33,7 @@ fn share(runs: u64, found: impl Fn(u64) -> bool + Sync) -> f64 {
 
 fn limits(input: &[f64], clean: &[f64], seed: u64) -> Limits {
     let (record, model) = identified(input, clean, seed);
-    Limits::of(&record, &model)
+    Limits::of(&record, &model, Options::default().level)
 }
 
 fn detectors(runs: u64) {

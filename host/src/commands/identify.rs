@@ -126,7 +126,7 @@ impl Identify {
             None => {}
         }
         if self.limits {
-            let limits = Limits::of(&data.record, model);
+            let limits = Limits::of(&data.record, model, self.level);
             // A recording with strokes of one direction only has no split; the summary says so.
             let split = direction::split(&data.record, model).ok();
             text += &summary::of_limits(&limits, split.as_ref(), units.common());

@@ -5,7 +5,7 @@
 use serde::Serialize;
 use servoid_identification::direction;
 use servoid_identification::limits::{Limits, RateVerdict};
-use servoid_identification::{Model, Record};
+use servoid_identification::{Model, Options, Record};
 
 /// A question, and whether the reference answers it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -44,7 +44,8 @@ fn advice_of(statement: &str) -> String {
 
 /// All questions; `example` is identified from `record`.
 pub(super) fn of(example: &Model, record: &Record) -> Vec<Answer> {
-    let limits = Limits::of(record, example);
+    // Verdicts alone are read, which have thresholds of their own.
+    let limits = Limits::of(record, example, Options::default().level);
     let split = direction::split(record, example);
     let rates = [&limits.rate_up, &limits.rate_down];
     let silent = rates

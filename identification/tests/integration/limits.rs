@@ -14,7 +14,11 @@ fn limits_of(input: &[f64], clean: &[f64], settling: usize, seed: u64) -> Limits
         settling: Settling::Samples(settling),
         ..Options::default()
     };
-    Limits::of(&record, &identify(&record, &options).unwrap())
+    Limits::of(
+        &record,
+        &identify(&record, &options).unwrap(),
+        options.level,
+    )
 }
 
 /// Up and down from -6 to 6 by 2, three times.
@@ -71,11 +75,7 @@ fn a_rate_limit_is_found_with_its_figure_for_each_direction() {
     );
     for (rate, exact) in [(limits.rate_up, 150.0), (limits.rate_down, 100.0)] {
         assert_eq!(rate.verdict, RateVerdict::Limited, "{}", rate.statement);
-        // A servo with a limit is not linear: the level of its model, and so the interval, may be withdrawn.
-        let (Some(lower), Some(upper)) = (rate.speed.lower, rate.speed.upper) else {
-            assert!(rate.speed.value.is_some());
-            continue;
-        };
+        let (lower, upper) = (rate.speed.lower.unwrap(), rate.speed.upper.unwrap());
         // The smallest strokes above the knee spend part of 35-65 % speeding up.
         assert!(
             lower - 0.02 * exact < exact && exact < upper + 0.03 * exact,

@@ -36,8 +36,11 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits found in `record`. The N of its linear `model` gives the length of a response, the level
-    /// that of the intervals.
+    /// The limits found in `record`, with intervals of the confidence `level` (0 to 1). The N of its linear
+    /// `model` gives the length of a response.
+    ///
+    /// The intervals come from the scatter of strokes and rests, not from the errors of the linear model. So
+    /// they hold where that model's own bounds are withdrawn, as those of a limited servo often are.
     ///
     /// ```
     /// use servoid_identification::limits::{Limits, RateVerdict};
@@ -48,19 +51,18 @@ impl Limits {
     /// }).collect();
     /// let record = Record::from_slices(0.002, &u, &y)?;
     /// let options = Options { settling: Settling::Samples(61), ..Options::default() };
-    /// let limits = Limits::of(&record, &identify(&record, &options)?);
+    /// let limits = Limits::of(&record, &identify(&record, &options)?, options.level);
     /// assert_eq!(limits.rate_up.verdict, RateVerdict::Proportional);
     /// assert_eq!(limits.hysteresis.found, Some(false));
     /// # Ok::<(), servoid_identification::Error>(())
     /// ```
     #[must_use]
-    pub fn of(record: &Record, model: &Model) -> Self {
+    pub fn of(record: &Record, model: &Model, level: f64) -> Self {
         let settling = settling(model);
-        let level = model.level().into_valid();
         let strokes = holds::strokes(record, settling);
         let (up, down): (Vec<_>, Vec<_>) =
             strokes.into_iter().partition(|stroke| stroke.size > 0.0);
-        let table = table(record, model);
+        let table = table(record, model, Some(level));
         Self {
             rate_up: Rate::new("up", &up, level),
             rate_down: Rate::new("down", &down, level),
@@ -73,7 +75,7 @@ impl Limits {
     /// The level table alone: rest positions by level and side. Empty when no hold is long enough.
     #[must_use]
     pub fn level_table(record: &Record, model: &Model) -> Vec<Cell> {
-        table(record, model).cells
+        table(record, model, model.level().into_valid()).cells
     }
 
     /// All findings as sentences.
@@ -91,12 +93,12 @@ impl Limits {
     }
 }
 
-fn table(record: &Record, model: &Model) -> hysteresis_and_ends::Table {
+fn table(record: &Record, model: &Model, level: Option<f64>) -> hysteresis_and_ends::Table {
     hysteresis_and_ends::Table::new(
         &without_motion(record, model),
         record.sample_period_s(),
         settling(model),
-        model.level().into_valid(),
+        level,
     )
 }
 

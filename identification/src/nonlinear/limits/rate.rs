@@ -73,7 +73,7 @@ pub struct Rate {
 
 impl Rate {
     /// Of the strokes of one direction.
-    pub(crate) fn new(direction: &str, strokes: &[Stroke], level: Option<f64>) -> Self {
+    pub(crate) fn new(direction: &str, strokes: &[Stroke], level: f64) -> Self {
         let all = strokes.len();
         let mut strokes = unstopped(strokes);
         let stopped = all - strokes.len();
@@ -120,7 +120,7 @@ impl Rate {
             .collect();
         let slope = Slope::new(&logs);
         let critical = pointwise_critical(RATE_LIMIT_LEVEL);
-        rate.exponent = slope.interval(level.map(pointwise_critical));
+        rate.exponent = slope.interval(pointwise_critical(level));
         let hinge = Hinge::new(&logs);
         let of_size = |wanted: &dyn Fn(f64) -> bool| -> Vec<Stroke> {
             strokes
@@ -191,20 +191,20 @@ fn is_constant(above: &[Stroke], critical: f64) -> bool {
 }
 
 /// Mean mid-travel speed with Student's interval.
-fn mean_speed(strokes: &[Stroke], level: Option<f64>) -> Interval {
+fn mean_speed(strokes: &[Stroke], level: f64) -> Interval {
     let count = strokes.len() as f64;
     if strokes.is_empty() {
         return Interval::default();
     }
     let mean = strokes.iter().map(|s| s.mid_speed).sum::<f64>() / count;
     let square: f64 = strokes.iter().map(|s| (s.mid_speed - mean).powi(2)).sum();
-    let half = |level: f64| match StudentsT::new(0.0, 1.0, count - 1.0) {
+    let half = match StudentsT::new(0.0, 1.0, count - 1.0) {
         Ok(t) if count > 1.0 => {
             t.inverse_cdf(0.5 + level / 2.0) * (square / (count - 1.0) / count).sqrt()
         }
         _ => f64::INFINITY,
     };
-    Interval::around(mean, level.map(half))
+    Interval::around(mean, Some(half))
 }
 
 /// Slope of a line through points.
@@ -236,8 +236,8 @@ impl Slope {
         }
     }
 
-    fn interval(&self, critical: Option<f64>) -> Interval {
-        Interval::around(self.value, critical.map(|critical| critical * self.sd))
+    fn interval(&self, critical: f64) -> Interval {
+        Interval::around(self.value, Some(critical * self.sd))
     }
 }
 
@@ -295,7 +295,7 @@ mod tests {
 
     #[test]
     fn the_law_of_the_speed_is_recognised() {
-        let verdict = |speed: &dyn Fn(f64) -> f64| Rate::new("up", &strokes(speed), Some(0.99));
+        let verdict = |speed: &dyn Fn(f64) -> f64| Rate::new("up", &strokes(speed), 0.99);
         assert_eq!(verdict(&|a| 30.0 * a).verdict, RateVerdict::Proportional);
         let limited = verdict(&|a| (30.0 * a).min(100.0));
         assert_eq!(limited.verdict, RateVerdict::Limited);
@@ -305,7 +305,7 @@ mod tests {
             RateVerdict::GrowsLess
         );
         let one_size = &strokes(|a| 30.0 * a)[..1].repeat(9);
-        let cannot = Rate::new("up", one_size, Some(0.99));
+        let cannot = Rate::new("up", one_size, 0.99);
         assert_eq!(cannot.verdict, RateVerdict::CannotTell);
         assert!(cannot.statement.contains("record at least"));
     }
@@ -320,7 +320,7 @@ mod tests {
                 ..stroke
             })
             .collect();
-        let rate = Rate::new("up", &stopped, Some(0.99));
+        let rate = Rate::new("up", &stopped, 0.99);
         assert_eq!((rate.strokes, rate.stopped), (12, 8));
         assert_eq!(rate.verdict, RateVerdict::Proportional);
         assert!(
@@ -329,7 +329,7 @@ mod tests {
         );
         // Hardly any did.
         let few: Vec<Stroke> = stopped.iter().filter(|s| s.size >= 6.0).copied().collect();
-        let rate = Rate::new("up", &few, Some(0.99));
+        let rate = Rate::new("up", &few, 0.99);
         assert_eq!(rate.verdict, RateVerdict::CannotTell);
         assert!(
             rate.statement.contains("ended at a stop"),
