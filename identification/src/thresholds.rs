@@ -84,7 +84,8 @@ pub const STEPS_FOLLOWED: f64 = 0.75;
 /// Share of the final value beyond which a step has been followed; see [`STEPS_FOLLOWED`].
 pub const FOLLOWED: f64 = 0.9;
 
-/// By how much the input may move while it counts as held, as a share of its range.
+/// By how much the input may move while it counts as held, as a share of its range. Inputs closer than this
+/// are one level.
 ///
 /// Protects: holds of an input that was measured, with noise of its own; it is less than a step. Evidence: the
 /// recordings of real servos in the tests of the host.

@@ -7,12 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::holds::usual_hold;
 use crate::data::record::{Record, Run};
+use crate::thresholds::HELD_WITHIN;
 
 /// More levels than this are a smooth motion.
 const MOST_LEVELS: usize = 25;
-
-/// Inputs closer than this share of their range are one level.
-const ONE_LEVEL: f64 = 0.02;
 
 /// Difference between the ends of two ranges, as a share of the larger range, up to which motions count
 /// as equally large.
@@ -48,7 +46,7 @@ impl Motion {
         // A record has an input that moves.
         let lowest = inputs.first().copied().unwrap_or(0.0);
         let highest = inputs.last().copied().unwrap_or(0.0);
-        let apart = ONE_LEVEL * (highest - lowest);
+        let apart = HELD_WITHIN * (highest - lowest);
         let further = |pair: &&[f64]| pair[1] - pair[0] > apart;
         let levels = 1 + inputs.windows(2).filter(further).count();
         // Values all over the range leave no gaps; values of a fine grid leave many.

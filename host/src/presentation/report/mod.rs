@@ -1,7 +1,7 @@
 //! One page that holds everything: what was measured, the numbers with their intervals, the verdict,
 //! the advice, and the paper's figures to zoom in. It needs no network, no server and no other file.
 //!
-//! A page has at most 8 MB: 4.7 for the plotting library, up to 1 for models, the rest for figures,
+//! A page has at most 8 MB: 1 for the plotting library, up to 1 for models, the rest for figures,
 //! whose long signals are thinned out and of whose runs only the first are drawn.
 
 mod content;
