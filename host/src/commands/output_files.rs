@@ -20,17 +20,14 @@ pub fn tell(line: impl std::fmt::Display) {
 pub fn write_file(path: &Path, force: bool, content: &str) -> Result<()> {
     let whole = WholeFile::new(path, force)?;
     let written = whole.file()?.write_all(content.as_bytes());
-    written.map_err(|reason| WriteError::NotCreated {
-        path: path.to_owned(),
-        reason,
-    })?;
+    written.map_err(|reason| WriteError::not_created(path, reason))?;
     Ok(whole.put_in_place()?)
 }
 
 /// Fails now if `path` could not be written later: before an hour of work rather than after it.
 ///
 /// # Errors
-/// [`WriteError::Exists`].
+/// [`WriteError`].
 pub fn check_free(path: &Path, force: bool) -> Result<()> {
     if !force && path.exists() {
         return Err(WriteError::exists(path).into());

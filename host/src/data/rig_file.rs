@@ -25,7 +25,6 @@
 //!
 //! Everything may be left out; what stands in for it is in [`RigFile::default`].
 
-use crate::data::sensor_health::HealthyCounts;
 use serde::{Deserialize, Serialize};
 use servoid_protocol::{PulseWidth, SensorScale, ServoScale};
 use std::path::Path;
@@ -242,12 +241,6 @@ impl RigFile {
             zero_counts: self.sensor.zero_counts,
             degrees_per_count: self.sensor.degrees_per_count,
         }
-    }
-
-    /// Smallest and largest reading of a healthy sensor.
-    #[must_use]
-    pub fn healthy_counts(&self) -> HealthyCounts {
-        HealthyCounts::new(Some(self.sensor.healthy_counts))
     }
 }
 

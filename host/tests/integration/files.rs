@@ -3,8 +3,8 @@
 use crate::support::{arg, data, refusal, run};
 use servoid::data::DegreeScale;
 use servoid::data::recording::{
-    Completeness, Ending, FORMAT, Header, ReadError, Recording, RecordingWriter, is_recording,
-    recover,
+    Completeness, Ending, FORMAT, Header, ReadError, ReadFault, Recording, RecordingWriter,
+    is_recording, recover,
 };
 use servoid_protocol::{Counts, Frame, PulseWidth, framing};
 use servoid_test_support::trials::kill;
@@ -209,7 +209,7 @@ fn complete_is_what_has_the_whole_run() {
         ("partial", ", reason = \"x\", lost_samples = [[30, 49]]"),
     ] {
         let error = ended(end, more).unwrap_err();
-        assert!(matches!(error, ReadError::Changed { .. }), "{error}");
+        assert!(matches!(error.fault, ReadFault::Changed(_)), "{error}");
     }
     // A run of which the header says that it has more.
     let dir = tempfile::tempdir().unwrap();
@@ -254,22 +254,22 @@ fn every_changed_byte_is_seen_where_it_is_and_what_is_sound_is_saved() {
                 let mut changed = bytes.clone();
                 changed[at] = byte;
                 let what = format!("byte {at} {:?} to {:?}", bytes[at] as char, byte as char);
-                let found = match parse(&changed) {
+                let found = match parse(&changed).map_err(|error| error.fault) {
                     Ok(found) => {
                         assert_eq!(found.header, original.header, "{what}");
                         require_same_or_damaged(&found, &original, &what);
                         Some(found)
                     }
-                    Err(ReadError::DamagedRow { row, .. }) => {
+                    Err(ReadFault::DamagedRow { row, .. }) => {
                         let hit = row_hit.unwrap_or_else(|| panic!("{what}: no row was hit"));
                         assert!(row.abs_diff(hit) <= 1, "{what}: row {hit}, said {row}");
                         None
                     }
-                    Err(ReadError::DamagedHeader { .. }) => {
+                    Err(ReadFault::DamagedHeader(..)) => {
                         assert!(row_hit.is_none(), "{what}: a row was hit");
                         None
                     }
-                    Err(ReadError::Changed { .. }) => {
+                    Err(ReadFault::Changed(_)) => {
                         assert!(row_hit > Some(40), "{what}: not the last line");
                         None
                     }

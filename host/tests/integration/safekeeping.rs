@@ -1,9 +1,10 @@
 //! What is on the disk stays until something better takes its place; a rig in use is left alone.
 
 use crate::support::{arg, data, json, refusal, run};
+use servoid::data::FileError;
 use servoid::data::model_file::ModelFile;
 use servoid::data::recording::{
-    Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError,
+    Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteFault,
 };
 use servoid::data::rig_file::RigFile;
 use servoid::instrument::port;
@@ -31,7 +32,7 @@ fn record_unarmed(file: &Path, force: bool, stop: bool) -> CaptureError {
     let mut client = RigClient::connect_as(port::open("sim:bench").unwrap(), "sim", 1).unwrap();
     let capture = Capture::new(RigFile::default(), Reference::Staircase(Staircase::PAPER));
     let header = Header::of_run(client.hello(), &capture.rig, &capture.start);
-    let writer = RecordingWriter::begin(reserved, &header).unwrap();
+    let writer = RecordingWriter::begin(reserved, &header);
     capture
         .record(
             &mut client,
@@ -77,7 +78,7 @@ fn an_empty_file_is_not_in_the_way() {
 /// A recording to a file that nobody else writes to.
 fn recording_under_way(file: &Path) -> RecordingWriter {
     let reserved = ReservedFile::new(file, false).unwrap();
-    RecordingWriter::begin(reserved, &Header::default()).unwrap()
+    RecordingWriter::begin(reserved, &Header::default())
 }
 
 #[test]
@@ -88,7 +89,13 @@ fn a_file_is_written_by_one_capture_at_a_time() {
     for _ in 0..2 {
         let second = ReservedFile::new(&file, true);
         assert!(
-            matches!(second, Err(WriteError::InUse { .. })),
+            matches!(
+                second,
+                Err(FileError {
+                    fault: WriteFault::InUse,
+                    ..
+                })
+            ),
             "{second:?}"
         );
         // Before its first frame and after it.
@@ -105,14 +112,14 @@ fn a_file_that_is_removed_under_way_is_put_back_or_beside_the_one_in_its_place()
     let file = dir.path().join("x.csv");
     for (replaced, name) in [(false, "x.csv"), (true, "x-rescued-1.csv")] {
         let reserved = ReservedFile::new(&file, true).unwrap();
-        let mut writer = RecordingWriter::begin(reserved, &Header::default()).unwrap();
+        let mut writer = RecordingWriter::begin(reserved, &Header::default());
         writer.append(&frame(0)).unwrap();
         std::fs::remove_file(&file).unwrap();
         if replaced {
             std::fs::write(&file, "another's").unwrap();
         }
         let error = writer.finish(&Ending::Complete).unwrap_err();
-        let WriteError::Rescued { rows: 10, kept, .. } = error else {
+        let WriteFault::Rescued { rows: 10, kept } = error.fault else {
             panic!("{error}");
         };
         assert_eq!(kept, dir.path().join(name));

@@ -10,6 +10,7 @@ use super::prompts;
 use super::rig_args::RigArgs;
 use super::usage::wrong_usage;
 use crate::commands::output_files;
+use crate::data::DegreeScale;
 use crate::data::rig_file::RigFile;
 use crate::data::rig_file::SensorSection;
 use crate::instrument::calibration::{
@@ -260,11 +261,11 @@ impl Calibrate {
             return protractor::read(mover, pulses);
         }
         let rests = mover.visit(pulses, &|_| false)?;
-        let scale = mover.rig().servo_scale();
+        let scale = DegreeScale::of_rig(mover.rig());
         let angles: Vec<f64> = match self.by_servo {
             true => pulses
                 .iter()
-                .map(|us| scale.degrees(PulseWidth(*us)).0)
+                .map(|us| scale.reference(PulseWidth(*us)))
                 .collect(),
             false => self.angles.clone(),
         };

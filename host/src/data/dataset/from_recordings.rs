@@ -5,7 +5,7 @@ use super::error::DatasetError;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use crate::data::degrees::DegreeScale;
-use crate::data::recording::{Completeness, ReadError, Recording};
+use crate::data::recording::{Completeness, ReadError, ReadFault, Recording};
 use servoid_identification::Run;
 use servoid_identification::advice::Check;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
@@ -42,12 +42,7 @@ pub(super) fn from_recording(
     let phase_s = recording.header.sample_phase_s;
     if !(phase_s >= 0.0 && phase_s.is_finite()) {
         let reason = "sample_phase_s is no time after an edge".to_owned();
-        return Err(ReadError::DamagedHeader {
-            path: path.to_owned(),
-            line: 1,
-            reason,
-        }
-        .into());
+        return Err(ReadError::at(path)(ReadFault::DamagedHeader(1, reason)).into());
     }
     Ok(Loaded {
         runs: vec![run],

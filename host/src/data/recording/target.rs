@@ -1,6 +1,6 @@
 //! Where a recording is written to, and whether that is free.
 
-use super::write_error::WriteError;
+use super::write_error::{WriteError, WriteFault};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Error, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -40,9 +40,7 @@ impl Target for File {
 /// Makes sure that nobody writes to the file.
 pub(super) fn require_unlocked(file: &File, path: &Path) -> Result<(), WriteError> {
     match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(WriteError::InUse {
-            path: path.to_owned(),
-        }),
+        Err(TryLockError::WouldBlock) => Err(WriteError::at(path)(WriteFault::InUse)),
         _ => Ok(()),
     }
 }

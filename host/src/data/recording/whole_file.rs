@@ -25,9 +25,6 @@ enum Place {
 
 impl WholeFile {
     /// Begins a file beside `path`.
-    ///
-    /// # Errors
-    /// [`WriteError::Exists`] unless `force`; [`WriteError::NotCreated`].
     pub(crate) fn new(path: &Path, force: bool) -> Result<Self, WriteError> {
         let there = path.metadata().ok();
         if there.is_some() && !force {
@@ -60,9 +57,6 @@ impl WholeFile {
     }
 
     /// What to write to.
-    ///
-    /// # Errors
-    /// [`WriteError::NotCreated`].
     pub(crate) fn file(&self) -> Result<File, WriteError> {
         let file = match &self.target {
             Place::Aside(file) => file.as_file(),

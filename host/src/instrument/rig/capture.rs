@@ -15,7 +15,7 @@ use servoid_protocol::lease::LEASE_FRAMES;
 use servoid_protocol::message::{Arm, Start};
 use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::timing::FRAMES_PER_SECOND;
-use servoid_protocol::{PulseWidth, Reference};
+use servoid_protocol::{Counts, PulseWidth, Reference};
 use std::time::Duration;
 
 /// Rest before and after the reference: as long as the paper's longest hold, 0.8 s, so that what
@@ -52,14 +52,14 @@ impl Capture {
     /// # Errors
     /// When the rig refuses or does not answer.
     pub fn arm(&self, client: &mut RigClient) -> Result<(), TalkError> {
-        let healthy = self.rig.healthy_counts();
+        let [sensor_low, sensor_high] = self.rig.sensor.healthy_counts.map(Counts);
         client.arm(Arm {
             schema_hash: SCHEMA_HASH,
             neutral: PulseWidth(self.rig.servo.neutral_us),
             shortest: PulseWidth(self.rig.limits.shortest_us),
             longest: PulseWidth(self.rig.limits.longest_us),
-            sensor_low: healthy.lowest,
-            sensor_high: healthy.highest,
+            sensor_low,
+            sensor_high,
             lease_frames: LEASE_FRAMES,
         })
     }
