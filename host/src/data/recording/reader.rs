@@ -84,7 +84,7 @@ impl Recording {
         Self::of(bytes).map_err(ReadError::at(path))
     }
 
-    fn of(bytes: &[u8]) -> Result<Self, ReadFault> {
+    pub(crate) fn of(bytes: &[u8]) -> Result<Self, ReadFault> {
         let scanned = scan(bytes)?;
         if let Some(Damage { row, line, reason }) = scanned.damages.first().cloned() {
             return Err(match row {
