@@ -1,4 +1,4 @@
-//! What a driver of the conversation learns.
+//! What happens in a conversation, for its driver.
 
 use crate::error::ClientError;
 use crate::request::Answer;

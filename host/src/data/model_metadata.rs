@@ -35,7 +35,6 @@ pub struct ModelMetadata {
 
 impl ModelMetadata {
     /// Units where they are named, and the pulse frame where it is known.
-    #[must_use]
     pub fn new(input: Option<String>, output: Option<String>, pulse_frame_s: Option<f64>) -> Self {
         Self {
             units: UnitNames { input, output },
@@ -52,7 +51,6 @@ impl ModelMetadata {
     /// assert_eq!((metadata.units().input, metadata.pulse_frame_s), (Some("us"), Some(0.02)));
     /// assert_eq!(ModelMetadata::in_document(&serde_json::json!({})), ModelMetadata::default());
     /// ```
-    #[must_use]
     pub fn in_document(document: &Value) -> Self {
         let found = Self::deserialize(document).unwrap_or_default();
         Self {
@@ -64,7 +62,6 @@ impl ModelMetadata {
     }
 
     /// The units of command and position.
-    #[must_use]
     pub fn units(&self) -> Units<'_> {
         Units {
             input: self.units.input.as_deref(),
@@ -74,9 +71,6 @@ impl ModelMetadata {
 
     /// Refuses to hold two against each other whose units are known and differ; `name` and
     /// `other_name` are what they are called.
-    ///
-    /// # Errors
-    /// [`UnitsDiffer`].
     pub fn same_units(
         &self,
         name: &str,

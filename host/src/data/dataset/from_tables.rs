@@ -190,7 +190,9 @@ impl Spacing {
         let step = time.step();
         let (unit, hint) = match options.time_unit.or(unit) {
             Some(unit) => (unit, ""),
-            None if step < LONGEST_STEP_S => (TimeUnit::Seconds, " (--time-unit says otherwise)"),
+            None if step < LONGEST_STEP_S => {
+                (TimeUnit::Seconds, " (--time-unit states another unit)")
+            }
             None => {
                 return Err(DatasetFault::NoTimeUnit {
                     column: name.to_owned(),

@@ -91,7 +91,7 @@ fn unit(column: &str) -> Option<Option<TimeUnit>> {
         .then(|| words.iter().find_map(|word| TimeUnit::of_word(word)))
 }
 
-/// The unit that a name has in it, whatever else it says.
+/// The unit that a name has in it, whatever else is in it.
 pub(super) fn unit_in(column: &str) -> Option<TimeUnit> {
     words(&column.to_lowercase()).find_map(TimeUnit::of_word)
 }

@@ -121,7 +121,6 @@ impl Default for Header {
 
 impl Header {
     /// The header of a run that begins now.
-    #[must_use]
     pub fn of_run(hello: &Hello, rig: &RigFile, start: &Start) -> Self {
         let now = std::time::SystemTime::now();
         Self {

@@ -31,7 +31,7 @@
 //! The end is `"complete"`, `"early"` (ended on purpose, with the reason: every sample until then is
 //! there) or `"partial"` (with the reason and the lost samples). Without its last line a recording is
 //! partial, and is read as such. It is complete when its samples are those of the run in the header, none
-//! left out and none named as lost, whatever the last line says.
+//! left out and none named as lost, whatever its last line states.
 //!
 //! pandas (`read_csv(path, comment="#")`) and MATLAB (`readtable(path, CommentStyle="#")`) read a recording
 //! as it is. The line ends of other systems and a byte order mark, which editors put in, are read as if they

@@ -1,4 +1,4 @@
-//! Reads a recording and says whether it is complete, partial, or damaged.
+//! Reads a recording, and judges whether it is complete, partial, or damaged.
 
 use super::header::{FORMAT, Header};
 use super::row::{MOST_SAMPLES, Row};
@@ -102,7 +102,6 @@ impl Recording {
     }
 
     /// The samples of the reference alone, without the rest at neutral before and after it.
-    #[must_use]
     pub fn reference_samples(&self) -> Range<u64> {
         let samples = SAMPLES_PER_FRAME as u64;
         let start = u64::from(self.header.pre_roll_frames) * samples;
@@ -113,7 +112,6 @@ impl Recording {
     }
 
     /// The rows of the samples within `range`.
-    #[must_use]
     pub fn rows_of(&self, range: Range<u64>) -> &[Row] {
         rows_of(&self.rows, &range)
     }
@@ -154,11 +152,11 @@ pub(super) fn judge(scanned: &Scan) -> Result<(Completeness, Vec<Range<u64>>), &
         "partial" => return Ok((Completeness::Partial(reason), lost)),
         "early" => Completeness::Early(reason),
         "complete" if has_whole_run(scanned) => Completeness::Complete,
-        "complete" => return Err("it says complete, and is shorter or longer than its run"),
+        "complete" => return Err("it is marked complete, and is shorter or longer than its run"),
         _ => return partial("its last line is damaged"),
     };
     if !lost.is_empty() || !is_gapless(&scanned.rows) {
-        return Err("it says that nothing is missing, and something is");
+        return Err("nothing is marked as missing, and something is");
     }
     Ok((completeness, lost))
 }

@@ -111,15 +111,11 @@ fn differ<T: PartialEq>(mut values: impl Iterator<Item = T>) -> bool {
 
 impl Recovered {
     /// Rows that were saved.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.frames.len() * SAMPLES_PER_FRAME
     }
 
     /// Writes a partial recording of the frames that were saved.
-    ///
-    /// # Errors
-    /// [`WriteError`].
     pub fn write(&self, mut writer: RecordingWriter) -> Result<(), WriteError> {
         for frame in &self.frames {
             writer.append(frame)?;

@@ -102,6 +102,6 @@ fn beside(path: &Path) -> IoResult<NamedTempFile> {
         builder.permissions(permissions);
     }
     let aside = builder.tempfile_in(folder.unwrap_or(Path::new(".")));
-    // The name of a file that nobody asked for says nothing.
+    // The name of a file that nobody asked for is of no use in an error.
     aside.map_err(|reason| reason.kind().into())
 }

@@ -32,7 +32,6 @@ impl RecordingWriter {
     }
 
     /// A writer that replaces the contents of `file` with the first frame or the end.
-    #[must_use]
     pub fn begin(file: ReservedFile, header: &Header) -> Self {
         let path = file.path().to_owned();
         Self::waiting(Box::new(file), &path, header)
@@ -59,7 +58,6 @@ impl RecordingWriter {
     }
 
     /// Whether anything of it is in the file; before that, the file is unchanged.
-    #[must_use]
     pub fn has_begun(&self) -> bool {
         self.header.is_none()
     }
@@ -81,13 +79,11 @@ impl RecordingWriter {
     }
 
     /// Where it goes.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// Rows so far.
-    #[must_use]
     pub fn rows(&self) -> u64 {
         self.rows
     }
@@ -199,7 +195,7 @@ mod tests {
     }
 
     /// Wherever the disk ends, in a row, in a frame or in the last line: what is on it is whole
-    /// frames, and the error says how many rows they are.
+    /// frames, and the error has the number of their rows.
     #[test]
     fn a_full_disk_keeps_every_whole_frame() {
         for can_cut in [true, false] {
@@ -229,9 +225,9 @@ mod tests {
                 let recording = Recording::parse(&disk.bytes.borrow(), path).unwrap();
                 let rows = recording.rows.len() as u64;
                 assert_eq!(rows, u64::from(index) * 10, "{room}");
-                let said =
+                let matches =
                     matches!(stopped.fault, WriteFault::Stopped { rows: r, .. } if r == rows);
-                assert!(said, "{stopped}");
+                assert!(matches, "{stopped}");
                 // The room that the frame did not need may be enough for the last line.
                 if closed.is_err() || !can_cut {
                     assert!(matches!(recording.completeness, Completeness::Partial(_)));

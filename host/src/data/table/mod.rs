@@ -84,13 +84,11 @@ impl Table {
     }
 
     /// The column names, in order.
-    #[must_use]
     pub fn columns(&self) -> &[String] {
         &self.layout.columns
     }
 
     /// What a user should know of how the table was read.
-    #[must_use]
     pub fn remarks(&self) -> &[String] {
         &self.layout.remarks
     }
@@ -261,7 +259,7 @@ impl Table {
     }
 }
 
-/// "deg" of "angle \[deg\]", "angle (deg)" or "angle_deg"; `None` where a name says none.
+/// "deg" of "angle \[deg\]", "angle (deg)" or "angle_deg"; `None` where a name has none.
 ///
 /// ```
 /// use servoid::data::table::unit_of;
@@ -269,7 +267,6 @@ impl Table {
 /// assert_eq!(unit_of("pos_counts"), Some("counts"));
 /// assert_eq!(unit_of("position"), None);
 /// ```
-#[must_use]
 pub fn unit_of(column: &str) -> Option<&str> {
     let bracketed = column
         .trim_end()

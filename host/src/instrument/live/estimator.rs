@@ -29,14 +29,12 @@ pub struct LiveStep {
 impl LiveStep {
     /// Half of the width of the whole curve's band where it is widest, in percent of the commanded step; `None`
     /// where there is no band.
-    #[must_use]
     pub fn half_width_percent(&self) -> Option<f64> {
         let bounds = self.step.bounds.valid()?;
         Some(100.0 * bounds.widest_half_width())
     }
 
     /// Whether the whole band is within ±`percent` of the commanded step.
-    #[must_use]
     pub fn is_within(&self, percent: f64) -> bool {
         self.half_width_percent()
             .is_some_and(|half| half <= percent)
@@ -81,7 +79,6 @@ pub struct Estimator {
 
 impl Estimator {
     /// Without samples; they will be `period_s` seconds apart.
-    #[must_use]
     pub fn new(period_s: f64, options: Options) -> Self {
         Self {
             period_s,
@@ -154,9 +151,6 @@ impl Estimator {
 
     /// The step response that `servoid identify` gives of these samples: nothing is carried over from
     /// earlier estimates, as long as all samples are kept.
-    ///
-    /// # Errors
-    /// As [`Estimator::estimate`].
     pub fn estimate_anew(&mut self) -> Result<LiveStep, Error> {
         let all = match (&self.runs, &self.chosen) {
             (None, Some((settling, stream))) => return self.of_moments(*settling, stream),

@@ -74,10 +74,7 @@ fn refusal(name: &str, error: &serialport::Error) -> OpenError {
         _ if text.contains("typewriter") || text.contains("inappropriate ioctl") => {
             OpenError::NoSerialPort(name.to_owned())
         }
-        _ => OpenError::Other {
-            port: name.to_owned(),
-            reason: error.to_string(),
-        },
+        _ => OpenError::Other(name.to_owned(), error.to_string()),
     }
 }
 

@@ -78,9 +78,6 @@ impl ReferenceSpec {
     /// assert_eq!(resolved.reference.frames(), 2400); // 5 levels, 20 strokes of 1.2 s, twice
     /// # Ok::<(), servoid::instrument::reference::ReferenceError>(())
     /// ```
-    ///
-    /// # Errors
-    /// [`ReferenceError`].
     pub fn resolve(&self, us_per_degree: f64) -> Result<ResolvedReference, ReferenceError> {
         self.refuse_inapplicable_options()?;
         let mut remarks = Vec::new();

@@ -13,7 +13,6 @@ const MOST_HEADER_LINES: usize = 100;
 
 /// Whether `bytes` look like a recording of this program, sound or damaged or cut short, rather than
 /// any other CSV file: by its first line, its columns, or the other keys of its header.
-#[must_use]
 pub fn is_recording(bytes: &[u8]) -> bool {
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let begins = bytes.starts_with(FIRST_LINE.as_bytes())

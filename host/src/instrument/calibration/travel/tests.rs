@@ -92,7 +92,7 @@ fn a_servo_that_stands_still_is_told_from_one_that_ends() {
     assert!(error.to_string().contains("does not follow"), "{error}");
 }
 
-/// A staircase over a plant that is told: counts at each pulse, out and back on both sides.
+/// A staircase over a plant that is given: counts at each pulse, out and back on both sides.
 fn of(counts: impl Fn(f64) -> f64) -> Travel {
     let levels = [staircase(1500, 2000), staircase(1500, 1000)].concat();
     let rest = |(k, pulse_us): (usize, u16)| Rest {
