@@ -25,7 +25,7 @@ pub struct Connect {
 /// A host in conversation with a rig.
 ///
 /// Time comes from the driver: a duration since any moment of its choice, which never goes back.
-/// A client does one thing at a time; what is asked of it replaces what it was busy with.
+/// A client does one thing at a time; a new task replaces the one before.
 ///
 /// ```
 /// use servoid_client::{Client, Connect, Event};
@@ -143,7 +143,7 @@ impl Client {
         self.line.outgoing.pop_front()
     }
 
-    /// What has happened, in order.
+    /// The next event, in order.
     pub fn poll_event(&mut self) -> Option<Event> {
         self.line.events.pop_front()
     }
@@ -165,7 +165,7 @@ impl Client {
         self.line.hello.as_ref()
     }
 
-    /// What could not be read of what the rig sent, by class.
+    /// Messages of the rig that could not be read, by class.
     pub fn rejects(&self) -> Rejects {
         self.line.decoder.rejects()
     }
@@ -175,7 +175,7 @@ impl Client {
         self.line.asked_again
     }
 
-    /// What the rig last said of itself in the run, about twice a second.
+    /// The newest status of the rig in the run, which comes about twice a second.
     pub fn status(&self) -> Option<&Status> {
         self.line.status.as_ref()
     }

@@ -1,4 +1,4 @@
-//! What differs between a rig and this program, where they were not built for each other.
+//! Differences between a rig and a program that were not built for each other.
 
 use crate::error::ClientError;
 use serde::Serialize;
@@ -9,13 +9,13 @@ use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
 /// One thing in which they differ.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Mismatch {
-    /// What it is called in [`Hello`].
+    /// Its name in [`Hello`].
     pub field: &'static str,
     /// The rig's.
     pub rig: String,
     /// This program's.
     pub servoid: String,
-    /// What follows from it.
+    /// Its consequence.
     pub meaning: &'static str,
 }
 

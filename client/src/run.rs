@@ -8,7 +8,7 @@
 //! | the number is that of the run before          | the next number is tried                           |
 //! | a gap                                         | asked for again until it is filled or the board has forgotten it |
 //! | a request or its answer is lost               | the request is repeated, which has no second effect |
-//! | no frame for a while                          | the rig is asked what it is doing: it may be over  |
+//! | no frame for a while                          | the rig is asked for its status: it may be over    |
 //! | the rig says that it knows nothing of the run | asked twice more, because answers may be old ones  |
 //! | nothing at all for a long time                | the end, with everything that came                 |
 
@@ -94,7 +94,7 @@ impl Run {
                 self.starting = Some(other_numbers + 1);
                 Next::Stay
             }
-            // The rig may have begun it all the same: the answer may be what was lost.
+            // The rig may have begun it all the same: only the answer may be lost.
             _ => {
                 Asking.on_answer(command, answer, line);
                 self.ask_to_stop(line)
@@ -138,13 +138,13 @@ impl Run {
         Next::Then(Box::new(Asking))
     }
 
-    /// Hands on what is next in order.
+    /// Hands on the frames that are next in order.
     fn release(&mut self, line: &mut Line) {
         let ready = std::iter::from_fn(|| self.order.pop_ready());
         line.events.extend(ready.map(Event::Frame));
     }
 
-    /// Hands on all that has come; what is missing before it is given up.
+    /// Hands on all that has come; missing frames before it are given up.
     fn release_over_gaps(&mut self, line: &mut Line) {
         self.release(line);
         while self.order.give_up_before(self.end_so_far()) {

@@ -1,15 +1,15 @@
-//! What is wrong with a file, whatever kind of file it is.
+//! An error in a file of any kind.
 
 use std::fmt::{Debug, Display};
 use std::path::{Path, PathBuf};
 
-/// What is wrong with a file: the text is its name and the `fault`, which names the remedy.
+/// An error in a file: its text is the name of the file and the `fault`, which names the remedy.
 #[derive(Debug, thiserror::Error)]
 #[error("{path:?} {fault}")]
 pub struct FileError<F: Debug + Display> {
     /// Which file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The fault in it.
     pub fault: F,
 }
 

@@ -1,4 +1,4 @@
-//! Files and tables: what comes in and what is kept, as data.
+//! Files as data: recordings, tables, rig files, model files, and the data set of any recordings.
 
 pub mod dataset;
 pub mod model_file;

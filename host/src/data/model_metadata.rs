@@ -23,7 +23,7 @@ impl UnitNames {
     }
 }
 
-/// Where a model comes from, as far as its user has to know; what is not known is left out.
+/// Where a model comes from, as far as its user has to know; unknown facts are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModelMetadata {
     #[serde(default, skip_serializing_if = "UnitNames::are_unknown")]
@@ -69,7 +69,7 @@ impl ModelMetadata {
         }
     }
 
-    /// Refuses to hold two against each other whose units are known and differ; `name` and
+    /// Refuses to compare two whose units are known and differ; `name` and
     /// `other_name` are what they are called.
     pub fn same_units(
         &self,
@@ -99,10 +99,10 @@ impl ModelMetadata {
     }
 }
 
-/// Two that cannot be held against each other.
+/// Two that cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the {what} of {name} is in {unit}, that of {other} in {other_unit}: only what is in the same units can be put together or held against each other, so convert one of the recordings"
+    "the {what} of {name} is in {unit}, that of {other} in {other_unit}: only data in the same units can be put together or compared, so convert one of the recordings"
 )]
 pub struct UnitsDiffer {
     what: &'static str,

@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RigFile {
-    /// What the user calls this rig.
+    /// Name of this rig.
     pub name: String,
     /// The port to use when none is named on the command line.
     pub port: Option<String>,
@@ -51,7 +51,7 @@ pub struct RigFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ServoSection {
-    /// What the servo is called.
+    /// Name of the servo.
     pub name: String,
     /// The pulse that commands 0 degrees (µs).
     pub neutral_us: u16,
@@ -74,7 +74,7 @@ impl Default for ServoSection {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorSection {
-    /// What the sensor is called.
+    /// Name of the sensor.
     pub name: String,
     /// Reading at 0 degrees (counts).
     pub zero_counts: f64,
@@ -150,7 +150,7 @@ impl Default for LimitsSection {
 /// Why a rig file cannot be used. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum RigFileError {
-    /// What the system reports.
+    /// The error of the system.
     #[error("the rig file {0:?} cannot be read: {1}")]
     Unreadable(PathBuf, std::io::Error),
     /// The file is no rig file: what is wrong, and where.

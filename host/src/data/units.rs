@@ -3,9 +3,9 @@
 /// The units of a record's two columns, where they are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Units<'a> {
-    /// Of what was commanded.
+    /// Of the command.
     pub input: Option<&'a str>,
-    /// Of what was measured.
+    /// Of the measured position.
     pub output: Option<&'a str>,
 }
 

@@ -25,7 +25,7 @@ fn frame(index: u16) -> Frame {
 }
 
 /// A recording of four frames in which nothing depends on the clock, nor on what this program takes
-/// a rig to be that it is told nothing of.
+/// a rig to be where nothing is given.
 fn small(path: &Path, ending: Option<&Ending>) {
     let header = Header {
         servoid: "0.1.0".to_owned(),
@@ -153,9 +153,9 @@ fn require_same_or_damaged(found: &Recording, original: &Recording, what: &str) 
         let Completeness::Partial(why) = &found.completeness else {
             panic!("{what}: {:?}", found.completeness);
         };
-        let told = ["damaged", "cut off", "no last line", "no rows"];
+        let causes = ["damaged", "cut off", "no last line", "no rows"];
         assert!(
-            told.iter().any(|words| why.contains(words)),
+            causes.iter().any(|words| why.contains(words)),
             "{what}: {why}"
         );
         assert!(found.lost_samples.is_empty(), "{what}");

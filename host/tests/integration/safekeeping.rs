@@ -130,7 +130,7 @@ fn a_file_that_is_removed_under_way_is_put_back_or_beside_the_one_in_its_place()
     assert_eq!(std::fs::read_to_string(&file).unwrap(), "another's");
 }
 
-/// Whatever else writes files is told to wait too.
+/// Whatever else writes files has to wait too.
 #[test]
 fn a_recording_under_way_is_replaced_by_nothing() {
     let dir = tempfile::tempdir().unwrap();
@@ -271,7 +271,7 @@ fn a_model_of_another_schema_is_named_as_what_it_is() {
     }
 }
 
-/// A network bridge that brings a run's frames to whoever connects, and notes what it is told.
+/// A network bridge that brings a run's frames to whoever connects, and counts the bytes that come.
 #[test]
 fn a_rig_with_a_run_under_way_is_left_alone() {
     use std::io::{Read, Write};
@@ -280,7 +280,7 @@ fn a_rig_with_a_run_under_way_is_left_alone() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("x.csv");
     let bridge = std::thread::spawn(move || {
-        let mut told = 0;
+        let mut received = 0;
         for _ in 0..2 {
             let (mut stream, _) = listener.accept().unwrap();
             let pause = std::time::Duration::from_millis(20);
@@ -292,11 +292,11 @@ fn a_rig_with_a_run_under_way_is_left_alone() {
                 if stream.write_all(wire).is_err() {
                     break;
                 }
-                // A frame's time passes, or somebody says something.
-                told += stream.read(&mut [0; 100]).unwrap_or(0);
+                // A frame's time passes, or somebody sends something.
+                received += stream.read(&mut [0; 100]).unwrap_or(0);
             }
         }
-        told
+        received
     });
     let said = run(&["info", "--port", &port]);
     assert!(said.contains("run of another program"), "{said}");

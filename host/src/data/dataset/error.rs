@@ -21,7 +21,7 @@ pub enum DatasetError {
     Data(String, DataError),
 }
 
-/// What is wrong with a file.
+/// A fault in a file.
 #[derive(Debug, thiserror::Error)]
 pub enum DatasetFault {
     /// A recording.

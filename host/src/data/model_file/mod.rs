@@ -40,7 +40,7 @@ fn as_fingerprints<S: Serializer>(
 /// Why a file is not read as a model. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum ModelFileError {
-    /// What the system reports.
+    /// The error of the system.
     #[error("the model {0:?} cannot be read: {1}")]
     NotRead(PathBuf, std::io::Error),
     /// Bytes that are no letters.

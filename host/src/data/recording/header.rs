@@ -29,11 +29,11 @@ pub struct Header {
     pub servoid: String,
     /// When the run began, UTC, RFC 3339.
     pub started: String,
-    /// What the servo is called.
+    /// Name of the servo.
     pub servo: String,
     /// Under what condition: `bench`, `aircraft`, or the user's word.
     pub condition: String,
-    /// What the rig is called.
+    /// Name of the rig.
     pub rig: String,
     /// The user's remarks.
     pub notes: String,
@@ -69,7 +69,7 @@ pub struct Header {
     pub neutral_us: u16,
     /// Change of the pulse for one degree (µs/deg).
     pub us_per_degree: f64,
-    /// What the sensor is called.
+    /// Name of the sensor.
     pub sensor: String,
     /// Sensor reading at 0 degrees (counts).
     pub zero_counts: f64,

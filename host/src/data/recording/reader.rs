@@ -36,10 +36,10 @@ pub struct Recording {
 /// Why a recording could not be read.
 pub type ReadError = FileError<ReadFault>;
 
-/// What is wrong with a recording.
+/// A fault in a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadFault {
-    /// What the system reports.
+    /// The error of the system.
     #[error("cannot be read: {0}")]
     Unreadable(std::io::Error),
     /// A later version, which has this format, wrote it.
@@ -59,7 +59,7 @@ pub enum ReadFault {
         row: usize,
         /// Line, from 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
     /// Not one frame is sound.

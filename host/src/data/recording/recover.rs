@@ -19,7 +19,7 @@ use std::path::Path;
 /// Findings that are listed one by one: the header of the saved recording keeps them.
 const MOST_FINDINGS: usize = 20;
 
-/// What could be saved.
+/// The sound part of a damaged recording.
 #[derive(Clone, Debug)]
 pub struct Recovered {
     /// Where it comes from, and in `recovered` the damage.
@@ -28,7 +28,7 @@ pub struct Recovered {
     pub frames: Vec<Frame>,
     /// Frames between them of which nothing sound is left.
     pub lost_frames: Vec<Range<u32>>,
-    /// What was wrong, one sentence each.
+    /// The faults, one sentence each.
     pub findings: Vec<String>,
 }
 

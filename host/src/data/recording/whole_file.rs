@@ -7,7 +7,7 @@ use std::io::Result as IoResult;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A file that takes its place when it is whole: until then what was there stays, and half a file is
+/// A file that takes its place when it is whole: until then an older file stays, and half a file is
 /// never seen.
 #[derive(Debug)]
 pub(crate) struct WholeFile {
@@ -19,7 +19,7 @@ pub(crate) struct WholeFile {
 #[derive(Debug)]
 enum Place {
     Aside(NamedTempFile),
-    /// What is no plain file, such as a pipe, cannot be replaced.
+    /// A pipe or a device cannot be replaced.
     Direct(File),
 }
 
@@ -69,7 +69,7 @@ impl WholeFile {
     /// Puts it in its place.
     ///
     /// # Errors
-    /// [`WriteError`]; what was there is there still.
+    /// [`WriteError`]; an older file is there still.
     pub(crate) fn put_in_place(self) -> Result<(), WriteError> {
         let Place::Aside(file) = self.target else {
             return Ok(());

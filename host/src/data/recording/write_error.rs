@@ -45,7 +45,7 @@ pub enum WriteFault {
     Stopped {
         /// Rows that are on the disk.
         rows: u64,
-        /// What the system reports.
+        /// The error of the system.
         reason: Error,
     },
 }

@@ -67,7 +67,7 @@ impl RecordingWriter {
         let Some(text) = self.header.take() else {
             return Ok(());
         };
-        // What is not a plain file has no length to cut.
+        // A pipe or a device has no length to cut.
         let _best_effort = self.target.cut_to(0);
         self.target.write_all(text.as_bytes()).map_err(|reason| {
             // An empty file is in nobody's way.

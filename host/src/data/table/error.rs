@@ -5,10 +5,10 @@ use crate::data::file_error::FileError;
 /// Why a table could not be read.
 pub type TableError = FileError<TableFault>;
 
-/// What is wrong with a table.
+/// A fault in a table.
 #[derive(Debug, thiserror::Error)]
 pub enum TableFault {
-    /// What the system reports.
+    /// The error of the system.
     #[error("cannot be read: {0}")]
     Unreadable(std::io::Error),
     /// No header row.

@@ -135,7 +135,7 @@ impl TimeColumn {
         (2 * ones >= times.len().saturating_sub(1) && found.scatter <= SCATTER).then_some(found)
     }
 
-    /// Whether what is not of one length is gaps of whole steps. Stamps that are coarser than the
+    /// Whether all steps of another length are gaps of whole steps. Stamps that are coarser than the
     /// steps look so too; but those stay close to a straight line.
     fn has_gaps_alone(&self, steps: &[f64], all: f64) -> bool {
         let whole = |step: &f64| {

@@ -32,9 +32,4 @@ impl Estimate {
             upper: value + half,
         }
     }
-
-    /// Whether a number lies in the interval.
-    pub fn covers(&self, number: f64) -> bool {
-        (self.lower..=self.upper).contains(&number)
-    }
 }

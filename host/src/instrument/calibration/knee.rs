@@ -122,7 +122,7 @@ impl Line {
             return None;
         }
         let fit = fit(knees, points)?;
-        // However straight the line, what is read is rounded.
+        // However straight the line, readings are rounded.
         let variance = (fit.squares / degrees_of_freedom).max(super::sensor_scale::ROUNDING);
         let [zero, slope, ..] = fit.coefficients;
         let [zero_variance, slope_variance, ..] = fit.variances;

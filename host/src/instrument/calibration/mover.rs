@@ -66,7 +66,7 @@ pub enum MoveError {
     /// The run is not whole.
     #[error("the servo is back at neutral, and the calibration has no result: {0}")]
     BrokenOff(String),
-    /// Beyond what the rig file allows.
+    /// Beyond the limits of the rig file.
     #[error("{pulse_us} µs is beyond the limits of the rig file, {shortest} to {longest} µs")]
     BeyondLimits {
         /// The pulse that was asked for.

@@ -1,7 +1,7 @@
 //! The sensor's scale from readings at known angles.
 //!
 //! `counts = zero + angle / scale + error`, by least squares of the readings on the angles, which are
-//! taken as exact; what the errors are is judged by the scatter around the line (N. R. Draper and
+//! taken as exact; the size of the errors follows from the scatter around the line (N. R. Draper and
 //! H. Smith, *Applied Regression Analysis*, 1998, §1.4).
 
 use super::estimate::{LEVEL, student};
@@ -17,7 +17,7 @@ pub(super) const ROUNDING: f64 = 4.0 / 12.0;
 pub struct Reading {
     /// The angle (deg).
     pub angle_deg: f64,
-    /// What the sensor read there (counts; an average need not be whole).
+    /// The reading of the sensor there (counts; an average need not be whole).
     pub counts: f64,
 }
 

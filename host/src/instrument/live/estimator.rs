@@ -91,7 +91,7 @@ impl Estimator {
         }
     }
 
-    /// Another run begins: what was before has nothing to do with what comes.
+    /// Another run begins, which does not depend on the samples before.
     pub fn begin_run(&mut self) {
         if let Some(runs) = &mut self.runs {
             runs.push((Vec::new(), Vec::new()));
@@ -140,7 +140,7 @@ impl Estimator {
     /// The step response of the samples so far.
     ///
     /// # Errors
-    /// One sentence that says what the samples lack; more of them may mend it.
+    /// One sentence that names what the samples lack; more of them may mend it.
     pub fn estimate(&mut self) -> Result<LiveStep, Error> {
         let again = self.samples as f64 >= CHOOSE_AGAIN * self.chosen_at as f64;
         match &self.chosen {
@@ -196,7 +196,7 @@ mod tests {
     use super::*;
 
     /// Where the reference changes its sign: holds of 200, 150, 110 and 80 samples. Equal holds would
-    /// be a periodic reference, which says nothing of lags beyond a hold.
+    /// be a periodic reference, which does not determine lags beyond a hold.
     const EDGES: [usize; 4] = [200, 350, 460, 540];
 
     /// A servo of first order (time constant 10 samples) with white noise of 0.05, between ±5.

@@ -25,7 +25,7 @@ struct Found {
 }
 
 impl Found {
-    /// What cannot be found yet leaves what was found before.
+    /// An estimate that fails leaves the one before.
     fn keep(&self, step: Result<LiveStep, Error>) {
         if let Ok(step) = step {
             let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
@@ -44,9 +44,8 @@ pub struct LiveIdentification {
 }
 
 impl LiveIdentification {
-    /// Without samples; they will be `period_s` seconds apart. `until_percent` is what the band is to
-    /// be narrower than, if anything: an estimate that seems to be is made anew from all samples
-    /// before it is believed.
+    /// Without samples; they will be `period_s` seconds apart. Where the band is to be within
+    /// `until_percent`, an estimate that seems to be is made anew from all samples before it is believed.
     pub fn new(period_s: f64, options: Options, until_percent: Option<f64>) -> Self {
         let (orders, queue) = channel();
         let found = Arc::new(Found::default());

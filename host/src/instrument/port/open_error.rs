@@ -1,6 +1,6 @@
 //! Why a port could not be opened, and what to do about it.
 
-/// Why a port could not be opened. The text says what to do.
+/// Why a port could not be opened. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// No such port.

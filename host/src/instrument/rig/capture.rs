@@ -1,7 +1,7 @@
 //! Recording one run.
 //!
 //! Frames are written in order as they come. The end is *complete* only when the rig's own check over the
-//! run agrees with what was written.
+//! run agrees with the rows.
 
 use super::capture_outcome::{CaptureEnd, CaptureError, Progress, StopReason};
 use super::client::{RigClient, session_number};
@@ -25,10 +25,10 @@ pub const ROLL_FRAMES: u16 = (FRAMES_PER_SECOND * 8 / 10) as u16;
 /// How often a capture asks whether it is to stop, where no frame comes.
 const STOP_ASKED_EVERY: Duration = Duration::from_millis(5);
 
-/// What is to be recorded.
+/// A run to be recorded.
 #[derive(Clone, Debug)]
 pub struct Capture {
-    /// What the user knows of their rig.
+    /// The rig.
     pub rig: RigFile,
     /// The run.
     pub start: Start,
@@ -91,7 +91,7 @@ impl Capture {
             run.leave(client, error);
         }
         if !run.begun && !run.writer.has_begun() {
-            // No run, no recording: what was in the file is there still.
+            // No run, no recording: the file still has its earlier contents.
             return Err(outcome.err().unwrap_or(CaptureError::StoppedBefore));
         }
         let lost_frames = run.missing();

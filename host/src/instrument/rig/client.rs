@@ -94,7 +94,7 @@ impl RigClient {
         self.hello.schema_hash == SCHEMA_HASH
     }
 
-    /// What could not be read of what the rig sent.
+    /// Messages of the rig that could not be read, by class.
     pub fn rejects(&self) -> Rejects {
         self.driver.client.rejects()
     }
@@ -165,7 +165,7 @@ impl RigClient {
         self.driver.next_event(timeout)
     }
 
-    /// Lets go of a run that went wrong, so that the servo returns to neutral; hands what is left of it to
+    /// Lets go of a run that went wrong, so that the servo returns to neutral; hands the remaining events to
     /// `rest`. Where the line is gone nobody can be asked, and the lease brings the servo there.
     pub(super) fn leave_run(&mut self, line_is_gone: bool, mut rest: impl FnMut(Event, &Client)) {
         self.driver.client.break_off_run(self.now());

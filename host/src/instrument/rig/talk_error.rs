@@ -2,7 +2,7 @@
 
 use servoid_client::ClientError;
 
-/// Why a rig cannot be talked to. The text says what to do.
+/// Why a rig cannot be talked to. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum TalkError {
     /// Not a byte came from this port.

@@ -130,7 +130,7 @@ impl Head {
 }
 
 /// Replaces a scale that no servo and no sensor has, such as 0, by the usual one, so that the rows can be kept;
-/// returns what was wrong.
+/// returns the faults.
 fn mend_scales(header: &mut Header) -> Vec<String> {
     let usual = Header::default();
     let Header {

@@ -1,4 +1,4 @@
-//! A file's lines, taken apart; what is wrong is noted, and reading goes on.
+//! A file's lines, taken apart; faults are noted, and reading goes on.
 
 mod as_written;
 mod head;
@@ -44,7 +44,7 @@ pub(super) struct Damage {
     pub(super) row: Option<usize>,
     /// Line, from 1.
     pub(super) line: usize,
-    /// What is wrong.
+    /// The fault.
     pub(super) reason: String,
 }
 

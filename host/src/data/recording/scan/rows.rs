@@ -6,7 +6,7 @@ use crate::data::recording::last_line::LastLine;
 use crate::data::recording::row::{Row, RowReader};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
-/// What is in the place of the last line.
+/// The end of a file, where the last line belongs.
 #[derive(Debug)]
 pub(in crate::data::recording) enum End {
     /// Nothing, or only a part of one.

@@ -51,7 +51,7 @@ pub enum End {
     Softens {
         /// From about this pulse on (µs).
         from_us: Estimate,
-        /// What is left of the gain (percent).
+        /// The gain there, of that around neutral (percent).
         gain_percent: Estimate,
     },
     /// From there on it answers more: what is nearer to neutral answers less, by load, friction or linkage.

@@ -48,7 +48,7 @@ fn neutral_scale_and_ends_of_the_simulated_servo_lie_within_their_intervals() {
             (long.1, high - 0.02),
         ];
         for (missed, (found, truth)) in missed.iter_mut().zip(truths) {
-            *missed += u64::from(!found.covers(truth));
+            *missed += u64::from(!covers(found, truth));
         }
     }
     // At 1 % four misses or more of 40 happen once in a thousand.
@@ -150,6 +150,6 @@ fn an_end_that_only_softens_is_no_stop() {
     );
     let stopped = of(|us| line(us.max(1234.0)));
     let (at, angle) = stop(&stopped.short_end);
-    assert!(at.covers(1234.0) && at.upper - at.lower < 10.0, "{at:?}");
+    assert!(covers(at, 1234.0) && at.upper - at.lower < 10.0, "{at:?}");
     assert!((angle.value + 26.6).abs() < 0.1, "{angle:?}");
 }
