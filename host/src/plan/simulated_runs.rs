@@ -1,7 +1,7 @@
 //! Simulated runs of the assumed servo.
 
 use super::request::PlanRequest;
-use crate::instrument::rig::capture::ROLL_FRAMES;
+use crate::instrument::rig::ROLL_FRAMES;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

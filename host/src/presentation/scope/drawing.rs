@@ -98,7 +98,7 @@ fn draw_text_alone(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
 mod tests {
     use super::*;
     use crate::instrument::live::LiveStep;
-    use crate::instrument::rig::capture::ROLL_FRAMES;
+    use crate::instrument::rig::ROLL_FRAMES;
     use crate::presentation::scope::state::{FrameSeen, Link, ScopeEvent};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
