@@ -2,7 +2,7 @@
 
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
-use servoid_identification::advice::{Advice, Check};
+use servoid_identification::results::{Advice, Check};
 use servoid_protocol::timing::FRAME_US;
 
 /// Where data come from, as far as the files state it.

@@ -6,7 +6,7 @@ use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use crate::data::degrees::DegreeScale;
 use crate::data::recording::{Completeness, ReadFault, Recording};
-use servoid_identification::advice::Check;
+use servoid_identification::results::Check;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::path::Path;
 

@@ -9,7 +9,7 @@ use super::{sentinel_values, suggestion};
 use crate::data::table::{Table, TableFault, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
 use clap::ValueEnum;
-use servoid_identification::advice::{Advice, Check};
+use servoid_identification::results::{Advice, Check};
 use std::path::Path;
 
 /// The runs of a table, which is the file `path`.

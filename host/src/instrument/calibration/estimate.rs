@@ -1,7 +1,7 @@
 //! A measured value and how far it may be off.
 
 use serde::Serialize;
-use servoid_identification::critical_values::{pointwise_critical, student_critical};
+use servoid_identification::results::{pointwise_critical, student_critical};
 
 /// Confidence of the intervals.
 pub const LEVEL: f64 = 0.99;

@@ -18,7 +18,7 @@ use super::knee;
 use super::mover::{MoveError, Mover, Rest};
 use crate::data::rig_file::{RigFile, SensorSection};
 use serde::Serialize;
-use servoid_identification::critical_values::pointwise_critical;
+use servoid_identification::results::pointwise_critical;
 
 /// Levels on each side of neutral.
 const LEVELS: u16 = 8;

@@ -27,6 +27,10 @@ fn stop(end: &End) -> (Estimate, Estimate) {
     }
 }
 
+fn covers(interval: Estimate, truth: f64) -> bool {
+    (interval.lower..=interval.upper).contains(&truth)
+}
+
 /// Stops at angles that no level of the staircase commands, 62.5 µs being 6.25 degrees.
 #[test]
 fn neutral_scale_and_ends_of_the_simulated_servo_lie_within_their_intervals() {
