@@ -58,7 +58,6 @@ impl Default for Conditions {
 
 impl Conditions {
     /// `motor` under these conditions.
-    #[must_use]
     pub fn applied_to(&self, motor: MotorParameters) -> MotorParameters {
         MotorParameters {
             stall_torque: motor.stall_torque * self.supply,
@@ -80,7 +79,6 @@ impl Conditions {
     /// | friction | normal, standard deviation 20 %                     |
     /// | sensor   | gain normal, standard deviation 0.1 %               |
     /// | rotor    | phase uniform over the turn                         |
-    #[must_use]
     pub fn scattered(mut self, scatter: Scatter, seed: u64) -> Self {
         let mut random = stream(seed, Stream::Scatter);
         // All parts are drawn in any case, so the value of one does not depend on the choice of others.

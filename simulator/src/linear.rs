@@ -54,7 +54,6 @@ impl LinearParameters {
     /// let peak = servo.step_response(0.0215 + std::f64::consts::PI / (60.0 * root));
     /// assert!((peak - (1.0 + (-std::f64::consts::PI * 0.5 / root).exp())).abs() < 1e-12);
     /// ```
-    #[must_use]
     pub fn step_response(&self, t: f64) -> f64 {
         let t = t - self.delay.as_secs_f64();
         if t <= 0.0 {
@@ -120,7 +119,6 @@ pub struct LinearServo {
 
 impl LinearServo {
     /// A servo at rest at 0 degrees.
-    #[must_use]
     pub fn new(parameters: LinearParameters) -> Self {
         Self {
             parameters,

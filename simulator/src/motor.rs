@@ -91,7 +91,6 @@ pub struct MotorServo {
 
 impl MotorServo {
     /// A servo at rest at 0 degrees, without pulses.
-    #[must_use]
     pub fn new(parameters: MotorParameters, load: Option<AerodynamicLoad>) -> Self {
         Self {
             commands: DelayLine::new(parameters.latency),

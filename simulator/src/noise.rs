@@ -53,7 +53,6 @@ pub struct Noise {
 
 impl Noise {
     /// The noise of `seed`, stationary from the first sample on.
-    #[must_use]
     pub fn new(kind: NoiseKind, seed: u64) -> Self {
         let mut noise = Self {
             kind,

@@ -19,7 +19,7 @@ pub(crate) fn commanded_degrees(pulse: PulseWidth) -> f64 {
 ///
 /// Time counts from the start of the simulation and only goes forward. The motion depends on the
 /// commands and their times alone, never on the reads of the angle.
-pub trait Servo {
+pub trait Servo: std::fmt::Debug + Send {
     /// A pulse with its rising edge at `at`, or `None` for a missing one. It repeats until the next command.
     ///
     /// The angle may have been read beyond `at` before, as long as the servo's latency is not over: a real servo, too,

@@ -120,10 +120,7 @@ impl SimulationOptions {
                 | "delay-ms",
                 servo,
             ) => {
-                return Err(OptionsError::NotForThisServo {
-                    key: key.into(),
-                    servo: servo.name(),
-                });
+                return Err(OptionsError::NotForThisServo(key.into(), servo.name()));
             }
             _ => return Err(OptionsError::UnknownKey(key.into())),
         }

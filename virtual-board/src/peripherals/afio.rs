@@ -1,9 +1,7 @@
 //! Alternate functions: which pins a peripheral uses (RM0008 9.4).
 
 use super::{Moment, field};
-use crate::record::Irregularity;
 
-/// The model.
 #[derive(Debug, Default)]
 pub struct Afio {
     evcr: u32,
@@ -14,13 +12,10 @@ pub struct Afio {
 impl Afio {
     /// Whether TIM2's channel 2 is on PA1: without remapping, and with the second partial one
     /// (9.3.7, table of TIM2 alternate functions).
-    #[must_use]
     pub fn tim2_channel_2_is_on_pa1(&self) -> bool {
         matches!(field(self.mapr, 8, 2), 0b00 | 0b10)
     }
 
-    /// Reads the register at `offset`; `None` where there is none.
-    #[must_use]
     pub fn read(&self, offset: u32) -> Option<u32> {
         Some(match offset {
             0x00 => self.evcr,
@@ -31,18 +26,17 @@ impl Afio {
         })
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
         match offset {
             0x00 => self.evcr = value,
             0x04 => {
                 // USART1 on PB6/PB7, ADC1's external triggers: nothing follows them here.
-                let what = Irregularity::NotModelled("remapping of USART1 or of ADC triggers");
-                m.report_if(value & (1 << 2 | 1 << 17 | 1 << 18) != 0, what);
+                let remaps = value & (1 << 2 | 1 << 17 | 1 << 18) != 0;
+                m.not_modelled(remaps, "remapping of USART1 or of ADC triggers");
                 self.mapr = value;
             }
             0x08..=0x14 => {
-                m.report(Irregularity::NotModelled("external interrupts"));
+                m.not_modelled(true, "external interrupts");
                 *self.exticr.get_mut((offset as usize - 8) / 4)? = value;
             }
             _ => return None,

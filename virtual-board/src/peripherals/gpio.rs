@@ -1,12 +1,10 @@
 //! One port of general-purpose pins (RM0008 9.1, 9.2).
 
 use super::{Moment, bit, field};
-use crate::record::Irregularity;
 
-/// What a pin does (table "Port bit configuration table").
+/// The configuration of a pin (table "Port bit configuration table").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// Analog input.
     Analog,
     /// Digital input, floating or pulled.
     Input,
@@ -20,7 +18,6 @@ pub enum Mode {
     Reserved,
 }
 
-/// The model.
 #[derive(Debug)]
 pub struct Gpio {
     /// CRL and CRH.
@@ -41,8 +38,7 @@ impl Default for Gpio {
 }
 
 impl Gpio {
-    /// How `pin` is configured.
-    #[must_use]
+    /// The configuration of `pin`.
     pub fn mode(&self, pin: u32) -> Mode {
         let [low, high] = self.cr;
         let configuration = field(if pin < 8 { low } else { high }, pin % 8 * 4, 4);
@@ -57,14 +53,12 @@ impl Gpio {
     }
 
     /// The level that the port itself gives `pin`: as output, or through its pull-up.
-    #[must_use]
     pub fn level(&self, pin: u32) -> bool {
         bit(self.odr, pin)
     }
 
     /// Reads the register at `offset`; `None` where there is none. `levels` are those of the pins
     /// that something outside drives.
-    #[must_use]
     pub fn read(&self, offset: u32, levels: u32) -> Option<u32> {
         Some(match offset {
             0x00 => self.cr[0],
@@ -82,7 +76,6 @@ impl Gpio {
         })
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
         match offset {
             0x00 => self.cr[0] = value,
@@ -93,7 +86,7 @@ impl Gpio {
             0x10 => self.odr = self.odr & !(value >> 16) | value & 0xffff,
             0x14 => self.odr &= !(value & 0xffff),
             0x18 => {
-                m.report(Irregularity::NotModelled("locking of pins"));
+                m.not_modelled(true, "locking of pins");
                 self.lckr = value & 0x1_ffff;
             }
             _ => return None,

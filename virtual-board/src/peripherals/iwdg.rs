@@ -44,7 +44,6 @@ impl Slow {
     }
 }
 
-/// The model.
 #[derive(Debug)]
 pub struct Iwdg {
     /// Ticks of one cycle of the low-speed oscillator.
@@ -59,7 +58,6 @@ pub struct Iwdg {
 impl Iwdg {
     /// A watchdog out of reset; its oscillator has `lsi_hz`, nominally 40 kHz, and anything between
     /// 30 and 60 kHz within the datasheet.
-    #[must_use]
     pub fn new(lsi_hz: u32) -> Self {
         Self {
             cycle: TICKS_PER_SECOND / Ticks::from(lsi_hz.max(1)),
@@ -71,7 +69,6 @@ impl Iwdg {
     }
 
     /// When the chip will be reset, if nobody reloads the counter.
-    #[must_use]
     pub fn expires(&self) -> Option<Ticks> {
         let (at, count) = self.loaded?;
         // 19.4.2: 4 to 256. A prescaler that is being updated is taken as updated: the difference
@@ -81,8 +78,6 @@ impl Iwdg {
         Some(at + Ticks::from(count + 1) * divider * self.cycle)
     }
 
-    /// Reads the register at `offset`; `None` where there is none.
-    #[must_use]
     pub fn read(&self, offset: u32, now: Ticks) -> Option<u32> {
         Some(match offset {
             0x00 => 0,
@@ -95,7 +90,6 @@ impl Iwdg {
         })
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
         let now = m.now;
         let effective = match self.loaded {

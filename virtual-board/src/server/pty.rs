@@ -41,7 +41,6 @@ impl PseudoTerminal {
     }
 
     /// The name that the host opens.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }

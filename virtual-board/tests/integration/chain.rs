@@ -128,7 +128,7 @@ fn the_staircase_is_on_the_line_and_in_the_stream_to_the_tick() {
 #[test]
 fn load_and_memory() {
     let image = image();
-    let (flash, ram) = (image.flash_used(), image.ram_used());
+    let (flash, ram) = (image.flash_used, image.ram_used);
     let board = SharedBoard::new(&options("bench", &[]));
     let mut client = board.connect();
     let job = staircase();

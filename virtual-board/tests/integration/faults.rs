@@ -146,7 +146,7 @@ fn in_a_pulse() -> Ticks {
 #[test]
 fn a_crystal_that_stops_ends_the_pulses_at_once() {
     let at = in_a_pulse();
-    let options = options("linear?seed=1", &[]).with_fault(Fault::CrystalStops { at });
+    let options = options("linear?seed=1", &[]).with_fault(Fault::CrystalStops(at));
     let board = SharedBoard::new(&options);
     start_and_watch(&board, LONG_LEASE, to_duration(at) + Duration::from_secs(1));
     let last = *pulses(&board).last().unwrap();
@@ -270,7 +270,7 @@ fn a_stuck_processor_is_reset_by_the_watchdog() {
         // The frames that nobody took are what is to be seen of it, and nothing else.
         board.with(|board| {
             let chip = board.chip();
-            let overran = |v: &Violation| matches!(v.what, Irregularity::DmaOverrun { .. });
+            let overran = |v: &Violation| matches!(v.what, Irregularity::DmaOverrun(_));
             let violations = &chip.record.violations;
             assert!(
                 !violations.is_empty() && violations.iter().all(overran),
@@ -283,7 +283,7 @@ fn a_stuck_processor_is_reset_by_the_watchdog() {
 #[test]
 fn a_brown_out_ends_the_pulses_and_is_reported() {
     let at = in_a_pulse();
-    let options = options("linear?seed=1", &[]).with_fault(Fault::BrownOut { at });
+    let options = options("linear?seed=1", &[]).with_fault(Fault::BrownOut(at));
     let board = SharedBoard::new(&options);
     start_and_watch(&board, LONG_LEASE, to_duration(at) + Duration::from_secs(1));
     let last = *pulses(&board).last().unwrap();

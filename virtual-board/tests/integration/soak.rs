@@ -264,10 +264,10 @@ fn require_explained(record: &Record, troubles: &[Trouble], end: Ticks) -> Resul
         // A stuck processor takes neither what the DMA brings nor what the line does, and nothing
         // else may go wrong.
         let untaken = Irregularity::ReceiverOverrun == violation.what
-            || matches!(violation.what, Irregularity::DmaOverrun { .. });
+            || matches!(violation.what, Irregularity::DmaOverrun(_));
         let explained = untaken
             && troubles.iter().any(|t| {
-                matches!(t.fault, Fault::CpuStuck { .. }) && (t.at..t.over).contains(&violation.at)
+                matches!(t.fault, Fault::CpuStuck(_)) && (t.at..t.over).contains(&violation.at)
             });
         if !explained {
             return Err(violation.to_string());

@@ -1,7 +1,7 @@
 //! A core with something done around each of its steps.
 
 use virtual_board::cpu::rsemu::RsemuCore;
-use virtual_board::cpu::{Core, Registers};
+use virtual_board::cpu::{Core, Line, Registers};
 
 /// What is done around the steps of a core.
 pub trait Around {
@@ -43,12 +43,8 @@ impl<A: Around> Core for Stepped<A> {
         self.core.reset();
     }
 
-    fn set_irq(&mut self, number: u32, level: bool) {
-        self.core.set_irq(number, level);
-    }
-
-    fn set_nmi(&mut self, level: bool) {
-        self.core.set_nmi(level);
+    fn set_line(&mut self, line: Line, level: bool) {
+        self.core.set_line(line, level);
     }
 
     fn skip(&mut self, cycles: u64) {

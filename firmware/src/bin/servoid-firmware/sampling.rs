@@ -153,12 +153,11 @@ fn DMA1_CHANNEL1() {
     });
     // If the next frame has begun already, the pulse is not that of this frame.
     if let Some(pulse) = pulse {
-        let samples = samples(half);
         // A full queue loses the frame; the gap in the numbers shows it.
         let _ = FRAMES.try_send(CapturedFrame {
             number,
             pulse,
-            samples,
+            samples: samples(half),
         });
     }
 }
