@@ -16,8 +16,8 @@
 //! 1. Done for the last run, which has ended; `UnknownRun` for others.
 //! 2. `UnknownRun` for another run.
 //!
-//! `KeepAlive`, `Status` and `Hello` change no state; `Resend` is refused as `UnknownRun` unless it names the run
-//! under way or the last one. Conditions of the transitions:
+//! `KeepAlive`, `Status` and `Hello` change no state; `Resend` is refused as `UnknownRun` unless it names the present run
+//! or the last one. Conditions of the transitions:
 //!
 //! | transition | needs                                                                                |
 //! |------------|--------------------------------------------------------------------------------------|
@@ -281,7 +281,7 @@ impl Rig {
         Ok(())
     }
 
-    /// Ends the run under way, if there is one.
+    /// Ends the present run, if there is one.
     fn end(&mut self, reason: EndReason) {
         if let State::Running(limits, run) = &self.state {
             let (limits, ended) = (*limits, run.ended(reason));
@@ -290,7 +290,7 @@ impl Rig {
         }
     }
 
-    /// Requires the run of the history: the run under way or the last one.
+    /// Requires the run of the history: the present run or the last one.
     fn require_run(&self, run: u16) -> Result<(), Refusal> {
         if self.history.run() == Some(run) {
             Ok(())

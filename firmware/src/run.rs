@@ -1,4 +1,4 @@
-//! One run under way.
+//! The present run.
 
 use crate::board::CapturedFrame;
 use crate::history::History;

@@ -35,9 +35,6 @@ pub const MAX_WIRE: usize = cobs::max_encoding_length(MAX_PAYLOAD + CRC_BYTES) +
 pub struct TooLong;
 
 /// A message in postcard, without CRC and framing.
-///
-/// # Errors
-/// [`TooLong`] where it takes more than [`MAX_PAYLOAD`] bytes.
 pub fn to_payload<'a, T: Serialize>(
     message: &T,
     buffer: &'a mut [u8; MAX_PAYLOAD],
@@ -48,9 +45,6 @@ pub fn to_payload<'a, T: Serialize>(
 }
 
 /// A message as it goes over the wire.
-///
-/// # Errors
-/// [`TooLong`] where it takes more than [`MAX_PAYLOAD`] bytes.
 ///
 /// ```
 /// use servoid_protocol::{Command, Decoder, Request, framing};

@@ -50,17 +50,11 @@ pub struct InProcessRig {
 
 impl InProcessRig {
     /// A rig that was just switched on.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option has an invalid value.
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
         Self::observed(options, |_| {})
     }
 
     /// A rig that passes every PWM frame to `observer`, with the true angles behind its samples.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option has an invalid value.
     pub fn observed(
         options: &SimulationOptions,
         observer: impl FnMut(&SimulatedFrame) + 'static,

@@ -8,12 +8,12 @@
 //! delay. A missing pulse leaves the command unchanged.
 
 use crate::delay_line::DelayLine;
-use crate::servo::{Servo, commanded_degrees};
+use crate::servo::{SERVO_SCALE, Servo};
 use servoid_protocol::PulseWidth;
 use std::time::Duration;
 
 /// Distance of ζ² from 1 below which the poles count as equal. There the two solutions differ by
-/// about ζ²-1 relative, less than what the cancellation in the unequal one would cost.
+/// about ζ²-1 relative, less than the cancellation error of the unequal one.
 const EQUAL_POLES: f64 = 1e-9;
 
 /// K, ζ, ω and L.
@@ -150,7 +150,9 @@ impl Servo for LinearServo {
     fn angle(&mut self, at: Duration) -> f64 {
         self.latest = self.latest.max(at);
         while let Some((acts, pulse)) = self.commands.pop_due(self.latest) {
-            let target = pulse.map_or(self.target, |p| self.parameters.gain * commanded_degrees(p));
+            let target = pulse.map_or(self.target, |p| {
+                self.parameters.gain * SERVO_SCALE.degrees(p).0
+            });
             // An equal pulse is skipped, which avoids its rounding.
             if target != self.target {
                 self.state = self.state_at(acts);

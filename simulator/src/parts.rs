@@ -23,9 +23,6 @@ pub struct Parts {
 
 impl Parts {
     /// The parts that `options` describe.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option has an invalid value.
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
         options.check()?;
         let conditions = options.conditions.scattered(options.scatter, options.seed);

@@ -62,9 +62,6 @@ pub struct VirtualBoard<C: Core = RsemuCore> {
 
 impl VirtualBoard {
     /// A board with `image` in its flash, switched on at time 0.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option of the simulation has an invalid value.
     pub fn new(image: Image, options: &BoardOptions) -> Result<Self, OptionsError> {
         Self::with_core(image, options, RsemuCore::new)
     }
@@ -72,9 +69,6 @@ impl VirtualBoard {
 
 impl<C: Core> VirtualBoard<C> {
     /// A board with another core.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option of the simulation has an invalid value.
     pub fn with_core(
         image: Image,
         options: &BoardOptions,

@@ -117,12 +117,11 @@ fn timed(name: &str, at: &str) -> Option<Fault> {
 
 fn on_the_line(name: &str, probability: &str) -> Option<Fault> {
     let probability = probability.parse().ok()?;
-    let (direction, name) = if let Some(name) = name.strip_prefix("to-board-") {
-        (Some(Direction::ToBoard), name)
-    } else if let Some(name) = name.strip_prefix("to-host-") {
-        (Some(Direction::ToHost), name)
-    } else {
-        (None, name)
+    let prefixed = |prefix| name.strip_prefix(prefix);
+    let (direction, name) = match (prefixed("to-board-"), prefixed("to-host-")) {
+        (Some(name), _) => (Some(Direction::ToBoard), name),
+        (_, Some(name)) => (Some(Direction::ToHost), name),
+        _ => (None, name),
     };
     let disturbance = match name {
         "flip" => Disturbance::Flip,

@@ -42,9 +42,6 @@ pub struct Image {
 
 impl Image {
     /// Reads an ELF file.
-    ///
-    /// # Errors
-    /// [`ImageError`] where it cannot be read or is not for this chip.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
         let bytes = std::fs::read(path).map_err(|source| ImageError::Read {
             path: path.into(),
@@ -54,9 +51,6 @@ impl Image {
     }
 
     /// Parses an ELF file.
-    ///
-    /// # Errors
-    /// [`ImageError::NotAnImage`] where it is not for this chip.
     pub fn parse(elf: &[u8]) -> Result<Self, ImageError> {
         let wrong = |what: &dyn std::fmt::Display| ImageError::NotAnImage(what.to_string());
         let file = ElfFile32::<Endianness>::parse(elf).map_err(|e| wrong(&e))?;

@@ -2,7 +2,7 @@
 //!
 //! One unit for everything, chosen so that each clock of the chip is a whole number of it: 72 MHz
 //! from the crystal, 64 MHz from the internal oscillator, the ADC's clock, the watchdog's 40 kHz and
-//! the bits of a 115200 baud line. So nothing is ever rounded, and equal means equal.
+//! the bits of a 115200 baud line. So no time is ever rounded.
 
 use std::time::Duration;
 

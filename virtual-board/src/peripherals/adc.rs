@@ -39,7 +39,7 @@ const HIGHEST_CLOCK: u64 = 14_000_000;
 
 /// Half cycles for sampling, by SMPx (11.12.4).
 const SAMPLING: [Ticks; 8] = [3, 15, 27, 57, 83, 111, 143, 479];
-/// Half cycles for converting what was sampled (11.6).
+/// Half cycles for converting a sample (11.6).
 const CONVERTING: Ticks = 25;
 /// Cycles of a calibration (DS5319) and of resetting it (not stated; some).
 const CALIBRATION: Ticks = 83;
@@ -83,7 +83,7 @@ pub struct Adc {
     dr: u32,
     powered_since: Ticks,
     calibrated: bool,
-    /// End of the calibration, or of its reset, that is under way.
+    /// End of the present calibration, or of its reset.
     calibrates_until: Ticks,
     scan: Option<Scan>,
 }
@@ -269,8 +269,8 @@ impl Adc {
         Some(())
     }
 
-    /// 11.3.1 and 11.12.3: ADON powers the ADC up; written once more with nothing else changed in
-    /// the register, it starts a conversion.
+    /// 11.3.1 and 11.12.3: ADON powers the ADC up. Written again without another change of the
+    /// register, it starts a conversion.
     fn write_cr2(&mut self, value: u32, m: &mut Moment<'_>) {
         let before = self.read(offset::CR2, m.now).unwrap_or_default();
         let was_on = bit(before, ADON);

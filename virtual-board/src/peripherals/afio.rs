@@ -6,7 +6,6 @@ use super::{Moment, field};
 pub struct Afio {
     evcr: u32,
     mapr: u32,
-    exticr: [u32; 4],
 }
 
 impl Afio {
@@ -21,7 +20,7 @@ impl Afio {
             0x00 => self.evcr,
             // 9.4.2: SWJ_CFG is write-only.
             0x04 => self.mapr & !0x0700_0000,
-            0x08..=0x14 => *self.exticr.get((offset as usize - 8) / 4)?,
+            0x08 | 0x0c | 0x10 | 0x14 => 0,
             _ => return None,
         })
     }
@@ -35,10 +34,7 @@ impl Afio {
                 m.not_modelled(remaps, "remapping of USART1 or of ADC triggers");
                 self.mapr = value;
             }
-            0x08..=0x14 => {
-                m.not_modelled(true, "external interrupts");
-                *self.exticr.get_mut((offset as usize - 8) / 4)? = value;
-            }
+            0x08 | 0x0c | 0x10 | 0x14 => m.not_modelled(true, "external interrupts"),
             _ => return None,
         }
         Some(())

@@ -5,8 +5,8 @@ use super::Moment;
 /// Medium-density device, revision Y (31.6.1).
 const IDCODE: u32 = 0x2003_6410;
 
-/// The model. No debugger is ever attached, so nothing in CR has an effect; a program that sets it
-/// all the same drains a battery, or keeps the watchdog from biting on the bench.
+/// No debugger is ever attached, so CR has no effect. A program that sets it all the same drains a
+/// battery, or stops the watchdog on the bench.
 #[derive(Debug, Default)]
 pub struct Dbgmcu {
     cr: u32,

@@ -93,8 +93,7 @@ impl Dma {
         Some(transfer)
     }
 
-    /// The transfer that channel `number` asked for met nothing: the channel is switched off
-    /// (13.3.4).
+    /// The transfer of channel `number` failed: the channel is switched off (13.3.4).
     pub fn fail(&mut self, number: u8) {
         self.isr |= (TEIF | GIF) << (4 * u32::from(number - 1));
         if let Some(channel) = self.channels.get_mut(usize::from(number) - 1) {

@@ -23,7 +23,6 @@ pub struct Gpio {
     /// CRL and CRH.
     cr: [u32; 2],
     odr: u32,
-    lckr: u32,
 }
 
 impl Default for Gpio {
@@ -32,7 +31,6 @@ impl Default for Gpio {
         Self {
             cr: [0x4444_4444; 2],
             odr: 0,
-            lckr: 0,
         }
     }
 }
@@ -70,8 +68,7 @@ impl Gpio {
                 self.odr & outputs | levels & !outputs
             }
             0x0c => self.odr,
-            0x10 | 0x14 => 0,
-            0x18 => self.lckr,
+            0x10 | 0x14 | 0x18 => 0,
             _ => return None,
         })
     }
@@ -85,10 +82,7 @@ impl Gpio {
             // 9.2.5: where both bits are set, the setting one wins.
             0x10 => self.odr = self.odr & !(value >> 16) | value & 0xffff,
             0x14 => self.odr &= !(value & 0xffff),
-            0x18 => {
-                m.not_modelled(true, "locking of pins");
-                self.lckr = value & 0x1_ffff;
-            }
+            0x18 => m.not_modelled(true, "locking of pins"),
             _ => return None,
         }
         Some(())

@@ -12,7 +12,7 @@ const FULL: u32 = 0xfff;
 #[derive(Clone, Copy, Debug)]
 struct Slow {
     value: u32,
-    /// What it will be, and when; `Ticks::MAX` while the oscillator stands still.
+    /// The next value and its time; `Ticks::MAX` while the oscillator stands still.
     next: Option<(u32, Ticks)>,
 }
 
@@ -51,7 +51,7 @@ pub struct Iwdg {
     unlocked: bool,
     prescaler: Slow,
     reload: Slow,
-    /// When the counter was last loaded, and with what; `None` before it is started.
+    /// Time and value of the last load of the counter; `None` before it is started.
     loaded: Option<(Ticks, u32)>,
 }
 
@@ -68,7 +68,7 @@ impl Iwdg {
         }
     }
 
-    /// When the chip will be reset, if nobody reloads the counter.
+    /// The time at which the chip is reset, unless the counter is reloaded.
     pub fn expires(&self) -> Option<Ticks> {
         let (at, count) = self.loaded?;
         // 19.4.2: 4 to 256. A prescaler that is being updated is taken as updated: the difference

@@ -48,10 +48,8 @@ pub struct Rcc {
     cir: u32,
     apb2rstr: u32,
     apb1rstr: u32,
-    ahbenr: u32,
-    apb2enr: u32,
-    apb1enr: u32,
-    bdcr: u32,
+    /// The enable registers of AHB, APB2 and APB1.
+    enr: [u32; 3],
     csr: u32,
     hse_since: Ticks,
     pll_since: Ticks,
@@ -73,7 +71,7 @@ impl Rcc {
         Self {
             crystal,
             cr: 0x83,
-            ahbenr: 0x14,
+            enr: [0x14, 0, 0],
             ..Self::default()
         }
     }
@@ -153,12 +151,7 @@ impl Rcc {
 
     /// Whether the peripheral at `bit_number` of its enable register has a clock.
     pub fn is_enabled(&self, domain: Domain, bit_number: u32) -> bool {
-        let register = match domain {
-            Domain::Ahb => self.ahbenr,
-            Domain::Apb2 => self.apb2enr,
-            Domain::Apb1 => self.apb1enr,
-        };
-        bit(register, bit_number)
+        bit(self.enr[domain as usize], bit_number)
     }
 
     /// The crystal stops for ever. With the clock security system on (7.2.7), the chip goes on with its
@@ -202,10 +195,8 @@ impl Rcc {
             0x08 => self.cir,
             0x0c => self.apb2rstr,
             0x10 => self.apb1rstr,
-            0x14 => self.ahbenr,
-            0x18 => self.apb2enr,
-            0x1c => self.apb1enr,
-            0x20 => self.bdcr,
+            0x14 | 0x18 | 0x1c => self.enr[(offset - 0x14) as usize / 4],
+            0x20 => 0,
             0x24 => {
                 let lsi = Self::ready(bit(self.csr, LSION), self.lsi_since, LSI_STARTUP, now);
                 self.csr | ready(lsi, 1)
@@ -235,13 +226,8 @@ impl Rcc {
                 resets = (Domain::Apb1, value & !self.apb1rstr);
                 self.apb1rstr = value;
             }
-            0x14 => self.ahbenr = value,
-            0x18 => self.apb2enr = value,
-            0x1c => self.apb1enr = value,
-            0x20 => {
-                m.not_modelled(value != 0, "the backup domain");
-                self.bdcr = value;
-            }
+            0x14 | 0x18 | 0x1c => self.enr[(offset - 0x14) as usize / 4] = value,
+            0x20 => m.not_modelled(value != 0, "the backup domain"),
             0x24 => {
                 if bit(value, LSION) && !bit(self.csr, LSION) {
                     self.lsi_since = m.now;

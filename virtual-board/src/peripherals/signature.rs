@@ -15,7 +15,7 @@ impl Signature {
         Self { unique_id }
     }
 
-    /// The byte at `offset` from 0x1FFF F7E0; `None` where nothing is.
+    /// The byte at `offset` from 0x1FFF F7E0; `None` outside.
     pub fn read_byte(&self, offset: u32) -> Option<u8> {
         let offset = offset as usize;
         match offset {

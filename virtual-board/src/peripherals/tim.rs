@@ -101,8 +101,8 @@ impl Tim {
         }
     }
 
-    /// Makes `now` the time that the count is kept for. What has passed of the count under way is
-    /// lost: only a stop, a new count or a new clock needs this.
+    /// Makes `now` the time of the stored count. The elapsed part of the present count is lost, as a stop, a
+    /// new count or a new clock requires.
     fn settle(&mut self, now: Ticks) {
         self.count = self.count(now);
         self.since = now;
@@ -118,7 +118,7 @@ impl Tim {
         }
     }
 
-    /// The next time that the timer does something by itself.
+    /// The time of the next event.
     pub fn next_event(&self) -> Option<Ticks> {
         let next = self
             .active
@@ -131,7 +131,7 @@ impl Tim {
         self.runs().then_some(self.since + until)
     }
 
-    /// Does what is due at `now`, the time of the next event.
+    /// Handles the event at `now`.
     pub fn advance(&mut self, now: Ticks) -> TriggerOutput {
         if self.next_event() != Some(now) {
             return false;
@@ -195,8 +195,7 @@ impl Tim {
     /// The level of output `channel` (1 to 4) at `now`, `None` while it is not driven.
     pub fn output(&self, channel: u32, now: Ticks) -> Option<bool> {
         let enables = field(self.ccer, 4 * (channel - 1), 4);
-        let compare = *self.active.compare.get(channel as usize - 1)?;
-        let below = self.count(now) < compare;
+        let below = self.count(now) < self.active.compare[channel as usize - 1];
         let reference = match self.mode(channel) {
             0b101 => true,
             0b110 => below,
@@ -243,10 +242,9 @@ impl Tim {
             offset::CNT => self.count(now),
             offset::PSC => self.written.prescaler,
             offset::ARR => self.written.reload,
-            offset::CCR1..=offset::CCR4 => *self
-                .written
-                .compare
-                .get((offset - offset::CCR1) as usize / 4)?,
+            offset::CCR1..=offset::CCR4 => {
+                self.written.compare[(offset - offset::CCR1) as usize / 4]
+            }
             _ => return None,
         })
     }
@@ -270,7 +268,7 @@ impl Tim {
                 m.not_modelled(value & 0x7f00 != 0, "DMA by a timer");
                 self.dier = value;
             }
-            // Written with 0 to clear; 1 leaves as it is (15.4.5).
+            // Writing 0 clears a flag, writing 1 has no effect (15.4.5).
             offset::SR => self.sr &= value | !SR_BITS,
             offset::EGR => trigger = self.generate(value, m.now),
             offset::CCMR1 | offset::CCMR2 => {
@@ -334,12 +332,9 @@ impl Tim {
 
     fn write_compare(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) {
         let index = (offset - offset::CCR1) / 4;
-        let at_once = !self.preloads(index + 1);
-        if let Some(written) = self.written.compare.get_mut(index as usize) {
-            *written = value;
-        }
-        if at_once && let Some(active) = self.active.compare.get_mut(index as usize) {
-            *active = value;
+        self.written.compare[index as usize] = value;
+        if !self.preloads(index + 1) {
+            self.active.compare[index as usize] = value;
             let drives = bit(self.cr1, CEN) && bit(self.ccer, 4 * index);
             m.against_manual(
                 drives,

@@ -38,16 +38,14 @@ pub struct Usart {
     clock: Ticks,
     sr: u32,
     cr1: u32,
-    cr2: u32,
-    cr3: u32,
     brr: u32,
     received: u8,
-    /// SR was read, so that reading DR clears the errors.
+    /// SR was read, so reading DR clears the errors.
     sr_read: bool,
-    /// The data register's byte, which waits for the shift register.
+    /// The byte in the data register.
     waiting: Option<u8>,
-    /// What is in the shift register and when it will be out; without a byte it is the idle frame
-    /// that enabling the transmitter sends.
+    /// Content of the shift register, and the time at which it is out; without a byte it is the idle frame
+    /// after the transmitter is enabled.
     shifting: Option<(Option<u8>, Ticks)>,
     /// When the line will have been idle for a frame.
     idle_at: Option<Ticks>,
@@ -68,7 +66,7 @@ impl Usart {
         self.clock = clock;
     }
 
-    /// Length of a bit. 27.3.4: fCK / baud = 16 USARTDIV, which is what BRR holds.
+    /// Length of a bit. 27.3.4: fCK / baud = 16 USARTDIV, the content of BRR.
     pub fn bit_time(&self) -> Ticks {
         self.clock * Ticks::from(self.brr)
     }
@@ -77,13 +75,13 @@ impl Usart {
         bit(self.cr1, UE) && bit(self.cr1, part)
     }
 
-    /// The next time that the USART does something by itself.
+    /// The time of the next event.
     pub fn next_event(&self) -> Option<Ticks> {
         let sent = self.shifting.map(|(_, at)| at);
         [sent, self.idle_at].into_iter().flatten().min()
     }
 
-    /// Does what is due at `now`; returns a byte that has left, if one has.
+    /// Handles the event at `now`; returns the byte that has left, if any.
     pub fn advance(&mut self, now: Ticks) -> Option<u8> {
         if self.idle_at == Some(now) {
             self.idle_at = None;
@@ -141,9 +139,7 @@ impl Usart {
             }
             offset::BRR => self.brr,
             offset::CR1 => self.cr1,
-            offset::CR2 => self.cr2,
-            offset::CR3 => self.cr3,
-            offset::GTPR => 0,
+            offset::CR2 | offset::CR3 | offset::GTPR => 0,
             _ => return None,
         })
     }
@@ -165,17 +161,9 @@ impl Usart {
                     self.shift(None, m.now);
                 }
             }
-            offset::CR2 => {
-                m.not_modelled(value != 0, "other stop bits, clock, LIN");
-                self.cr2 = value;
-            }
-            offset::CR3 => {
-                m.not_modelled(value != 0, "DMA, flow control or IrDA of the USART");
-                self.cr3 = value;
-            }
-            offset::GTPR => {
-                m.not_modelled(value != 0, "smart cards");
-            }
+            offset::CR2 => m.not_modelled(value != 0, "other stop bits, clock, LIN"),
+            offset::CR3 => m.not_modelled(value != 0, "DMA, flow control or IrDA of the USART"),
+            offset::GTPR => m.not_modelled(value != 0, "smart cards"),
             _ => return None,
         }
         Some(())
