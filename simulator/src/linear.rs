@@ -227,7 +227,7 @@ mod tests {
                 let pulse = 1500 + (frame * frame * 7 % 11) as u16 * 10;
                 let at = Duration::from_millis(20 * frame);
                 servo.command(at, Some(PulseWidth(pulse)));
-                let angle = commanded_degrees(PulseWidth(pulse));
+                let angle = SERVO_SCALE.degrees(PulseWidth(pulse)).0;
                 steps.push((at.as_secs_f64(), angle - before));
                 before = angle;
                 for j in 0..10 {

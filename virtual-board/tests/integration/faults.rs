@@ -1,4 +1,4 @@
-//! Faults on purpose: where the rig ends up, how soon, what it says, and that the next run works.
+//! Injected faults: the final state of the rig, the time until then, its report, and the next run.
 //!
 //! | fault            | safe state                     | documented where                                  |
 //! |------------------|--------------------------------|---------------------------------------------------|
@@ -66,7 +66,7 @@ fn start(client: &mut RigClient, lease_frames: u16) {
 /// A lease that outlasts every test.
 const LONG_LEASE: u16 = 1_000;
 
-/// Connects anew and captures a whole staircase; what the rig said of itself before.
+/// Connects anew and captures a whole staircase; returns the status of the rig before.
 fn next_run_works(board: &SharedBoard) -> (ClockSource, ResetCause) {
     next_run_of_it_works(&mut board.connect())
 }

@@ -3,7 +3,7 @@
 use virtual_board::cpu::rsemu::RsemuCore;
 use virtual_board::cpu::{Core, Line, Registers};
 
-/// What is done around the steps of a core.
+/// Work around the steps of a core.
 pub trait Around {
     /// Takes the core's next step, or lets time pass instead of it; returns the cycles that it took.
     fn step(&mut self, core: &mut RsemuCore) -> u64;
@@ -17,7 +17,7 @@ pub trait Around {
     fn reset(&mut self) {}
 }
 
-/// The board's core and what is done around it.
+/// The board's core, with work around its steps.
 pub struct Stepped<A> {
     core: RsemuCore,
     pub around: A,
