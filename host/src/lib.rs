@@ -6,7 +6,7 @@
 //! |-----------------|----------------------------------------------------------------------------------|
 //! | `data/`         | [`recording`]s, CSV [`table`]s, their [`timeline`], and the [`dataset`] of both   |
 //! | `instrument/`   | [`port`], [`rig`] client, [`mod@reference`], [`calibration`], [`live`] estimate    |
-//! | `presentation/` | [`summary`], [`plots`], [`report`], [`export`], live [`scope`]                     |
+//! | [`presentation`]| summary, plots, report, export, live scope                                         |
 //! | `plan/`         | the forecast of a run: [`plan`]                                                    |
 //! | `commands/`     | the command line: [`commands`]                                                     |
 //!
@@ -29,7 +29,7 @@ pub mod commands;
 mod data;
 mod instrument;
 pub mod plan;
-mod presentation;
+pub mod presentation;
 
 pub use commands::{output_files, rig_wizard};
 pub use data::{
@@ -37,6 +37,3 @@ pub use data::{
     sensor_health, table, timeline, units,
 };
 pub use instrument::{calibration, live, port, reference, rig};
-pub use presentation::{
-    explanation, export, paper_values, plots, report, scope, summary, template,
-};

@@ -9,7 +9,7 @@ use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::rig_file::RigFile;
 use crate::presentation::paper_values;
-use crate::presentation::plots::paper_figures;
+use crate::presentation::plots;
 use crate::presentation::report::{self, Page, Servo};
 use crate::presentation::summary;
 use anyhow::{Context, Result};
@@ -125,8 +125,8 @@ impl Demo {
         paper: &[paper_values::Fact],
     ) -> Result<usize> {
         let (first, second) = (bench.part(), aircraft.part());
-        let figures = paper_figures::paper(&first.subject, Some(&second.subject));
-        let plots = output_files::write_figures(&self.out.join("plots"), true, &figures)?;
+        let figures = plots::paper(&first.subject, Some(&second.subject));
+        let written = output_files::write_figures(&self.out.join("plots"), true, &figures)?;
         let page = report::page(&Page {
             title: "A servo on the bench and on the aircraft, simulated",
             first,
@@ -135,7 +135,7 @@ impl Demo {
             paper,
         })?;
         self.write(REPORT, &page)?;
-        Ok(plots.len())
+        Ok(written.len())
     }
 
     fn write(&self, name: &str, content: &str) -> Result<()> {

@@ -8,8 +8,7 @@ use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::PULSE_FRAMES_S;
 use crate::presentation::export::{Export, Target};
 use anyhow::Result;
-use clap::builder::PossibleValue;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::path::PathBuf;
 
 /// Write a model for another program: MATLAB, Python, Julia, C, a CSV table, or JSBSim
@@ -45,26 +44,6 @@ pub(super) struct ExportArgs {
     talk: Talk,
 }
 
-impl ValueEnum for Target {
-    fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let value = PossibleValue::new(self.name());
-        Some(match self {
-            Self::Matlab => value.help("A script with tf and frd, which Octave runs too"),
-            Self::Python => value.help("A module with numpy, and python-control where it is there"),
-            Self::Julia => value.help("A module without packages; objects of ControlSystems.jl"),
-            Self::C => value.help("A C99 header: impulse response and state space, no allocation"),
-            Self::Csv => value
-                .help("A table: step and frequency response with bounds")
-                .alias("simulink-csv"),
-            Self::Jsbsim => value.help("A system with the actuator: hold, delay and poles"),
-        })
-    }
-}
-
 impl ExportArgs {
     pub(super) fn run(self) -> Result<String> {
         let stated_s = self.frame_ms.map(|frame| 1e-3 * frame);
@@ -88,12 +67,11 @@ impl ExportArgs {
         }
         let Some(out) = &self.out else {
             let result =
-                serde_json::json!({ "target": self.to.name(), "warnings": warnings, "text": text });
+                serde_json::json!({ "target": self.to, "warnings": warnings, "text": text });
             return self.talk.result(text, &result);
         };
         output_files::write_file(out, self.force, &text)?;
-        let result =
-            serde_json::json!({ "target": self.to.name(), "warnings": warnings, "file": out });
+        let result = serde_json::json!({ "target": self.to, "warnings": warnings, "file": out });
         self.talk.result(format!("{}\n", out.display()), &result)
     }
 }

@@ -12,7 +12,7 @@ use crate::data::dataset::suggestion::quoted;
 use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::explanation;
-use crate::presentation::plots::{paper_figures, structure};
+use crate::presentation::plots;
 use crate::presentation::summary;
 use anyhow::{Context, Result};
 use clap::Args;
@@ -143,11 +143,10 @@ impl Identify {
             return Ok(());
         };
         let name = stem(first);
-        let mut figures =
-            paper_figures::identification(&name, &data.record, model, data.about.units());
+        let mut figures = plots::identification(&name, &data.record, model, data.about.units());
         let structure = |explanation| {
             let file = format!("{name}-structure");
-            structure::structure(&file, "Choice of structure", explanation, model)
+            plots::structure(&file, "Choice of structure", explanation, model)
         };
         figures.extend(explanation.map(structure));
         let files = output_files::write_figures(folder, self.force, &figures)?;

@@ -1,7 +1,7 @@
 //! Files that commands write: never over an existing one without `--force`.
 
 use crate::data::recording::{WholeFile, WriteError};
-use crate::presentation::plots::{Figure, svg};
+use crate::presentation::plots::{Figure, draw};
 use anyhow::{Context, Result};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -48,7 +48,7 @@ pub fn write_figures(folder: &Path, force: bool, figures: &[Figure]) -> Result<V
     let mut files = Vec::new();
     for figure in figures {
         let path = folder.join(format!("{}.svg", figure.name));
-        let drawing = svg::draw(figure)
+        let drawing = draw(figure)
             .map_err(|e| anyhow::anyhow!("the plot {:?} cannot be drawn: {e}", figure.name))?;
         write_file(&path, force, &drawing)?;
         files.push(path);

@@ -9,8 +9,7 @@ use crate::data::dataset::listed;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::plots::named::Named;
-use crate::presentation::plots::signals;
+use crate::presentation::plots::{self, Named};
 use crate::presentation::summary;
 use anyhow::{Context, Result};
 use clap::Args;
@@ -100,7 +99,7 @@ impl Validate {
         let named = [Named { name: &name, model }];
         let of_run = |(run, number): (&Run, usize)| {
             let file = format!("{name}-on-{first}-run-{number}");
-            signals::validation(&file, "Model against measurement", &named, run, unit)
+            plots::validation(&file, "Model against measurement", &named, run, unit)
         };
         let figures: Vec<_> = record.runs().iter().zip(1..).map(of_run).collect();
         let files = output_files::write_figures(folder, self.force, &figures)?;

@@ -3,7 +3,7 @@
 use super::band_width::BandWidths;
 use super::forecast::Plan;
 use super::spectrum::Density;
-use crate::presentation::plots::figure::{Band, Curve, Figure, Ink, Legend, Panel};
+use crate::presentation::plots::{Band, Curve, Figure, Ink, Legend, Panel};
 use crate::presentation::summary;
 use servoid_identification::step_response::StepBounds;
 

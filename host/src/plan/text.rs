@@ -107,7 +107,11 @@ fn write_band(text: &mut String, plan: &Plan, band: &BandWidths) -> std::fmt::Re
         writeln!(text, "  narrower    {}", summary::wrapped(&advice, 14))?;
     }
     writeln!(text, "\n  {:36} expected interval, {level} %", "")?;
-    for row in plan.metrics.iter().flat_map(summary::rows_of_metrics) {
+    for row in plan
+        .metrics
+        .iter()
+        .flat_map(|metrics| summary::metric_rows(&[metrics], ""))
+    {
         for (value, bounds) in &row.cells {
             writeln!(text, "  {:26} {value:>9} {bounds}", row.label)?;
         }

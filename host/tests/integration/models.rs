@@ -5,12 +5,12 @@ use crate::support::data;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use serde_json::Value;
-use servoid::export::{Export, Target};
 use servoid::model_file::{ModelFile, ModelFileError};
 use servoid::model_metadata::ModelMetadata;
-use servoid::plots::{difference::difference, svg};
-use servoid::report::{self, Page, Servo};
-use servoid::summary;
+use servoid::presentation::export::{Export, Target};
+use servoid::presentation::plots::{difference, draw};
+use servoid::presentation::report::{self, Page, Servo};
+use servoid::presentation::summary;
 use servoid::units::Units;
 use servoid_identification::Record;
 use servoid_identification::comparison::{ComparisonOptions, compare_models};
@@ -250,7 +250,7 @@ fn use_model(text: &str) {
         });
         if let Some(found) = found {
             let _ = summary::of_comparison("a", "b", &found);
-            let _ = svg::draw(&difference("m", "m", "a", "b", &found));
+            let _ = draw(&difference("m", "m", "a", "b", &found));
         }
     }
 }

@@ -1,13 +1,12 @@
 //! The paper's figures, made from recordings and models.
 
-use super::figure::Figure;
-use super::named::Named;
+use super::figure::{Figure, Named};
 use super::response::{bode, step_response};
 use super::signals::{input_output, validation};
 use crate::data::units::Units;
 use servoid_identification::{Model, Record, Run};
 
-/// Everything that is drawn of one identification: Figs 4-7 of the paper for this record.
+/// All figures of one identification: Figs 4-7 of the paper for this record.
 #[must_use]
 pub fn identification(
     prefix: &str,
@@ -19,20 +18,21 @@ pub fn identification(
         name: "model",
         model,
     }];
+    let name = |what: &str| format!("{prefix}-{what}");
     let mut figures = vec![
         input_output(
-            &format!("{prefix}-input-output"),
+            &name("input-output"),
             "Reference and measurement",
             record,
             units,
         ),
-        step_response(&format!("{prefix}-step"), "Step response", &named, units),
-        bode(&format!("{prefix}-bode"), "Frequency response", &named),
+        step_response(&name("step"), "Step response", &named, units),
+        bode(&name("bode"), "Frequency response", &named),
     ];
     figures.extend(record.runs().iter().zip(1..).map(|(run, number)| {
         let name = match record.runs().len() {
-            1 => format!("{prefix}-validation"),
-            _ => format!("{prefix}-validation-run-{number}"),
+            1 => name("validation"),
+            _ => name(&format!("validation-run-{number}")),
         };
         validation(
             &name,
@@ -45,10 +45,10 @@ pub fn identification(
     figures
 }
 
-/// One servo under one condition: what a report draws.
+/// One servo under one condition.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
-    /// What it is called: bench, aircraft, a file's name.
+    /// Its name: bench, aircraft, a file's name.
     pub name: &'a str,
     /// Its model.
     pub model: &'a Model,
@@ -80,15 +80,9 @@ pub fn paper(first: &Subject<'_>, second: Option<&Subject<'_>>) -> Vec<Figure> {
         let both = [first.named(), second.named()];
         let mut later = of_one(second, &both, ["08", "10", "11", "12"]);
         if let Some(run) = second.first_run() {
+            let (name, unit) = ("fig-09-first-on-second", second.units.output);
             let title = format!("Fig. 9: {} model on {} data", first.name, second.name);
-            let figure = validation(
-                "fig-09-first-on-second",
-                &title,
-                &[first.named()],
-                run,
-                second.units.output,
-            );
-            later.insert(1, figure);
+            later.insert(1, validation(name, &title, &[first.named()], run, unit));
         }
         all.extend(later);
     }
@@ -99,45 +93,46 @@ pub fn paper(first: &Subject<'_>, second: Option<&Subject<'_>>) -> Vec<Figure> {
 /// of the paper's figures.
 fn of_one(subject: &Subject<'_>, models: &[Named<'_>], numbers: [&str; 4]) -> Vec<Figure> {
     let [io, step, frequency, fit] = numbers;
+    let (own, units) = (subject.name, subject.units);
     let names: Vec<&str> = models.iter().map(|m| m.name).collect();
     let names = names.join(" and ");
+    let name = |number: &str, what: &str| format!("fig-{number}-{what}");
     let title =
         |number: &str, what: &str| format!("Fig. {}: {what}", number.trim_start_matches('0'));
     let mut figures = Vec::new();
     if let Some(record) = subject.record {
-        let title = title(io, &format!("{}, reference and measurement", subject.name));
+        let title = title(io, &format!("{own}, reference and measurement"));
         figures.push(input_output(
-            &format!("fig-{io}-measurement"),
+            &name(io, "measurement"),
             &title,
             record,
-            subject.units,
+            units,
         ));
     }
+    let title_of_step = title(step, &format!("step response, {names}"));
     figures.push(step_response(
-        &format!("fig-{step}-step-response"),
-        &title(step, &format!("step response, {names}")),
+        &name(step, "step-response"),
+        &title_of_step,
         models,
-        subject.units,
+        units,
     ));
+    let title_of_bode = title(frequency, &format!("frequency response, {names}"));
     figures.push(bode(
-        &format!("fig-{frequency}-frequency-response"),
-        &title(frequency, &format!("frequency response, {names}")),
+        &name(frequency, "frequency-response"),
+        &title_of_bode,
         models,
     ));
     if let Some(run) = subject.first_run() {
         let title = title(
             fit,
-            &format!(
-                "model against measurement, {names} on {} data",
-                subject.name
-            ),
+            &format!("model against measurement, {names} on {own} data"),
         );
         figures.push(validation(
-            &format!("fig-{fit}-validation"),
+            &name(fit, "validation"),
             &title,
             models,
             run,
-            subject.units.output,
+            units.output,
         ));
     }
     figures
