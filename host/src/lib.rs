@@ -31,7 +31,6 @@ mod instrument;
 pub mod plan;
 pub mod presentation;
 
-pub use commands::{output_files, rig_wizard};
 pub use data::{
     dataset, degrees, fingerprint, input_file, model_file, model_metadata, recording, rig_file,
     sensor_health, table, timeline, units,

@@ -1,8 +1,8 @@
 //! What is on the disk stays until something better takes its place; a rig in use is left alone.
 
 use crate::support::{arg, data, json, refusal, run};
+use servoid::data::recording::write_file;
 use servoid::model_file::ModelFile;
-use servoid::output_files::write_file;
 use servoid::port;
 use servoid::recording::{
     Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError,

@@ -23,6 +23,17 @@ enum Place {
     Direct(File),
 }
 
+/// Writes a whole file: after an error, the file that was there stays.
+///
+/// # Errors
+/// [`WriteError`], as where the file exists and `force` is not given.
+pub fn write_file(path: &Path, force: bool, content: &str) -> Result<(), WriteError> {
+    let whole = WholeFile::new(path, force)?;
+    let written = whole.file()?.write_all(content.as_bytes());
+    written.map_err(|reason| WriteError::not_created(path, reason))?;
+    whole.put_in_place()
+}
+
 impl WholeFile {
     /// Begins a file beside `path`.
     ///
