@@ -3,10 +3,10 @@
 
 use libfuzzer_sys::fuzz_target;
 use servoid::presentation::export::{Export, Target};
-use servoid::model_metadata::ModelMetadata;
+use servoid::data::ModelMetadata;
 use servoid::presentation::report::{self, Page, Servo};
-use servoid::model_file::ModelFile;
-use servoid::units::Units;
+use servoid::data::model_file::ModelFile;
+use servoid::data::Units;
 use servoid::presentation::{plots, summary};
 use servoid_identification::Record;
 use servoid_identification::comparison::{ComparisonOptions, compare_models};

@@ -63,8 +63,9 @@ impl Expectation {
         let (model, example, record) = all.swap_remove(all.len() / 2);
         let linear = BandWidths::mean(&linear);
         if request.assumed.simulation.is_none() {
+            let band = bounded.then_some(linear);
             return Ok(Self {
-                band: bounded.then_some(linear),
+                band,
                 model,
                 example,
                 record,
@@ -148,17 +149,14 @@ fn with_assumed_noise(
 fn parameters(basis: &FsfBasis, step: &[f64]) -> Vec<f64> {
     let analysis = basis.analysis_map();
     let before = std::iter::once(&0.0).chain(step);
-    let impulse: Vec<f64> = step
-        .iter()
-        .zip(before)
-        .map(|(g, before)| g - before)
-        .collect();
-    let of_row = |row| {
+    let impulse = step.iter().zip(before).map(|(g, before)| g - before);
+    let impulse: Vec<f64> = impulse.collect();
+    let products = |row| {
         impulse
             .iter()
             .zip(0..)
-            .map(|(h, k)| analysis[(row, k)] * h)
-            .sum()
+            .map(move |(h, k)| analysis[(row, k)] * h)
     };
+    let of_row = |row| products(row).sum();
     (0..basis.frequencies()).map(of_row).collect()
 }

@@ -1,7 +1,7 @@
 //! Simulated runs of the assumed servo.
 
 use super::request::PlanRequest;
-use crate::instrument::rig::capture::ROLL_FRAMES;
+use crate::instrument::rig::ROLL_FRAMES;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -17,9 +17,8 @@ const RUN_UP: usize = 2_000;
 pub(super) fn input(request: &PlanRequest) -> Vec<f64> {
     let offsets = request.reference.offsets_us();
     let degrees = offsets.map(|offset| f64::from(offset) / request.us_per_degree);
-    degrees
-        .flat_map(|angle| [angle; SAMPLES_PER_FRAME])
-        .collect()
+    let samples = degrees.flat_map(|angle| [angle; SAMPLES_PER_FRAME]);
+    samples.collect()
 }
 
 /// Runs of the assumed servo, from rest at neutral.

@@ -3,7 +3,7 @@
 use super::target::{require_reader, require_unlocked};
 use super::write_error::WriteError;
 use std::fs::{File, OpenOptions};
-use std::io::Result as IoResult;
+use std::io::{Result as IoResult, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 

@@ -50,7 +50,7 @@ impl LiveStep {
 /// chosen among the samples of the longest run at most, 10 MB, and stays from then on.
 ///
 /// ```
-/// use servoid::live::Estimator;
+/// use servoid::instrument::live::Estimator;
 /// use servoid_identification::Options;
 /// let mut estimator = Estimator::new(0.002, Options::default());
 /// assert!(estimator.estimate().is_err()); // no samples yet

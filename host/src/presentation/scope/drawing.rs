@@ -94,7 +94,7 @@ fn keys_line(state: &ScopeState) -> Line<'static> {
 mod tests {
     use super::*;
     use crate::instrument::live::LiveStep;
-    use crate::instrument::rig::capture::ROLL_FRAMES;
+    use crate::instrument::rig::ROLL_FRAMES;
     use crate::presentation::scope::{FrameSeen, Link, ScopeEvent};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
