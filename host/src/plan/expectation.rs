@@ -151,12 +151,9 @@ fn parameters(basis: &FsfBasis, step: &[f64]) -> Vec<f64> {
     let before = std::iter::once(&0.0).chain(step);
     let impulse = step.iter().zip(before).map(|(g, before)| g - before);
     let impulse: Vec<f64> = impulse.collect();
-    let products = |row| {
-        impulse
-            .iter()
-            .zip(0..)
-            .map(move |(h, k)| analysis[(row, k)] * h)
+    let of_row = |row| {
+        let products = impulse.iter().zip(0..).map(|(h, k)| analysis[(row, k)] * h);
+        products.sum()
     };
-    let of_row = |row| products(row).sum();
     (0..basis.frequencies()).map(of_row).collect()
 }
