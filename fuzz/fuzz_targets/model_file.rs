@@ -10,7 +10,7 @@ use servoid::data::Units;
 use servoid::presentation::{plots, summary};
 use servoid_identification::Record;
 use servoid_identification::comparison::{ComparisonOptions, compare_models};
-use servoid_identification::model::Model;
+use servoid_identification::results::Model;
 use std::path::Path;
 use std::sync::LazyLock;
 

@@ -14,7 +14,7 @@ use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use servoid_identification::comparison::{ComparisonOptions, compare};
-use servoid_identification::metrics::Metrics;
+use servoid_identification::results::Metrics;
 use servoid_identification::{Options, Record};
 use servoid_protocol::reference::{Reference, Staircase};
 use std::path::PathBuf;

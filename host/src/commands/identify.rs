@@ -11,11 +11,11 @@ use crate::presentation::{plots, summary};
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
-use servoid_identification::direction::{self, DirectionModel};
-use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
-use servoid_identification::limits::Limits;
-use servoid_identification::step_response::StepResponse;
-use servoid_identification::{Explanation, Frequencies, Model, NoiseOrder, Options, Settling};
+use servoid_identification::diagnostics::Explanation;
+use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
+use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
+use servoid_identification::results::{Model, StepResponse};
+use servoid_identification::{Frequencies, NoiseOrder, Options, Settling, flight_model};
 use std::path::{Path, PathBuf};
 
 /// Identify the servo's step and frequency response, with bounds
@@ -123,7 +123,7 @@ impl Identify {
         if self.limits {
             let limits = Limits::of(&data.record, model, self.level);
             // A recording with strokes of one direction only has no split; the summary mentions it.
-            let split = direction::split(&data.record, model).ok();
+            let split = split_by_direction(&data.record, model).ok();
             text += &summary::of_limits(&limits, split.as_ref(), units.common());
             (result.limits, result.directions) = (Some(limits), split.map(Directions::from));
         }

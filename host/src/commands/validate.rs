@@ -12,8 +12,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use servoid_identification::Run;
-use servoid_identification::advice::Advice;
-use servoid_identification::validation::Validation;
+use servoid_identification::results::{Advice, Validation};
 use std::path::PathBuf;
 
 /// Compare a model with a recording that it was not identified from

@@ -1,7 +1,7 @@
 //! Widths of a step response's bands, and the number of runs for a wanted one.
 
 use serde::Serialize;
-use servoid_identification::step_response::StepBounds;
+use servoid_identification::results::StepBounds;
 
 /// Half widths of a step response's bands (percent of the step).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -3,14 +3,8 @@
 use super::band_width::BandWidths;
 use super::request::PlanRequest;
 use super::simulated_runs::simulated;
-use servoid_identification::fsf_basis::FsfBasis;
-use servoid_identification::gls::{self, GlsOptions};
-use servoid_identification::least_squares::{Coordinates, RowInformation};
-use servoid_identification::model::ParameterBounds;
-use servoid_identification::moments::Moments;
-use servoid_identification::step_response::{StepBounds, StepResponse};
-use servoid_identification::variance::CurveVariance;
-use servoid_identification::{Error, Model, NoiseOrder, Options, Record, identify};
+use servoid_identification::results::Model;
+use servoid_identification::{Error, Options, Record, expected_model, identify};
 
 /// Simulated identifications. Each may choose another N: the widths are their mean, and the model shown is the
 /// one with the median N.
@@ -48,7 +42,7 @@ impl Expectation {
         for seed in 1..=simulations {
             let record = simulated(request, seed)?;
             let example = identify(&record, &options)?;
-            let model = with_assumed_noise(request, &example, &record)?;
+            let model = expected_model(&example, &record, &request.assumed.model, request.level)?;
             all.push((model, example, record));
         }
         let is_bounded = |(model, ..): &(Model, Model, Record)| model.bounds.valid().is_some();
@@ -85,75 +79,4 @@ impl Expectation {
             record,
         })
     }
-}
-
-/// The example's structure with the assumed servo's response and the covariance of the assumed noise.
-fn with_assumed_noise(
-    request: &PlanRequest,
-    example: &Model,
-    record: &Record,
-) -> Result<Model, Error> {
-    let truth = &request.assumed.model;
-    let basis = example.basis()?;
-    let (settling, order) = (basis.settling(), truth.noise.ar.len());
-    let information =
-        RowInformation::from_moments(Moments::of_record(record, settling + order, order + 1));
-    let coordinates = Coordinates::new(basis);
-    let options = GlsOptions {
-        order: NoiseOrder::Order(order),
-        start: truth.noise.ar.clone(),
-        ..GlsOptions::default()
-    };
-    let not_excited = || Error::NotExcited {
-        asked: basis.frequencies(),
-        excited: 1,
-        highest_hz: 0.0,
-    };
-    let mut fit = gls::fit(&information, &coordinates, &options).ok_or_else(not_excited)?;
-    // The covariance of D is the fit's; D and σ are the assumed ones.
-    fit.ar.clone_from(&truth.noise.ar);
-    fit.variance = truth.noise.sigma.powi(2);
-    fit.solution = information
-        .solve(&coordinates, &fit.ar)
-        .ok_or_else(not_excited)?;
-    let spread = CurveVariance::of_fit(&information, &fit, &coordinates.step_map());
-    let last = truth.step.value.last().copied().unwrap_or(0.0);
-    let mut value: Vec<f64> = truth.step.value.iter().copied().take(settling).collect();
-    value.resize(settling, last);
-    // The last element is the final value by definition.
-    if let Some(final_value) = value.last_mut() {
-        *final_value = last;
-    }
-    let covariance = fit.covariance();
-    let n = basis.frequencies();
-    let rows = (0..n).map(|i| (0..n).map(|j| covariance[(i, j)]).collect());
-    let theta = parameters(&basis, &value);
-    // The bounds hold if those of the example do.
-    let step_bounds = example.step.bounds.as_ref().map(|known| {
-        let biases = known.biases();
-        StepBounds::new(&value, &spread, request.level, biases)
-    });
-    Ok(Model {
-        theta,
-        bounds: example.level().map(|level| ParameterBounds {
-            level,
-            covariance: rows.collect(),
-        }),
-        noise: truth.noise.clone(),
-        step: StepResponse::new(example.sample_period_s, value, step_bounds),
-        ..example.clone()
-    })
-}
-
-/// The parameters theta of a step response.
-fn parameters(basis: &FsfBasis, step: &[f64]) -> Vec<f64> {
-    let analysis = basis.analysis_map();
-    let before = std::iter::once(&0.0).chain(step);
-    let impulse = step.iter().zip(before).map(|(g, before)| g - before);
-    let impulse: Vec<f64> = impulse.collect();
-    let of_row = |row| {
-        let products = impulse.iter().zip(0..).map(|(h, k)| analysis[(row, k)] * h);
-        products.sum()
-    };
-    (0..basis.frequencies()).map(of_row).collect()
 }

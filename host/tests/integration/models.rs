@@ -14,7 +14,7 @@ use servoid::presentation::report::{self, Page, Servo};
 use servoid::presentation::summary;
 use servoid_identification::Record;
 use servoid_identification::comparison::{ComparisonOptions, compare_models};
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::Bounds;
 use std::path::Path;
 use std::sync::LazyLock;
 

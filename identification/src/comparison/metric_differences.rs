@@ -1,7 +1,7 @@
 //! The metrics of both sides and their differences.
 
 use super::outcome::MetricDifference;
-use crate::results::metrics::{Interval, Metrics};
+use crate::results::{Interval, Metrics};
 
 /// How to read a metric.
 type Metric = fn(&Metrics) -> Interval;

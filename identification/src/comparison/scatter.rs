@@ -10,12 +10,12 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::data::record::Record;
+use crate::data::Record;
 use crate::error::Error;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::nonlinear::direction::{DirectionModel, split_with};
+use crate::estimation::FsfBasis;
+use crate::nonlinear::{DirectionModel, split_with};
 use crate::options::NoiseOrder;
-use crate::results::validity::Bounds;
+use crate::results::Bounds;
 use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
 
 /// Runs a side needed for t tests, and for permutations: with four, the smallest possible p is
@@ -95,7 +95,7 @@ fn largest_left_open(a: &[DirectionModel], b: &[DirectionModel], level: f64) -> 
 }
 
 fn models(record: &Record, basis: FsfBasis, level: f64) -> Result<Vec<DirectionModel>, Error> {
-    let alone = |run: &crate::data::record::Run| {
+    let alone = |run: &crate::data::Run| {
         let record = Record::new(record.sample_period_s(), vec![run.clone()])?
             .with_sample_phase(record.sample_phase_s());
         split_with(&record, basis, NoiseOrder::Auto, Bounds::Valid(level))

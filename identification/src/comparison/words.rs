@@ -5,7 +5,7 @@ use super::outcome::{
     Comparison, ComparisonBounds, DifferenceCurve, Levels, Sides, Stroke, Verdict,
 };
 use super::scatter::explained_by_chance;
-use crate::results::validity::Bounds;
+use crate::results::Bounds;
 use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
 
 /// A shift in time below this is not worth a word \[s\]: an eighth of a sample of the rig.

@@ -2,17 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::quantisation::Quantisation;
+use crate::data::Quantisation;
 use crate::diagnostics::initial_rest::Contradicted;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::run_scatter::RunComparison;
-use crate::estimation::excitation::Excitation;
-use crate::estimation::least_squares::Solver;
-use crate::estimation::nested_banks::BankCandidate;
-use crate::estimation::noise_model::OrderCandidate;
-use crate::results::model::{Model, SelectedBy};
-use crate::selection::choice::Choice;
+use crate::estimation::{BankCandidate, Excitation, OrderCandidate, Solver};
+use crate::results::{Model, SelectedBy};
+use crate::selection::Choice;
 use crate::thresholds::MARGIN;
 
 /// The way to a model.

@@ -3,9 +3,7 @@
 //! This is the one place where that is decided, from the evidence alone.
 
 use crate::diagnostics::explanation::Explanation;
-use crate::results::metrics::{Interval, Metrics, Withheld};
-use crate::results::model::Model;
-use crate::results::validity::Reason;
+use crate::results::{Interval, Metrics, Model, Reason, Withheld};
 use crate::thresholds::DISAGREEMENT;
 
 /// Why the bounds of `model` do not hold, if they do not. An input that excites only part of the response

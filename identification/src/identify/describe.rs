@@ -5,20 +5,14 @@ use super::assess::figures_of_merit;
 use super::fitted::Fitted;
 use super::responses::Responses;
 use super::task::Task;
-use crate::data::timing::Timing;
-use crate::diagnostics::explanation::Explanation;
-use crate::diagnostics::initial_rest;
-use crate::diagnostics::run_scatter::RunComparison;
-use crate::estimation::excitation::Excitation;
-use crate::estimation::noise_model::Noise;
+use crate::data::Timing;
+use crate::diagnostics::{Explanation, RunComparison, contradicted_rest};
+use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
-use crate::results::frequency_response::{FrequencyBounds, FrequencyResponse};
-use crate::results::metrics::Metrics;
-use crate::results::metrics::measured::Measured;
-use crate::results::model::{Model, ParameterBounds, SCHEMA, Structure};
-use crate::results::residuals::Residuals;
-use crate::results::step_response::{StepBounds, StepResponse};
-use crate::results::validity::Bounds;
+use crate::results::{
+    Bounds, FrequencyBounds, FrequencyResponse, MODEL_SCHEMA, Measured, Metrics, Model,
+    ParameterBounds, Residuals, StepBounds, StepResponse, Structure,
+};
 
 /// The model without tests of its residuals and advice.
 pub(super) fn model(
@@ -67,7 +61,7 @@ pub(super) fn model(
     });
     let follows_motion = fitted.linearity.is_some_and(|found| found.is_rejected());
     Model {
-        schema: SCHEMA,
+        schema: MODEL_SCHEMA,
         sample_period_s: period,
         sample_phase_s: timing.sample_phase_s,
         structure: Structure {
@@ -126,7 +120,7 @@ pub(super) fn explanation(
         linearity: fitted.linearity,
         at_rest: task
             .record
-            .and_then(|record| initial_rest::contradicted(record, model)),
+            .and_then(|record| contradicted_rest(record, model)),
         excitation: Some(Excitation {
             bounded: allowances.bounded,
             ..Excitation::of(&information.moments)

@@ -10,26 +10,28 @@ mod assess;
 mod candidate;
 mod describe;
 mod estimate;
+mod expected;
 mod fitted;
 mod gates;
 mod plan;
 mod responses;
 mod task;
 
-use crate::data::moments::Moments;
-use crate::data::record::Record;
-use crate::diagnostics::advice::{self, Evidence};
-use crate::diagnostics::explanation::Explanation;
-use crate::diagnostics::validity;
+use crate::data::{Moments, Record};
+use crate::diagnostics::{
+    Evidence, Explanation, gather_advice, reason_against_bounds, supported_metrics,
+};
 use crate::error::Error;
 use crate::options::Options;
-use crate::results::model::Model;
+use crate::results::Model;
 
 use allowances::Allowances;
 use candidate::Candidate;
 use fitted::Fitted;
 use responses::Responses;
 use task::Task;
+
+pub use expected::expected_model;
 
 /// A model, and how it came about.
 #[derive(Debug, Clone)]
@@ -85,9 +87,9 @@ fn run(task: &Task<'_>, first: Candidate) -> Result<Identification, Error> {
     let mut model = describe::model(task, &fitted, &responses, &allowances);
     model.residuals = assess::residuals(task, &fitted, &model);
     let explanation = describe::explanation(task, fitted, &responses, &allowances, &model);
-    model.metrics = validity::supported_metrics(&explanation, &model);
-    let withdrawn = validity::reason_against_bounds(&explanation, &model);
-    model.advice = advice::gather(&Evidence {
+    model.metrics = supported_metrics(&explanation, &model);
+    let withdrawn = reason_against_bounds(&explanation, &model);
+    model.advice = gather_advice(&Evidence {
         model: &model,
         withdrawn,
         explanation: &explanation,

@@ -3,7 +3,8 @@
 use servoid::data::dataset::{self, DatasetOptions};
 use servoid::data::recording::Ending;
 use servoid::instrument::rig::RigClient;
-use servoid_identification::{Model, Options, Settling, identify};
+use servoid_identification::results::Model;
+use servoid_identification::{Options, Settling, identify};
 use servoid_simulator::linear::LinearParameters;
 use servoid_test_support::virtual_board::{SharedBoard, capture, options, staircase};
 use std::path::Path;

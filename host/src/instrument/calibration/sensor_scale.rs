@@ -5,7 +5,7 @@
 //! H. Smith, *Applied Regression Analysis*, 1998, §1.4).
 
 use serde::Serialize;
-use servoid_identification::critical_values::{pointwise_critical, student_critical};
+use servoid_identification::results::{pointwise_critical, student_critical};
 
 /// Variance that readings have at least, however straight their line (counts²): a count is the sum of
 /// four conversions, each rounded to a whole number, which errs by 1/12 (uniform).

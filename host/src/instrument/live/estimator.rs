@@ -1,9 +1,9 @@
 //! A step response of the samples so far.
 
-use servoid_identification::moments::MomentStream;
-use servoid_identification::options::Settling;
-use servoid_identification::step_response::StepResponse;
-use servoid_identification::{Error, Options, Record, Run, identify, identify_moments};
+use servoid_identification::results::StepResponse;
+use servoid_identification::{
+    Error, MomentStream, Options, Record, Run, Settling, identify, identify_moments,
+};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
 /// The settling time is chosen anew when there are so many times the samples of the last choice: then

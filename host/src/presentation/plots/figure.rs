@@ -1,6 +1,6 @@
 //! A figure as data: panels with bands, curves and marks.
 
-use servoid_identification::Model;
+use servoid_identification::results::Model;
 
 /// Panels one above the other, all as wide as the figure.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,8 @@ use super::figure::{Figure, Named};
 use super::response::{bode, step_response};
 use super::signals::{input_output, validation};
 use crate::data::units::Units;
-use servoid_identification::{Model, Record, Run};
+use servoid_identification::results::Model;
+use servoid_identification::{Record, Run};
 
 /// All figures of one identification: Figs 4-7 of the paper for this record.
 #[must_use]

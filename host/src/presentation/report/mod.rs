@@ -19,7 +19,8 @@ use crate::data::model_metadata::ModelMetadata;
 use anyhow::Result;
 use serde_json::Value;
 use servoid_identification::comparison::Comparison;
-use servoid_identification::{Explanation, Model};
+use servoid_identification::diagnostics::Explanation;
+use servoid_identification::results::Model;
 use text::{escape, json_in_page};
 
 /// Names and values of what is known of one file.

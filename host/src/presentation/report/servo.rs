@@ -4,8 +4,9 @@ use super::{Facts, Part};
 use crate::data::dataset::Dataset;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::plots::Subject;
-use servoid_identification::{Explanation, Identification, Model, Options, Record, Run};
-use servoid_identification::{Settling, identify};
+use servoid_identification::diagnostics::Explanation;
+use servoid_identification::results::Model;
+use servoid_identification::{Identification, Options, Record, Run, Settling, identify};
 
 /// A servo under one condition.
 #[derive(Debug)]

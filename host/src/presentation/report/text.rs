@@ -2,7 +2,7 @@
 
 use super::{Facts, Page, Part};
 use crate::presentation::summary;
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::Bounds;
 
 /// Text without the characters that have a meaning in HTML.
 pub(super) fn escape(text: &str) -> String {

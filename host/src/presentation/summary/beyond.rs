@@ -1,10 +1,9 @@
 //! Results beyond the linear response, as text for a terminal: low-order models, strokes by direction, limits.
 
 use super::numbers::{head_of_bounds, probability};
-use servoid_identification::direction::{DirectionModel, Symmetry};
 use servoid_identification::flight_model::FlightModel;
-use servoid_identification::limits::Limits;
-use servoid_identification::metrics::Interval;
+use servoid_identification::nonlinear::{DirectionModel, Limits, Symmetry};
+use servoid_identification::results::Interval;
 
 /// A low-order model for a flight simulation.
 #[must_use]

@@ -6,8 +6,7 @@ use super::numbers::{percent, probability, with_bounds};
 use servoid_identification::comparison::{
     Comparison, ComparisonBounds, DifferenceCurve, Stroke, Verdict,
 };
-use servoid_identification::metrics::Interval;
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::{Bounds, Interval};
 
 /// A comparison, for a terminal.
 #[must_use]

@@ -1,6 +1,6 @@
 //! The layout of text for a terminal: lines that it shows whole, and findings below them.
 
-use servoid_identification::Advice;
+use servoid_identification::results::Advice;
 
 /// Letters of a line.
 const LINE: usize = 110;

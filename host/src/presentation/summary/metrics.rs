@@ -2,9 +2,8 @@
 
 use super::numbers::{decimals, head_of_bounds};
 use crate::data::units::Units;
-use servoid_identification::Model;
 use servoid_identification::comparison::Comparison;
-use servoid_identification::metrics::{Interval, Metrics};
+use servoid_identification::results::{Interval, Metrics, Model};
 
 /// One line of a table of metrics.
 struct Row {

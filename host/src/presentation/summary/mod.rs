@@ -19,9 +19,7 @@ pub(crate) use numbers::{decimals, percent, probability};
 use crate::data::units::Units;
 use layout::findings;
 use numbers::rounded;
-use servoid_identification::model::SelectedBy;
-use servoid_identification::validity::Bounds;
-use servoid_identification::{Advice, Model, Validation};
+use servoid_identification::results::{Advice, Bounds, Model, SelectedBy, Validation};
 
 /// The level of a model's bounds, as text.
 pub(crate) fn level_text(model: &Model) -> String {

@@ -1,7 +1,6 @@
 //! Numbers with the digits that mean something, and no others.
 
-use servoid_identification::metrics::Interval;
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::{Bounds, Interval};
 
 /// "p = 0.021"; a test that could not be made has none.
 pub(crate) fn probability(p: Option<f64>) -> String {

@@ -2,8 +2,7 @@
 
 use crate::diagnostics::explanation::Explanation;
 use crate::options::Options;
-use crate::results::model::Model;
-use crate::results::validity::Reason;
+use crate::results::{Model, Reason};
 
 /// What advice is drawn from.
 pub(crate) struct Evidence<'a> {

@@ -2,7 +2,7 @@
 
 use super::evidence::Evidence;
 use crate::diagnostics::validity::unexcited_share;
-use crate::results::advice::{Advice, Check};
+use crate::results::{Advice, Check};
 use crate::thresholds::DISAGREEMENT;
 
 /// What cures all of it.

@@ -2,9 +2,8 @@
 
 use super::evidence::Evidence;
 use crate::diagnostics::run_scatter::RunComparison;
-use crate::estimation::conditioning::WELL_CONDITIONED;
-use crate::estimation::least_squares::Solver;
-use crate::results::advice::{Advice, Check};
+use crate::estimation::{Solver, WELL_CONDITIONED};
+use crate::results::{Advice, Check};
 use crate::thresholds::{INITIAL_REST_MISSED, RESIDUAL_SIGNIFICANCE};
 
 /// More parameters than this share of the rows leave too little to judge the noise by.
