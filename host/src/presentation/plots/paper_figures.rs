@@ -93,48 +93,31 @@ pub fn paper(first: &Subject<'_>, second: Option<&Subject<'_>>) -> Vec<Figure> {
 /// Measurement, step response, frequency response and validation of one servo, with these numbers
 /// of the paper's figures.
 fn of_one(subject: &Subject<'_>, models: &[Named<'_>], numbers: [&str; 4]) -> Vec<Figure> {
-    let [io, step, frequency, fit] = numbers;
     let (own, units) = (subject.name, subject.units);
     let names: Vec<&str> = models.iter().map(|m| m.name).collect();
     let names = names.join(" and ");
-    let name = |number: &str, what: &str| format!("fig-{number}-{what}");
-    let title =
-        |number: &str, what: &str| format!("Fig. {}: {what}", number.trim_start_matches('0'));
-    let mut figures = Vec::new();
-    if let Some(record) = subject.record {
-        let title = title(io, &format!("{own}, reference and measurement"));
-        figures.push(input_output(
-            &name(io, "measurement"),
-            &title,
-            record,
-            units,
-        ));
-    }
-    let title_of_step = title(step, &format!("step response, {names}"));
-    figures.push(step_response(
-        &name(step, "step-response"),
-        &title_of_step,
-        models,
-        units,
-    ));
-    let title_of_bode = title(frequency, &format!("frequency response, {names}"));
-    figures.push(bode(
-        &name(frequency, "frequency-response"),
-        &title_of_bode,
-        models,
-    ));
-    if let Some(run) = subject.first_run() {
-        let title = title(
-            fit,
-            &format!("model against measurement, {names} on {own} data"),
-        );
-        figures.push(validation(
-            &name(fit, "validation"),
-            &title,
-            models,
-            run,
-            units.output,
-        ));
-    }
+    let texts = [
+        ("measurement", format!("{own}, reference and measurement")),
+        ("step-response", format!("step response, {names}")),
+        ("frequency-response", format!("frequency response, {names}")),
+        (
+            "validation",
+            format!("model against measurement, {names} on {own} data"),
+        ),
+    ];
+    let mut labels = numbers
+        .into_iter()
+        .zip(texts)
+        .map(|(number, (kind, text))| {
+            let title = format!("Fig. {}: {text}", number.trim_start_matches('0'));
+            (format!("fig-{number}-{kind}"), title)
+        });
+    let [io, step, frequency, fit] = std::array::from_fn(|_| labels.next().unwrap_or_default());
+    let measurement = |record| input_output(&io.0, &io.1, record, units);
+    let validated = |run| validation(&fit.0, &fit.1, models, run, units.output);
+    let mut figures: Vec<Figure> = subject.record.map(measurement).into_iter().collect();
+    figures.push(step_response(&step.0, &step.1, models, units));
+    figures.push(bode(&frequency.0, &frequency.1, models));
+    figures.extend(subject.first_run().map(validated));
     figures
 }
