@@ -127,14 +127,20 @@ fn with_assumed_noise(
     let n = basis.frequencies();
     let rows = (0..n).map(|i| (0..n).map(|j| covariance[(i, j)]).collect());
     let theta = parameters(&basis, &value);
-    // The bounds hold if those of the example do.
-    let step_bounds = example.step.bounds.as_ref().map(|known| {
+    // The bounds hold if those of the example do, and if the noise of a servo that is known by its model alone is
+    // noise.
+    let assumed = &request.assumed;
+    let level = match assumed.simulation.is_none() && assumed.white_noise.is_none() {
+        true => truth.level().zip(example.level()).map(|(_, level)| level),
+        false => example.level(),
+    };
+    let step_bounds = level.zip(example.step.bounds.as_ref()).map(|(_, known)| {
         let biases = known.biases();
         StepBounds::new(&value, &spread, request.level, biases)
     });
     Ok(Model {
         theta,
-        bounds: example.level().map(|level| ParameterBounds {
+        bounds: level.map(|level| ParameterBounds {
             level,
             covariance: rows.collect(),
         }),

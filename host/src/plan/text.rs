@@ -49,7 +49,7 @@ fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
         Some(band) => write_band(text, plan, band)?,
         None => writeln!(
             text,
-            "  step band   none: the residuals of such a run are not noise, so 'servoid identify' will give no bounds and\n              may withhold metrics; take holds in which the servo comes to rest"
+            "  step band   none: the residuals of such a run are not noise, or the model that is planned with has no bounds, so\n              'servoid identify' will give none and may withhold metrics; take holds in which the servo comes to rest"
         )?,
     }
     write_spectrum(text, plan)?;

@@ -54,7 +54,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
             Curves::of_model(&b.model, points)?,
         ],
     };
-    let run_to_run = match scatter::run_to_run(a.record, b.record, a.model.basis()?, level) {
+    let run_to_run = match scatter::run_to_run(&a, &b, level) {
         // A single run may be too short for a model of its own; then there is no test.
         Err(Error::TooFewSamples { .. } | Error::OneDirection) => None,
         other => other?,

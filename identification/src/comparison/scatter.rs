@@ -10,12 +10,12 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::pair::{Identified, ends};
 use crate::data::record::Record;
 use crate::error::Error;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::nonlinear::direction::{DirectionModel, split_with};
 use crate::options::NoiseOrder;
-use crate::results::validity::Bounds;
 use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
 
 /// Runs a side needed for t tests, and for permutations: with four, the smallest possible p is
@@ -31,7 +31,7 @@ pub(super) fn explained_by_chance(p_value: Option<f64>) -> bool {
     p_value.is_some_and(|p| p > RUNS_DIFFER_SIGNIFICANCE)
 }
 
-/// What the scatter of runs says of a difference.
+/// A difference against the scatter of runs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RunToRun {
     /// Probability of a difference at least as large if both sides are one servo.
@@ -41,19 +41,19 @@ pub(crate) struct RunToRun {
     pub(crate) at_most: f64,
 }
 
-/// What the runs of two sides say of their difference; `None` with fewer than three runs on a side.
-pub(crate) fn run_to_run(
-    a: &Record,
-    b: &Record,
-    basis: FsfBasis,
+/// Compares two sides run by run; `None` with fewer than three runs on a side.
+pub(super) fn run_to_run(
+    a: &Identified<'_>,
+    b: &Identified<'_>,
     level: f64,
 ) -> Result<Option<RunToRun>, Error> {
-    let fewest = a.runs().len().min(b.runs().len());
+    let fewest = a.record.runs().len().min(b.record.runs().len());
     if fewest < RUNS.0 {
         return Ok(None);
     }
-    let ends = ends(a);
-    let (a, b) = (models(a, basis, level)?, models(b, basis, level)?);
+    let ends = ends(a.record);
+    let basis = a.model.basis()?;
+    let (a, b) = (models(a, basis)?, models(b, basis)?);
     let at_most = largest_left_open(&a, &b, level);
     let found = |p| Ok(Some(RunToRun { p, at_most }));
     if fewest >= RUNS.1 {
@@ -94,24 +94,15 @@ fn largest_left_open(a: &[DirectionModel], b: &[DirectionModel], level: f64) -> 
     largest
 }
 
-fn models(record: &Record, basis: FsfBasis, level: f64) -> Result<Vec<DirectionModel>, Error> {
+/// A model of each run of a side alone, whose bounds hold if those of the side do.
+fn models(side: &Identified<'_>, basis: FsfBasis) -> Result<Vec<DirectionModel>, Error> {
+    let record = side.record;
     let alone = |run: &crate::data::record::Run| {
         let record = Record::new(record.sample_period_s(), vec![run.clone()])?
             .with_sample_phase(record.sample_phase_s());
-        split_with(&record, basis, NoiseOrder::Auto, Bounds::Valid(level))
+        split_with(&record, basis, NoiseOrder::Auto, side.model.level())
     };
     record.runs().iter().map(alone).collect()
-}
-
-/// Smallest and largest command.
-pub(crate) fn ends(record: &Record) -> (f64, f64) {
-    record
-        .runs()
-        .iter()
-        .flat_map(|run| run.input().iter().filter(|u| !u.is_nan()))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &u| {
-            (low.min(u), high.max(u))
-        })
 }
 
 fn figures(model: &DirectionModel, (low, high): (f64, f64)) -> [f64; 10] {

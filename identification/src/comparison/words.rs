@@ -6,10 +6,7 @@ use super::outcome::{
 };
 use super::scatter::explained_by_chance;
 use crate::results::validity::Bounds;
-use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
-
-/// A shift in time below this is not worth a word \[s\]: an eighth of a sample of the rig.
-const SHIFT_S: f64 = 0.25e-3;
+use crate::thresholds::{NOTABLE_SHIFT_S, RUNS_DIFFER_SIGNIFICANCE};
 
 pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String {
     match found.bounds {
@@ -116,7 +113,7 @@ fn behind(found: &Comparison) -> String {
             return "cannot be called earlier or later than the first".to_owned();
         };
         let level = shift.lower.is_some() && shift.contains(0.0);
-        if level || seconds.abs() < SHIFT_S {
+        if level || seconds.abs() < NOTABLE_SHIFT_S {
             return "is as fast as the first, as far as these recordings show".to_owned();
         }
         let place = if seconds > 0.0 { "behind" } else { "ahead of" };

@@ -205,7 +205,10 @@ impl Model {
     /// # Errors
     /// The structure of a hand-made document does not describe a filter bank.
     pub fn metrics_anew(&self) -> Result<Bounds<Metrics>, Error> {
-        Ok(self.measured()?.map(|measured| Metrics::new(&measured)))
+        let bounds = self.metrics.bounds;
+        Ok(self
+            .measured()?
+            .map(|measured| Metrics::new(&measured, bounds)))
     }
 
     /// When the samples of the model's responses are taken.

@@ -5,14 +5,11 @@ use serde::{Deserialize, Serialize};
 use crate::data::record::{Record, Run};
 use crate::error::Error;
 use crate::results::model::Model;
+use crate::thresholds::FROM_REST;
 
 /// Relative difference of sample periods that still counts as the same: clocks of two recordings
 /// of one rig agree far better, and a different rate differs far more.
 const PERIOD_TOLERANCE: f64 = 1e-6;
-
-/// Errors of samples judged from rest relative to the others, up to which the run began at rest: the
-/// noise of the first sample, from which all of them start, can make them √2 times as large.
-const FROM_REST: f64 = 1.5;
 
 /// How well a model predicts a record, by simulation from the input alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -26,7 +23,7 @@ pub struct Validation {
     /// Samples with an output and a full history of input.
     pub samples_used: usize,
     /// Runs whose input before the first sample was not stated and is taken to have stood still,
-    /// as their first samples say: these are then among the samples used.
+    /// as their first samples show: these are then among the samples used.
     #[serde(default)]
     pub runs_from_rest: usize,
 }
@@ -161,7 +158,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     /// Two lags of 5 samples behind random levels of 5 samples each, 200 samples of which are not
-    /// recorded; a little noise. With one lag the first sample would tell the whole state.
+    /// recorded; a little noise. With one lag the first sample would determine the whole state.
     fn run(seed: u64, rest: bool, samples: usize) -> Run {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         let before = 200;

@@ -32,7 +32,7 @@ pub fn run_scatter(
     for (what, scale, p, of) in numbers {
         panels.push(number(what, compared, level, p, |run| {
             let Difference { value, sd } = of(run);
-            (scale * value, scale * sd)
+            (scale * value, sd.map(|sd| scale * sd))
         }));
     }
     Figure {
@@ -53,7 +53,7 @@ fn number(
     compared: &RunComparison,
     level: Option<f64>,
     p: f64,
-    of: impl Fn(&RunDifference) -> (f64, f64),
+    of: impl Fn(&RunDifference) -> (f64, Option<f64>),
 ) -> Panel {
     let critical = level.map(pointwise_critical);
     let mark = |run: &RunDifference| {
@@ -61,7 +61,9 @@ fn number(
         Mark {
             x: run.run as f64,
             y: value,
-            line: critical.map(|critical| (value - critical * sd, value + critical * sd)),
+            line: critical
+                .zip(sd)
+                .map(|(critical, sd)| (value - critical * sd, value + critical * sd)),
         }
     };
     let ends = [compared.runs.first(), compared.runs.last()];

@@ -5,7 +5,6 @@ use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
 use servoid_identification::choice::Choice;
 use servoid_identification::critical_values::pointwise_critical;
 use servoid_identification::model::ParameterBounds;
-use servoid_identification::nested_banks::BankCandidate;
 use servoid_identification::thresholds::MARGIN;
 use servoid_identification::{Explanation, Model};
 
@@ -146,36 +145,65 @@ fn noise_order(explanation: &Explanation, model: &Model) -> Panel {
     }
 }
 
-/// Banks whose band is wider than the narrowest by more than this are not drawn: they would flatten the
-/// rest.
+/// Banks that exceed the best by more than this factor are not drawn: they would flatten the rest.
 const WIDEST: f64 = 20.0;
 
+/// The width of the band over n; without bounds, the error of predicting what was not seen.
 fn frequencies(explanation: &Explanation, model: &Model) -> Panel {
-    let widths = explanation
-        .frequencies
+    let n = model.structure.frequencies;
+    let panel = |y_label: &str, curves: Vec<Curve>, at: &[(f64, f64)]| {
+        let found = at.iter().find(|(count, _)| *count == n as f64);
+        Panel {
+            x_label: "number of frequencies n".into(),
+            y_label: y_label.into(),
+            legend: Legend::UpperRight,
+            curves,
+            marks: found.map_or_else(Vec::new, |(x, y)| chosen(*x, *y)),
+            ..Panel::default()
+        }
+    };
+    let banks = &explanation.frequencies;
+    let widths: Vec<(f64, f64, f64)> = banks
         .iter()
-        .map(BankCandidate::half_width);
-    let narrowest = widths.fold(f64::INFINITY, f64::min);
-    let worth = |bank: &&BankCandidate| bank.half_width() <= WIDEST * narrowest;
-    let banks: Vec<&BankCandidate> = explanation.frequencies.iter().filter(worth).collect();
-    let each =
-        |of: fn(&BankCandidate) -> f64| banks.iter().map(move |c| (c.frequencies as f64, of(c)));
-    let found = banks
-        .iter()
-        .find(|c| c.frequencies == model.structure.frequencies);
-    Panel {
-        x_label: "number of frequencies n".into(),
-        y_label: "half width of the band".into(),
-        legend: Legend::UpperRight,
-        curves: vec![
-            Curve::solid(
-                "noise and what is left out",
-                Ink::Measured,
-                each(BankCandidate::half_width),
-            ),
-            Curve::dashed("noise alone", Ink::Reference, each(|c| c.noise_half_width)),
-        ],
-        marks: found.map_or_else(Vec::new, |c| chosen(c.frequencies as f64, c.half_width())),
-        ..Panel::default()
+        .filter_map(|bank| {
+            Some((
+                bank.frequencies as f64,
+                bank.half_width()?,
+                bank.noise_half_width?,
+            ))
+        })
+        .collect();
+    if widths.is_empty() {
+        let least = banks
+            .iter()
+            .map(|bank| bank.gcv)
+            .fold(f64::INFINITY, f64::min);
+        let points: Vec<(f64, f64)> = banks
+            .iter()
+            .map(|bank| (bank.frequencies as f64, bank.gcv / least))
+            .filter(|(_, error)| *error <= WIDEST)
+            .collect();
+        let curve = Curve::solid("cross-validation", Ink::Measured, points.iter().copied());
+        return panel("prediction error, 1 = least", vec![curve], &points);
     }
+    let narrowest = widths
+        .iter()
+        .map(|(_, half, _)| *half)
+        .fold(f64::INFINITY, f64::min);
+    let worth = || {
+        widths
+            .iter()
+            .filter(|(_, half, _)| *half <= WIDEST * narrowest)
+    };
+    let whole: Vec<(f64, f64)> = worth().map(|(n, half, _)| (*n, *half)).collect();
+    let noise = worth().map(|(n, _, noise)| (*n, *noise));
+    let curves = vec![
+        Curve::solid(
+            "noise and what is left out",
+            Ink::Measured,
+            whole.iter().copied(),
+        ),
+        Curve::dashed("noise alone", Ink::Reference, noise),
+    ];
+    panel("half width of the band", curves, &whole)
 }

@@ -1,4 +1,6 @@
 //! The sentences of advice: findings, and what to do about each.
+//!
+//! A finding on a model without bounds does not speak of bounds, nor has it a number that is the width of one.
 
 mod errors;
 mod evidence;
@@ -25,8 +27,7 @@ pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
         response::hidden_tail(evidence),
         response::responds(evidence),
         response::truncated(evidence),
-        resolution::coarse(evidence),
-        resolution::rounding(evidence),
+        resolution::quantised(evidence),
         record::parameters(evidence),
         errors::slow_noise(evidence),
         errors::whiteness(evidence),

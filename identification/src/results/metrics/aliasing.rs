@@ -1,4 +1,4 @@
-//! What samples cannot tell from higher frequencies.
+//! Aliasing: the effect of frequencies above half the rate of sampling on those below.
 //!
 //! An input that is held between samples has a spectrum of its own at every ω + kω_s, ω_s being the rate of
 //! sampling, and sampling folds what the servo answers there onto ω:

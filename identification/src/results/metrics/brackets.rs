@@ -7,9 +7,7 @@ use super::interval::Interval;
 use super::rise::RiseIntervals;
 use super::shape::{EARLY, HALF, LATE};
 use super::spread::Spread;
-
-/// Half width of the bound of a single sample, as a share of the final value, from which on brackets are taken.
-const WIDE: f64 = 0.05;
+use crate::thresholds::ROUGH_SAMPLE;
 
 /// A curve whose gain is positive, and how well its samples are known.
 pub(super) struct Brackets<'a> {
@@ -25,10 +23,10 @@ impl Brackets<'_> {
         self.curve.len() - 1
     }
 
-    /// Whether one of the samples `points` is known to no better than [`WIDE`].
+    /// Whether one of the samples `points` is known to no better than [`ROUGH_SAMPLE`].
     pub(super) fn are_needed(&self, points: &[usize]) -> bool {
         let sd = points.iter().map(|&m| self.spread.sd_over(m, HALF));
-        self.one * sd.fold(0.0, f64::max) > WIDE * self.curve[self.last()]
+        self.one * sd.fold(0.0, f64::max) > ROUGH_SAMPLE * self.curve[self.last()]
     }
 
     /// Sample `m` over a level, less `deviations` standard deviations.

@@ -118,15 +118,20 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// Reads them off.
-    pub(crate) fn new(measured: &Measured<'_>) -> Self {
+    /// Reads them off. Where `bounds` are withdrawn, intervals keep their value alone.
+    pub(crate) fn new(measured: &Measured<'_>, bounds: Bounds<MetricBounds>) -> Self {
+        let metrics = Self::of_response(measured, bounds);
+        match bounds.withdrawn() {
+            Some(reason) => metrics.withdrawn(reason),
+            None => metrics,
+        }
+    }
+
+    fn of_response(measured: &Measured<'_>, bounds: Bounds<MetricBounds>) -> Self {
         let step = measured.step;
         let last = step.len() - 1;
         let pointwise = &measured.step_bounds.pointwise;
         let dc_gain = Interval::new(step[last], pointwise.lower[last], pointwise.upper[last]);
-        let bounds = Bounds::Valid(MetricBounds {
-            level: measured.level(),
-        });
         // Everything else is relative to a gain, and there is none if it may be zero.
         if dc_gain.contains(0.0) {
             return Self::withheld(dc_gain, Withheld::GainMayBeZero, bounds);

@@ -1,19 +1,16 @@
 //! Reading a step response: crossings, peak, settling, in samples.
 //!
 //! The same reading may be done thousands of times over curves that differ little, so it is limited
-//! in advance: [`Windows`] holds, for each metric, the samples that can matter within six standard
-//! deviations. All other samples are surely on their side of every level.
+//! in advance: [`Windows`] holds, for each metric, the samples that can matter within [`SURE`]
+//! standard deviations. All other samples are surely on their side of every level.
 
 use std::ops::Range;
 
 use super::crossing::crossing_before;
+use crate::thresholds::SURE;
 
 /// Half width of the band that the response must not leave any more, relative to the final value.
 pub(crate) const SETTLED: f64 = 0.02;
-
-/// Standard deviations beyond which a sample is surely on one side of a level: a draw that lies
-/// outside turns up once in 5e8.
-pub(crate) const SURE: f64 = 6.0;
 
 /// Levels of delay, early and late end of the rise, relative to the final value.
 pub(crate) const EARLY: [f64; 2] = [0.05, 0.1];
