@@ -14,7 +14,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::data::record::Record;
+use crate::data::record::{Record, Run};
 use crate::numerics::critical_values::pointwise_critical;
 use crate::results::model::Model;
 
@@ -57,35 +57,20 @@ pub fn with_input(
 
 /// One-step errors by run, NaN where unknown.
 fn errors(model: &Model, record: &Record) -> Vec<Vec<f64>> {
-    let of = |run: &crate::data::record::Run| {
-        let predicted = model.predict(run);
-        run.output()
-            .iter()
-            .zip(predicted)
-            .map(|(y, p)| y - p)
-            .collect()
+    let of = |run: &Run| {
+        let pairs = run.output().iter().zip(model.predict(run));
+        pairs.map(|(y, p)| y - p).collect()
     };
     record.runs().iter().map(of).collect()
 }
 
 /// D(z) u by run, without its mean, which the offset explains; NaN where unknown.
 fn inputs(model: &Model, record: &Record) -> Vec<Vec<f64>> {
-    let ar = &model.noise.ar;
-    let mut filtered: Vec<Vec<f64>> = record
-        .runs()
-        .iter()
-        .map(|run| {
-            let u = run.input();
-            let at = |k: usize| -> f64 {
-                let past = ar.iter().enumerate().map(|(i, d)| {
-                    k.checked_sub(i + 1)
-                        .map_or(f64::NAN, |before| d * u[before])
-                });
-                u[k] + past.sum::<f64>()
-            };
-            (0..u.len()).map(at).collect()
-        })
-        .collect();
+    let of = |run: &Run| {
+        let u = run.input();
+        (0..u.len()).map(|k| u[k] + model.noise_memory(u, k)).collect()
+    };
+    let mut filtered: Vec<Vec<f64>> = record.runs().iter().map(of).collect();
     let known = filtered.iter().flatten().filter(|u| !u.is_nan());
     let (count, sum) = known.fold((0usize, 0.0), |(n, sum), u| (n + 1, sum + u));
     let mean = sum / count.max(1) as f64;

@@ -261,27 +261,15 @@ impl Model {
     #[must_use]
     pub fn predict(&self, run: &Run) -> Vec<f64> {
         let simulated = self.simulate(run);
-        let error: Vec<f64> = run
-            .output()
-            .iter()
-            .zip(&simulated)
-            .map(|(y, simulated)| y - simulated)
-            .collect();
-        simulated
-            .iter()
-            .enumerate()
-            .map(|(k, simulated)| {
-                let past =
-                    self.noise
-                        .ar
-                        .iter()
-                        .enumerate()
-                        .map(|(i, d)| match k.checked_sub(i + 1) {
-                            Some(before) => d * error[before],
-                            None => f64::NAN,
-                        });
-                simulated - past.sum::<f64>()
-            })
-            .collect()
+        let pairs = run.output().iter().zip(&simulated);
+        let error: Vec<f64> = pairs.map(|(y, simulated)| y - simulated).collect();
+        let predicted = |(k, simulated): (usize, &f64)| simulated - self.noise_memory(&error, k);
+        simulated.iter().enumerate().map(predicted).collect()
+    }
+
+    /// sum_i d_i x(k-i); NaN where a past value is missing.
+    pub(crate) fn noise_memory(&self, values: &[f64], k: usize) -> f64 {
+        let past = |(d, i): (&f64, usize)| k.checked_sub(i).map_or(f64::NAN, |k| d * values[k]);
+        self.noise.ar.iter().zip(1..).map(past).sum()
     }
 }

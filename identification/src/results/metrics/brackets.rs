@@ -5,7 +5,7 @@
 
 use super::interval::Interval;
 use super::rise::RiseIntervals;
-use super::shape::{EARLY, HALF, LATE};
+use super::shape::LEVELS;
 use super::spread::Spread;
 use crate::thresholds::ROUGH_SAMPLE;
 
@@ -25,7 +25,7 @@ impl Brackets<'_> {
 
     /// Whether one of the samples `points` is known to no better than [`ROUGH_SAMPLE`].
     pub(super) fn are_needed(&self, points: &[usize]) -> bool {
-        let sd = points.iter().map(|&m| self.spread.sd_over(m, HALF));
+        let sd = points.iter().map(|&m| self.spread.sd_over(m, LEVELS.half));
         self.one * sd.fold(0.0, f64::max) > ROUGH_SAMPLE * self.curve[self.last()]
     }
 
@@ -52,8 +52,8 @@ impl Brackets<'_> {
     /// The times by which the response has passed 5, 10, 50 and 90 % as [`Shape`](super::shape::Shape) reads them:
     /// half and 90 % for the first time, the others for the last time before half. `value` holds the estimates.
     pub(super) fn intervals(&self, value: &RiseIntervals) -> RiseIntervals {
-        let half_first = self.earliest(0, HALF);
-        let half_last = self.reached(0, HALF);
+        let half_first = self.earliest(0, LEVELS.half);
+        let half_last = self.reached(0, LEVELS.half);
         let early = |share: f64| {
             let all_above = half_last.map(|half| {
                 (0..half)
@@ -62,9 +62,9 @@ impl Brackets<'_> {
             });
             (self.earliest(0, share), end(all_above))
         };
-        let (delay, tenth) = (early(EARLY[0]), early(EARLY[1]));
-        let late_first = self.earliest(half_first as usize, LATE);
-        let late_last = end(half_last.and_then(|half| self.reached(half, LATE)));
+        let (delay, tenth) = (early(LEVELS.delay), early(LEVELS.tenth));
+        let late_first = self.earliest(half_first as usize, LEVELS.ninety);
+        let late_last = end(half_last.and_then(|half| self.reached(half, LEVELS.ninety)));
         let interval = |value: Interval, (lower, upper): (f64, f64)| {
             Interval::new(value.value.unwrap_or(f64::INFINITY), lower, upper)
         };

@@ -1,7 +1,7 @@
 //! Between samples: what interpolation of a crossing may be wrong by.
 
 use super::crossing::Crossing;
-use super::shape::{EARLY, HALF, LATE, Shape};
+use super::shape::{AtLevels, LEVELS, Shape};
 use super::spread::Weights;
 
 /// Samples in the rise below which a cubic through four samples no longer follows the curve between
@@ -26,42 +26,29 @@ const BEGUN: f64 = 0.02;
 /// rise e is about a hundredth of a sample. Where the response had not begun at the sample before, a
 /// dead time may end anywhere up to the crossing's other neighbour: then e reaches to the farther of
 /// the two, again by the share min(1, (4/r)²).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Interpolation {
-    pub(crate) delay: f64,
-    pub(crate) tenth: f64,
-    pub(crate) half: f64,
-    pub(crate) ninety: f64,
-}
-
-impl Interpolation {
-    /// Of `curve`, whose crossings are those of `shape`.
-    pub(crate) fn new(curve: &[f64], shape: &Shape) -> Self {
-        let coarseness = (COARSE / shape.crossings.rise()).powi(2).min(1.0);
-        let error = |crossing: f64, share: f64| {
-            // The sample that follows the crossing; none where there is no crossing.
-            let m = (crossing.floor() as usize).saturating_add(1);
-            if !crossing.is_finite() || m >= curve.len() {
-                return 0.0;
-            }
-            let around = Crossing::new(curve, m, share * shape.gain);
-            let at = crossing - (m - 1) as f64;
-            let line = (at - around.linear()).abs();
-            let parabola = around.parabolas().map(|x| (at - x).abs());
-            let error = 3.0 * coarseness * line + 2.0 * parabola[0].max(parabola[1]);
-            let begun = curve[m - 1] > BEGUN * shape.gain;
-            if begun {
-                error
-            } else {
-                error.max(coarseness * at.max(1.0 - at))
-            }
-        };
-        Self {
-            delay: error(shape.crossings.delay, EARLY[0]),
-            tenth: error(shape.crossings.tenth, EARLY[1]),
-            half: error(shape.crossings.half, HALF),
-            ninety: error(shape.crossings.ninety, LATE),
+pub(crate) fn interpolation_errors(curve: &[f64], shape: &Shape) -> AtLevels<f64> {
+    let coarseness = (COARSE / shape.crossings.rise()).powi(2).min(1.0);
+    let error = |crossing: f64, share: f64| {
+        // The sample that follows the crossing; none where there is no crossing.
+        let m = (crossing.floor() as usize).saturating_add(1);
+        if !crossing.is_finite() || m >= curve.len() {
+            return 0.0;
         }
+        let around = Crossing::new(curve, m, share * shape.gain);
+        let at = crossing - (m - 1) as f64;
+        let line = (at - around.linear()).abs();
+        let parabola = around.parabolas().map(|x| (at - x).abs());
+        let error = 3.0 * coarseness * line + 2.0 * parabola[0].max(parabola[1]);
+        match curve[m - 1] > BEGUN * shape.gain {
+            true => error,
+            false => error.max(coarseness * at.max(1.0 - at)),
+        }
+    };
+    AtLevels {
+        delay: error(shape.crossings.delay, LEVELS.delay),
+        tenth: error(shape.crossings.tenth, LEVELS.tenth),
+        half: error(shape.crossings.half, LEVELS.half),
+        ninety: error(shape.crossings.ninety, LEVELS.ninety),
     }
 }
 
