@@ -68,7 +68,9 @@ fn errors(model: &Model, record: &Record) -> Vec<Vec<f64>> {
 fn inputs(model: &Model, record: &Record) -> Vec<Vec<f64>> {
     let of = |run: &Run| {
         let u = run.input();
-        (0..u.len()).map(|k| u[k] + model.noise_memory(u, k)).collect()
+        (0..u.len())
+            .map(|k| u[k] + model.noise_memory(u, k))
+            .collect()
     };
     let mut filtered: Vec<Vec<f64>> = record.runs().iter().map(of).collect();
     let known = filtered.iter().flatten().filter(|u| !u.is_nan());

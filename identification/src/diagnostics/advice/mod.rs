@@ -70,7 +70,11 @@ mod tests {
             settling: Settling::Samples(41),
             ..Options::default()
         };
-        identify(&Record::from_slices(0.01, &input, &output).unwrap(), &options).unwrap()
+        identify(
+            &Record::from_slices(0.01, &input, &output).unwrap(),
+            &options,
+        )
+        .unwrap()
     }
 
     fn checks(model: &Model) -> Vec<&Check> {
@@ -80,7 +84,10 @@ mod tests {
     #[test]
     fn noise_that_drifts_is_slow_and_noise_that_forgets_is_not() {
         let slow = |model: &Model| {
-            let found = model.advice.iter().find(|found| found.check == Check::SlowNoise);
+            let found = model
+                .advice
+                .iter()
+                .find(|found| found.check == Check::SlowNoise);
             found.map(|found| found.finding.clone())
         };
         let drift = slow(&model(4000, 0.995)).unwrap();
@@ -94,9 +101,15 @@ mod tests {
     fn a_short_record_has_many_parameters_and_loses_samples_to_history() {
         let short = model(160, 0.0);
         let found = checks(&short);
-        assert!(found.contains(&&Check::Parameters) && found.contains(&&Check::History), "{found:?}");
+        assert!(
+            found.contains(&&Check::Parameters) && found.contains(&&Check::History),
+            "{found:?}"
+        );
         let long = model(2000, 0.0);
         let found = checks(&long);
-        assert!(!found.contains(&&Check::Parameters) && !found.contains(&&Check::History), "{found:?}");
+        assert!(
+            !found.contains(&&Check::Parameters) && !found.contains(&&Check::History),
+            "{found:?}"
+        );
     }
 }
