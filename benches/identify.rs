@@ -6,9 +6,9 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use servoid_identification::moments::{MomentStream, Moments};
 use servoid_identification::{
-    Frequencies, NoiseOrder, Options, Record, Settling, identify, identify_moments,
+    Frequencies, MomentStream, Moments, NoiseOrder, Options, Record, Settling, identify,
+    identify_moments,
 };
 
 const PERIOD: f64 = 0.002;

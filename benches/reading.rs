@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use servoid::dataset::{self, DatasetOptions};
-use servoid::recording::{Ending, Header, Recording, RecordingWriter};
+use servoid::data::dataset::{self, DatasetOptions};
+use servoid::data::recording::{Ending, Header, Recording, RecordingWriter};
 use servoid_identification::{Options, identify};
 use servoid_protocol::{Counts, Frame, PulseWidth};
 

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use servoid::table::Table;
+use servoid::data::table::Table;
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use servoid::dataset::{self, DatasetOptions, TimeUnit};
+use servoid::data::dataset::{self, DatasetOptions, TimeUnit};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 

@@ -3,14 +3,14 @@
 
 use libfuzzer_sys::fuzz_target;
 use servoid::export::{Export, Target};
-use servoid::model_metadata::ModelMetadata;
+use servoid::data::ModelMetadata;
 use servoid::report::{self, Page, Servo};
-use servoid::model_file::ModelFile;
-use servoid::units::Units;
+use servoid::data::model_file::ModelFile;
+use servoid::data::Units;
 use servoid::{plots, summary};
 use servoid_identification::Record;
 use servoid_identification::comparison::{ComparisonOptions, compare_models};
-use servoid_identification::model::Model;
+use servoid_identification::results::Model;
 use std::path::Path;
 use std::sync::LazyLock;
 

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use servoid::rig_file::RigFile;
+use servoid::data::rig_file::RigFile;
 use servoid_protocol::{Counts, Degrees};
 use std::path::Path;
 

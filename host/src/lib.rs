@@ -4,8 +4,8 @@
 //!
 //! | folder          | content                                                                          |
 //! |-----------------|----------------------------------------------------------------------------------|
-//! | `data/`         | [`recording`]s, CSV [`table`]s, their [`timeline`], and the [`dataset`] of both   |
-//! | `instrument/`   | [`port`], [`rig`] client, [`mod@reference`], [`calibration`], [`live`] estimate    |
+//! | [`data`]        | recordings, rig files, model files, CSV tables, and the data set of any of them   |
+//! | [`instrument`]  | port, conversation with the rig, reference, calibration, live estimate             |
 //! | `presentation/` | [`summary`], [`plots`], [`report`], [`export`], live [`scope`]                     |
 //! | `plan/`         | the forecast of a run: [`plan`]                                                    |
 //! | `commands/`     | the command line: [`commands`]                                                     |
@@ -26,17 +26,12 @@
 )]
 
 pub mod commands;
-mod data;
-mod instrument;
+pub mod data;
+pub mod instrument;
 pub mod plan;
 mod presentation;
 
 pub use commands::{output_files, rig_wizard};
-pub use data::{
-    dataset, degrees, fingerprint, input_file, model_file, model_metadata, recording, rig_file,
-    sensor_health, table, timeline, units,
-};
-pub use instrument::{calibration, live, port, reference, rig};
 pub use presentation::{
     explanation, export, paper_values, plots, report, scope, summary, template,
 };

@@ -5,9 +5,9 @@
 
 use rayon::prelude::*;
 use servoid_identification::comparison::{ComparisonOptions, Verdict, compare};
-use servoid_identification::direction::split;
-use servoid_identification::limits::{Limits, RateVerdict};
-use servoid_identification::{Model, Options, Record, identify};
+use servoid_identification::nonlinear::{Limits, RateVerdict, split_by_direction};
+use servoid_identification::results::Model;
+use servoid_identification::{Options, Record, identify};
 use servoid_test_support::servos::{
     Limit, Linear, PERIOD, exact_shift, limited, measured, sizes, staircase, stairs,
 };
@@ -74,7 +74,7 @@ fn row(name: &str, servo: &Servo, levels: &[f64], runs: u64) {
     let paper_output = servo(&paper, -5.0);
     let asymmetric = share(runs, |seed| {
         let (record, model) = identified(&paper, &paper_output, seed);
-        split(&record, &model)
+        split_by_direction(&record, &model)
             .expect("both directions")
             .symmetry
             .asymmetric

@@ -6,11 +6,11 @@ use std::str::FromStr;
 use crate::error::Error;
 
 /// Largest order of the noise model that can be asked for.
-pub const MAX_NOISE_ORDER: usize = 24;
+pub(crate) const MAX_NOISE_ORDER: usize = 24;
 
 /// Longest settling time that can be asked for \[samples\]: its matrices have the square of it as
 /// entries, 200 MB each.
-pub const LONGEST_SETTLING_BY_HAND: usize = 5000;
+pub(crate) const LONGEST_SETTLING_BY_HAND: usize = 5000;
 
 /// Confidence levels that bounds can be had for.
 pub const LEVELS: std::ops::RangeInclusive<f64> = 0.5..=0.99999;
@@ -67,7 +67,7 @@ pub struct Options {
     /// Confidence level of every bound, between 0.5 and 0.99999.
     pub level: f64,
     /// Longest settling time that the automatic choice considers \[samples\]; `None` is a seventh
-    /// of the record, at most [`crate::settling_range::LONGEST_SETTLING`].
+    /// of the record, at most 599.
     pub longest_settling: Option<usize>,
 }
 
@@ -87,8 +87,8 @@ impl Options {
     /// Checks what can be checked without data.
     ///
     /// # Errors
-    /// A settling time below 3 or above [`LONGEST_SETTLING_BY_HAND`] samples, an even or too large number of frequencies, a noise order
-    /// above [`MAX_NOISE_ORDER`], a level outside 0.5..0.99999.
+    /// A settling time below 3 or above 5000 samples, an even or too large number of frequencies, a noise order above 24,
+    /// a level outside 0.5..0.99999.
     pub fn check(&self) -> Result<(), Error> {
         if let Settling::Samples(settling) = self.settling {
             if !(3..=LONGEST_SETTLING_BY_HAND).contains(&settling) {

@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use servoid_identification::metrics::Interval;
-use servoid_identification::{Model, Options, Record, identify};
+use servoid_identification::results::{Interval, Model};
+use servoid_identification::{Options, Record, identify};
 
 use crate::servos::{Linear, PERIOD, measured, staircase, stairs};
 

@@ -1,7 +1,7 @@
 //! How often the intervals of the metrics hold the exact figures.
 
 use rayon::prelude::*;
-use servoid_identification::metrics::{Interval, Metrics};
+use servoid_identification::results::{Interval, Metrics};
 use servoid_identification::{Options, Record, Settling, identify};
 
 use crate::servos::{Linear, PERIOD, measured, staircase};

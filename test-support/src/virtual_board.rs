@@ -1,10 +1,10 @@
 //! The flash image, a board with it, and a capture from it by the host's own code.
 
-use servoid::port::Port;
-use servoid::recording::{Header, RecordingWriter};
-use servoid::rig::RigClient;
-use servoid::rig::{Capture, CaptureEnd, CaptureError};
-use servoid::rig_file::RigFile;
+use servoid::data::recording::{Header, RecordingWriter};
+use servoid::data::rig_file::RigFile;
+use servoid::instrument::port::Port;
+use servoid::instrument::rig::RigClient;
+use servoid::instrument::rig::{Capture, CaptureEnd, CaptureError};
 use servoid_protocol::message::Arm;
 use servoid_protocol::reference::{Reference, Staircase};
 use servoid_protocol::schema::SCHEMA_HASH;

@@ -14,8 +14,8 @@ use crate::presentation::summary;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use servoid_identification::Options;
-use servoid_identification::advice::Advice;
 use servoid_identification::comparison::{Comparison, ComparisonOptions, compare, compare_models};
+use servoid_identification::results::Advice;
 use std::path::{Path, PathBuf};
 
 /// Compare two servos, or one servo under two conditions

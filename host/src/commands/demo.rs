@@ -16,7 +16,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use servoid_identification::comparison::{Comparison, ComparisonOptions, compare};
-use servoid_identification::metrics::Metrics;
+use servoid_identification::results::Metrics;
 use servoid_identification::{Options, Record, identify_explained};
 use servoid_protocol::reference::{Reference, Staircase};
 use std::path::PathBuf;

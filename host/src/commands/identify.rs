@@ -17,12 +17,12 @@ use crate::presentation::summary;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
-use servoid_identification::direction::{self, DirectionModel};
-use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
-use servoid_identification::limits::Limits;
-use servoid_identification::step_response::StepResponse;
+use servoid_identification::diagnostics::Explanation;
+use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
+use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
+use servoid_identification::results::{Model, StepResponse};
 use servoid_identification::{
-    Explanation, Frequencies, Model, NoiseOrder, Options, Settling, identify_explained,
+    Frequencies, NoiseOrder, Options, Settling, flight_model, identify_explained,
 };
 use std::path::PathBuf;
 
@@ -128,7 +128,7 @@ impl Identify {
         if self.limits {
             let limits = Limits::of(&data.record, model, self.level);
             // A recording with strokes of one direction only has no split; the summary says so.
-            let split = direction::split(&data.record, model).ok();
+            let split = split_by_direction(&data.record, model).ok();
             text += &summary::of_limits(&limits, split.as_ref(), units.common());
             result.directions = split.map(Directions::from);
             result.limits = Some(limits);

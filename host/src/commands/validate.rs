@@ -15,9 +15,8 @@ use crate::presentation::summary;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
-use servoid_identification::advice::Advice;
-use servoid_identification::validation::Validation;
-use servoid_identification::{Model, Record, Run};
+use servoid_identification::results::{Advice, Model, Validation};
+use servoid_identification::{Record, Run};
 use std::path::PathBuf;
 
 /// Compare a model with a recording that it was not identified from

@@ -1,6 +1,6 @@
 //! Fingerprints of runs: a CRC-32 of the samples, whatever file they are in and however that is written.
 
-use servoid_identification::advice::{Advice, Check};
+use servoid_identification::results::{Advice, Check};
 use servoid_identification::{Record, Run};
 use std::collections::HashSet;
 

@@ -46,7 +46,7 @@ impl ModelMetadata {
     /// Those of a model's document; one without these fields, as older ones are, has none.
     ///
     /// ```
-    /// use servoid::model_metadata::ModelMetadata;
+    /// use servoid::data::ModelMetadata;
     /// let document = serde_json::json!({"units": {"input": "us"}, "pulse_frame_s": 0.02});
     /// let metadata = ModelMetadata::in_document(&document);
     /// assert_eq!((metadata.units().input, metadata.pulse_frame_s), (Some("us"), Some(0.02)));

@@ -19,7 +19,7 @@ impl<'a> Units<'a> {
     /// "deg/us", the unit of a gain; `None` where it is 1, or not known.
     ///
     /// ```
-    /// use servoid::units::Units;
+    /// use servoid::data::Units;
     /// let units = |input, output| Units { input: Some(input), output: Some(output) };
     /// assert_eq!(units("us", "deg").gain().as_deref(), Some("deg/us"));
     /// assert_eq!(units("deg", "deg").gain(), None);

@@ -1,4 +1,4 @@
-//! The rig at the other end of a port: what it is told, and what it sends.
+//! The rig at the other end of a port: references, conversation, calibration, live estimate.
 
 pub mod calibration;
 pub mod live;

@@ -3,9 +3,9 @@
 //! The detectors of identification decide, on simulated runs of the reference.
 
 use serde::Serialize;
-use servoid_identification::direction;
-use servoid_identification::limits::{Limits, RateVerdict};
-use servoid_identification::{Model, Options, Record};
+use servoid_identification::nonlinear::{Limits, RateVerdict, split_by_direction};
+use servoid_identification::results::Model;
+use servoid_identification::{Options, Record};
 
 /// A question, and whether the reference answers it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -46,7 +46,7 @@ fn advice_of(statement: &str) -> String {
 pub(super) fn of(example: &Model, record: &Record) -> Vec<Answer> {
     // Verdicts alone are read, which have thresholds of their own.
     let limits = Limits::of(record, example, Options::default().level);
-    let split = direction::split(record, example);
+    let split = split_by_direction(record, example);
     let rates = [&limits.rate_up, &limits.rate_down];
     let silent = rates
         .into_iter()

@@ -1,7 +1,7 @@
 //! The servo and the noise that a plan assumes.
 
-use servoid_identification::noise_model::Noise;
-use servoid_identification::{Error, Model, Options, Record, identify};
+use servoid_identification::results::{Model, Noise};
+use servoid_identification::{Error, Options, Record, identify};
 use servoid_protocol::PulseWidth;
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::timing::SAMPLE_US;

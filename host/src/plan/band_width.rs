@@ -2,7 +2,7 @@
 
 use super::runs_needed::NarrowingBand;
 use serde::Serialize;
-use servoid_identification::step_response::StepBounds;
+use servoid_identification::results::StepBounds;
 
 /// Half widths of a step response's bands (percent of the step).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -3,14 +3,8 @@
 use super::band_width::BandWidths;
 use super::request::PlanRequest;
 use super::simulated_runs::simulated;
-use servoid_identification::fsf_basis::FsfBasis;
-use servoid_identification::gls::{self, GlsOptions};
-use servoid_identification::least_squares::{Coordinates, RowInformation};
-use servoid_identification::model::ParameterBounds;
-use servoid_identification::moments::Moments;
-use servoid_identification::step_response::{StepBounds, StepResponse};
-use servoid_identification::variance::CurveVariance;
-use servoid_identification::{Error, Model, NoiseOrder, Options, Record, identify};
+use servoid_identification::results::Model;
+use servoid_identification::{Error, Options, Record, expected_model, identify};
 
 /// Simulated identifications. Each may choose another N: the widths are their mean, and the model shown is the
 /// one with the median N.
@@ -48,7 +42,7 @@ impl Expectation {
         for seed in 1..=simulations {
             let record = simulated(request, seed)?;
             let example = identify(&record, &options)?;
-            let model = with_assumed_noise(request, &example, &record)?;
+            let model = expected_model(&example, &record, &request.assumed.model, request.level)?;
             all.push((model, example, record));
         }
         let is_bounded = |(model, ..): &(Model, Model, Record)| model.bounds.valid().is_some();

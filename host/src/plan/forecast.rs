@@ -12,9 +12,8 @@ use super::spectrum::Spectrum;
 use crate::data::recording::as_toml;
 use crate::instrument::reference::{describe, seconds};
 use serde::Serialize;
-use servoid_identification::metrics::Metrics;
-use servoid_identification::step_response::StepResponse;
-use servoid_identification::{Error, Model};
+use servoid_identification::Error;
+use servoid_identification::results::{Metrics, Model, StepResponse};
 
 /// The forecast of a run.
 #[derive(Clone, Debug, Serialize)]

@@ -5,7 +5,7 @@ use super::forecast::Plan;
 use super::spectrum::Density;
 use crate::presentation::plots::figure::{Band, Curve, Figure, Ink, Legend, Panel};
 use crate::presentation::summary;
-use servoid_identification::step_response::StepBounds;
+use servoid_identification::results::StepBounds;
 
 /// The spectrum beside the noise, and the step response with the expected band, if there is one.
 #[must_use]

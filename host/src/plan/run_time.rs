@@ -1,7 +1,7 @@
 //! Duration of a run.
 
 use crate::instrument::reference::seconds;
-use crate::instrument::rig::capture::ROLL_FRAMES;
+use crate::instrument::rig::ROLL_FRAMES;
 use servoid_protocol::Reference;
 
 /// Duration of one run: the reference, and the rest before and after it (s).

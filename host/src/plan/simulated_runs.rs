@@ -1,11 +1,12 @@
 //! Simulated runs of the assumed servo.
 
 use super::request::PlanRequest;
-use crate::instrument::rig::capture::ROLL_FRAMES;
+use crate::instrument::rig::ROLL_FRAMES;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use servoid_identification::{Error, Model, Record, Run};
+use servoid_identification::results::Model;
+use servoid_identification::{Error, Record, Run};
 use servoid_protocol::Degrees;
 use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
 use servoid_simulator::{SERVO_SCALE, SimulationOptions, simulate};

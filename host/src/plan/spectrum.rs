@@ -4,7 +4,7 @@ use super::request::PlanRequest;
 use super::simulated_runs;
 use realfft::RealFftPlanner;
 use serde::Serialize;
-use servoid_identification::Model;
+use servoid_identification::results::Model;
 use servoid_protocol::Reference;
 use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
 use std::f64::consts::TAU;

@@ -4,7 +4,7 @@ use super::expectation::Expectation;
 use super::simulated_runs::simulated;
 use super::*;
 use crate::instrument::reference::{Kind, ReferenceSpec};
-use servoid_identification::noise_model::Noise;
+use servoid_identification::results::Noise;
 use servoid_identification::{Options, identify};
 use servoid_protocol::Reference;
 use servoid_protocol::reference::{Step, Steps};

@@ -1,9 +1,9 @@
 //! Why a model has the structure that it has, as text.
 
 use crate::presentation::summary::decimals;
-use servoid_identification::model::Structure;
+use servoid_identification::diagnostics::Explanation;
+use servoid_identification::results::{Model, Structure};
 use servoid_identification::thresholds::{CONTRADICTION, MARGIN};
-use servoid_identification::{Explanation, Model};
 use std::fmt::Write;
 
 /// Lines of a table that are printed; a long search is thinned out to about so many.

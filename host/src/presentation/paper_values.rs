@@ -5,8 +5,8 @@
 //! them: agreement here shows that the chain works from end to end, not what any real servo does.
 
 use serde::Serialize;
-use servoid_identification::Model;
 use servoid_identification::comparison::Comparison;
+use servoid_identification::results::Model;
 
 /// One fact: what the paper says, and what was found here.
 #[derive(Clone, Debug, PartialEq, Serialize)]

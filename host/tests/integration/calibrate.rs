@@ -1,7 +1,7 @@
 //! The sensor's scale, the servo's, and the ends of its travel.
 
 use crate::support::{arg, refusal, run};
-use servoid::rig_file::RigFile;
+use servoid::data::rig_file::RigFile;
 
 const PAIRS: &str = "--pairs=-20=6001,-10=7000,0=8001,10=9000,20=10001";
 

@@ -1,10 +1,10 @@
 //! Captures over bad lines: complete or labelled, never silently wrong.
 
-use servoid::port::Port;
-use servoid::recording::Ending;
-use servoid::rig::CaptureError;
-use servoid::rig::ClientError;
-use servoid::rig::TalkError;
+use servoid::data::recording::Ending;
+use servoid::instrument::port::Port;
+use servoid::instrument::rig::CaptureError;
+use servoid::instrument::rig::ClientError;
+use servoid::instrument::rig::TalkError;
 use servoid_protocol::PulseWidth;
 use servoid_protocol::message::Start;
 use servoid_simulator::InProcessRig;

@@ -1,13 +1,13 @@
 //! Recordings that lie: damaged headers, timing of another rig, files of nothing but damage.
 
 use crate::support::{arg, data, refusal, run, servoid};
-use servoid::dataset::{DatasetOptions, load};
-use servoid::port::{self, Port};
-use servoid::recording::{Recording, recover};
-use servoid::rig::ClientError;
-use servoid::rig::TalkError;
-use servoid::rig::{Capture, RigClient};
-use servoid::rig_file::RigFile;
+use servoid::data::dataset::{DatasetOptions, load};
+use servoid::data::recording::{Recording, recover};
+use servoid::data::rig_file::RigFile;
+use servoid::instrument::port::{self, Port};
+use servoid::instrument::rig::ClientError;
+use servoid::instrument::rig::TalkError;
+use servoid::instrument::rig::{Capture, RigClient};
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::{Decoder, Hello, Reference, RigMessage, framing};
 use std::collections::VecDeque;
@@ -253,7 +253,7 @@ fn a_recording_is_known_as_one_whatever_became_of_its_first_line() {
         let said = said(&bytes[..cut]);
         assert!(!said.contains("is no recording"), "cut at {cut}: {said}");
         let cut_short = Recording::parse(&bytes[..cut], &file).unwrap();
-        let servoid::recording::Completeness::Partial(why) = cut_short.completeness else {
+        let servoid::data::recording::Completeness::Partial(why) = cut_short.completeness else {
             panic!("cut at {cut}: complete")
         };
         if !cut_short.rows.is_empty() {
@@ -319,7 +319,7 @@ fn a_capture_outlives_whoever_reads_its_messages() {
     let recording = Recording::read(&file).unwrap();
     assert_eq!(
         recording.completeness,
-        servoid::recording::Completeness::Complete
+        servoid::data::recording::Completeness::Complete
     );
 }
 

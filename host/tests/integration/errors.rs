@@ -285,7 +285,7 @@ fn a_port_that_another_servoid_has_is_busy() {
     let (_near, far) = serialport::TTYPort::pair().unwrap();
     let name = serialport::SerialPort::name(&far).unwrap();
     drop(far);
-    let held = servoid::port::open(&name);
+    let held = servoid::instrument::port::open(&name);
     assert!(held.is_ok(), "the first one gets it");
     assert!(refusal(&["info", "--port", &name]).contains("busy"));
 }

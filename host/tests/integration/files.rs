@@ -1,8 +1,8 @@
 //! Recordings under adverse conditions: cut, changed, killed, and disks that are full.
 
 use crate::support::{arg, data, refusal, run};
-use servoid::degrees::DegreeScale;
-use servoid::recording::{
+use servoid::data::DegreeScale;
+use servoid::data::recording::{
     Completeness, Ending, FORMAT, Header, ReadError, Recording, RecordingWriter, is_recording,
     recover,
 };

@@ -4,8 +4,8 @@
 
 use crate::support::data;
 use proptest::prelude::*;
-use servoid::rig_file::RigFile;
-use servoid::table::Table;
+use servoid::data::rig_file::RigFile;
+use servoid::data::table::Table;
 use servoid_protocol::{Degrees, PulseWidth};
 use servoid_test_support::trials::any_bytes::read_as_a_recording;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The rig file of a new rig.
 
 use crate::support::{arg, refusal, run};
-use servoid::rig_file::RigFile;
+use servoid::data::rig_file::RigFile;
 
 #[test]
 fn options_answer_every_question_and_the_file_is_a_rig() {

@@ -1,9 +1,9 @@
 //! Every reference from capture to validation, in this process.
 
 use crate::support::{arg, json, refusal, run};
-use servoid::dataset::{DatasetOptions, load};
-use servoid::recording::{Completeness, Recording};
-use servoid::rig::capture::ROLL_FRAMES;
+use servoid::data::dataset::{DatasetOptions, load};
+use servoid::data::recording::{Completeness, Recording};
+use servoid::instrument::rig::ROLL_FRAMES;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_simulator::linear::LinearParameters;
 use std::path::{Path, PathBuf};

@@ -1,16 +1,16 @@
 //! What is on the disk stays until something better takes its place; a rig in use is left alone.
 
 use crate::support::{arg, data, json, refusal, run};
-use servoid::model_file::ModelFile;
-use servoid::output_files::write_file;
-use servoid::port;
-use servoid::recording::{
+use servoid::data::model_file::ModelFile;
+use servoid::data::recording::{
     Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError,
 };
-use servoid::rig::CaptureError;
-use servoid::rig::ClientError;
-use servoid::rig::{Capture, RigClient, TalkError};
-use servoid::rig_file::RigFile;
+use servoid::data::rig_file::RigFile;
+use servoid::instrument::port;
+use servoid::instrument::rig::CaptureError;
+use servoid::instrument::rig::ClientError;
+use servoid::instrument::rig::{Capture, RigClient, TalkError};
+use servoid::output_files::write_file;
 use servoid_protocol::message::Refusal;
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::{Counts, Frame, PulseWidth, Reference, RigMessage, framing};
@@ -36,7 +36,7 @@ fn record_unarmed(file: &Path, force: bool, stop: bool) -> CaptureError {
         .record(
             &mut client,
             writer,
-            &|| stop.then_some(servoid::rig::StopReason::User),
+            &|| stop.then_some(servoid::instrument::rig::StopReason::User),
             &mut |_| (),
         )
         .unwrap_err()

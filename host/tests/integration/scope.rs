@@ -3,7 +3,7 @@
 use super::support::arg;
 use super::terminal::Session;
 use rustix::process::{Signal, kill_process};
-use servoid::recording::{Completeness, Recording};
+use servoid::data::recording::{Completeness, Recording};
 use std::path::Path;
 use std::time::Duration;
 

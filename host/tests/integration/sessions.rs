@@ -1,11 +1,11 @@
 //! Two programs on one rig: the one that has a run keeps it, and one that is gone can be replaced.
 
-use servoid::port::Port;
-use servoid::recording::Ending;
-use servoid::rig::ClientError;
-use servoid::rig::{Capture, CaptureError};
-use servoid::rig::{RigClient, TalkError};
-use servoid::rig_file::RigFile;
+use servoid::data::recording::Ending;
+use servoid::data::rig_file::RigFile;
+use servoid::instrument::port::Port;
+use servoid::instrument::rig::ClientError;
+use servoid::instrument::rig::{Capture, CaptureError};
+use servoid::instrument::rig::{RigClient, TalkError};
 use servoid_protocol::message::{Activity, Start};
 use servoid_protocol::{Command, Request, framing};
 use servoid_simulator::InProcessRig;

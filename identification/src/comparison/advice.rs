@@ -3,10 +3,8 @@
 use super::motion::Motion;
 use super::outcome::{Comparison, Sides};
 use super::pair::Identified;
-use crate::nonlinear::limits::Limits;
-use crate::nonlinear::limits::hysteresis_and_ends::LEVELS;
-use crate::results::advice::{Advice, Check};
-use crate::results::model::Model;
+use crate::nonlinear::{LEVELS_FOR_ENDS, Limits};
+use crate::results::{Advice, Check, Model};
 
 /// That the sides had different references.
 pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: &str) -> Advice {
@@ -71,7 +69,7 @@ pub(super) fn gather(
         levels.len()
     };
     let fewest = sides.iter().map(rested).min().unwrap_or(0);
-    if fewest < LEVELS {
+    if fewest < LEVELS_FOR_ENDS {
         advice.push(Advice::new(
             Check::Levels,
             format!(
@@ -79,7 +77,7 @@ pub(super) fn gather(
                  stop."
             ),
             fewest as f64,
-            LEVELS as f64,
+            LEVELS_FOR_ENDS as f64,
             "Record stairs up and down with at least four levels, both ends included, each reached \
              from both sides three times and held for twice the settling time.",
         ));

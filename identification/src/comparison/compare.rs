@@ -10,10 +10,9 @@ use super::over_prediction::{Predictor, over_prediction};
 use super::pair::{identified, same_period};
 use super::scatter::{self, RunToRun, explained_by_chance};
 use super::{advice, shift, words};
-use crate::data::record::Record;
+use crate::data::Record;
 use crate::error::Error;
-use crate::results::model::Model;
-use crate::results::validity::Bounds;
+use crate::results::{Bounds, Model};
 use crate::thresholds::MARGIN;
 
 /// Compares two sides, each a record of one or more runs.

@@ -3,12 +3,9 @@
 use faer::Mat;
 
 use crate::error::Error;
-use crate::nonlinear::direction::DirectionModel;
-use crate::numerics::critical_values::{simultaneous_critical, student_critical};
-use crate::numerics::linear_algebra::times;
-use crate::numerics::vectors::dot;
-use crate::results::model::Model;
-use crate::results::validity::Bounds;
+use crate::nonlinear::DirectionModel;
+use crate::numerics::{dot, simultaneous_critical, student_critical, times};
+use crate::results::{Bounds, Model};
 
 /// One or more response curves, one after the other.
 #[derive(Debug, Clone)]

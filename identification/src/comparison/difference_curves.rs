@@ -3,8 +3,8 @@
 use super::difference::{Curves, Differences};
 use super::outcome::{CurveBounds, DifferenceCurve, Stroke};
 use super::shift;
-use crate::data::timing::Timing;
-use crate::results::metrics::Interval;
+use crate::data::Timing;
+use crate::results::Interval;
 
 /// How much later the second side moves.
 pub(super) struct Later<'a> {

@@ -1,7 +1,7 @@
 //! The metrics of both sides and their differences.
 
 use super::outcome::MetricDifference;
-use crate::results::metrics::{Interval, Metrics};
+use crate::results::{Interval, Metrics};
 
 pub(super) fn metric_differences(a: &Metrics, b: &Metrics) -> Vec<MetricDifference> {
     let both = a.named().into_iter().zip(b.named());

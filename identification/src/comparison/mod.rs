@@ -15,7 +15,7 @@
 //! **A p-value** therefore needs three runs a side or more; it counts scatter between runs. When it
 //! does not confirm a difference beyond the margin, the verdict is undecided.
 //!
-//! When a side answers up and down strokes differently ([`crate::nonlinear::direction`]), both curves enter.
+//! When a side answers up and down strokes differently ([`DirectionModel`](crate::nonlinear::DirectionModel)), both curves enter.
 //! Differences of single metrics are intervals from the intervals of both sides (G. Y. Zou and
 //! A. Donner, Statistics in Medicine 2008): with d = b - a,
 //!

@@ -4,9 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::motion::Motion;
 use super::over_prediction::OverPrediction;
-use crate::results::advice::Advice;
-use crate::results::metrics::Interval;
-use crate::results::validity::Bounds;
+use crate::results::{Advice, Bounds, Interval};
 
 /// Version of the JSON document.
 pub const SCHEMA: u32 = 2;

@@ -17,10 +17,8 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::data::holds::{Hold, holds, mean_output};
-use crate::data::record::{Record, Run};
-use crate::results::metrics::Interval;
-use crate::results::model::Model;
+use crate::data::{Hold, Record, Run, holds, mean_output};
+use crate::results::{Interval, Model};
 
 /// Over-prediction of the second servo by the first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,13 +4,10 @@ use super::outcome::{Asymmetry, Levels};
 use crate::data::record::Record;
 use crate::error::Error;
 use crate::identify::{identify, identify_explained};
-use crate::nonlinear::direction::{DirectionModel, split};
-use crate::nonlinear::limits::Limits;
-use crate::numerics::critical_values::pointwise_critical;
+use crate::nonlinear::{DirectionModel, Limits, split_by_direction};
+use crate::numerics::pointwise_critical;
 use crate::options::{Frequencies, Options, Settling};
-use crate::results::metrics::Interval;
-use crate::results::model::Model;
-use crate::results::validity::Bounds;
+use crate::results::{Bounds, Interval, Model};
 
 /// One side, identified.
 pub(super) struct Identified<'a> {
@@ -28,7 +25,7 @@ impl<'a> Identified<'a> {
             model.withdraw(reason);
         }
         // A record without an answer, such as one with strokes in one direction only, is no error here.
-        let split = split(record, &model).ok();
+        let split = split_by_direction(record, &model).ok();
         Ok(Self {
             record,
             model,

@@ -13,8 +13,8 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use super::pair::{Identified, ends};
 use crate::data::record::Record;
 use crate::error::Error;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::nonlinear::direction::{DirectionModel, split_with};
+use crate::estimation::FsfBasis;
+use crate::nonlinear::{DirectionModel, split_with};
 use crate::options::NoiseOrder;
 use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
 

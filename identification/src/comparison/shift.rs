@@ -20,8 +20,8 @@
 //!
 //! to which the bound of the errors that no variance contains is added as if it had the worst sign at every sample.
 
-use crate::numerics::critical_values::{pointwise_critical, student_critical};
-use crate::results::metrics::Interval;
+use crate::numerics::{pointwise_critical, student_critical};
+use crate::results::Interval;
 
 use super::difference::Curves;
 
@@ -276,7 +276,7 @@ impl Around {
 mod tests {
     use super::super::difference::Spread;
     use super::*;
-    use crate::results::validity::Bounds;
+    use crate::results::Bounds;
     use approx::assert_abs_diff_eq;
     use faer::Mat;
 

@@ -1,7 +1,16 @@
 //! The recorded data, and the moments that all estimates are made from.
 
-pub mod holds;
-pub mod moments;
-pub mod quantisation;
-pub mod record;
-pub mod timing;
+mod holds;
+mod moments;
+mod quantisation;
+mod record;
+mod timing;
+
+pub(crate) use holds::{
+    Hold, Stroke, holds, last_quarter, mean_output, share_held, strokes, usual_hold,
+};
+pub use moments::{MomentStream, Moments};
+pub(crate) use quantisation::DITHERED;
+pub use quantisation::Quantisation;
+pub use record::{Record, Run};
+pub use timing::Timing;

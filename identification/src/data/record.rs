@@ -198,7 +198,7 @@ impl Record {
 
     /// States that the output is sampled `seconds` after the instant at which the input of the same
     /// sample takes effect: sample m after an edge is then the servo m Ts + `seconds` after it. The
-    /// times and phases of [`crate::results::metrics`] count from the edge.
+    /// times and phases of [`Metrics`](crate::results::Metrics) count from the edge.
     ///
     /// # Panics
     /// When `seconds` is negative or not finite.
@@ -214,7 +214,7 @@ impl Record {
 
     /// Adds recordings at a constant input, such as the rest before and after a reference. Nothing is
     /// estimated from them. They show the noise at standstill, which the errors in motion are compared with
-    /// ([`crate::diagnostics::standstill_noise`]).
+    /// ([`StandstillNoise`](crate::diagnostics::StandstillNoise)).
     #[must_use]
     pub fn with_rest(mut self, rest: Vec<Run>) -> Self {
         self.rest = rest;

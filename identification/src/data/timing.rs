@@ -26,7 +26,7 @@ impl Timing {
     /// The time of a sample after the edge \[s\]. The sample number may be fractional.
     ///
     /// ```
-    /// use servoid_identification::timing::Timing;
+    /// use servoid_identification::Timing;
     /// let timing = Timing { sample_period_s: 0.002, sample_phase_s: 0.0005 };
     /// assert!((timing.seconds(10.0) - 0.0205).abs() < 1e-12);
     /// ```

@@ -30,29 +30,31 @@ pub struct Correlogram {
     pub bound: f64,
 }
 
-/// Correlation of the one-step errors of `model` on `record` with themselves, at lags 1 to `lags`.
-/// `None` without two errors.
-#[must_use]
-pub fn of_errors(model: &Model, record: &Record, lags: usize, level: f64) -> Option<Correlogram> {
-    let errors = errors(model, record);
-    let pairs = errors.iter().map(|run| (run.as_slice(), run.as_slice()));
-    correlogram(&pairs.collect::<Vec<_>>(), 1..=lags as isize, level)
-}
+impl Correlogram {
+    /// Correlation of the one-step errors of `model` on `record` with themselves, at lags 1 to `lags`.
+    /// `None` without two errors.
+    #[must_use]
+    pub fn of_errors(model: &Model, record: &Record, lags: usize, level: f64) -> Option<Self> {
+        let errors = errors(model, record);
+        let pairs = errors.iter().map(|run| (run.as_slice(), run.as_slice()));
+        correlogram(&pairs.collect::<Vec<_>>(), 1..=lags as isize, level)
+    }
 
-/// Correlation of the one-step errors of `model` on `record` with its filtered input: a positive lag is
-/// an input before the error. `None` without two errors.
-#[must_use]
-pub fn with_input(
-    model: &Model,
-    record: &Record,
-    lags: RangeInclusive<isize>,
-    level: f64,
-) -> Option<Correlogram> {
-    let errors = errors(model, record);
-    let inputs = inputs(model, record);
-    let pairs = errors.iter().zip(&inputs);
-    let pairs: Vec<_> = pairs.map(|(e, u)| (e.as_slice(), u.as_slice())).collect();
-    correlogram(&pairs, lags, level)
+    /// Correlation of the one-step errors of `model` on `record` with its filtered input: a positive lag is
+    /// an input before the error. `None` without two errors.
+    #[must_use]
+    pub fn with_input(
+        model: &Model,
+        record: &Record,
+        lags: RangeInclusive<isize>,
+        level: f64,
+    ) -> Option<Self> {
+        let errors = errors(model, record);
+        let inputs = inputs(model, record);
+        let pairs = errors.iter().zip(&inputs);
+        let pairs: Vec<_> = pairs.map(|(e, u)| (e.as_slice(), u.as_slice())).collect();
+        correlogram(&pairs, lags, level)
+    }
 }
 
 /// One-step errors by run, NaN where unknown.
@@ -176,8 +178,8 @@ mod tests {
         for seed in 0..8 {
             let record = record(seed, 0.0);
             let model = identified(&record, NoiseOrder::Order(0));
-            let errors = of_errors(&model, &record, 25, 0.99).unwrap();
-            let inputs = with_input(&model, &record, -20..=60, 0.99).unwrap();
+            let errors = Correlogram::of_errors(&model, &record, 25, 0.99).unwrap();
+            let inputs = Correlogram::with_input(&model, &record, -20..=60, 0.99).unwrap();
             count.0 += outside(&errors);
             count.1 += inputs
                 .lags
@@ -202,7 +204,7 @@ mod tests {
     fn coloured_errors_and_a_response_that_is_cut_off_stand_out() {
         let coloured = record(3, 0.6);
         let model = identified(&coloured, NoiseOrder::Order(0));
-        let found = of_errors(&model, &coloured, 25, 0.99).unwrap();
+        let found = Correlogram::of_errors(&model, &coloured, 25, 0.99).unwrap();
         assert!((found.value[0] - 0.6).abs() < 0.08, "{}", found.value[0]);
         assert!(found.value[0] > 5.0 * found.bound);
 
@@ -213,7 +215,7 @@ mod tests {
             ..Options::default()
         };
         let short = crate::identify(&clean, &options).unwrap();
-        let found = with_input(&short, &clean, 7..=12, 0.99).unwrap();
+        let found = Correlogram::with_input(&short, &clean, 7..=12, 0.99).unwrap();
         assert!(
             found.value.iter().any(|r| r.abs() > found.bound),
             "{found:?}"

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::quantisation::Quantisation;
+use crate::data::Quantisation;
 use crate::diagnostics::initial_rest::Contradicted;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;

@@ -6,8 +6,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::record::{Record, Run};
-use crate::results::model::Model;
+use crate::data::{Record, Run};
+use crate::results::Model;
 use crate::thresholds::INITIAL_REST_MISSED;
 
 /// Readings used at the beginning of a run. The servo has not moved far by the last one.
@@ -30,7 +30,7 @@ pub struct Contradicted {
 
 /// The run of `record` that contradicts its statement most, if any.
 #[must_use]
-pub(crate) fn contradicted(record: &Record, model: &Model) -> Option<Contradicted> {
+pub(crate) fn contradicted_rest(record: &Record, model: &Model) -> Option<Contradicted> {
     record.runs().iter().find_map(Run::input_at_rest)?;
     let errors: Vec<Vec<f64>> = record
         .runs()
@@ -90,7 +90,7 @@ fn usual(errors: &[Vec<f64>], settling: usize) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::advice::Check;
+    use crate::results::Check;
     use crate::{Options, identify};
 
     /// A first-order servo that has rested at 2 and then gets random levels.
@@ -116,7 +116,7 @@ mod tests {
         let found = |stated: f64| {
             let record = record(stated);
             let model = identify(&record, &Options::default()).unwrap();
-            (contradicted(&record, &model), model)
+            (contradicted_rest(&record, &model), model)
         };
         let (right, model) = found(2.0);
         assert_eq!(right, None);

@@ -1,13 +1,32 @@
 //! How far to trust a result: tests of its errors, and advice.
 
-pub mod advice;
-pub mod correlogram;
-pub mod explanation;
-pub mod initial_rest;
-pub mod linearity;
-pub mod misfit;
-pub mod residual_tests;
-pub mod run_scatter;
-pub mod simulation_error;
-pub mod standstill_noise;
-pub(crate) mod validity;
+mod advice;
+mod correlogram;
+mod explanation;
+mod initial_rest;
+mod linearity;
+mod misfit;
+mod residual_tests;
+mod run_scatter;
+mod simulation_error;
+mod standstill_noise;
+mod validity;
+
+pub use crate::estimation::{BankCandidate, Excitation, OrderCandidate, Solver};
+pub use crate::selection::{Choice, SettlingCandidate};
+pub(crate) use advice::{Evidence, gather_advice};
+pub use correlogram::Correlogram;
+pub use explanation::Explanation;
+pub use initial_rest::Contradicted;
+pub(crate) use initial_rest::contradicted_rest;
+pub(crate) use linearity::test_linearity;
+pub use linearity::{BetweenRuns, Linearity};
+pub(crate) use misfit::{BothEstimators, followed_after, rank, settlings, unexcited_above_hz};
+pub use misfit::{Misfit, MisfitEvidence, Prediction};
+pub use residual_tests::WHITENESS_LAGS;
+pub(crate) use residual_tests::{INPUT_LAGS, WHITENESS_SAMPLES, input_independence, whiteness};
+pub use run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatter};
+pub(crate) use simulation_error::{beginnings, simulated, square};
+pub use standstill_noise::StandstillNoise;
+pub(crate) use standstill_noise::against_standstill;
+pub(crate) use validity::{reason_against_bounds, supported_metrics};

@@ -15,14 +15,11 @@
 
 use faer::{Mat, Side};
 
-use crate::data::moments::Moments;
-use crate::estimation::least_squares::{
-    Coordinates, NormalEquations, filtered_input_moments, solve_moments,
+use crate::data::Moments;
+use crate::estimation::{
+    Coordinates, NormalEquations, filtered_input_moments, noise_filter, solve_moments,
 };
-use crate::estimation::noise_model::noise_filter;
-use crate::numerics::critical_values::chi_square_upper_tail;
-use crate::numerics::linear_algebra::times;
-use crate::numerics::vectors::dot;
+use crate::numerics::{chi_square_upper_tail, dot, times};
 
 /// Lags of the whiteness test.
 pub const WHITENESS_LAGS: usize = 25;

@@ -16,14 +16,13 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::data::record::Run;
-use crate::estimation::noise_model::noise_filter;
-use crate::numerics::critical_values::{
-    chi_square_upper_tail, normal_upper_quantile, student_critical,
+use crate::data::Run;
+use crate::estimation::noise_filter;
+use crate::numerics::{
+    backward_solve, chi_square_upper_tail, cholesky, dot, forward_solve, inverse_of_lower,
+    normal_upper_quantile, student_critical,
 };
-use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
-use crate::numerics::vectors::dot;
-use crate::results::model::Model;
+use crate::results::Model;
 use crate::thresholds::RESIDUAL_SIGNIFICANCE;
 
 /// Gain, delay and offset.

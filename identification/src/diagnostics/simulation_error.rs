@@ -6,13 +6,10 @@ use std::borrow::Cow;
 
 use faer::Mat;
 
-use crate::data::moments::Moments;
-use crate::data::record::{Record, Run};
+use crate::data::{Moments, Record, Run};
 use crate::diagnostics::residual_tests::ScoreTest;
-use crate::estimation::gls::GlsFit;
-use crate::estimation::least_squares::RowInformation;
-use crate::numerics::convolution::causal_filter;
-use crate::numerics::vectors::dot;
+use crate::estimation::{GlsFit, RowInformation};
+use crate::numerics::{causal_filter, dot};
 
 /// Sum of squares of the simulation error of a fit, over the rows of `information`.
 pub(crate) fn square(information: &RowInformation, fit: &GlsFit) -> f64 {

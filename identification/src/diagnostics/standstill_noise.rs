@@ -23,12 +23,11 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use crate::data::holds::holds;
-use crate::data::record::Run;
+use crate::data::{Run, holds};
 use crate::diagnostics::simulation_error::{SAMPLES, Simulated, beginnings, square};
-use crate::estimation::gls::{GlsFit, MAX_AUTO_ORDER};
-use crate::estimation::least_squares::RowInformation;
-use crate::estimation::noise_model::{NoiseFit, best_order, noise_filter};
+use crate::estimation::{
+    GlsFit, MAX_AUTO_ORDER, NoiseFit, RowInformation, best_order, noise_filter,
+};
 
 /// Shortest stretch of rest that is used \[samples\].
 const SHORTEST: usize = 32;
@@ -54,7 +53,7 @@ pub struct StandstillNoise {
 /// Compares the errors of `fit` in `runs` with the noise at standstill, in the runs and in the recordings around
 /// them, `rest`; `None` when no standstill is long enough.
 #[must_use]
-pub(crate) fn compare(
+pub(crate) fn against_standstill(
     runs: &[Simulated<'_>],
     rest: &[Run],
     information: &RowInformation,
@@ -256,8 +255,9 @@ fn pieces<'a>(runs: &'a [Simulated<'_>], length: usize) -> impl Iterator<Item = 
 
 #[cfg(test)]
 mod tests {
-    use crate::results::advice::Check;
-    use crate::{Model, Options, Record, Run, identify};
+    use crate::results::Check;
+    use crate::results::Model;
+    use crate::{Options, Record, Run, identify};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};

@@ -1,6 +1,6 @@
 //! Whether estimates through moments are accurate enough.
 
-use super::gls::GlsFit;
+use super::GlsFit;
 use super::least_squares::RowInformation;
 
 /// Estimated relative error of an estimate through moments above which the rows themselves are

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::moments::Moments;
+use crate::data::Moments;
 use crate::thresholds::SMOOTH_SHARE;
 
 /// Lags over which the changes of the input may be related to each other.
@@ -96,7 +96,7 @@ impl Power {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::record::Record;
+    use crate::data::Record;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use std::f64::consts::TAU;

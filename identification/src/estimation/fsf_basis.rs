@@ -24,7 +24,7 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::numerics::vectors::{dot, running_sum};
+use crate::numerics::{dot, running_sum};
 use crate::options::LONGEST_SETTLING_BY_HAND;
 
 /// The filter bank of n frequencies for a settling time of N samples.
@@ -149,15 +149,6 @@ impl FsfBasis {
     }
 
     /// Columns Q(m) of eq. (5) for the samples `points` alone: n x points.
-    ///
-    /// ```
-    /// use servoid_identification::fsf_basis::FsfBasis;
-    /// let basis = FsfBasis::new(40, 15)?;
-    /// let (rows, map) = (basis.step_rows(&[3, 39]), basis.step_map());
-    /// assert!((0..15).all(|j| (rows[(j, 0)] - map[(3, j)]).abs() < 1e-14));
-    /// assert!((0..15).all(|j| (rows[(j, 1)] - map[(39, j)]).abs() < 1e-14));
-    /// # Ok::<(), servoid_identification::Error>(())
-    /// ```
     #[must_use]
     pub fn step_rows(&self, points: &[usize]) -> Mat<f64> {
         let n = self.settling;
@@ -347,6 +338,14 @@ mod tests {
         (0..n)
             .map(|j| 0.7 / (1.0 + j as f64) * if j % 2 == 0 { -1.0 } else { 1.0 })
             .collect()
+    }
+
+    #[test]
+    fn rows_of_single_samples_are_those_of_the_whole_map() {
+        let basis = FsfBasis::new(40, 15).unwrap();
+        let (rows, map) = (basis.step_rows(&[3, 39]), basis.step_map());
+        assert!((0..15).all(|j| (rows[(j, 0)] - map[(3, j)]).abs() < 1e-14));
+        assert!((0..15).all(|j| (rows[(j, 1)] - map[(39, j)]).abs() < 1e-14));
     }
 
     #[test]

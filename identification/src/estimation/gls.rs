@@ -15,8 +15,7 @@ use faer::Mat;
 use crate::estimation::lag_products::LagProducts;
 use crate::estimation::least_squares::{Coordinates, RowInformation, Solution};
 use crate::estimation::noise_model::{NoiseFit, OrderCandidate, best_order};
-use crate::numerics::linear_algebra::times;
-use crate::numerics::vectors::dot;
+use crate::numerics::{dot, times};
 use crate::options::NoiseOrder;
 
 /// Largest order that the automatic choice considers.
@@ -79,6 +78,83 @@ pub struct GlsFit {
 }
 
 impl GlsFit {
+    /// Fits response and noise. `None` when the rows do not determine the response.
+    #[must_use]
+    pub fn of(
+        information: &RowInformation,
+        coordinates: &Coordinates,
+        options: &GlsOptions,
+    ) -> Option<Self> {
+        let lags = information.moments.input_lags() - coordinates.basis.settling();
+        let available = lags.min(information.moments.output_lags() - 1);
+        let max_order = match options.order {
+            NoiseOrder::Auto => MAX_AUTO_ORDER.min(available),
+            NoiseOrder::Order(order) => order.min(available),
+        };
+        let spread = information.moments.output_spread();
+        let mut ar = options.start.clone();
+        ar.truncate(available);
+        let mut orders = Vec::new();
+        let (mut iterations, mut converged) = (0, false);
+        while iterations < options.max_iterations && !converged {
+            iterations += 1;
+            let solution = information.solve_coordinates(coordinates, &ar)?;
+            let next = match noise_of(information, coordinates, &solution, max_order, None) {
+                Some(noise) => {
+                    let order = match options.order {
+                        NoiseOrder::Order(_) => max_order,
+                        NoiseOrder::Auto if iterations > FREE_ORDER_PASSES => ar.len(),
+                        NoiseOrder::Auto => {
+                            orders = noise.candidates(information.rows());
+                            best_order(&orders)
+                        }
+                    };
+                    noise.coefficients(order)
+                }
+                None => Vec::new(), // The fit is exact: there is no noise to model.
+            };
+            converged = spread == 0.0 || distance(&ar, &next) <= options.tolerance;
+            ar = next;
+        }
+        let mut solution = information.solve(coordinates, &ar)?;
+        let variance = |solution: &Solution, order: usize| {
+            solution.rss / degrees_of_freedom(information.rows(), coordinates.len(), order)
+        };
+        if options.corrected && !ar.is_empty() {
+            for _ in 0..CORRECTED_PASSES {
+                let correction = Some((&solution.inverse, variance(&solution, ar.len())));
+                let found = &solution.coordinates;
+                let noise = noise_of(information, coordinates, found, ar.len(), correction);
+                let Some(noise) = noise else { break };
+                let corrected = noise.coefficients(ar.len());
+                let Some(next) = information.solve(coordinates, &corrected) else {
+                    break;
+                };
+                ar = corrected;
+                solution = next;
+            }
+        }
+        let variance = variance(&solution, ar.len());
+        let correction = options.corrected.then_some((&solution.inverse, variance));
+        let found = &solution.coordinates;
+        let ar_covariance = noise_of(information, coordinates, found, ar.len(), correction)
+            .map_or_else(
+                || Mat::zeros(ar.len(), ar.len()),
+                |noise| faer::Scale(variance) * noise.unit_covariance(ar.len()),
+            );
+        Some(Self {
+            coordinates: coordinates.clone(),
+            solution,
+            ar,
+            ar_covariance,
+            variance,
+            rows: information.rows(),
+            iterations,
+            converged,
+            orders,
+        })
+    }
+
     /// Degrees of freedom of the variance: rows - parameters - offset - d.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> f64 {
@@ -135,83 +211,6 @@ impl GlsFit {
 
 fn degrees_of_freedom(rows: usize, parameters: usize, order: usize) -> f64 {
     (rows as f64 - (parameters + 1 + order) as f64).max(1.0)
-}
-
-/// Fits response and noise. `None` when the rows do not determine the response.
-#[must_use]
-pub fn fit(
-    information: &RowInformation,
-    coordinates: &Coordinates,
-    options: &GlsOptions,
-) -> Option<GlsFit> {
-    let lags = information.moments.input_lags() - coordinates.basis.settling();
-    let available = lags.min(information.moments.output_lags() - 1);
-    let max_order = match options.order {
-        NoiseOrder::Auto => MAX_AUTO_ORDER.min(available),
-        NoiseOrder::Order(order) => order.min(available),
-    };
-    let spread = information.moments.output_spread();
-    let mut ar = options.start.clone();
-    ar.truncate(available);
-    let mut orders = Vec::new();
-    let (mut iterations, mut converged) = (0, false);
-    while iterations < options.max_iterations && !converged {
-        iterations += 1;
-        let solution = information.solve_coordinates(coordinates, &ar)?;
-        let next = match noise_of(information, coordinates, &solution, max_order, None) {
-            Some(noise) => {
-                let order = match options.order {
-                    NoiseOrder::Order(_) => max_order,
-                    NoiseOrder::Auto if iterations > FREE_ORDER_PASSES => ar.len(),
-                    NoiseOrder::Auto => {
-                        orders = noise.candidates(information.rows());
-                        best_order(&orders)
-                    }
-                };
-                noise.coefficients(order)
-            }
-            None => Vec::new(), // The fit is exact: there is no noise to model.
-        };
-        converged = spread == 0.0 || distance(&ar, &next) <= options.tolerance;
-        ar = next;
-    }
-    let mut solution = information.solve(coordinates, &ar)?;
-    let variance = |solution: &Solution, order: usize| {
-        solution.rss / degrees_of_freedom(information.rows(), coordinates.len(), order)
-    };
-    if options.corrected && !ar.is_empty() {
-        for _ in 0..CORRECTED_PASSES {
-            let correction = Some((&solution.inverse, variance(&solution, ar.len())));
-            let found = &solution.coordinates;
-            let noise = noise_of(information, coordinates, found, ar.len(), correction);
-            let Some(noise) = noise else { break };
-            let corrected = noise.coefficients(ar.len());
-            let Some(next) = information.solve(coordinates, &corrected) else {
-                break;
-            };
-            ar = corrected;
-            solution = next;
-        }
-    }
-    let variance = variance(&solution, ar.len());
-    let correction = options.corrected.then_some((&solution.inverse, variance));
-    let found = &solution.coordinates;
-    let ar_covariance = noise_of(information, coordinates, found, ar.len(), correction)
-        .map_or_else(
-            || Mat::zeros(ar.len(), ar.len()),
-            |noise| faer::Scale(variance) * noise.unit_covariance(ar.len()),
-        );
-    Some(GlsFit {
-        coordinates: coordinates.clone(),
-        solution,
-        ar,
-        ar_covariance,
-        variance,
-        rows: information.rows(),
-        iterations,
-        converged,
-        orders,
-    })
 }
 
 /// The noise fit to the residuals of `solution` (coordinates and offset). With the inverse and the variance

@@ -20,9 +20,9 @@ use std::sync::Arc;
 
 use faer::Mat;
 
-use crate::data::moments::Moments;
+use crate::data::Moments;
 use crate::estimation::fsf_basis::FsfBasis;
-use crate::numerics::vectors::dot;
+use crate::numerics::dot;
 
 /// Largest number of entries of all products together: 32 MB.
 const MOST_ENTRIES: usize = 1 << 22;
@@ -180,7 +180,7 @@ impl Shift {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::record::Record;
+    use crate::data::Record;
     use crate::estimation::least_squares::{Coordinates, NormalEquations};
     use crate::estimation::noise_model::noise_filter;
     use approx::assert_relative_eq;

@@ -1,13 +1,30 @@
 //! Parameters and their covariance from moments, for a given structure.
 
-pub(crate) mod conditioning;
-pub mod excitation;
-pub mod fsf_basis;
-pub mod gls;
-pub mod lag_products;
-pub mod least_squares;
-pub mod nested_banks;
-pub mod noise_model;
-pub mod qr;
-pub mod truncation;
-pub mod variance;
+mod conditioning;
+mod excitation;
+mod fsf_basis;
+mod gls;
+mod lag_products;
+mod least_squares;
+mod nested_banks;
+mod noise_model;
+mod qr;
+mod truncation;
+mod variance;
+
+pub(crate) use conditioning::{WELL_CONDITIONED, is_accurate};
+pub use excitation::Excitation;
+pub(crate) use fsf_basis::FsfBasis;
+pub(crate) use gls::{GlsFit, GlsOptions, MAX_AUTO_ORDER};
+pub use least_squares::Solver;
+pub(crate) use least_squares::{
+    Coordinates, NormalEquations, RowInformation, complete_bank_rss, filtered_input_moments,
+    solve_moments,
+};
+pub use nested_banks::BankCandidate;
+pub(crate) use nested_banks::NestedBanks;
+pub use noise_model::{Noise, OrderCandidate};
+pub(crate) use noise_model::{NoiseFit, best_order, largest_root, noise_filter};
+pub(crate) use qr::triangular_factor;
+pub(crate) use truncation::{FIRST_ORDER, SECOND_ORDER, Truncation};
+pub(crate) use variance::CurveVariance;

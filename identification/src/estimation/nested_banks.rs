@@ -8,12 +8,11 @@ use std::cell::OnceCell;
 
 use faer::Mat;
 
-use crate::data::moments::Moments;
+use crate::data::Moments;
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::{Coordinates, NormalEquations};
 use crate::estimation::truncation::unit_biases;
-use crate::numerics::linear_algebra::inverse_of_lower;
-use crate::numerics::vectors::dot;
+use crate::numerics::{dot, inverse_of_lower};
 
 /// Smallest squared pivot of the equilibrated equations. Below it, a frequency is a combination of lower
 /// ones and not excited by itself.
@@ -108,7 +107,7 @@ impl NestedBanks {
         // F = Q L^-T for the step response, offset first: N x size.
         let spread = scaled.transpose() * inverse.transpose();
         let biases = unit_biases(settling, self.roll_off);
-        let critical = crate::numerics::critical_values::pointwise_critical(0.99);
+        let critical = crate::numerics::pointwise_critical(0.99);
         let mut variances = vec![0.0; settling];
         let mut added = 0;
         self.residual_squares()

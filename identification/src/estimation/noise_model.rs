@@ -7,7 +7,7 @@
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::numerics::linear_algebra::{cholesky, forward_solve, inverse_of_lower};
+use crate::numerics::{cholesky, forward_solve, inverse_of_lower};
 
 /// The noise of a model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

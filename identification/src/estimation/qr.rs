@@ -7,8 +7,7 @@
 
 use faer::Mat;
 
-use crate::data::moments::Moments;
-use crate::data::record::Record;
+use crate::data::{Moments, Record};
 
 /// Upper triangular R with R'R = Z'Z for the complete rows of `record`, with the lags and centre of
 /// `template`.

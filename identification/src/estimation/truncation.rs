@@ -17,11 +17,11 @@
 
 use faer::Mat;
 
-use crate::data::moments::Moments;
+use crate::data::Moments;
 use crate::estimation::fsf_basis::{Circle, FsfBasis};
 use crate::estimation::least_squares::filtered_input_moments;
 use crate::estimation::noise_model::noise_filter;
-use crate::numerics::linear_algebra::{cholesky, inverse_of_lower};
+use crate::numerics::{cholesky, inverse_of_lower};
 
 /// Number of highest frequencies from which the magnitude above them is extrapolated.
 const EDGE_FREQUENCIES: usize = 3;
@@ -254,9 +254,9 @@ pub(crate) fn unit_biases(settling: usize, roll_off: i32) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::record::Record;
+    use crate::data::Record;
     use crate::estimation::least_squares::{Coordinates, RowInformation};
-    use crate::numerics::convolution::causal_filter;
+    use crate::numerics::causal_filter;
 
     /// A noise-free record of a first-order lag whose impulse response has 101 samples, under edges that
     /// a filter has rounded.

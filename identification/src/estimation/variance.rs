@@ -12,10 +12,10 @@
 
 use faer::Mat;
 
-use crate::estimation::gls::GlsFit;
+use crate::estimation::GlsFit;
 use crate::estimation::least_squares::RowInformation;
 use crate::estimation::noise_model::noise_filter;
-use crate::numerics::vectors::dot;
+use crate::numerics::dot;
 
 /// Standard deviations of linear functions of the response: points of a step response, or real and
 /// imaginary parts of a frequency response.

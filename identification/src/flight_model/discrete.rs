@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::low_order::{LowOrder, Oscillator};
-use crate::data::timing::Timing;
+use crate::data::Timing;
 
 /// A state-space form with exactly the output of the continuous transfer function at the samples, for an
 /// input that is held between samples:
@@ -68,7 +68,7 @@ impl LowOrder {
     ///
     /// ```
     /// use servoid_identification::flight_model::LowOrder;
-    /// use servoid_identification::timing::Timing;
+    /// use servoid_identification::Timing;
     /// let servo = LowOrder { gain: 2.0, delay_s: 0.005, oscillator: None, lag_s: Some(0.01) };
     /// let timing = Timing { sample_period_s: 0.002, sample_phase_s: 0.0 };
     /// let discrete = servo.discrete(timing);

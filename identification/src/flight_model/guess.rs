@@ -1,7 +1,7 @@
 //! Starting points of the search for a flight model.
 
 use super::low_order::{LowOrder, Oscillator};
-use crate::results::model::Model;
+use crate::results::Model;
 
 /// Metrics of the response from which starting points follow.
 pub(super) struct Guess {

@@ -26,14 +26,10 @@ mod search;
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::record::Record;
-use crate::data::timing::Timing;
+use crate::data::{Record, Timing};
 use crate::error::Error;
 use crate::options::LEVELS;
-use crate::results::metrics::Interval;
-use crate::results::model::{Model, ParameterBounds};
-use crate::results::usable::is_sized;
-use crate::results::validity::Bounds;
+use crate::results::{Bounds, Interval, Model, ParameterBounds, is_sized};
 use crate::thresholds::ORDER_REJECTED;
 use guess::Guess;
 use order::{Estimates, simplest};

@@ -4,11 +4,9 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use super::search::Minimum;
-use crate::numerics::critical_values::{chi_square_upper_tail, pointwise_critical};
 use crate::numerics::matrix_rows::to_rows;
-use crate::results::metrics::Interval;
-use crate::results::model::ParameterBounds;
-use crate::results::validity::Bounds;
+use crate::numerics::{chi_square_upper_tail, pointwise_critical};
+use crate::results::{Bounds, Interval, ParameterBounds};
 use crate::thresholds::{BARE_MENTION, ORDER_REJECTED};
 
 /// One order, and how well it fits.

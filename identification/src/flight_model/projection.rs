@@ -12,15 +12,11 @@
 
 use faer::{Mat, Side};
 
-use crate::data::moments::Moments;
-use crate::data::record::{Record, Run};
+use crate::data::{Moments, Record, Run};
 use crate::error::Error;
-use crate::estimation::least_squares::{Coordinates, RowInformation, filtered_input_moments};
-use crate::estimation::noise_model::noise_filter;
-use crate::numerics::linear_algebra::times;
-use crate::numerics::vectors::dot;
-use crate::results::model::Model;
-use crate::results::validity::Bounds;
+use crate::estimation::{Coordinates, RowInformation, filtered_input_moments, noise_filter};
+use crate::numerics::{dot, times};
+use crate::results::{Bounds, Model};
 
 /// Length of h in settling times. N leaves a margin over the response; a response that is longer than
 /// twice N is too slow for the data to show.

@@ -2,10 +2,7 @@
 
 use faer::Mat;
 
-use crate::numerics::linear_algebra::{
-    backward_solve, cholesky, forward_solve, inverse_of_lower, times,
-};
-use crate::numerics::vectors::dot;
+use crate::numerics::{backward_solve, cholesky, dot, forward_solve, inverse_of_lower, times};
 
 /// Largest number of steps. A good start needs about ten.
 const STEPS: usize = 60;

@@ -4,9 +4,9 @@ use super::assess::figures_of_merit;
 use super::fitted::Fitted;
 use super::responses::Responses;
 use super::task::Task;
-use crate::data::quantisation::Quantisation;
-use crate::estimation::truncation::Truncation;
-use crate::results::step_response::Biases;
+use crate::data::Quantisation;
+use crate::estimation::Truncation;
+use crate::results::Biases;
 
 pub(super) struct Allowances {
     /// Bounds of the errors of the step response.

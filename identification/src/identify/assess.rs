@@ -3,11 +3,8 @@
 use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::task::Task;
-use crate::diagnostics::residual_tests::{self, WHITENESS_SAMPLES};
-use crate::diagnostics::simulation_error::{beginnings, square};
-use crate::results::model::{Fit, Model};
-use crate::results::residuals::Residuals;
-use crate::results::validation::fit_percent;
+use crate::diagnostics::{WHITENESS_SAMPLES, beginnings, input_independence, square, whiteness};
+use crate::results::{Fit, Model, Residuals, fit_percent};
 
 /// The figures of merit that follow from the moments.
 pub(super) fn figures_of_merit(fitted: &Fitted) -> Fit {
@@ -29,12 +26,12 @@ pub(super) fn residuals(task: &Task<'_>, fitted: &Fitted, model: &Model) -> Resi
     let (estimate, linearity) = (&fitted.estimate, fitted.linearity);
     let rest = linearity.and_then(|found| found.rest);
     Residuals {
-        input_correlation_p: residual_tests::input_independence(
+        input_correlation_p: input_independence(
             &fitted.candidate.extended,
             &estimate.coordinates,
             &estimate.fit.ar,
         ),
-        whiteness_p: whiteness(task, estimate, model),
+        whiteness_p: whiteness_p(task, estimate, model),
         linearity_p: linearity.map(|found| found.p),
         beyond_linear_percent: linearity.map(|found| found.misfit_percent),
         rest_p: rest.map(|found| found.p),
@@ -42,14 +39,14 @@ pub(super) fn residuals(task: &Task<'_>, fitted: &Fitted, model: &Model) -> Resi
     }
 }
 
-fn whiteness(task: &Task<'_>, estimate: &Estimate, model: &Model) -> Option<f64> {
+fn whiteness_p(task: &Task<'_>, estimate: &Estimate, model: &Model) -> Option<f64> {
     let ar = &estimate.fit.ar;
     let errors: Vec<Vec<f64>> = beginnings(task.record?.runs(), WHITENESS_SAMPLES)
         .map(|run| one_step_errors(run.output(), &model.simulate(&run), ar))
         .collect();
     let parameters = (estimate.coordinates.len() + 1) as f64;
     let share = parameters / estimate.information.rows() as f64;
-    residual_tests::whiteness(&errors, ar.len(), share)
+    whiteness(&errors, ar.len(), share)
 }
 
 /// ε(k) = D(z) (y - y_sim)(k); NaN where a value or its history is missing.

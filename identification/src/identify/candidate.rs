@@ -2,15 +2,12 @@
 
 use super::plan::{Plan, check_rows};
 use super::task::{Task, noise_lags};
-use crate::data::moments::Moments;
-use crate::data::record::Record;
-use crate::diagnostics::residual_tests::INPUT_LAGS;
+use crate::data::{Moments, Record};
+use crate::diagnostics::INPUT_LAGS;
 use crate::error::Error;
-use crate::estimation::fsf_basis::FsfBasis;
+use crate::estimation::FsfBasis;
 use crate::options::{NoiseOrder, Options, Settling};
-use crate::selection::search::Search;
-use crate::selection::settling_range::{longest_settling, odd_at_most};
-use crate::selection::settling_time;
+use crate::selection::{Search, choose_settling, longest_settling, odd_at_most};
 
 /// Share of rows that must be gained to make another pass over the data worth while.
 const WORTHWHILE_ROWS: f64 = 0.01;
@@ -50,7 +47,7 @@ impl Candidate {
         let longest = longest_settling(record, options.longest_settling)?;
         let lags = noise_lags(order);
         let long = Moments::of_record(record, longest + lags, lags + 1);
-        let choice = settling_time::choose(&Search {
+        let choice = choose_settling(&Search {
             moments: &long,
             record: Some(record),
             longest,
@@ -77,7 +74,7 @@ impl Candidate {
         let plan = match options.settling {
             Settling::Auto => {
                 let longest = odd_at_most(available);
-                let choice = settling_time::choose(&Search {
+                let choice = choose_settling(&Search {
                     moments,
                     record: None,
                     longest: longest.min(options.longest_settling.unwrap_or(longest)),

@@ -99,7 +99,7 @@ pub(super) fn model(
     let metrics = validity.supported(metrics);
     let follows_motion = fitted.linearity.is_some_and(|found| found.is_rejected());
     Model {
-        schema: SCHEMA,
+        schema: MODEL_SCHEMA,
         sample_period_s: period,
         sample_phase_s: timing.sample_phase_s,
         structure: Structure {

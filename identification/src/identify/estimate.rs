@@ -1,15 +1,12 @@
 //! The fit, through moments if they are accurate enough, else through QR.
 
 use super::plan::Plan;
-use crate::data::moments::Moments;
-use crate::data::record::Record;
+use crate::data::{Moments, Record};
 use crate::error::Error;
-use crate::estimation::conditioning::is_accurate;
-use crate::estimation::gls::{self, GlsFit, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, RowInformation};
-use crate::estimation::nested_banks::NestedBanks;
-use crate::estimation::qr::triangular_factor;
-use crate::estimation::truncation::FIRST_ORDER;
+use crate::estimation::{
+    Coordinates, FIRST_ORDER, GlsFit, GlsOptions, NestedBanks, RowInformation, is_accurate,
+    triangular_factor,
+};
 
 /// Change of the noise model that counts as rest, in standard deviations that a coefficient has
 /// at least, 1/sqrt(rows).
@@ -37,7 +34,7 @@ impl Estimate {
             ..GlsOptions::default()
         };
         let information = RowInformation::from_moments(moments.clone());
-        let fast = gls::fit(&information, &coordinates, &options)
+        let fast = GlsFit::of(&information, &coordinates, &options)
             .filter(|fit| record.is_none() || is_accurate(&information, fit));
         if let Some(fit) = fast {
             return Ok(Self {
@@ -54,7 +51,7 @@ impl Estimate {
             start: Vec::new(),
             ..options
         };
-        match gls::fit(&information, &coordinates, &options) {
+        match GlsFit::of(&information, &coordinates, &options) {
             Some(fit) => Ok(Self {
                 coordinates,
                 information,

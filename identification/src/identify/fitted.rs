@@ -3,10 +3,7 @@
 use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
-use crate::diagnostics::linearity::{self, Linearity};
-use crate::diagnostics::misfit::Misfit;
-use crate::diagnostics::simulation_error::simulated;
-use crate::diagnostics::standstill_noise;
+use crate::diagnostics::{Linearity, Misfit, against_standstill, simulated, test_linearity};
 use crate::error::Error;
 
 /// What gates look at, and pass on.
@@ -24,7 +21,7 @@ impl Fitted {
     pub(super) fn new(task: &Task<'_>, candidate: Candidate) -> Result<Self, Error> {
         let estimate = Estimate::new(&candidate.plan, &candidate.moments, task.record)?;
         Ok(Self {
-            linearity: test_linearity(task, &candidate, &estimate),
+            linearity: linearity(task, &candidate, &estimate),
             candidate,
             estimate,
             misfit: None,
@@ -32,20 +29,16 @@ impl Fitted {
     }
 }
 
-fn test_linearity(
-    task: &Task<'_>,
-    candidate: &Candidate,
-    estimate: &Estimate,
-) -> Option<Linearity> {
+fn linearity(task: &Task<'_>, candidate: &Candidate, estimate: &Estimate) -> Option<Linearity> {
     let record = task.record?;
     let (information, fit) = (&estimate.information, &estimate.fit);
     let runs = simulated(record, &information.moments, fit);
-    let found = linearity::test(&runs, information, fit)?;
+    let found = test_linearity(&runs, information, fit)?;
     // A response that goes on beyond N leaves errors that are not at standstill either.
     let settled = candidate.plan.choice.as_ref().map(|choice| choice.settled);
     let rest = settled
         .unwrap_or(true)
-        .then(|| standstill_noise::compare(&runs, record.rest(), information, fit))
+        .then(|| against_standstill(&runs, record.rest(), information, fit))
         .flatten();
     Some(Linearity { rest, ..found })
 }

@@ -10,6 +10,7 @@ mod assess;
 mod candidate;
 mod describe;
 mod estimate;
+mod expected;
 mod fitted;
 mod gates;
 mod plan;
@@ -22,13 +23,15 @@ use crate::diagnostics::advice::{self, Evidence};
 use crate::diagnostics::explanation::Explanation;
 use crate::error::Error;
 use crate::options::Options;
-use crate::results::model::Model;
+use crate::results::Model;
 
 use allowances::Allowances;
 use candidate::Candidate;
 use fitted::Fitted;
 use responses::Responses;
 use task::Task;
+
+pub use expected::expected_model;
 
 /// A model, and how it came about.
 #[derive(Debug, Clone)]

@@ -1,16 +1,14 @@
 //! The structure that an identification goes by: N, n, d, and how they were chosen.
 
-use crate::data::moments::Moments;
+use crate::data::Moments;
 use crate::error::Error;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, RowInformation};
-use crate::estimation::nested_banks::{BankCandidate, NestedBanks};
-use crate::estimation::truncation::{FIRST_ORDER, SECOND_ORDER};
+use crate::estimation::{
+    BankCandidate, Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, NestedBanks,
+    RowInformation, SECOND_ORDER,
+};
 use crate::options::{Frequencies, NoiseOrder, Options};
-use crate::results::model::SelectedBy;
-use crate::selection::choice::Choice;
-use crate::selection::complete_bank::is_wide;
+use crate::results::SelectedBy;
+use crate::selection::{Choice, is_wide};
 
 /// A decided structure. Gates that want another one make another plan.
 pub(super) struct Plan {
@@ -103,7 +101,7 @@ fn rough_noise(basis: FsfBasis, moments: &Moments, order: NoiseOrder) -> Vec<f64
         start: Vec::new(),
     };
     let information = RowInformation::from_moments(moments.clone());
-    gls::fit(&information, &Coordinates::new(basis), &rough).map_or_else(Vec::new, |fit| fit.ar)
+    GlsFit::of(&information, &Coordinates::new(basis), &rough).map_or_else(Vec::new, |fit| fit.ar)
 }
 
 /// The bank for a settling time.

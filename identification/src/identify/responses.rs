@@ -1,9 +1,9 @@
 //! Values and spreads of the step and frequency responses.
 
 use super::estimate::Estimate;
-use crate::estimation::variance::CurveVariance;
-use crate::numerics::linear_algebra::times;
-use crate::results::frequency_response::{self, frequency_map};
+use crate::estimation::CurveVariance;
+use crate::numerics::times;
+use crate::results::{frequency_grid, frequency_map};
 
 pub(super) struct Responses {
     pub(super) step_values: Vec<f64>,
@@ -22,7 +22,7 @@ impl Responses {
             information,
             fit,
         } = estimate;
-        let omegas = frequency_response::grid(coordinates);
+        let omegas = frequency_grid(coordinates);
         let map = frequency_map(coordinates, &omegas);
         Self {
             step_values: coordinates.basis.step_response(&fit.theta()),

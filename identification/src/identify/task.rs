@@ -1,7 +1,7 @@
 //! What is to be identified, and how.
 
-use crate::data::record::Record;
-use crate::estimation::gls::MAX_AUTO_ORDER;
+use crate::data::Record;
+use crate::estimation::MAX_AUTO_ORDER;
 use crate::options::{NoiseOrder, Options};
 
 /// The data and the options of one identification.

@@ -1,4 +1,9 @@
 //! Properties that no linear model has: direction dependence, limits and hysteresis.
 
-pub mod direction;
-pub mod limits;
+mod direction;
+mod limits;
+
+pub(crate) use direction::split_with;
+pub use direction::{DirectionModel, Symmetry, split_by_direction};
+pub(crate) use limits::LEVELS_FOR_ENDS;
+pub use limits::{Cell, Hysteresis, Limits, RangeEnd, Rate, RateVerdict, Side};

@@ -41,7 +41,7 @@ pub(crate) fn inverse_of_lower(lower: &Mat<f64>) -> Mat<f64> {
 }
 
 /// A column vector.
-pub(crate) fn column(values: &[f64]) -> Mat<f64> {
+fn column(values: &[f64]) -> Mat<f64> {
     Mat::from_fn(values.len(), 1, |i, _| values[i])
 }
 

@@ -1,10 +1,21 @@
 //! Mathematics that is independent of servos.
 
-pub mod chebyshev;
-pub mod convolution;
-pub mod critical_values;
-pub mod fft;
-pub mod lagged_sums;
-pub mod linear_algebra;
-pub mod matrix_rows;
-pub mod vectors;
+mod chebyshev;
+mod convolution;
+mod critical_values;
+mod fft;
+mod lagged_sums;
+mod linear_algebra;
+pub(crate) mod matrix_rows;
+mod vectors;
+
+pub(crate) use convolution::causal_filter;
+pub(crate) use critical_values::{
+    chi_square_upper_tail, normal_upper_quantile, simultaneous_critical,
+};
+pub use critical_values::{pointwise_critical, student_critical};
+pub(crate) use lagged_sums::LaggedSums;
+pub(crate) use linear_algebra::{
+    add_outer_product, backward_solve, cholesky, condition, forward_solve, inverse_of_lower, times,
+};
+pub(crate) use vectors::{dot, running_sum};

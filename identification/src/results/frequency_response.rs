@@ -13,10 +13,9 @@ use std::f64::consts::{PI, TAU};
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::data::timing::Timing;
-use crate::estimation::least_squares::Coordinates;
-use crate::estimation::variance::CurveVariance;
-use crate::numerics::critical_values::{pointwise_critical, student_critical};
+use crate::data::Timing;
+use crate::estimation::{Coordinates, CurveVariance};
+use crate::numerics::{pointwise_critical, student_critical};
 use crate::options::LEVELS;
 use crate::results::usable::is_sized;
 use crate::results::validity::Bounds;
@@ -53,7 +52,7 @@ pub struct FrequencyResponse {
 pub struct FrequencyBounds {
     /// Confidence level.
     pub level: f64,
-    /// Lower bound of the magnitude; [`ZERO_DB`] stands for zero.
+    /// Lower bound of the magnitude; -300 dB stands for zero.
     pub magnitude_db_lower: Vec<f64>,
     /// Upper bound of the magnitude.
     pub magnitude_db_upper: Vec<f64>,
@@ -63,7 +62,7 @@ pub struct FrequencyBounds {
     pub phase_deg_upper: Vec<f64>,
     /// Bound of the error of G, as a distance in the complex plane, from leaving out high frequencies and from
     /// the steps of the sensor, and in the response of the servo itself
-    /// ([`crate::Model::servo_response`]) from higher frequencies that fold onto these; it is
+    /// ([`Model::servo_response`](crate::results::Model::servo_response)) from higher frequencies that fold onto these; it is
     /// part of all bounds. Empty where there is none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bias: Vec<f64>,
@@ -72,7 +71,7 @@ pub struct FrequencyBounds {
 /// Frequencies \[rad/sample\] for a document: evenly spaced on a logarithmic scale from a tenth of
 /// the fundamental to the highest frequency of the bank.
 #[must_use]
-pub(crate) fn grid(coordinates: &Coordinates) -> Vec<f64> {
+pub(crate) fn frequency_grid(coordinates: &Coordinates) -> Vec<f64> {
     let basis = &coordinates.basis;
     let low = 0.1 * basis.fundamental();
     let high = basis.highest().max(1) as f64 * basis.fundamental();

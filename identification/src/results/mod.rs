@@ -1,12 +1,29 @@
 //! The results of an identification, as plain data.
 
-pub mod advice;
-pub mod frequency_response;
-pub mod metrics;
-pub mod model;
-pub mod residuals;
-pub mod servo_response;
-pub mod step_response;
-pub(crate) mod usable;
-pub mod validation;
-pub mod validity;
+mod advice;
+mod frequency_response;
+mod metrics;
+mod model;
+mod residuals;
+mod servo_response;
+mod step_response;
+mod usable;
+mod validation;
+mod validity;
+
+pub use crate::estimation::Noise;
+pub use crate::numerics::{pointwise_critical, student_critical};
+pub use advice::{Advice, Check};
+pub use frequency_response::{FrequencyBounds, FrequencyResponse};
+pub(crate) use frequency_response::{frequency_grid, frequency_map};
+pub(crate) use metrics::measured::Measured;
+pub use metrics::{Interval, MetricBounds, Metrics, Withheld};
+pub use model::{Fit, MODEL_SCHEMA, Model, ParameterBounds, SelectedBy, Structure};
+pub use residuals::Residuals;
+pub use servo_response::PhaseAt;
+pub(crate) use step_response::Biases;
+pub use step_response::{PointwiseBand, SimultaneousBand, StepBounds, StepResponse};
+pub(crate) use usable::is_sized;
+pub use validation::Validation;
+pub(crate) use validation::fit_percent;
+pub use validity::{Bounds, Reason};

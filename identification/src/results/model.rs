@@ -7,12 +7,10 @@
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::data::record::Run;
-use crate::data::timing::Timing;
+use crate::data::{Run, Timing};
 use crate::error::Error;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::noise_model::Noise;
-use crate::numerics::convolution::causal_filter;
+use crate::estimation::{FsfBasis, Noise};
+use crate::numerics::causal_filter;
 use crate::options::{LONGEST_SETTLING_BY_HAND, MAX_NOISE_ORDER};
 use crate::results::advice::Advice;
 use crate::results::frequency_response::FrequencyResponse;
@@ -24,7 +22,7 @@ use crate::results::usable::{LARGEST, is_sized, is_usable};
 use crate::results::validity::{Bounds, Reason};
 
 /// Version of the JSON document.
-pub const SCHEMA: u32 = 2;
+pub const MODEL_SCHEMA: u32 = 2;
 
 /// Sample periods of a model that was read from elsewhere \[s\]: from a thousandth of what any
 /// converter does to decades.
@@ -73,7 +71,7 @@ pub struct Fit {
 /// An identified servo.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Model {
-    /// Version of this document, [`SCHEMA`].
+    /// Version of this document, [`MODEL_SCHEMA`].
     pub schema: u32,
     /// Time between samples \[s\].
     pub sample_period_s: f64,

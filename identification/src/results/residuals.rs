@@ -10,7 +10,7 @@ pub struct Residuals {
     /// Probability of a relation to further input at least as strong if there is none.
     pub input_correlation_p: Option<f64>,
     /// Probability of a relation to functions of the motion at least as strong if the servo is linear
-    /// (see [`crate::diagnostics::linearity`]).
+    /// (see [`Linearity`](crate::diagnostics::Linearity)).
     #[serde(default)]
     pub linearity_p: Option<f64>,
     /// Part of the motion that these functions explain beyond any linear model \[% rms\]. Without a small p
@@ -18,7 +18,7 @@ pub struct Residuals {
     #[serde(default)]
     pub beyond_linear_percent: Option<f64>,
     /// Probability of errors in motion at least as large if they are the noise at standstill (see
-    /// [`crate::diagnostics::standstill_noise`]); `None` without a recording at rest.
+    /// [`StandstillNoise`](crate::diagnostics::StandstillNoise)); `None` without a recording at rest.
     #[serde(default)]
     pub rest_p: Option<f64>,
     /// Part of the motion that neither the simulation nor the noise at standstill explains \[% rms\].

@@ -5,10 +5,9 @@ use std::f64::consts::PI;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::data::timing::Timing;
+use crate::data::Timing;
 use crate::error::Error;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::variance::CurveVariance;
+use crate::estimation::{CurveVariance, FsfBasis};
 use crate::results::frequency_response::{FrequencyBounds, FrequencyResponse};
 use crate::results::metrics::bands;
 use crate::results::metrics::interval::Interval;
@@ -67,7 +66,7 @@ fn continued_phase(basis: &FsfBasis, theta: &[f64], timing: Timing, omega: f64) 
 impl Model {
     /// The frequency response of the servo itself, at any frequencies \[rad/s\] up to half the rate
     /// of sampling, with pointwise bounds at the level of the model: [`Model::frequency`] is that of
-    /// the samples, and this is freed of their hold and phase (see [`crate::data::timing`]).
+    /// the samples, and this is freed of their hold and phase (see [`Timing`](crate::Timing)).
     ///
     /// # Errors
     /// The structure of a hand-made document does not describe a filter bank.

@@ -2,10 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimation::variance::CurveVariance;
-use crate::numerics::critical_values::{
-    pointwise_critical, simultaneous_critical, student_critical,
-};
+use crate::estimation::CurveVariance;
+use crate::numerics::{pointwise_critical, simultaneous_critical, student_critical};
 use crate::options::LEVELS;
 use crate::results::usable::{LARGEST, is_sized, is_usable};
 use crate::results::validity::Bounds;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::record::{Record, Run};
+use crate::data::{Record, Run};
 use crate::error::Error;
 use crate::results::model::Model;
 use crate::thresholds::FROM_REST;

@@ -4,9 +4,7 @@ use super::choice::Choice;
 use super::long_fit::LongFit;
 use super::search::Search;
 use super::settling_range::grid;
-use crate::estimation::excitation::Excitation;
-use crate::estimation::nested_banks::NestedBanks;
-use crate::estimation::truncation::FIRST_ORDER;
+use crate::estimation::{Excitation, FIRST_ORDER, NestedBanks};
 use crate::thresholds::{CONTRADICTION, MARGIN, WIDE_COMPLETE_BAND};
 
 /// The shortest acceptable N; `None` where the input does not determine a complete bank.

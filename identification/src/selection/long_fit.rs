@@ -4,11 +4,9 @@ use faer::Mat;
 
 use super::choice::SettlingCandidate;
 use super::noise_filter;
-use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::least_squares::{Coordinates, NormalEquations};
-use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
-use crate::numerics::vectors::dot;
+use crate::data::Moments;
+use crate::estimation::{Coordinates, FsfBasis, NormalEquations};
+use crate::numerics::{backward_solve, cholesky, dot, forward_solve, inverse_of_lower};
 use crate::options::NoiseOrder;
 use crate::thresholds::DETECTION;
 

@@ -1,12 +1,18 @@
 //! The choice of the settling time and of the number of frequencies.
 
-pub mod choice;
-pub(crate) mod complete_bank;
-pub(crate) mod long_fit;
-pub(crate) mod noise_filter;
-pub(crate) mod repetition;
-pub(crate) mod search;
-pub mod settling_range;
-pub(crate) mod settling_time;
-pub(crate) mod shorter_history;
-pub(crate) mod smooth_input;
+mod choice;
+mod complete_bank;
+mod long_fit;
+mod noise_filter;
+mod repetition;
+mod search;
+mod settling_range;
+mod settling_time;
+mod shorter_history;
+mod smooth_input;
+
+pub use choice::{Choice, SettlingCandidate};
+pub(crate) use complete_bank::is_wide;
+pub(crate) use search::Search;
+pub(crate) use settling_range::{longest_for_prediction, longest_settling, odd_at_most};
+pub(crate) use settling_time::choose_settling;

@@ -1,9 +1,7 @@
 //! The noise filter of a long fit, which has to be roughly right only.
 
-use crate::data::moments::Moments;
-use crate::estimation::gls::MAX_AUTO_ORDER;
-use crate::estimation::least_squares::RowInformation;
-use crate::estimation::noise_model::{NoiseFit, best_order};
+use crate::data::Moments;
+use crate::estimation::{MAX_AUTO_ORDER, NoiseFit, RowInformation, best_order};
 use crate::options::NoiseOrder;
 
 /// Passes over fit and noise.

@@ -12,10 +12,9 @@ use super::choice::Choice;
 use super::complete_bank;
 use super::search::Search;
 use super::settling_range::{SHORTEST, odd_at_most};
-use crate::data::moments::Moments;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::least_squares::{Coordinates, NormalEquations};
-use crate::numerics::vectors::dot;
+use crate::data::Moments;
+use crate::estimation::{Coordinates, FsfBasis, NormalEquations};
+use crate::numerics::dot;
 
 /// A lag counts as resolved already when it brings this share of what the lags before it brought (median).
 /// Exact repetition leaves rounding, 1e-12 or so; one edge in a record of 10^6 samples that is not where
@@ -75,7 +74,7 @@ fn median(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::record::Record;
+    use crate::data::Record;
 
     /// Lags resolved by an input of these holds, repeated, of at most 149.
     fn resolved(holds: &[usize], samples: usize) -> Option<usize> {

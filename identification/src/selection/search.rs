@@ -1,7 +1,6 @@
 //! What a settling time is chosen from.
 
-use crate::data::moments::Moments;
-use crate::data::record::Record;
+use crate::data::{Moments, Record};
 use crate::options::NoiseOrder;
 
 /// The data at hand, and the limits of the search.

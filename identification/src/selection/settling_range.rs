@@ -1,8 +1,8 @@
 //! The settling times that a record allows.
 
-use crate::data::record::Record;
+use crate::data::Record;
 use crate::error::Error;
-use crate::estimation::gls::MAX_AUTO_ORDER;
+use crate::estimation::MAX_AUTO_ORDER;
 
 /// Longest settling time considered unless the options say otherwise \[samples\].
 pub const LONGEST_SETTLING: usize = 599;

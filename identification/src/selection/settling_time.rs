@@ -36,7 +36,7 @@ const CANDIDATES: [Candidate; 4] = [
 ///
 /// # Errors
 /// The input does not even excite a constant gain.
-pub(crate) fn choose(search: &Search<'_>) -> Result<Choice, Error> {
+pub(crate) fn choose_settling(search: &Search<'_>) -> Result<Choice, Error> {
     CANDIDATES
         .iter()
         .find_map(|candidate| candidate(search))

@@ -8,8 +8,8 @@ use super::choice::Choice;
 use super::search::Search;
 use super::settling_range::shorter;
 use super::{complete_bank, repetition};
-use crate::data::moments::Moments;
-use crate::estimation::excitation::Excitation;
+use crate::data::Moments;
+use crate::estimation::Excitation;
 
 /// The first choice among shorter longest N that is of a complete bank.
 pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {

@@ -8,12 +8,10 @@ use super::choice::{Choice, SettlingCandidate};
 use super::noise_filter;
 use super::search::Search;
 use super::settling_range::grid;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, RowInformation};
-use crate::estimation::nested_banks::NestedBanks;
-use crate::estimation::truncation::FIRST_ORDER;
-use crate::estimation::variance::CurveVariance;
+use crate::estimation::{
+    Coordinates, CurveVariance, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, NestedBanks,
+    RowInformation,
+};
 use crate::options::NoiseOrder;
 use crate::thresholds::{CONTRADICTION, DETECTION, MARGIN};
 
@@ -60,7 +58,7 @@ impl Response {
             corrected: false,
             ..GlsOptions::default()
         };
-        let fit = gls::fit(information, &coordinates, &options)?;
+        let fit = GlsFit::of(information, &coordinates, &options)?;
         let spread = CurveVariance::of_fit(information, &fit, &coordinates.step_map());
         Some(Self {
             frequencies: best.frequencies,

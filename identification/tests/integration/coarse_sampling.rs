@@ -4,7 +4,6 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use servoid_identification::convolution::causal_filter;
 use servoid_identification::thresholds::WHITENING_COST_POINTS;
 use servoid_identification::{Options, Record, Run, identify, identify_explained};
 
@@ -34,9 +33,10 @@ fn record(seed: u64, samples: usize) -> Record {
     let impulse: Vec<f64> = (0..60)
         .map(|m| step(m) - m.checked_sub(1).map_or(0.0, step))
         .collect();
-    let output: Vec<f64> = causal_filter(&impulse, &input, Some(input[0]))
-        .into_iter()
-        .map(|y| {
+    let output: Vec<f64> = (0..samples)
+        .map(|k| {
+            let past = |i: usize| input[k.saturating_sub(i)];
+            let y: f64 = impulse.iter().enumerate().map(|(i, h)| h * past(i)).sum();
             let noise: f64 = StandardNormal.sample(&mut random);
             y + NOISE * noise
         })

@@ -1,10 +1,10 @@
 //! The same servo is never called different, a different one is.
 
 use rayon::prelude::*;
-use servoid_identification::advice::Check;
 use servoid_identification::comparison::{
     Comparison, ComparisonOptions, Verdict, compare, compare_models,
 };
+use servoid_identification::results::Check;
 use servoid_identification::{Options, Record, Run, Settling, identify};
 
 use servoid_test_support::servos::{

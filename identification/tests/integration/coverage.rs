@@ -1,9 +1,8 @@
 //! Whether bands hold as often as they say: a short version of the `coverage` example. Limits are
 //! those of the full table, widened by three standard deviations of so few runs.
 
-use servoid_identification::advice::Check;
 use servoid_identification::comparison::{ComparisonOptions, Verdict, compare};
-use servoid_identification::validity::Reason;
+use servoid_identification::results::{Check, Reason};
 use servoid_identification::{
     Frequencies, NoiseOrder, Options, Record, Run, Settling, identify, identify_explained,
 };

@@ -1,7 +1,7 @@
 //! No limit is found in a linear servo; those that are there are found.
 
 use rayon::prelude::*;
-use servoid_identification::limits::{Limits, RateVerdict};
+use servoid_identification::nonlinear::{Limits, RateVerdict};
 use servoid_identification::{Options, Record, Settling, identify};
 
 use servoid_test_support::servos::{

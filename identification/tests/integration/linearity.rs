@@ -1,8 +1,9 @@
 //! Servos that are not linear are told from those that are, and what that does to the bounds.
 
 use rayon::prelude::*;
+use servoid_identification::results::Model;
 use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
-use servoid_identification::{Model, Options, Record, identify};
+use servoid_identification::{Options, Record, identify};
 
 use servoid_test_support::servos::{
     Limit, Linear, PERIOD, limited, measured, sizes, staircase, stairs,

@@ -4,8 +4,6 @@
 mod coarse_sampling;
 mod comparison;
 mod coverage;
-mod direct;
-mod direction;
 mod flight_model;
 mod limits;
 mod linearity;
@@ -14,4 +12,3 @@ mod poor_records;
 mod real_data;
 mod smooth;
 mod streaming;
-mod truth;

@@ -1,7 +1,8 @@
 //! The figures of exactly known servos.
 
 use approx::assert_abs_diff_eq;
-use servoid_identification::{Model, Options, Record, Settling, identify};
+use servoid_identification::results::Model;
+use servoid_identification::{Options, Record, Settling, identify};
 
 use servoid_test_support::metrics_coverage::{Case, NAMES, run};
 use servoid_test_support::servos::{Linear, PERIOD, staircase};
@@ -28,7 +29,7 @@ fn figures_are_those_of_the_servo_whatever_the_phase_of_the_samples() {
     let exact = servo(0.5).figures();
     for phase in [0.0, 0.0005, 0.0013] {
         let found = noise_free(&servo(0.5), phase).metrics;
-        let value = |interval: servoid_identification::metrics::Interval| interval.value.unwrap();
+        let value = |interval: servoid_identification::results::Interval| interval.value.unwrap();
         // Samples are 2 ms apart, and cubics between them leave less than 20 us where the motion
         // starts with a jump of acceleration (5 and 10 %), a few elsewhere.
         assert_abs_diff_eq!(value(found.delay_s), exact.delay_s, epsilon = 3e-5);

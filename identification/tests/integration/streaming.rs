@@ -1,15 +1,11 @@
 //! Moments alone, as collected live or loaded, give the model that the record gives.
 
 use approx::assert_relative_eq;
-use servoid_identification::fsf_basis::FsfBasis;
-use servoid_identification::gls::{self, GlsOptions};
-use servoid_identification::least_squares::{Coordinates, RowInformation};
-use servoid_identification::moments::{MomentStream, Moments};
-use servoid_identification::qr::triangular_factor;
 use servoid_identification::{
-    Frequencies, NoiseOrder, Options, Record, Settling, identify, identify_moments,
+    Frequencies, MomentStream, Moments, NoiseOrder, Options, Record, Settling, identify,
+    identify_moments,
 };
-use servoid_test_support::plants::{Noise, PERIOD, Plant, normal, random, simulate, staircase};
+use servoid_test_support::plants::{Noise, PERIOD, Plant, random, simulate, staircase};
 
 fn fixed() -> Options {
     Options {
@@ -72,52 +68,4 @@ fn recordings_whose_samples_are_taken_at_another_phase_are_not_merged() {
     let error = first.merge(&moments(0.0)).unwrap_err().to_string();
     assert!(error.contains("0.0005 s"), "{error}");
     assert_eq!(first.rows(), 4);
-}
-
-#[test]
-fn a_million_samples_lose_no_accuracy() {
-    let input: Vec<f64> = staircase()
-        .iter()
-        .copied()
-        .cycle()
-        .take(1_000_000)
-        .collect();
-    let mut noise = random(9);
-    let output: Vec<f64> = input
-        .iter()
-        .scan(0.0, |state, u| {
-            *state += 0.5 * (u - *state);
-            Some(*state + 0.05 * normal(&mut noise))
-        })
-        .collect();
-    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
-    let moments = Moments::of_record(&record, 33, 3);
-    let factor = triangular_factor(&record, &moments);
-    let options = GlsOptions {
-        order: NoiseOrder::Order(2),
-        ..GlsOptions::default()
-    };
-    let coordinates = Coordinates::new(FsfBasis::new(31, 15).unwrap());
-    let slow = RowInformation::from_factor(&moments, factor);
-    let slow = gls::fit(&slow, &coordinates, &options).unwrap();
-    let fast = gls::fit(
-        &RowInformation::from_moments(moments),
-        &coordinates,
-        &options,
-    )
-    .unwrap();
-    for (a, b) in fast.theta().iter().zip(slow.theta()) {
-        assert_relative_eq!(*a, b, epsilon = 1e-8);
-    }
-    for (a, b) in fast.ar.iter().zip(&slow.ar) {
-        assert_relative_eq!(a, b, epsilon = 1e-8);
-    }
-    let (fast, slow) = (fast.covariance(), slow.covariance());
-    for k in 0..15 {
-        assert_relative_eq!(
-            fast[(k, k)].sqrt(),
-            slow[(k, k)].sqrt(),
-            max_relative = 1e-8
-        );
-    }
 }

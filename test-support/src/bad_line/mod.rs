@@ -26,7 +26,7 @@ mod lane;
 use lane::Lane;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use servoid::port::Port;
+use servoid::instrument::port::Port;
 use std::time::Duration;
 
 pub use faults::Faults;

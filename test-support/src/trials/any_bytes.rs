@@ -1,8 +1,8 @@
 //! Any bytes as a recording, for the tests and for the fuzz target alike: they are read as what they are, and
 //! what is saved of them is a recording.
 
-use servoid::degrees::DegreeScale;
-use servoid::recording::{Recording, RecordingWriter, Target, recover};
+use servoid::data::DegreeScale;
+use servoid::data::recording::{Recording, RecordingWriter, Target, recover};
 use std::cell::RefCell;
 use std::io::{Result, Write};
 use std::path::Path;

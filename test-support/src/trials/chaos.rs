@@ -2,10 +2,10 @@
 
 use super::judge::{Outcome, capture_to_disk, check};
 use crate::bad_line::{ChaosPort, Faults};
-use servoid::port::Port;
-use servoid::recording::Ending;
-use servoid::rig::CaptureError;
-use servoid::rig::TalkError;
+use servoid::data::recording::Ending;
+use servoid::instrument::port::Port;
+use servoid::instrument::rig::CaptureError;
+use servoid::instrument::rig::TalkError;
 use servoid_protocol::message::Start;
 use servoid_protocol::reference::{Reference, Staircase};
 use servoid_simulator::{InProcessRig, SimulatedFrame};

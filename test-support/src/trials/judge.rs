@@ -1,10 +1,10 @@
 //! A capture into memory, and whether what is in it is what the board sampled.
 
-use servoid::port::Port;
-use servoid::recording::{Completeness, Ending, Header, Recording, RecordingWriter, Target};
-use servoid::rig::CaptureError;
-use servoid::rig::{Capture, RigClient, StopReason};
-use servoid::rig_file::RigFile;
+use servoid::data::recording::{Completeness, Ending, Header, Recording, RecordingWriter, Target};
+use servoid::data::rig_file::RigFile;
+use servoid::instrument::port::Port;
+use servoid::instrument::rig::CaptureError;
+use servoid::instrument::rig::{Capture, RigClient, StopReason};
 use servoid_protocol::message::Start;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_protocol::{Counts, PulseWidth};

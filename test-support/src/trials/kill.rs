@@ -1,6 +1,6 @@
 //! `kill -9` in the middle of a capture at real pace.
 
-use servoid::recording::{Completeness, Recording};
+use servoid::data::recording::{Completeness, Recording};
 use servoid_protocol::timing::{FRAME_US, SAMPLES_PER_FRAME};
 use servoid_protocol::{Decoder, RigMessage};
 use servoid_simulator::InProcessRig;

@@ -2,7 +2,7 @@
 //! that are not linear, and what the figures are worth that keep their level.
 
 use super::recordings::{US_PER_DEGREE, recording};
-use servoid::reference::{Band, Kind, ReferenceSpec};
+use servoid::instrument::reference::{Band, Kind, ReferenceSpec};
 use servoid_identification::{Error, Options, identify_explained};
 use servoid_protocol::reference::Reference;
 

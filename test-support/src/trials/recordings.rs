@@ -1,6 +1,6 @@
 //! Recordings of simulated servos as the program makes them: rest, the reference, rest.
 
-use servoid::rig::capture::ROLL_FRAMES;
+use servoid::instrument::rig::ROLL_FRAMES;
 use servoid_identification::{Record, Run};
 use servoid_protocol::PulseWidth;
 use servoid_protocol::reference::Reference;

@@ -1,6 +1,6 @@
 //! The timing chain: what the program makes of timers, ADC and DMA, tick by tick.
 
-use servoid::recording::Ending;
+use servoid::data::recording::Ending;
 use servoid_protocol::hello::{ClockSource, ResetCause};
 use servoid_protocol::message::{Command, Request, Start};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;

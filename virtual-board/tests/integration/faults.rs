@@ -10,8 +10,8 @@
 //! | processor stuck  | no pulses, within 6.7 frames    | the image's `watchdog`                             |
 //! | brown-out        | no pulses, at once              | reset state of the chip                            |
 
-use servoid::recording::Ending;
-use servoid::rig::RigClient;
+use servoid::data::recording::Ending;
+use servoid::instrument::rig::RigClient;
 use servoid_protocol::hello::{ClockSource, ResetCause};
 use servoid_protocol::message::{Activity, Arm, Command, EndReason};
 use servoid_test_support::virtual_board::{FRAME, SharedBoard, arm, capture, options, staircase};

@@ -1,9 +1,10 @@
 //! What the host makes of a capture from the image: the servo that is behind it.
 
-use servoid::dataset::{self, DatasetOptions};
-use servoid::recording::Ending;
-use servoid::rig::RigClient;
-use servoid_identification::{Model, Options, Settling, identify};
+use servoid::data::dataset::{self, DatasetOptions};
+use servoid::data::recording::Ending;
+use servoid::instrument::rig::RigClient;
+use servoid_identification::results::Model;
+use servoid_identification::{Options, Settling, identify};
 use servoid_simulator::linear::LinearParameters;
 use servoid_test_support::virtual_board::{SharedBoard, capture, options, staircase};
 use std::path::Path;
@@ -87,7 +88,7 @@ fn the_image_and_the_rig_in_this_process_find_the_same_servo() {
         // Whole microseconds: what is left is 0.5 µs at 500 deg/s, 0.0003 deg.
         let phase_us = (phase(&board) * 1e6).round();
         let address = format!("sim:{servo}?seed=2&first-sample-us={phase_us}");
-        let port = servoid::port::open(&address).unwrap();
+        let port = servoid::instrument::port::open(&address).unwrap();
         let mut client = RigClient::connect(port, &address).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let in_process = model(&mut client, &folder.path().join("in-process.csv"));

@@ -1,9 +1,9 @@
 //! The board as a port of this machine, with the host's own ports on the other side.
 
-use servoid::port::Port as _;
-use servoid::recording::Ending;
-use servoid::rig::Capture;
-use servoid::rig::RigClient;
+use servoid::data::recording::Ending;
+use servoid::instrument::port::Port as _;
+use servoid::instrument::rig::Capture;
+use servoid::instrument::rig::RigClient;
 use servoid_protocol::reference::{Reference, Staircase};
 use servoid_test_support::virtual_board::{SharedBoard, capture, image, options, staircase};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -55,7 +55,8 @@ fn short_run() -> Capture {
 }
 
 fn capture_at(address: &str) {
-    let mut client = RigClient::connect(servoid::port::open(address).unwrap(), address).unwrap();
+    let mut client =
+        RigClient::connect(servoid::instrument::port::open(address).unwrap(), address).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let job = short_run();
     let (end, frames) = capture(&mut client, &job, &folder.path().join("run.csv"));

@@ -1,7 +1,7 @@
 //! Every reference as the image plays it: the same to the microsecond as the host expands it.
 
-use servoid::recording::Ending;
-use servoid::rig::Capture;
+use servoid::data::recording::Ending;
+use servoid::instrument::rig::Capture;
 use servoid_protocol::reference::{
     MAX_TONES, Multisine, Prbs, Reference, Stairs, Step, Steps, Sweep,
 };

@@ -1,8 +1,8 @@
 //! A second program on the line of a run.
 
-use servoid::port::Port;
-use servoid::recording::Ending;
-use servoid::rig::RigClient;
+use servoid::data::recording::Ending;
+use servoid::instrument::port::Port;
+use servoid::instrument::rig::RigClient;
 use servoid_protocol::framing::{self, Decoder};
 use servoid_protocol::message::{Command, Request};
 use servoid_test_support::virtual_board::{FRAME, SharedBoard, capture, image, options, staircase};

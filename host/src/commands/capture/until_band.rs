@@ -3,7 +3,7 @@
 use crate::instrument::live::LiveStep;
 use crate::plan::NarrowingBand;
 use serde::Serialize;
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::Bounds;
 
 /// The band that was asked for, and the band of all runs together.
 #[derive(Clone, Copy, Debug, Serialize)]

@@ -209,7 +209,7 @@ impl RigAnswers {
     /// let (text, rig) = answers.to_rig_file("rig.toml".as_ref())?;
     /// assert!(text.contains("# reading at 0 degrees"));
     /// assert_eq!((rig.limits.shortest_us, rig.limits.longest_us), (1300, 1800));
-    /// # Ok::<(), servoid::rig_file::RigFileError>(())
+    /// # Ok::<(), servoid::data::rig_file::RigFileError>(())
     /// ```
     ///
     /// # Errors

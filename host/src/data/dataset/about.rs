@@ -1,7 +1,7 @@
 //! What files say of themselves.
 
 use crate::data::units::Units;
-use servoid_identification::advice::{Advice, Check};
+use servoid_identification::results::{Advice, Check};
 
 /// What files say of themselves.
 #[derive(Clone, Debug, Default)]

@@ -7,7 +7,7 @@ use super::options::DatasetOptions;
 use crate::data::degrees::DegreeScale;
 use crate::data::recording::{Completeness, ReadError, Recording};
 use servoid_identification::Run;
-use servoid_identification::advice::Check;
+use servoid_identification::results::Check;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::ops::Range;
 use std::path::Path;

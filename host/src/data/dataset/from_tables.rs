@@ -8,7 +8,7 @@ use super::time_column::{self, TimeUnit};
 use super::{sentinel_values, suggestion};
 use crate::data::table::{Table, TableError, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
-use servoid_identification::advice::{Advice, Check};
+use servoid_identification::results::{Advice, Check};
 use std::path::Path;
 
 /// The runs of a table.

@@ -6,9 +6,9 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::data::{fingerprint, input_file};
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
+use servoid_identification::Record;
 use servoid_identification::flight_model::FlightModel;
-use servoid_identification::model::SCHEMA;
-use servoid_identification::{Model, Record};
+use servoid_identification::results::{MODEL_SCHEMA, Model};
 use std::path::{Path, PathBuf};
 
 /// A model as its file has it, to be written.
@@ -53,7 +53,7 @@ pub enum ModelFileError {
     NotAModel(PathBuf),
     /// A later version wrote it.
     #[error(
-        "the model {path:?} was made by a newer servoid (schema {schema}, this one reads up to {SCHEMA}): update servoid"
+        "the model {path:?} was made by a newer servoid (schema {schema}, this one reads up to {MODEL_SCHEMA}): update servoid"
     )]
     Newer {
         /// The file.
@@ -63,7 +63,7 @@ pub enum ModelFileError {
     },
     /// No version wrote it.
     #[error(
-        "the model {path:?} has the schema {schema}, which no servoid writes (this one writes {SCHEMA}): identify again"
+        "the model {path:?} has the schema {schema}, which no servoid writes (this one writes {MODEL_SCHEMA}): identify again"
     )]
     UnknownSchema {
         /// The file.
@@ -173,10 +173,10 @@ fn to_todays_schema(mut document: Value, path: &Path) -> Result<Value, ModelFile
     };
     if schema == schema_1::SCHEMA {
         schema_1::upgrade(&mut document);
-    } else if number.is_some_and(|number| number > f64::from(SCHEMA)) {
+    } else if number.is_some_and(|number| number > f64::from(MODEL_SCHEMA)) {
         let path = path.to_owned();
         return Err(ModelFileError::Newer { path, schema });
-    } else if schema != SCHEMA {
+    } else if schema != MODEL_SCHEMA {
         let path = path.to_owned();
         return Err(ModelFileError::UnknownSchema { path, schema });
     }

@@ -320,7 +320,7 @@ impl Table {
 /// "deg" of "angle \[deg\]", "angle (deg)" or "angle_deg"; `None` where a name says none.
 ///
 /// ```
-/// use servoid::table::unit_of;
+/// use servoid::data::table::unit_of;
 /// assert_eq!(unit_of("Winkel [°]"), Some("°"));
 /// assert_eq!(unit_of("pos_counts"), Some("counts"));
 /// assert_eq!(unit_of("position"), None);

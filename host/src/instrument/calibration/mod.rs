@@ -9,10 +9,10 @@ mod estimate;
 mod followed;
 mod knee;
 mod least_squares;
-pub mod mover;
-pub mod rig_text;
-pub mod sensor_scale;
-pub mod travel;
+mod mover;
+mod rig_text;
+mod sensor_scale;
+mod travel;
 
 pub use estimate::Estimate;
 pub use followed::{NotFollowed, require_followed};

@@ -20,7 +20,7 @@ const REMARK: &str = "# Calibrated: ";
 /// stays as it is.
 ///
 /// ```
-/// use servoid::calibration::{Calibration, Found, Reading, put_into};
+/// use servoid::instrument::calibration::{Calibration, Found, Reading, put_into};
 /// let readings = [(-20.0, 6008.0), (0.0, 8192.0), (20.0, 10377.0)]
 ///     .map(|(angle_deg, counts)| Reading { angle_deg, counts });
 /// let sensor = Calibration::fit(&readings)?;

@@ -5,7 +5,7 @@
 //! H. Smith, *Applied Regression Analysis*, 1998, §1.4).
 
 use serde::Serialize;
-use servoid_identification::critical_values::{pointwise_critical, student_critical};
+use servoid_identification::results::{pointwise_critical, student_critical};
 
 /// Variance that readings have at least, however straight their line (counts²): a count is the sum of
 /// four conversions, each rounded to a whole number, which errs by 1/12 (uniform).
@@ -67,12 +67,12 @@ impl Calibration {
     /// The line through readings at three different angles or more.
     ///
     /// ```
-    /// use servoid::calibration::{Calibration, Reading};
+    /// use servoid::instrument::calibration::{Calibration, Reading};
     /// let readings = [(-20.0, 6008.0), (0.0, 8192.0), (20.0, 10377.0)]
     ///     .map(|(angle_deg, counts)| Reading { angle_deg, counts });
     /// let found = Calibration::fit(&readings)?;
     /// assert!((found.degrees_per_count - 0.009155).abs() < 1e-5);
-    /// # Ok::<(), servoid::calibration::CalibrationError>(())
+    /// # Ok::<(), servoid::instrument::calibration::CalibrationError>(())
     /// ```
     ///
     /// # Errors

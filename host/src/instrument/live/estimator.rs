@@ -1,9 +1,9 @@
 //! A step response of the samples so far.
 
-use servoid_identification::moments::MomentStream;
-use servoid_identification::options::Settling;
-use servoid_identification::step_response::StepResponse;
-use servoid_identification::{Error, Options, Record, Run, identify, identify_moments};
+use servoid_identification::results::StepResponse;
+use servoid_identification::{
+    Error, MomentStream, Options, Record, Run, Settling, identify, identify_moments,
+};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
 /// The settling time is chosen anew when there are so many times the samples of the last choice: then
@@ -50,7 +50,7 @@ impl LiveStep {
 /// chosen among the samples of the longest run at most, 10 MB, and stays from then on.
 ///
 /// ```
-/// use servoid::live::Estimator;
+/// use servoid::instrument::live::Estimator;
 /// use servoid_identification::Options;
 /// let mut estimator = Estimator::new(0.002, Options::default());
 /// assert!(estimator.estimate().is_err()); // no samples yet

@@ -51,7 +51,7 @@ impl RunSamples {
 /// offset that it began with. `None` where it never does.
 ///
 /// ```
-/// use servoid::live::second_cycle;
+/// use servoid::instrument::live::second_cycle;
 /// use servoid_protocol::reference::{Reference, Staircase};
 /// // Two holds of 40 frames, then the next cycle.
 /// assert_eq!(second_cycle(&Reference::Staircase(Staircase::PAPER)), Some(80));

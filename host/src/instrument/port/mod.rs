@@ -42,8 +42,8 @@ pub fn is_simulated(address: &str) -> bool {
 /// The name of the simulated servo behind `address`; `None` for a port to a board.
 ///
 /// ```
-/// assert_eq!(servoid::port::simulated_servo("sim:aircraft?seed=7"), Some("aircraft"));
-/// assert_eq!(servoid::port::simulated_servo("/dev/ttyUSB0"), None);
+/// assert_eq!(servoid::instrument::port::simulated_servo("sim:aircraft?seed=7"), Some("aircraft"));
+/// assert_eq!(servoid::instrument::port::simulated_servo("/dev/ttyUSB0"), None);
 /// ```
 #[must_use]
 pub fn simulated_servo(address: &str) -> Option<&str> {

@@ -72,11 +72,11 @@ impl ReferenceSpec {
     /// The reference for a servo of `us_per_degree`.
     ///
     /// ```
-    /// use servoid::reference::{Kind, ReferenceSpec};
+    /// use servoid::instrument::reference::{Kind, ReferenceSpec};
     /// let spec = ReferenceSpec { kind: Kind::Stairs, ..ReferenceSpec::default() };
     /// let resolved = spec.resolve(10.0)?;
     /// assert_eq!(resolved.reference.frames(), 2400); // 5 levels, 20 strokes of 1.2 s, twice
-    /// # Ok::<(), servoid::reference::ReferenceError>(())
+    /// # Ok::<(), servoid::instrument::reference::ReferenceError>(())
     /// ```
     ///
     /// # Errors

@@ -4,15 +4,15 @@
 //! two; [`client`] asks and waits for answers; [`capture`] records a run, with `run_rows` for its rows and
 //! `recording_ending` for the last line of its file; [`capture_outcome`] is what comes of it.
 
-pub mod capture;
-pub mod capture_outcome;
-pub mod client;
+mod capture;
+mod capture_outcome;
+mod client;
 mod driver;
 mod recording_ending;
 mod run_rows;
 mod talk_error;
 
-pub use capture::Capture;
+pub use capture::{Capture, ROLL_FRAMES};
 pub use capture_outcome::{CaptureEnd, CaptureError, Progress, StopReason};
 pub use client::RigClient;
 pub use servoid_client::{ClientError, Mismatch, mismatches};

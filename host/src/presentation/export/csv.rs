@@ -4,8 +4,7 @@
 use super::described_model::Export;
 use super::statement::low_order_covariance;
 use super::text::{Style, number};
-use servoid_identification::Model;
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::{Bounds, Model};
 
 const STYLE: Style = Style {
     comment: "# ",

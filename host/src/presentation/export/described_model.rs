@@ -2,8 +2,9 @@
 
 use super::text::plain;
 use crate::data::model_metadata::ModelMetadata;
-use servoid_identification::Model;
-use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
+use servoid_identification::flight_model;
+use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
+use servoid_identification::results::Model;
 
 /// A model, ready to be written.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use super::described_model::Export;
 use super::scripts::Language;
 use super::text::Style;
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::Bounds;
 
 const LANGUAGE: Language = Language {
     style: Style {

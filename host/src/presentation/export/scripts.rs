@@ -5,9 +5,7 @@ use super::statement::parameters_of;
 use super::text::{Style, identifier, number};
 use crate::presentation::template::fill;
 use servoid_identification::flight_model::FlightModel;
-use servoid_identification::frequency_response::FrequencyBounds;
-use servoid_identification::model::ParameterBounds;
-use servoid_identification::step_response::StepBounds;
+use servoid_identification::results::{FrequencyBounds, ParameterBounds, StepBounds};
 
 /// Values for the gaps of a template.
 pub(super) type Values = Vec<(&'static str, String)>;

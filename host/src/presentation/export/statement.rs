@@ -4,9 +4,7 @@ use super::described_model::Export;
 use super::text::{Style, number};
 use crate::presentation::summary;
 use servoid_identification::flight_model::FlightModel;
-use servoid_identification::metrics::Interval;
-use servoid_identification::model::SelectedBy;
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::{Bounds, Interval, SelectedBy};
 
 impl Export<'_> {
     /// Why the numbers, or their bounds, should not be trusted as they stand; a sentence each.

@@ -1,7 +1,7 @@
 //! Names, colours and axis labels that all figures of models share.
 
 use super::figure::Ink;
-use servoid_identification::Model;
+use servoid_identification::results::Model;
 
 /// A model with the name that its curves carry.
 #[derive(Clone, Copy, Debug)]

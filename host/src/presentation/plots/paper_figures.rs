@@ -5,7 +5,8 @@ use super::named::Named;
 use super::response::{bode, step_response};
 use super::signals::{input_output, validation};
 use crate::data::units::Units;
-use servoid_identification::{Model, Record, Run};
+use servoid_identification::results::Model;
+use servoid_identification::{Record, Run};
 
 /// Everything that is drawn of one identification: Figs 4-7 of the paper for this record.
 #[must_use]

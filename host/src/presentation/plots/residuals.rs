@@ -2,9 +2,9 @@
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
 use crate::presentation::summary::probability;
-use servoid_identification::correlogram::{self, Correlogram};
-use servoid_identification::residual_tests::WHITENESS_LAGS;
-use servoid_identification::{Model, Record};
+use servoid_identification::Record;
+use servoid_identification::diagnostics::{Correlogram, WHITENESS_LAGS};
+use servoid_identification::results::Model;
 
 /// Lags of the input looked at before the present and beyond the settling time.
 const AROUND: isize = 25;
@@ -19,8 +19,8 @@ pub fn residuals(name: &str, title: &str, model: &Model, record: &Record) -> Fig
     let beyond = model.structure.settling_samples as isize + AROUND;
     let p = |p: Option<f64>| format!(", {}", probability(p));
     let tests = &model.residuals;
-    let own = correlogram::of_errors(model, record, 2 * WHITENESS_LAGS, LEVEL);
-    let input = correlogram::with_input(model, record, -AROUND..=beyond, LEVEL);
+    let own = Correlogram::of_errors(model, record, 2 * WHITENESS_LAGS, LEVEL);
+    let input = Correlogram::with_input(model, record, -AROUND..=beyond, LEVEL);
     let panels = [
         own.map(|found| {
             panel(

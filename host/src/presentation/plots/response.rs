@@ -4,8 +4,7 @@ use super::figure::{Band, Curve, Figure, Legend, Panel};
 use super::named::{INKS, Named, with_unit};
 use crate::data::units::Units;
 use crate::presentation::summary::percent;
-use servoid_identification::frequency_response::FrequencyResponse;
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::{Bounds, FrequencyResponse};
 
 /// The name of a response in a legend.
 fn in_legend<T>(name: &str, bounds: &Bounds<T>) -> String {

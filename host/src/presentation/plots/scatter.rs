@@ -2,10 +2,8 @@
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
 use crate::presentation::summary::{percent, probability};
-use servoid_identification::Model;
-use servoid_identification::critical_values::pointwise_critical;
-use servoid_identification::run_scatter::{Difference, RunComparison, RunDifference};
-use servoid_identification::step_response::StepBounds;
+use servoid_identification::diagnostics::{Difference, RunComparison, RunDifference};
+use servoid_identification::results::{Model, StepBounds, pointwise_critical};
 
 /// Each run's own step response less the mean of all, and gain, delay and offset of each run against
 /// the common model. `alone` are models of single runs, all with the same settling time; fewer than

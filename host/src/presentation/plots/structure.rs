@@ -6,7 +6,6 @@ use servoid_identification::choice::Choice;
 use servoid_identification::critical_values::pointwise_critical;
 use servoid_identification::model::ParameterBounds;
 use servoid_identification::thresholds::MARGIN;
-use servoid_identification::{Explanation, Model};
 
 /// Settling time, noise order, number of frequencies, and the tail.
 #[must_use]

@@ -4,7 +4,8 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::paper_values::Fact;
 use crate::presentation::plots::paper_figures::Subject;
 use servoid_identification::comparison::Comparison;
-use servoid_identification::{Explanation, Model};
+use servoid_identification::diagnostics::Explanation;
+use servoid_identification::results::Model;
 
 /// Name and value of each thing that is known about one file.
 pub type Facts = Vec<(String, String)>;

@@ -1,6 +1,7 @@
 //! The runs of a record, each identified on its own.
 
-use servoid_identification::{Identification, Model, Options, Record, Settling, identify};
+use servoid_identification::results::Model;
+use servoid_identification::{Identification, Options, Record, Settling, identify};
 
 /// Most runs that are identified one by one.
 const MOST_RUNS_ALONE: usize = 10;

@@ -5,7 +5,9 @@ use super::runs_alone::runs_alone;
 use crate::data::dataset::Dataset;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::plots::paper_figures::Subject;
-use servoid_identification::{Explanation, Identification, Model};
+use servoid_identification::Identification;
+use servoid_identification::diagnostics::Explanation;
+use servoid_identification::results::Model;
 
 /// A servo under one condition.
 #[derive(Debug)]

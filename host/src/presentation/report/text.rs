@@ -3,7 +3,7 @@
 use super::content::{Facts, Page, Part};
 use crate::presentation::summary;
 use servoid_identification::comparison::Verdict;
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::Bounds;
 use std::fmt::{Error, Result, Write};
 
 /// Text for a page: what has a meaning in HTML loses it.

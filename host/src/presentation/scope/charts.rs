@@ -7,7 +7,7 @@ use ratatui::style::{Color, Style};
 use ratatui::symbols::Marker;
 use ratatui::text::Line;
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::Bounds;
 
 /// Yellow is the reference, cyan the measured motion, in both plots.
 pub(super) const REFERENCE: Color = Color::Yellow;

@@ -98,14 +98,13 @@ fn draw_text_alone(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
 mod tests {
     use super::*;
     use crate::instrument::live::LiveStep;
-    use crate::instrument::rig::capture::ROLL_FRAMES;
+    use crate::instrument::rig::ROLL_FRAMES;
     use crate::presentation::scope::state::{FrameSeen, Link, ScopeEvent};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
-    use servoid_identification::critical_values::pointwise_critical;
-    use servoid_identification::step_response::{Biases, StepBounds, StepResponse};
-    use servoid_identification::validity::Bounds;
-    use servoid_identification::variance::CurveVariance;
+    use servoid_identification::results::{
+        Bounds, PointwiseBand, SimultaneousBand, StepBounds, StepResponse,
+    };
     use servoid_protocol::Counts;
     use servoid_protocol::Rejects;
     use servoid_protocol::message::{Activity, Start, Status};
@@ -157,16 +156,23 @@ mod tests {
         let value: Vec<f64> = (0..60)
             .map(|k| 1.0 - (-f64::from(k) / 10.0).exp())
             .collect();
-        let spread = CurveVariance {
+        let beside = |distance: f64| value.iter().map(|g| g + distance).collect::<Vec<f64>>();
+        let (lower, upper) = (beside(-0.005), beside(0.005));
+        let bounds = StepBounds {
+            level: 0.99,
             sd: vec![0.001; value.len()],
-            neighbour_correlation: vec![1.0; value.len() - 1],
-            degrees_of_freedom: vec![f64::INFINITY; value.len()],
+            pointwise: PointwiseBand {
+                lower: lower.clone(),
+                upper: upper.clone(),
+            },
+            simultaneous: SimultaneousBand {
+                critical_value: 2.58,
+                lower,
+                upper,
+            },
+            truncation_bias: 0.0024,
+            rounding_bias: 0.0,
         };
-        let biases = Biases {
-            truncation: 0.005 - 0.001 * pointwise_critical(0.99),
-            rounding: 0.0,
-        };
-        let bounds = StepBounds::new(&value, &spread, 0.99, biases);
         state.apply(ScopeEvent::Step(Arc::new(LiveStep {
             samples: 1600,
             step: StepResponse::new(0.002, value, Bounds::Valid(bounds)),

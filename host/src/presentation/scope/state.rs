@@ -203,7 +203,7 @@ impl ScopeState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::instrument::rig::capture::ROLL_FRAMES;
+    use crate::instrument::rig::ROLL_FRAMES;
     use servoid_protocol::Reference;
     use servoid_protocol::reference::Staircase;
 

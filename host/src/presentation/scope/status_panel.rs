@@ -7,7 +7,7 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Style, Stylize};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Wrap};
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::Bounds;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
 /// The whole panel, 40 columns wide. Where the height is too small, the lowest lines are cut off.

@@ -1,7 +1,7 @@
 //! Advice, with what to do, below a text for a terminal.
 
 use super::lines::wrapped;
-use servoid_identification::Advice;
+use servoid_identification::results::Advice;
 use std::fmt::Write;
 
 /// Each finding and its remedy, marked and indented.

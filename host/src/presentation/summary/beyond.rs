@@ -1,11 +1,9 @@
 //! What goes beyond the linear response, as text for a terminal: low-order models, strokes apart, limits.
 
 use super::numbers::{percent, probability};
-use servoid_identification::direction::{DirectionModel, Symmetry};
 use servoid_identification::flight_model::FlightModel;
-use servoid_identification::limits::Limits;
-use servoid_identification::metrics::Interval;
-use servoid_identification::validity::Bounds;
+use servoid_identification::nonlinear::{DirectionModel, Limits, Symmetry};
+use servoid_identification::results::{Bounds, Interval};
 use std::fmt::Write;
 
 /// A low-order model for a flight simulation.

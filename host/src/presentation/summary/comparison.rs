@@ -5,8 +5,7 @@ use super::lines::wrapped;
 use super::metrics::difference_rows;
 use super::numbers::{percent, probability};
 use servoid_identification::comparison::{Comparison, ComparisonBounds, DifferenceCurve, Stroke};
-use servoid_identification::metrics::Interval;
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::{Bounds, Interval};
 use std::fmt::Write;
 
 /// What came of a comparison, for a terminal.

@@ -2,10 +2,8 @@
 
 use super::numbers::{decimals, percent};
 use crate::data::units::Units;
-use servoid_identification::Model;
 use servoid_identification::comparison::Comparison;
-use servoid_identification::metrics::{Interval, Metrics};
-use servoid_identification::validity::Bounds;
+use servoid_identification::results::{Bounds, Interval, Metrics, Model};
 use std::fmt::Write;
 
 /// One line of a table of metrics.

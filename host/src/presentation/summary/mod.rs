@@ -19,9 +19,7 @@ pub(crate) use numbers::{decimals, percent, probability};
 use crate::data::units::Units;
 use advice::write_advice;
 use numbers::rounded;
-use servoid_identification::model::SelectedBy;
-use servoid_identification::validity::Bounds;
-use servoid_identification::{Advice, Model, Validation};
+use servoid_identification::results::{Advice, Bounds, Model, SelectedBy, Validation};
 use std::fmt::Write;
 
 /// The level of a model's bounds, as text: none where no bounds can be given.

@@ -7,8 +7,9 @@ mod scripts;
 mod texts;
 
 use crate::support::{arg, run};
-use servoid_identification::Model;
-use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
+use servoid_identification::flight_model;
+use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
+use servoid_identification::results::Model;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;

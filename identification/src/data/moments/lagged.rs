@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::record::Run;
 use crate::error::Error;
-use crate::numerics::linear_algebra::add_outer_product;
+use crate::numerics::add_outer_product;
 
 /// Lagged moments of the complete rows of a record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

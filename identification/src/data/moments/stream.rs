@@ -7,20 +7,17 @@ use faer::Mat;
 
 use super::lagged::Moments;
 use crate::data::record::Run;
-use crate::numerics::lagged_sums::LaggedSums;
-use crate::numerics::linear_algebra::add_outer_product;
-use crate::numerics::vectors::dot;
+use crate::numerics::{LaggedSums, add_outer_product, dot};
 
 /// Collects [`Moments`] while samples arrive, in pieces of any size.
 ///
 /// A live display pushes each frame as it arrives, and asks for a model whenever it draws one. A settling
 /// time of N samples and a noise order of d need N + d lags of the input and d + 1 of the output. The test
-/// of the input's independence needs [`INPUT_LAGS`](crate::diagnostics::residual_tests::INPUT_LAGS) more
-/// lags of the input. With a fixed N a model takes a few milliseconds; the automatic choice from L lags
+/// of the input's independence needs ten more lags of the input. With a fixed N a model takes a few milliseconds; the automatic choice from L lags
 /// takes longer, growing with L³.
 ///
 /// ```
-/// use servoid_identification::moments::MomentStream;
+/// use servoid_identification::MomentStream;
 /// use servoid_identification::{identify_moments, Options, Settling};
 /// # let u: Vec<f64> = (0..1200).map(|k| if (k * k / 900) % 2 == 0 { 5.0 } else { -5.0 }).collect();
 /// # let y: Vec<f64> = u.iter().enumerate().scan(0.0, |y, (k, u)| {

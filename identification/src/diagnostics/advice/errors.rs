@@ -3,10 +3,9 @@
 use super::evidence::Evidence;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
-use crate::estimation::gls::MAX_AUTO_ORDER;
-use crate::estimation::noise_model::largest_root;
+use crate::estimation::{MAX_AUTO_ORDER, largest_root};
 use crate::options::NoiseOrder;
-use crate::results::advice::{Advice, Check};
+use crate::results::{Advice, Check};
 use crate::thresholds::{
     DISAGREEMENT, FEW_DEGREES, MATERIAL_MISFIT_PERCENT, RESIDUAL_SIGNIFICANCE, SLOW_ROOT,
     STEPS_FOLLOWED, UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,

@@ -11,10 +11,10 @@ mod response;
 
 pub(crate) use evidence::Evidence;
 
-use crate::results::advice::Advice;
+use crate::results::Advice;
 
 /// All findings on a model.
-pub(crate) fn gather(evidence: &Evidence<'_>) -> Vec<Advice> {
+pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
     [
         errors::model_error(evidence),
         errors::not_linear(evidence),

@@ -32,8 +32,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::diagnostics::simulation_error::{Simulated, explained_by_runs};
 use crate::diagnostics::standstill_noise::StandstillNoise;
-use crate::estimation::gls::GlsFit;
-use crate::estimation::least_squares::RowInformation;
+use crate::estimation::{GlsFit, RowInformation};
 use crate::thresholds::{MATERIAL_MISFIT_PERCENT, MISFIT_SIGNIFICANCE};
 use reset_test::ResetTest;
 
@@ -106,7 +105,7 @@ impl Linearity {
 
 /// Tests the errors of `fit` in `runs`; `None` when there are too few rows.
 #[must_use]
-pub(crate) fn test(
+pub(crate) fn test_linearity(
     runs: &[Simulated<'_>],
     information: &RowInformation,
     fit: &GlsFit,

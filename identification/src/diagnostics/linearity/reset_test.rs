@@ -4,15 +4,11 @@ use std::ops::Range;
 
 use faer::Mat;
 
-use crate::data::moments::Moments;
+use crate::data::Moments;
 use crate::diagnostics::residual_tests::ScoreTest;
 use crate::diagnostics::simulation_error::Simulated;
-use crate::estimation::gls::GlsFit;
-use crate::estimation::noise_model::noise_filter;
-use crate::numerics::convolution::causal_filter;
-use crate::numerics::lagged_sums::LaggedSums;
-use crate::numerics::linear_algebra::times;
-use crate::numerics::vectors::dot;
+use crate::estimation::{GlsFit, noise_filter};
+use crate::numerics::{LaggedSums, causal_filter, dot, times};
 
 /// Functions of the simulated motion among the regressors.
 pub(super) const FUNCTIONS: usize = 5;

@@ -1,16 +1,11 @@
 //! The fast regression against the explicit one.
 
 use super::*;
-use crate::data::moments::Moments;
-use crate::data::record::{Record, Run};
+use crate::data::{Moments, Record, Run};
 use crate::diagnostics::linearity::reset_test::FUNCTIONS;
 use crate::diagnostics::simulation_error::simulated;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::Coordinates;
-use crate::estimation::noise_model::noise_filter;
-use crate::numerics::linear_algebra::{column, times};
-use crate::numerics::vectors::dot;
+use crate::estimation::{Coordinates, FsfBasis, GlsFit, GlsOptions, noise_filter};
+use crate::numerics::{dot, times};
 use crate::options::NoiseOrder;
 use approx::assert_relative_eq;
 use faer::Mat;
@@ -58,7 +53,7 @@ fn fitted(record: &Record, frequencies: usize) -> (RowInformation, GlsFit) {
     };
     let information = RowInformation::from_moments(Moments::of_record(record, SETTLING + 1, 2));
     let coordinates = Coordinates::new(FsfBasis::new(SETTLING, frequencies).unwrap());
-    let fit = gls::fit(&information, &coordinates, &options).unwrap();
+    let fit = GlsFit::of(&information, &coordinates, &options).unwrap();
     (information, fit)
 }
 
@@ -113,7 +108,7 @@ impl Explicit {
             j if j < p => self.fit[(i, j)],
             j => self.offered[(i, columns[j - p])],
         });
-        let mut solution = column(values);
+        let mut solution = Mat::from_fn(values.len(), 1, |i, _| values[i]);
         matrix
             .qr()
             .solve_lstsq_in_place_with_conj(faer::Conj::No, solution.as_mut());
@@ -173,7 +168,7 @@ fn moments_by_transforms_give_what_the_explicit_regression_gives() {
 
 fn tested(record: &Record, information: &RowInformation, fit: &GlsFit) -> Linearity {
     let runs = simulated(record, &information.moments, fit);
-    test(&runs, information, fit).unwrap()
+    test_linearity(&runs, information, fit).unwrap()
 }
 
 #[test]

@@ -1,17 +1,16 @@
 //! Plain and generalised least squares beside each other.
 
 use super::evidence::MisfitEvidence;
-use crate::data::moments::Moments;
+use crate::data::Moments;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::simulation_error::square;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, RowInformation, complete_bank_rss};
-use crate::estimation::nested_banks::NestedBanks;
-use crate::estimation::truncation::FIRST_ORDER;
+use crate::estimation::{
+    Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, NestedBanks, RowInformation,
+    complete_bank_rss,
+};
 use crate::options::NoiseOrder;
-use crate::results::validation::fit_percent;
-use crate::selection::complete_bank::is_wide;
+use crate::results::fit_percent;
+use crate::selection::is_wide;
 use crate::thresholds::{FOLLOWED, STEPS_FOLLOWED, UNEXPLAINED_PERCENT, WHITENING_COST_POINTS};
 
 /// The lowest frequency at which an input that lacks high ones does not determine the response \[Hz\].
@@ -36,13 +35,13 @@ impl BothEstimators {
     /// bank can be much better.
     pub(crate) fn new(
         information: &RowInformation,
-        generalised: &gls::GlsFit,
+        generalised: &GlsFit,
         suspect: bool,
     ) -> Option<Self> {
         let (moments, coordinates) = (&information.moments, &generalised.coordinates);
         let (basis, spread) = (coordinates.basis, moments.output_spread());
-        let percent = |fit: &gls::GlsFit| fit_percent(square(information, fit), spread);
-        let plain_fit = gls::fit(information, coordinates, &plain())?;
+        let percent = |fit: &GlsFit| fit_percent(square(information, fit), spread);
+        let plain_fit = GlsFit::of(information, coordinates, &plain())?;
         let mut both = Self {
             least_squares_percent: percent(&plain_fit),
             generalised_percent: percent(generalised),
@@ -55,7 +54,7 @@ impl BothEstimators {
             .filter(|frequencies| *frequencies != basis.frequencies())
             .and_then(|own| FsfBasis::new(basis.settling(), own).ok());
         if let Some(own) = own_bank
-            && let Some(fit) = gls::fit(information, &Coordinates::new(own), &plain())
+            && let Some(fit) = GlsFit::of(information, &Coordinates::new(own), &plain())
         {
             both.least_squares_percent = both.least_squares_percent.max(percent(&fit));
         }

@@ -2,16 +2,14 @@
 
 use super::estimators::plain;
 use super::evidence::Prediction;
-use crate::data::moments::{MomentStream, Moments};
-use crate::data::record::Record;
+use crate::data::{MomentStream, Moments, Record};
 use crate::diagnostics::simulation_error::square;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::{Coordinates, RowInformation};
-use crate::estimation::nested_banks::NestedBanks;
-use crate::estimation::truncation::FIRST_ORDER;
+use crate::estimation::{
+    Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, MAX_AUTO_ORDER, NestedBanks,
+    RowInformation,
+};
 use crate::options::NoiseOrder;
-use crate::results::validation::fit_percent;
+use crate::results::fit_percent;
 use crate::thresholds::PREDICTION_TIE;
 
 /// Fit of a prediction that is no better than the mean of what it predicts \[%\]. Where that is all
@@ -49,7 +47,7 @@ pub(crate) fn rank(
     order: NoiseOrder,
 ) -> Vec<Prediction> {
     let lags = match order {
-        NoiseOrder::Auto => gls::MAX_AUTO_ORDER,
+        NoiseOrder::Auto => MAX_AUTO_ORDER,
         NoiseOrder::Order(order) => order,
     };
     let longest = settlings.iter().copied().max().unwrap_or(0);
@@ -126,7 +124,7 @@ fn banks(total: &Moments, settling: usize, frequencies: Option<usize>) -> Vec<Fs
 fn parts_determine(total: &Moments, parts: &[Moments], basis: FsfBasis) -> bool {
     let coordinates = Coordinates::new(basis);
     let determined = |moments: Moments| {
-        gls::fit(
+        GlsFit::of(
             &RowInformation::from_moments(moments),
             &coordinates,
             &plain(),
@@ -147,7 +145,7 @@ fn cross_validate(
     let mut error = 0.0;
     for part in parts.iter().filter(|part| part.rows() > 0) {
         let others = RowInformation::from_moments(total.without(part));
-        let fit = gls::fit(&others, coordinates, options)?;
+        let fit = GlsFit::of(&others, coordinates, options)?;
         if fit.solution.condition > DETERMINED {
             return None; // Not determined by the parts that are left.
         }

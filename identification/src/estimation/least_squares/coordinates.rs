@@ -3,7 +3,7 @@
 use faer::{Mat, MatRef};
 
 use crate::estimation::fsf_basis::FsfBasis;
-use crate::numerics::linear_algebra::times;
+use crate::numerics::times;
 
 /// The coordinates in which a bank is solved: the impulse response itself for a complete bank (T only
 /// rotates it), θ for a smaller one.

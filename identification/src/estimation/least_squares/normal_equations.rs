@@ -4,12 +4,11 @@ use faer::Mat;
 
 use super::coordinates::Coordinates;
 use super::solution::Solution;
-use crate::data::moments::Moments;
+use crate::data::Moments;
 use crate::estimation::noise_model::noise_filter;
-use crate::numerics::linear_algebra::{
-    backward_solve, cholesky, condition, forward_solve, inverse_of_lower, times,
+use crate::numerics::{
+    backward_solve, cholesky, condition, dot, forward_solve, inverse_of_lower, times,
 };
-use crate::numerics::vectors::dot;
 
 /// D-filtered normal equations A x = b with the offset as last parameter.
 pub(crate) struct NormalEquations {

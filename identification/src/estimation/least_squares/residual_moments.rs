@@ -4,8 +4,8 @@ use faer::Mat;
 
 use super::coordinates::Coordinates;
 use super::row_information::RowInformation;
-use crate::data::moments::Moments;
-use crate::numerics::vectors::dot;
+use crate::data::Moments;
+use crate::numerics::dot;
 
 impl RowInformation {
     /// E\[i,j\] = sum v(k-i) v(k-j), i, j = 0..=order, for v = y - h*u - offset (all relative to

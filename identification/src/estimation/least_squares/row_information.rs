@@ -9,7 +9,7 @@ use super::coordinates::Coordinates;
 use super::normal_equations::{Factored, NormalEquations, solve_moments};
 use super::solution::Solution;
 use super::triangular::solve_factor;
-use crate::data::moments::Moments;
+use crate::data::Moments;
 use crate::estimation::lag_products::LagProducts;
 use crate::estimation::noise_model::noise_filter;
 

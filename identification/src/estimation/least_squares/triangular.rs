@@ -5,9 +5,9 @@ use faer::Mat;
 use super::coordinates::Coordinates;
 use super::normal_equations::centred_condition;
 use super::solution::Solution;
-use crate::data::moments::Moments;
+use crate::data::Moments;
 use crate::estimation::noise_model::noise_filter;
-use crate::numerics::linear_algebra::{backward_solve, inverse_of_lower};
+use crate::numerics::{backward_solve, inverse_of_lower};
 
 pub(super) fn solve_factor(
     factor: &Mat<f64>,

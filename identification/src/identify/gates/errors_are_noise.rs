@@ -7,21 +7,18 @@
 //! squares simulates the record better. Then the settling time, which was detected by the same weights, is
 //! not to be trusted either, and the longest that the record supports is taken, if its input determines that.
 
-use crate::data::holds::share_held;
-use crate::data::moments::Moments;
-use crate::diagnostics::misfit::{
+use crate::data::{Moments, share_held};
+use crate::diagnostics::{
     BothEstimators, Misfit, Prediction, followed_after, rank, settlings, unexcited_above_hz,
 };
 use crate::error::Error;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::gls::{self, GlsOptions};
-use crate::estimation::least_squares::RowInformation;
+use crate::estimation::{FsfBasis, GlsFit, GlsOptions, RowInformation};
 use crate::identify::candidate::Candidate;
 use crate::identify::estimate::Estimate;
 use crate::identify::fitted::Fitted;
 use crate::identify::task::{Task, noise_lags};
 use crate::options::{Frequencies, NoiseOrder};
-use crate::selection::settling_range::longest_for_prediction;
+use crate::selection::longest_for_prediction;
 
 /// Plain least squares: the noise is not modelled.
 const PLAIN: NoiseOrder = NoiseOrder::Order(0);
@@ -152,7 +149,7 @@ fn other_step(task: &Task<'_>, candidate: &Candidate, adopted: &Estimate) -> Vec
         order,
         ..GlsOptions::default()
     };
-    gls::fit(
+    GlsFit::of(
         &RowInformation::from_moments(moments),
         coordinates,
         &options,

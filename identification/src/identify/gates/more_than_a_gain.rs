@@ -7,7 +7,7 @@
 //! frequency passes where it was asked for, or where it is what predicts best.
 
 use crate::error::Error;
-use crate::estimation::excitation::Excitation;
+use crate::estimation::Excitation;
 use crate::identify::fitted::Fitted;
 use crate::identify::task::Task;
 use crate::options::Frequencies;

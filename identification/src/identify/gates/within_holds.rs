@@ -6,13 +6,13 @@
 //! If not, N is chosen again among settling times up to the usual hold. Holds that are too short for a choice,
 //! or for the response, limit nothing.
 
-use crate::data::holds::usual_hold;
+use crate::data::usual_hold;
 use crate::error::Error;
 use crate::identify::candidate::Candidate;
 use crate::identify::fitted::Fitted;
 use crate::identify::task::Task;
 use crate::options::Options;
-use crate::selection::settling_range::odd_at_most;
+use crate::selection::odd_at_most;
 
 pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     let nonlinear = fitted.linearity.is_some_and(|found| found.is_rejected());

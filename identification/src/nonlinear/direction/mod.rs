@@ -16,28 +16,21 @@
 //! 2 % of the stroke. Other nonlinearities of a symmetric servo, such as limited speed or play, also affect
 //! δ: by up to 1.4 % on simulated servos, outside the bounds in one run of six.
 
-pub(crate) mod two_inputs;
+#[cfg(test)]
+mod tests;
+mod two_inputs;
 
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
 
-use crate::data::record::Record;
-use crate::data::timing::Timing;
+use crate::data::{Record, Timing};
 use crate::error::Error;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::least_squares::Coordinates;
-use crate::estimation::variance::CurveVariance;
-use crate::numerics::critical_values::{
-    chi_square_upper_tail, pointwise_critical, simultaneous_critical, student_critical,
+use crate::estimation::{Coordinates, CurveVariance, FsfBasis};
+use crate::numerics::{
+    chi_square_upper_tail, dot, pointwise_critical, simultaneous_critical, student_critical, times,
 };
-use crate::numerics::linear_algebra::times;
-use crate::numerics::vectors::dot;
 use crate::options::NoiseOrder;
-use crate::results::metrics::Interval;
-use crate::results::model::Model;
-use crate::results::step_response::{Biases, StepBounds, StepResponse};
-use crate::results::validation::fit_percent;
-use crate::results::validity::Bounds;
+use crate::results::{Biases, Bounds, Interval, Model, StepBounds, StepResponse, fit_percent};
 use crate::thresholds::{ASYMMETRY_FALSE_ALARM, MATERIAL_ASYMMETRY};
 use two_inputs::{TwoInputFit, TwoInputMoments};
 
@@ -129,7 +122,7 @@ impl SplitFit {
 /// same record.
 ///
 /// ```
-/// use servoid_identification::{direction::split, identify, Options, Record, Settling};
+/// use servoid_identification::{nonlinear::split_by_direction, identify, Options, Record, Settling};
 /// // Up quickly, down slowly.
 /// let u: Vec<f64> = (0..3000).map(|k| if k / 120 % 2 == 0 { 5.0 } else { -5.0 }).collect();
 /// let y: Vec<f64> = u.iter().enumerate().scan(5.0, |y, (k, u)| {
@@ -138,7 +131,7 @@ impl SplitFit {
 /// }).collect();
 /// let record = Record::from_slices(0.002, &u, &y)?;
 /// let options = Options { settling: Settling::Samples(81), ..Options::default() };
-/// let both = split(&record, &identify(&record, &options)?)?;
+/// let both = split_by_direction(&record, &identify(&record, &options)?)?;
 /// assert!(both.symmetry.asymmetric && both.up.value[5] > both.down.value[5] + 0.2);
 /// assert!((both.level_at(5.0).value.unwrap() - 5.0).abs() < 0.02);
 /// # Ok::<(), servoid_identification::Error>(())
@@ -147,15 +140,15 @@ impl SplitFit {
 /// # Errors
 /// The record has too few samples, or strokes in one direction only, which do not separate the two
 /// responses.
-pub fn split(record: &Record, model: &Model) -> Result<DirectionModel, Error> {
+pub fn split_by_direction(record: &Record, model: &Model) -> Result<DirectionModel, Error> {
     split_with(record, model.basis()?, NoiseOrder::Auto, model.level())
 }
 
-/// [`split`] with a given bank, noise order and level.
+/// [`split_by_direction`] with a given bank, noise order and level.
 ///
 /// # Errors
-/// As [`split`].
-pub fn split_with(
+/// As [`split_by_direction`].
+pub(crate) fn split_with(
     record: &Record,
     basis: FsfBasis,
     order: NoiseOrder,

@@ -6,13 +6,11 @@
 
 use faer::Mat;
 
-use crate::data::moments::{MomentStream, Moments};
-use crate::data::record::{Record, Run};
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::estimation::gls::MAX_AUTO_ORDER;
-use crate::estimation::least_squares::Coordinates;
-use crate::estimation::noise_model::{NoiseFit, best_order, noise_filter};
-use crate::numerics::linear_algebra::{backward_solve, cholesky, forward_solve, inverse_of_lower};
+use crate::data::{MomentStream, Moments, Record, Run};
+use crate::estimation::{
+    Coordinates, FsfBasis, MAX_AUTO_ORDER, NoiseFit, best_order, noise_filter,
+};
+use crate::numerics::{backward_solve, cholesky, forward_solve, inverse_of_lower};
 use crate::options::NoiseOrder;
 
 /// Largest number of passes.
@@ -282,7 +280,7 @@ impl<'a> Problem<'a> {
         let (lags, n) = (self.moments.lags, self.coordinates.len());
         let n2 = self.second.ncols();
         let first = self.coordinates.impulse(&parameters[..n]);
-        let second = crate::numerics::linear_algebra::times(&self.second, &parameters[n..n + n2]);
+        let second = crate::numerics::times(&self.second, &parameters[n..n + n2]);
         let offset = parameters[n + n2];
         let combination = Mat::from_fn(self.moments.products.nrows(), order + 1, |row, i| {
             let lag = |row: usize, response: &[f64]| {

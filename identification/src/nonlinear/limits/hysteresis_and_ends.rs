@@ -14,16 +14,15 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::data::holds::{holds, last_quarter, mean_output};
-use crate::data::record::Run;
-use crate::results::metrics::Interval;
+use crate::data::{Run, holds, last_quarter, mean_output};
+use crate::results::Interval;
 use crate::thresholds::{HYSTERESIS_FALSE_ALARM, RANGE_END_FALSE_ALARM};
 
 /// Gain at an end relative to the others: below the first it softens, below the second it stops.
 const SOFT: f64 = 0.9;
 const STOP: f64 = 0.1;
 /// Number of levels needed to find a softening end.
-pub(crate) const LEVELS: usize = 4;
+pub(crate) const LEVELS_FOR_ENDS: usize = 4;
 
 /// The side from which a level was reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -266,12 +265,12 @@ impl Table {
             gain_ratio: Interval::default(),
             statement: format!(
                 "Cannot tell from this recording whether the servo softens or stops at a command of \
-                 {:.3}, where it reaches {:.3}: record stairs of at least {LEVELS} levels, both ends \
+                 {:.3}, where it reaches {:.3}: record stairs of at least {LEVELS_FOR_ENDS} levels, both ends \
                  included, each visited at least twice and held for at least {:.2} s.",
                 level.command, level.mean, self.needed_s
             ),
         };
-        if self.levels.len() < LEVELS || self.degrees < 2 {
+        if self.levels.len() < LEVELS_FOR_ENDS || self.degrees < 2 {
             return end;
         }
         let mut gains: Vec<f64> = self

@@ -7,16 +7,16 @@
 //! The record needs holds: a command that is exactly constant between its steps. Sweeps and random
 //! references do not show these limits.
 
-pub(crate) mod hysteresis_and_ends;
+mod hysteresis_and_ends;
 mod rate;
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::holds;
-use crate::data::record::{Record, Run};
-use crate::results::model::Model;
+use crate::data::{Record, Run, strokes};
+use crate::results::Model;
 use crate::thresholds::MARGIN;
 
+pub(crate) use hysteresis_and_ends::LEVELS_FOR_ENDS;
 pub use hysteresis_and_ends::{Cell, Hysteresis, RangeEnd, Side};
 pub use rate::{Rate, RateVerdict};
 
@@ -43,7 +43,7 @@ impl Limits {
     /// they hold where that model's own bounds are withdrawn, as those of a limited servo often are.
     ///
     /// ```
-    /// use servoid_identification::limits::{Limits, RateVerdict};
+    /// use servoid_identification::nonlinear::{Limits, RateVerdict};
     /// use servoid_identification::{identify, Options, Record, Settling};
     /// let u: Vec<f64> = (0..4000).map(|k| [0.0, 4.0, 2.0, 6.0, 4.0, 6.0, 2.0][k / 100 % 7]).collect();
     /// let y: Vec<f64> = u.iter().enumerate().scan(0.0, |y, (k, u)| {
@@ -59,7 +59,7 @@ impl Limits {
     #[must_use]
     pub fn of(record: &Record, model: &Model, level: f64) -> Self {
         let settling = settling(model);
-        let strokes = holds::strokes(record, settling);
+        let strokes = strokes(record, settling);
         let (up, down): (Vec<_>, Vec<_>) =
             strokes.into_iter().partition(|stroke| stroke.size > 0.0);
         let table = table(record, model, Some(level));

@@ -17,9 +17,9 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
-use crate::data::holds::Stroke;
-use crate::numerics::critical_values::pointwise_critical;
-use crate::results::metrics::Interval;
+use crate::data::Stroke;
+use crate::numerics::pointwise_critical;
+use crate::results::Interval;
 use crate::thresholds::RATE_LIMIT_LEVEL;
 
 /// Strokes needed in one direction.

@@ -83,7 +83,8 @@ fn upper(measured: &Measured<'_>) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Model, Options, Record, identify};
+    use crate::results::Model;
+    use crate::{Options, Record, identify};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};

@@ -8,9 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 use super::aliasing::Folding;
 use super::interval::Interval;
 use super::measured::Measured;
-use crate::numerics::critical_values::pointwise_critical;
-use crate::numerics::linear_algebra::times;
-use crate::numerics::vectors::dot;
+use crate::numerics::{dot, pointwise_critical, times};
 
 /// Points at which a crossing is looked for, evenly over the logarithm of frequency.
 const SCAN: usize = 200;

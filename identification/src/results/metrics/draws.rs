@@ -11,7 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::interval::Interval;
 use super::spread::{Joint, semidefinite_factor};
-use crate::numerics::critical_values::pointwise_critical;
+use crate::numerics::pointwise_critical;
 
 /// Seed of the draws: the same record always gives the same intervals.
 const SEED: u64 = 20_250_917;

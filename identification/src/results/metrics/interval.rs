@@ -45,7 +45,7 @@ impl Interval {
     /// Whether `x` is not excluded: a missing bound excludes nothing.
     ///
     /// ```
-    /// use servoid_identification::metrics::Interval;
+    /// use servoid_identification::results::Interval;
     /// assert!(Interval::new(1.0, 0.9, f64::INFINITY).contains(7.0));
     /// assert!(!Interval::new(1.0, 0.9, 1.1).contains(0.8));
     /// ```

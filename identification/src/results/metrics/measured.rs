@@ -2,8 +2,8 @@
 
 use faer::Mat;
 
-use crate::data::timing::Timing;
-use crate::estimation::fsf_basis::FsfBasis;
+use crate::data::Timing;
+use crate::estimation::FsfBasis;
 use crate::results::frequency_response::FrequencyBounds;
 use crate::results::step_response::StepBounds;
 

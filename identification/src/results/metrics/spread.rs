@@ -6,8 +6,7 @@
 use faer::Mat;
 
 use super::measured::Measured;
-use crate::numerics::critical_values::pointwise_critical;
-use crate::numerics::vectors::dot;
+use crate::numerics::{dot, pointwise_critical};
 
 /// Second moments of a step response.
 pub(crate) struct Spread<'a> {

@@ -9,7 +9,7 @@ use super::measured::Measured;
 use super::rise::RiseIntervals;
 use super::shape::{AtLevels, Crossings, LEVELS, SETTLED, Shape, Windows, bump};
 use super::spread::{Joint, Spread};
-use crate::numerics::critical_values::{normal_upper_quantile, pointwise_critical};
+use crate::numerics::{normal_upper_quantile, pointwise_critical};
 
 /// A step response, turned so that its gain is positive, and its metrics. Times in samples.
 pub(crate) struct StepMetrics<'a> {
@@ -285,7 +285,8 @@ fn widened(interval: Interval, (below, above): (f64, f64)) -> Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Model, Options, Record, Settling, identify};
+    use crate::results::Model;
+    use crate::{Options, Record, Settling, identify};
     use approx::assert_abs_diff_eq;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;

@@ -20,7 +20,7 @@ use super::sensor_scale::LEVEL;
 use crate::data::rig_file::RigFile;
 use crate::data::rig_file::SensorSection;
 use serde::Serialize;
-use servoid_identification::critical_values::{pointwise_critical, student_critical};
+use servoid_identification::results::{pointwise_critical, student_critical};
 
 /// Levels on each side of neutral.
 const LEVELS: u16 = 8;

@@ -1,10 +1,11 @@
 //! Symmetric servos stay symmetric, and asymmetric ones are described.
 
+use super::{DirectionModel, split_with};
+use crate::data::Record;
+use crate::estimation::FsfBasis;
+use crate::options::NoiseOrder;
+use crate::results::{Bounds, StepResponse};
 use rayon::prelude::*;
-use servoid_identification::direction::{DirectionModel, split_with};
-use servoid_identification::fsf_basis::FsfBasis;
-use servoid_identification::validity::Bounds;
-use servoid_identification::{NoiseOrder, Record};
 
 use servoid_test_support::servos::{Linear, PERIOD, measured, respond_by_stroke, staircase};
 
@@ -62,8 +63,7 @@ fn both_strokes_and_both_levels_of_an_asymmetric_servo_are_found() {
                 "{}",
                 both.simulation_percent
             );
-            let inside = |step: &servoid_identification::step_response::StepResponse,
-                          servo: &Linear| {
+            let inside = |step: &StepResponse, servo: &Linear| {
                 let each = &step.bounds.valid().unwrap().pointwise;
                 let (lower, upper) = (&each.lower, &each.upper);
                 let held = (0..SETTLING).filter(|&m| {

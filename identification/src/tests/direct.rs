@@ -2,14 +2,14 @@
 //!
 //! Every row of the regression is written out, least squares goes through QR on those rows, and D
 //! is fitted to the residuals sample by sample. Time and memory grow with rows times parameters
-//! squared. The results are those of [`servoid_identification::gls`] without its correction for the
+//! squared. The results are those of the generalised least squares of moments without its correction for the
 //! fitted parameters.
 
 use faer::Mat;
 use faer::linalg::solvers::{DenseSolveCore, SolveLstsqCore};
 
-use servoid_identification::fsf_basis::FsfBasis;
-use servoid_identification::{Record, Run};
+use crate::data::{Record, Run};
+use crate::estimation::FsfBasis;
 
 /// A fit by explicit rows.
 pub struct DirectFit {

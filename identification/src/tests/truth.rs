@@ -1,17 +1,20 @@
 //! The chain of truth: each fast or clever result against a slow and obvious one.
 
-use crate::direct;
+use super::direct;
+use crate::data::{Moments, Record, Run};
+use crate::error::Error;
+use crate::estimation::{
+    Coordinates, FsfBasis, GlsFit, GlsOptions, RowInformation, Solver, triangular_factor,
+};
+use crate::identify::{identify, identify_explained};
+use crate::options::{Frequencies, NoiseOrder, Options, Settling};
+use crate::results::Model;
 use approx::assert_relative_eq;
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsqCore;
-use servoid_identification::fsf_basis::FsfBasis;
-use servoid_identification::gls::{self, GlsOptions};
-use servoid_identification::least_squares::{Coordinates, RowInformation, Solver};
-use servoid_identification::moments::Moments;
-use servoid_identification::{
-    Error, Frequencies, NoiseOrder, Options, Record, Run, Settling, identify, identify_explained,
+use servoid_test_support::plants::{
+    Noise, PERIOD, Plant, low_passed, normal, random, simulate, staircase,
 };
-use servoid_test_support::plants::{Noise, PERIOD, Plant, low_passed, random, simulate, staircase};
 
 fn record(noise: Noise, seed: u64) -> Record {
     let input = staircase();
@@ -89,7 +92,7 @@ fn generalised_least_squares_by_moments_is_that_by_explicit_rows() {
                 max_iterations: 40,
                 ..GlsOptions::default()
             };
-            let fast = gls::fit(&information, &Coordinates::new(basis), &options).unwrap();
+            let fast = GlsFit::of(&information, &Coordinates::new(basis), &options).unwrap();
             let scale = slow.theta.iter().fold(0.0f64, |a, b| a.max(b.abs()));
             for (a, b) in fast.theta().iter().zip(&slow.theta) {
                 assert_relative_eq!(a, b, epsilon = 1e-8 * scale);
@@ -133,7 +136,7 @@ fn gaps_runs_and_rest_are_the_same_rows_on_both_ways() {
         tolerance: 1e-12,
         ..GlsOptions::default()
     };
-    let fast = gls::fit(&information, &Coordinates::new(basis), &options).unwrap();
+    let fast = GlsFit::of(&information, &Coordinates::new(basis), &options).unwrap();
     assert_eq!(fast.rows, slow.rows);
     for (a, b) in fast.theta().iter().zip(&slow.theta) {
         assert_relative_eq!(a, b, epsilon = 1e-8);
@@ -153,21 +156,18 @@ fn counts_of_a_converter_far_from_zero_cost_no_accuracy() {
     let record = Record::from_slices(PERIOD, &input, &output).unwrap();
     let fast = identify_explained(&record, &fixed(100, 31, 2)).unwrap();
     assert_eq!(fast.explanation.path, Solver::Moments);
-    let factor = servoid_identification::qr::triangular_factor(
-        &record,
-        &Moments::of_record(&record, 102, 3),
-    );
+    let factor = triangular_factor(&record, &Moments::of_record(&record, 102, 3));
     let accurate = RowInformation::from_factor(&Moments::of_record(&record, 102, 3), factor);
     let options = GlsOptions {
         order: NoiseOrder::Order(2),
         ..GlsOptions::default()
     };
     let coordinates = Coordinates::new(FsfBasis::new(100, 31).unwrap());
-    let slow = gls::fit(&accurate, &coordinates, &options).unwrap();
+    let slow = GlsFit::of(&accurate, &coordinates, &options).unwrap();
     let covariance = slow.covariance();
     // The model has no bounds, since nothing bounds what its bank leaves out: the covariance is the fit's.
     let moments = RowInformation::from_moments(Moments::of_record(&record, 102, 3));
-    let by_moments = gls::fit(&moments, &coordinates, &options)
+    let by_moments = GlsFit::of(&moments, &coordinates, &options)
         .unwrap()
         .covariance();
     for (k, (a, b)) in fast.model.theta.iter().zip(slow.theta()).enumerate() {
@@ -273,7 +273,7 @@ fn a_record_without_noise_gives_the_exact_response() {
 fn a_model_survives_its_document() {
     let model = identify(&record(Noise::Ar2, 2), &Options::default()).unwrap();
     let text = serde_json::to_string(&model).unwrap();
-    let back: servoid_identification::Model = serde_json::from_str(&text).unwrap();
+    let back: Model = serde_json::from_str(&text).unwrap();
     assert_eq!(back.structure, model.structure);
     for (a, b) in back.theta.iter().zip(&model.theta) {
         // Decimal text carries all digits but the last.
@@ -296,5 +296,53 @@ fn no_null(value: &serde_json::Value) -> bool {
         serde_json::Value::Array(values) => values.iter().all(no_null),
         serde_json::Value::Object(values) => values.values().all(no_null),
         _ => true,
+    }
+}
+
+#[test]
+fn a_million_samples_lose_no_accuracy() {
+    let input: Vec<f64> = staircase()
+        .iter()
+        .copied()
+        .cycle()
+        .take(1_000_000)
+        .collect();
+    let mut noise = random(9);
+    let output: Vec<f64> = input
+        .iter()
+        .scan(0.0, |state, u| {
+            *state += 0.5 * (u - *state);
+            Some(*state + 0.05 * normal(&mut noise))
+        })
+        .collect();
+    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let moments = Moments::of_record(&record, 33, 3);
+    let factor = triangular_factor(&record, &moments);
+    let options = GlsOptions {
+        order: NoiseOrder::Order(2),
+        ..GlsOptions::default()
+    };
+    let coordinates = Coordinates::new(FsfBasis::new(31, 15).unwrap());
+    let slow = RowInformation::from_factor(&moments, factor);
+    let slow = GlsFit::of(&slow, &coordinates, &options).unwrap();
+    let fast = GlsFit::of(
+        &RowInformation::from_moments(moments),
+        &coordinates,
+        &options,
+    )
+    .unwrap();
+    for (a, b) in fast.theta().iter().zip(slow.theta()) {
+        assert_relative_eq!(*a, b, epsilon = 1e-8);
+    }
+    for (a, b) in fast.ar.iter().zip(&slow.ar) {
+        assert_relative_eq!(a, b, epsilon = 1e-8);
+    }
+    let (fast, slow) = (fast.covariance(), slow.covariance());
+    for k in 0..15 {
+        assert_relative_eq!(
+            fast[(k, k)].sqrt(),
+            slow[(k, k)].sqrt(),
+            max_relative = 1e-8
+        );
     }
 }

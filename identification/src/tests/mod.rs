@@ -1,0 +1,4 @@
+//! Tests across the rooms.
+
+mod direct;
+mod truth;
