@@ -38,11 +38,19 @@ impl Expectation {
             level: request.level,
             ..Options::default()
         };
+        let assumed = &request.assumed;
+        let by_model_alone = assumed.simulation.is_none() && assumed.white_noise.is_none();
         let mut all = Vec::new();
         for seed in 1..=simulations {
             let record = simulated(request, seed)?;
             let example = identify(&record, &options)?;
-            let model = expected_model(&example, &record, &request.assumed.model, request.level)?;
+            // The noise of a servo that is known by a model alone is known where that model has bounds.
+            let known = match by_model_alone {
+                true => assumed.model.level(),
+                false => example.level(),
+            };
+            let level = known.map(|_| request.level);
+            let model = expected_model(&example, &record, &assumed.model, level)?;
             all.push((model, example, record));
         }
         let is_bounded = |(model, ..): &(Model, Model, Record)| model.bounds.valid().is_some();
@@ -78,87 +86,4 @@ impl Expectation {
             record,
         })
     }
-}
-
-/// The example's structure with the assumed servo's response and the covariance of the assumed noise.
-fn with_assumed_noise(
-    request: &PlanRequest,
-    example: &Model,
-    record: &Record,
-) -> Result<Model, Error> {
-    let truth = &request.assumed.model;
-    let basis = example.basis()?;
-    let (settling, order) = (basis.settling(), truth.noise.ar.len());
-    let information =
-        RowInformation::from_moments(Moments::of_record(record, settling + order, order + 1));
-    let coordinates = Coordinates::new(basis);
-    let options = GlsOptions {
-        order: NoiseOrder::Order(order),
-        start: truth.noise.ar.clone(),
-        ..GlsOptions::default()
-    };
-    let not_excited = || Error::NotExcited {
-        asked: basis.frequencies(),
-        excited: 1,
-        highest_hz: 0.0,
-    };
-    let mut fit = gls::fit(&information, &coordinates, &options).ok_or_else(not_excited)?;
-    // The covariance of D is the fit's; D and σ are the assumed ones.
-    fit.ar.clone_from(&truth.noise.ar);
-    fit.variance = truth.noise.sigma.powi(2);
-    fit.solution = information
-        .solve(&coordinates, &fit.ar)
-        .ok_or_else(not_excited)?;
-    let spread = CurveVariance::of_fit(&information, &fit, &coordinates.step_map());
-    let last = truth.step.value.last().copied().unwrap_or(0.0);
-    let mut value: Vec<f64> = truth.step.value.iter().copied().take(settling).collect();
-    value.resize(settling, last);
-    // The last element is the final value by definition.
-    if let Some(final_value) = value.last_mut() {
-        *final_value = last;
-    }
-    let covariance = fit.covariance();
-    let n = basis.frequencies();
-    let rows = (0..n).map(|i| (0..n).map(|j| covariance[(i, j)]).collect());
-    let theta = parameters(&basis, &value);
-    // The bounds hold if those of the example do, and if the noise of a servo that is known by its model alone is
-    // noise.
-    let assumed = &request.assumed;
-    let level = match assumed.simulation.is_none() && assumed.white_noise.is_none() {
-        true => truth.level().zip(example.level()).map(|(_, level)| level),
-        false => example.level(),
-    };
-    let step_bounds = level.zip(example.step.bounds.as_ref()).map(|(_, known)| {
-        let biases = known.biases();
-        StepBounds::new(&value, &spread, request.level, biases)
-    });
-    Ok(Model {
-        theta,
-        bounds: level.map(|level| ParameterBounds {
-            level,
-            covariance: rows.collect(),
-        }),
-        noise: truth.noise.clone(),
-        step: StepResponse::new(example.sample_period_s, value, step_bounds),
-        ..example.clone()
-    })
-}
-
-/// The parameters theta of a step response.
-fn parameters(basis: &FsfBasis, step: &[f64]) -> Vec<f64> {
-    let analysis = basis.analysis_map();
-    let before = std::iter::once(&0.0).chain(step);
-    let impulse: Vec<f64> = step
-        .iter()
-        .zip(before)
-        .map(|(g, before)| g - before)
-        .collect();
-    let of_row = |row| {
-        impulse
-            .iter()
-            .zip(0..)
-            .map(|(h, k)| analysis[(row, k)] * h)
-            .sum()
-    };
-    (0..basis.frequencies()).map(of_row).collect()
 }

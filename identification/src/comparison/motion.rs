@@ -5,8 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::holds::usual_hold;
-use crate::data::record::{Record, Run};
+use crate::data::{Record, Run, usual_hold};
 use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN};
 
 /// More levels than this are a smooth motion.

@@ -1,7 +1,7 @@
 //! One side of a comparison, identified.
 
 use super::outcome::{Asymmetry, Levels};
-use crate::data::record::Record;
+use crate::data::Record;
 use crate::error::Error;
 use crate::identify::{identify, identify_explained};
 use crate::nonlinear::{DirectionModel, Limits, split_by_direction};

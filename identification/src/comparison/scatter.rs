@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::pair::{Identified, ends};
-use crate::data::record::Record;
+use crate::data::Record;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
 use crate::nonlinear::{DirectionModel, split_with};
@@ -97,7 +97,7 @@ fn largest_left_open(a: &[DirectionModel], b: &[DirectionModel], level: f64) -> 
 /// A model of each run of a side alone, whose bounds hold if those of the side do.
 fn models(side: &Identified<'_>, basis: FsfBasis) -> Result<Vec<DirectionModel>, Error> {
     let record = side.record;
-    let alone = |run: &crate::data::record::Run| {
+    let alone = |run: &crate::data::Run| {
         let record = Record::new(record.sample_period_s(), vec![run.clone()])?
             .with_sample_phase(record.sample_phase_s());
         split_with(&record, basis, NoiseOrder::Auto, side.model.level())

@@ -5,7 +5,7 @@ use super::outcome::{
     Comparison, ComparisonBounds, DifferenceCurve, Levels, Sides, Stroke, Verdict,
 };
 use super::scatter::explained_by_chance;
-use crate::results::validity::Bounds;
+use crate::results::Bounds;
 use crate::thresholds::{NOTABLE_SHIFT_S, RUNS_DIFFER_SIGNIFICANCE};
 
 pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String {

@@ -14,9 +14,9 @@
 
 use std::ops::RangeInclusive;
 
-use crate::data::record::{Record, Run};
-use crate::numerics::critical_values::pointwise_critical;
-use crate::results::model::Model;
+use crate::data::{Record, Run};
+use crate::numerics::pointwise_critical;
+use crate::results::Model;
 
 /// Correlation over lags.
 #[derive(Debug, Clone, PartialEq)]

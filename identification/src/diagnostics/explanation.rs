@@ -7,13 +7,9 @@ use crate::diagnostics::initial_rest::Contradicted;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::run_scatter::RunComparison;
-use crate::estimation::excitation::Excitation;
-use crate::estimation::least_squares::Solver;
-use crate::estimation::nested_banks::BankCandidate;
-use crate::estimation::noise_model::OrderCandidate;
-use crate::results::model::Model;
-use crate::results::validity::Bounds;
-use crate::selection::choice::Choice;
+use crate::estimation::{BankCandidate, Excitation, OrderCandidate, Solver};
+use crate::results::{Bounds, Model};
+use crate::selection::Choice;
 use crate::thresholds::MARGIN;
 
 /// A bank at the settling time that was chosen. Where the bounds of the model are withdrawn, it has no widths

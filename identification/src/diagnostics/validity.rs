@@ -4,15 +4,12 @@
 //! Nothing else makes bounds valid; everything else derives its own from the level that is given here.
 
 use crate::diagnostics::misfit::Misfit;
-use crate::estimation::excitation::Excitation;
-use crate::estimation::fsf_basis::FsfBasis;
-use crate::results::metrics::{Interval, Metrics, Withheld};
-use crate::results::model::SelectedBy;
-use crate::results::validity::{Bounds, Reason};
+use crate::estimation::{Excitation, FsfBasis};
+use crate::results::{Bounds, Interval, Metrics, Reason, SelectedBy, Withheld};
 use crate::thresholds::DISAGREEMENT;
 
 /// The evidence for and against bounds.
-pub(crate) struct Evidence<'a> {
+pub(crate) struct ValidityEvidence<'a> {
     pub(crate) basis: FsfBasis,
     pub(crate) selected_by: SelectedBy,
     pub(crate) sample_period_s: f64,
@@ -47,7 +44,7 @@ impl Validity {
     ///
     /// An input that excites only part of the response leaves errors that do not look like noise either, so it
     /// comes first. Under a smooth input the effect of rounding grows with everything else, and nothing bounds it.
-    pub(crate) fn new(evidence: &Evidence<'_>, level: f64) -> Self {
+    pub(crate) fn new(evidence: &ValidityEvidence<'_>, level: f64) -> Self {
         let unexcited_above_hz = evidence.unexcited_above_hz();
         let reason = if unexcited_above_hz.is_some() {
             Some(Reason::InputUnexcited)
@@ -96,7 +93,7 @@ impl Validity {
     }
 }
 
-impl Evidence<'_> {
+impl ValidityEvidence<'_> {
     fn unexcited_above_hz(&self) -> Option<f64> {
         if let Some(found) = self.misfit.and_then(|misfit| misfit.unexcited_above_hz) {
             return Some(found);

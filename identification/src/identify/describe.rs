@@ -5,20 +5,16 @@ use super::assess::figures_of_merit;
 use super::fitted::Fitted;
 use super::responses::Responses;
 use super::task::Task;
-use crate::data::timing::Timing;
-use crate::diagnostics::explanation::{Bank, Explanation, Resolution};
-use crate::diagnostics::initial_rest;
-use crate::diagnostics::run_scatter::RunComparison;
-use crate::diagnostics::validity::{self, Validity};
-use crate::estimation::excitation::Excitation;
-use crate::estimation::noise_model::Noise;
+use crate::data::Timing;
+use crate::diagnostics::{
+    Bank, Explanation, Resolution, RunComparison, Validity, ValidityEvidence, contradicted_rest,
+};
+use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
-use crate::results::frequency_response::{FrequencyBounds, FrequencyResponse};
-use crate::results::metrics::measured::Measured;
-use crate::results::metrics::{MetricBounds, Metrics};
-use crate::results::model::{Model, ParameterBounds, SCHEMA, Structure};
-use crate::results::residuals::Residuals;
-use crate::results::step_response::{StepBounds, StepResponse};
+use crate::results::{
+    FrequencyBounds, FrequencyResponse, MODEL_SCHEMA, Measured, MetricBounds, Metrics, Model,
+    ParameterBounds, Residuals, StepBounds, StepResponse, Structure,
+};
 
 /// Whether bounds hold, decided before any are drawn.
 pub(super) fn validity(
@@ -28,7 +24,7 @@ pub(super) fn validity(
     allowances: &Allowances,
 ) -> Validity {
     let (plan, estimate) = (&fitted.candidate.plan, &fitted.estimate);
-    let evidence = validity::Evidence {
+    let evidence = ValidityEvidence {
         basis: plan.basis,
         selected_by: plan.selected_by,
         sample_period_s: fitted.candidate.moments.sample_period_s(),
@@ -169,7 +165,7 @@ pub(super) fn explanation(
         linearity: fitted.linearity,
         at_rest: task
             .record
-            .and_then(|record| initial_rest::contradicted(record, model)),
+            .and_then(|record| contradicted_rest(record, model)),
         excitation: Some(excitation),
         resolution: allowances
             .quantisation

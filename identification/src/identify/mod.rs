@@ -17,10 +17,8 @@ mod plan;
 mod responses;
 mod task;
 
-use crate::data::moments::Moments;
-use crate::data::record::Record;
-use crate::diagnostics::advice::{self, Evidence};
-use crate::diagnostics::explanation::Explanation;
+use crate::data::{Moments, Record};
+use crate::diagnostics::{Evidence, Explanation, gather_advice};
 use crate::error::Error;
 use crate::options::Options;
 use crate::results::Model;
@@ -88,7 +86,7 @@ fn run(task: &Task<'_>, first: Candidate) -> Result<Identification, Error> {
     let mut model = describe::model(task, &fitted, &responses, &allowances, &validity);
     model.residuals = assess::residuals(task, &fitted, &model);
     let explanation = describe::explanation(task, fitted, &responses, &allowances, &model);
-    model.advice = advice::gather(&Evidence {
+    model.advice = gather_advice(&Evidence {
         model: &model,
         validity: &validity,
         explanation: &explanation,

@@ -2,9 +2,8 @@
 //! what is left of the response at the end of the settling time.
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
-use servoid_identification::choice::Choice;
-use servoid_identification::critical_values::pointwise_critical;
-use servoid_identification::model::ParameterBounds;
+use servoid_identification::diagnostics::{Choice, Explanation};
+use servoid_identification::results::{Model, ParameterBounds, pointwise_critical};
 use servoid_identification::thresholds::MARGIN;
 
 /// Settling time, noise order, number of frequencies, and the tail.

@@ -5,7 +5,7 @@ use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::validity::Validity;
 use crate::options::Options;
-use crate::results::model::Model;
+use crate::results::Model;
 
 /// What advice is drawn from.
 pub(crate) struct Evidence<'a> {

@@ -1,8 +1,7 @@
 //! Findings on the input: whether it determines the response.
 
 use super::evidence::Evidence;
-use crate::results::advice::{Advice, Check};
-use crate::results::metrics::Withheld;
+use crate::results::{Advice, Check, Withheld};
 use crate::thresholds::DISAGREEMENT;
 
 /// The remedy for all of it.

@@ -46,8 +46,8 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
 
 #[cfg(test)]
 mod tests {
-    use crate::results::advice::Check;
-    use crate::{Model, Options, Record, Settling, identify};
+    use crate::results::{Check, Model};
+    use crate::{Options, Record, Settling, identify};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::StandardNormal;

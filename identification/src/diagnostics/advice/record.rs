@@ -2,9 +2,8 @@
 
 use super::evidence::Evidence;
 use crate::diagnostics::run_scatter::{RunComparison, RunDifference};
-use crate::estimation::conditioning::WELL_CONDITIONED;
-use crate::estimation::least_squares::Solver;
-use crate::results::advice::{Advice, Check};
+use crate::estimation::{Solver, WELL_CONDITIONED};
+use crate::results::{Advice, Check};
 use crate::thresholds::{INITIAL_REST_MISSED, LARGE_SHARE, LOST_TO_HISTORY, RESIDUAL_SIGNIFICANCE};
 
 pub(super) fn parameters(evidence: &Evidence<'_>) -> Option<Advice> {

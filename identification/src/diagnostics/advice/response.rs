@@ -2,9 +2,8 @@
 
 use super::evidence::{Evidence, two_digits};
 use crate::options::Frequencies;
-use crate::results::advice::{Advice, Check};
-use crate::results::model::SelectedBy;
-use crate::selection::choice::Choice;
+use crate::results::{Advice, Check, SelectedBy};
+use crate::selection::Choice;
 use crate::thresholds::{DETECTION, HIDDEN_TAIL, MARGIN};
 
 /// The choice of the settling time, unless it was overruled because the errors are not noise.

@@ -98,8 +98,8 @@ mod tests {
         };
         let Crossings { delay, half, .. } = shape.crossings;
         // Crossings are found to a billionth of the slope.
-        assert_abs_diff_eq!(value(delay, EARLY[0]), 0.0, epsilon = 1e-9);
-        assert_abs_diff_eq!(value(half, HALF), 0.0, epsilon = 1e-9);
+        assert_abs_diff_eq!(value(delay, LEVELS.delay), 0.0, epsilon = 1e-9);
+        assert_abs_diff_eq!(value(half, LEVELS.half), 0.0, epsilon = 1e-9);
         for m in [0, 1, 2, 70, last - 2, last - 1] {
             assert_abs_diff_eq!(value(m as f64, 0.0), curve[m], epsilon = 1e-15);
         }
@@ -111,7 +111,7 @@ mod tests {
         let mut shape = Windows::new(&curve, &vec![1e-9; curve.len()]).read(&curve);
         for none in [f64::INFINITY, f64::NAN] {
             shape.crossings.delay = none;
-            assert_eq!(Interpolation::new(&curve, &shape).delay, 0.0);
+            assert_eq!(interpolation_errors(&curve, &shape).delay, 0.0);
         }
     }
 
@@ -123,7 +123,7 @@ mod tests {
             let response = |m: usize| 1.0 - (-(m as f64 - dead).max(0.0) / lag).exp();
             let curve: Vec<f64> = (0..samples).map(response).chain([1.0]).collect();
             let shape = Windows::new(&curve, &vec![1e-9; curve.len()]).read(&curve);
-            let error = Interpolation::new(&curve, &shape);
+            let error = interpolation_errors(&curve, &shape);
             let truth = |share: f64| dead - lag * (1.0 - share).ln();
             for (x, e, share) in [
                 (shape.crossings.delay, error.delay, 0.05),
