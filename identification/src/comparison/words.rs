@@ -107,7 +107,7 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
 
 /// Whether the second is behind the first in time, stroke by stroke where they differ.
 fn behind(found: &Comparison) -> String {
-    let said = |curve: &DifferenceCurve| {
+    let timing = |curve: &DifferenceCurve| {
         let shift = &curve.delay_shift_s;
         let Some(seconds) = shift.value else {
             return "cannot be called earlier or later than the first".to_owned();
@@ -122,12 +122,12 @@ fn behind(found: &Comparison) -> String {
     match &found.curves[..] {
         [up, down] => format!(
             "On the way up the second {}, on the way down it {}",
-            said(up),
-            said(down)
+            timing(up),
+            timing(down)
         ),
         curves => {
-            let said: String = curves.iter().map(said).collect();
-            format!("The second {said}")
+            let timing: String = curves.iter().map(timing).collect();
+            format!("The second {timing}")
         }
     }
 }
@@ -159,12 +159,12 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
                 true => (2.0 - size.log10().floor()).clamp(0.0, 12.0) as usize,
                 false => 0,
             };
-            let said = |level: f64| with(format!("{level:.decimals$}"), &options.output_unit);
+            let position = |level: f64| with(format!("{level:.decimals$}"), &options.output_unit);
             format!(
                 "; commanded {} it comes to rest at {}, the first at {}",
                 with(format!("{command:+}"), &options.input_unit),
-                said(b),
-                said(a)
+                position(b),
+                position(a)
             )
         })
 }

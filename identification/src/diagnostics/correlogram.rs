@@ -87,32 +87,22 @@ fn correlogram(
     lags: RangeInclusive<isize>,
     level: f64,
 ) -> Option<Correlogram> {
-    let known = |values: &[f64]| {
-        let known = values.iter().filter(|value| !value.is_nan());
-        known.fold((0usize, 0.0), |(n, sum), value| {
-            (n + 1, sum + value * value)
-        })
+    let over_runs = |of: &dyn Fn(&(&[f64], &[f64])) -> (usize, f64)| {
+        let add = |(n, sum): (usize, f64), (m, more): (usize, f64)| (n + m, sum + more);
+        pairs.iter().map(of).fold((0, 0.0), add)
     };
-    let add = |(n, sum): (usize, f64), (m, more): (usize, f64)| (n + m, sum + more);
-    let (count, square) = pairs.iter().map(|(e, _)| known(e)).fold((0, 0.0), add);
-    let (others, square_of_other) = pairs.iter().map(|(_, x)| known(x)).fold((0, 0.0), add);
+    let (count, square) = over_runs(&|(e, _)| lagged_product(e, e, 0));
+    let (others, square_of_other) = over_runs(&|(_, x)| lagged_product(x, x, 0));
     let scale = (square / count.max(1) as f64 * square_of_other / others.max(1) as f64).sqrt();
     if count < 2 || scale.is_nan() || scale <= 0.0 {
         return None;
     }
     let lags: Vec<isize> = lags.collect();
-    let value = lags
-        .iter()
-        .map(|&lag| {
-            let products = pairs.iter().map(|(e, x)| lagged_product(e, x, lag));
-            let (n, sum) = products.fold((0, 0.0), add);
-            if n == 0 {
-                0.0
-            } else {
-                sum / (n as f64 * scale)
-            }
-        })
-        .collect();
+    let correlation = |&lag: &isize| match over_runs(&|(e, x)| lagged_product(e, x, lag)) {
+        (0, _) => 0.0,
+        (n, sum) => sum / (n as f64 * scale),
+    };
+    let value = lags.iter().map(correlation).collect();
     Some(Correlogram {
         lags,
         value,

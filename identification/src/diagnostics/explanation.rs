@@ -88,7 +88,7 @@ pub struct Explanation {
     /// tested.
     #[serde(default)]
     pub linearity: Option<Linearity>,
-    /// The run that did not begin where it is said to have rested, if one did not.
+    /// The run that did not begin at the rest that was stated, if one did not.
     #[serde(default)]
     pub at_rest: Option<Contradicted>,
     /// Up to which frequency the input moves.
@@ -133,22 +133,16 @@ impl Explanation {
             ));
         }
         if let Some(white) = self.noise_orders.first() {
-            let best = self
-                .noise_orders
-                .iter()
-                .map(|order| order.bic)
-                .fold(white.bic, f64::min);
-            sentences.push(if best < white.bic {
-                format!(
-                    "Noise: order {} by Bayes' criterion, which is smaller by {:.1} than for white noise.",
-                    structure.noise_order,
-                    white.bic - best
-                )
-            } else {
-                format!(
-                    "Noise: order {}; Bayes' criterion is smallest for white noise (order 0).",
-                    structure.noise_order
-                )
+            let all = self.noise_orders.iter().map(|order| order.bic);
+            let gained = white.bic - all.fold(white.bic, f64::min);
+            let order = structure.noise_order;
+            sentences.push(match gained > 0.0 {
+                true => format!(
+                    "Noise: order {order} by Bayes' criterion, which is smaller by {gained:.1} than for white noise."
+                ),
+                false => format!(
+                    "Noise: order {order}; Bayes' criterion is smallest for white noise (order 0)."
+                ),
             });
         }
         if let Some(errors) = &self.model_errors {

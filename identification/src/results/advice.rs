@@ -54,7 +54,7 @@ pub enum Check {
     DeviatingRun,
     /// How many samples only serve as history.
     History,
-    /// Whether runs begin where they are said to have rested.
+    /// Whether runs begin at the rest that was stated.
     AtRest,
     /// Whether both sides had the same reference.
     References,

@@ -131,13 +131,9 @@ impl FrequencyResponse {
     /// The response of the servo itself, from that of its samples: freed of their hold and phase.
     #[must_use]
     pub(crate) fn freed_of_hold(mut self, timing: Timing) -> Self {
-        let bounds = match &mut self.bounds {
-            Bounds::Valid(bounds) => Some(bounds),
-            Bounds::Withdrawn(_) => None,
-        };
         let (mut magnitudes, mut phases) =
             (vec![&mut self.magnitude_db], vec![&mut self.phase_deg]);
-        if let Some(bounds) = bounds {
+        if let Bounds::Valid(bounds) = &mut self.bounds {
             magnitudes.extend([
                 &mut bounds.magnitude_db_lower,
                 &mut bounds.magnitude_db_upper,

@@ -25,7 +25,7 @@ const CAUTION: f64 = 3.0;
 
 /// The part of a response that is folded from beyond half the rate of sampling.
 pub(super) struct Folding {
-    /// |G(jω)| ω is at most this beyond half the rate of sampling; infinite where nothing says so.
+    /// |G(jω)| ω is at most this beyond half the rate of sampling; infinite where that is not known.
     r: f64,
 }
 

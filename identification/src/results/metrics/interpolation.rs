@@ -13,8 +13,8 @@ const BEGUN: f64 = 0.02;
 
 /// What interpolation may be wrong by \[samples\], at each crossing of a curve.
 ///
-/// Nothing is known of the curve between its samples; what different interpolations disagree by says
-/// how much that may matter. With x the crossing of the cubic, x1 that of the straight line, x2 and
+/// Nothing is known of the curve between its samples; the difference of several interpolations shows how much
+/// that may matter. With x the crossing of the cubic, x1 that of the straight line, x2 and
 /// x3 those of the two parabolas, and r samples from 10 to 90 %,
 ///
 /// ```text
@@ -116,7 +116,7 @@ mod tests {
     }
 
     /// A first-order lag whose dead time ends between samples: the delay lies where no cubic can
-    /// find it, and the error says so; sampled finely, there is no error to speak of.
+    /// find it, and the error shows it; sampled finely, there is no error to speak of.
     #[test]
     fn crossings_between_coarse_samples_are_as_uncertain_as_they_are() {
         let read = |lag: f64, dead: f64, samples: usize| {

@@ -141,7 +141,7 @@ impl Metrics {
         let rise = of_step.rise();
         let [bandwidth_rad_s, phase_minus_90_rad_s] =
             bands::bandwidth_and_quarter_turn(measured, spread.widest());
-        // No response comes before its edge, whatever a wide interval says.
+        // No response comes before its edge, even if an interval is wide.
         let since_edge = |samples: f64| measured.timing.seconds(samples).max(0.0);
         Self {
             dc_gain,
@@ -212,7 +212,7 @@ impl Metrics {
         self
     }
 
-    /// Whether intervals have bounds only where the document says that they hold.
+    /// Whether intervals have bounds only where the document has bounds.
     pub(super) fn is_consistent(&self) -> bool {
         let has_bounds =
             |(_, interval): (&str, Interval)| interval.lower.or(interval.upper).is_some();
