@@ -14,7 +14,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
         let path = entry.expect("the folder can be read").path();
         if path.is_dir() {
             sources(&path, found);
-        } else if path.extension().is_some_and(|end| end == "rs") {
+        } else if path.extension().is_some_and(|end| end == "rs") && !path.ends_with("tests.rs") {
             found.push(path);
         }
     }
@@ -35,7 +35,7 @@ fn makes_a_value(rest: &str) -> bool {
         return true;
     };
     let behind = rest[end + 1..].trim_start();
-    !["=", "if ", "|", ")) ="]
+    !["=", "if ", "|", ") =", ")) ="]
         .iter()
         .any(|pattern| behind.starts_with(pattern))
 }
@@ -71,5 +71,6 @@ fn patterns_are_no_values() {
     assert!(makes_a_value(");"));
     assert!(!makes_a_value("(bounds) => bounds"));
     assert!(!makes_a_value("((a, b)) = both {"));
+    assert!(!makes_a_value("(bounds)) => bounds"));
     assert!(!makes_a_value("(_) if linear"));
 }

@@ -1,6 +1,6 @@
 //! The page's text: verdict, metrics, advice, provenance.
 
-use super::{Facts, Page, Part};
+use super::page::{Facts, Page, Part};
 use crate::presentation::summary;
 use servoid_identification::results::Bounds;
 
