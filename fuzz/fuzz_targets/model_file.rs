@@ -1,4 +1,4 @@
-//! Any text as a model's file: what is read can be exported, compared, validated and put on a page.
+//! Any text as a model's file: a model that is read can be exported, compared, validated and reported.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

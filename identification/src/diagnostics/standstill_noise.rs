@@ -32,7 +32,7 @@ use crate::estimation::{
 /// Shortest stretch of rest that is used \[samples\].
 const SHORTEST: usize = 32;
 
-/// Fewest samples at rest that say something about the noise.
+/// Fewest samples at rest that determine the noise.
 const FEWEST: usize = 100;
 
 /// Share of the pieces of motion that is left out, the loudest ones.
