@@ -1,8 +1,8 @@
 //! Findings on the sensor: whether its steps are small enough for the noise.
 
 use super::evidence::Evidence;
-use crate::data::DITHERED;
 use crate::results::{Advice, Check};
+use crate::thresholds::DITHERED;
 
 const REMEDY: &str =
     "Use larger strokes, many different levels, or a sensor with smaller steps or more noise.";
