@@ -62,7 +62,7 @@ fn main() {
     let motions = motions();
     println!("{SIZES_DEG:?} degrees, {seeds} seeds each\n");
     println!(
-        "| servo | reference | recordings | by functions | by rest | told | level kept | simulation leaves % | gain apart % | delay apart ms |"
+        "| servo | reference | recordings | by functions | by rest | found nonlinear | level kept | simulation leaves % | gain apart % | delay apart ms |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for servo in ["bench", "aircraft", "linear"] {

@@ -13,7 +13,7 @@ fn main() {
         .map_or(300, |runs| runs.parse().expect("RUNS is a number"));
     let filter = arguments.next().unwrap_or_default();
     println!(
-        "| reference | servo | sensor | level |{} told | half width | advice in every run |",
+        "| reference | servo | sensor | level |{} gain stated | half width | advice in every run |",
         NAMES.map(|name| format!(" {name} |")).concat()
     );
     println!(

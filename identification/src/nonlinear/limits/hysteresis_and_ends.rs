@@ -212,7 +212,7 @@ impl Table {
                 found: None,
                 size: Interval::default(),
                 statement: format!(
-                    "Cannot tell from this recording whether the rest position depends on the \
+                    "This recording does not determine whether the rest position depends on the \
                      direction of approach: record stairs that reach each level from both sides, \
                      at least twice, each held for at least {:.2} s.",
                     self.needed_s
@@ -260,7 +260,7 @@ impl Table {
             reached: self.around(level.mean, 1.0 / level.visits as f64),
             gain_ratio: Interval::default(),
             statement: format!(
-                "Cannot tell from this recording whether the servo softens or stops at a command of \
+                "This recording does not determine whether the servo softens or stops at a command of \
                  {:.3}, where it reaches {:.3}: record stairs of at least {LEVELS_FOR_ENDS} levels, both ends \
                  included, each visited at least twice and held for at least {:.2} s.",
                 level.command, level.mean, self.needed_s

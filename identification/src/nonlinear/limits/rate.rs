@@ -97,7 +97,7 @@ impl Rate {
                 ),
             };
             rate.statement = format!(
-                "Cannot tell whether the speed {direction} is limited, because the recording has \
+                "This recording does not determine whether the speed {direction} is limited, because it has \
                  {seen}{stopped}: record at least {STROKES_FOR_RATE} strokes in each direction, the largest at \
                  least {SIZES_FOR_RATE} times the smallest, each held until it has settled{within}."
             );
