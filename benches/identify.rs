@@ -1,4 +1,4 @@
-//! What identification costs. Names say what is required, on one core that has nothing else to do.
+//! The cost of identification. The names state the required times, on an idle core.
 
 use std::hint::black_box;
 

@@ -1,6 +1,6 @@
 //! How fast a run of the paper is simulated: 415 frames, 8.3 s of the servo's time.
 
-#![allow(missing_docs)] // what criterion's macros generate
+#![allow(missing_docs)] // code that criterion's macros generate
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use servoid_protocol::PulseWidth;

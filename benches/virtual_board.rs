@@ -1,4 +1,4 @@
-//! What a simulated second costs: a run under way, frames going out. At most 0.05 s, so that real
+//! The cost of a simulated second within a run, with frames going out. At most 0.05 s, so that real
 //! time is kept with room to spare.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};

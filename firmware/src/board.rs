@@ -38,7 +38,6 @@ pub struct CapturedFrame {
 
 impl CapturedFrame {
     /// Number of frames that the board lost between frame `before` and this one.
-    #[must_use]
     pub fn lost_since(&self, before: u32) -> u32 {
         self.number.wrapping_sub(before).saturating_sub(1)
     }

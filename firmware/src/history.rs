@@ -32,22 +32,17 @@ pub struct History {
 }
 
 impl Default for History {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl History {
     /// An empty history.
-    #[must_use]
-    pub const fn new() -> Self {
+    fn default() -> Self {
         Self {
             run: None,
             next: 0,
             records: [None; CAPACITY],
         }
     }
+}
 
+impl History {
     /// Clears the history and begins that of `run`.
     pub fn begin(&mut self, run: u16) {
         self.run = Some(run);
@@ -55,13 +50,11 @@ impl History {
     }
 
     /// The run that the frames belong to.
-    #[must_use]
     pub fn run(&self) -> Option<u16> {
         self.run
     }
 
     /// Indices of the frames in memory, lost ones included.
-    #[must_use]
     pub fn indices(&self) -> Range<u16> {
         self.next.saturating_sub(CAPACITY as u16)..self.next
     }
@@ -80,7 +73,6 @@ impl History {
     }
 
     /// The first frame of `wanted` that is in memory.
-    #[must_use]
     pub fn first_of(&self, wanted: &Range<u16>) -> Option<Frame> {
         let here = self.indices();
         (wanted.start.max(here.start)..wanted.end.min(here.end)).find_map(|index| self.get(index))
@@ -110,7 +102,7 @@ mod tests {
 
     #[test]
     fn a_new_run_sees_nothing_of_the_one_before() {
-        let mut history = History::new();
+        let mut history = History::default();
         history.begin(1);
         history.push(Some((PulseWidth(1_500), [Counts(1); 10])));
         history.begin(2);
@@ -130,7 +122,7 @@ mod tests {
             came in proptest::collection::vec(proptest::option::weighted(0.9, (1u16..3_000, any::<u16>())), 0..700),
             wanted in (0u16..700, 0u16..700),
         ) {
-            let mut history = History::new();
+            let mut history = History::default();
             history.begin(7);
             let frames: Vec<Option<Frame>> = came.iter().enumerate().map(|(index, caught)| {
                 history.push(caught.map(|(pulse, counts)| (PulseWidth(pulse), [Counts(counts); 10])));

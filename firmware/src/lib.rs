@@ -8,13 +8,7 @@
 //!               request                      answers, ends, frames
 //! ```
 //!
-//! | module      | what it does                                                        |
-//! |-------------|---------------------------------------------------------------------|
-//! | [`board`]   | the hardware that a rig needs                                       |
-//! | [`limits`]  | the range of pulses, and that of a healthy sensor                   |
-//! | [`rig`]     | the states and their transitions, the sessions and leases; no I/O   |
-//! | [`history`] | the last frames of the run, for sending and for sending again       |
-//! | [`serve`](mod@serve) | the loop that connects a rig to its board and its link     |
+//! [`rig`] has the states and their transitions, without I/O; [`serve()`] connects a rig to its board and its link.
 //!
 //! The same code runs on the STM32F103 and, in the simulator, on a PC. It does not allocate, does not panic, and waits
 //! only for the next frame or byte.

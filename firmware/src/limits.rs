@@ -20,12 +20,13 @@ pub const UNHEALTHY_SAMPLES: u8 = 5;
 /// The limits of an armed rig, checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    neutral: PulseWidth,
+    pub(crate) neutral: PulseWidth,
     shortest: PulseWidth,
     longest: PulseWidth,
     sensor_low: Counts,
     sensor_high: Counts,
-    lease_frames: u16,
+    /// Length of the lease: a run goes on for this time after the last request of the host.
+    pub(crate) lease_frames: u16,
 }
 
 impl Limits {
@@ -59,20 +60,7 @@ impl Limits {
         })
     }
 
-    /// The neutral pulse.
-    #[must_use]
-    pub fn neutral(&self) -> PulseWidth {
-        self.neutral
-    }
-
-    /// Length of the lease (frames): a run goes on for this time after the last request of the host.
-    #[must_use]
-    pub fn lease_frames(&self) -> u32 {
-        u32::from(self.lease_frames)
-    }
-
     /// Whether `counts` is within the range of a healthy sensor.
-    #[must_use]
     pub fn is_healthy(&self, counts: Counts) -> bool {
         (self.sensor_low..=self.sensor_high).contains(&counts)
     }
@@ -102,7 +90,6 @@ impl Limits {
 
     /// The pulse `offset_us` from neutral, clamped to the limits: a last defence, should a reference ever exceed the
     /// extremes that were checked.
-    #[must_use]
     pub fn pulse(&self, offset_us: i16) -> PulseWidth {
         self.neutral
             .offset_by(offset_us)

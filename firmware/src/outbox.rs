@@ -45,13 +45,15 @@ pub(crate) enum Item {
 #[cfg_attr(test, derive(Clone))]
 pub(crate) struct Outbox {
     answers: Deque<Answer, ANSWERS>,
-    ended: Option<Ended>,
+    /// The end of a run.
+    pub(crate) ended: Option<Ended>,
     resends: Deque<Range<u16>, RESENDS>,
     /// The newest answer to a visitor.
-    visitor: Option<Answer>,
+    pub(crate) visitor: Option<Answer>,
     /// Index of the first frame of the run that has not been sent.
     live: u16,
-    backlog_high_water: u16,
+    /// Largest number of frames that have waited.
+    pub(crate) backlog_high_water: u16,
 }
 
 impl Outbox {
@@ -73,16 +75,6 @@ impl Outbox {
         push(&mut self.answers, answer);
     }
 
-    /// Queues the answer to a visitor; it replaces the one before.
-    pub(crate) fn answer_visitor(&mut self, answer: Answer) {
-        self.visitor = Some(answer);
-    }
-
-    /// Queues the end of a run.
-    pub(crate) fn ended(&mut self, ended: Ended) {
-        self.ended = Some(ended);
-    }
-
     /// Queues frames to be sent again; a full queue drops the oldest range.
     pub(crate) fn resend(&mut self, frames: Range<u16>) {
         push(&mut self.resends, frames);
@@ -92,11 +84,6 @@ impl Outbox {
     pub(crate) fn measure_backlog(&mut self, history: &History) {
         let backlog = history.indices().end.saturating_sub(self.live);
         self.backlog_high_water = self.backlog_high_water.max(backlog);
-    }
-
-    /// Largest number of frames that have waited.
-    pub(crate) fn backlog_high_water(&self) -> u16 {
-        self.backlog_high_water
     }
 
     /// The next thing to send. It stays the next one until [`Self::sent`].

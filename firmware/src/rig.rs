@@ -16,8 +16,8 @@
 //! 1. Done for the last run, which has ended; `UnknownRun` for others.
 //! 2. `UnknownRun` for another run.
 //!
-//! `KeepAlive`, `Status` and `Hello` change no state; `Resend` is refused as `UnknownRun` unless it names the run
-//! under way or the last one. Conditions of the transitions:
+//! `KeepAlive`, `Status` and `Hello` change no state; `Resend` is refused as `UnknownRun` unless it names the present run
+//! or the last one. Conditions of the transitions:
 //!
 //! | transition | needs                                                                                |
 //! |------------|--------------------------------------------------------------------------------------|
@@ -75,14 +75,13 @@ pub struct Rig {
 
 impl Rig {
     /// A rig on the board `identity`: idle, without a session.
-    #[must_use]
     #[inline(never)] // inlined, its 6 KB would stay on the stack of the loop that owns it
     pub fn new(identity: &Identity) -> Self {
         Self {
             hello: hello(identity),
             state: State::Idle,
             session: Session::default(),
-            history: History::new(),
+            history: History::default(),
             outbox: Outbox::default(),
             newest: None,
             heard_at: 0,
@@ -108,46 +107,41 @@ impl Rig {
         }
         match &self.state {
             State::Idle => None,
-            State::Armed(limits) | State::Ended(limits, _) => Some(limits.neutral()),
+            State::Armed(limits) | State::Ended(limits, _) => Some(limits.neutral),
             State::Running(limits, run) => Some(run.next_pulse(limits)),
         }
     }
 
     /// Executes a request and queues its answer.
     pub fn on_request(&mut self, request: &Request) {
-        let Request {
-            session,
-            id,
-            command,
-        } = *request;
-        if command == Command::Unused {
-            self.rejects = self.rejects.saturating_add(1);
+        if request.command == Command::Unused {
+            self.count_rejects(1);
             return;
         }
         let reply = |outcome| Answer::Reply {
-            session,
-            id,
+            session: request.session,
+            id: request.id,
             outcome,
         };
         let outcome = match self.session.admit(request, self.is_held()) {
             Admission::Refused(refusal) => {
                 let answer = reply(Outcome::Refused(refusal));
                 match refusal {
-                    Refusal::UnknownSession => self.outbox.answer_visitor(answer),
+                    Refusal::UnknownSession => self.outbox.visitor = Some(answer),
                     _ => self.outbox.answer(answer),
                 }
                 return;
             }
             Admission::Visit => {
-                self.outbox.answer_visitor(Answer::Hello);
+                self.outbox.visitor = Some(Answer::Hello);
                 return;
             }
             Admission::Again(outcome) => outcome,
             Admission::New => {
-                if !self.session.is_open(session) {
+                if !self.session.is_open(request.session) {
                     self.outbox.new_session();
                 }
-                let outcome = match self.carry_out(&command) {
+                let outcome = match self.carry_out(&request.command) {
                     Ok(()) => Outcome::Done,
                     Err(refusal) => Outcome::Refused(refusal),
                 };
@@ -156,7 +150,7 @@ impl Rig {
             }
         };
         self.heard_at = self.newest.map_or(0, |frame| frame.number);
-        self.outbox.answer(match command {
+        self.outbox.answer(match request.command {
             Command::Hello => Answer::Hello,
             Command::Status => Answer::Status,
             _ => reply(outcome),
@@ -169,7 +163,6 @@ impl Rig {
     }
 
     /// Whether pulses are on.
-    #[must_use]
     pub fn is_armed(&self) -> bool {
         !matches!(self.state, State::Idle)
     }
@@ -222,10 +215,7 @@ impl Rig {
             activity: match &self.state {
                 State::Idle => Activity::Idle,
                 State::Armed(_) => Activity::Armed,
-                State::Running(_, run) => Activity::Running {
-                    run: run.number(),
-                    frames: run.frames_so_far(),
-                },
+                State::Running(_, run) => run.activity(),
                 State::Ended(_, ended) => Activity::Ended(*ended),
             },
             sensor: newest
@@ -234,7 +224,7 @@ impl Rig {
             frames_since_start: newest.map_or(0, |frame| frame.number.wrapping_add(1)),
             frames_lost_on_board: self.frames_lost,
             rejects: self.rejects,
-            backlog_high_water: self.outbox.backlog_high_water(),
+            backlog_high_water: self.outbox.backlog_high_water,
         }
     }
 
@@ -291,16 +281,16 @@ impl Rig {
         Ok(())
     }
 
-    /// Ends the run under way, if there is one.
+    /// Ends the present run, if there is one.
     fn end(&mut self, reason: EndReason) {
         if let State::Running(limits, run) = &self.state {
             let (limits, ended) = (*limits, run.ended(reason));
-            self.outbox.ended(ended);
+            self.outbox.ended = Some(ended);
             self.state = State::Ended(limits, ended);
         }
     }
 
-    /// Requires the run of the history: the run under way or the last one.
+    /// Requires the run of the history: the present run or the last one.
     fn require_run(&self, run: u16) -> Result<(), Refusal> {
         if self.history.run() == Some(run) {
             Ok(())
@@ -321,7 +311,7 @@ impl Rig {
 
 /// Whether a lease that began with frame `heard_at` has lapsed at `frame`.
 fn has_lapsed(frame: &CapturedFrame, heard_at: u32, limits: &Limits) -> bool {
-    frame.number.wrapping_sub(heard_at) >= limits.lease_frames()
+    frame.number.wrapping_sub(heard_at) >= u32::from(limits.lease_frames)
 }
 
 fn hello(identity: &Identity) -> Hello {

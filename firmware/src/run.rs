@@ -1,9 +1,9 @@
-//! One run under way.
+//! The present run.
 
 use crate::board::CapturedFrame;
 use crate::history::History;
 use crate::limits::{Limits, UNHEALTHY_SAMPLES};
-use servoid_protocol::message::{EndReason, Ended, Frame, RunCheck, Start};
+use servoid_protocol::message::{Activity, EndReason, Ended, Frame, RunCheck, Start};
 use servoid_protocol::{Counts, PulseWidth};
 
 /// The progress of a run.
@@ -45,14 +45,12 @@ impl Run {
         }
     }
 
-    /// Its number.
-    pub(crate) fn number(&self) -> u16 {
-        self.start.run
-    }
-
-    /// Frames that were captured or lost.
-    pub(crate) fn frames_so_far(&self) -> u16 {
-        self.next
+    /// Its progress.
+    pub(crate) fn activity(&self) -> Activity {
+        Activity::Running {
+            run: self.start.run,
+            frames: self.next,
+        }
     }
 
     /// The report of its end, if it ends now.

@@ -1,14 +1,11 @@
 //! The loop that connects a rig to its board and its link.
 
-use crate::board::{Board, CapturedFrame, Link};
+use crate::board::{Board, Link};
 use crate::rig::Rig;
 use core::task::Poll;
 use embassy_futures::poll_once;
 use embassy_futures::select::{Either, select};
 use servoid_protocol::{Decoder, Request, framing};
-
-/// Most bytes taken from the link at once: the longest request.
-const RECEIVE_BUFFER: usize = framing::MAX_WIRE;
 
 /// Runs the rig for ever.
 ///
@@ -17,11 +14,13 @@ const RECEIVE_BUFFER: usize = framing::MAX_WIRE;
 pub async fn serve<B: Board, L: Link>(board: &mut B, link: &mut L) -> ! {
     let mut rig = Rig::new(&board.identity());
     let mut decoder = Decoder::new();
-    let mut bytes = [0; RECEIVE_BUFFER];
+    // Room for the longest request.
+    let mut bytes = [0; framing::MAX_WIRE];
     loop {
         let received = match select(board.next_frame(), link.receive(&mut bytes)).await {
             Either::First(frame) => {
-                on_frame(&mut rig, board, &frame);
+                board.set_pulse(rig.on_frame(&frame));
+                board.feed_watchdog();
                 match poll_once(link.receive(&mut bytes)) {
                     Poll::Ready(received) => Some(received),
                     Poll::Pending => None,
@@ -35,12 +34,6 @@ pub async fn serve<B: Board, L: Link>(board: &mut B, link: &mut L) -> ! {
         board.show_armed(rig.is_armed());
         flush(&mut rig, link);
     }
-}
-
-fn on_frame<B: Board>(rig: &mut Rig, board: &mut B, frame: &CapturedFrame) {
-    let pulse = rig.on_frame(frame);
-    board.set_pulse(pulse);
-    board.feed_watchdog();
 }
 
 fn on_bytes(rig: &mut Rig, decoder: &mut Decoder, bytes: &[u8]) {

@@ -1,4 +1,4 @@
-//! Any bytes as a file of data, of whatever kind: what is read is a record that can be worked with.
+//! Any bytes as a file of data, of any kind: they are refused, or give a valid record.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 static FILE: LazyLock<PathBuf> =
     LazyLock::new(|| std::env::temp_dir().join(format!("servoid-fuzz-{}.csv", std::process::id())));
 
-/// What a user may say of a file; the first byte of the input chooses.
+/// Options of a user; the first byte of the input chooses.
 fn options(choice: u8) -> DatasetOptions {
     let has = |bit: u8| choice >> bit & 1 == 1;
     DatasetOptions {
@@ -44,6 +44,6 @@ fuzz_target!(|bytes: &[u8]| {
         let both = run.input().iter().chain(run.output());
         assert!(both.clone().all(|x| x.is_finite() || x.is_nan()));
     }
-    // Gaps are filled with rows that say so, never with more than the file could mean.
+    // Gaps are filled with missing rows, never with more than the file can contain.
     assert!(record.samples() - record.missing() <= bytes.len() * files.len());
 });

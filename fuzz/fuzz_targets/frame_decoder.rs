@@ -1,4 +1,4 @@
-//! Any bytes from the line, on both ends of it: what is decoded goes back to the same bytes.
+//! Any bytes from the line, at both ends: a decoded message encodes to the same bytes.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

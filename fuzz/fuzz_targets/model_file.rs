@@ -1,13 +1,13 @@
-//! Any text as a model's file: what is read can be exported, compared, validated and put on a page.
+//! Any text as a model's file: a model that is read can be exported, compared, validated and reported.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use servoid::export::{Export, Target};
+use servoid::presentation::export::{Export, Target};
 use servoid::data::ModelMetadata;
-use servoid::report::{self, Page, Servo};
+use servoid::presentation::report::{self, Page, Servo};
 use servoid::data::model_file::ModelFile;
 use servoid::data::Units;
-use servoid::{plots, summary};
+use servoid::presentation::{plots, summary};
 use servoid_identification::Record;
 use servoid_identification::comparison::{ComparisonOptions, compare_models};
 use servoid_identification::results::Model;
@@ -52,7 +52,7 @@ fuzz_target!(|text: &str| {
         let _ = page;
         if let Ok(found) = found {
             let _ = summary::of_comparison("a", "b", &found);
-            let _ = plots::svg::draw(&plots::difference::difference("x", "x", "a", "b", &found));
+            let _ = plots::draw(&plots::difference("x", "x", "a", "b", &found));
         }
     }
 });

@@ -1,4 +1,4 @@
-//! Any bytes as a recording: read as what they are; what is saved of them is a recording.
+//! Any bytes as a recording: they are read or refused, and `recover` makes a recording of them.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

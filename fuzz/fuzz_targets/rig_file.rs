@@ -1,4 +1,4 @@
-//! Any text as a rig file: what is accepted can be worked with.
+//! Any text as a rig file: an accepted one gives valid scales and limits.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,16 +1,16 @@
 //! Measures the motion of R/C servos: step and frequency response, with 99 % bounds.
 //!
-//! The rooms of this crate, in the order of the data. Each imports only rooms above it in this table.
+//! The path of the data, and the rooms that it goes through. Each room imports only rooms above it.
 //!
-//! | folder          | content                                                                          |
-//! |-----------------|----------------------------------------------------------------------------------|
-//! | [`data`]        | recordings, rig files, model files, CSV tables, and the data set of any of them   |
-//! | [`instrument`]  | port, conversation with the rig, reference, calibration, live estimate             |
-//! | `presentation/` | [`summary`], [`plots`], [`report`], [`export`], live [`scope`]                     |
-//! | `plan/`         | the forecast of a run: [`plan`]                                                    |
-//! | `commands/`     | the command line: [`commands`]                                                     |
-//!
-//! The mathematics is in [`servoid_identification`], the wire protocol in [`servoid_protocol`].
+//! 1. [`instrument::reference`] resolves a reference: a pulse width for each frame of 20 ms.
+//! 2. [`instrument::rig`] drives a rig with it and receives the frames: applied pulses and sensor counts.
+//! 3. [`data::recording`] keeps them in a file; [`data::table`] reads files of other programs.
+//! 4. [`data::dataset`] makes a record of one or several files.
+//! 5. [`servoid_identification`] reduces the record to moments and identifies the model with its bounds.
+//! 6. [`data::model_file`] keeps the model.
+//! 7. [`presentation`] shows it: summary, plots, report, exports to other programs, and the live scope.
+//! 8. [`plan`] forecasts the bounds of a run before it takes place.
+//! 9. [`commands`] is the command line over all of this.
 
 // Files, serial lines and users must not cause a panic.
 #![cfg_attr(
@@ -29,9 +29,4 @@ pub mod commands;
 pub mod data;
 pub mod instrument;
 pub mod plan;
-mod presentation;
-
-pub use commands::{output_files, rig_wizard};
-pub use presentation::{
-    explanation, export, paper_values, plots, report, scope, summary, template,
-};
+pub mod presentation;

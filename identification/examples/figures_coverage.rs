@@ -13,7 +13,7 @@ fn main() {
         .map_or(300, |runs| runs.parse().expect("RUNS is a number"));
     let filter = arguments.next().unwrap_or_default();
     println!(
-        "| reference | servo | sensor | level |{} gain stated | half width | advice in every run |",
+        "| reference | servo | sensor | level |{} stated | half width | advice in every run |",
         NAMES.map(|name| format!(" {name} |")).concat()
     );
     println!(
@@ -45,7 +45,7 @@ fn cells(line: &Line) -> String {
         "{:.0} |{}{} {:.4} | {} |",
         100.0 * line.level,
         held.concat(),
-        percent(line.told[0]),
+        percent(line.stated[0]),
         line.half_width,
         checks.join(", ")
     )

@@ -185,7 +185,7 @@ pub const PREDICTION_TIE: f64 = 0.5;
 /// its largest value or gain, beyond which the figures read from it are withheld.
 ///
 /// Protects: readers from delays and rise times that depend on the estimator. Evidence: "Poor references and
-/// coarse sensors", the column "gain stated".
+/// coarse sensors", the column "stated".
 pub const DISAGREEMENT: f64 = 0.1;
 
 // Findings beside the bounds.

@@ -11,17 +11,17 @@
 //! | COBS    | consistent overhead byte stuffing: no zero inside, so a zero ends a frame and nothing else |
 //! | zeros   | one before, so that junk on the line cannot stick to the frame; one after                |
 //!
-//! The receiver checks in this order: not too long, COBS, CRC, then the message, then that nothing
-//! is left over. A byte stream entered in the middle costs the frame under way and no more.
+//! The receiver checks in this order: the length, COBS, the CRC, the message, then that no bytes
+//! follow it. A receiver that starts in the middle of a frame loses that frame only.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use serde::{Serialize, de::DeserializeOwned};
+use thiserror::Error;
 
 /// The CRC of frames, of runs, and of recordings.
 pub static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
-/// The largest message (bytes). Hello, the longest one today, takes at most 96 with every number at
-/// its longest; the rest is room to grow.
+/// The largest message (bytes). `Hello`, the longest one today, takes at most 96 bytes; the rest is room to grow.
 pub const MAX_PAYLOAD: usize = 128;
 
 const CRC_BYTES: usize = 4;
@@ -30,21 +30,11 @@ const CRC_BYTES: usize = 4;
 pub const MAX_WIRE: usize = cobs::max_encoding_length(MAX_PAYLOAD + CRC_BYTES) + 2;
 
 /// A message that does not fit [`MAX_PAYLOAD`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("the message is longer than {MAX_PAYLOAD} bytes")]
 pub struct TooLong;
 
-impl core::fmt::Display for TooLong {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "the message is longer than {MAX_PAYLOAD} bytes")
-    }
-}
-
-impl core::error::Error for TooLong {}
-
 /// A message in postcard, without CRC and framing.
-///
-/// # Errors
-/// [`TooLong`] where it takes more than [`MAX_PAYLOAD`] bytes.
 pub fn to_payload<'a, T: Serialize>(
     message: &T,
     buffer: &'a mut [u8; MAX_PAYLOAD],
@@ -55,9 +45,6 @@ pub fn to_payload<'a, T: Serialize>(
 }
 
 /// A message as it goes over the wire.
-///
-/// # Errors
-/// [`TooLong`] where it takes more than [`MAX_PAYLOAD`] bytes.
 ///
 /// ```
 /// use servoid_protocol::{Command, Decoder, Request, framing};
@@ -85,34 +72,27 @@ pub fn encode<'a, T: Serialize>(
     buffer.get(..stuffed).ok_or(TooLong)
 }
 
-/// What a [`Decoder`] could not use, by class.
+/// Numbers of rejected frames, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rejects {
-    /// Longer than any frame can be: a zero was lost, or the other end speaks something else.
+    /// Longer than any frame: a zero was lost, or the other end uses another protocol.
     pub too_long: u32,
     /// Not COBS, or too short to hold a CRC.
     pub malformed: u32,
     /// The CRC differs: bytes were changed on the way.
     pub crc: u32,
-    /// The CRC is right, but it is no message that this side knows: versions differ.
+    /// The CRC is right, but the message is unknown: versions differ.
     pub unknown: u32,
-    /// A message with bytes left over: versions differ.
+    /// Bytes follow the message: versions differ.
     pub left_over: u32,
 }
 
 impl Rejects {
-    /// All classes together.
-    #[must_use]
+    /// The total.
     pub fn total(&self) -> u32 {
-        [
-            self.too_long,
-            self.malformed,
-            self.crc,
-            self.unknown,
-            self.left_over,
-        ]
-        .iter()
-        .fold(0, |sum, n| sum.saturating_add(*n))
+        let r = self;
+        let counts = [r.too_long, r.malformed, r.crc, r.unknown, r.left_over];
+        counts.into_iter().fold(0, u32::saturating_add)
     }
 }
 
@@ -124,7 +104,7 @@ const MAX_STUFFED: usize = MAX_WIRE - 2;
 pub struct Decoder {
     buffer: [u8; MAX_STUFFED],
     len: usize,
-    /// The frame under way has outgrown the buffer: it is thrown away up to its zero, because its
+    /// The present frame is longer than the buffer. All of it up to its zero is dropped, because its
     /// tail could pass for a frame of its own.
     overflow: bool,
     rejects: Rejects,
@@ -137,27 +117,18 @@ impl Default for Decoder {
 }
 
 impl Decoder {
-    /// A decoder that has seen nothing.
-    #[must_use]
-    pub const fn new() -> Self {
-        let rejects = Rejects {
-            too_long: 0,
-            malformed: 0,
-            crc: 0,
-            unknown: 0,
-            left_over: 0,
-        };
+    /// A decoder before the first byte.
+    pub fn new() -> Self {
         Self {
             buffer: [0; MAX_STUFFED],
             len: 0,
             overflow: false,
-            rejects,
+            rejects: Rejects::default(),
         }
     }
 
-    /// What could not be used so far.
-    #[must_use]
-    pub const fn rejects(&self) -> Rejects {
+    /// The rejected frames so far.
+    pub fn rejects(&self) -> Rejects {
         self.rejects
     }
 

@@ -1,9 +1,9 @@
-//! Who the rig is.
+//! The identity of a rig.
 //!
-//! [`Hello`] is the one message that must be readable across versions: a host of any age can ask
-//! any rig for it and say what differs. **Its layout is frozen.** Fields are never added, removed,
-//! reordered or given another meaning; what a later rig has to say goes into a new message. The
-//! golden bytes in this module's tests hold that promise.
+//! [`Hello`] must be readable across versions: a host of any version can ask any rig for it, and
+//! report how they differ. **Its layout is frozen.** Fields are never added, removed, reordered or
+//! given another meaning. Whatever a later rig adds goes into a new message. The golden bytes in
+//! this module's tests check this.
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -14,26 +14,15 @@ pub struct Text16(pub [u8; 16]);
 
 impl Text16 {
     /// The first 16 bytes of `text`.
-    #[must_use]
-    #[allow(clippy::indexing_slicing)] // const, so without iterators; the condition bounds both
-    pub const fn new(text: &str) -> Self {
-        let (bytes, mut out) = (text.as_bytes(), [0; 16]);
-        let mut i = 0;
-        while i < bytes.len() && i < out.len() {
-            out[i] = bytes[i];
-            i += 1;
-        }
-        Self(out)
+    pub fn new(text: &str) -> Self {
+        let mut bytes = text.bytes();
+        Self(core::array::from_fn(|_| bytes.next().unwrap_or(0)))
     }
 
-    /// The text up to the padding; what is not printable ASCII ends it.
-    #[must_use]
+    /// The text up to the padding, or up to the first byte that is not printable ASCII.
     pub fn as_str(&self) -> &str {
-        let len = self
-            .0
-            .iter()
-            .position(|b| !(b' '..=b'~').contains(b))
-            .unwrap_or(self.0.len());
+        let printable = self.0.iter().take_while(|b| matches!(b, b' '..=b'~'));
+        let len = printable.count();
         core::str::from_utf8(self.0.get(..len).unwrap_or_default()).unwrap_or_default()
     }
 }
@@ -44,19 +33,18 @@ impl core::fmt::Debug for Text16 {
     }
 }
 
-/// Where the rig's clock comes from: it bounds the error of every time in the recording.
+/// The source of the rig's clock. It limits the error of every time in the recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum ClockSource {
     /// The quartz crystal: some tens of ppm.
     Crystal,
-    /// The internal RC oscillator, because the crystal did not start: about ±1 %, and drifting
-    /// with temperature.
+    /// The internal RC oscillator, because the crystal did not start: about ±1 %, drifts with temperature.
     InternalRc,
     /// Simulated time: exact.
     Simulated,
 }
 
-/// Why the rig last started.
+/// The cause of the rig's last reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum ResetCause {
     /// Power was switched on, or the supply had dropped out.
@@ -65,7 +53,7 @@ pub enum ResetCause {
     Pin,
     /// The watchdog: frames had stopped advancing.
     Watchdog,
-    /// The program asked for it.
+    /// Requested by the program.
     Software,
     /// A low-power mode was entered against its option bytes.
     LowPower,
@@ -73,7 +61,7 @@ pub enum ResetCause {
     Unknown,
 }
 
-/// Who the rig is and how it measures. Frozen: see the module's text.
+/// The identity of a rig, and how it measures. Frozen: see the module's text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Hello {
     /// [`PROTOCOL_VERSION`](crate::schema::PROTOCOL_VERSION) of the rig.
@@ -86,9 +74,9 @@ pub struct Hello {
     pub build: Text16,
     /// The board's unique number.
     pub unique_id: [u8; 12],
-    /// Where the clock comes from.
+    /// The source of the clock.
     pub clock: ClockSource,
-    /// Why the rig last started.
+    /// The cause of the last reset.
     pub reset_cause: ResetCause,
     /// Length of a PWM frame (µs).
     pub frame_us: u32,
@@ -102,11 +90,11 @@ pub struct Hello {
     pub oversampling: u8,
     /// Counts of a sensor at the supply rail.
     pub full_scale_counts: u16,
-    /// Shortest pulse that the board will ever make (µs).
+    /// Shortest pulse that the board makes (µs).
     pub shortest_pulse_us: u16,
-    /// Longest pulse that the board will ever make (µs).
+    /// Longest pulse that the board makes (µs).
     pub longest_pulse_us: u16,
-    /// Frames that stay in the board's memory and can be asked for again.
+    /// Frames that stay in the board's memory and can be sent again.
     pub history_frames: u16,
 }
 

@@ -1,4 +1,4 @@
-//! What the rig and its host must agree on.
+//! The common language of rig and host: units, timing, references and messages.
 //!
 //! ```text
 //!  host                                                            rig
@@ -10,21 +10,21 @@
 //!
 //! Read the modules in this order:
 //!
-//! | module        | what it fixes                                                              |
+//! | module        | content                                                                    |
 //! |---------------|----------------------------------------------------------------------------|
 //! | [`units`]     | pulse widths (µs), sensor counts, degrees, and the scales between them     |
 //! | [`timing`]    | the 20 ms PWM frame and the ten samples in it                              |
 //! | [`mod@reference`] | the reference signals, expanded to one pulse per frame by the same code on both ends |
-//! | [`lease`]     | how long a rig goes on without a sign of life from its host                |
-//! | [`hello`]     | who the rig is: a layout that never changes                                |
-//! | [`message`]   | requests and what the rig answers                                          |
-//! | [`schema`]    | a hash over all messages: unequal ones do not arm                          |
+//! | [`lease`]     | the time for which a rig goes on without a request from its host           |
+//! | [`hello`]     | the identity of a rig, in a layout that never changes                      |
+//! | [`message`]   | requests and answers                                                       |
+//! | [`schema`]    | a hash over all messages: with unequal ones a rig does not arm             |
 //! | [`framing`]   | messages to bytes and back: postcard, CRC-32, COBS, zero bytes around      |
 //!
-//! Everything here is `no_std`, allocates nothing and never panics on what the wire brings.
+//! Everything here is `no_std`, allocates nothing, and does not panic on any received bytes.
 
 #![cfg_attr(not(test), no_std)]
-// What comes over the wire meets no panic here.
+// No received byte may cause a panic.
 #![cfg_attr(
     not(test),
     deny(

@@ -1,21 +1,21 @@
-//! Requests and what the rig answers.
+//! Requests of the host, and messages of the rig.
 //!
 //! Rules of evolution:
 //!
 //! 1. Enums grow at the end only; a variant is never reordered, removed or given another meaning.
-//! 2. A struct inside a message is never changed; what must be said beside it is a new variant.
+//! 2. A struct inside a message is never changed; an addition is a new variant.
 //! 3. Any change alters [`SCHEMA_HASH`](crate::schema::SCHEMA_HASH), and unequal hashes do not arm.
-//! 4. The first variant of [`Command`] and of [`RigMessage`] is unused: the byte that says what a
-//!    message is is never zero, the value that a dead line or blank memory would give.
+//! 4. The first variant of [`Command`] and of [`RigMessage`] is unused. So the byte that names the
+//!    kind of a message is never zero, as it would be from a dead line or blank memory.
 //!
 //! # Requests may be repeated
 //!
-//! A host that hears nothing says the same again. A [`Request`] carries the host's `session` and an
-//! `id` that rises by one with each new request (wrapping); the rig answers a repeated id with the
-//! outcome that it gave before and does nothing else, and refuses an id older than the newest one,
-//! so that a copy that comes late can have no effect. [`Command::Hello`] opens a session; one whose
-//! own session is open already with a newer id is a late copy like any other, so a host that
-//! connects chooses a session by chance and another one where that is refused.
+//! A host without an answer repeats its request. A [`Request`] carries the host's `session` and an
+//! `id` that rises by one with each new request (wrapping). The rig answers a repeated id with the
+//! same outcome as before, and does nothing else. It refuses an id older than the newest one, so a
+//! late copy has no effect. [`Command::Hello`] opens a session, unless that session is already open
+//! with a newer id: then it is a late copy too. So a host that connects chooses a session at random,
+//! and another one if that is refused.
 
 use crate::framing::CRC;
 use crate::hello::Hello;
@@ -33,11 +33,11 @@ pub struct Request {
     pub session: u16,
     /// Rises by one with each new request of the session, wrapping.
     pub id: u16,
-    /// What is asked for.
+    /// The command.
     pub command: Command,
 }
 
-/// What a host may ask for.
+/// The commands of a host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Command {
     /// Never sent: see rule 4.
@@ -51,10 +51,9 @@ pub enum Command {
     Arm(Arm),
     /// Stop pulses. Ends a run first.
     Disarm,
-    /// Begin a run; the rig must be armed and not running. The frames of the run before are
-    /// forgotten.
+    /// Begin a run; the rig must be armed and not running. Drops the frames of the run before.
     Start(Start),
-    /// End the run of that number and go to neutral at the next frame edge. The frame under way is
+    /// End the run of that number and go to neutral at the next frame edge. The present frame is
     /// not part of the run any more.
     Stop {
         /// The run's number.
@@ -62,7 +61,7 @@ pub enum Command {
     },
     /// The host is alive: begins a new lease.
     KeepAlive,
-    /// Send these frames again. Frames that are no longer in memory are passed over.
+    /// Send these frames again. Frames that are no longer in memory are skipped.
     Resend {
         /// The run's number.
         run: u16,
@@ -73,22 +72,22 @@ pub enum Command {
     },
 }
 
-/// What a rig needs to know before it makes a pulse.
+/// The limits of a servo and its sensor, and the lease: all that a rig needs before it makes a pulse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Arm {
     /// The host's [`SCHEMA_HASH`](crate::schema::SCHEMA_HASH).
     pub schema_hash: u64,
-    /// The pulse to rest at.
+    /// The pulse at rest.
     pub neutral: PulseWidth,
-    /// The shortest pulse that this servo may be given.
+    /// The shortest pulse for this servo.
     pub shortest: PulseWidth,
-    /// The longest pulse that this servo may be given.
+    /// The longest pulse for this servo.
     pub longest: PulseWidth,
     /// The smallest reading of a healthy sensor.
     pub sensor_low: Counts,
     /// The largest reading of a healthy sensor.
     pub sensor_high: Counts,
-    /// Frames that a run goes on after the last sign of life from the host; at least one.
+    /// Frames for which a run goes on after the last request of the host; at least one.
     pub lease_frames: u16,
 }
 
@@ -99,7 +98,7 @@ pub struct Start {
     pub run: u16,
     /// Frames at neutral before the reference.
     pub pre_roll_frames: u16,
-    /// What the servo is told.
+    /// The reference.
     pub reference: Reference,
     /// Frames at neutral after the reference.
     pub post_roll_frames: u16,
@@ -107,7 +106,6 @@ pub struct Start {
 
 impl Start {
     /// Length of the whole run (frames).
-    #[must_use]
     pub fn frames(&self) -> u32 {
         u32::from(self.pre_roll_frames)
             .saturating_add(self.reference.frames())
@@ -115,17 +113,13 @@ impl Start {
     }
 
     /// Offset from neutral in frame `index` of the run (µs), or `None` past its end.
-    #[must_use]
     pub fn offset_us(&self, index: u32) -> Option<i16> {
         if index >= self.frames() {
             return None;
         }
         let in_reference = index.checked_sub(u32::from(self.pre_roll_frames));
-        Some(
-            in_reference
-                .and_then(|f| self.reference.offset_us(f))
-                .unwrap_or(0),
-        )
+        let offset_us = in_reference.and_then(|frame| self.reference.offset_us(frame));
+        Some(offset_us.unwrap_or(0))
     }
 }
 
@@ -142,27 +136,27 @@ pub enum RigMessage {
         session: u16,
         /// The request's id.
         id: u16,
-        /// What came of it.
+        /// Its outcome.
         outcome: Outcome,
     },
     /// Answer to [`Command::Status`].
     Status(Status),
     /// One PWM frame of a run, live or sent again.
     Frame(Frame),
-    /// A run has ended. Said once on its own; [`Status`] repeats it.
+    /// A run has ended. Sent once; [`Status`] repeats it.
     Ended(Ended),
 }
 
-/// What came of a request.
+/// The outcome of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Outcome {
     /// Done, or already so.
     Done,
-    /// Not done, and why.
+    /// Not done, for this reason.
     Refused(Refusal),
 }
 
-/// Why a request was refused. Nothing has changed when one is.
+/// The reason why a request was refused. A refused request changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Refusal {
     /// The session was never opened, or another host has opened one since.
@@ -173,23 +167,23 @@ pub enum Refusal {
     SchemaDiffers,
     /// The rig is not armed.
     NotArmed,
-    /// A run is under way.
+    /// The rig is running.
     Running,
-    /// The limits or the neutral pulse leave what the board allows, or contradict each other.
+    /// The limits or the neutral pulse exceed those of the board, or contradict each other.
     BadLimits,
     /// The reference leaves the limits.
     BeyondLimits,
     /// The reference is empty, too long or contradicts itself.
     BadReference,
-    /// That run is neither under way nor the last one.
+    /// That run is neither the present one nor the last one.
     UnknownRun,
     /// The sensor reads outside its healthy range.
     SensorOutOfRange,
-    /// The run's number is that of the run before: its frames could be taken for the old ones.
+    /// The run's number is that of the run before: their frames could be confused.
     RunRepeated,
 }
 
-/// One PWM frame of a run: the pulse that was *applied*, and the samples taken during it.
+/// One PWM frame of a run: the *applied* pulse, and the samples taken during it.
 ///
 /// At most 40 bytes on the wire while the counts take two bytes each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -198,22 +192,22 @@ pub struct Frame {
     pub run: u16,
     /// Frames since the run's first one.
     pub index: u16,
-    /// The pulse that was on the line in this frame; never zero.
+    /// The pulse on the line in this frame; never zero.
     pub pulse: PulseWidth,
     /// The samples, in order.
     pub samples: [Counts; SAMPLES_PER_FRAME],
 }
 
-/// How a run ended.
+/// The reason for the end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum EndReason {
-    /// The reference and the post-roll are through.
+    /// The reference and the post-roll are complete.
     Complete,
-    /// The host asked for it.
+    /// The host stopped the run.
     Stopped,
-    /// The host asked for the pulses to stop.
+    /// The host stopped the pulses.
     Disarmed,
-    /// No sign of life from the host for a whole lease.
+    /// No request of the host for a whole lease.
     LeaseLapsed,
     /// The sensor read outside its healthy range five times in a row.
     SensorOutOfRange,
@@ -224,24 +218,24 @@ pub enum EndReason {
 pub struct Ended {
     /// The run's number.
     pub run: u16,
-    /// Why.
+    /// The reason.
     pub reason: EndReason,
-    /// Frames that the run had: indices `0..frames`.
+    /// Frames of the run: indices `0..frames`.
     pub frames: u16,
-    /// Frames that the board itself failed to catch; their indices will never come.
+    /// Frames that the board itself lost; their indices never come.
     pub frames_lost_on_board: u16,
-    /// [`RunCheck`] over every frame that the board caught, in order.
+    /// [`RunCheck`] over all captured frames, in order.
     pub check: u32,
 }
 
-/// What the rig is doing.
+/// The present activity of the rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Activity {
     /// No pulses.
     Idle,
     /// Pulses at neutral; no run yet.
     Armed,
-    /// A run is under way.
+    /// A run.
     Running {
         /// The run's number.
         run: u16,
@@ -252,25 +246,25 @@ pub enum Activity {
     Ended(Ended),
 }
 
-/// How the rig and its link are.
+/// The state of the rig and its link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Status {
-    /// What the rig is doing.
+    /// The present activity.
     pub activity: Activity,
     /// The newest sensor reading.
     pub sensor: Counts,
     /// PWM frames since the rig started.
     pub frames_since_start: u32,
-    /// PWM frames that the board failed to catch since it started.
+    /// PWM frames that the board has lost since it started.
     pub frames_lost_on_board: u32,
-    /// Requests that the rig could not read since it started, all classes together.
+    /// Rejected frames since the rig started.
     pub rejects: u32,
-    /// The most frames that ever waited to be sent.
+    /// Largest number of frames that have waited to be sent.
     pub backlog_high_water: u16,
 }
 
-/// CRC-32 over the frames of a run, kept by the rig and again by the host: equal values prove that
-/// the recording is the run.
+/// CRC-32 over the frames of a run. Rig and host each compute it; equal values prove that the
+/// recording is the run.
 ///
 /// ```
 /// use servoid_protocol::{Counts, Frame, PulseWidth, RunCheck};
@@ -292,12 +286,11 @@ impl Default for RunCheck {
 
 impl RunCheck {
     /// The check of no frame.
-    #[must_use]
     pub fn new() -> Self {
         Self(CRC.digest())
     }
 
-    /// Takes in the next frame. The run's number is left out: it names the run, it is not in it.
+    /// Adds the next frame, without the run's number: that names the run, it is not in it.
     pub fn update(&mut self, frame: &Frame) {
         self.0.update(&frame.index.to_le_bytes());
         self.0.update(&frame.pulse.0.to_le_bytes());
@@ -307,7 +300,6 @@ impl RunCheck {
     }
 
     /// The check of the frames so far.
-    #[must_use]
     pub fn value(&self) -> u32 {
         self.0.clone().finalize()
     }

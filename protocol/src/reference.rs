@@ -1,29 +1,28 @@
 //! The reference signals.
 //!
-//! A reference is a short description that fits one message; both ends expand it with the same
+//! A reference is a short description that fits one message. Both ends expand it with the same
 //! code, [`Reference::offset_us`], to one pulse offset per PWM frame. Offsets are whole
-//! microseconds from neutral, holds are whole frames: so the edge of every step lies on a frame
-//! edge, and what the host puts into its regressor is what the servo was told.
+//! microseconds from neutral, and holds are whole frames. So the edge of every step lies on a frame
+//! edge, and the host's regressor has the same input as the servo.
 //!
-//! | reference     | crest factor | where its power is (f in Hz)                       | what it is for              |
+//! | reference     | crest factor | power (f in Hz)                                    | use                         |
 //! |---------------|--------------|----------------------------------------------------|-----------------------------|
 //! | [`Staircase`] | 1            | falls as 1/f², no gaps                             | the paper's: step response  |
 //! | [`Stairs`]    | 1.2 - 1.7    | falls as 1/f², gaps at multiples of 1/hold         | limits, levels, asymmetry   |
 //! | [`Prbs`]      | 1            | even up to 0.44/chip, gap at 1/chip                | the linear response, fast   |
 //! | [`Sweep`]     | 1.41         | even from its lowest to its highest frequency      | resonances, seen by eye     |
-//! | [`Multisine`] | about 1.7    | on its tones and nowhere else, all alike           | the frequency response      |
-//! | [`Steps`]     | its table's  | its table's                                        | whatever else               |
+//! | [`Multisine`] | about 1.7    | on its tones only, equal on all of them            | the frequency response      |
+//! | [`Steps`]     | its table's  | its table's                                        | anything else               |
 //!
-//! The crest factor is the largest offset over the root mean square. What changes once per frame
-//! carries the frame's hold too: power times (sin πx/πx)², x = f·20 ms, which is -0.6 dB at 10 Hz and
+//! The crest factor is the largest offset over the root mean square. Since offsets change once per
+//! frame, the frame's hold multiplies the power by (sin πx/πx)², x = f·20 ms: -0.6 dB at 10 Hz,
 //! -3.9 dB at 25 Hz.
 //!
-//! Every expansion is a function of the frame's number alone, in whole numbers, and takes a bounded
-//! number of steps: the board has no floating point unit, may lose a frame, and knows the next pulse
-//! all the same.
+//! Every expansion is a function of the frame's number alone, in whole numbers, with a bounded
+//! number of steps. The board has no floating point unit, and after a lost frame it still needs the
+//! next pulse.
 
 mod amplitude;
-mod highest_frequency;
 mod multisine;
 mod prbs;
 mod sine;
@@ -32,7 +31,7 @@ mod stairs;
 mod steps;
 mod sweep;
 
-pub use highest_frequency::HIGHEST_MILLIHERTZ;
+pub use crate::timing::HIGHEST_MILLIHERTZ;
 pub use multisine::{MAX_TONES, Multisine};
 pub use prbs::Prbs;
 pub use staircase::Staircase;
@@ -64,8 +63,7 @@ pub enum Reference {
 }
 
 impl Reference {
-    /// What it is called: on the command line and in recordings.
-    #[must_use]
+    /// Its name on the command line and in recordings.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Staircase(_) => "staircase",
@@ -78,7 +76,6 @@ impl Reference {
     }
 
     /// Length (frames).
-    #[must_use]
     pub fn frames(&self) -> u32 {
         match self {
             Self::Staircase(staircase) => staircase.frames(),
@@ -91,7 +88,6 @@ impl Reference {
     }
 
     /// Offset from neutral in frame `frame` (µs), or `None` past the end.
-    #[must_use]
     pub fn offset_us(&self, frame: u32) -> Option<i16> {
         match self {
             Self::Staircase(staircase) => staircase.offset_us(frame),
@@ -114,9 +110,7 @@ impl Reference {
         (0..self.frames()).map_while(move |frame| self.offset_us(frame))
     }
 
-    /// The smallest and the largest offset from neutral that it may take (µs): what travel limits
-    /// are checked against.
-    #[must_use]
+    /// The smallest and the largest possible offset from neutral (µs), for the check of travel limits.
     pub fn extremes_us(&self) -> (i16, i16) {
         let to_both_sides = |amplitude_us| (-amplitude(amplitude_us), amplitude(amplitude_us));
         match self {
@@ -129,8 +123,7 @@ impl Reference {
         }
     }
 
-    /// Whether the description makes sense: something moves, and it ends.
-    #[must_use]
+    /// Whether the description is valid: something moves, and it ends.
     pub fn is_well_formed(&self) -> bool {
         match self {
             Self::Staircase(staircase) => staircase.is_well_formed(),

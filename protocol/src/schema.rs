@@ -1,9 +1,9 @@
-//! What the messages look like, in one number.
+//! The layout of all messages, as one number.
 
 use crate::message::{Request, RigMessage};
 use postcard_schema::key::Key;
 
-/// Number of the wire protocol; raised when messages change in a way that the schema cannot show.
+/// Number of the wire protocol. It rises when messages change in a way that the schema does not show.
 pub const PROTOCOL_VERSION: u16 = 1;
 
 /// Hash (FNV-1a, 64 bit) over the schema of every message, and over the protocol's version.

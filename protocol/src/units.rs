@@ -1,9 +1,9 @@
 //! Pulse widths, sensor counts and degrees.
 //!
-//! The board knows microseconds and counts only; degrees come from the user's rig file. A
+//! The board uses microseconds and counts only; degrees follow from the user's rig file. A
 //! [`ServoScale`] turns commanded degrees into pulses, a [`SensorScale`] turns counts into measured
-//! degrees. Both keep a sign, because a servo may turn either way with a longer pulse and a sensor
-//! may be mounted either way round.
+//! degrees. Both have a sign: a longer pulse may turn a servo either way, and a sensor may be mounted
+//! either way round.
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -19,8 +19,7 @@ impl PulseWidth {
     /// Half of the usual range of 1-2 ms: the neutral of most R/C servos.
     pub const NEUTRAL: Self = Self(1500);
 
-    /// The width `offset_us` away from this one, or `None` where that leaves the number range.
-    #[must_use]
+    /// The width `offset_us` away from this one, or `None` outside the number range.
     pub fn offset_by(self, offset_us: i16) -> Option<Self> {
         self.0.checked_add_signed(offset_us).map(Self)
     }
@@ -28,7 +27,7 @@ impl PulseWidth {
 
 /// One sample of the angle sensor: the sum of the ADC's repeated 12-bit conversions.
 ///
-/// [`Hello`](crate::Hello) says how many conversions are summed and what full scale is.
+/// [`Hello`](crate::Hello) gives the number of conversions and the full scale.
 #[derive(
     Clone,
     Copy,
@@ -47,8 +46,8 @@ impl PulseWidth {
 pub struct Counts(pub u16);
 
 impl Counts {
-    /// The largest value that still takes two bytes on the wire (14 bits: a varint's two groups of
-    /// seven). A rig's full scale stays at or below it, so that a frame stays within 40 bytes.
+    /// The largest value that takes two bytes on the wire (14 bits: a varint's two groups of seven).
+    /// No rig's full scale exceeds it, so a frame takes at most 40 bytes.
     pub const MAX_TWO_BYTES: Self = Self((1 << 14) - 1);
 }
 
@@ -57,7 +56,7 @@ impl Counts {
 #[repr(transparent)]
 pub struct Degrees(pub f64);
 
-/// How a servo turns pulse width into angle: `angle = (pulse - neutral) / us_per_degree`.
+/// The scale of a servo: `angle = (pulse - neutral) / us_per_degree`.
 ///
 /// A negative `us_per_degree` means that a longer pulse turns the servo the other way.
 ///
@@ -78,21 +77,19 @@ pub struct ServoScale {
 
 impl ServoScale {
     /// The angle that `pulse` commands.
-    #[must_use]
     pub fn degrees(&self, pulse: PulseWidth) -> Degrees {
         Degrees((f64::from(pulse.0) - f64::from(self.neutral.0)) / self.us_per_degree)
     }
 
     /// The pulse, to the nearest microsecond, that commands `angle`; `None` where none exists.
-    #[must_use]
     pub fn pulse(&self, angle: Degrees) -> Option<PulseWidth> {
         let us = round_half_up(f64::from(self.neutral.0) + angle.0 * self.us_per_degree);
-        // Written so that NaN falls out as well.
+        // This order of comparisons excludes NaN as well.
         (us >= 0.0 && us <= f64::from(u16::MAX)).then_some(PulseWidth(us as u16))
     }
 }
 
-/// How sensor counts become an angle: `angle = (counts - zero_counts) · degrees_per_count`.
+/// The scale of a sensor: `angle = (counts - zero_counts) · degrees_per_count`.
 ///
 /// ```
 /// use servoid_protocol::{Counts, Degrees, SensorScale};
@@ -101,21 +98,20 @@ impl ServoScale {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorScale {
-    /// The counts at 0 degrees; may lie between two counts.
+    /// The counts at 0 degrees, not necessarily a whole number.
     pub zero_counts: f64,
     /// Change of the angle for one count (deg).
     pub degrees_per_count: f64,
 }
 
 impl SensorScale {
-    /// The angle that `counts` stands for.
-    #[must_use]
+    /// The angle at `counts`.
     pub fn degrees(&self, counts: Counts) -> Degrees {
         Degrees((f64::from(counts.0) - self.zero_counts) * self.degrees_per_count)
     }
 }
 
-/// `f64::round` lives in `std`; pulse widths are positive, so adding a half and truncating does.
+/// `f64::round` needs `std`. For positive widths, adding a half and truncating is the same.
 fn round_half_up(x: f64) -> f64 {
     if x > 0.0 && x < 1e9 {
         (x + 0.5) as u32 as f64

@@ -4,9 +4,8 @@
 //! 8-12).
 
 use crate::bench::BENCH;
-use crate::conditions::Conditions;
 use crate::load::AerodynamicLoad;
-use crate::motor::{MotorParameters, MotorServo};
+use crate::motor::MotorParameters;
 use std::f64::consts::TAU;
 
 /// The supply under load, relative to nominal: scales stall torque and no-load speed.
@@ -36,13 +35,3 @@ pub const LOAD: AerodynamicLoad = AerodynamicLoad {
     rotor_speed: 1400.0 / 60.0 * TAU,
     rotor_phase: 0.0,
 };
-
-/// An aircraft servo under `conditions`.
-#[must_use]
-pub fn servo(conditions: &Conditions) -> MotorServo {
-    let load = AerodynamicLoad {
-        rotor_phase: conditions.rotor_phase,
-        ..LOAD
-    };
-    MotorServo::new(conditions.applied_to(AIRCRAFT), Some(load))
-}

@@ -3,8 +3,7 @@
 //! The parameters were fitted to the figures of the paper (its Figs 4-7). So the simulated servo reproduces these
 //! figures by construction, which is no evidence about the real one. Above all, the inertia is an effective value.
 
-use crate::conditions::Conditions;
-use crate::motor::{MotorParameters, MotorServo};
+use crate::motor::MotorParameters;
 use std::time::Duration;
 
 /// The bench servo at its nominal supply.
@@ -22,9 +21,3 @@ pub const BENCH: MotorParameters = MotorParameters {
     latency: Duration::from_micros(21_500),
     stops: None,
 };
-
-/// A bench servo under `conditions`.
-#[must_use]
-pub fn servo(conditions: &Conditions) -> MotorServo {
-    MotorServo::new(conditions.applied_to(BENCH), None)
-}

@@ -11,35 +11,21 @@ use std::future::poll_fn;
 use std::rc::Rc;
 use std::task::Poll;
 
-/// The clock of a simulated board. Clones are the same clock.
-#[derive(Clone, Debug, Default)]
-pub struct FrameClock(Rc<Cell<u64>>);
-
-impl FrameClock {
-    /// A clock before the first frame.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Advances by one PWM frame.
-    pub fn tick(&self) {
-        self.0.set(self.0.get() + 1);
-    }
-}
+/// Frames so far, shared by a board and its driver.
+pub type FrameClock = Rc<Cell<u64>>;
 
 /// Gets each frame as it is sampled.
 pub type Observer = Box<dyn FnMut(&SimulatedFrame)>;
 
 /// A [`Board`] over an [`Apparatus`].
 ///
-/// [`Board::next_frame`] is pending until the [`FrameClock`] ticks, once for each frame. It wakes no task: the caller
-/// that ticks also polls.
+/// [`Board::next_frame`] is pending until the [`FrameClock`] counts one more frame. It wakes no task: the driver
+/// of the clock also polls.
 pub struct SimulatedBoard {
     apparatus: Apparatus,
     clock: FrameClock,
     observer: Observer,
-    /// Frames that the rig has been given.
+    /// Frames that the rig has taken.
     taken: u64,
     /// The pulse from the next frame edge on.
     pulse: Option<PulseWidth>,
@@ -48,9 +34,6 @@ pub struct SimulatedBoard {
 
 impl SimulatedBoard {
     /// A board that was just switched on. `observer` gets every frame, with its true angles.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option has an invalid value.
     pub fn new(
         options: &SimulationOptions,
         clock: FrameClock,
@@ -90,12 +73,9 @@ impl Board for SimulatedBoard {
     }
 
     async fn next_frame(&mut self) -> CapturedFrame {
-        poll_fn(|_| {
-            if self.taken < self.clock.0.get() {
-                Poll::Ready(())
-            } else {
-                Poll::Pending
-            }
+        poll_fn(|_| match self.clock.get() {
+            frames if self.taken < frames => Poll::Ready(()),
+            _ => Poll::Pending,
         })
         .await;
         // No await from here on, so a dropped future has not taken the frame.
@@ -103,7 +83,7 @@ impl Board for SimulatedBoard {
         let frame = self.apparatus.frame(self.pulse);
         (self.observer)(&frame);
         CapturedFrame {
-            number: frame.number as u32, // wraps, as the trait says
+            number: frame.number as u32, // wraps, as the trait allows
             pulse: frame.pulse,
             samples: frame.samples,
         }

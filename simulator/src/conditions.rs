@@ -58,7 +58,6 @@ impl Default for Conditions {
 
 impl Conditions {
     /// `motor` under these conditions.
-    #[must_use]
     pub fn applied_to(&self, motor: MotorParameters) -> MotorParameters {
         MotorParameters {
             stall_torque: motor.stall_torque * self.supply,
@@ -70,17 +69,8 @@ impl Conditions {
         }
     }
 
-    /// These conditions as they come out in the run of `seed`: each part that `scatter` names is
-    /// drawn around its value here.
-    ///
-    /// | part     | drawn                                               |
-    /// |----------|-----------------------------------------------------|
-    /// | clock    | phase uniform over the 2 ms of the servo's own loop |
-    /// | supply   | normal, standard deviation 1 %                      |
-    /// | friction | normal, standard deviation 20 %                     |
-    /// | sensor   | gain normal, standard deviation 0.1 %               |
-    /// | rotor    | phase uniform over the turn                         |
-    #[must_use]
+    /// The conditions of the run of `seed`: each part that `scatter` names is drawn around its value here.
+    /// Supply, friction and the sensor's gain are normal; the phases are uniform over their period.
     pub fn scattered(mut self, scatter: Scatter, seed: u64) -> Self {
         let mut random = stream(seed, Stream::Scatter);
         // All parts are drawn in any case, so the value of one does not depend on the choice of others.
@@ -89,21 +79,13 @@ impl Conditions {
         let supply = factor(&mut random, SUPPLY_SD);
         let friction = factor(&mut random, FRICTION_SD);
         let sensor = factor(&mut random, SENSOR_GAIN_SD);
-        if scatter.clock {
-            self.clock_phase += Duration::from_secs_f64(clock);
-        }
-        if scatter.rotor {
-            self.rotor_phase += rotor;
-        }
-        if scatter.supply {
-            self.supply *= supply;
-        }
-        if scatter.friction {
-            self.friction *= friction;
-        }
-        if scatter.sensor {
-            self.sensor_gain *= sensor;
-        }
+        let phase = |is_drawn: bool, drawn: f64| if is_drawn { drawn } else { 0.0 };
+        let gain = |is_drawn: bool, drawn: f64| if is_drawn { drawn } else { 1.0 };
+        self.clock_phase += Duration::from_secs_f64(phase(scatter.clock, clock));
+        self.rotor_phase += phase(scatter.rotor, rotor);
+        self.supply *= gain(scatter.supply, supply);
+        self.friction *= gain(scatter.friction, friction);
+        self.sensor_gain *= gain(scatter.sensor, sensor);
         self
     }
 }

@@ -20,15 +20,11 @@ impl DelayLine {
         }
     }
 
-    /// A command given at `at`. Commands come in the order of their times; one that is out of order
-    /// acts together with the one before it.
+    /// A command given at `at`. A command that is out of order acts together with the one before it.
     pub(crate) fn push(&mut self, at: Duration, pulse: Option<PulseWidth>) {
-        let newest = self
-            .waiting
-            .back()
-            .map_or(Duration::ZERO, |(acts, _)| *acts);
-        self.waiting
-            .push_back(((at + self.delay).max(newest), pulse));
+        let newest = self.waiting.back().map_or(Duration::ZERO, |last| last.0);
+        let acts = (at + self.delay).max(newest);
+        self.waiting.push_back((acts, pulse));
     }
 
     /// The next command that acts at or before `at`, with the time at which it acts.

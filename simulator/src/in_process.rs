@@ -5,7 +5,7 @@
 //! leases and time-outs have the same meaning as on a real rig.
 
 use crate::apparatus::{FRAME, SimulatedFrame};
-use crate::board::{FrameClock, Observer, SimulatedBoard};
+use crate::board::{FrameClock, SimulatedBoard};
 use crate::options::{OptionsError, SimulationOptions};
 use crate::serial_line::{RigEnd, SerialLine};
 use servoid_firmware::serve;
@@ -44,30 +44,23 @@ pub struct InProcessRig {
     line: Rc<RefCell<SerialLine>>,
     now: Duration,
     next_edge: Duration,
-    /// The instant of simulated time 0, when simulated time follows the clock on the wall.
+    /// The instant of simulated time 0, if simulated time follows the clock on the wall.
     started: Option<Instant>,
 }
 
 impl InProcessRig {
     /// A rig that was just switched on.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option has an invalid value.
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
         Self::observed(options, |_| {})
     }
 
     /// A rig that passes every PWM frame to `observer`, with the true angles behind its samples.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option has an invalid value.
     pub fn observed(
         options: &SimulationOptions,
         observer: impl FnMut(&SimulatedFrame) + 'static,
     ) -> Result<Self, OptionsError> {
-        let clock = FrameClock::new();
-        let observer: Observer = Box::new(observer);
-        let mut board = SimulatedBoard::new(options, clock.clone(), observer)?;
+        let clock = FrameClock::default();
+        let mut board = SimulatedBoard::new(options, clock.clone(), Box::new(observer))?;
         let line = Rc::new(RefCell::new(SerialLine::new(options.line)));
         let mut link = RigEnd(line.clone());
         Ok(Self {
@@ -81,13 +74,11 @@ impl InProcessRig {
     }
 
     /// Simulated time since the rig was switched on.
-    #[must_use]
     pub fn now(&self) -> Duration {
         self.now
     }
 
-    /// Whether simulated time follows the clock on the wall, whoever reads.
-    #[must_use]
+    /// Whether simulated time follows the clock on the wall.
     pub fn is_realtime(&self) -> bool {
         self.started.is_some()
     }
@@ -120,13 +111,11 @@ impl InProcessRig {
         self.line.borrow_mut().advance(to - self.now);
         self.now = to;
         if self.now == self.next_edge {
-            self.clock.tick();
+            self.clock.set(self.clock.get() + 1);
             self.next_edge += FRAME;
         }
         // One poll is enough: it checks both the frame and the link.
-        let _ = self
-            .rig
-            .as_mut()
-            .poll(&mut Context::from_waker(Waker::noop()));
+        let mut context = Context::from_waker(Waker::noop());
+        let _ = self.rig.as_mut().poll(&mut context);
     }
 }

@@ -10,23 +10,13 @@
 //!                          InProcessRig: read, write, simulated time
 //! ```
 //!
-//! | module        | content                                                            |
-//! |---------------|--------------------------------------------------------------------|
-//! | [`servo`]     | the trait of all simulated servos; pulses to commanded angles       |
-//! | [`motor`]     | the equations of a digital position servo                          |
-//! | [`mod@bench`] | that servo on the bench                                            |
-//! | [`aircraft`]  | the same servo in an aircraft, under [`load`]                      |
-//! | [`linear`]    | a linear servo whose step response is known exactly                |
-//! | [`conditions`] | differences between two runs of the same servo                    |
-//! | [`noise`]     | noise of the measured angle                                        |
-//! | [`sensor`]    | the Hall sensor, its divider and the ADC                           |
-//! | [`options`]   | all options, and their text after `sim:`                           |
-//! | [`board`]     | a native board for the firmware's library                          |
-//! | [`in_process`] | the rig on that board, driven by its caller                       |
+//! A servo is one of three: the motor of the bench, the same motor in an aircraft, or a [`linear`] one
+//! whose step response is known exactly. [`SimulationOptions`] choose it, with noise, faults of the sensor
+//! and differences from run to run; they are also the text after `sim:`.
 //!
-//! [`simulate`] leaves out the rig and the wire. All of it is deterministic: equal
-//! [`SimulationOptions`] and equal calls give equal bytes on every machine with the same libm.
-//! Angles are in degrees outside the servos' equations, times in [`std::time::Duration`].
+//! [`simulate`] leaves out the rig and the wire. Everything is deterministic: equal options and equal
+//! calls give equal bytes on every machine with the same libm. Angles are in degrees outside the servos'
+//! equations.
 
 // Text from users after `sim:` must not cause a panic.
 #![cfg_attr(
@@ -41,30 +31,30 @@
     )
 )]
 
+mod aircraft;
 mod apparatus;
+mod bench;
+mod board;
+mod conditions;
 mod delay_line;
+mod in_process;
+mod load;
+mod motor;
+mod noise;
+mod options;
 mod parts;
 mod random;
 mod serial_line;
+mod servo;
 mod simulate;
 
-pub mod aircraft;
-pub mod bench;
-pub mod board;
-pub mod conditions;
-pub mod in_process;
 pub mod linear;
-pub mod load;
-pub mod motor;
-pub mod noise;
-pub mod options;
 pub mod sensor;
-pub mod servo;
 
-pub use apparatus::{Apparatus, Sample, SimulatedFrame};
-pub use board::{FrameClock, SimulatedBoard};
+pub use apparatus::SimulatedFrame;
 pub use conditions::{Conditions, Scatter};
 pub use in_process::InProcessRig;
+pub use noise::{Noise, NoiseKind};
 pub use options::{LineSpeed, OptionsError, ServoKind, SimulationOptions};
 pub use parts::Parts;
 pub use sensor::SENSOR_SCALE;

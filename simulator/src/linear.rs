@@ -8,12 +8,12 @@
 //! delay. A missing pulse leaves the command unchanged.
 
 use crate::delay_line::DelayLine;
-use crate::servo::{Servo, commanded_degrees};
+use crate::servo::{SERVO_SCALE, Servo};
 use servoid_protocol::PulseWidth;
 use std::time::Duration;
 
 /// Distance of ζ² from 1 below which the poles count as equal. There the two solutions differ by
-/// about ζ²-1 relative, less than what the cancellation in the unequal one would cost.
+/// about ζ²-1 relative, less than the cancellation error of the unequal one.
 const EQUAL_POLES: f64 = 1e-9;
 
 /// K, ζ, ω and L.
@@ -54,7 +54,6 @@ impl LinearParameters {
     /// let peak = servo.step_response(0.0215 + std::f64::consts::PI / (60.0 * root));
     /// assert!((peak - (1.0 + (-std::f64::consts::PI * 0.5 / root).exp())).abs() < 1e-12);
     /// ```
-    #[must_use]
     pub fn step_response(&self, t: f64) -> f64 {
         let t = t - self.delay.as_secs_f64();
         if t <= 0.0 {
@@ -120,7 +119,6 @@ pub struct LinearServo {
 
 impl LinearServo {
     /// A servo at rest at 0 degrees.
-    #[must_use]
     pub fn new(parameters: LinearParameters) -> Self {
         Self {
             parameters,
@@ -152,7 +150,9 @@ impl Servo for LinearServo {
     fn angle(&mut self, at: Duration) -> f64 {
         self.latest = self.latest.max(at);
         while let Some((acts, pulse)) = self.commands.pop_due(self.latest) {
-            let target = pulse.map_or(self.target, |p| self.parameters.gain * commanded_degrees(p));
+            let target = pulse.map_or(self.target, |p| {
+                self.parameters.gain * SERVO_SCALE.degrees(p).0
+            });
             // An equal pulse is skipped, which avoids its rounding.
             if target != self.target {
                 self.state = self.state_at(acts);
@@ -227,7 +227,7 @@ mod tests {
                 let pulse = 1500 + (frame * frame * 7 % 11) as u16 * 10;
                 let at = Duration::from_millis(20 * frame);
                 servo.command(at, Some(PulseWidth(pulse)));
-                let angle = commanded_degrees(PulseWidth(pulse));
+                let angle = SERVO_SCALE.degrees(PulseWidth(pulse)).0;
                 steps.push((at.as_secs_f64(), angle - before));
                 before = angle;
                 for j in 0..10 {

@@ -35,7 +35,6 @@ pub struct AerodynamicLoad {
 
 impl AerodynamicLoad {
     /// τload (N m) at time `t` (s), servo angle `angle` (rad) and speed `speed` (rad/s).
-    #[must_use]
     pub fn torque(&self, t: f64, angle: f64, speed: f64) -> f64 {
         let p = self.surface_offset + self.surface_gain * angle.to_degrees();
         let beyond = (p - self.stiffening_from).max(0.0);

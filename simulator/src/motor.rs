@@ -19,7 +19,7 @@
 //! the loop measures, and the output, where the sensor sits.
 //!
 //! Integrated by semi-implicit Euler (speed first, then angle) on a fixed grid of [`GRID`]; between
-//! grid points θ goes straight, as the scheme itself says. A pulse comes into force at the first grid
+//! grid points θ is linear, as in the scheme itself. A pulse takes effect at the first grid
 //! point that is not before its time.
 //!
 //! Without pulses the motor is off: no torque, no braking, the shaft coasts and follows the load.
@@ -27,7 +27,7 @@
 
 use crate::delay_line::DelayLine;
 use crate::load::AerodynamicLoad;
-use crate::servo::{Servo, commanded_degrees};
+use crate::servo::{SERVO_SCALE, Servo};
 use servoid_protocol::PulseWidth;
 use std::time::Duration;
 
@@ -91,7 +91,6 @@ pub struct MotorServo {
 
 impl MotorServo {
     /// A servo at rest at 0 degrees, without pulses.
-    #[must_use]
     pub fn new(parameters: MotorParameters, load: Option<AerodynamicLoad>) -> Self {
         Self {
             commands: DelayLine::new(parameters.latency),
@@ -111,7 +110,7 @@ impl MotorServo {
     /// Commands that have come into force by the present grid point.
     fn take_commands(&mut self) {
         while let Some((_, pulse)) = self.commands.pop_due(grid_time(self.step)) {
-            self.target = pulse.map(|p| commanded_degrees(p).to_radians());
+            self.target = pulse.map(|p| SERVO_SCALE.degrees(p).0.to_radians());
         }
     }
 

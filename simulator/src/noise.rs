@@ -21,7 +21,7 @@ use rand_distr::StandardNormal;
 
 /// Standard deviation of the white part of a sample (deg).
 const WHITE_SD: f64 = 0.02;
-/// Standard deviation of what drives the autoregressive part (deg).
+/// Standard deviation of the drive of the autoregressive part (deg).
 const DRIVE_SD: f64 = 0.015;
 /// v(k) = `AR`\[0\] v(k-1) + `AR`\[1\] v(k-2) + drive.
 const AR: [f64; 2] = [1.5, -0.7];
@@ -53,7 +53,6 @@ pub struct Noise {
 
 impl Noise {
     /// The noise of `seed`, stationary from the first sample on.
-    #[must_use]
     pub fn new(kind: NoiseKind, seed: u64) -> Self {
         let mut noise = Self {
             kind,

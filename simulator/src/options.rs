@@ -13,9 +13,9 @@ use thiserror::Error;
 /// Which servo is simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ServoKind {
-    /// [Free on the bench](crate::bench).
+    /// Free on the bench.
     Bench,
-    /// [In the aircraft](crate::aircraft).
+    /// In the aircraft: loaded, with a lower supply.
     Aircraft,
     /// [Linear](crate::linear), with a known step response.
     Linear(LinearParameters),
@@ -23,7 +23,6 @@ pub enum ServoKind {
 
 impl ServoKind {
     /// Its name after `sim:`.
-    #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
             Self::Bench => "bench",
@@ -108,7 +107,6 @@ pub struct SimulationOptions {
 
 impl SimulationOptions {
     /// `servo` with everything else at its default.
-    #[must_use]
     pub fn new(servo: ServoKind) -> Self {
         Self {
             servo,
@@ -129,28 +127,22 @@ impl SimulationOptions {
             if holds {
                 Ok(())
             } else {
-                Err(OptionsError::OutOfRange { key, expected })
+                Err(OptionsError::OutOfRange(key, expected))
             }
         };
         let positive = |x: f64| x > 0.0 && x.is_finite();
         let c = &self.conditions;
         require(positive(c.supply), "supply", POSITIVE)?;
-        require(
-            c.friction >= 0.0 && c.friction.is_finite(),
-            "friction",
-            NOT_NEGATIVE,
-        )?;
+        let not_negative = c.friction >= 0.0 && c.friction.is_finite();
+        require(not_negative, "friction", NOT_NEGATIVE)?;
         require(positive(c.sensor_gain), "sensor-gain", POSITIVE)?;
         require(c.sensor_zero.is_finite(), "sensor-zero-deg", NUMBER)?;
         let are_stops = |(low, high): (f64, f64)| low < 0.0 && high > 0.0;
         require(c.stops.is_none_or(are_stops), "stops-deg", STOPS)?;
         require(c.rotor_phase.is_finite(), "rotor-phase-deg", NUMBER)?;
         require(c.clock_phase <= LONGEST, "clock-phase-ms", MILLISECONDS)?;
-        require(
-            u32::from(self.first_sample_us) < SAMPLE_US,
-            "first-sample-us",
-            FIRST_SAMPLE,
-        )?;
+        let in_time = u32::from(self.first_sample_us) < SAMPLE_US;
+        require(in_time, "first-sample-us", FIRST_SAMPLE)?;
         // Ten bits a byte: at least one byte a second.
         require(!matches!(self.line, LineSpeed::Baud(0..10)), "baud", BAUD)?;
         if let ServoKind::Linear(p) = &self.servo {
@@ -190,13 +182,8 @@ pub enum OptionsError {
     #[error("the option `{0}` is given twice")]
     Twice(String),
     /// The key does not apply to this servo.
-    #[error("the option `{key}` does not apply to the {servo} servo")]
-    NotForThisServo {
-        /// The key.
-        key: String,
-        /// The servo.
-        servo: &'static str,
-    },
+    #[error("the option `{0}` does not apply to the {1} servo")]
+    NotForThisServo(String, &'static str),
     /// The text after the key cannot be read.
     #[error("the option `{key}` must be {expected}, not `{value}`")]
     BadValue {
@@ -207,12 +194,7 @@ pub enum OptionsError {
         /// The values that it takes.
         expected: &'static str,
     },
-    /// A value beyond what can be simulated.
-    #[error("the option `{key}` must be {expected}")]
-    OutOfRange {
-        /// The key.
-        key: &'static str,
-        /// The values that it takes.
-        expected: &'static str,
-    },
+    /// A value that cannot be simulated.
+    #[error("the option `{0}` must be {1}")]
+    OutOfRange(&'static str, &'static str),
 }

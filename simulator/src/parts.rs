@@ -1,15 +1,20 @@
 //! The parts of every simulated rig: servo, sensor and noise.
 
+use crate::aircraft::{AIRCRAFT, LOAD};
+use crate::bench::BENCH;
+use crate::linear::LinearServo;
+use crate::load::AerodynamicLoad;
+use crate::motor::MotorServo;
 use crate::noise::Noise;
 use crate::options::{OptionsError, ServoKind, SimulationOptions};
 use crate::sensor::HallSensor;
 use crate::servo::Servo;
-use crate::{aircraft, bench, linear};
 
 /// Servo, sensor and noise of one simulation, at rest.
+#[derive(Debug)]
 pub struct Parts {
     /// The servo, under the run's conditions.
-    pub servo: Box<dyn Servo + Send>,
+    pub servo: Box<dyn Servo>,
     /// The sensor on its shaft.
     pub sensor: HallSensor,
     /// The noise of the measured angle.
@@ -18,18 +23,21 @@ pub struct Parts {
 
 impl Parts {
     /// The parts that `options` describe.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option has an invalid value.
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
         options.check()?;
         let conditions = options.conditions.scattered(options.scatter, options.seed);
-        let servo: Box<dyn Servo + Send> = match options.servo {
-            ServoKind::Bench => Box::new(bench::servo(&conditions)),
-            ServoKind::Aircraft => Box::new(aircraft::servo(&conditions)),
+        let servo: Box<dyn Servo> = match options.servo {
+            ServoKind::Bench => Box::new(MotorServo::new(conditions.applied_to(BENCH), None)),
+            ServoKind::Aircraft => {
+                let load = AerodynamicLoad {
+                    rotor_phase: conditions.rotor_phase,
+                    ..LOAD
+                };
+                Box::new(MotorServo::new(conditions.applied_to(AIRCRAFT), Some(load)))
+            }
             ServoKind::Linear(mut parameters) => {
                 parameters.delay += conditions.clock_phase;
-                Box::new(linear::LinearServo::new(parameters))
+                Box::new(LinearServo::new(parameters))
             }
         };
         Ok(Self {

@@ -47,7 +47,6 @@ pub const SENSOR_SCALE: SensorScale = SensorScale {
 };
 
 /// One sample: the sum of its conversions.
-#[must_use]
 pub fn sum(conversions: [u16; OVERSAMPLING]) -> Counts {
     Counts(conversions.iter().sum())
 }
@@ -132,13 +131,11 @@ pub struct HallSensor {
 
 impl HallSensor {
     /// A sensor with `gain` relative to [`SENSOR_SCALE`] and its zero at `zero` (deg), with these `faults`.
-    #[must_use]
     pub fn new(gain: f64, zero: f64, faults: Vec<SensorFault>) -> Self {
         Self { gain, zero, faults }
     }
 
     /// The conversions of one sample of `angle` (deg) at `at`.
-    #[must_use]
     pub fn convert(&self, at: Duration, angle: f64, noise: &SampleNoise) -> [u16; OVERSAMPLING] {
         let volts = self.volts(at, angle + noise.shared);
         noise

@@ -9,9 +9,6 @@ use servoid_protocol::PulseWidth;
 /// The servo starts at rest at 0 degrees, without a pulse before the first one. The samples are
 /// those that a rig on the same options would send, frame for frame.
 ///
-/// # Errors
-/// [`OptionsError`] where an option has an invalid value.
-///
 /// ```
 /// use servoid_protocol::PulseWidth;
 /// use servoid_simulator::{SimulationOptions, simulate};

@@ -29,7 +29,7 @@ pub struct Case {
     pub scale: f64,
 }
 
-/// What came out of the runs of one case.
+/// The result of the runs of one case.
 pub struct Line {
     pub case: Case,
     pub runs: usize,
@@ -60,7 +60,7 @@ pub struct Line {
     pub frequencies: usize,
 }
 
-/// What the bounds of one run hold.
+/// Which exact values lie within the bounds of one run.
 struct Held {
     inside: Vec<bool>,
     whole: bool,

@@ -1,5 +1,5 @@
-//! How often what a model says of a linear servo is true, under references and sensors that do not tell
-//! everything: smooth ones, a few sines, and a converter whose steps are larger than the noise.
+//! How often the claims of a model of a linear servo are true, under references and sensors that carry little
+//! information: smooth ones, a few sines, and a converter whose steps are larger than the noise.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -12,7 +12,7 @@ use servoid_identification::{Options, Record, identify};
 
 use crate::servos::{Linear, PERIOD, measured, staircase, stairs};
 
-/// What drives the servo.
+/// The input of the servo.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reference {
     /// Of the paper.
@@ -65,7 +65,7 @@ impl Reference {
     }
 }
 
-/// What the sensor adds.
+/// The noise of the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sensor {
     /// The rig's noise times this, and its converter.
@@ -84,7 +84,7 @@ pub struct Case {
     pub sensor: Sensor,
 }
 
-/// What a model claims, in the order of the table.
+/// The claims of a model, in the order of the table.
 pub const NAMES: [&str; 8] = [
     "gain",
     "t5",
@@ -104,7 +104,7 @@ pub struct Line {
     /// Of the runs with a level: shares in which each claim is true; of the frequency response, of its points.
     pub held: [f64; NAMES.len()],
     /// Of all runs: shares in which a figure has a value, with a level or without.
-    pub told: [f64; 6],
+    pub stated: [f64; 6],
     /// Mean half width of the step band, each point.
     pub half_width: f64,
     /// Shares of runs with each piece of advice.
@@ -123,7 +123,7 @@ struct Outcome {
     held: [bool; NAMES.len() - 1],
     /// Share of the frequencies whose bounds hold.
     frequencies_held: f64,
-    told: [bool; 6],
+    stated: [bool; 6],
     model: Model,
 }
 
@@ -167,9 +167,9 @@ pub fn measure(case: &Case, runs: u64, seed: u64) -> Line {
             };
             with_level.map(held).sum::<f64>() / levels.max(1) as f64
         }),
-        told: std::array::from_fn(|i| {
+        stated: std::array::from_fn(|i| {
             share(
-                outcomes.iter().filter(|o| o.told[i]).count(),
+                outcomes.iter().filter(|o| o.stated[i]).count(),
                 outcomes.len(),
             )
         }),
@@ -226,7 +226,7 @@ fn outcome(truth: &Truth, input: &[f64], output: &[f64]) -> Outcome {
         level: model.bounds.valid().is_some(),
         held,
         frequencies_held: frequencies_held(&model, &truth.impulse),
-        told: intervals.map(|interval| interval.value.is_some()),
+        stated: intervals.map(|interval| interval.value.is_some()),
         model,
     }
 }

@@ -1,4 +1,4 @@
-//! What the tests, examples, benches and fuzz targets of the workspace share.
+//! Shared by the tests, examples, benches and fuzz targets of the workspace.
 //!
 //! - [`plants`] and [`servos`]: simulated servos with exactly known answers, references and noises. They
 //!   know nothing of the crates under test.

@@ -17,7 +17,7 @@ pub struct Linear {
     poles: Vec<c64>,
 }
 
-/// What can be read off an exact response; times from the edge.
+/// Metrics of an exact response; times from the edge.
 #[derive(Debug, Clone, Copy)]
 pub struct Figures {
     pub delay_s: f64,
@@ -189,7 +189,7 @@ fn bisect(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
     f64::midpoint(a, b)
 }
 
-/// What a real servo may have beside its dynamics.
+/// Imperfections of a real servo beside its dynamics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Limit {
     /// Largest speed \[deg/s\] up and down.
@@ -233,7 +233,7 @@ pub fn limited(zeta: f64, omega: f64, limit: Limit, input: &[f64], rest: f64) ->
 }
 
 /// White noise of 0.02 degrees, coloured noise driven by 0.015, and a converter of 12 bits over
-/// 150 degrees: what the rig's sensor does.
+/// 150 degrees, as the rig's sensor.
 pub fn measured(clean: &[f64], scale: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };

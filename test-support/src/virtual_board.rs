@@ -38,7 +38,7 @@ pub const FIRST_SAMPLE: Ticks = microseconds(500);
 /// Period of the pulses.
 pub const FRAME: Ticks = milliseconds(20);
 
-/// What a line of the board's log says where frames were lost on the board.
+/// Text of the board's log about frames that the board lost.
 pub const LOST: &str = "frames lost";
 
 /// Without a crystal the board waits for one for 50 ms; then comes a frame of 20 ms.
@@ -88,11 +88,11 @@ impl<C: Core + 'static> SharedBoard<C> {
         RigClient::connect(Box::new(self.port()), "the virtual board").unwrap()
     }
 
-    /// Whatever the program did that a real chip would take amiss, as text.
+    /// Irregularities of the program, as text.
     pub fn violations(&self) -> Vec<String> {
         self.with(|board| {
             let chip = board.chip();
-            // A handful says enough.
+            // A handful is enough.
             chip.record
                 .violations
                 .iter()
@@ -126,7 +126,7 @@ pub fn rig_file() -> RigFile {
     rig
 }
 
-/// What the rig has to know before it makes a pulse: a lease of two seconds.
+/// The limits of the rig file, with a lease of two seconds.
 pub fn arm() -> Arm {
     let rig = rig_file();
     let healthy = rig.healthy_counts();

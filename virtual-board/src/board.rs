@@ -5,18 +5,17 @@
 //! second, and changes nothing, because a sleeping core does nothing.
 
 use crate::bus::SharedChip;
-use crate::chip::{Chip, Specimen, Surroundings};
+use crate::chip::Chip;
 use crate::cpu::rsemu::RsemuCore;
-use crate::cpu::{Bus, Core};
+use crate::cpu::{Bus, Core, Line};
 use crate::fault::{BROWN_OUT, Fault};
 use crate::image::Image;
-use crate::line::Line;
 use crate::memory::Ram;
-use crate::plant::Plant;
-use crate::record::{Irregularity, LogLine, Record, ResetReason};
+use crate::options::BoardOptions;
+use crate::record::{Irregularity, LogLine, ResetReason};
 use crate::rtt::Log;
-use crate::time::{Ticks, from_duration, microseconds, milliseconds, to_duration};
-use servoid_simulator::{OptionsError, SimulationOptions};
+use crate::time::{Ticks, from_duration, microseconds, milliseconds};
+use servoid_simulator::OptionsError;
 use std::sync::{Arc, MutexGuard};
 use std::time::Duration;
 
@@ -29,40 +28,6 @@ const STEPS_BETWEEN_LOOKS: u32 = 1_000;
 const LOG_EVERY: Ticks = milliseconds(5);
 /// Time that [`VirtualBoard::read`] advances between two checks for bytes: a few bytes on the line.
 const READ_SLICE: Ticks = microseconds(250);
-
-/// The options of a board.
-#[derive(Clone, Debug)]
-pub struct BoardOptions {
-    /// Servo, sensor, noise and seed. The line always has 115200 baud, and the program sets the time of the samples.
-    pub simulation: SimulationOptions,
-    /// The faults.
-    pub faults: Vec<Fault>,
-    /// Frequency of the low-speed oscillator that the watchdog runs on (Hz): 40 kHz, by the datasheet
-    /// anything from 30 to 60.
-    pub lsi_hz: u32,
-    /// Whether pulses and conversions are recorded.
-    pub keeps_signals: bool,
-}
-
-impl BoardOptions {
-    /// A board without faults, with `simulation` on its wires, that records everything.
-    #[must_use]
-    pub fn new(simulation: SimulationOptions) -> Self {
-        Self {
-            simulation,
-            faults: Vec::new(),
-            lsi_hz: 40_000,
-            keeps_signals: true,
-        }
-    }
-
-    /// The same with one more fault.
-    #[must_use]
-    pub fn with_fault(mut self, fault: Fault) -> Self {
-        self.faults.push(fault);
-        self
-    }
-}
 
 /// A scheduled event from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,9 +62,6 @@ pub struct VirtualBoard<C: Core = RsemuCore> {
 
 impl VirtualBoard {
     /// A board with `image` in its flash, switched on at time 0.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option of the simulation has an invalid value.
     pub fn new(image: Image, options: &BoardOptions) -> Result<Self, OptionsError> {
         Self::with_core(image, options, RsemuCore::new)
     }
@@ -107,46 +69,32 @@ impl VirtualBoard {
 
 impl<C: Core> VirtualBoard<C> {
     /// A board with another core.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option of the simulation has an invalid value.
     pub fn with_core(
         image: Image,
         options: &BoardOptions,
         core: impl FnOnce(&[u8], &Ram, &Arc<dyn Bus>) -> C,
     ) -> Result<Self, OptionsError> {
-        let mut simulation = options.simulation.clone();
         let mut plans = vec![(POWER_ON_DELAY, Plan::SwitchOn)];
         for fault in &options.faults {
             match *fault {
-                Fault::Sensor(fault) => simulation.faults.push(fault),
-                Fault::CrystalStops { at } => plans.push((at, Plan::StopCrystal)),
-                Fault::CpuStuck { at } => plans.push((at, Plan::Stick)),
-                Fault::BrownOut { at } => {
+                Fault::CrystalStops(at) => plans.push((at, Plan::StopCrystal)),
+                Fault::CpuStuck(at) => plans.push((at, Plan::Stick)),
+                Fault::BrownOut(at) => {
                     let back = at + from_duration(BROWN_OUT) + POWER_ON_DELAY;
                     plans.extend([(at, Plan::SwitchOff), (back, Plan::SwitchOn)]);
                 }
-                Fault::NoCrystal | Fault::HostSilent { .. } | Fault::Line { .. } => {}
+                // Those of the chip and the line.
+                _ => {}
             }
         }
         plans.sort_by_key(|&(at, _)| at);
-        let surroundings = Surroundings {
-            plant: Plant::new(&simulation)?,
-            line: Line::new(&options.faults, simulation.seed),
-        };
-        let record = Record {
-            keeps_signals: options.keeps_signals,
-            ..Record::default()
-        };
-        let specimen = Specimen::new(&options.faults, options.lsi_hz, simulation.seed);
         let ram = Ram::default();
-        let chip = Chip::new(specimen, ram.clone(), surroundings, record);
-        let chip = Arc::new(SharedChip::new(chip));
+        let chip = Arc::new(SharedChip::new(Chip::new(options, ram.clone())?));
         let bus: Arc<dyn Bus> = chip.clone();
         Ok(Self {
-            core: core(image.flash(), &ram, &bus),
+            core: core(&image.flash, &ram, &bus),
             chip,
-            log: Log::of(image),
+            log: image.log,
             ram,
             now: 0,
             hclk: 1,
@@ -163,25 +111,21 @@ impl<C: Core> VirtualBoard<C> {
     }
 
     /// Simulated time since the board was switched on.
-    #[must_use]
     pub fn now(&self) -> Ticks {
         self.now
     }
 
     /// Cycles in which the core was awake.
-    #[must_use]
     pub fn awake_cycles(&self) -> u64 {
         self.awake_cycles
     }
 
     /// The core.
-    #[must_use]
     pub fn core(&mut self) -> &mut C {
         &mut self.core
     }
 
     /// The static memory.
-    #[must_use]
     pub fn ram(&self) -> &Ram {
         &self.ram
     }
@@ -193,17 +137,13 @@ impl<C: Core> VirtualBoard<C> {
 
     /// Sends `bytes`; they take their time on the line.
     pub fn write(&mut self, bytes: &[u8]) {
-        self.chip
-            .lock()
-            .surroundings
-            .line
-            .host_writes(bytes, self.now);
+        self.chip.lock().line.host_writes(bytes, self.now);
         self.next_event = self.now;
     }
 
     /// Copies the bytes received at the host; returns how many. No time passes.
     pub fn take(&mut self, buffer: &mut [u8]) -> usize {
-        self.chip.lock().surroundings.line.host_reads(buffer)
+        self.chip.lock().line.host_reads(buffer)
     }
 
     /// Waits until bytes have come and copies them to `buffer`; returns how many, or 0 when at least
@@ -254,11 +194,9 @@ impl<C: Core> VirtualBoard<C> {
 
     /// Advances a sleeping core to the next event.
     fn sleep(&mut self, end: Ticks) {
-        let own = self
-            .core
-            .own_event()
-            .map(|cycles| self.now + cycles * self.hclk);
-        let until = self.next_event.min(end).min(own.unwrap_or(Ticks::MAX));
+        let own = self.core.own_event();
+        let own = own.map_or(Ticks::MAX, |cycles| self.now + cycles * self.hclk);
+        let until = self.next_event.min(end).min(own);
         let cycles = until.saturating_sub(self.now).div_ceil(self.hclk);
         self.core.skip(cycles);
         self.now += cycles * self.hclk;
@@ -273,15 +211,12 @@ impl<C: Core> VirtualBoard<C> {
             self.log_at = self.now + LOG_EVERY;
         }
         if let Some(pc) = self.core.take_fault() {
-            let now = self.now;
-            self.chip
-                .lock()
-                .moment(now)
-                .report(Irregularity::Fault { pc });
+            let mut chip = self.chip.lock();
+            chip.record.violation(self.now, Irregularity::Fault(pc));
         }
         let mut chip = self.chip.lock();
         chip.advance(self.now);
-        let expired = chip.watchdog_expires().is_some_and(|at| self.now >= at);
+        let expired = chip.p.iwdg.expires().is_some_and(|at| self.now >= at);
         let asked = self.power && self.core.wants_reset();
         drop(chip);
         if expired {
@@ -289,30 +224,24 @@ impl<C: Core> VirtualBoard<C> {
         } else if asked {
             self.reset(ResetReason::Software);
         }
-        self.tell_core();
+        self.update_core();
     }
 
-    fn tell_core(&mut self) {
+    fn update_core(&mut self) {
         let chip = self.chip.lock();
-        self.hclk = chip.hclk();
+        self.hclk = chip.rcc.clocks().hclk;
         let plan = self.plans.first().map(|&(at, _)| at);
-        self.next_event = [
-            chip.next_event(),
-            chip.watchdog_expires(),
-            plan,
-            Some(self.log_at),
-        ]
-        .into_iter()
-        .flatten()
-        .min()
-        .unwrap_or(Ticks::MAX);
-        self.nmi = chip.nmi();
-        self.core.set_nmi(self.nmi);
+        let events = [chip.next_event(), chip.p.iwdg.expires(), plan];
+        let next = events.into_iter().flatten().min();
+        self.next_event = next.map_or(self.log_at, |next| next.min(self.log_at));
+        self.nmi = chip.rcc.nmi();
+        self.core.set_line(Line::Nmi, self.nmi);
         let interrupts = chip.interrupts();
         let mut changed = interrupts ^ self.interrupts;
         while changed != 0 {
             let number = changed.trailing_zeros();
-            self.core.set_irq(number, interrupts >> number & 1 != 0);
+            let level = interrupts >> number & 1 != 0;
+            self.core.set_line(Line::Irq(number), level);
             changed &= changed - 1;
         }
         self.interrupts = interrupts;
@@ -358,13 +287,5 @@ impl<C: Core> VirtualBoard<C> {
             let lines = lines.into_iter().map(|text| LogLine { at, text });
             self.chip.lock().record.log.extend(lines);
         }
-    }
-}
-
-impl<C: Core> std::fmt::Debug for VirtualBoard<C> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("VirtualBoard")
-            .field("now", &to_duration(self.now))
-            .finish_non_exhaustive()
     }
 }

@@ -67,7 +67,7 @@ impl Chip {
     /// A read of a word by the processor.
     pub fn read_word(&mut self, address: u32, now: Ticks) -> u32 {
         let Some((unit, clock, offset)) = locate(address) else {
-            self.moment(now).report(Irregularity::Unmapped { address });
+            self.unmapped(address, now);
             return 0;
         };
         if !self.is_clocked(clock, address, now) {
@@ -90,7 +90,7 @@ impl Chip {
             Unit::Dbgmcu => p.dbgmcu.read(offset),
         };
         value.unwrap_or_else(|| {
-            self.moment(now).report(Irregularity::Unmapped { address });
+            self.unmapped(address, now);
             0
         })
     }
@@ -98,14 +98,14 @@ impl Chip {
     /// A write of a word by the processor.
     pub fn write_word(&mut self, address: u32, value: u32, now: Ticks) {
         let Some((unit, clock, offset)) = locate(address) else {
-            self.moment(now).report(Irregularity::Unmapped { address });
+            self.unmapped(address, now);
             return;
         };
         if !self.is_clocked(clock, address, now) {
             return;
         }
         if self.write_unit(unit, offset, value, now).is_none() {
-            self.moment(now).report(Irregularity::Unmapped { address });
+            self.unmapped(address, now);
         }
         self.follow_pulse(now);
     }
@@ -172,7 +172,7 @@ impl Chip {
 
     fn is_clocked(&mut self, clock: Enable, address: u32, now: Ticks) -> bool {
         let clocked = clock.is_none_or(|(domain, bit)| self.rcc.is_enabled(domain, bit));
-        let what = Irregularity::Unclocked { address };
+        let what = Irregularity::Unclocked(address);
         self.moment(now).report_if(!clocked, what);
         clocked
     }
@@ -184,7 +184,7 @@ impl Chip {
             matches!(unit, Unit::Tim2 | Unit::Tim3 | Unit::Iwdg | Unit::Usart1)
         });
         let good = bytes == 4 || bytes == 2 && halves && address.is_multiple_of(4);
-        let what = Irregularity::Narrow { address };
+        let what = Irregularity::Narrow(address);
         self.moment(now).report_if(!good, what);
     }
 
@@ -196,7 +196,7 @@ impl Chip {
         };
         let value = (0..bytes).try_fold(0, |value, n| Some(value | u32::from(byte(n)?) << (8 * n)));
         value.unwrap_or_else(|| {
-            self.moment(now).report(Irregularity::Unmapped { address });
+            self.unmapped(address, now);
             0
         })
     }
@@ -212,7 +212,6 @@ pub struct SharedChip {
 
 impl SharedChip {
     /// Shares `chip`.
-    #[must_use]
     pub fn new(chip: Chip) -> Self {
         Self {
             chip: Mutex::new(chip),

@@ -12,6 +12,7 @@
 use crate::fault::Fault;
 use crate::line::Line;
 use crate::memory::Ram;
+use crate::options::BoardOptions;
 use crate::peripherals::Moment;
 use crate::peripherals::adc::{Adc, Event};
 use crate::peripherals::afio::Afio;
@@ -27,18 +28,14 @@ use crate::peripherals::usart::Usart;
 use crate::plant::Plant;
 use crate::record::{Irregularity, Pulse, Record, ResetReason};
 use crate::time::Ticks;
+use servoid_simulator::OptionsError;
 
-/// Interrupt positions (RM0008 10.1.2, vector table).
-pub mod irq {
-    /// DMA1 channel 1; the others follow.
+/// Interrupt positions (RM0008 10.1.2, vector table); the other DMA channels follow the first.
+mod irq {
     pub const DMA1_CHANNEL1: u32 = 11;
-    /// ADC1 and ADC2.
     pub const ADC1_2: u32 = 18;
-    /// TIM2.
     pub const TIM2: u32 = 28;
-    /// TIM3.
     pub const TIM3: u32 = 29;
-    /// USART1.
     pub const USART1: u32 = 37;
 }
 
@@ -48,42 +45,6 @@ const ADC1_DR: u32 = 0x4001_244c;
 const TIM2_AT_TIM3: u32 = 1;
 /// TIM2's internal trigger input that TIM3 is connected to.
 const TIM3_AT_TIM2: u32 = 2;
-
-/// The surroundings of the chip.
-#[derive(Debug)]
-pub struct Surroundings {
-    /// Servo and sensor.
-    pub plant: Plant,
-    /// The line to the host.
-    pub line: Line,
-}
-
-/// The options of a chip.
-#[derive(Clone, Copy, Debug)]
-pub struct Specimen {
-    /// Whether the crystal starts.
-    pub crystal: bool,
-    /// Frequency of the low-speed oscillator (Hz).
-    pub lsi_hz: u32,
-    /// Its unique number.
-    pub unique_id: [u8; 12],
-}
-
-impl Specimen {
-    /// A chip with those of `faults` that concern it.
-    #[must_use]
-    pub fn new(faults: &[Fault], lsi_hz: u32, seed: u64) -> Self {
-        let mut unique_id = *b"virt        ";
-        for (byte, value) in unique_id.iter_mut().skip(4).zip(seed.to_le_bytes()) {
-            *byte = value;
-        }
-        Self {
-            crystal: !faults.contains(&Fault::NoCrystal),
-            lsi_hz,
-            unique_id,
-        }
-    }
-}
 
 /// All models that a reset resets.
 #[derive(Debug)]
@@ -119,16 +80,18 @@ impl Peripherals {
     }
 }
 
-/// The chip.
+/// The chip and its surroundings.
 #[derive(Debug)]
 pub struct Chip {
-    specimen: Specimen,
+    lsi_hz: u32,
     pub(crate) rcc: Rcc,
     pub(crate) p: Peripherals,
     pub(crate) signature: Signature,
     ram: Ram,
-    /// Its surroundings.
-    pub surroundings: Surroundings,
+    /// Servo and sensor.
+    plant: Plant,
+    /// The line to the host.
+    pub(crate) line: Line,
     /// The record of its events.
     pub record: Record,
     /// When the level of PA1 last rose, if it is high.
@@ -137,19 +100,31 @@ pub struct Chip {
 
 impl Chip {
     /// A chip without supply; [`reset`](Self::reset) switches it on.
-    #[must_use]
-    pub fn new(specimen: Specimen, ram: Ram, surroundings: Surroundings, record: Record) -> Self {
-        let rcc = Rcc::new(specimen.crystal);
-        Self {
-            p: Peripherals::new(&rcc, specimen.lsi_hz),
+    pub fn new(options: &BoardOptions, ram: Ram) -> Result<Self, OptionsError> {
+        let (mut simulation, faults) = (options.simulation.clone(), &options.faults);
+        simulation
+            .faults
+            .extend(faults.iter().filter_map(|fault| match fault {
+                Fault::Sensor(fault) => Some(*fault),
+                _ => None,
+            }));
+        let mut unique_id = *b"virt        ";
+        unique_id[4..].copy_from_slice(&simulation.seed.to_le_bytes());
+        let rcc = Rcc::new(!faults.contains(&Fault::NoCrystal));
+        Ok(Self {
+            lsi_hz: options.lsi_hz,
+            p: Peripherals::new(&rcc, options.lsi_hz),
             rcc,
-            signature: Signature::new(specimen.unique_id),
-            specimen,
+            signature: Signature::new(unique_id),
             ram,
-            surroundings,
-            record,
+            plant: Plant::new(&simulation)?,
+            line: Line::new(faults, simulation.seed),
+            record: Record {
+                keeps_signals: options.keeps_signals,
+                ..Record::default()
+            },
             high_since: None,
-        }
+        })
     }
 
     /// Everything but the memory goes to its reset state (7.1.1). All pins float, so a pulse under
@@ -159,21 +134,20 @@ impl Chip {
             self.ram.forget();
         }
         self.rcc.reset(reason);
-        self.p = Peripherals::new(&self.rcc, self.specimen.lsi_hz);
+        self.p = Peripherals::new(&self.rcc, self.lsi_hz);
         self.follow_pulse(now);
         self.record.resets.push((now, reason));
     }
 
     /// The supply is gone: the peripherals stand still and all pins float.
     pub fn switch_off(&mut self, now: Ticks) {
-        self.rcc = Rcc::new(self.specimen.crystal);
-        self.p = Peripherals::new(&self.rcc, self.specimen.lsi_hz);
+        self.rcc = Rcc::new(self.rcc.crystal);
+        self.p = Peripherals::new(&self.rcc, self.lsi_hz);
         self.follow_pulse(now);
     }
 
     /// The crystal stops for ever.
     pub fn stop_crystal(&mut self, now: Ticks) {
-        self.specimen.crystal = false;
         let record = &mut self.record;
         self.rcc.stop_crystal(&mut Moment { now, record });
         self.distribute_clocks(now);
@@ -188,33 +162,13 @@ impl Chip {
         self.p.usart.set_clock(clocks.pclk2);
     }
 
-    /// Whether the non-maskable interrupt is raised.
-    #[must_use]
-    pub fn nmi(&self) -> bool {
-        self.rcc.nmi()
-    }
-
-    /// When the watchdog will reset the chip.
-    #[must_use]
-    pub fn watchdog_expires(&self) -> Option<Ticks> {
-        self.p.iwdg.expires()
-    }
-
-    /// Ticks of one cycle of the processor.
-    #[must_use]
-    pub fn hclk(&self) -> Ticks {
-        self.rcc.clocks().hclk
-    }
-
     /// Whether the LED at PC13, to the supply, is on.
-    #[must_use]
     pub fn led(&self) -> bool {
         let [_, _, port_c, ..] = &self.p.gpio;
         port_c.mode(13) == Mode::Output && !port_c.level(13)
     }
 
     /// The levels of the interrupt request lines, one bit each.
-    #[must_use]
     pub fn interrupts(&self) -> u64 {
         let dma = (1..=7).map(|n| (irq::DMA1_CHANNEL1 + n - 1, self.p.dma.interrupt(n)));
         let others = [
@@ -229,14 +183,13 @@ impl Chip {
     }
 
     /// The time of the next event.
-    #[must_use]
     pub fn next_event(&self) -> Option<Ticks> {
         [
             self.p.tim2.next_event(),
             self.p.tim3.next_event(),
             self.p.adc.next_event(),
             self.p.usart.next_event(),
-            self.surroundings.line.next_event(),
+            self.line.next_event(),
         ]
         .into_iter()
         .flatten()
@@ -257,20 +210,20 @@ impl Chip {
     }
 
     pub(crate) fn on_tim2_trigger(&mut self, trigger: TriggerOutput, now: Ticks) {
-        if trigger.0 {
+        if trigger {
             let trigger = self.p.tim3.trigger(TIM2_AT_TIM3, now);
             self.on_tim3_trigger(trigger, now);
         }
     }
 
     pub(crate) fn on_tim3_trigger(&mut self, trigger: TriggerOutput, now: Ticks) {
-        if trigger.0 {
+        if trigger {
             let record = &mut self.record;
             self.p.adc.trigger_by_tim3(&mut Moment { now, record });
             // A ring of triggers is no chain: TIM2 does not answer TIM3 here.
             let answered = self.p.tim2.trigger(TIM3_AT_TIM2, now);
-            let what = Irregularity::NotModelled("two timers that trigger each other");
-            self.moment(now).report_if(answered.0, what);
+            self.moment(now)
+                .not_modelled(answered, "two timers that trigger each other");
         }
     }
 
@@ -281,7 +234,11 @@ impl Chip {
         }
     }
 
-    /// Updates PA1: TIM2's channel 2 where pin and mapping say so, its own data otherwise.
+    pub(crate) fn unmapped(&mut self, address: u32, now: Ticks) {
+        self.moment(now).report(Irregularity::Unmapped(address));
+    }
+
+    /// Updates PA1: TIM2's channel 2 where pin and mapping make it so, its own data otherwise.
     pub(crate) fn follow_pulse(&mut self, now: Ticks) {
         let [port_a, ..] = &self.p.gpio;
         let level = match port_a.mode(1) {
@@ -300,7 +257,7 @@ impl Chip {
                     rise,
                     width: now - rise,
                 };
-                self.surroundings.plant.pulse(pulse);
+                self.plant.pulse(pulse);
                 self.record.pulse(pulse);
             }
             _ => {}
@@ -329,31 +286,29 @@ impl Chip {
         let [port_a, ..] = &self.p.gpio;
         let analog = port_a.mode(4) == Mode::Analog;
         let mut moment = self.moment(now);
-        moment.report_if(
-            channel != 4,
-            Irregularity::NotModelled("another ADC input than PA4"),
-        );
-        let what = Irregularity::AgainstTheManual("an ADC input that is not analog (9.1.12)");
-        moment.report_if(!analog, what);
+        moment.not_modelled(channel != 4, "another ADC input than PA4");
+        moment.against_manual(!analog, "an ADC input that is not analog (9.1.12)");
         if channel == 4 {
-            self.surroundings.plant.code(now, index)
+            self.plant.code(now, index)
         } else {
             0
         }
     }
 
     fn transfer(&mut self, transfer: &Transfer, now: Ticks) {
-        let value = if transfer.peripheral == ADC1_DR {
+        let &Transfer {
+            peripheral,
+            memory,
+            bytes,
+        } = transfer;
+        let value = if peripheral == ADC1_DR {
             self.p.adc.read_data()
         } else {
-            let address = transfer.peripheral;
-            self.moment(now).report(Irregularity::Unmapped { address });
+            self.unmapped(peripheral, now);
             0
         };
-        let written = self.ram.write(transfer.memory, transfer.bytes, value);
-        if written.is_none() {
-            let address = transfer.memory;
-            self.moment(now).report(Irregularity::Unmapped { address });
+        if self.ram.write(memory, bytes, value).is_none() {
+            self.unmapped(memory, now);
             self.p.dma.fail(1);
         }
     }
@@ -361,25 +316,22 @@ impl Chip {
     /// TX is PA9, RX is PA10.
     fn advance_usart(&mut self, now: Ticks) {
         let [port_a, ..] = &self.p.gpio;
-        let (transmits, receives) = (
-            port_a.mode(9) == Mode::AlternatePushPull,
-            port_a.mode(10) == Mode::Input,
-        );
+        let transmits = port_a.mode(9) == Mode::AlternatePushPull;
+        let receives = port_a.mode(10) == Mode::Input;
         let bit_time = self.p.usart.bit_time();
         if let Some(byte) = self.p.usart.advance(now) {
-            let what = Irregularity::AgainstTheManual("TX is not an alternate output (9.1.11)");
-            self.moment(now).report_if(!transmits, what);
+            self.moment(now)
+                .against_manual(!transmits, "TX is not an alternate output (9.1.11)");
             if transmits {
-                self.surroundings.line.board_writes(byte, bit_time);
+                self.line.board_writes(byte, bit_time);
             }
         }
-        if let Some((byte, damaged)) = self.surroundings.line.arrive(now, bit_time)
+        if let Some((byte, damaged)) = self.line.arrive(now, bit_time)
             && receives
         {
             let record = &mut self.record;
-            self.p
-                .usart
-                .receive(byte, damaged, &mut Moment { now, record });
+            let m = &mut Moment { now, record };
+            self.p.usart.receive(byte, damaged, m);
         }
     }
 }

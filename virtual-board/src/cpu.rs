@@ -25,17 +25,23 @@ pub struct Registers {
     pub xpsr: u32,
 }
 
+/// An interrupt line of the core.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Line {
+    /// An interrupt request, by its number.
+    Irq(u32),
+    /// The non-maskable interrupt.
+    Nmi,
+}
+
 /// A Cortex-M3.
 pub trait Core {
     /// Executes one instruction, or enters one exception; returns the cycles that it took. A core
     /// that sleeps returns one cycle and goes on sleeping, unless an interrupt wakes it.
     fn step(&mut self) -> u64;
 
-    /// The level of an interrupt request line.
-    fn set_irq(&mut self, number: u32, level: bool);
-
-    /// The level of the non-maskable interrupt's line.
-    fn set_nmi(&mut self, level: bool);
+    /// The level of an interrupt line.
+    fn set_line(&mut self, line: Line, level: bool);
 
     /// Whether the core sleeps.
     fn is_asleep(&self) -> bool;

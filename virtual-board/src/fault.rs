@@ -54,27 +54,15 @@ pub enum Fault {
     /// The crystal never starts.
     NoCrystal,
     /// The crystal stops, for ever.
-    CrystalStops {
-        /// Its time.
-        at: Ticks,
-    },
+    CrystalStops(Ticks),
     /// The sensor breaks.
     Sensor(SensorFault),
     /// Bytes from the host no longer arrive.
-    HostSilent {
-        /// Its time.
-        from: Ticks,
-    },
+    HostSilent(Ticks),
     /// The processor stops until the next reset.
-    CpuStuck {
-        /// Its time.
-        at: Ticks,
-    },
+    CpuStuck(Ticks),
     /// The supply drops out for [`BROWN_OUT`].
-    BrownOut {
-        /// Its time.
-        at: Ticks,
-    },
+    BrownOut(Ticks),
     /// Bytes on the line are disturbed.
     Line {
         /// The direction; both where there is none.
@@ -116,25 +104,24 @@ impl FromStr for Fault {
 }
 
 fn timed(name: &str, at: &str) -> Option<Fault> {
-    let from = Duration::try_from_secs_f64(at.parse().ok()?).ok()?;
-    let at = from_duration(from);
+    let at = Duration::try_from_secs_f64(at.parse().ok()?).ok()?;
+    let at = from_duration(at);
     Some(match name {
-        "crystal-stops" => Fault::CrystalStops { at },
-        "host-silent" => Fault::HostSilent { from: at },
-        "cpu-stuck" => Fault::CpuStuck { at },
-        "brown-out" => Fault::BrownOut { at },
+        "crystal-stops" => Fault::CrystalStops(at),
+        "host-silent" => Fault::HostSilent(at),
+        "cpu-stuck" => Fault::CpuStuck(at),
+        "brown-out" => Fault::BrownOut(at),
         _ => return None,
     })
 }
 
 fn on_the_line(name: &str, probability: &str) -> Option<Fault> {
     let probability = probability.parse().ok()?;
-    let (direction, name) = if let Some(name) = name.strip_prefix("to-board-") {
-        (Some(Direction::ToBoard), name)
-    } else if let Some(name) = name.strip_prefix("to-host-") {
-        (Some(Direction::ToHost), name)
-    } else {
-        (None, name)
+    let prefixed = |prefix| name.strip_prefix(prefix);
+    let (direction, name) = match (prefixed("to-board-"), prefixed("to-host-")) {
+        (Some(name), _) => (Some(Direction::ToBoard), name),
+        (_, Some(name)) => (Some(Direction::ToHost), name),
+        _ => (None, name),
     };
     let disturbance = match name {
         "flip" => Disturbance::Flip,
@@ -158,9 +145,7 @@ mod tests {
     fn texts() {
         assert_eq!(
             "cpu-stuck@3.5".parse(),
-            Ok(Fault::CpuStuck {
-                at: milliseconds(3_500)
-            })
+            Ok(Fault::CpuStuck(milliseconds(3_500)))
         );
         assert_eq!(
             "to-board-flip:0.5".parse(),

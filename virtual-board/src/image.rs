@@ -1,6 +1,7 @@
 //! The flash image: its bytes, and the table of its log.
 
 use crate::memory::{FLASH_BYTES, FLASH_START, RAM_BYTES, RAM_START};
+use crate::rtt::Log;
 use defmt_decoder::Table;
 use object::elf::{PT_LOAD, SHF_ALLOC};
 use object::read::elf::{ElfFile32, ProgramHeader};
@@ -29,18 +30,18 @@ pub enum ImageError {
 
 /// A program for the chip.
 pub struct Image {
-    flash: Vec<u8>,
-    rtt: Option<u32>,
-    log: Option<Table>,
-    flash_used: u32,
-    ram_used: u32,
+    /// The contents of the flash.
+    pub(crate) flash: Vec<u8>,
+    /// The log, if the program has one.
+    pub(crate) log: Option<Log>,
+    /// Bytes of flash that the program uses.
+    pub flash_used: u32,
+    /// Bytes of static memory that the program's variables use; the rest is for its stack.
+    pub ram_used: u32,
 }
 
 impl Image {
     /// Reads an ELF file.
-    ///
-    /// # Errors
-    /// [`ImageError`] where it cannot be read or is not for this chip.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
         let bytes = std::fs::read(path).map_err(|source| ImageError::Read {
             path: path.into(),
@@ -50,9 +51,6 @@ impl Image {
     }
 
     /// Parses an ELF file.
-    ///
-    /// # Errors
-    /// [`ImageError::NotAnImage`] where it is not for this chip.
     pub fn parse(elf: &[u8]) -> Result<Self, ImageError> {
         let wrong = |what: &dyn std::fmt::Display| ImageError::NotAnImage(what.to_string());
         let file = ElfFile32::<Endianness>::parse(elf).map_err(|e| wrong(&e))?;
@@ -80,38 +78,17 @@ impl Image {
         if flash_used == 0 {
             return Err(wrong(&"there is no program in it"));
         }
+        let control_block = file.symbol_by_name(RTT).map(|rtt| rtt.address() as u32);
+        let table =
+            Table::parse(elf).map_err(|e| wrong(&format!("its log cannot be read: {e}")))?;
         Ok(Self {
             flash,
-            rtt: file
-                .symbol_by_name(RTT)
-                .map(|symbol| symbol.address() as u32),
-            log: Table::parse(elf).map_err(|e| wrong(&format!("its log cannot be read: {e}")))?,
+            log: control_block
+                .zip(table)
+                .map(|(at, table)| Log::new(at, table)),
             flash_used,
             ram_used: ram_used(&file),
         })
-    }
-
-    /// The contents of the flash.
-    #[must_use]
-    pub fn flash(&self) -> &[u8] {
-        &self.flash
-    }
-
-    /// Bytes of flash that the program uses.
-    #[must_use]
-    pub fn flash_used(&self) -> u32 {
-        self.flash_used
-    }
-
-    /// Bytes of static memory that the program's variables use; the rest is for its stack.
-    #[must_use]
-    pub fn ram_used(&self) -> u32 {
-        self.ram_used
-    }
-
-    /// The address of the log's control block, and the log's table.
-    pub(crate) fn into_log(self) -> Option<(u32, Table)> {
-        self.rtt.zip(self.log)
     }
 }
 

@@ -27,7 +27,6 @@ pub struct Line {
 
 impl Line {
     /// A line with those of `faults` that happen on it; `seed` chooses which bytes they hit.
-    #[must_use]
     pub fn new(faults: &[Fault], seed: u64) -> Self {
         let mut line = Self {
             disturbances: Vec::new(),
@@ -39,7 +38,7 @@ impl Line {
         };
         for fault in faults {
             match *fault {
-                Fault::HostSilent { from } => line.silent_from = from,
+                Fault::HostSilent(from) => line.silent_from = from,
                 Fault::Line {
                     direction,
                     disturbance,
@@ -68,7 +67,6 @@ impl Line {
     }
 
     /// When the next byte is complete at the board.
-    #[must_use]
     pub fn next_event(&self) -> Option<Ticks> {
         self.arrives
     }
@@ -89,12 +87,6 @@ impl Line {
         let (byte, _) = through(byte, bit_time);
         let passed = self.disturb(byte, Direction::ToHost);
         self.to_host.extend(passed);
-    }
-
-    /// Whether bytes wait for the host.
-    #[must_use]
-    pub fn has_bytes_for_host(&self) -> bool {
-        !self.to_host.is_empty()
     }
 
     /// Copies the bytes received at the host; returns how many.

@@ -61,14 +61,8 @@ fn main() -> Result<()> {
     } else {
         Pace::FASTEST
     };
-    serve(
-        &mut board,
-        end.as_mut(),
-        pace,
-        &|| stop.load(Ordering::Relaxed),
-        &mut report,
-    )
-    .context("the port is gone")
+    let should_stop = || stop.load(Ordering::Relaxed);
+    serve(&mut board, end.as_mut(), pace, &should_stop, &mut report).context("the port is gone")
 }
 
 fn simulation(cli: &Cli) -> Result<SimulationOptions> {
@@ -91,17 +85,13 @@ fn find_image(named: Option<&Path>) -> Result<PathBuf> {
     if let Some(path) = named {
         return Ok(path.into());
     }
-    let beside = std::env::current_exe().ok().and_then(|program| {
-        // target/release/virtual-board
-        program.ancestors().nth(2).map(Path::to_path_buf)
-    });
-    let configured = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
-    let candidates = [configured, beside, Some("target".into())];
-    let found = candidates
-        .into_iter()
-        .flatten()
-        .map(|target| target.join(IMAGE))
-        .find(|path| path.is_file());
+    let program = std::env::current_exe().ok();
+    // target/release/virtual-board
+    let beside = program.and_then(|program| Some(program.ancestors().nth(2)?.join(IMAGE)));
+    let configured =
+        std::env::var_os("CARGO_TARGET_DIR").map(|target| Path::new(&target).join(IMAGE));
+    let candidates = [configured, beside, Some(Path::new("target").join(IMAGE))];
+    let found = candidates.into_iter().flatten().find(|path| path.is_file());
     found.context("no image was found: build it with 'cargo fw', or name one with --elf")
 }
 

@@ -30,7 +30,6 @@ impl Default for Ram {
 
 impl Ram {
     /// The store that the processor reads and writes.
-    #[must_use]
     pub(crate) fn store(&self) -> Arc<RamStore> {
         self.0.clone()
     }
@@ -46,7 +45,6 @@ impl Ram {
     }
 
     /// Reads 1, 2 or 4 bytes; `None` outside the memory.
-    #[must_use]
     pub fn read(&self, address: u32, bytes: u32) -> Option<u32> {
         let value = self
             .0
@@ -63,7 +61,6 @@ impl Ram {
     }
 
     /// A copy of everything.
-    #[must_use]
     pub fn snapshot(&self) -> Vec<u8> {
         let mut bytes = vec![0; RAM_BYTES as usize];
         // The range is the memory's own.

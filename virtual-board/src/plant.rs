@@ -3,9 +3,8 @@
 use crate::record::Pulse;
 use crate::time::{TICKS_PER_MICROSECOND, Ticks, milliseconds, to_duration};
 use servoid_protocol::PulseWidth;
-use servoid_simulator::noise::Noise;
-use servoid_simulator::sensor::{HallSensor, OVERSAMPLING, SampleNoise};
-use servoid_simulator::{OptionsError, Parts, Servo, SimulationOptions};
+use servoid_simulator::sensor::{OVERSAMPLING, SampleNoise};
+use servoid_simulator::{OptionsError, Parts, SimulationOptions};
 
 /// Period of the pulses that a servo expects.
 const FRAME: Ticks = milliseconds(20);
@@ -14,31 +13,19 @@ const PATIENCE: Ticks = milliseconds(10);
 
 /// Servo, sensor and divider, with the voltage at PA4 as codes of the ADC.
 ///
-/// Unlike the [apparatus](servoid_simulator::Apparatus) of the in-process rig, each conversion reads the angle at the instant at
-/// which the ADC holds its input.
+/// Unlike on the in-process rig, each conversion reads the angle at the instant at which the ADC holds its input.
+#[derive(Debug)]
 pub struct Plant {
-    servo: Box<dyn Servo + Send>,
-    sensor: HallSensor,
-    noise: Noise,
+    parts: Parts,
     sample: SampleNoise,
     last_rise: Option<Ticks>,
 }
 
 impl Plant {
     /// Servo and sensor at rest.
-    ///
-    /// # Errors
-    /// [`OptionsError`] where an option has an invalid value.
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
-        let Parts {
-            servo,
-            sensor,
-            noise,
-        } = Parts::new(options)?;
         Ok(Self {
-            servo,
-            sensor,
-            noise,
+            parts: Parts::new(options)?,
             sample: SampleNoise::default(),
             last_rise: None,
         })
@@ -49,37 +36,24 @@ impl Plant {
         let width = (pulse.width + TICKS_PER_MICROSECOND / 2) / TICKS_PER_MICROSECOND;
         let width = u16::try_from(width).unwrap_or(u16::MAX);
         let at = to_duration(pulse.rise);
-        self.servo.command(at, Some(PulseWidth(width)));
+        self.parts.servo.command(at, Some(PulseWidth(width)));
         self.last_rise = Some(pulse.rise);
     }
 
     /// The code of the input at `held`, the instant at which it was held, for conversion `index` of
     /// a sample.
     pub fn code(&mut self, held: Ticks, index: u32) -> u16 {
-        if let Some(rise) = self
-            .last_rise
-            .take_if(|rise| held > *rise + FRAME + PATIENCE)
-        {
-            self.servo.command(to_duration(rise + FRAME), None);
+        let is_missing = |rise: &mut Ticks| held > *rise + FRAME + PATIENCE;
+        let parts = &mut self.parts;
+        if let Some(rise) = self.last_rise.take_if(is_missing) {
+            parts.servo.command(to_duration(rise + FRAME), None);
         }
         if index == 0 {
-            self.sample = self.noise.next_sample();
+            self.sample = parts.noise.next_sample();
         }
         let at = to_duration(held);
-        let angle = self.servo.angle(at);
-        let codes = self.sensor.convert(at, angle, &self.sample);
-        codes
-            .get(index as usize % OVERSAMPLING)
-            .copied()
-            .unwrap_or_default()
-    }
-}
-
-impl std::fmt::Debug for Plant {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Plant")
-            .field("last_rise", &self.last_rise)
-            .finish_non_exhaustive()
+        let angle = parts.servo.angle(at);
+        parts.sensor.convert(at, angle, &self.sample)[index as usize % OVERSAMPLING]
     }
 }
 

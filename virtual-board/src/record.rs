@@ -2,77 +2,52 @@
 
 use crate::time::{Ticks, to_duration};
 use std::fmt;
+use thiserror::Error;
 
 /// A violation of the manual by the program, or its use of a function that is not modelled. Every model reports both,
 /// so nothing passes in silence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Irregularity {
     /// An access to an unmapped address.
-    Unmapped {
-        /// The address.
-        address: u32,
-    },
+    #[error("nothing is at {0:#010x}")]
+    Unmapped(u32),
     /// An access to a peripheral whose clock is off (RM0008 7.3.6-7.3.8).
-    Unclocked {
-        /// The address.
-        address: u32,
-    },
-    /// A peripheral register accessed by less than it may be: most by words only.
-    Narrow {
-        /// The address.
-        address: u32,
-    },
+    #[error("{0:#010x} accessed without a clock")]
+    Unclocked(u32),
+    /// An access to less than a whole register, where only whole ones may be accessed.
+    #[error("{0:#010x} accessed by less than its register")]
+    Narrow(u32),
     /// A function of the chip that is not modelled.
+    #[error("not modelled: {0}")]
     NotModelled(&'static str),
     /// Against a rule of the reference manual.
+    #[error("against RM0008: {0}")]
     AgainstTheManual(&'static str),
     /// A trigger came while the ADC was converting: a sample is missing.
+    #[error("ADC triggered while it converts")]
     TriggerWhileBusy,
     /// A conversion that was started by software (RM0008 11.12.3): it is not on the grid.
+    #[error("conversion started by software")]
     StartedBySoftware,
-    /// The DMA completed a half of its ring before the program had acknowledged the one before.
-    DmaOverrun {
-        /// The channel.
-        channel: u8,
-    },
+    /// The DMA channel completed a half of its ring before the program had acknowledged the one before.
+    #[error("DMA channel {0} overran")]
+    DmaOverrun(u8),
     /// The receiver had no room for a byte (RM0008 27.6.1, ORE).
+    #[error("USART receiver overran")]
     ReceiverOverrun,
-    /// The processor met a fault.
-    Fault {
-        /// Program counter.
-        pc: u32,
-    },
+    /// The processor met a fault at this program counter.
+    #[error("processor fault at {0:#010x}")]
+    Fault(u32),
 }
 
 /// An [`Irregularity`] with its time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("{:.6} s: {what}", to_duration(*.at).as_secs_f64())]
 pub struct Violation {
     /// Its time.
     pub at: Ticks,
     /// The irregularity.
     pub what: Irregularity,
-}
-
-impl fmt::Display for Violation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.6} s: ", to_duration(self.at).as_secs_f64())?;
-        match self.what {
-            Irregularity::Unmapped { address } => write!(f, "nothing is at {address:#010x}"),
-            Irregularity::Unclocked { address } => {
-                write!(f, "{address:#010x} accessed without a clock")
-            }
-            Irregularity::Narrow { address } => {
-                write!(f, "{address:#010x} accessed by less than its register")
-            }
-            Irregularity::NotModelled(what) => write!(f, "not modelled: {what}"),
-            Irregularity::AgainstTheManual(what) => write!(f, "against RM0008: {what}"),
-            Irregularity::TriggerWhileBusy => f.write_str("ADC triggered while it converts"),
-            Irregularity::StartedBySoftware => f.write_str("conversion started by software"),
-            Irregularity::DmaOverrun { channel } => write!(f, "DMA channel {channel} overran"),
-            Irregularity::ReceiverOverrun => f.write_str("USART receiver overran"),
-            Irregularity::Fault { pc } => write!(f, "processor fault at {pc:#010x}"),
-        }
-    }
 }
 
 /// A pulse on PA1.
@@ -117,12 +92,8 @@ pub struct LogLine {
 
 impl fmt::Display for LogLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{:.6} s: {}",
-            to_duration(self.at).as_secs_f64(),
-            self.text
-        )
+        let seconds = to_duration(self.at).as_secs_f64();
+        write!(f, "{seconds:.6} s: {}", self.text)
     }
 }
 

@@ -1,6 +1,5 @@
 //! The program's log: defmt frames that it leaves in memory (SEGGER RTT).
 
-use crate::image::Image;
 use crate::memory::Ram;
 use defmt_decoder::{DecodeError, Table};
 
@@ -23,24 +22,14 @@ pub struct Log {
     pending: Vec<u8>,
 }
 
-impl std::fmt::Debug for Log {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Log")
-            .field("control_block", &self.control_block)
-            .finish_non_exhaustive()
-    }
-}
-
 impl Log {
-    /// The log of `image`; `None` where it has none.
-    #[must_use]
-    pub fn of(image: Image) -> Option<Self> {
-        let (control_block, table) = image.into_log()?;
-        Some(Self {
+    /// The log of the program with this control block and this table of formats.
+    pub fn new(control_block: u32, table: Table) -> Self {
+        Self {
             control_block,
             table,
             pending: Vec::new(),
-        })
+        }
     }
 
     /// Reads new data from the memory, as a debug probe does.

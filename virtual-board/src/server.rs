@@ -39,9 +39,6 @@ const SLICE: Ticks = milliseconds(1);
 const NAP: Duration = Duration::from_millis(1);
 
 /// Runs `board` behind `end` until `should_stop` returns true. Calls `after_slice` after each slice of its time.
-///
-/// # Errors
-/// When the port is gone for good.
 pub fn serve(
     board: &mut VirtualBoard,
     end: &mut dyn HostEnd,
@@ -70,12 +67,8 @@ pub fn serve(
             continue;
         }
         board.run_until(until);
-        loop {
-            let count = board.take(&mut buffer);
+        while let count @ 1.. = board.take(&mut buffer) {
             waiting.extend(buffer.iter().take(count));
-            if count == 0 {
-                break;
-            }
         }
         after_slice(board);
     }

@@ -2,7 +2,7 @@
 //!
 //! One unit for everything, chosen so that each clock of the chip is a whole number of it: 72 MHz
 //! from the crystal, 64 MHz from the internal oscillator, the ADC's clock, the watchdog's 40 kHz and
-//! the bits of a 115200 baud line. So nothing is ever rounded, and equal means equal.
+//! the bits of a 115200 baud line. So no time is ever rounded.
 
 use std::time::Duration;
 
@@ -16,26 +16,22 @@ pub const TICKS_PER_SECOND: Ticks = 576_000_000;
 pub const TICKS_PER_MICROSECOND: Ticks = TICKS_PER_SECOND / 1_000_000;
 
 /// `us` microseconds.
-#[must_use]
 pub const fn microseconds(us: u64) -> Ticks {
     us * TICKS_PER_MICROSECOND
 }
 
 /// `ms` milliseconds.
-#[must_use]
 pub const fn milliseconds(ms: u64) -> Ticks {
     microseconds(1_000 * ms)
 }
 
 /// A [`Duration`] in ticks, rounded down.
-#[must_use]
 pub fn from_duration(duration: Duration) -> Ticks {
     let ticks = duration.as_nanos() * u128::from(TICKS_PER_SECOND) / 1_000_000_000;
     Ticks::try_from(ticks).unwrap_or(Ticks::MAX)
 }
 
 /// Ticks as a [`Duration`], rounded down to nanoseconds.
-#[must_use]
 pub fn to_duration(ticks: Ticks) -> Duration {
     let (seconds, rest) = (ticks / TICKS_PER_SECOND, ticks % TICKS_PER_SECOND);
     Duration::new(seconds, (rest * 1_000_000_000 / TICKS_PER_SECOND) as u32)

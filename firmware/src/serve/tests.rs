@@ -1,4 +1,5 @@
 use super::*;
+use crate::board::CapturedFrame;
 use crate::board::Identity;
 use core::future::poll_fn;
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};

@@ -1,21 +1,15 @@
 //! `servoid compare`
 
-use super::file_names::is_model;
-use super::output_args::Talk;
-use super::table_args::TableArgs;
-use super::usage::wrong_usage;
-use crate::commands::output_files;
+use super::input::{TableArgs, compared, is_model};
+use super::output::Output;
 use crate::data::dataset::listed;
-use crate::data::dataset::{self, DatasetOptions};
-use crate::data::fingerprint::{self, advice_on_sides};
+use crate::data::fingerprint::advice_on_sides;
 use crate::data::model_file::ModelFile;
-use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use servoid_identification::Options;
-use servoid_identification::comparison::{Comparison, ComparisonOptions, compare, compare_models};
-use servoid_identification::results::Advice;
+use servoid_identification::comparison::{Comparison, ComparisonOptions, compare_models};
 use std::path::{Path, PathBuf};
 
 /// Compare two servos, or one servo under two conditions
@@ -51,11 +45,8 @@ pub(super) struct Compare {
     /// The result to write, as JSON
     #[arg(long, short, value_name = "FILE.json")]
     out: Option<PathBuf>,
-    /// Replace the file if it exists
-    #[arg(long)]
-    force: bool,
     #[command(flatten)]
-    talk: Talk,
+    output: Output,
     #[command(flatten)]
     table: TableArgs,
 }
@@ -74,67 +65,44 @@ impl Compare {
             zero_sd: self.zero_sd,
             ..ComparisonOptions::default()
         };
-        if let Err(error) = options.identification.check() {
-            wrong_usage(error);
-        }
-        if let Some(out) = &self.out {
-            output_files::check_free(out, self.force)?;
-        }
+        self.output.check(&self.out)?;
         let (a, b) = match &self.sides[..] {
             [a, b] => (std::slice::from_ref(a), std::slice::from_ref(b)),
             _ => (&self.a[..], &self.b[..]),
         };
-        let (mut found, same) = match (a, b) {
-            ([a], [b]) if is_model(a) && is_model(b) => models(a, b, &options)?,
-            _ => recordings([a, b], &self.table.into(), options, self.talk)?,
+        let names = [listed(a), listed(b)];
+        let found = match (a, b) {
+            ([a], [b]) if is_model(a) && is_model(b) => models([a, b], &names, &options)?,
+            _ => {
+                if let Some(model) = a.iter().chain(b).find(|file| is_model(file)) {
+                    bail!("{model:?} is a model: compare two models, or recordings on both sides");
+                }
+                let [a, b] = self.table.load_sides([a, b], self.output.talk)?;
+                let mut found = compared([&a, &b], [&names[0], &names[1]], options)?;
+                found.advice.extend(a.about.advice);
+                found.advice.extend(b.about.advice);
+                found
+            }
         };
-        // What makes all the rest pointless is said first.
-        found.advice.splice(0..0, same);
-        let text = summary::of_comparison(&listed(a), &listed(b), &found);
-        if let Some(out) = &self.out {
-            output_files::write_file(out, self.force, &output_files::to_json(&found)?)?;
-        }
-        self.talk.result(text, &found)
+        self.output.write_json(self.out.as_ref(), &found)?;
+        let text = summary::of_comparison(&names[0], &names[1], &found);
+        self.output.talk.result(text, &found)
     }
 }
 
-/// What comes of a comparison, and what is to be said where both sides have the same samples.
-type Compared = (Comparison, Option<Advice>);
-
-fn models(a: &Path, b: &Path, options: &ComparisonOptions) -> Result<Compared> {
-    let (name_a, name_b) = (a.display().to_string(), b.display().to_string());
-    let [a, b] = [ModelFile::read(a)?, ModelFile::read(b)?];
-    a.metadata.same_units(&name_a, &b.metadata, &name_b)?;
-    let found = compare_models(&a.model, &b.model, options)
-        .with_context(|| format!("{name_a} against {name_b}"))?;
-    Ok((found, advice_on_sides(&a.fingerprints, &b.fingerprints)))
-}
-
-fn recordings(
-    sides: [&[PathBuf]; 2],
-    table: &DatasetOptions,
-    options: ComparisonOptions,
-    talk: Talk,
-) -> Result<Compared> {
-    if let Some(model) = sides.iter().copied().flatten().find(|file| is_model(file)) {
-        bail!("{model:?} is a model: compare two models, or recordings on both sides");
-    }
-    let [name_a, name_b] = sides.map(listed);
-    let [a, b] = dataset::load_sides(sides, table)?;
-    for remark in a.about.remarks.iter().chain(&b.about.remarks) {
-        talk.say(remark);
-    }
-    let [from_a, from_b] = [&a, &b].map(|side| ModelMetadata::from(&side.about));
-    from_a.same_units(&name_a, &from_b, &name_b)?;
-    let same = advice_on_sides(&fingerprint::of(&a.record), &fingerprint::of(&b.record));
-    let options = ComparisonOptions {
-        input_unit: a.about.input_unit_with(&b.about),
-        output_unit: a.about.output_unit_with(&b.about),
-        ..options
-    };
-    let mut found = compare(&a.record, &b.record, &options)
-        .with_context(|| format!("{name_a} against {name_b}"))?;
-    found.advice.extend(a.about.advice);
-    found.advice.extend(b.about.advice);
-    Ok((found, same))
+fn models(
+    files: [&Path; 2],
+    names: &[String; 2],
+    options: &ComparisonOptions,
+) -> Result<Comparison> {
+    let [a, b] = files.map(ModelFile::read);
+    let (a, b) = (a?, b?);
+    a.metadata.same_units(&names[0], &b.metadata, &names[1])?;
+    let found = compare_models(&a.model, &b.model, options);
+    let mut found = found.with_context(|| names.join(" against "))?;
+    // The most important advice comes first.
+    found
+        .advice
+        .splice(0..0, advice_on_sides(&a.fingerprints, &b.fingerprints));
+    Ok(found)
 }

@@ -31,33 +31,33 @@ impl<P: TypedValueParser> TypedValueParser for Suggesting<P> {
     }
 }
 
+fn suggesting<P: TypedValueParser>(parser: P, words: &'static [&'static str]) -> Suggesting<P> {
+    Suggesting { parser, words }
+}
+
 /// Ports of rigs.
 pub(super) fn port() -> impl TypedValueParser<Value = String> {
-    Suggesting {
-        parser: StringValueParser::new(),
-        words: &[
-            "sim:bench",
-            "sim:aircraft",
-            "sim:linear",
-            "tcp:",
-            "/dev/ttyUSB0",
-            "/dev/ttyACM0",
-        ],
-    }
+    let words = &[
+        "sim:bench",
+        "sim:aircraft",
+        "sim:linear",
+        "tcp:",
+        "/dev/ttyUSB0",
+        "/dev/ttyACM0",
+    ];
+    suggesting(StringValueParser::new(), words)
 }
 
 /// Kinds of references.
 pub(super) fn reference() -> impl TypedValueParser<Value = Kind> {
-    Suggesting {
-        parser: StringValueParser::new().try_map(|text| text.parse::<Kind>()),
-        words: &["staircase", "stairs", "prbs", "sweep", "multisine"],
-    }
+    let parser = StringValueParser::new().try_map(|text| text.parse::<Kind>());
+    suggesting(
+        parser,
+        &["staircase", "stairs", "prbs", "sweep", "multisine"],
+    )
 }
 
 /// Conditions of a measurement.
 pub(super) fn condition() -> impl TypedValueParser<Value = String> {
-    Suggesting {
-        parser: StringValueParser::new(),
-        words: &["bench", "aircraft"],
-    }
+    suggesting(StringValueParser::new(), &["bench", "aircraft"])
 }

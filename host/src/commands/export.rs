@@ -1,15 +1,12 @@
 //! `servoid export`
 
-use super::file_names::stem;
-use super::output_args::Talk;
-use super::usage::wrong_usage;
-use crate::commands::output_files;
+use super::output::{Output, stem, wrong_usage};
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::PULSE_FRAMES_S;
 use crate::presentation::export::{Export, Target};
 use anyhow::Result;
-use clap::builder::PossibleValue;
-use clap::{Args, ValueEnum};
+use clap::Args;
+use serde_json::json;
 use std::path::PathBuf;
 
 /// Write a model for another program: MATLAB, Python, Julia, C, a CSV table, or JSBSim
@@ -38,31 +35,8 @@ pub(super) struct ExportArgs {
     /// model: 20 ms where it is from recordings of servoid, unknown otherwise
     #[arg(long, value_name = "MS")]
     frame_ms: Option<f64>,
-    /// Replace the file if it exists
-    #[arg(long)]
-    force: bool,
     #[command(flatten)]
-    talk: Talk,
-}
-
-impl ValueEnum for Target {
-    fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let value = PossibleValue::new(self.name());
-        Some(match self {
-            Self::Matlab => value.help("A script with tf and frd, which Octave runs too"),
-            Self::Python => value.help("A module with numpy, and python-control where it is there"),
-            Self::Julia => value.help("A module without packages; objects of ControlSystems.jl"),
-            Self::C => value.help("A C99 header: impulse response and state space, no allocation"),
-            Self::Csv => value
-                .help("A table: step and frequency response with bounds")
-                .alias("simulink-csv"),
-            Self::Jsbsim => value.help("A system with the actuator: hold, delay and poles"),
-        })
-    }
+    output: Output,
 }
 
 impl ExportArgs {
@@ -71,9 +45,7 @@ impl ExportArgs {
         if stated_s.is_some_and(|frame| !PULSE_FRAMES_S.contains(&frame)) {
             wrong_usage("--frame-ms must be a number of milliseconds from 0 to 1000");
         }
-        if let Some(out) = &self.out {
-            output_files::check_free(out, self.force)?;
-        }
+        self.output.check(&self.out)?;
         let file = ModelFile::read(&self.model)?;
         let fitted = file.flight_model()?;
         let mut metadata = file.metadata;
@@ -82,18 +54,16 @@ impl ExportArgs {
         let name = self.name.clone().unwrap_or_else(|| stem(&self.model));
         let export = Export::new(&name, &source, &file.model, fitted, metadata);
         let text = export.write(self.to)?;
-        let warnings = export.warnings();
+        let (talk, warnings) = (self.output.talk, export.warnings());
         for warning in &warnings {
-            self.talk.say(format_args!("warning: {warning}"));
+            talk.say(format_args!("warning: {warning}"));
         }
         let Some(out) = &self.out else {
-            let result =
-                serde_json::json!({ "target": self.to.name(), "warnings": warnings, "text": text });
-            return self.talk.result(text, &result);
+            let result = json!({ "target": self.to, "warnings": warnings, "text": text });
+            return talk.result(text, &result);
         };
-        output_files::write_file(out, self.force, &text)?;
-        let result =
-            serde_json::json!({ "target": self.to.name(), "warnings": warnings, "file": out });
-        self.talk.result(format!("{}\n", out.display()), &result)
+        self.output.write(out, &text)?;
+        let result = json!({ "target": self.to, "warnings": warnings, "file": out });
+        talk.result(format!("{}\n", out.display()), &result)
     }
 }

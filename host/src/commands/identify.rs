@@ -1,30 +1,22 @@
 //! `servoid identify`
 
-use super::file_names::stem;
-use super::output_args::Talk;
-use super::table_args::TableArgs;
-use super::usage::wrong_usage;
-use crate::commands::output_files;
-use crate::data::dataset;
-use crate::data::dataset::Dataset;
-use crate::data::dataset::listed;
+use super::input::{TableArgs, identified};
+use super::output::{Output, stem, wrong_usage};
 use crate::data::dataset::suggestion::quoted;
+use crate::data::dataset::{Dataset, listed};
 use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::explanation;
-use crate::presentation::plots::{paper_figures, structure};
-use crate::presentation::summary;
-use anyhow::{Context, Result};
+use crate::presentation::{plots, summary};
+use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use servoid_identification::diagnostics::Explanation;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
 use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
 use servoid_identification::results::{Model, StepResponse};
-use servoid_identification::{
-    Frequencies, NoiseOrder, Options, Settling, flight_model, identify_explained,
-};
-use std::path::PathBuf;
+use servoid_identification::{Frequencies, NoiseOrder, Options, Settling, flight_model};
+use std::path::{Path, PathBuf};
 
 /// Identify the servo's step and frequency response, with bounds
 ///
@@ -70,11 +62,8 @@ pub(super) struct Identify {
     /// Folder for plots of input and output, step response, frequency response and validation
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Replace files that exist
-    #[arg(long)]
-    force: bool,
     #[command(flatten)]
-    talk: Talk,
+    output: Output,
     #[command(flatten)]
     table: TableArgs,
 }
@@ -91,92 +80,92 @@ impl Identify {
         if let Err(error) = options.check() {
             wrong_usage(error);
         }
-        if let Some(out) = &self.out {
-            output_files::check_free(out, self.force)?;
-        }
-        let data = dataset::load(&self.files, &self.table.clone().into())?;
-        data.about
-            .remarks
-            .iter()
-            .for_each(|remark| self.talk.say(remark));
-        let mut found =
-            identify_explained(&data.record, &options).with_context(|| listed(&self.files))?;
-        found.model.advice.extend(data.about.advice.iter().cloned());
+        let (output, talk) = (self.output, self.output.talk);
+        output.check(&self.out)?;
+        let data = self.table.load(&self.files, talk)?;
+        let found = identified(&data, &self.files, &options)?;
         let (model, units) = (&found.model, data.about.units());
         let explanation = self.explain.then_some(&found.explanation);
         let flight = self.flight_model.then(|| fit_flight_model(&data, model));
-
-        let mut result = Identified::of(model, &data);
-        result.flight_model = flight.as_ref().and_then(|fitted| fitted.as_ref().ok());
+        let (fitted, reason) = match flight {
+            Some(Ok(fitted)) => (Some(fitted), None),
+            Some(Err(reason)) => (None, Some(reason)),
+            None => (None, None),
+        };
+        let mut result = Identified {
+            model: ModelDocument {
+                model,
+                metadata: ModelMetadata::from(&data.about),
+                record: Some(&data.record),
+            },
+            explanation: None,
+            flight_model: fitted.as_ref(),
+            no_flight_model: None,
+            limits: None,
+            directions: None,
+        };
         if let Some(out) = &self.out {
-            output_files::write_file(out, self.force, &output_files::to_json(&result)?)?;
-            self.talk.say(format_args!("model: {}", out.display()));
+            output.write_json(Some(out), &result)?;
+            talk.say(format_args!("model: {}", out.display()));
         }
-        self.draw(&data, model, explanation)?;
-
+        if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
+            self.draw(folder, &stem(first), &data, model, explanation)?;
+        }
         let mut text = summary::of_model(&listed(&self.files), model, units);
         text.extend(explanation.map(|e| explanation::as_text(e, model)));
-        result.explanation = explanation;
-        match &flight {
-            Some(Ok(fitted)) => text += &summary::of_flight_model(fitted),
-            Some(Err(reason)) => {
-                text += &format!("\nno model of low order: {reason}\n");
-                result.no_flight_model = Some(reason);
-            }
-            None => {}
-        }
+        text.extend(fitted.as_ref().map(summary::of_flight_model));
+        text.extend(
+            reason
+                .as_ref()
+                .map(|reason| format!("\nno low-order model: {reason}\n")),
+        );
+        (result.explanation, result.no_flight_model) = (explanation, reason.as_ref());
         if self.limits {
             let limits = Limits::of(&data.record, model, self.level);
-            // A recording with strokes of one direction only has no split; the summary says so.
+            // A recording with strokes of one direction only has no split; the summary mentions it.
             let split = split_by_direction(&data.record, model).ok();
             text += &summary::of_limits(&limits, split.as_ref(), units.common());
-            result.directions = split.map(Directions::from);
-            result.limits = Some(limits);
+            (result.limits, result.directions) = (Some(limits), split.map(Directions::from));
         }
-        self.talk.say(self.next());
-        self.talk.result(text, &result)
+        talk.say(self.next());
+        talk.result(text, &result)
     }
 
-    /// Writes the plots, where a folder for them was named.
-    fn draw(&self, data: &Dataset, model: &Model, explanation: Option<&Explanation>) -> Result<()> {
-        let (Some(folder), Some(first)) = (&self.plots, self.files.first()) else {
-            return Ok(());
-        };
-        let name = stem(first);
-        let mut figures =
-            paper_figures::identification(&name, &data.record, model, data.about.units());
-        let structure = |explanation| {
+    fn draw(
+        &self,
+        folder: &Path,
+        name: &str,
+        data: &Dataset,
+        model: &Model,
+        explanation: Option<&Explanation>,
+    ) -> Result<()> {
+        let mut figures = plots::identification(name, &data.record, model, data.about.units());
+        figures.extend(explanation.map(|explanation| {
             let file = format!("{name}-structure");
-            structure::structure(&file, "Choice of structure", explanation, model)
-        };
-        figures.extend(explanation.map(structure));
-        let files = output_files::write_figures(folder, self.force, &figures)?;
-        self.talk.say(format_args!("plots: {}", listed(&files)));
-        Ok(())
+            plots::structure(&file, "Choice of structure", explanation, model)
+        }));
+        self.output.draw(folder, &figures)
     }
 
     /// The command that shows all of this.
     fn next(&self) -> String {
-        let files: Vec<String> = self
-            .files
-            .iter()
-            .map(|file| quoted(&file.display().to_string()))
-            .collect();
+        let name = |file: &PathBuf| quoted(&file.display().to_string());
+        let files: Vec<String> = self.files.iter().map(name).collect();
         let several = if files.len() > 1 { "--a " } else { "" };
         let page = self
             .files
             .first()
-            .map_or_else(String::new, |file| format!("{}.html", stem(file)));
+            .map(|file| format!("{}.html", stem(file)));
         format!(
             "to look at it: servoid report {several}{}{} -o {}",
             files.join(" "),
             self.table.as_typed(),
-            quoted(&page)
+            quoted(&page.unwrap_or_default())
         )
     }
 }
 
-/// The model of low order, or why there is none.
+/// The low-order model, or the reason why there is none.
 fn fit_flight_model(data: &Dataset, model: &Model) -> Result<FlightModel, String> {
     let options = FlightModelOptions {
         frame_period_s: ModelMetadata::from(&data.about).pulse_frame_s,
@@ -185,7 +174,7 @@ fn fit_flight_model(data: &Dataset, model: &Model) -> Result<FlightModel, String
     flight_model::fit(&data.record, model, &options).map_err(|error| error.to_string())
 }
 
-/// The model as `--json` prints it, and beside it what else was asked for.
+/// The model as `--json` prints it, with the further results that were asked for.
 #[derive(Serialize)]
 struct Identified<'a> {
     #[serde(flatten)]
@@ -194,30 +183,13 @@ struct Identified<'a> {
     explanation: Option<&'a Explanation>,
     #[serde(skip_serializing_if = "Option::is_none")]
     flight_model: Option<&'a FlightModel>,
-    /// Why there is no model of low order though one was asked for.
+    /// The reason why there is none though one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     no_flight_model: Option<&'a String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     limits: Option<Limits>,
     #[serde(skip_serializing_if = "Option::is_none")]
     directions: Option<Directions>,
-}
-
-impl<'a> Identified<'a> {
-    fn of(model: &'a Model, data: &'a Dataset) -> Self {
-        Self {
-            model: ModelDocument {
-                model,
-                metadata: ModelMetadata::from(&data.about),
-                record: Some(&data.record),
-            },
-            explanation: None,
-            flight_model: None,
-            no_flight_model: None,
-            limits: None,
-            directions: None,
-        }
-    }
 }
 
 /// Up and down strokes apart.

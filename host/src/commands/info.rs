@@ -1,18 +1,15 @@
 //! `servoid info`
 
 use super::completion_values;
-use super::output_args::Talk;
+use super::output::Talk;
 use crate::instrument::port;
-use crate::instrument::rig::ClientError;
-use crate::instrument::rig::{Mismatch, mismatches};
-use crate::instrument::rig::{RigClient, TalkError};
+use crate::instrument::rig::{ClientError, Mismatch, RigClient, TalkError, mismatches};
 use anyhow::Result;
 use clap::Args;
 use servoid_protocol::hello::{ClockSource, ResetCause};
 use servoid_protocol::message::{Activity, Status};
 use servoid_protocol::schema::{PROTOCOL_VERSION, SCHEMA_HASH};
 use servoid_protocol::{Hello, Rejects};
-use std::fmt::Write;
 
 /// Show the rig at a port: its board, firmware, timing and state
 #[derive(Debug, Args)]
@@ -41,125 +38,126 @@ impl Info {
         let mut client = match RigClient::connect_beside(port, &self.port) {
             Err(busy @ TalkError::Rig(ClientError::RunOfAnother)) => {
                 let result = serde_json::json!({ "running": true });
-                return self
-                    .talk
-                    .result(format!("{}: {busy}\n", self.port), &result);
+                let text = format!("{}: {busy}\n", self.port);
+                return self.talk.result(text, &result);
             }
             other => other?,
         };
         let hello = *client.hello();
         let schema_equal = client.has_equal_schema();
         // Only the hello of a rig with another schema can be trusted.
-        let status = if schema_equal {
-            Some(client.status()?)
-        } else {
-            None
-        };
+        let status = schema_equal.then(|| client.status()).transpose()?;
         let mismatches = mismatches(&hello);
-        let mut text = describe(&hello, status.as_ref(), client.rejects())?;
-        text.push_str(&explain(&mismatches)?);
-        self.talk.result(
-            text,
-            &Answer {
-                hello: &hello,
-                schema_equal,
-                mismatches: &mismatches,
-                status,
-            },
-        )
+        let text = describe(&hello, status.as_ref(), client.rejects()) + &explain(&mismatches);
+        let answer = Answer {
+            hello: &hello,
+            schema_equal,
+            mismatches: &mismatches,
+            status,
+        };
+        self.talk.result(text, &answer)
     }
 }
 
-fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> Result<String> {
-    let mut text = String::new();
+fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> String {
     let id: String = hello
         .unique_id
         .iter()
         .map(|byte| format!("{byte:02x}"))
         .collect();
-    writeln!(text, "board            {} ({id})", hello.board.as_str())?;
-    writeln!(text, "firmware         {}", hello.build.as_str())?;
-    writeln!(
-        text,
-        "protocol         {} (this servoid: {PROTOCOL_VERSION})",
-        hello.protocol_version
-    )?;
-    writeln!(
-        text,
-        "schema           {:016x} ({})",
-        hello.schema_hash,
-        if hello.schema_hash == SCHEMA_HASH {
-            "equal"
-        } else {
-            "differs"
-        }
-    )?;
-    writeln!(text, "clock            {}", clock(hello.clock))?;
-    writeln!(text, "last start       {}", reset(hello.reset_cause))?;
-    writeln!(text, "PWM frame        {} µs", hello.frame_us)?;
-    writeln!(
-        text,
-        "samples          every {} µs, the first {} µs after the pulse's rising edge",
-        hello.sample_us, hello.first_sample_us
-    )?;
-    writeln!(
-        text,
-        "one sample       {} conversions {}, 0 to {} counts",
-        hello.oversampling,
-        match hello.aperture_us {
-            0 => "at one moment".to_owned(),
-            us => format!("within {us} µs"),
-        },
-        hello.full_scale_counts
-    )?;
-    writeln!(
-        text,
-        "pulses           {} to {} µs, never beyond",
-        hello.shortest_pulse_us, hello.longest_pulse_us
-    )?;
-    writeln!(
-        text,
-        "memory           {} frames ({} s) can be sent again",
-        hello.history_frames,
-        f64::from(hello.history_frames) * f64::from(hello.frame_us) * 1e-6
-    )?;
+    let equal = if hello.schema_hash == SCHEMA_HASH {
+        "equal"
+    } else {
+        "differs"
+    };
+    let aperture = match hello.aperture_us {
+        0 => "at one moment".to_owned(),
+        us => format!("within {us} µs"),
+    };
+    let Hello {
+        protocol_version,
+        schema_hash,
+        frame_us,
+        sample_us,
+        first_sample_us,
+        oversampling,
+        full_scale_counts,
+        shortest_pulse_us,
+        longest_pulse_us,
+        history_frames,
+        ..
+    } = hello;
+    let history_s = f64::from(*history_frames) * f64::from(*frame_us) * 1e-6;
+    let mut rows = vec![
+        ("board", format!("{} ({id})", hello.board.as_str())),
+        ("firmware", hello.build.as_str().to_owned()),
+        (
+            "protocol",
+            format!("{protocol_version} (this servoid: {PROTOCOL_VERSION})"),
+        ),
+        ("schema", format!("{schema_hash:016x} ({equal})")),
+        ("clock", clock(hello.clock).to_owned()),
+        ("last start", reset(hello.reset_cause).to_owned()),
+        ("PWM frame", format!("{frame_us} µs")),
+        (
+            "samples",
+            format!(
+                "every {sample_us} µs, the first {first_sample_us} µs after the pulse's rising edge"
+            ),
+        ),
+        (
+            "one sample",
+            format!("{oversampling} conversions {aperture}, 0 to {full_scale_counts} counts"),
+        ),
+        (
+            "pulses",
+            format!("{shortest_pulse_us} to {longest_pulse_us} µs, never beyond"),
+        ),
+        (
+            "memory",
+            format!("{history_frames} frames ({history_s} s) can be sent again"),
+        ),
+    ];
     if let Some(status) = status {
-        write_status(&mut text, status, rejects)?;
+        let (frames, lost) = (status.frames_since_start, status.frames_lost_on_board);
+        let (waited, to_rig) = (status.backlog_high_water, status.rejects);
+        let from_rig = rejects.total();
+        rows.extend([
+            ("state", activity(&status.activity)),
+            ("sensor", format!("{} counts", status.sensor.0)),
+            (
+                "frames",
+                format!(
+                    "{frames} since start, {lost} lost on the board, at most {waited} in the queue"
+                ),
+            ),
+            (
+                "link",
+                format!("unreadable messages: {to_rig} to the rig, {from_rig} from it"),
+            ),
+        ]);
     }
-    Ok(text)
-}
-
-fn write_status(text: &mut String, status: &Status, rejects: Rejects) -> std::fmt::Result {
-    writeln!(text, "state            {}", activity(&status.activity))?;
-    writeln!(text, "sensor           {} counts", status.sensor.0)?;
-    writeln!(
-        text,
-        "frames           {} since start, {} lost on the board, at most {} in the queue",
-        status.frames_since_start, status.frames_lost_on_board, status.backlog_high_water
-    )?;
-    writeln!(
-        text,
-        "link             unreadable messages: {} to the rig, {} from it",
-        status.rejects,
-        rejects.total()
-    )
+    rows.iter()
+        .map(|(name, value)| format!("{name:16} {value}\n"))
+        .collect()
 }
 
 /// The mismatches, field by field.
-fn explain(mismatches: &[Mismatch]) -> Result<String> {
-    let mut text = String::new();
+fn explain(mismatches: &[Mismatch]) -> String {
     if mismatches.is_empty() {
-        return Ok(text);
+        return String::new();
     }
-    writeln!(text, "\nThis rig cannot be used with this servoid:")?;
-    for m in mismatches {
-        writeln!(
-            text,
-            "  {:16} {} (this servoid: {}): {}",
-            m.field, m.rig, m.servoid, m.meaning
-        )?;
-    }
-    Ok(text)
+    let line = |m: &Mismatch| {
+        let Mismatch {
+            field,
+            rig,
+            servoid,
+            meaning,
+        } = m;
+        format!("  {field:16} {rig} (this servoid: {servoid}): {meaning}\n")
+    };
+    let lines: String = mismatches.iter().map(line).collect();
+    format!("\nThis rig cannot be used with this servoid:\n{lines}")
 }
 
 fn clock(source: ClockSource) -> &'static str {
@@ -189,10 +187,8 @@ fn activity(activity: &Activity) -> String {
         Activity::Armed => "armed, at neutral".to_owned(),
         Activity::Running { run, frames } => format!("run {run}, {frames} frames so far"),
         Activity::Ended(ended) => {
-            format!(
-                "at neutral; run {} ended ({:?}) after {} frames",
-                ended.run, ended.reason, ended.frames
-            )
+            let (run, reason, frames) = (ended.run, ended.reason, ended.frames);
+            format!("at neutral; run {run} ended ({reason:?}) after {frames} frames")
         }
     }
 }

@@ -1,16 +1,18 @@
 //! `servoid init`
 
 use super::completion_values;
-use super::output_args::Talk;
+use super::output::{Output, Talk};
 use super::ports;
-use super::prompts::{Asker, Prompt};
-use crate::commands::output_files;
-use crate::commands::rig_wizard::{self, Range, RigAnswers};
+use super::prompts::Asker;
+use super::rig_wizard::{
+    Range, RigAnswers, check_condition, check_name, check_neutral, check_pulses,
+    check_sensor_degrees, check_travel, check_us_per_degree, check_volts,
+};
 use crate::data::rig_file::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueHint};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Write the rig file of a new rig, from questions at the terminal or from options
 ///
@@ -26,14 +28,11 @@ pub(super) struct Init {
     /// The rig file to write
     #[arg(long, short, default_value = "rig.toml", value_name = "RIG.toml", value_hint = ValueHint::FilePath)]
     out: PathBuf,
-    /// Replace the file if it exists
-    #[arg(long)]
-    force: bool,
     /// Ask nothing: take the default of every option that is not given
     #[arg(long, short)]
     yes: bool,
     #[command(flatten)]
-    talk: Talk,
+    output: Output,
     #[command(flatten)]
     given: Given,
 }
@@ -82,173 +81,103 @@ struct Given {
 /// The result as `--json` prints it.
 #[derive(Serialize)]
 struct Written<'a> {
-    file: &'a Path,
+    file: &'a PathBuf,
     rig: &'a RigFile,
     next: &'a str,
 }
 
 impl Init {
     pub(super) fn run(self) -> Result<String> {
-        output_files::check_free(&self.out, self.force)?;
+        self.output.check([&self.out])?;
         let asker = Asker::new(
             self.yes,
             "add --yes, and an option for each answer that differs from its default ('servoid init --help' lists them)",
         )?;
-        let answers = self.given.complete(&asker, self.talk)?;
+        let answers = self.given.complete(&asker, self.output.talk)?;
         let (text, rig) = answers.to_rig_file(&self.out)?;
-        output_files::write_file(&self.out, self.force, &text)?;
+        self.output.write(&self.out, &text)?;
         let file = self.out.display();
         let next = match &answers.port {
             Some(_) => format!("servoid calibrate --rig {file}"),
             None => "servoid ports".to_owned(),
         };
-        let written = Written {
-            file: &self.out,
-            rig: &rig,
-            next: &next,
-        };
+        let [shortest, longest] = [rig.limits.shortest_us, rig.limits.longest_us];
+        let travel = answers.travel_in_words();
         let text = format!(
-            "{file}: written\nlimits: {} to {} µs. {}\nnext: {next}\n",
-            rig.limits.shortest_us,
-            rig.limits.longest_us,
-            answers.travel_in_words()
+            "{file}: written\nlimits: {shortest} to {longest} µs. {travel}\nnext: {next}\n"
         );
-        self.talk.result(text, &written)
+        let (file, rig, next) = (&self.out, &rig, &next);
+        self.output.talk.result(text, &Written { file, rig, next })
     }
 }
 
-/// Errors for answers that are not of the right type.
-const NUMBER: &str = "a number is needed, such as 10 or -9.5";
-const MICROSECONDS: &str = "whole microseconds are needed, such as 1500";
-const TWO_NUMBERS: &str =
-    "two numbers with a colon between them are needed, the smaller one first, such as -20:20";
-const TEXT: &str = "a name is needed";
+/// A question: the option that answers it, and the words at the terminal.
+type Question = (&'static str, &'static str);
+
+const NAME: Question = ("--name", "Name of the rig");
+const CONDITION: Question = (
+    "--condition",
+    "Condition (bench, aircraft, or your own words)",
+);
+const PORT: Question = ("--port", "Serial device or tcp:HOST:PORT");
+const SERVO: Question = ("--servo", "Name of the servo");
+const PULSES: Question = (
+    "--pulses",
+    "Shortest and longest pulse that the servo takes (µs)",
+);
+const NEUTRAL: Question = ("--neutral", "Pulse at 0 degrees, neutral (µs)");
+const US_PER_DEGREE: Question = (
+    "--us-per-degree",
+    "µs for one degree (negative: longer pulses turn it to negative angles)",
+);
+const TRAVEL: Question = ("--travel", "Travel of the linkage from neutral (degrees)");
+const SENSOR: Question = ("--sensor", "Name of the angle sensor");
+const VOLTS: Question = (
+    "--sensor-volts",
+    "Output of the sensor at the ends of its range (V)",
+);
+const SENSOR_DEGREES: Question = (
+    "--sensor-degrees",
+    "Degrees between these outputs (negative: the output falls)",
+);
 
 impl Given {
     /// Every answer, from the options and the asker.
     fn complete(self, asker: &Asker, talk: Talk) -> Result<RigAnswers> {
-        let mut answers = RigAnswers::default();
-        self.ask_names(asker, talk, &mut answers)?;
-        self.ask_servo(asker, &mut answers)?;
-        self.ask_sensor(asker, &mut answers)?;
-        Ok(answers)
-    }
-
-    fn ask_names(&self, asker: &Asker, talk: Talk, answers: &mut RigAnswers) -> Result<()> {
-        let name = |name: &String| rig_wizard::check_name(name);
-        answers.name = asker.ask(
-            self.name.clone(),
-            &Prompt {
-                option: "--name",
-                text: "Name of the rig",
-                default: answers.name.clone(),
-                form: TEXT,
-                check: &name,
-            },
+        let mut to = RigAnswers::default();
+        asker.ask(self.name, NAME, &mut to.name, check_name)?;
+        asker.ask(
+            self.condition,
+            CONDITION,
+            &mut to.condition,
+            check_condition,
         )?;
-        answers.condition = asker.ask(
-            self.condition.clone(),
-            &Prompt {
-                option: "--condition",
-                text: "Condition (bench, aircraft, or your own words)",
-                default: answers.condition.clone(),
-                form: TEXT,
-                check: &|name| rig_wizard::check_condition(name),
-            },
-        )?;
-        answers.port = match &self.port {
-            Some(port) => Some(port.clone()),
+        to.port = match self.port {
+            Some(port) => Some(port),
             None => ask_port(asker, talk)?,
         };
-        answers.servo = asker.ask(
-            self.servo.clone(),
-            &Prompt {
-                option: "--servo",
-                text: "Name of the servo",
-                default: answers.servo.clone(),
-                form: TEXT,
-                check: &name,
-            },
-        )?;
-        Ok(())
-    }
-
-    fn ask_servo(&self, asker: &Asker, answers: &mut RigAnswers) -> Result<()> {
-        answers.pulses_us = asker.ask(
-            self.pulses,
-            &Prompt {
-                option: "--pulses",
-                text: "Shortest and longest pulse that the servo takes (µs)",
-                default: answers.pulses_us,
-                form: TWO_NUMBERS,
-                check: &rig_wizard::check_pulses,
-            },
-        )?;
-        answers.neutral_us = asker.ask(
-            self.neutral,
-            &Prompt {
-                option: "--neutral",
-                text: "Pulse at 0 degrees, neutral (µs)",
-                default: answers.neutral_us,
-                form: MICROSECONDS,
-                check: &|us| rig_wizard::check_neutral(*us, &answers.pulses_us),
-            },
-        )?;
-        answers.us_per_degree = asker.ask(
+        asker.ask(self.servo, SERVO, &mut to.servo, check_name)?;
+        asker.ask(self.pulses, PULSES, &mut to.pulses_us, check_pulses)?;
+        let neutral = |us: &u16| check_neutral(*us, &to.pulses_us);
+        asker.ask(self.neutral, NEUTRAL, &mut to.neutral_us, neutral)?;
+        let scale = &mut to.us_per_degree;
+        asker.ask(
             self.us_per_degree,
-            &Prompt {
-                option: "--us-per-degree",
-                text: "µs for one degree (negative: longer pulses turn it to negative angles)",
-                default: answers.us_per_degree,
-                form: NUMBER,
-                check: &|us| rig_wizard::check_us_per_degree(*us),
-            },
+            US_PER_DEGREE,
+            scale,
+            check_us_per_degree,
         )?;
-        answers.travel_deg = asker.ask(
-            self.travel,
-            &Prompt {
-                option: "--travel",
-                text: "Travel of the linkage from neutral (degrees)",
-                default: answers.travel_deg,
-                form: TWO_NUMBERS,
-                check: &rig_wizard::check_travel,
-            },
-        )?;
-        Ok(())
-    }
-
-    fn ask_sensor(&self, asker: &Asker, answers: &mut RigAnswers) -> Result<()> {
-        answers.sensor = asker.ask(
-            self.sensor.clone(),
-            &Prompt {
-                option: "--sensor",
-                text: "Name of the angle sensor",
-                default: answers.sensor.clone(),
-                form: TEXT,
-                check: &|name| rig_wizard::check_name(name),
-            },
-        )?;
-        answers.sensor_volts = asker.ask(
-            self.sensor_volts,
-            &Prompt {
-                option: "--sensor-volts",
-                text: "Output of the sensor at the ends of its range (V)",
-                default: answers.sensor_volts,
-                form: TWO_NUMBERS,
-                check: &rig_wizard::check_volts,
-            },
-        )?;
-        answers.sensor_degrees = asker.ask(
+        asker.ask(self.travel, TRAVEL, &mut to.travel_deg, check_travel)?;
+        asker.ask(self.sensor, SENSOR, &mut to.sensor, check_name)?;
+        asker.ask(self.sensor_volts, VOLTS, &mut to.sensor_volts, check_volts)?;
+        let degrees = &mut to.sensor_degrees;
+        asker.ask(
             self.sensor_degrees,
-            &Prompt {
-                option: "--sensor-degrees",
-                text: "Degrees between these outputs (negative: the output falls)",
-                default: answers.sensor_degrees,
-                form: NUMBER,
-                check: &|degrees| rig_wizard::check_sensor_degrees(*degrees),
-            },
+            SENSOR_DEGREES,
+            degrees,
+            check_sensor_degrees,
         )?;
-        Ok(())
+        Ok(to)
     }
 }
 
@@ -277,16 +206,8 @@ fn ask_port(asker: &Asker, talk: Talk) -> Result<Option<String>> {
     match items.len() - chosen {
         3 => Ok(Some(simulated.into())),
         2 => {
-            let port = asker.ask(
-                None,
-                &Prompt {
-                    option: "--port",
-                    text: "Serial device or tcp:HOST:PORT",
-                    default: "/dev/ttyUSB0".to_owned(),
-                    form: TEXT,
-                    check: &|port| rig_wizard::check_name(port),
-                },
-            )?;
+            let mut port = "/dev/ttyUSB0".to_owned();
+            asker.ask(None, PORT, &mut port, check_name)?;
             Ok(Some(port))
         }
         _ => Ok(None),

@@ -1,6 +1,7 @@
 //! `servoid man`
 
-use crate::commands::output_files;
+use super::output::make_folder;
+use crate::data::recording::write_file;
 use anyhow::{Context, Result};
 use clap::{Args, Command};
 use clap_mangen::Man;
@@ -28,17 +29,13 @@ impl ManArgs {
         let Some(folder) = &self.out else {
             return page(whole);
         };
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("the folder {folder:?} cannot be created"))?;
-        let commands: Vec<Command> = std::iter::once(&whole)
-            .chain(whole.get_subcommands().filter(|c| c.get_name() != "help"))
-            .cloned()
-            .collect();
+        make_folder(folder)?;
+        let commands = whole.get_subcommands().filter(|c| c.get_name() != "help");
         let mut files = String::new();
-        for command in commands {
+        for command in std::iter::once(&whole).chain(commands) {
             let name = command.get_display_name().unwrap_or(command.get_name());
             let path = folder.join(format!("{name}.1"));
-            output_files::write_file(&path, self.force, &page(command)?)?;
+            write_file(&path, self.force, &page(command.clone())?)?;
             files += &format!("{}\n", path.display());
         }
         Ok(files)

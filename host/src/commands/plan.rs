@@ -1,12 +1,9 @@
 //! `servoid plan`
 
-use super::output_args::Talk;
+use super::output::{Output, wrong_usage};
 use super::reference_args::ReferenceArgs;
-use super::usage::wrong_usage;
-use crate::commands::output_files;
-use crate::data::dataset::listed;
+use super::rig_args::rig_file;
 use crate::data::model_file::ModelFile;
-use crate::data::rig_file::RigFile;
 use crate::instrument::reference;
 use crate::plan::{AssumedServo, Plan, PlanRequest, figure, of_plan};
 use anyhow::{Context, Result, bail};
@@ -56,11 +53,8 @@ pub(super) struct PlanArgs {
     /// Folder for a plot of the spectrum and of the step response with the expected band
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Replace files that exist
-    #[arg(long)]
-    force: bool,
     #[command(flatten)]
-    talk: Talk,
+    output: Output,
     #[command(flatten)]
     reference: ReferenceArgs,
 }
@@ -71,21 +65,12 @@ impl PlanArgs {
         if self.noise.iter().chain(&self.band).any(|n| !positive(n)) {
             wrong_usage("--noise (degrees) and --band (percent) must be above 0");
         }
-        if !(0.5..=0.99999).contains(&self.level) {
-            wrong_usage("--level must be from 0.5 to 0.99999");
-        }
-        if let Some(out) = &self.out {
-            output_files::check_free(out, self.force)?;
-        }
+        let (output, talk) = (self.output, self.output.talk);
+        output.check(&self.out)?;
         let assumed = self.assumed()?;
-        let us_per_degree = match &self.rig {
-            Some(path) => RigFile::read(path)?,
-            None => RigFile::default(),
-        }
-        .servo
-        .us_per_degree;
+        let us_per_degree = rig_file(self.rig.as_deref())?.servo.us_per_degree;
         let request = PlanRequest {
-            reference: self.reference.resolve(us_per_degree, self.talk)?,
+            reference: self.reference.resolve(us_per_degree, talk)?,
             us_per_degree,
             runs: self.repeat.into(),
             assumed,
@@ -97,15 +82,14 @@ impl PlanArgs {
             format!("a run of {words} could not be identified")
         })?;
         if let Some(out) = &self.out {
-            output_files::write_file(out, self.force, &output_files::to_json(&plan)?)?;
-            self.talk.say(format_args!("plan: {}", out.display()));
+            output.write_json(Some(out), &plan)?;
+            talk.say(format_args!("plan: {}", out.display()));
         }
         if let Some(folder) = &self.plots {
-            let figure = figure(&plan, &format!("plan-{}", request.reference.name()));
-            let files = output_files::write_figures(folder, self.force, &[figure])?;
-            self.talk.say(format_args!("plots: {}", listed(&files)));
+            let name = format!("plan-{}", request.reference.name());
+            output.draw(folder, &[figure(&plan, &name)])?;
         }
-        self.talk.result(of_plan(&plan), &plan)
+        talk.result(of_plan(&plan), &plan)
     }
 
     fn assumed(&self) -> Result<AssumedServo> {

@@ -1,6 +1,6 @@
 //! `servoid ports`
 
-use super::output_args::Talk;
+use super::output::Talk;
 use crate::instrument::port;
 use crate::instrument::rig::{ClientError, RigClient, TalkError};
 use anyhow::{Context, Result};
@@ -27,11 +27,6 @@ pub(super) struct PortProbe {
 }
 
 impl PortProbe {
-    /// One line of a table.
-    fn table_line(&self) -> String {
-        format!("{:24} {:32} {}", self.port, self.device, self.answer())
-    }
-
     /// An item of a list to choose from.
     pub(super) fn item(&self) -> String {
         format!("{}: {}", self.port, self.answer())
@@ -53,11 +48,8 @@ impl PortProbe {
 
 /// The ports with a rig, in one sentence.
 pub(super) fn summary(found: &[PortProbe]) -> String {
-    let answering: Vec<&str> = found
-        .iter()
-        .filter(|port| port.answers())
-        .map(|port| port.port.as_str())
-        .collect();
+    let answering = found.iter().filter(|port| port.answers());
+    let answering: Vec<&str> = answering.map(|port| port.port.as_str()).collect();
     match (&answering[..], found) {
         ([], []) => "no serial ports were found: plug in the board".to_owned(),
         ([], [only]) => format!("no rig answers at {}, the only serial port", only.port),
@@ -70,14 +62,10 @@ pub(super) fn summary(found: &[PortProbe]) -> String {
 pub(super) fn find() -> Result<Vec<PortProbe>> {
     let ports = serialport::available_ports().context("the serial ports cannot be listed")?;
     // A silent port takes its whole time-out, so all are probed at once.
-    let threads: Vec<_> = ports
-        .into_iter()
-        .map(|port| std::thread::spawn(move || probe(port)))
-        .collect();
-    let mut found: Vec<PortProbe> = threads
-        .into_iter()
-        .filter_map(|thread| thread.join().ok())
-        .collect();
+    let begin = |port| std::thread::spawn(move || probe(port));
+    let threads: Vec<_> = ports.into_iter().map(begin).collect();
+    let ended = threads.into_iter().filter_map(|thread| thread.join().ok());
+    let mut found: Vec<PortProbe> = ended.collect();
     found.sort_by(|a, b| (!a.answers(), &a.port).cmp(&(!b.answers(), &b.port)));
     Ok(found)
 }
@@ -85,7 +73,8 @@ pub(super) fn find() -> Result<Vec<PortProbe>> {
 impl Ports {
     pub(super) fn run(self) -> Result<String> {
         let found = find()?;
-        let mut text: String = found.iter().map(|port| port.table_line() + "\n").collect();
+        let line = |p: &PortProbe| format!("{:24} {:32} {}\n", p.port, p.device, p.answer());
+        let mut text: String = found.iter().map(line).collect();
         if found.is_empty() {
             text.push_str("no serial ports were found: plug in the board\n");
         }
@@ -105,35 +94,28 @@ fn probe(info: serialport::SerialPortInfo) -> PortProbe {
         SerialPortType::BluetoothPort => "Bluetooth".to_owned(),
         SerialPortType::Unknown => String::new(),
     };
-    let client = match port::open(&port) {
-        Ok(stream) => RigClient::probe(stream, &port),
+    let mut found = PortProbe {
+        port,
+        device,
+        rig: None,
+        error: None,
+    };
+    let stream = match port::open(&found.port) {
+        Ok(stream) => stream,
         Err(error) => {
-            return PortProbe {
-                port,
-                device,
-                rig: None,
-                error: Some(error.to_string()),
-            };
+            found.error = Some(error.to_string());
+            return found;
         }
     };
-    let rig = match client {
+    found.rig = match RigClient::probe(stream, &found.port) {
         Ok(client) => {
-            let hello = client.hello();
-            Some(format!(
-                "{}, firmware {}",
-                hello.board.as_str(),
-                hello.build.as_str()
-            ))
+            let (board, build) = (client.hello().board, client.hello().build);
+            Some(format!("{}, firmware {}", board.as_str(), build.as_str()))
         }
         Err(TalkError::Rig(ClientError::RunOfAnother)) => Some("a run is under way".to_owned()),
         Err(_) => None,
     };
-    PortProbe {
-        port,
-        device,
-        rig,
-        error: None,
-    }
+    found
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
 //! Prompts at a terminal. An option may have answered a question already.
 
-use super::output_args::print_remark;
-use super::usage::wrong_usage;
-use crate::commands::rig_wizard::Checked;
+use super::output::{print_remark, wrong_usage};
+use super::rig_wizard::{Checked, Range};
 use anyhow::{Context, Result, bail};
 use dialoguer::theme::{ColorfulTheme, SimpleTheme, Theme};
 use dialoguer::{Confirm, Input, Select};
@@ -18,18 +17,25 @@ pub(super) enum Asker {
     Nobody,
 }
 
-/// A question about one value.
-pub(super) struct Prompt<'a, T> {
-    /// The option that answers it, such as `--neutral`.
-    pub option: &'static str,
-    /// The question, with its unit.
-    pub text: &'a str,
-    /// The answer that Enter takes.
-    pub default: T,
-    /// The error for an answer that is not of the right type.
-    pub form: &'static str,
-    /// Whether an answer is acceptable.
-    pub check: &'a dyn Fn(&T) -> Checked,
+/// An answer of a type: the error for text that is not of it.
+pub(super) trait Answer: Clone + FromStr + Display {
+    const FORM: &'static str;
+}
+
+impl Answer for String {
+    const FORM: &'static str = "a name is needed";
+}
+
+impl Answer for u16 {
+    const FORM: &'static str = "whole microseconds are needed, such as 1500";
+}
+
+impl Answer for f64 {
+    const FORM: &'static str = "a number is needed, such as 10 or -9.5";
+}
+
+impl Answer for Range {
+    const FORM: &'static str = super::rig_wizard::RANGE_FORM;
 }
 
 /// Whether there is a terminal to ask questions at. Questions go to standard error.
@@ -49,39 +55,38 @@ impl Asker {
         Ok(Self::User(theme()))
     }
 
-    /// The answer: of the option if it is given, else of the user, who is asked again after a wrong one.
-    pub(super) fn ask<T>(&self, given: Option<T>, question: &Prompt<'_, T>) -> Result<T>
-    where
-        T: Clone + FromStr + Display,
-    {
-        let Prompt {
-            option,
-            text: prompt,
-            default,
-            form,
-            check,
-        } = question;
+    /// Puts an answer into `to`: that of the option if it is given, else that of the user, who is asked again after
+    /// a wrong one. Enter keeps the value of `to`.
+    pub(super) fn ask<T: Answer>(
+        &self,
+        given: Option<T>,
+        (option, words): (&str, &str),
+        to: &mut T,
+        check: impl Fn(&T) -> Checked,
+    ) -> Result<()> {
         if let Some(value) = given {
             if let Err(sentence) = check(&value) {
                 wrong_usage(format_args!("{option}: {sentence}"));
             }
-            return Ok(value);
+            *to = value;
+            return Ok(());
         }
         let Self::User(theme) = self else {
-            return Ok(default.clone());
+            return Ok(());
         };
         let read = |text: &str| -> Result<T, String> {
-            let value = text.trim().parse().map_err(|_| (*form).to_owned())?;
+            let value = text.trim().parse().map_err(|_| T::FORM.to_owned())?;
             check(&value).map(|()| value)
         };
         let text: String = Input::with_theme(theme.as_ref())
-            .with_prompt(*prompt)
-            .default(default.to_string())
+            .with_prompt(words)
+            .default(to.to_string())
             .allow_empty(true)
             .validate_with(|text: &String| read(text).map(drop))
             .interact_text()
             .context(NO_ANSWER)?;
-        read(&text).map_err(anyhow::Error::msg)
+        *to = read(&text).map_err(anyhow::Error::msg)?;
+        Ok(())
     }
 
     /// One of several; Enter takes the `usual` one, and so does nobody.
@@ -129,9 +134,8 @@ pub(super) fn line<T>(words: &str, read: impl Fn(&str) -> Result<T, String>) -> 
 
 /// Colours, if the terminal has them and the user wants them.
 fn theme() -> Box<dyn Theme> {
-    if dialoguer::console::colors_enabled_stderr() {
-        Box::new(ColorfulTheme::default())
-    } else {
-        Box::new(SimpleTheme)
+    match dialoguer::console::colors_enabled_stderr() {
+        true => Box::new(ColorfulTheme::default()),
+        false => Box::new(SimpleTheme),
     }
 }

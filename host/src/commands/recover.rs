@@ -1,6 +1,6 @@
 //! `servoid recover`
 
-use super::output_args::Talk;
+use super::output::Output;
 use crate::data::recording::{
     Completeness, Recording, RecordingWriter, WholeFile, is_recording, recover,
 };
@@ -22,11 +22,8 @@ pub(super) struct Recover {
     /// The recording to write
     #[arg(long, short, value_name = "FILE.csv")]
     out: PathBuf,
-    /// Replace the file if it exists
-    #[arg(long)]
-    force: bool,
     #[command(flatten)]
-    talk: Talk,
+    output: Output,
 }
 
 impl Recover {
@@ -49,27 +46,22 @@ impl Recover {
             bail!("nothing to recover: {path:?} is undamaged ({state})");
         }
         let saved = recover(&bytes, path)?;
-        let whole = WholeFile::new(&self.out, self.force)?;
+        let whole = WholeFile::new(&self.out, self.output.force)?;
         let file = Box::new(whole.file()?);
         saved.write(RecordingWriter::on(file, &self.out, &saved.header)?)?;
         whole.put_in_place()?;
-        for finding in &saved.findings {
-            self.talk.say(finding);
-        }
-        let lost: u32 = saved.lost_frames.iter().map(|f| f.end - f.start).sum();
-        let text = format!(
-            "{}: partial, {} samples, {lost} frames lost\n",
-            self.out.display(),
-            saved.rows()
-        );
-        self.talk.result(
-            text,
-            &serde_json::json!({
-                "file": self.out,
-                "rows": saved.rows(),
-                "lost_frames": saved.lost_frames.iter().map(|f| [f.start, f.end]).collect::<Vec<_>>(),
-                "findings": saved.findings,
-            }),
-        )
+        let talk = self.output.talk;
+        saved.findings.iter().for_each(|finding| talk.say(finding));
+        let lost_frames: Vec<_> = saved.lost_frames.iter().map(|f| [f.start, f.end]).collect();
+        let lost: u32 = lost_frames.iter().map(|[start, end]| end - start).sum();
+        let (out, rows) = (self.out.display(), saved.rows());
+        let text = format!("{out}: partial, {rows} samples, {lost} frames lost\n");
+        let result = serde_json::json!({
+            "file": self.out,
+            "rows": rows,
+            "lost_frames": lost_frames,
+            "findings": saved.findings,
+        });
+        talk.result(text, &result)
     }
 }

@@ -1,8 +1,7 @@
 //! The options that describe the reference.
 
 use super::completion_values;
-use super::output_args::Talk;
-use super::usage::wrong_usage;
+use super::output::{Talk, wrong_usage};
 use crate::instrument::reference::{Band, Kind, ReferenceError, ReferenceSpec};
 use anyhow::Result;
 use clap::Args;

@@ -1,20 +1,14 @@
 //! `servoid report`
 
-use super::file_names::is_model;
-use super::file_names::stem;
-use super::output_args::Talk;
-use super::table_args::TableArgs;
-use super::usage::wrong_usage;
-use crate::commands::output_files;
-use crate::data::dataset::listed;
-use crate::data::dataset::{self, Dataset, DatasetOptions};
-use crate::data::fingerprint;
+use super::input::{TableArgs, compared, identified, is_model, name_of};
+use super::output::{Output, Talk, stem, wrong_usage};
+use crate::data::dataset::Dataset;
 use crate::data::model_file::ModelFile;
 use crate::presentation::report::{self, Page, Servo};
 use anyhow::{Context, Result};
 use clap::Args;
-use servoid_identification::comparison::{Comparison, ComparisonOptions, compare, compare_models};
-use servoid_identification::{Options, identify_explained};
+use servoid_identification::Options;
+use servoid_identification::comparison::{Comparison, ComparisonOptions, compare_models};
 use std::path::PathBuf;
 
 /// Write a page on one servo, or on the comparison of two, with figures to zoom in
@@ -45,42 +39,40 @@ pub(super) struct Report {
     /// The largest difference that still counts as the same (percent of the step)
     #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::value_parsers::margin)]
     margin: f64,
-    /// Replace the file if it exists
-    #[arg(long)]
-    force: bool,
     #[command(flatten)]
-    talk: Talk,
+    output: Output,
     #[command(flatten)]
     table: TableArgs,
 }
 
 impl Report {
     pub(super) fn run(self) -> Result<String> {
-        output_files::check_free(&self.out, self.force)?;
-        let options: DatasetOptions = self.table.into();
+        let talk = self.output.talk;
+        self.output.check([&self.out])?;
         let sides: Vec<&[PathBuf]> = match &self.files[..] {
-            [] => [&self.a[..], &self.b[..]]
-                .into_iter()
-                .filter(|side| !side.is_empty())
-                .collect(),
+            [] if self.b.is_empty() => vec![&self.a],
+            [] => vec![&self.a, &self.b],
             files => files.chunks(1).collect(),
         };
         let mut servos = match sides[..] {
             [a, b] if model_file(a).is_none() && model_file(b).is_none() => {
-                let [data_a, data_b] = dataset::load_sides([a, b], &options)?;
-                vec![
-                    identified(a, data_a, self.talk)?,
-                    identified(b, data_b, self.talk)?,
-                ]
+                let [data_a, data_b] = self.table.load_sides([a, b], talk)?;
+                vec![servo(a, data_a)?, servo(b, data_b)?]
             }
-            ref sides => sides
-                .iter()
-                .map(|side| read(side, &options, self.talk))
-                .collect::<Result<_>>()?,
+            ref sides => {
+                let servos = sides.iter().map(|side| self.read(side));
+                servos.collect::<Result<_>>()?
+            }
         };
-        name_apart(&mut servos);
+        // Two curves need two names.
+        if let [first, second] = &mut servos[..]
+            && first.name == second.name
+        {
+            first.name.push_str(" 1");
+            second.name.push_str(" 2");
+        }
         let comparison = match &servos[..] {
-            [a, b] => comparison(a, b, self.margin, self.talk)?,
+            [a, b] => comparison(a, b, self.margin, talk)?,
             _ => None,
         };
         let [first, others @ ..] = &servos[..] else {
@@ -93,12 +85,19 @@ impl Report {
             comparison: comparison.as_ref(),
             paper: &[],
         })?;
-        output_files::write_file(&self.out, self.force, &page)?;
-        let result = serde_json::json!({ "file": self.out });
-        self.talk.result(
-            format!("{}: open it in a browser\n", self.out.display()),
-            &result,
-        )
+        self.output.write(&self.out, &page)?;
+        let text = format!("{}: open it in a browser\n", self.out.display());
+        talk.result(text, &serde_json::json!({ "file": self.out }))
+    }
+
+    fn read(&self, files: &[PathBuf]) -> Result<Servo> {
+        let Some(file) = model_file(files) else {
+            return servo(files, self.table.load(files, self.output.talk)?);
+        };
+        let ModelFile {
+            model, metadata, ..
+        } = ModelFile::read(file)?;
+        Ok(Servo::of_model(stem(file), model, metadata))
     }
 }
 
@@ -110,70 +109,31 @@ fn model_file(files: &[PathBuf]) -> Option<&PathBuf> {
     }
 }
 
-fn read(files: &[PathBuf], options: &DatasetOptions, talk: Talk) -> Result<Servo> {
-    let Some(file) = model_file(files) else {
-        return identified(files, dataset::load(files, options)?, talk);
-    };
-    let ModelFile {
-        model, metadata, ..
-    } = ModelFile::read(file)?;
-    Ok(Servo::of_model(stem(file), model, metadata))
+fn servo(files: &[PathBuf], data: Dataset) -> Result<Servo> {
+    let found = identified(&data, files, &Options::default())?;
+    Ok(Servo::of_data(name_of(&data, files), data, found))
 }
 
-fn identified(files: &[PathBuf], data: Dataset, talk: Talk) -> Result<Servo> {
-    data.about
-        .remarks
-        .iter()
-        .for_each(|remark| talk.say(remark));
-    let mut found =
-        identify_explained(&data.record, &Options::default()).with_context(|| listed(files))?;
-    found.model.advice.extend(data.about.advice.iter().cloned());
-    let name = data.about.condition.clone();
-    let name = name.unwrap_or_else(|| files.first().map_or_else(String::new, |file| stem(file)));
-    Ok(Servo::of_data(name, data, found))
-}
-
-/// What lies between the two; `None` for a recording beside a model, which are shown all the same.
+/// The comparison of the two; `None` where there is none, as for a recording beside a model.
 fn comparison(a: &Servo, b: &Servo, margin: f64, talk: Talk) -> Result<Option<Comparison>> {
     let options = ComparisonOptions {
         margin_percent: margin,
         ..ComparisonOptions::default()
     };
-    if let Err(why) = a.metadata.same_units(&a.name, &b.metadata, &b.name) {
-        talk.say(format_args!("no verdict: {why}"));
+    if let Err(reason) = a.metadata.same_units(&a.name, &b.metadata, &b.name) {
+        talk.say(format_args!("no verdict: {reason}"));
         return Ok(None);
     }
-    let found = match (&a.data, &b.data) {
-        (Some(a), Some(b)) => {
-            let sides = [a, b].map(|side| fingerprint::of(&side.record));
-            let options = ComparisonOptions {
-                input_unit: a.about.input_unit_with(&b.about),
-                output_unit: a.about.output_unit_with(&b.about),
-                ..options
-            };
-            compare(&a.record, &b.record, &options).map(|mut found| {
-                let same = fingerprint::advice_on_sides(&sides[0], &sides[1]);
-                found.advice.splice(0..0, same);
-                found
-            })
+    match (&a.data, &b.data) {
+        (Some(data_a), Some(data_b)) => {
+            compared([data_a, data_b], [&a.name, &b.name], options).map(Some)
         }
-        (None, None) => compare_models(&a.model, &b.model, &options),
+        (None, None) => compare_models(&a.model, &b.model, &options)
+            .map(Some)
+            .with_context(|| format!("{} against {}", a.name, b.name)),
         _ => {
-            talk.say("a recording and a model are shown side by side, but without a verdict: that takes two recordings, or two models");
-            return Ok(None);
+            talk.say("no verdict on a recording beside a model: the page shows both; a verdict needs two recordings or two models");
+            Ok(None)
         }
-    };
-    found
-        .map(Some)
-        .with_context(|| format!("{} against {}", a.name, b.name))
-}
-
-/// Two curves of one name could not be told apart.
-fn name_apart(servos: &mut [Servo]) {
-    if let [first, second] = servos
-        && first.name == second.name
-    {
-        first.name.push_str(" 1");
-        second.name.push_str(" 2");
     }
 }

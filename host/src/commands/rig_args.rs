@@ -5,7 +5,7 @@ use crate::data::rig_file::RigFile;
 use crate::instrument::port;
 use anyhow::{Result, bail};
 use clap::{Args, ValueHint};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The rig, its file, and the permission to move it.
 #[derive(Clone, Debug, Args)]
@@ -38,18 +38,15 @@ pub(super) struct Rig {
 /// The one condition without a rotor.
 const BENCH: &str = "bench";
 
-impl RigArgs {
-    /// The rig file, or the defaults.
-    pub(super) fn file(&self) -> Result<RigFile> {
-        Ok(match &self.rig {
-            Some(path) => RigFile::read(path)?,
-            None => RigFile::default(),
-        })
-    }
+/// The rig file, or the defaults.
+pub(super) fn rig_file(path: Option<&Path>) -> Result<RigFile> {
+    path.map_or_else(|| Ok(RigFile::default()), |path| Ok(RigFile::read(path)?))
+}
 
+impl RigArgs {
     /// The rig, if its port is known and it may move.
     pub(super) fn require(&self) -> Result<Rig> {
-        let file = self.file()?;
+        let file = rig_file(self.rig.as_deref())?;
         let Some(address) = self.port.clone().or_else(|| file.port.clone()) else {
             bail!(
                 "no port is given: add --port, or 'port' in the rig file; 'servoid ports' lists the serial ports, and sim:bench needs no hardware"

@@ -1,7 +1,7 @@
 //! `servoid simulate`
 
 use super::capture::{CaptureJob, Monitor, capture};
-use super::output_args::Talk;
+use super::output::Output;
 use super::reference_args::ReferenceArgs;
 use crate::data::rig_file::RigFile;
 use anyhow::Result;
@@ -25,11 +25,8 @@ pub(super) struct Simulate {
     /// The recording to write
     #[arg(long, short, value_name = "FILE.csv", value_hint = ValueHint::FilePath)]
     out: PathBuf,
-    /// Replace the file if it exists
-    #[arg(long)]
-    force: bool,
     #[command(flatten)]
-    talk: Talk,
+    output: Output,
     #[command(flatten)]
     reference: ReferenceArgs,
 }
@@ -48,25 +45,20 @@ impl Simulate {
             Servo::Aircraft => "aircraft",
             Servo::Linear => "linear",
         };
-        let rig = RigFile::default();
-        let reference = self.reference.resolve(rig.servo.us_per_degree, self.talk)?;
-        let ends = capture(
-            &CaptureJob {
-                address: &format!("sim:{servo}?seed={}", self.seed),
-                rig,
-                reference,
-                condition: servo,
-                notes: "",
-                release: false,
-                files: std::slice::from_ref(&self.out),
-                force: self.force,
-            },
-            &Monitor::plain(self.talk),
-            self.talk,
-        )?;
+        let (rig, talk) = (RigFile::default(), self.output.talk);
+        let job = CaptureJob {
+            address: &format!("sim:{servo}?seed={}", self.seed),
+            reference: self.reference.resolve(rig.servo.us_per_degree, talk)?,
+            rig,
+            condition: servo,
+            notes: "",
+            release: false,
+            files: std::slice::from_ref(&self.out),
+            force: self.output.force,
+        };
+        let ends = capture(&job, &Monitor::plain(talk), talk)?;
         let rows: u64 = ends.iter().map(|end| end.rows).sum();
         let text = format!("{}: {rows} samples\n", self.out.display());
-        self.talk
-            .result(text, &serde_json::json!({ "file": self.out, "rows": rows }))
+        talk.result(text, &serde_json::json!({ "file": self.out, "rows": rows }))
     }
 }

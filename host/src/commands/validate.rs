@@ -1,22 +1,18 @@
 //! `servoid validate`
 
-use super::file_names::stem;
-use super::output_args::Talk;
-use super::table_args::TableArgs;
-use crate::commands::output_files;
-use crate::data::dataset;
+use super::input::TableArgs;
+use super::output::{Output, stem};
 use crate::data::dataset::listed;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::plots::named::Named;
-use crate::presentation::plots::signals;
+use crate::presentation::plots::{self, Named};
 use crate::presentation::summary;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
-use servoid_identification::results::{Advice, Model, Validation};
-use servoid_identification::{Record, Run};
+use servoid_identification::Run;
+use servoid_identification::results::{Advice, Validation};
 use std::path::PathBuf;
 
 /// Compare a model with a recording that it was not identified from
@@ -40,75 +36,52 @@ pub(super) struct Validate {
     /// Folder for plots of model against measurement
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Replace files that exist
-    #[arg(long)]
-    force: bool,
     #[command(flatten)]
-    talk: Talk,
+    output: Output,
     #[command(flatten)]
     table: TableArgs,
 }
 
 impl Validate {
     pub(super) fn run(self) -> Result<String> {
-        if let Some(out) = &self.out {
-            output_files::check_free(out, self.force)?;
-        }
+        self.output.check(&self.out)?;
         let ModelFile {
             model,
             metadata,
             fingerprints,
             ..
         } = ModelFile::read(&self.model)?;
-        let data = dataset::load(&self.files, &self.table.clone().into())?;
-        metadata.same_units(
-            &self.model.display().to_string(),
-            &ModelMetadata::from(&data.about),
-            &listed(&self.files),
-        )?;
+        let data = self.table.load(&self.files, self.output.talk)?;
+        let (model_name, files) = (self.model.display().to_string(), listed(&self.files));
+        metadata.same_units(&model_name, &ModelMetadata::from(&data.about), &files)?;
         let own = fingerprint::advice_on_validation(&fingerprints, &fingerprint::of(&data.record));
-        data.about
-            .remarks
-            .iter()
-            .for_each(|remark| self.talk.say(remark));
-        let result = model
-            .validate(&data.record)
-            .with_context(|| listed(&self.files))?;
-        let unit = data.about.output_unit;
+        let validation = model.validate(&data.record).context(files)?;
+        let unit = data.about.output_unit.as_deref();
         let advice: Vec<Advice> = own.into_iter().chain(data.about.advice).collect();
         let validated = Validated {
-            validation: &result,
+            validation: &validation,
             advice: &advice,
         };
-        if let Some(out) = &self.out {
-            output_files::write_file(out, self.force, &output_files::to_json(&validated)?)?;
+        self.output.write_json(self.out.as_ref(), &validated)?;
+        if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
+            let (name, first) = (stem(&self.model), stem(first));
+            let named = [Named {
+                name: &name,
+                model: &model,
+            }];
+            let of_run = |(run, number): (&Run, usize)| {
+                let file = format!("{name}-on-{first}-run-{number}");
+                plots::validation(&file, "Model against measurement", &named, run, unit)
+            };
+            let figures: Vec<_> = data.record.runs().iter().zip(1..).map(of_run).collect();
+            self.output.draw(folder, &figures)?;
         }
-        self.draw(&model, &data.record, unit.as_deref())?;
-        self.talk.result(
-            summary::of_validation(&result, unit.as_deref(), &advice),
-            &validated,
-        )
-    }
-
-    /// Writes a plot of each run, where a folder for them was named.
-    fn draw(&self, model: &Model, record: &Record, unit: Option<&str>) -> Result<()> {
-        let (Some(folder), Some(first)) = (&self.plots, self.files.first()) else {
-            return Ok(());
-        };
-        let (name, first) = (stem(&self.model), stem(first));
-        let named = [Named { name: &name, model }];
-        let of_run = |(run, number): (&Run, usize)| {
-            let file = format!("{name}-on-{first}-run-{number}");
-            signals::validation(&file, "Model against measurement", &named, run, unit)
-        };
-        let figures: Vec<_> = record.runs().iter().zip(1..).map(of_run).collect();
-        let files = output_files::write_figures(folder, self.force, &figures)?;
-        self.talk.say(format_args!("plots: {}", listed(&files)));
-        Ok(())
+        let text = summary::of_validation(&validation, unit, &advice);
+        self.output.talk.result(text, &validated)
     }
 }
 
-/// The result as JSON: with what has to be known about the files.
+/// The result as JSON, with advice on the files.
 #[derive(Serialize)]
 struct Validated<'a> {
     #[serde(flatten)]

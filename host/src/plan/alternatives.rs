@@ -1,11 +1,9 @@
 //! All references beside each other.
 
 use super::answerable_questions;
-use super::band_width::BandWidths;
+use super::band_width::{BandWidths, Reach, RunsNeeded};
 use super::expectation::Expectation;
 use super::request::PlanRequest;
-use super::run_time::run_s;
-use super::runs_needed::{Reach, RunsNeeded};
 use crate::instrument::reference::{Kind, ReferenceSpec};
 use serde::Serialize;
 
@@ -59,30 +57,24 @@ pub(super) fn alternatives(request: &PlanRequest, expected: &Expectation) -> Vec
             ..request.clone()
         })
     });
+    let planned = |other: PlanRequest| {
+        if other.reference == request.reference && request.runs == 1 {
+            return alternative(&other, Some(expected));
+        }
+        let expected = Expectation::of_simulations(&other, SIMULATIONS).ok();
+        alternative(&other, expected.as_ref())
+    };
     let mut all: Vec<Alternative> = std::thread::scope(|scope| {
         let threads: Vec<_> = requests
-            .map(|other| {
-                scope.spawn(move || {
-                    if other.reference == request.reference && request.runs == 1 {
-                        return alternative(&other, Some(expected));
-                    }
-                    let expected = Expectation::of_simulations(&other, SIMULATIONS).ok();
-                    alternative(&other, expected.as_ref())
-                })
-            })
+            .map(|other| scope.spawn(move || planned(other)))
             .collect();
-        threads
-            .into_iter()
-            .filter_map(|thread| thread.join().ok())
-            .collect()
+        let ended = threads.into_iter().filter_map(|thread| thread.join().ok());
+        ended.collect()
     });
-    let rank = |a: &Alternative| {
-        let width = a.widest_percent_in_a_minute.unwrap_or(f64::INFINITY);
-        (a.only_if_linear, width)
-    };
+    let width = |a: &Alternative| a.widest_percent_in_a_minute.unwrap_or(f64::INFINITY);
     all.sort_by(|a, b| {
-        let ((a_linear, a), (b_linear, b)) = (rank(a), rank(b));
-        a_linear.cmp(&b_linear).then(a.total_cmp(&b))
+        let by_width = width(a).total_cmp(&width(b));
+        a.only_if_linear.cmp(&b.only_if_linear).then(by_width)
     });
     all
 }
@@ -90,11 +82,13 @@ pub(super) fn alternatives(request: &PlanRequest, expected: &Expectation) -> Vec
 /// One line of the table; `expected` is `None` where the reference cannot be identified.
 fn alternative(request: &PlanRequest, expected: Option<&Expectation>) -> Alternative {
     const MINUTE_S: f64 = 60.0;
-    let run_s = run_s(&request.reference);
+    let run_s = request.run_s();
     let band = expected.and_then(|e| e.band);
-    let answers = expected.map_or_else(Vec::new, |e| {
-        answerable_questions::of(&e.example, &e.record)
-    });
+    let answers = expected.map(|e| answerable_questions::of(&e.example, &e.record));
+    let answered = answers
+        .into_iter()
+        .flatten()
+        .filter(|answer| answer.answered);
     Alternative {
         reference: request.reference.name(),
         run_s,
@@ -102,11 +96,7 @@ fn alternative(request: &PlanRequest, expected: Option<&Expectation>) -> Alterna
         widest_percent_in_a_minute: band.map(|b| b.narrowing().widest_after(MINUTE_S / run_s)),
         only_if_linear: request.relies_on_linearity(),
         needed: band.and_then(|b| runs_needed(request, &b)),
-        answers: answers
-            .into_iter()
-            .filter(|answer| answer.answered)
-            .map(|answer| answer.question)
-            .collect(),
+        answers: answered.map(|answer| answer.question).collect(),
     }
 }
 
@@ -118,7 +108,7 @@ pub(super) fn runs_needed(request: &PlanRequest, band: &BandWidths) -> Option<Ru
         Reach::Runs(runs) => Some(RunsNeeded {
             band_percent,
             runs,
-            seconds: runs as f64 * run_s(&request.reference),
+            seconds: runs as f64 * request.run_s(),
         }),
         Reach::TooManyRuns | Reach::Never => None,
     }

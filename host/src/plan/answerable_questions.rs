@@ -47,25 +47,21 @@ pub(super) fn of(example: &Model, record: &Record) -> Vec<Answer> {
     // Verdicts alone are read, which have thresholds of their own.
     let limits = Limits::of(record, example, Options::default().level);
     let split = split_by_direction(record, example);
+    let no_split = split
+        .as_ref()
+        .err()
+        .map(ToString::to_string)
+        .unwrap_or_default();
     let rates = [&limits.rate_up, &limits.rate_down];
-    let silent = rates
-        .into_iter()
-        .find(|rate| rate.verdict == RateVerdict::CannotTell);
+    let mut rates = rates.into_iter();
+    let silent = rates.find(|rate| rate.verdict == RateVerdict::CannotTell);
     let ends = limits.ends.as_ref();
     let silent_end = ends.and_then(|ends| ends.iter().find(|end| end.softens.is_none()));
     let mut levels: Vec<f64> = limits.levels.iter().map(|cell| cell.command).collect();
     levels.dedup();
     let why_not = |statement: Option<&str>| advice_of(statement.unwrap_or_default());
     vec![
-        Answer::new(
-            "do strokes up and down differ",
-            split.is_ok(),
-            split
-                .as_ref()
-                .err()
-                .map(ToString::to_string)
-                .unwrap_or_default(),
-        ),
+        Answer::new("do strokes up and down differ", split.is_ok(), no_split),
         Answer::new(
             "is the speed limited",
             silent.is_none(),

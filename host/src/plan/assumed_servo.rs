@@ -62,11 +62,12 @@ impl AssumedServo {
     /// A servo that is known by its model alone.
     #[must_use]
     pub fn of_model(name: String, model: Model) -> Self {
+        let (simulation, white_noise) = (None, None);
         Self {
             name,
             model,
-            simulation: None,
-            white_noise: None,
+            simulation,
+            white_noise,
         }
     }
 
@@ -87,8 +88,7 @@ const LONGEST_MEMORY: usize = 5_000;
 
 /// The standard deviation of noise 1/D(z) driven by σ (deg): σ sqrt(Σ f_k²), f the impulse response of
 /// 1/D.
-#[must_use]
-pub fn noise_rms(noise: &Noise) -> f64 {
+pub(super) fn noise_rms(noise: &Noise) -> f64 {
     let mut response = vec![1.0];
     let mut power = 1.0;
     for k in 1..LONGEST_MEMORY {

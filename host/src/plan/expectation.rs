@@ -57,8 +57,9 @@ impl Expectation {
         let (model, example, record) = all.swap_remove(all.len() / 2);
         let linear = BandWidths::mean(&linear);
         if request.assumed.simulation.is_none() {
+            let band = bounded.then_some(linear);
             return Ok(Self {
-                band: bounded.then_some(linear),
+                band,
                 model,
                 example,
                 record,

@@ -3,11 +3,9 @@
 use super::alternatives::{Alternative, alternatives, runs_needed};
 use super::answerable_questions::{self, Answer};
 use super::assumed_servo::noise_rms;
-use super::band_width::BandWidths;
+use super::band_width::{BandWidths, RunsNeeded};
 use super::expectation::Expectation;
 use super::request::PlanRequest;
-use super::run_time::run_s;
-use super::runs_needed::RunsNeeded;
 use super::spectrum::Spectrum;
 use crate::data::recording::as_toml;
 use crate::instrument::reference::{describe, seconds};
@@ -18,7 +16,7 @@ use servoid_identification::results::{Metrics, Model, StepResponse};
 /// The forecast of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Plan {
-    /// The reference as a recording's header says it.
+    /// The reference as in a recording's header.
     pub reference: toml::Table,
     /// The reference in words.
     pub description: String,
@@ -64,7 +62,7 @@ impl Plan {
     /// Plans a run.
     ///
     /// # Errors
-    /// What identification would say after the run: the reference is too short, or excites too little.
+    /// The error of identification after such a run: the reference is too short, or excites too little.
     pub fn of(request: &PlanRequest) -> Result<Self, Error> {
         let expected = Expectation::of(request)?;
         let reference = &request.reference;
@@ -74,7 +72,7 @@ impl Plan {
             reference: as_toml(reference),
             description: describe(reference, request.us_per_degree),
             reference_s: seconds(reference.frames()),
-            run_s: run_s(reference),
+            run_s: request.run_s(),
             runs: request.runs,
             servo: request.assumed.name.clone(),
             noise_deg: noise_rms(noise),

@@ -18,22 +18,21 @@ mod expectation;
 mod forecast;
 mod plot;
 mod request;
-mod run_time;
-mod runs_needed;
 mod simulated_runs;
 mod spectrum;
 mod text;
 
 pub use alternatives::Alternative;
 pub use answerable_questions::Answer;
-pub use assumed_servo::{AssumedServo, AssumedServoError, noise_rms};
-pub use band_width::BandWidths;
+pub use assumed_servo::{AssumedServo, AssumedServoError};
+pub use band_width::{BandWidths, RunsNeeded};
 pub use forecast::Plan;
 pub use plot::figure;
 pub use request::PlanRequest;
-pub use runs_needed::{MOST_RUNS, NarrowingBand, Reach, RunsNeeded};
 pub use spectrum::{Density, Octave, Spectrum};
 pub use text::of_plan;
+
+pub(crate) use band_width::NarrowingBand;
 
 #[cfg(test)]
 mod tests;

@@ -3,70 +3,50 @@
 use super::band_width::BandWidths;
 use super::forecast::Plan;
 use super::spectrum::Density;
-use crate::presentation::plots::figure::{Band, Curve, Figure, Ink, Legend, Panel};
+use crate::presentation::plots::{Band, Curve, Figure, Ink, Legend, Panel};
 use crate::presentation::summary;
 use servoid_identification::results::StepBounds;
 
 /// The spectrum beside the noise, and the step response with the expected band, if there is one.
 #[must_use]
 pub fn figure(plan: &Plan, name: &str) -> Figure {
-    let curve = |label: &str, ink, of: fn(&Density) -> f64| {
-        Curve::solid(
-            label,
-            ink,
-            plan.spectrum.lines.iter().map(|line| (line.hz, of(line))),
-        )
-    };
-    let noise = Curve {
-        dashed: true,
-        ..curve("noise", Ink::Model, |line| line.noise_db)
-    };
+    let lines = || plan.spectrum.lines.iter();
+    let points = |of: fn(&Density) -> f64| lines().map(move |line| (line.hz, of(line)));
+    let [reference, response, noise] = [
+        points(|line| line.reference_db),
+        points(|line| line.response_db),
+        points(|line| line.noise_db),
+    ];
     let spectrum = Panel {
-        x_label: "frequency (Hz)".into(),
         x_logarithmic: true,
-        y_label: "density (dB over 1 deg²/Hz)".into(),
-        legend: Legend::Above,
         curves: vec![
-            curve("reference", Ink::Reference, |line| line.reference_db),
-            curve("the servo's response", Ink::Measured, |line| {
-                line.response_db
-            }),
-            noise,
+            Curve::solid("reference", Ink::Reference, reference),
+            Curve::solid("the servo's response", Ink::Measured, response),
+            Curve::dashed("noise", Ink::Model, noise),
         ],
-        ..Panel::default()
+        ..Panel::new(
+            "frequency (Hz)",
+            "density (dB over 1 deg²/Hz)",
+            Legend::Above,
+        )
     };
     let step = &plan.step;
     let times = || step.time_s.iter().copied();
     let band = |(widths, bounds): (BandWidths, &StepBounds)| {
         let whole = &bounds.simultaneous;
-        let bounds = whole.lower.iter().zip(&whole.upper);
-        Band {
-            name: format!(
-                "expected, the whole curve, {} %",
-                summary::percent(widths.level)
-            ),
-            ink: Ink::Model,
-            points: times()
-                .zip(bounds)
-                .map(|(t, (&lower, &upper))| (t, lower, upper))
-                .collect(),
-        }
+        let name = format!(
+            "expected, the whole curve, {} %",
+            summary::percent(widths.level)
+        );
+        Band::between(name, Ink::Model, times(), &whole.lower, &whole.upper)
     };
     let expected = plan.band.zip(step.bounds.valid());
+    let value = times().zip(step.value.iter().copied());
+    let x_label = "time since the edge of the command (s)";
     let response = Panel {
-        x_label: "time since the edge of the command (s)".into(),
-        y_label: "response to a unit step".into(),
         bands: expected.map(band).into_iter().collect(),
-        curves: vec![Curve::solid(
-            plan.servo.as_str(),
-            Ink::Model,
-            times().zip(step.value.iter().copied()),
-        )],
-        ..Panel::default()
+        curves: vec![Curve::solid(plan.servo.as_str(), Ink::Model, value)],
+        ..Panel::new(x_label, "response to a unit step", Legend::LowerRight)
     };
-    Figure {
-        name: name.into(),
-        title: plan.description.clone(),
-        panels: vec![spectrum, response],
-    }
+    Figure::new(name, &plan.description, vec![spectrum, response])
 }

@@ -2,6 +2,7 @@
 
 use super::AssumedServo;
 use crate::instrument::reference::seconds;
+use crate::instrument::rig::ROLL_FRAMES;
 use servoid_identification::thresholds::MARGIN;
 use servoid_protocol::Reference;
 
@@ -23,6 +24,11 @@ pub struct PlanRequest {
 }
 
 impl PlanRequest {
+    /// Duration of one run: the reference, and the rest before and after it (s).
+    pub(super) fn run_s(&self) -> f64 {
+        seconds(self.reference.frames() + 2 * u32::from(ROLL_FRAMES))
+    }
+
     /// Whether the plan holds for a linear servo only: no more than its model is known, and the reference has no
     /// hold in which it comes to rest.
     pub(super) fn relies_on_linearity(&self) -> bool {

@@ -18,9 +18,8 @@ const RUN_UP: usize = 2_000;
 pub(super) fn input(request: &PlanRequest) -> Vec<f64> {
     let offsets = request.reference.offsets_us();
     let degrees = offsets.map(|offset| f64::from(offset) / request.us_per_degree);
-    degrees
-        .flat_map(|angle| [angle; SAMPLES_PER_FRAME])
-        .collect()
+    let samples = degrees.flat_map(|angle| [angle; SAMPLES_PER_FRAME]);
+    samples.collect()
 }
 
 /// Runs of the assumed servo, from rest at neutral.

@@ -76,12 +76,11 @@ impl Spectrum {
     pub(super) fn of(request: &PlanRequest) -> Self {
         let model = &request.assumed.model;
         let input = simulated_runs::input(request);
-        let mean = input.iter().sum::<f64>() / input.len() as f64;
-        let rms =
-            (input.iter().map(|u| (u - mean).powi(2)).sum::<f64>() / input.len() as f64).sqrt();
-        let peak = input
-            .iter()
-            .fold(0.0, |peak: f64, u| peak.max((u - mean).abs()));
+        let count = input.len() as f64;
+        let mean = input.iter().sum::<f64>() / count;
+        let deviations = || input.iter().map(|u| u - mean);
+        let rms = (deviations().map(|u| u.powi(2)).sum::<f64>() / count).sqrt();
+        let peak = deviations().map(f64::abs).fold(0.0, f64::max);
         let lines = periodogram(&input, mean, model);
         let total: f64 = lines.iter().map(|line| line.reference).sum();
         let octaves = octaves(&lines, model, total);
@@ -94,10 +93,8 @@ impl Spectrum {
         }
         // A short table of steps may have no power in the lowest octaves.
         let is_above = |octave: &&Octave| octave.signal_to_noise_db > 0.0;
-        let mut above = octaves
-            .iter()
-            .skip_while(|o| !is_above(o))
-            .take_while(is_above);
+        let from_first = octaves.iter().skip_while(|octave| !is_above(octave));
+        let mut above = from_first.take_while(is_above);
         let lowest = above.next();
         let highest = above.last().or(lowest);
         Self {

@@ -1,5 +1,7 @@
 use super::alternatives::{alternatives, runs_needed};
 use super::answerable_questions;
+use super::assumed_servo::noise_rms;
+use super::band_width::Reach;
 use super::expectation::Expectation;
 use super::simulated_runs::simulated;
 use super::*;
@@ -308,4 +310,15 @@ fn the_line_of_the_table_is_that_of_the_plan() {
     let width = plan.band.map(|band| band.widest_percent);
     assert_eq!(line.unwrap().widest_percent, width);
     assert!(width.is_some());
+}
+
+#[test]
+fn more_runs_narrow_the_noise_part_only() {
+    let band = NarrowingBand {
+        widest_percent: 0.6,
+        floor_percent: 0.1,
+    };
+    assert_eq!(band.reach(0.2, 1), Reach::Runs(25));
+    assert_eq!(band.reach(0.11, 1), Reach::TooManyRuns);
+    assert_eq!(band.reach(0.1, 1), Reach::Never);
 }

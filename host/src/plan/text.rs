@@ -1,191 +1,156 @@
 //! A plan as text.
 
 use super::alternatives::Alternative;
-use super::band_width::BandWidths;
+use super::band_width::{BandWidths, MOST_RUNS, RunsNeeded};
 use super::forecast::Plan;
-use super::runs_needed::{MOST_RUNS, RunsNeeded};
 use crate::presentation::summary;
-use std::fmt::Write;
 
 /// A plan for a terminal.
 #[must_use]
 pub fn of_plan(plan: &Plan) -> String {
-    let mut text = String::new();
-    // Writing to a String cannot fail.
-    let _infallible = write_plan(&mut text, plan);
+    let (noise, rest_s) = (plan.noise_deg, plan.run_s - plan.reference_s);
+    let colour = match plan.noise_ar.len() {
+        0 => "white".to_owned(),
+        order => format!("coloured (order {order})"),
+    };
+    let (servo, runs, run_s) = (&plan.servo, in_words(plan.runs as u64), plan.run_s);
+    let (settling, frequencies) = (plan.settling_samples, plan.frequencies);
+    let all_s = run_s * plan.runs as f64;
+    let rows = [
+        ("assumed", format!("{servo}, noise {noise:.4} deg rms, {colour}")),
+        ("takes", format!("{runs} of {run_s:.1} s, {rest_s:.1} s of rest included: {all_s:.1} s")),
+        (
+            "structure",
+            format!("settling time N = {settling} samples, n = {frequencies} frequencies, as chosen on a simulated run"),
+        ),
+        (
+            "step band",
+            match &plan.band {
+                Some(band) => step_band(plan, band),
+                None => "none: the residuals of such a run are not noise, so 'servoid identify' will give no bounds and\n              may withhold metrics; take holds in which the servo comes to rest\n".to_owned(),
+            },
+        ),
+    ];
+    let mut text = format!("{}\n", plan.description);
+    for (name, value) in rows {
+        text += &format!("  {name:11} {}\n", value.trim_end());
+    }
+    text.extend(
+        plan.band
+            .as_ref()
+            .map(|band| more_runs_and_metrics(plan, band)),
+    );
+    text += &spectrum(plan);
+    text += "\nQuestions beside the linear response\n";
+    for answer in &plan.answers {
+        let sign = if answer.answered { "yes" } else { "no " };
+        text += &format!("  {sign}  {}?\n", answer.question);
+        text.extend(answer.why.as_ref().map(|why| format!("       {why}\n")));
+    }
+    text += &alternatives(plan);
+    if plan.spectrum.above_noise_up_to_hz == 0.0 {
+        text += "\nThe servo's response is below the noise at all frequencies: raise --amplitude, or record many runs\n";
+    }
     text
 }
 
-fn write_plan(text: &mut String, plan: &Plan) -> std::fmt::Result {
-    let spectrum = &plan.spectrum;
-    writeln!(text, "{}", plan.description)?;
-    writeln!(
-        text,
-        "  assumed     {}, noise {:.4} deg rms, {}",
-        plan.servo,
-        plan.noise_deg,
-        match plan.noise_ar.len() {
-            0 => "white".to_owned(),
-            order => format!("coloured (order {order})"),
-        }
-    )?;
-    writeln!(
-        text,
-        "  takes       {} of {:.1} s, {:.1} s of rest included: {:.1} s",
-        match plan.runs {
-            1 => "1 run".to_owned(),
-            runs => format!("{runs} runs"),
-        },
-        plan.run_s,
-        plan.run_s - plan.reference_s,
-        plan.run_s * plan.runs as f64
-    )?;
-    writeln!(
-        text,
-        "  structure   settling time N = {} samples, n = {} frequencies, as chosen on a simulated run",
-        plan.settling_samples, plan.frequencies
-    )?;
-    match &plan.band {
-        Some(band) => write_band(text, plan, band)?,
-        None => writeln!(
-            text,
-            "  step band   none: the residuals of such a run are not noise, so 'servoid identify' will give no bounds and\n              may withhold metrics; take holds in which the servo comes to rest"
-        )?,
-    }
-    write_spectrum(text, plan)?;
-    writeln!(text, "\nQuestions beside the linear response")?;
-    for answer in &plan.answers {
-        let sign = if answer.answered { "yes" } else { "no " };
-        writeln!(text, "  {sign}  {}?", answer.question)?;
-        if let Some(why) = &answer.why {
-            writeln!(text, "       {why}")?;
-        }
-    }
-    write_alternatives(text, plan)?;
-    if spectrum.above_noise_up_to_hz == 0.0 {
-        writeln!(
-            text,
-            "\nThe servo's response is below the noise at all frequencies: raise --amplitude, or record many runs"
-        )?;
-    }
-    Ok(())
-}
-
-/// The width of the band, the advice to narrow it, and the metrics with their intervals.
-fn write_band(text: &mut String, plan: &Plan, band: &BandWidths) -> std::fmt::Result {
+/// The width of the band, and the part of it that is not noise.
+fn step_band(plan: &Plan, band: &BandWidths) -> String {
     let level = summary::percent(band.level);
-    writeln!(
-        text,
-        "  step band   +-{:.2} % of the step at its widest, +-{:.2} % on average; each point +-{:.2} % ({level} % confidence)",
+    let mut text = format!(
+        "+-{:.2} % of the step at its widest, +-{:.2} % on average; each point +-{:.2} % ({level} % confidence)\n",
         band.widest_percent, band.mean_percent, band.mean_pointwise_percent
-    )?;
+    );
     if plan.only_if_linear {
-        writeln!(
-            text,
-            "              for a linear servo only: this reference has no hold in which the servo comes to rest, so speed\n              limit, dead band and friction make the band wider"
-        )?;
+        text += "              for a linear servo only: this reference has no hold in which the servo comes to rest, so speed\n              limit, dead band and friction make the band wider\n";
     }
-    if band.beyond_noise_percent > 0.0 {
-        writeln!(
-            text,
-            "              +-{:.2} % of it is not noise: the servo is not linear, or the reference lacks power at some frequencies.\n              More runs do not narrow that part; holds in which the servo comes to rest do",
-            band.beyond_noise_percent
-        )?;
-    } else if band.bias_percent > 0.0 {
-        writeln!(
-            text,
-            "              +-{:.2} % of it is the bias by frequencies without power, which more runs do not narrow",
-            band.bias_percent
-        )?;
+    let (bias, beyond) = (band.bias_percent, band.beyond_noise_percent);
+    if beyond > 0.0 {
+        text += &format!(
+            "              +-{beyond:.2} % of it is not noise: the servo is not linear, or the reference lacks power at some frequencies.\n              More runs do not narrow that part; holds in which the servo comes to rest do\n"
+        );
+    } else if bias > 0.0 {
+        text += &format!(
+            "              +-{bias:.2} % of it is the bias by frequencies without power, which more runs do not narrow\n"
+        );
     }
-    if let Some(needed) = &plan.needed {
-        let wanted = needed.band_percent;
-        writeln!(text, "  for +-{wanted} %  {}", in_words(needed))?;
-    }
-    if let (Some(wanted), None) = (plan.wanted_percent, &plan.needed) {
-        let advice = band.narrowing().advice(wanted, plan.runs);
-        writeln!(text, "  narrower    {}", summary::wrapped(&advice, 14))?;
-    }
-    writeln!(text, "\n  {:36} expected interval, {level} %", "")?;
-    for row in plan.metrics.iter().flat_map(summary::rows_of_metrics) {
-        for (value, bounds) in &row.cells {
-            writeln!(text, "  {:26} {value:>9} {bounds}", row.label)?;
-        }
-    }
-    Ok(())
+    text
 }
 
-fn write_spectrum(text: &mut String, plan: &Plan) -> std::fmt::Result {
+/// The runs for the wanted band, and the metrics with their intervals.
+fn more_runs_and_metrics(plan: &Plan, band: &BandWidths) -> String {
+    let mut text = match (&plan.needed, plan.wanted_percent) {
+        (Some(needed), _) => format!("  for +-{} %  {}\n", needed.band_percent, time_of(needed)),
+        (None, Some(wanted)) => {
+            let advice = band.narrowing().advice(wanted, plan.runs);
+            format!("  narrower    {}\n", summary::wrapped(&advice, 14))
+        }
+        (None, None) => String::new(),
+    };
+    let level = summary::percent(band.level);
+    text += &format!("\n  {:36} expected interval, {level} %\n", "");
+    let metrics = plan.metrics.iter();
+    for row in metrics.flat_map(|metrics| summary::metric_rows(&[metrics], "")) {
+        for (value, bounds) in &row.cells {
+            text += &format!("  {:26} {value:>9} {bounds}\n", row.label);
+        }
+    }
+    text
+}
+
+fn spectrum(plan: &Plan) -> String {
     let spectrum = &plan.spectrum;
-    writeln!(
-        text,
-        "\nPower: {:.2} deg rms, crest factor {:.2}, 99 % below {:.1} Hz; the response is above the noise {}{}",
+    let above = match (spectrum.above_noise_from_hz, spectrum.above_noise_up_to_hz) {
+        (_, 0.0) => "at no frequency".to_owned(),
+        (0.0, high) => format!("up to {high} Hz"),
+        (low, high) => format!("from {low} to {high} Hz"),
+    };
+    let gap = spectrum
+        .first_gap_hz
+        .map(|hz| format!("; no power at multiples of {hz:.2} Hz"));
+    let [from, to, rms, share, ratio] = ["from", "to Hz", "rms deg", "share %", "above noise dB"];
+    let mut text = format!(
+        "\nPower: {:.2} deg rms, crest factor {:.2}, 99 % below {:.1} Hz; the response is above the noise {above}{}\n  {from:>6} - {to:<6} {rms:>9} {share:>9} {ratio:>16}\n",
         spectrum.rms_deg,
         spectrum.crest_factor,
         spectrum.most_below_hz,
-        match (spectrum.above_noise_from_hz, spectrum.above_noise_up_to_hz) {
-            (_, 0.0) => "at no frequency".to_owned(),
-            (0.0, high) => format!("up to {high} Hz"),
-            (low, high) => format!("from {low} to {high} Hz"),
-        },
-        match spectrum.first_gap_hz {
-            Some(hz) => format!("; no power at multiples of {hz:.2} Hz"),
-            None => String::new(),
-        }
-    )?;
-    writeln!(
-        text,
-        "  {:>6} - {:<6} {:>9} {:>9} {:>16}",
-        "from", "to Hz", "rms deg", "share %", "above noise dB"
-    )?;
+        gap.unwrap_or_default()
+    );
     for octave in &spectrum.octaves {
-        writeln!(
-            text,
-            "  {:>6} - {:<6} {:>9.4} {:>9.3} {:>16.1}",
-            octave.from_hz,
-            octave.to_hz,
-            octave.rms_deg,
-            octave.share_percent,
-            octave.signal_to_noise_db
-        )?;
+        let (from, to, rms) = (octave.from_hz, octave.to_hz, octave.rms_deg);
+        let (share, ratio) = (octave.share_percent, octave.signal_to_noise_db);
+        text += &format!("  {from:>6} - {to:<6} {rms:>9.4} {share:>9.3} {ratio:>16.1}\n");
     }
-    Ok(())
+    text
 }
 
-fn write_alternatives(text: &mut String, plan: &Plan) -> std::fmt::Result {
-    let alternatives = &plan.alternatives;
-    writeln!(
-        text,
-        "\nAll references at this amplitude with default options, the narrowest first (half the band at its widest, % of the step)"
-    )?;
-    writeln!(
-        text,
-        "  {:10} {:>8} {:>9} {:>13}  questions answered",
-        "", "run, s", "band, %", "in 1 minute"
-    )?;
-    for alternative in alternatives {
+fn alternatives(plan: &Plan) -> String {
+    let [run, band, minute] = ["run, s", "band, %", "in 1 minute"];
+    let mut text = format!(
+        "\nAll references at this amplitude with default options, the narrowest first (half the band at its widest, % of the step)\n  {:10} {run:>8} {band:>9} {minute:>13}  questions answered\n",
+        ""
+    );
+    for alternative in &plan.alternatives {
         let percent = |p: Option<f64>| p.map_or_else(|| "-".to_owned(), |p| format!("{p:.2}"));
         let needed = plan.wanted_percent.map(|wanted| match &alternative.needed {
-            Some(needed) => format!("; +-{wanted} % needs {}", in_words(needed)),
+            Some(needed) => format!("; +-{wanted} % needs {}", time_of(needed)),
             None => format!("; +-{wanted} % needs more than {MOST_RUNS} runs or another reference"),
         });
-        writeln!(
-            text,
-            "  {:10} {:>8.1} {:>9} {:>13}  {}{}{}",
+        let linear = match alternative.only_if_linear {
+            true => " (for a linear servo only)",
+            false => "",
+        };
+        text += &format!(
+            "  {:10} {:>8.1} {:>9} {:>13}  {}{linear}{}\n",
             alternative.reference,
             alternative.run_s,
             percent(alternative.widest_percent),
             percent(alternative.widest_percent_in_a_minute),
             alternative.answers.len(),
-            if alternative.only_if_linear {
-                " (for a linear servo only)"
-            } else {
-                ""
-            },
             needed.unwrap_or_default()
-        )?;
+        );
     }
-    writeln!(text, "{}", advice(alternatives))
+    text + &advice(&plan.alternatives) + "\n"
 }
 
 /// The best reference for the band, and for the questions.
@@ -193,34 +158,30 @@ fn advice(alternatives: &[Alternative]) -> String {
     // Figures that hold for any servo go before figures that hold for a linear one only.
     let holds =
         |a: &&Alternative| !a.only_if_linear || alternatives.iter().all(|a| a.only_if_linear);
-    let narrowest = alternatives
-        .iter()
-        .filter(holds)
+    let widths = alternatives.iter().filter(holds);
+    let narrowest = widths
         .filter_map(|a| Some((a.reference, a.widest_percent_in_a_minute?)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
-    // The first of equals: max_by_key alone takes the last.
-    let most = alternatives
-        .iter()
-        .rev()
-        .max_by_key(|alternative| alternative.answers.len());
     let narrowest = narrowest.map_or_else(
         || "no reference identifies this servo at this noise".to_owned(),
         |(name, percent)| format!("the narrowest band per minute is {name}'s (+-{percent:.2} %)"),
     );
-    match most {
-        Some(most) => format!(
-            "  {narrowest}; {} answers the most questions ({})",
-            most.reference,
-            most.answers.len()
-        ),
-        None => format!("  {narrowest}"),
+    // The first of equals: max_by_key alone takes the last.
+    let most = alternatives.iter().rev().max_by_key(|a| a.answers.len());
+    let most = most.map(|most| {
+        let (name, count) = (most.reference, most.answers.len());
+        format!("; {name} answers the most questions ({count})")
+    });
+    format!("  {narrowest}{}", most.unwrap_or_default())
+}
+
+fn in_words(runs: u64) -> String {
+    match runs {
+        1 => "1 run".to_owned(),
+        runs => format!("{runs} runs"),
     }
 }
 
-fn in_words(needed: &RunsNeeded) -> String {
-    let runs = match needed.runs {
-        1 => "1 run".to_owned(),
-        runs => format!("{runs} runs"),
-    };
-    format!("{runs}, {:.0} s", needed.seconds)
+fn time_of(needed: &RunsNeeded) -> String {
+    format!("{}, {:.0} s", in_words(needed.runs), needed.seconds)
 }

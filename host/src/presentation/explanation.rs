@@ -10,8 +10,7 @@ use std::fmt::Write;
 const MOST_LINES: usize = 16;
 
 /// The way to the structure, as tables.
-#[must_use]
-pub fn as_text(explanation: &Explanation, model: &Model) -> String {
+pub(crate) fn as_text(explanation: &Explanation, model: &Model) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
     let _infallible = write_text(&mut text, explanation, &model.structure);

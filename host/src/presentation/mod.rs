@@ -1,10 +1,11 @@
 //! Results for people and other programs.
 
-pub mod explanation;
 pub mod export;
-pub mod paper_values;
 pub mod plots;
 pub mod report;
 pub mod scope;
 pub mod summary;
-pub mod template;
+
+pub(crate) mod explanation;
+pub(crate) mod paper_values;
+pub(crate) mod template;

@@ -1,4 +1,4 @@
-//! The paper's facts beside ours.
+//! The paper's values beside those found here.
 //!
 //! The numbers are those of §4.3 and Figs 5, 9 and 12 of "Investigation of Small Scale Helicopter
 //! Servo-Actuator Performance Using Frequency Sampling Filters". The simulated servos were fitted to
@@ -8,18 +8,18 @@ use serde::Serialize;
 use servoid_identification::comparison::Comparison;
 use servoid_identification::results::Model;
 
-/// One fact: what the paper says, and what was found here.
+/// A value of the paper, and the same as found here.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fact {
     /// The paper's figure that shows it.
     pub figure: &'static str,
-    /// What is measured, and its unit.
+    /// The quantity, and its unit.
     pub fact: &'static str,
     /// The paper's number.
     pub paper: f64,
-    /// Ours.
+    /// The number found here.
     pub here: f64,
-    /// Decimals that ours is printed with.
+    /// Decimals of the number found here.
     #[serde(skip)]
     pub digits: usize,
 }
@@ -29,60 +29,52 @@ const LEVEL_DEG: f64 = 5.0;
 
 /// Samples after an edge from which the servo is taken to be at rest: the paper's bench servo
 /// "achieves steady state in approximately 60 sampling intervals" (§4.3).
-pub const WAIT_SAMPLES: usize = 60;
+pub(crate) const WAIT_SAMPLES: usize = 60;
 
-/// Holds the models of bench and aircraft, and their comparison, against the paper.
-#[must_use]
-pub fn facts(bench: &Model, aircraft: &Model, comparison: &Comparison) -> Vec<Fact> {
-    let mut facts = vec![
-        Fact {
-            figure: "5",
-            fact: "bench settles within 1 % (samples)",
-            paper: 60.0,
-            here: settled_after(&bench.step.value, 0.01) as f64,
-            digits: 0,
-        },
-        Fact {
-            figure: "12",
-            fact: "bench overshoot over +5 deg (deg)",
-            paper: 0.2,
-            here: highest_at(bench, LEVEL_DEG) - LEVEL_DEG,
-            digits: 2,
-        },
-        Fact {
-            figure: "12",
-            fact: "aircraft undershoot at +5 deg (deg)",
-            paper: 1.2,
-            here: LEVEL_DEG - level_at(aircraft, LEVEL_DEG),
-            digits: 2,
-        },
-    ];
-    let over = comparison
-        .over_prediction
-        .as_ref()
-        .and_then(|over| over.plus_percent.value);
-    facts.extend(over.map(|here| Fact {
-        figure: "9",
-        fact: "bench model over-predicts aircraft at +5 deg (%)",
-        paper: 22.0,
+/// The paper's values beside those of these models and their comparison.
+pub(crate) fn facts(bench: &Model, aircraft: &Model, comparison: &Comparison) -> Vec<Fact> {
+    let fact = |figure, fact, paper, here, digits| Fact {
+        figure,
+        fact,
+        paper,
         here,
-        digits: 1,
-    }));
+        digits,
+    };
+    let settled = settled_after(&bench.step.value, 0.01) as f64;
+    let overshoot = highest_at(bench, LEVEL_DEG) - LEVEL_DEG;
+    let undershoot = LEVEL_DEG - level_at(aircraft, LEVEL_DEG);
+    let mut facts = vec![
+        fact("5", "bench settles within 1 % (samples)", 60.0, settled, 0),
+        fact("12", "bench overshoot over +5 deg (deg)", 0.2, overshoot, 2),
+        fact(
+            "12",
+            "aircraft undershoot at +5 deg (deg)",
+            1.2,
+            undershoot,
+            2,
+        ),
+    ];
+    let over = comparison.over_prediction.as_ref();
+    if let Some(percent) = over.and_then(|over| over.plus_percent.value) {
+        let name = "bench model over-predicts aircraft at +5 deg (%)";
+        facts.push(fact("9", name, 22.0, percent, 1));
+    }
     facts
 }
 
 /// The facts as lines for a terminal.
-#[must_use]
-pub fn as_table(facts: &[Fact]) -> String {
-    let head = format!(
-        "{:50} {:>6} {:>10} {:>10}\n",
-        "the paper", "figure", "paper", "here"
-    );
+pub(crate) fn as_table(facts: &[Fact]) -> String {
+    let [name, figure, paper, here] = ["the paper", "figure", "paper", "here"];
+    let head = format!("{name:50} {figure:>6} {paper:>10} {here:>10}\n");
     let line = |f: &Fact| {
-        format!(
-            "{:50} {:>6} {:>10} {:>10.*}\n",
-            f.fact, f.figure, f.paper, f.digits, f.here
-        )
+        let Fact {
+            figure,
+            fact,
+            paper,
+            here,
+            digits,
+        } = f;
+        format!("{fact:50} {figure:>6} {paper:>10} {here:>10.digits$}\n")
     };
     head + &facts.iter().map(line).collect::<String>()
 }
@@ -90,9 +82,8 @@ pub fn as_table(facts: &[Fact]) -> String {
 /// The first sample from which a step response stays within `band` of its final value.
 fn settled_after(step: &[f64], band: f64) -> usize {
     let Some(&last) = step.last() else { return 0 };
-    step.iter()
-        .rposition(|g| (g - last).abs() > band * last.abs())
-        .map_or(0, |m| m + 1)
+    let outside = |g: &f64| (g - last).abs() > band * last.abs();
+    step.iter().rposition(outside).map_or(0, |m| m + 1)
 }
 
 /// Where the model rests when `input` is held.
@@ -103,12 +94,8 @@ fn level_at(model: &Model, input: f64) -> f64 {
 /// The model's highest point after a step from `-input` to `input`.
 fn highest_at(model: &Model, input: f64) -> f64 {
     let start = level_at(model, -input);
-    model
-        .step
-        .value
-        .iter()
-        .map(|g| start + 2.0 * input * g)
-        .fold(f64::NEG_INFINITY, f64::max)
+    let course = model.step.value.iter().map(|g| start + 2.0 * input * g);
+    course.fold(f64::NEG_INFINITY, f64::max)
 }
 
 #[cfg(test)]

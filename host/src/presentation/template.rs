@@ -1,14 +1,8 @@
-//! Texts with gaps: `{{name}}` stands for what is put in.
+//! Texts with gaps: `{{name}}` stands for a value.
 
 /// Puts the values into the gaps of a text, each once and none into another. A gap without a value
 /// stays empty.
-///
-/// ```
-/// let text = servoid::template::fill("{{a}} and {{b}}", &[("a", "{{b}}"), ("b", "2")]);
-/// assert_eq!(text, "{{b}} and 2");
-/// ```
-#[must_use]
-pub fn fill<V: AsRef<str>>(text: &str, values: &[(&str, V)]) -> String {
+pub(crate) fn fill<V: AsRef<str>>(text: &str, values: &[(&str, V)]) -> String {
     let mut filled = String::new();
     let mut rest = text;
     while let Some((before, after)) = rest.split_once("{{") {
@@ -21,4 +15,13 @@ pub fn fill<V: AsRef<str>>(text: &str, values: &[(&str, V)]) -> String {
         rest = after;
     }
     filled + rest
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_value_is_not_filled_in_again() {
+        let text = super::fill("{{a}} and {{b}}{{c}}", &[("a", "{{b}}"), ("b", "2")]);
+        assert_eq!(text, "{{b}} and 2");
+    }
 }

@@ -1,9 +1,9 @@
-//! Servos that are not linear are told from those that are; `examples/linearity.rs` is the long version.
+//! Servos that are not linear are distinguished from those that are; `examples/linearity.rs` is the long version.
 
-use servoid_test_support::trials::linearity::{motions, said};
+use servoid_test_support::trials::linearity::{findings, motions};
 
 #[test]
-fn a_servo_that_is_not_linear_is_told_and_a_linear_one_is_not() {
+fn a_servo_that_is_not_linear_is_reported_and_a_linear_one_is_not() {
     let motions = motions();
     let of_size = |name: &str, degrees: f64| {
         let motion = motions.iter().find(|motion| motion.name == name);
@@ -15,21 +15,21 @@ fn a_servo_that_is_not_linear_is_told_and_a_linear_one_is_not() {
         ("bench", "staircase", 30.0),
         ("bench", "random steps, 0.02 s", 5.0),
     ] {
-        let found = said(servo, of_size(name, degrees), 1).expect("well excited");
-        assert!(found.told, "{servo}, {name}, {degrees}: {found:?}");
-        let linear = said("linear", of_size(name, degrees), 1).expect("well excited");
+        let found = findings(servo, of_size(name, degrees), 1).expect("well excited");
+        assert!(found.reported, "{servo}, {name}, {degrees}: {found:?}");
+        let linear = findings("linear", of_size(name, degrees), 1).expect("well excited");
         assert!(
-            linear.level && !linear.told,
+            linear.level && !linear.reported,
             "{name}, {degrees}: {linear:?}"
         );
     }
 }
 
-/// The noise at rest tells what functions of the motion do not.
+/// The noise at rest shows errors that functions of the motion do not.
 #[test]
 fn the_recorded_rest_is_a_witness() {
     let motions = motions();
     let stairs = motions[1].of_size(10.0);
-    let found = said("aircraft", stairs, 1).expect("well excited");
+    let found = findings("aircraft", stairs, 1).expect("well excited");
     assert!(found.found[1], "{found:?}");
 }

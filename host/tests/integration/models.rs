@@ -8,10 +8,10 @@ use serde_json::Value;
 use servoid::data::ModelMetadata;
 use servoid::data::Units;
 use servoid::data::model_file::{ModelFile, ModelFileError};
-use servoid::export::{Export, Target};
-use servoid::plots::{difference::difference, svg};
-use servoid::report::{self, Page, Servo};
-use servoid::summary;
+use servoid::presentation::export::{Export, Target};
+use servoid::presentation::plots::{difference, draw};
+use servoid::presentation::report::{self, Page, Servo};
+use servoid::presentation::summary;
 use servoid_identification::Record;
 use servoid_identification::comparison::{ComparisonOptions, compare_models};
 use servoid_identification::results::Bounds;
@@ -250,7 +250,7 @@ fn use_model(text: &str) {
         });
         if let Some(found) = found {
             let _ = summary::of_comparison("a", "b", &found);
-            let _ = svg::draw(&difference("m", "m", "a", "b", &found));
+            let _ = draw(&difference("m", "m", "a", "b", &found));
         }
     }
 }

@@ -3,14 +3,13 @@
 use crate::support::{arg, data, json, refusal, run};
 use servoid::data::model_file::ModelFile;
 use servoid::data::recording::{
-    Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError,
+    Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError, write_file,
 };
 use servoid::data::rig_file::RigFile;
 use servoid::instrument::port;
 use servoid::instrument::rig::CaptureError;
 use servoid::instrument::rig::ClientError;
 use servoid::instrument::rig::{Capture, RigClient, TalkError};
-use servoid::output_files::write_file;
 use servoid_protocol::message::Refusal;
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::{Counts, Frame, PulseWidth, Reference, RigMessage, framing};

@@ -46,7 +46,7 @@ fn a_smooth_reference_that_tells_all_has_wide_bounds_that_hold() {
 fn what_a_smooth_reference_leaves_out_has_no_level_and_no_figures() {
     let line = line(Reference::Smooth(4), Sensor::White(0.05));
     assert_eq!(line.level, 0.0, "{line:?}");
-    assert_eq!(line.told, [0.0; 6], "{line:?}");
+    assert_eq!(line.stated, [0.0; 6], "{line:?}");
     assert_always_said(&line, "excitation");
     assert_always_said(&line, "untold");
 }
@@ -58,7 +58,7 @@ fn a_few_sines_tell_no_figure() {
         let reference = Reference::Sines(sines[..count].to_vec());
         let line = line(reference, Sensor::Noisy(1.0));
         assert_eq!(line.level, 0.0, "{line:?}");
-        assert_eq!(line.told, [0.0; 6], "{line:?}");
+        assert_eq!(line.stated, [0.0; 6], "{line:?}");
         assert_always_said(&line, "excitation");
     }
 }

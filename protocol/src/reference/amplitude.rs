@@ -1,7 +1,6 @@
-//! The amplitude of a reference, and which ones make sense.
+//! The amplitude of a reference.
 
-/// An amplitude as an offset (µs). One that does not fit is not well formed; what is made of it here
-/// is beyond every limit.
+/// An amplitude as an offset (µs). One that does not fit is not well formed, and exceeds every limit.
 pub(super) fn amplitude(amplitude_us: u16) -> i16 {
     i16::try_from(amplitude_us).unwrap_or(i16::MAX)
 }

@@ -5,7 +5,7 @@ use super::sine::{ONE, sine};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// Most tones of a [`Multisine`]: what one frame costs the board is bounded by it.
+/// Most tones of a [`Multisine`]. It bounds the board's work in one frame.
 pub const MAX_TONES: u16 = 128;
 
 /// Parts of a microsecond in which the amplitude of a tone is given.
@@ -18,14 +18,13 @@ const QUARTER_TURN: u16 = 1 << 14;
 ///
 /// Tone i = 1..n has harmonic `first + (i-1)·spacing` of the period and Schroeder's phase
 /// -π i(i-1)/n, which spreads the energy over the period (M. Schroeder, IEEE Trans. Information
-/// Theory 16, 1970). The sum is rounded to whole microseconds and never leaves ±`amplitude_us`; with
-/// [`Multisine::with_largest_tones`] it does not try to.
+/// Theory 16, 1970). The sum is rounded to whole microseconds and clipped to ±`amplitude_us`;
+/// [`Multisine::with_largest_tones`] gives the largest tones that are not clipped.
 ///
 /// * Duration: period · periods · 20 ms.
 /// * Crest factor: about 1.7 (1.6 to 2), whatever the number of tones.
-/// * Spectrum: the tones, all alike, at harmonic/(period · 20 ms) Hz, and nothing in between but the
-///   rounding; with an odd `first` and a `spacing` of 2 what appears at even harmonics is the servo's
-///   nonlinearity.
+/// * Spectrum: equal tones at harmonic/(period · 20 ms) Hz, and only the rounding in between. With an
+///   odd `first` and a `spacing` of 2, even harmonics of the output are due to the servo's nonlinearity.
 ///
 /// ```
 /// use servoid_protocol::reference::Multisine;
@@ -39,7 +38,7 @@ const QUARTER_TURN: u16 = 1 << 14;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Multisine {
-    /// What the sum never leaves (µs from neutral): beyond it is clipped.
+    /// Limit of the sum (µs from neutral); the rest is clipped.
     pub amplitude_us: u16,
     /// Amplitude of each tone (1/64 µs).
     pub tone_64ths_us: u16,
@@ -47,7 +46,7 @@ pub struct Multisine {
     pub period_frames: u16,
     /// Harmonic of the lowest tone.
     pub first: u16,
-    /// From one tone's harmonic to the next one's.
+    /// Difference of the harmonics of neighbouring tones.
     pub spacing: u16,
     /// Number of tones, at most [`MAX_TONES`].
     pub tones: u16,
@@ -56,8 +55,7 @@ pub struct Multisine {
 }
 
 impl Multisine {
-    /// The same with the largest tones that fit the amplitude without clipping. Looks at every frame
-    /// of a period.
+    /// The same with the largest tones that are not clipped. Computes every frame of a period.
     #[must_use]
     pub fn with_largest_tones(self) -> Self {
         let frames = 0..u32::from(self.period_frames);
@@ -77,13 +75,11 @@ impl Multisine {
     }
 
     /// Length (frames).
-    #[must_use]
     pub fn frames(&self) -> u32 {
         u32::from(self.period_frames) * u32::from(self.periods)
     }
 
     /// Offset from neutral in frame `frame` (µs), or `None` past the end.
-    #[must_use]
     pub fn offset_us(&self, frame: u32) -> Option<i16> {
         if frame >= self.frames() {
             return None;
@@ -117,7 +113,6 @@ impl Multisine {
     }
 
     /// Whether something moves, it ends, and every tone is below half the frame rate.
-    #[must_use]
     pub fn is_well_formed(&self) -> bool {
         let highest = self.harmonics().last().unwrap_or(0);
         is_amplitude(self.amplitude_us)

@@ -4,12 +4,12 @@ use super::amplitude::{amplitude, is_amplitude};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// The lengths of the shift register that there are.
+/// The valid lengths of the shift register.
 const REGISTERS: core::ops::RangeInclusive<u16> = 2..=15;
 
 /// For each register length n from 2: a primitive polynomial x^n + ... + 1 without its x^n, bit k for
 /// x^k (W. Stahnke, "Primitive binary polynomials", Mathematics of Computation 27, 1973). The tests
-/// walk through every one.
+/// check each one.
 const POLYNOMIALS: [u16; 14] = [
     0b11,               // x²  + x + 1
     0b11,               // x³  + x + 1
@@ -30,9 +30,9 @@ const POLYNOMIALS: [u16; 14] = [
 /// A binary sequence of maximal length from a linear feedback shift register, each of its values held
 /// for `chip_frames`.
 ///
-/// The sequence s obeys the recurrence of the register's primitive polynomial; its first values are
-/// the bits of `seed`, the lowest first, and 1 stands for `+amplitude_us`, 0 for `-amplitude_us`. It
-/// repeats after 2^register - 1 chips; with fewer chips it is cut, with more it goes on.
+/// The sequence s obeys the recurrence of the register's primitive polynomial. Its first values are
+/// the bits of `seed`, the lowest first; 1 stands for `+amplitude_us`, 0 for `-amplitude_us`. It
+/// repeats after 2^register - 1 chips.
 ///
 /// * Duration: chips · chip · 20 ms.
 /// * Crest factor: 1.
@@ -51,7 +51,7 @@ pub struct Prbs {
     pub amplitude_us: u16,
     /// Length of the shift register (bits), 2 to 15: the sequence has 2^register - 1 chips.
     pub register: u16,
-    /// What the register starts with: its lowest bit is the first chip. Not zero.
+    /// Initial content of the register: its lowest bit is the first chip. Not zero.
     pub seed: u16,
     /// How long each chip is held (frames).
     pub chip_frames: u16,
@@ -61,35 +61,29 @@ pub struct Prbs {
 
 impl Prbs {
     /// Chips after which the sequence repeats: 2^register - 1.
-    #[must_use]
     pub fn period_chips(&self) -> u16 {
         1u16.checked_shl(self.register.into())
             .map_or(u16::MAX, |length| length.saturating_sub(1))
     }
 
     /// Length (frames).
-    #[must_use]
     pub fn frames(&self) -> u32 {
         u32::from(self.chips) * u32::from(self.chip_frames)
     }
 
     /// Offset from neutral in frame `frame` (µs), or `None` past the end.
-    #[must_use]
     pub fn offset_us(&self, frame: u32) -> Option<i16> {
         if frame >= self.frames() {
             return None;
         }
         let chip = frame.checked_div(self.chip_frames.into())?;
         let amplitude = amplitude(self.amplitude_us);
-        Some(if self.bit(chip) {
-            amplitude
-        } else {
-            -amplitude
-        })
+        let sign = if self.bit(chip) { 1 } else { -1 };
+        Some(sign * amplitude)
     }
 
-    /// s(k). Every value of the sequence is a sum (modulo 2) of the first ones; which, the remainder
-    /// of x^k on division by the polynomial says. So no state has to be kept or stepped.
+    /// s(k). Every value of the sequence is a sum (modulo 2) of some of the first ones: those in the
+    /// remainder of x^k on division by the polynomial. So there is no state to step.
     fn bit(&self, k: u32) -> bool {
         let index = usize::from(self.register.saturating_sub(*REGISTERS.start()));
         let Some(&polynomial) = POLYNOMIALS.get(index) else {
@@ -103,7 +97,6 @@ impl Prbs {
     }
 
     /// Whether something moves and it ends.
-    #[must_use]
     pub fn is_well_formed(&self) -> bool {
         is_amplitude(self.amplitude_us)
             && REGISTERS.contains(&self.register)

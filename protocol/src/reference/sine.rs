@@ -1,6 +1,6 @@
 //! A sine in whole numbers, the same to the bit on every machine.
 
-/// What stands for 1.
+/// The number that stands for 1.
 pub(super) const ONE: i32 = 1 << 15;
 
 /// Steps of the table in a quarter turn.

@@ -4,7 +4,7 @@ use super::amplitude::{amplitude, is_amplitude};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// A square wave between +amplitude and -amplitude whose holds get shorter each cycle (paper §4).
+/// A square wave whose holds get shorter in each cycle (paper §4).
 ///
 /// Cycle `c` holds +amplitude, then -amplitude, for `longest - c·step` frames each, down to
 /// `shortest`.
@@ -29,7 +29,7 @@ pub struct Staircase {
     pub longest_hold_frames: u16,
     /// Hold below which no further cycle follows (frames).
     pub shortest_hold_frames: u16,
-    /// What each cycle is shorter by (frames).
+    /// Difference of the holds of two cycles (frames).
     pub hold_step_frames: u16,
 }
 
@@ -44,23 +44,15 @@ impl Staircase {
 
     /// The holds (frames), longest first; each is held once at + and once at -.
     pub fn holds(&self) -> impl Iterator<Item = u32> + use<> {
-        let (first, last) = (
-            u32::from(self.longest_hold_frames),
-            self.shortest_hold_frames,
-        );
-        let step = u32::from(self.hold_step_frames).max(1);
+        let first = u32::from(self.longest_hold_frames);
         // A hold of 0 frames is no hold, however the fields are set.
-        let last = u32::from(last).max(1);
-        let count = if first < last {
-            0
-        } else {
-            (first - last) / step + 1
-        };
+        let last = u32::from(self.shortest_hold_frames).max(1);
+        let step = u32::from(self.hold_step_frames).max(1);
+        let count = first.checked_sub(last).map_or(0, |range| range / step + 1);
         (0..count).map(move |cycle| first - cycle * step)
     }
 
     /// Length (frames).
-    #[must_use]
     pub fn frames(&self) -> u32 {
         // Closed form of 2·Σ hold; u64, because 65 535 holds of 65 535 frames do not fit 32 bits.
         let count = self.holds().size_hint().0 as u64;
@@ -71,7 +63,6 @@ impl Staircase {
     }
 
     /// Offset from neutral in frame `frame` (µs), or `None` past the end.
-    #[must_use]
     pub fn offset_us(&self, frame: u32) -> Option<i16> {
         let amplitude = amplitude(self.amplitude_us);
         let mut start = 0;
@@ -89,7 +80,6 @@ impl Staircase {
     }
 
     /// Whether something moves and it ends.
-    #[must_use]
     pub fn is_well_formed(&self) -> bool {
         is_amplitude(self.amplitude_us)
             && self.hold_step_frames > 0

@@ -10,12 +10,11 @@ pub const MAX_LEVELS: u16 = 16;
 /// Strokes between evenly spaced levels: each cycle makes every stroke from one level to another
 /// exactly once, upwards and downwards, short and long.
 ///
-/// So every level but the outermost is reached from both sides, which shows hysteresis and the ends
-/// of the travel, and the strokes of each direction have sizes from 1 to `levels - 1` spacings,
-/// which shows limits of speed and how the two directions differ.
+/// Every level but the outermost is reached from both sides, which shows hysteresis and the ends of
+/// the travel. The strokes of each direction have sizes from 1 to `levels - 1` spacings, which shows
+/// rate limits and differences of the two directions.
 ///
-/// Level 0 is `+amplitude_us`, the last one `-amplitude_us`. With the levels numbered so, a cycle
-/// goes 0 1 0 2 ... 0 m | 1 2 1 3 ... 1 m | ... and from m back to 0: an Euler circuit of the
+/// Level 0 is `+amplitude_us`, the last one `-amplitude_us`. A cycle goes 0 1 0 2 ... 0 m | 1 2 1 3 ... 1 m | ... and from m back to 0: an Euler circuit of the
 /// complete directed graph of the levels.
 ///
 /// * Duration: levels · (levels - 1) · hold · cycles · 20 ms.
@@ -35,22 +34,20 @@ pub struct Stairs {
     pub amplitude_us: u16,
     /// Number of levels, 2 to [`MAX_LEVELS`].
     pub levels: u16,
-    /// How long each level is held (frames).
+    /// Hold of each level (frames).
     pub hold_frames: u16,
-    /// How often all strokes are made.
+    /// Number of cycles.
     pub cycles: u16,
 }
 
 impl Stairs {
     /// Strokes of one cycle.
-    #[must_use]
     pub fn strokes(&self) -> u32 {
         let levels = u32::from(self.levels.min(MAX_LEVELS));
         levels * levels.saturating_sub(1)
     }
 
     /// Length (frames).
-    #[must_use]
     pub fn frames(&self) -> u32 {
         self.strokes()
             .saturating_mul(self.hold_frames.into())
@@ -58,7 +55,6 @@ impl Stairs {
     }
 
     /// Offset from neutral in frame `frame` (µs), or `None` past the end.
-    #[must_use]
     pub fn offset_us(&self, frame: u32) -> Option<i16> {
         if frame >= self.frames() {
             return None;
@@ -76,11 +72,8 @@ impl Stairs {
             let block = 2 * u32::from(last - low);
             if within < block {
                 let partner = low + 1 + (within / 2) as u16;
-                return if within.is_multiple_of(2) {
-                    low
-                } else {
-                    partner
-                };
+                let is_low = within.is_multiple_of(2);
+                return if is_low { low } else { partner };
             }
             within -= block;
         }
@@ -96,7 +89,6 @@ impl Stairs {
     }
 
     /// Whether something moves, it ends, and no two levels are one.
-    #[must_use]
     pub fn is_well_formed(&self) -> bool {
         is_amplitude(self.amplitude_us)
             && (2..=MAX_LEVELS).contains(&self.levels)

@@ -11,19 +11,19 @@ const U16_BYTES: usize = (u16::BITS as usize).div_ceil(7);
 /// pre-roll, post-roll and repeats are 16-bit numbers, command and reference one byte each.
 const BESIDE_THE_TABLE: usize = 6 * U16_BYTES + 2;
 
-/// Steps that a table holds: as many as one message carries, whatever their numbers.
+/// Most steps of a table: as many as one message carries, whatever their numbers.
 pub const MAX_STEPS: usize = (MAX_PAYLOAD - BESIDE_THE_TABLE) / (2 * U16_BYTES);
 
-/// One line of a table: an offset, and how long it is held.
+/// One line of a table: an offset and its hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Step {
     /// Offset from neutral (µs).
     pub offset_us: i16,
-    /// How long it is held (frames). A hold of no frames is past the table's end.
+    /// Its hold (frames). A hold of no frames is past the table's end.
     pub hold_frames: u16,
 }
 
-/// A table of at most [`MAX_STEPS`] steps, played so many times over.
+/// A table of at most [`MAX_STEPS`] steps, played several times.
 ///
 /// * Duration: repeats · Σ holds · 20 ms.
 /// * Crest factor and spectrum: the table's own.
@@ -39,13 +39,12 @@ pub struct Step {
 pub struct Steps {
     /// How often the table is played.
     pub repeats: u16,
-    /// The steps, then nothing but zeros.
+    /// The steps, then zeros.
     pub table: [Step; MAX_STEPS],
 }
 
 impl Steps {
-    /// The table `steps`, `repeats` times over; `None` where it has more than [`MAX_STEPS`].
-    #[must_use]
+    /// The table `steps`, played `repeats` times; `None` where it has more than [`MAX_STEPS`].
     pub fn new(repeats: u16, steps: &[Step]) -> Option<Self> {
         let mut table = [Step::default(); MAX_STEPS];
         table.get_mut(..steps.len())?.copy_from_slice(steps);
@@ -63,13 +62,11 @@ impl Steps {
     }
 
     /// Length (frames).
-    #[must_use]
     pub fn frames(&self) -> u32 {
         self.frames_once().saturating_mul(self.repeats.into())
     }
 
     /// Offset from neutral in frame `frame` (µs), or `None` past the end.
-    #[must_use]
     pub fn offset_us(&self, frame: u32) -> Option<i16> {
         if frame >= self.frames() {
             return None;
@@ -85,14 +82,12 @@ impl Steps {
     }
 
     /// The smallest and the largest offset (µs).
-    #[must_use]
     pub fn extremes_us(&self) -> (i16, i16) {
         let offsets = || self.held().map(|step| step.offset_us);
         (offsets().min().unwrap_or(0), offsets().max().unwrap_or(0))
     }
 
     /// Whether something moves, it ends, and nothing stands behind the table's end.
-    #[must_use]
     pub fn is_well_formed(&self) -> bool {
         let behind = self.table.iter().skip_while(|step| step.hold_frames > 0);
         self.held().any(|step| step.offset_us != 0)

@@ -1,16 +1,15 @@
 //! A sine whose frequency moves evenly.
 
 use super::amplitude::{amplitude, is_amplitude};
-use super::highest_frequency::HIGHEST_MILLIHERTZ;
 use super::sine::{ONE, sine};
-use crate::timing::FRAMES_PER_SECOND;
+use crate::timing::{FRAMES_PER_SECOND, HIGHEST_MILLIHERTZ};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 /// A linear chirp from `first_millihertz` to `last_millihertz`, upwards or downwards.
 ///
-/// Frame k of K has A sin 2π(f₀ k + (f₁ - f₀) k²/2K)·20 ms, rounded to whole microseconds: the phase
-/// is exact to 1/65536 turn, the sine to 1.1e-4 of the amplitude, both far below the rounding.
+/// Frame k of K has A sin 2π(f₀ k + (f₁ - f₀) k²/2K)·20 ms, rounded to whole microseconds. The phase
+/// is exact to 1/65536 turn and the sine to 1.1e-4 of the amplitude, both far below the rounding.
 ///
 /// * Duration: frames · 20 ms.
 /// * Crest factor: sqrt 2.
@@ -38,13 +37,11 @@ pub struct Sweep {
 
 impl Sweep {
     /// Length (frames).
-    #[must_use]
     pub fn frames(&self) -> u32 {
         self.frames.into()
     }
 
     /// Offset from neutral in frame `frame` (µs), or `None` past the end.
-    #[must_use]
     pub fn offset_us(&self, frame: u32) -> Option<i16> {
         if frame >= self.frames() {
             return None;
@@ -58,14 +55,12 @@ impl Sweep {
     /// The phase in frame k (1/65536 turn).
     ///
     /// In turns it is k (f₀ (2K - k) + f₁ k)/(2K · frame rate), where no term is negative. With mHz
-    /// and 16-bit lengths the numerator is below 2^49 and the denominator below 2^33, so that the
-    /// remainder, whole turns taken off, can be scaled by 2^16 within 64 bits.
+    /// and 16-bit lengths the numerator is below 2^49 and the denominator below 2^33, so the
+    /// remainder can be scaled by 2^16 within 64 bits.
     fn turns(&self, k: u32) -> u16 {
         let (k, length) = (u64::from(k), u64::from(self.frames));
-        let (first, last) = (
-            u64::from(self.first_millihertz),
-            u64::from(self.last_millihertz),
-        );
+        let first = u64::from(self.first_millihertz);
+        let last = u64::from(self.last_millihertz);
         let whole = 2 * length * 1_000 * u64::from(FRAMES_PER_SECOND);
         let turns = k * (first * (2 * length).saturating_sub(k) + last * k);
         let part = turns.checked_rem(whole).unwrap_or(0);
@@ -73,8 +68,7 @@ impl Sweep {
         (((part << 16) + whole / 2).checked_div(whole).unwrap_or(0)) as u16
     }
 
-    /// Whether something moves, and no faster than frames can show.
-    #[must_use]
+    /// Whether something moves, at no more than half the frame rate.
     pub fn is_well_formed(&self) -> bool {
         let highest = self.first_millihertz.max(self.last_millihertz);
         is_amplitude(self.amplitude_us)

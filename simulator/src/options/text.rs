@@ -7,7 +7,6 @@ use super::{
 use crate::conditions::Scatter;
 use crate::linear::LinearParameters;
 use crate::noise::NoiseKind;
-use crate::sensor::SensorFault;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -93,8 +92,12 @@ impl SimulationOptions {
                     Some(_) => setting.read(SCATTER, scatter)?,
                 };
             }
-            ("baud", _) => self.line = setting.read(BAUD, line_speed)?,
-            ("fault", _) => self.faults = setting.read(FAULT, faults)?,
+            ("baud", _) if setting.value == Some("unlimited") => self.line = LineSpeed::Unlimited,
+            ("baud", _) => self.line = LineSpeed::Baud(setting.parse(BAUD)?),
+            ("fault", _) => {
+                let faults = |text: &str| text.split(',').map(|fault| fault.parse().ok()).collect();
+                self.faults = setting.read(FAULT, faults)?;
+            }
             ("first-sample-us", _) => self.first_sample_us = setting.parse(FIRST_SAMPLE)?,
             ("clock-phase-ms", _) => self.conditions.clock_phase = setting.milliseconds()?,
             ("sensor-gain", _) => self.conditions.sensor_gain = setting.parse(POSITIVE)?,
@@ -120,10 +123,7 @@ impl SimulationOptions {
                 | "delay-ms",
                 servo,
             ) => {
-                return Err(OptionsError::NotForThisServo {
-                    key: key.into(),
-                    servo: servo.name(),
-                });
+                return Err(OptionsError::NotForThisServo(key.into(), servo.name()));
             }
             _ => return Err(OptionsError::UnknownKey(key.into())),
         }
@@ -159,17 +159,6 @@ fn scatter(text: &str) -> Option<Scatter> {
 fn stops(text: &str) -> Option<(f64, f64)> {
     let (low, high) = text.split_once(':')?;
     Some((low.parse().ok()?, high.parse().ok()?))
-}
-
-fn line_speed(text: &str) -> Option<LineSpeed> {
-    match text {
-        "unlimited" => Some(LineSpeed::Unlimited),
-        _ => text.parse().ok().map(LineSpeed::Baud),
-    }
-}
-
-fn faults(text: &str) -> Option<Vec<SensorFault>> {
-    text.split(',').map(|fault| fault.parse().ok()).collect()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use servoid_protocol::timing::FRAME_US;
 use std::time::Duration;
 
-/// How often what happens to a frame in one direction: each a probability.
+/// The probability of each fate of a frame in one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faults {
     /// It is lost.

@@ -1,4 +1,4 @@
-//! One direction of a bad line: what becomes of each frame, and when it arrives.
+//! One direction of a bad line: the fate of each frame, and its time of arrival.
 
 use super::faults::{Faults, LATEST, LONGEST_BURST, LONGEST_STALL};
 use rand::{Rng, RngExt, SeedableRng};
@@ -155,7 +155,7 @@ impl Lane {
         }
     }
 
-    /// What has arrived by `now`, at most `most` bytes of it.
+    /// The bytes that have arrived by `now`, at most `most`.
     pub(super) fn take(&mut self, now: Duration, most: usize) -> Vec<u8> {
         while let Some(first) = self.on_the_way.first_entry()
             && first.key().at <= now

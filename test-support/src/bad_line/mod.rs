@@ -1,14 +1,14 @@
-//! A bad line, on purpose: to prove what survives it.
+//! A bad line on purpose, to test what depends on it.
 //!
 //! ```text
 //!  host <--> [ChaosPort: by chance, frame by frame] <--> any Port
 //! ```
 //!
 //! Everything is drawn from one seed, and happens in the time of the port behind it: equal seeds in
-//! front of equal simulated rigs give equal bytes. What counts is frames, not bytes: a *frame* is
-//! what lies between two zero bytes.
+//! front of equal simulated rigs give equal bytes. It acts on frames, not bytes: a *frame* is all
+//! between two zero bytes.
 //!
-//! | fate        | what becomes of the frame                                                       |
+//! | fate        | effect on the frame                                                             |
 //! |-------------|---------------------------------------------------------------------------------|
 //! | lost        | nothing of it arrives                                                           |
 //! | corrupted   | bits flip, or its end is missing, or strange bytes are in it; its zeros may be hit |
@@ -17,7 +17,7 @@
 //! | burst       | it and up to 24 that follow it arrive up to half a second later, all at once, mixed up |
 //! | stalled     | it and everything behind it arrive late                                         |
 //!
-//! What sets out behind the last frame of a burst may overtake all of it. Whatever arrives is
+//! A frame that is sent after the last one of a burst may overtake all of it. Whatever arrives is
 //! handed over in pieces of any size.
 
 mod faults;
@@ -31,7 +31,7 @@ use std::time::Duration;
 
 pub use faults::Faults;
 
-/// A port in front of another one, that does to every frame what chance wants.
+/// A port in front of another one. The fate of each frame is random.
 pub struct ChaosPort<P> {
     inner: P,
     to_rig: Lane,

@@ -53,7 +53,7 @@ fn line(seed: u64, faults: Faults) -> ChaosPort<Stream> {
     ChaosPort::new(stream, seed, Faults::default(), faults)
 }
 
-/// What arrives within 25 s, and when.
+/// The bytes that arrive within 25 s, with their times.
 fn bytes(port: &mut ChaosPort<Stream>) -> Vec<(Duration, u8)> {
     let (mut bytes, mut buffer) = (Vec::new(), [0; 50]);
     while port.now() < Duration::from_secs(25) {

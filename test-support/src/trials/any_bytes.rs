@@ -1,5 +1,5 @@
-//! Any bytes as a recording, for the tests and for the fuzz target alike: they are read as what they are, and
-//! what is saved of them is a recording.
+//! Any bytes as a recording, for the tests and for the fuzz target alike: they are read as a recording or
+//! refused, and `recover` makes a recording of them.
 
 use servoid::data::DegreeScale;
 use servoid::data::recording::{Recording, RecordingWriter, Target, recover};
@@ -8,7 +8,7 @@ use std::io::{Result, Write};
 use std::path::Path;
 use std::rc::Rc;
 
-/// A target that keeps what is written.
+/// A target that keeps all bytes.
 #[derive(Clone, Default)]
 struct Memory(Rc<RefCell<Vec<u8>>>);
 
@@ -34,7 +34,7 @@ impl Target for Memory {
     }
 }
 
-/// Reads and recovers `bytes`, and requires of what comes of it what holds for every recording.
+/// Reads and recovers `bytes`, and checks the properties of every recording.
 pub fn read_as_a_recording(bytes: &[u8]) {
     let path = Path::new("x.csv");
     if let Ok(recording) = Recording::parse(bytes, path) {

@@ -1,4 +1,4 @@
-//! One capture over a bad line, held against what the board really sampled.
+//! One capture over a bad line, compared with the samples of the board.
 
 use super::judge::{Outcome, capture_to_disk, check};
 use crate::bad_line::{ChaosPort, Faults};
@@ -32,7 +32,7 @@ pub fn short_run() -> Start {
     }
 }
 
-/// What the board sampled, frame by frame.
+/// The samples of the board, frame by frame.
 pub type Log = Rc<RefCell<Vec<SimulatedFrame>>>;
 
 /// A simulated rig and its log.
@@ -44,7 +44,7 @@ pub fn rig(options: &str) -> (InProcessRig, Log) {
     (rig.expect("the options are good"), log)
 }
 
-/// Captures `start` over `port` into memory; also says what the capture itself reports.
+/// Captures `start` over `port` into memory; also returns the report of the capture itself.
 pub fn capture(
     port: Box<dyn Port>,
     start: Start,

@@ -1,4 +1,4 @@
-//! A capture into memory, and whether what is in it is what the board sampled.
+//! A capture into memory, compared with the samples of the board.
 
 use servoid::data::recording::{Completeness, Ending, Header, Recording, RecordingWriter, Target};
 use servoid::data::rig_file::RigFile;
@@ -15,14 +15,14 @@ use std::path::Path;
 use std::rc::Rc;
 
 /// How a trial went. Each is checked before it is returned: a trial that is silently wrong is an
-/// `Err` that says how.
+/// `Err` that describes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Every sample.
     Complete,
-    /// Some samples, and what is missing is named.
+    /// Some samples, with the missing ones listed.
     Partial,
-    /// No recording, and a sentence that says why.
+    /// No recording, with the reason.
     Refused,
 }
 
@@ -93,9 +93,9 @@ pub fn capture_to_disk(
     (end.map(|end| end.ending), Some(bytes))
 }
 
-/// Whether what was recorded is what the board sampled, and says what it is.
+/// Compares the recording with the samples of the board; returns its class.
 ///
-/// `frames_total` is what the whole run has; `log` is the board's own, in order, and the run may be
+/// `frames_total` is the length of the whole run; `log` is the board's own, in order, and the run may be
 /// anywhere in it.
 pub fn check(
     bytes: &[u8],
@@ -161,7 +161,7 @@ fn require_truth(frames: &[Read], log: &[SimulatedFrame]) -> Result<(), String> 
     }
 }
 
-/// What is missing between the frames, and behind them up to `end`.
+/// The missing frames between the others, and after them up to `end`.
 fn gaps(frames: &[Read], end: u64) -> Vec<std::ops::Range<u64>> {
     let mut next = 0;
     let mut gaps = Vec::new();

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// The loop below turns so often, unless the machine has no time for it.
 const TURN: Duration = Duration::from_millis(1);
 
-/// What a kill cost.
+/// The cost of a kill.
 #[derive(Clone, Copy, Debug)]
 pub struct Cost {
     /// From the last row in the file to the moment of the kill.
@@ -24,7 +24,7 @@ pub struct Cost {
 }
 
 /// Captures with the program `servoid` from a rig in this process, which keeps real time, and kills
-/// it when the rig is `at` old; then reads what is left.
+/// it when the rig is `at` old; then reads the file.
 pub fn trial(servoid: &Path, folder: &Path, at: Duration) -> Result<Cost, String> {
     let file = folder.join(format!("killed-{}.csv", at.as_micros()));
     let listener = TcpListener::bind("127.0.0.1:0").map_err(|e| e.to_string())?;
@@ -50,7 +50,7 @@ pub fn trial(servoid: &Path, folder: &Path, at: Duration) -> Result<Cost, String
     killed.hold_against(&recording)
 }
 
-/// What the rig had done when the program was killed.
+/// The state of the rig when the program was killed.
 struct Killed {
     newest: Option<u16>,
     /// From the end of the newest frame to the kill.

@@ -1,14 +1,14 @@
-//! What identification says of servos under references of every kind and size: whether it tells those
-//! that are not linear, and what the figures are worth that keep their level.
+//! Identification of servos under references of every kind and size: whether it reports those that are
+//! not linear, and the accuracy of the metrics whose bounds hold.
 
 use super::recordings::{US_PER_DEGREE, recording};
 use servoid::instrument::reference::{Band, Kind, ReferenceSpec};
 use servoid_identification::{Error, Options, identify_explained};
 use servoid_protocol::reference::Reference;
 
-/// A reference and what it is called.
+/// A reference and its name.
 pub struct Motion {
-    /// As the table calls it.
+    /// Its name in the table.
     pub name: String,
     spec: ReferenceSpec,
 }
@@ -63,16 +63,16 @@ pub fn motions() -> Vec<Motion> {
     motions
 }
 
-/// What identification says of one recording.
+/// The findings of identification in one recording.
 #[derive(Clone, Copy, Debug)]
-pub struct Said {
+pub struct Findings {
     /// Whether functions of the motion, and the noise at rest, show that errors are not noise.
     pub found: [bool; 2],
-    /// Whether it is said that the servo is not linear, or bounds have no level.
-    pub told: bool,
+    /// Whether the servo is reported as not linear, or the bounds are withdrawn.
+    pub reported: bool,
     /// Whether bounds have a level.
     pub level: bool,
-    /// What the simulation leaves \[% of the motion, rms\].
+    /// Residual of the simulation \[% of the motion, rms\].
     pub leaves_percent: f64,
     /// Gain.
     pub gain: Option<f64>,
@@ -84,17 +84,17 @@ pub struct Said {
 ///
 /// # Errors
 /// That of the identification.
-pub fn said(servo: &str, reference: Reference, seed: u64) -> Result<Said, Error> {
+pub fn findings(servo: &str, reference: Reference, seed: u64) -> Result<Findings, Error> {
     let record = recording(servo, reference, seed);
     let found = identify_explained(&record, &Options::default())?;
     let (model, linearity) = (&found.model, found.explanation.linearity);
     let level = model.bounds.valid().is_some();
-    Ok(Said {
+    Ok(Findings {
         found: [
             linearity.is_some_and(|linearity| linearity.by_functions()),
             linearity.is_some_and(|linearity| linearity.against_rest().is_some()),
         ],
-        told: !level || !model.linear,
+        reported: !level || !model.linear,
         level,
         leaves_percent: 100.0 - model.fit.simulation_percent,
         gain: model.metrics.dc_gain.value,

@@ -1,4 +1,4 @@
-//! Trials of the whole way from a rig to a result; each says what came of it.
+//! Trials of the whole way from a rig to a result; each returns its outcome.
 
 pub mod any_bytes;
 pub mod chaos;

@@ -1,7 +1,7 @@
-//! Pairs of recordings of one simulated servo, and what the comparison says of them.
+//! Pairs of recordings of one simulated servo, and the verdict of the comparison.
 //!
 //! One servo recorded twice must not be called different. The recordings differ in their noise and,
-//! where the options ask for `scatter`, in what no rig can hold still between runs.
+//! where the options ask for `scatter`, in the conditions that no rig holds constant between runs.
 
 use super::recordings::recording;
 use servoid_identification::comparison::{Comparison, ComparisonOptions, Verdict, compare};

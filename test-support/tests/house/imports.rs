@@ -1,4 +1,4 @@
-//! Which file of a crate imports which other: by what a path names in the end, not by the way it goes there.
+//! Which file of a crate imports which other: by the definition that a path leads to.
 //!
 //! A path that ends at a re-export counts for the file that defines the item. The scanner knows no macros
 //! and no modules inside a file; a path that it cannot resolve counts for the last file on its way.
@@ -30,12 +30,12 @@ struct File {
     uses: Uses,
 }
 
-/// What a file names of its own crate.
+/// Names of its own crate in a file.
 #[derive(Debug, Default)]
 struct Uses {
-    /// Names brought in by `use`, and what they stand for.
+    /// Names from `use`, with their paths.
     names: BTreeMap<String, ModulePath>,
-    /// What `use ..::*` brings in.
+    /// Modules of `use ..::*`.
     globs: Vec<ModulePath>,
     /// All paths.
     paths: Vec<ModulePath>,
@@ -52,7 +52,7 @@ impl Uses {
     }
 }
 
-/// What a path names.
+/// The end of a path.
 enum Named {
     Module,
     ItemOf(ModulePath),
@@ -112,7 +112,7 @@ impl Sources {
         found
     }
 
-    /// What a path from the root names; `None` if it leads in a circle of re-exports.
+    /// The end of a path from the root; `None` if it leads in a circle of re-exports.
     fn resolve(&self, path: &[String], depth: usize) -> Option<Named> {
         if depth > 8 {
             return None;
@@ -176,7 +176,7 @@ impl Sources {
         uses
     }
 
-    /// From the root of the crate; `None` for what comes from elsewhere.
+    /// From the root of the crate; `None` for other crates.
     fn absolute(&self, place: &ModulePath, path: &[String]) -> Option<ModulePath> {
         let (first, rest) = path.split_first()?;
         match first.as_str() {

@@ -1,5 +1,5 @@
-//! The rules of the house: which crate may depend on which, which room on which, and what else a change
-//! must not break without anybody noticing.
+//! The rules of the workspace: which crate and which room may import which, and which documents must match
+//! the code.
 
 mod arrows;
 mod documents;

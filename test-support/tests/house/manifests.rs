@@ -58,7 +58,7 @@ fn crates_use_only_crates_below() {
     }
 }
 
-/// `rust-version` is what users read, the pin is what is tested: an older compiler is never promised.
+/// Users read `rust-version`, CI tests the pin: an older compiler is never promised.
 #[test]
 fn the_promised_compiler_is_the_tested_one() {
     let pin = table("rust-toolchain.toml")["toolchain"]["channel"].clone();

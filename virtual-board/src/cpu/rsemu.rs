@@ -7,7 +7,7 @@
 //! stacks all of it), so after the return the rest of the block runs with any condition. Therefore a line that rises
 //! within an IT block is raised after it, at most four instructions later.
 
-use super::{Bus, Core, Registers};
+use super::{Bus, Core, Line, Registers};
 use crate::memory::{FLASH_START, RAM_START, Ram};
 use rsemu::core::space::{AddressSpace, MemAttrs, MemOps, MemResult, Region, RomStore, RomWrite};
 use rsemu::cpu::arm::v7m::sys::Exception;
@@ -35,13 +35,6 @@ pub struct RsemuCore {
     waiting: Vec<Line>,
 }
 
-/// A request line of the core.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Line {
-    Irq(u32),
-    Nmi,
-}
-
 /// The state of an IT block in the program status register: bits 26:25 and 15:10 (B1.4.2).
 const IT_STATE: u32 = 3 << 25 | 0x3f << 10;
 
@@ -50,7 +43,6 @@ impl RsemuCore {
     ///
     /// # Panics
     /// Never: the regions of the memory map do not overlap.
-    #[must_use]
     pub fn new(flash: &[u8], ram: &Ram, bus: &Arc<dyn Bus>) -> Self {
         let rom = Arc::new(RomStore::from_slice(flash));
         let space = AddressSpace::new("chip", 32);
@@ -67,10 +59,8 @@ impl RsemuCore {
             add(Region::ram("sram", ram.store()), RAM_START);
             for (base, length) in WINDOWS {
                 let bus = bus.clone();
-                add(
-                    Region::io("peripherals", length, Arc::new(Window { base, bus })),
-                    base,
-                );
+                let window = Arc::new(Window { base, bus });
+                add(Region::io("peripherals", length, window), base);
             }
         }
         let space = Arc::new(space);
@@ -84,18 +74,6 @@ impl RsemuCore {
 
     fn in_it_block(&self) -> bool {
         self.core.regs().xpsr & IT_STATE != 0
-    }
-
-    fn set_line(&mut self, line: Line, level: bool) {
-        self.waiting.retain(|other| *other != line);
-        if level && self.in_it_block() {
-            self.waiting.push(line);
-            return;
-        }
-        match line {
-            Line::Irq(number) => self.core.set_irq(number as u16, level),
-            Line::Nmi => self.core.set_nmi(level),
-        }
     }
 }
 
@@ -115,12 +93,16 @@ impl Core for RsemuCore {
         self.core.step()
     }
 
-    fn set_irq(&mut self, number: u32, level: bool) {
-        self.set_line(Line::Irq(number), level);
-    }
-
-    fn set_nmi(&mut self, level: bool) {
-        self.set_line(Line::Nmi, level);
+    fn set_line(&mut self, line: Line, level: bool) {
+        self.waiting.retain(|other| *other != line);
+        if level && self.in_it_block() {
+            self.waiting.push(line);
+            return;
+        }
+        match line {
+            Line::Irq(number) => self.core.set_irq(number as u16, level),
+            Line::Nmi => self.core.set_nmi(level),
+        }
     }
 
     fn is_asleep(&self) -> bool {
@@ -253,11 +235,11 @@ mod tests {
             let mut core = RsemuCore::new(&flash, &Ram::default(), &bus);
             for step in 0..40 {
                 if step == steps_before {
-                    core.set_irq(0, true);
+                    core.set_line(Line::Irq(0), true);
                 }
                 core.step();
                 if core.registers().r[5] == 1 {
-                    core.set_irq(0, false);
+                    core.set_line(Line::Irq(0), false);
                 }
             }
             let registers = core.registers();

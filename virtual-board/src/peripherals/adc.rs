@@ -39,7 +39,7 @@ const HIGHEST_CLOCK: u64 = 14_000_000;
 
 /// Half cycles for sampling, by SMPx (11.12.4).
 const SAMPLING: [Ticks; 8] = [3, 15, 27, 57, 83, 111, 143, 479];
-/// Half cycles for converting what was sampled (11.6).
+/// Half cycles for converting a sample (11.6).
 const CONVERTING: Ticks = 25;
 /// Cycles of a calibration (DS5319) and of resetting it (not stated; some).
 const CALIBRATION: Ticks = 83;
@@ -48,23 +48,20 @@ const CALIBRATION_RESET: Ticks = 2;
 /// The request of an ADC event to the chip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// Nothing.
     None,
-    /// The input of this channel is held now: [`Adc::hold`] wants its code.
+    /// The input of this channel is held now, for conversion `index` of the sequence: [`Adc::hold`] takes its code.
     Hold {
-        /// The channel.
         channel: u32,
-        /// Which conversion of the sequence it is.
         index: u32,
     },
     /// A conversion is done, and DMA is asked for its result.
     DmaRequest,
 }
 
-/// A sequence under way.
+/// A sequence of conversions.
 #[derive(Clone, Copy, Debug)]
 struct Scan {
-    /// Which conversion of the sequence.
+    /// Number of the conversion in the sequence.
     index: u32,
     start: Ticks,
     held: Ticks,
@@ -72,8 +69,7 @@ struct Scan {
     code: Option<u16>,
 }
 
-/// The model.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Adc {
     /// Ticks of one cycle of the ADC's clock.
     clock: Ticks,
@@ -87,28 +83,18 @@ pub struct Adc {
     dr: u32,
     powered_since: Ticks,
     calibrated: bool,
-    /// End of the calibration, or of its reset, that is under way.
+    /// End of the present calibration, or of its reset.
     calibrates_until: Ticks,
     scan: Option<Scan>,
 }
 
 impl Adc {
     /// An ADC out of reset, on a clock of `clock` ticks.
-    #[must_use]
     pub fn new(clock: Ticks) -> Self {
         Self {
             clock,
-            sr: 0,
-            cr1: 0,
-            cr2: 0,
-            smpr: [0; 2],
             watchdog: [0xfff, 0],
-            sqr: [0; 3],
-            dr: 0,
-            powered_since: 0,
-            calibrated: false,
-            calibrates_until: 0,
-            scan: None,
+            ..Self::default()
         }
     }
 
@@ -135,12 +121,8 @@ impl Adc {
 
     fn sampling(&self, channel: u32) -> Ticks {
         let [smpr1, smpr2] = self.smpr;
-        let code = if channel < 10 {
-            field(smpr2, channel * 3, 3)
-        } else {
-            field(smpr1, (channel - 10) * 3, 3)
-        };
-        SAMPLING[code as usize]
+        let register = if channel < 10 { smpr2 } else { smpr1 };
+        SAMPLING[field(register, channel % 10 * 3, 3) as usize]
     }
 
     fn begin(&mut self, index: u32, start: Ticks) {
@@ -168,31 +150,18 @@ impl Adc {
             return;
         }
         let early = m.now < self.powered_since + STABILISATION;
-        m.report_if(
-            early,
-            Irregularity::AgainstTheManual("a conversion within tSTAB (11.3.1)"),
-        );
+        m.against_manual(early, "a conversion within tSTAB (11.3.1)");
         let busy = !self.calibrated || m.now < self.calibrates_until;
-        m.report_if(
-            busy,
-            Irregularity::AgainstTheManual("a conversion uncalibrated (11.4)"),
-        );
+        m.against_manual(busy, "a conversion uncalibrated (11.4)");
         let fast = TICKS_PER_SECOND > HIGHEST_CLOCK * self.clock;
-        m.report_if(
-            fast,
-            Irregularity::AgainstTheManual("an ADC clock above 14 MHz (11.1)"),
-        );
+        m.against_manual(fast, "an ADC clock above 14 MHz (11.1)");
         let long = bit(self.cr1, SCAN) && self.length() > 12;
-        m.report_if(
-            long,
-            Irregularity::NotModelled("a sequence of more than twelve"),
-        );
+        m.not_modelled(long, "a sequence of more than twelve");
         self.sr |= STRT;
         self.begin(0, m.now);
     }
 
     /// The time of the ADC's next event.
-    #[must_use]
     pub fn next_event(&self) -> Option<Ticks> {
         self.scan.map(|scan| match scan.code {
             None => scan.held,
@@ -217,10 +186,7 @@ impl Adc {
             code,
         });
         let lost = self.sr & EOC != 0 && !bit(self.cr2, DMA);
-        m.report_if(
-            lost,
-            Irregularity::AgainstTheManual("a result nobody read (11.12.1)"),
-        );
+        m.against_manual(lost, "a result nobody read (11.12.1)");
         self.dr = u32::from(code) << if bit(self.cr2, 11) { 4 } else { 0 };
         if scan.index + 1 < self.length() {
             self.begin(scan.index + 1, scan.done);
@@ -251,12 +217,10 @@ impl Adc {
     }
 
     /// Whether the ADC asks for its interrupt.
-    #[must_use]
     pub fn interrupt(&self) -> bool {
         self.sr & EOC != 0 && bit(self.cr1, 5)
     }
 
-    /// Reads the register at `offset`; `None` where there is none.
     pub fn read(&mut self, offset: u32, now: Ticks) -> Option<u32> {
         Some(match offset {
             offset::SR => self.sr,
@@ -278,13 +242,12 @@ impl Adc {
         })
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
         match offset {
             offset::SR => self.sr &= value | !0x1f,
             offset::CR1 => {
-                let what = Irregularity::NotModelled("more of the ADC than scans (CR1)");
-                m.report_if(value & !(1 << SCAN | 1 << 5) != 0, what);
+                let more = value & !(1 << SCAN | 1 << 5) != 0;
+                m.not_modelled(more, "more of the ADC than scans (CR1)");
                 self.cr1 = value;
             }
             offset::CR2 => self.write_cr2(value, m),
@@ -293,14 +256,12 @@ impl Adc {
             }
             offset::HTR | 0x28 => self.watchdog[usize::from(offset == 0x28)] = value & 0xfff,
             offset::SQR1..=offset::SQR3 => {
-                m.report_if(
-                    self.scan.is_some(),
-                    Irregularity::AgainstTheManual("the sequence was changed in a conversion"),
-                );
+                let busy = self.scan.is_some();
+                m.against_manual(busy, "the sequence was changed in a conversion");
                 self.sqr[(offset - offset::SQR1) as usize / 4] = value;
             }
             0x14..offset::HTR | 0x38 => {
-                m.report(Irregularity::NotModelled("injected conversions"));
+                m.not_modelled(true, "injected conversions");
             }
             0x3c..=offset::DR => {}
             _ => return None,
@@ -308,21 +269,19 @@ impl Adc {
         Some(())
     }
 
-    /// 11.3.1 and 11.12.3: ADON powers the ADC up; written once more with nothing else changed in
-    /// the register, it starts a conversion.
+    /// 11.3.1 and 11.12.3: ADON powers the ADC up. Written again without another change of the
+    /// register, it starts a conversion.
     fn write_cr2(&mut self, value: u32, m: &mut Moment<'_>) {
         let before = self.read(offset::CR2, m.now).unwrap_or_default();
         let was_on = bit(before, ADON);
-        let unmodelled = 1 << 1 | 1 << 15 | 1 << 21 | 1 << 23;
-        m.report_if(
-            value & unmodelled != 0,
-            Irregularity::NotModelled("continuous or injected conversions, or the thermometer"),
+        let more = value & (1 << 1 | 1 << 15 | 1 << 21 | 1 << 23) != 0;
+        m.not_modelled(
+            more,
+            "continuous or injected conversions, or the thermometer",
         );
         let source = field(value, 17, 3);
-        m.report_if(
-            bit(value, EXTTRIG) && !matches!(source, TIM3_TRGO | SOFTWARE),
-            Irregularity::NotModelled("this trigger of the ADC"),
-        );
+        let other = bit(value, EXTTRIG) && !matches!(source, TIM3_TRGO | SOFTWARE);
+        m.not_modelled(other, "this trigger of the ADC");
         // SWSTART is cleared when the conversion starts.
         self.cr2 = value & !(1 << SWSTART);
         if bit(value, ADON) && !was_on {
@@ -334,16 +293,15 @@ impl Adc {
         }
         let begins = |n: u32| bit(value, n) && !bit(before, n);
         if begins(RSTCAL) || begins(CAL) {
-            let settled = m.now >= self.powered_since + 2 * self.clock;
-            let what = Irregularity::AgainstTheManual("calibrated before two cycles on (11.4)");
-            m.report_if(!settled || !was_on, what);
-            let cycles = if begins(CAL) {
+            let early = !was_on || m.now < self.powered_since + 2 * self.clock;
+            m.against_manual(early, "calibrated before two cycles on (11.4)");
+            self.calibrated = begins(CAL);
+            let cycles = if self.calibrated {
                 CALIBRATION
             } else {
                 CALIBRATION_RESET
             };
             self.calibrates_until = m.now + cycles * self.clock;
-            self.calibrated = begins(CAL);
         }
         let by_adon = was_on && value == before;
         let by_software = bit(value, SWSTART) && bit(value, EXTTRIG) && source == SOFTWARE;

@@ -1,50 +1,40 @@
 //! Alternate functions: which pins a peripheral uses (RM0008 9.4).
 
 use super::{Moment, field};
-use crate::record::Irregularity;
 
-/// The model.
 #[derive(Debug, Default)]
 pub struct Afio {
     evcr: u32,
     mapr: u32,
-    exticr: [u32; 4],
 }
 
 impl Afio {
     /// Whether TIM2's channel 2 is on PA1: without remapping, and with the second partial one
     /// (9.3.7, table of TIM2 alternate functions).
-    #[must_use]
     pub fn tim2_channel_2_is_on_pa1(&self) -> bool {
         matches!(field(self.mapr, 8, 2), 0b00 | 0b10)
     }
 
-    /// Reads the register at `offset`; `None` where there is none.
-    #[must_use]
     pub fn read(&self, offset: u32) -> Option<u32> {
         Some(match offset {
             0x00 => self.evcr,
             // 9.4.2: SWJ_CFG is write-only.
             0x04 => self.mapr & !0x0700_0000,
-            0x08..=0x14 => *self.exticr.get((offset as usize - 8) / 4)?,
+            0x08 | 0x0c | 0x10 | 0x14 => 0,
             _ => return None,
         })
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
         match offset {
             0x00 => self.evcr = value,
             0x04 => {
                 // USART1 on PB6/PB7, ADC1's external triggers: nothing follows them here.
-                let what = Irregularity::NotModelled("remapping of USART1 or of ADC triggers");
-                m.report_if(value & (1 << 2 | 1 << 17 | 1 << 18) != 0, what);
+                let remaps = value & (1 << 2 | 1 << 17 | 1 << 18) != 0;
+                m.not_modelled(remaps, "remapping of USART1 or of ADC triggers");
                 self.mapr = value;
             }
-            0x08..=0x14 => {
-                m.report(Irregularity::NotModelled("external interrupts"));
-                *self.exticr.get_mut((offset as usize - 8) / 4)? = value;
-            }
+            0x08 | 0x0c | 0x10 | 0x14 => m.not_modelled(true, "external interrupts"),
             _ => return None,
         }
         Some(())

@@ -1,21 +1,18 @@
 //! Debug support (RM0008 31.16.3).
 
 use super::Moment;
-use crate::record::Irregularity;
 
 /// Medium-density device, revision Y (31.6.1).
 const IDCODE: u32 = 0x2003_6410;
 
-/// The model. No debugger is ever attached, so nothing in CR has an effect; a program that sets it
-/// all the same drains a battery, or keeps the watchdog from biting on the bench.
+/// No debugger is ever attached, so CR has no effect. A program that sets it all the same drains a
+/// battery, or stops the watchdog on the bench.
 #[derive(Debug, Default)]
 pub struct Dbgmcu {
     cr: u32,
 }
 
 impl Dbgmcu {
-    /// Reads the register at `offset`; `None` where there is none.
-    #[must_use]
     pub fn read(&self, offset: u32) -> Option<u32> {
         match offset {
             0x00 => Some(IDCODE),
@@ -24,13 +21,11 @@ impl Dbgmcu {
         }
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
         match offset {
             0x00 => {}
             0x04 => {
-                let what = Irregularity::AgainstTheManual("debug settings without a debugger");
-                m.report_if(value != 0, what);
+                m.against_manual(value != 0, "debug settings without a debugger");
                 self.cr = value;
             }
             _ => return None,

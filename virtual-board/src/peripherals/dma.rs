@@ -24,11 +24,8 @@ const TEIF: u32 = 1 << 3;
 /// One transfer, from a peripheral's register to memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Transfer {
-    /// Where from.
     pub peripheral: u32,
-    /// Where to.
     pub memory: u32,
-    /// Bytes to write.
     pub bytes: u32,
 }
 
@@ -42,7 +39,6 @@ struct Channel {
     reload: u32,
 }
 
-/// The model.
 #[derive(Debug, Default)]
 pub struct Dma {
     isr: u32,
@@ -51,7 +47,6 @@ pub struct Dma {
 
 impl Dma {
     /// Whether channel `number` (1 to 7) asks for its interrupt.
-    #[must_use]
     pub fn interrupt(&self, number: u32) -> bool {
         let flags = field(self.isr, 4 * (number - 1), 4);
         self.channels
@@ -70,14 +65,10 @@ impl Dma {
         }
         let bytes = 1 << field(channel.ccr, 10, 2);
         let passed = channel.reload - channel.cndtr;
+        let steps = if bit(channel.ccr, MINC) { passed } else { 0 };
         let transfer = Transfer {
             peripheral: channel.cpar,
-            memory: channel.cmar
-                + if bit(channel.ccr, MINC) {
-                    passed * bytes
-                } else {
-                    0
-                },
+            memory: channel.cmar + steps * bytes,
             bytes,
         };
         channel.cndtr -= 1;
@@ -92,21 +83,17 @@ impl Dma {
                 channel.cndtr = channel.reload;
             }
         }
-        // A flag that is set again was not taken note of in time.
+        // A flag that is set again was not noticed in time.
         let watched = bit(channel.ccr, TCIE) || bit(channel.ccr, HTIE);
-        let late = field(self.isr, shift, 4) & flags != 0;
-        m.report_if(
-            watched && late,
-            Irregularity::DmaOverrun { channel: number },
-        );
+        let late = watched && field(self.isr, shift, 4) & flags != 0;
+        m.report_if(late, Irregularity::DmaOverrun(number));
         if flags != 0 {
             self.isr |= (flags | GIF) << shift;
         }
         Some(transfer)
     }
 
-    /// The transfer that channel `number` asked for met nothing: the channel is switched off
-    /// (13.3.4).
+    /// The transfer of channel `number` failed: the channel is switched off (13.3.4).
     pub fn fail(&mut self, number: u8) {
         self.isr |= (TEIF | GIF) << (4 * u32::from(number - 1));
         if let Some(channel) = self.channels.get_mut(usize::from(number) - 1) {
@@ -114,8 +101,6 @@ impl Dma {
         }
     }
 
-    /// Reads the register at `offset`; `None` where there is none.
-    #[must_use]
     pub fn read(&self, offset: u32) -> Option<u32> {
         match offset {
             0x00 => Some(self.isr),
@@ -133,7 +118,6 @@ impl Dma {
         }
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
         match offset {
             0x00 => {}
@@ -150,10 +134,7 @@ impl Dma {
                 if register == 0 {
                     channel.write_ccr(value & 0x7fff, index, m);
                 } else if bit(channel.ccr, EN) {
-                    // 13.4.4-13.4.6.
-                    m.report(Irregularity::AgainstTheManual(
-                        "a DMA channel written while on",
-                    ));
+                    m.against_manual(true, "a DMA channel written while on (13.4.4-13.4.6)");
                 } else {
                     match register {
                         1 => channel.cndtr = value & 0xffff,
@@ -171,14 +152,9 @@ impl Channel {
     fn write_ccr(&mut self, value: u32, index: usize, m: &mut Moment<'_>) {
         if bit(value, EN) && !bit(self.ccr, EN) {
             self.reload = self.cndtr;
-            m.report_if(
-                index != 0,
-                Irregularity::NotModelled("requests to another DMA channel than 1"),
-            );
-            m.report_if(
-                bit(value, DIR) || bit(value, PINC) || bit(value, MEM2MEM),
-                Irregularity::NotModelled("DMA other than from a register to memory"),
-            );
+            m.not_modelled(index != 0, "requests to another DMA channel than 1");
+            let other = bit(value, DIR) || bit(value, PINC) || bit(value, MEM2MEM);
+            m.not_modelled(other, "DMA other than from a register to memory");
         }
         self.ccr = value;
     }
@@ -236,7 +212,7 @@ mod tests {
         for _ in 0..6 {
             dma.request(1, &mut bench.at(0));
         }
-        assert_eq!(bench.reported(), [Irregularity::DmaOverrun { channel: 1 }]);
+        assert_eq!(bench.reported(), [Irregularity::DmaOverrun(1)]);
     }
 
     #[test]

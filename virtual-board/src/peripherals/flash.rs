@@ -1,7 +1,6 @@
 //! The flash interface: wait states and prefetch (RM0008 3.3.3).
 
 use super::{Moment, bit, field};
-use crate::record::Irregularity;
 
 /// The model. Programming the flash is not modelled.
 #[derive(Debug)]
@@ -17,19 +16,13 @@ impl Default for Flash {
 }
 
 const PREFETCH: u32 = 4;
-const AGAINST_PREFETCH: Irregularity =
-    Irregularity::AgainstTheManual("the prefetch buffer was switched at 24 MHz or more (3.3.3)");
-const TOO_FEW: Irregularity =
-    Irregularity::AgainstTheManual("too few wait states for the system clock (3.3.3)");
+const SWITCHED: &str = "the prefetch buffer was switched at 24 MHz or more (3.3.3)";
 
 impl Flash {
-    /// Reads the register at `offset`; `None` where there is none.
-    #[must_use]
     pub fn read(&self, offset: u32) -> Option<u32> {
         (offset == 0).then_some(self.acr)
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(
         &mut self,
         offset: u32,
@@ -40,14 +33,11 @@ impl Flash {
         if offset != 0 {
             return None;
         }
-        let switched = bit(self.acr ^ value, PREFETCH);
-        m.report_if(switched && sysclk_mhz >= 24, AGAINST_PREFETCH);
-        // PRFTBS says what PRFTBE did; half cycle access only below 8 MHz.
+        let switched = sysclk_mhz >= 24 && bit(self.acr ^ value, PREFETCH);
+        m.against_manual(switched, SWITCHED);
+        // PRFTBS follows PRFTBE. Half cycle access only below 8 MHz.
         self.acr = value & 0x1f | u32::from(bit(value, PREFETCH)) << 5;
-        m.report_if(
-            bit(value, 3),
-            Irregularity::NotModelled("half cycle access"),
-        );
+        m.not_modelled(bit(value, 3), "half cycle access");
         self.check(sysclk_mhz, m);
         Some(())
     }
@@ -59,7 +49,8 @@ impl Flash {
             25..=48 => 1,
             _ => 2,
         };
-        m.report_if(field(self.acr, 0, 3) < needed, TOO_FEW);
+        let few = field(self.acr, 0, 3) < needed;
+        m.against_manual(few, "too few wait states for the system clock (3.3.3)");
     }
 }
 
@@ -67,6 +58,7 @@ impl Flash {
 mod tests {
     use super::*;
     use crate::peripherals::testing::Bench;
+    use crate::record::Irregularity;
 
     #[test]
     fn wait_states_have_to_fit_the_clock() {
@@ -92,6 +84,6 @@ mod tests {
         assert_eq!(flash.read(0), Some(0x02));
         assert_eq!(bench.reported(), []);
         flash.write(0, 0x12, 72, &mut bench.at(0));
-        assert_eq!(bench.reported(), [AGAINST_PREFETCH]);
+        assert_eq!(bench.reported(), [Irregularity::AgainstTheManual(SWITCHED)]);
     }
 }

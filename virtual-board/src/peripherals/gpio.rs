@@ -1,12 +1,10 @@
 //! One port of general-purpose pins (RM0008 9.1, 9.2).
 
 use super::{Moment, bit, field};
-use crate::record::Irregularity;
 
-/// What a pin does (table "Port bit configuration table").
+/// The configuration of a pin (table "Port bit configuration table").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// Analog input.
     Analog,
     /// Digital input, floating or pulled.
     Input,
@@ -20,13 +18,11 @@ pub enum Mode {
     Reserved,
 }
 
-/// The model.
 #[derive(Debug)]
 pub struct Gpio {
     /// CRL and CRH.
     cr: [u32; 2],
     odr: u32,
-    lckr: u32,
 }
 
 impl Default for Gpio {
@@ -35,14 +31,12 @@ impl Default for Gpio {
         Self {
             cr: [0x4444_4444; 2],
             odr: 0,
-            lckr: 0,
         }
     }
 }
 
 impl Gpio {
-    /// How `pin` is configured.
-    #[must_use]
+    /// The configuration of `pin`.
     pub fn mode(&self, pin: u32) -> Mode {
         let [low, high] = self.cr;
         let configuration = field(if pin < 8 { low } else { high }, pin % 8 * 4, 4);
@@ -57,14 +51,12 @@ impl Gpio {
     }
 
     /// The level that the port itself gives `pin`: as output, or through its pull-up.
-    #[must_use]
     pub fn level(&self, pin: u32) -> bool {
         bit(self.odr, pin)
     }
 
     /// Reads the register at `offset`; `None` where there is none. `levels` are those of the pins
     /// that something outside drives.
-    #[must_use]
     pub fn read(&self, offset: u32, levels: u32) -> Option<u32> {
         Some(match offset {
             0x00 => self.cr[0],
@@ -76,13 +68,11 @@ impl Gpio {
                 self.odr & outputs | levels & !outputs
             }
             0x0c => self.odr,
-            0x10 | 0x14 => 0,
-            0x18 => self.lckr,
+            0x10 | 0x14 | 0x18 => 0,
             _ => return None,
         })
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
         match offset {
             0x00 => self.cr[0] = value,
@@ -92,10 +82,7 @@ impl Gpio {
             // 9.2.5: where both bits are set, the setting one wins.
             0x10 => self.odr = self.odr & !(value >> 16) | value & 0xffff,
             0x14 => self.odr &= !(value & 0xffff),
-            0x18 => {
-                m.report(Irregularity::NotModelled("locking of pins"));
-                self.lckr = value & 0x1_ffff;
-            }
+            0x18 => m.not_modelled(true, "locking of pins"),
             _ => return None,
         }
         Some(())

@@ -12,7 +12,7 @@ const FULL: u32 = 0xfff;
 #[derive(Clone, Copy, Debug)]
 struct Slow {
     value: u32,
-    /// What it will be, and when; `Ticks::MAX` while the oscillator stands still.
+    /// The next value and its time; `Ticks::MAX` while the oscillator stands still.
     next: Option<(u32, Ticks)>,
 }
 
@@ -44,7 +44,6 @@ impl Slow {
     }
 }
 
-/// The model.
 #[derive(Debug)]
 pub struct Iwdg {
     /// Ticks of one cycle of the low-speed oscillator.
@@ -52,14 +51,13 @@ pub struct Iwdg {
     unlocked: bool,
     prescaler: Slow,
     reload: Slow,
-    /// When the counter was last loaded, and with what; `None` before it is started.
+    /// Time and value of the last load of the counter; `None` before it is started.
     loaded: Option<(Ticks, u32)>,
 }
 
 impl Iwdg {
     /// A watchdog out of reset; its oscillator has `lsi_hz`, nominally 40 kHz, and anything between
     /// 30 and 60 kHz within the datasheet.
-    #[must_use]
     pub fn new(lsi_hz: u32) -> Self {
         Self {
             cycle: TICKS_PER_SECOND / Ticks::from(lsi_hz.max(1)),
@@ -70,8 +68,7 @@ impl Iwdg {
         }
     }
 
-    /// When the chip will be reset, if nobody reloads the counter.
-    #[must_use]
+    /// The time at which the chip is reset, unless the counter is reloaded.
     pub fn expires(&self) -> Option<Ticks> {
         let (at, count) = self.loaded?;
         // 19.4.2: 4 to 256. A prescaler that is being updated is taken as updated: the difference
@@ -81,8 +78,6 @@ impl Iwdg {
         Some(at + Ticks::from(count + 1) * divider * self.cycle)
     }
 
-    /// Reads the register at `offset`; `None` where there is none.
-    #[must_use]
     pub fn read(&self, offset: u32, now: Ticks) -> Option<u32> {
         Some(match offset {
             0x00 => 0,
@@ -95,7 +90,6 @@ impl Iwdg {
         })
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
         let now = m.now;
         let effective = match self.loaded {

@@ -2,7 +2,7 @@
 //!
 //! Section numbers stand beside the rules. A model has registers and times, and no access to other models; signals
 //! between models go through the [`chip`](crate::chip). A model reports the functions that it does not have, see
-//! [`Irregularity`].
+//! [`Irregularity`]. Reading or writing a register gives `None` where there is no register at that offset.
 
 pub mod adc;
 pub mod afio;
@@ -37,6 +37,16 @@ impl Moment<'_> {
         if is_so {
             self.report(what);
         }
+    }
+
+    /// Reports the use of a function that is not modelled, where `is_so`.
+    pub(crate) fn not_modelled(&mut self, is_so: bool, function: &'static str) {
+        self.report_if(is_so, Irregularity::NotModelled(function));
+    }
+
+    /// Reports an act against a rule of the reference manual, where `is_so`.
+    pub(crate) fn against_manual(&mut self, is_so: bool, act: &'static str) {
+        self.report_if(is_so, Irregularity::AgainstTheManual(act));
     }
 }
 

@@ -1,7 +1,7 @@
 //! Reset and clock control (RM0008 chapter 7).
 
 use super::{Moment, bit, field};
-use crate::record::{Irregularity, ResetReason};
+use crate::record::ResetReason;
 use crate::time::{TICKS_PER_SECOND, Ticks, microseconds};
 
 /// Start-up of the crystal (datasheet DS5319, table "HSE 4-16 MHz oscillator characteristics").
@@ -24,40 +24,32 @@ const PCLK1_LIMIT: u64 = 36 * MHZ;
 pub struct Clocks {
     /// Processor, memory and DMA.
     pub hclk: Ticks,
-    /// APB1.
     pub pclk1: Ticks,
-    /// APB2.
     pub pclk2: Ticks,
     /// Timers on APB1.
     pub timers: Ticks,
-    /// ADC.
     pub adc: Ticks,
 }
 
-/// A bus whose peripherals are enabled and reset one by one.
+/// A bus whose peripherals are enabled and reset one by one (7.3.6-7.3.8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
-    /// 7.3.6.
     Ahb,
-    /// 7.3.7.
     Apb2,
-    /// 7.3.8.
     Apb1,
 }
 
-/// The model.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Rcc {
-    crystal: bool,
+    /// Whether the crystal starts.
+    pub crystal: bool,
     cr: u32,
     cfgr: u32,
     cir: u32,
     apb2rstr: u32,
     apb1rstr: u32,
-    ahbenr: u32,
-    apb2enr: u32,
-    apb1enr: u32,
-    bdcr: u32,
+    /// The enable registers of AHB, APB2 and APB1.
+    enr: [u32; 3],
     csr: u32,
     hse_since: Ticks,
     pll_since: Ticks,
@@ -75,23 +67,12 @@ const LSION: u32 = 0;
 
 impl Rcc {
     /// The clocks of a chip with or without a crystal that starts, before its first reset.
-    #[must_use]
     pub fn new(crystal: bool) -> Self {
         Self {
             crystal,
             cr: 0x83,
-            cfgr: 0,
-            cir: 0,
-            apb2rstr: 0,
-            apb1rstr: 0,
-            ahbenr: 0x14,
-            apb2enr: 0,
-            apb1enr: 0,
-            bdcr: 0,
-            csr: 0,
-            hse_since: 0,
-            pll_since: 0,
-            lsi_since: 0,
+            enr: [0x14, 0, 0],
+            ..Self::default()
         }
     }
 
@@ -104,11 +85,13 @@ impl Rcc {
             ResetReason::Software => 1 << 28,
             ResetReason::Watchdog => 1 << 29,
         };
-        // A supply that comes up knows nothing of earlier resets.
-        let before = match reason {
-            ResetReason::PowerOn => 0,
-            _ => self.csr & 0xfc00_0000,
+        // A loss of the supply clears the flags of earlier resets.
+        let kept = if reason == ResetReason::PowerOn {
+            0
+        } else {
+            0xfc00_0000
         };
+        let before = self.csr & kept;
         *self = Self::new(self.crystal);
         self.csr = before | flag | PIN;
     }
@@ -144,13 +127,11 @@ impl Rcc {
     }
 
     /// Frequency of the system clock (MHz), for the rules that depend on it.
-    #[must_use]
     pub fn sysclk_mhz(&self) -> u64 {
         self.sysclk_hz() / MHZ
     }
 
     /// The clocks as they are now.
-    #[must_use]
     pub fn clocks(&self) -> Clocks {
         let hclk = TICKS_PER_SECOND / self.sysclk_hz() * ahb_divider(field(self.cfgr, 4, 4));
         let (div1, div2) = (
@@ -169,14 +150,8 @@ impl Rcc {
     }
 
     /// Whether the peripheral at `bit_number` of its enable register has a clock.
-    #[must_use]
     pub fn is_enabled(&self, domain: Domain, bit_number: u32) -> bool {
-        let register = match domain {
-            Domain::Ahb => self.ahbenr,
-            Domain::Apb2 => self.apb2enr,
-            Domain::Apb1 => self.apb1enr,
-        };
-        bit(register, bit_number)
+        bit(self.enr[domain as usize], bit_number)
     }
 
     /// The crystal stops for ever. With the clock security system on (7.2.7), the chip goes on with its
@@ -197,21 +172,15 @@ impl Rcc {
                 self.cfgr &= !3;
             }
         } else {
-            m.report_if(
-                from_crystal,
-                Irregularity::NotModelled("a chip without any clock"),
-            );
+            m.not_modelled(from_crystal, "a chip without any clock");
         }
     }
 
     /// Whether the NMI is raised: as long as CSSF is set (7.2.7).
-    #[must_use]
     pub fn nmi(&self) -> bool {
         self.cir & CSSF != 0
     }
 
-    /// Reads the register at `offset`; `None` where there is none.
-    #[must_use]
     pub fn read(&self, offset: u32, now: Ticks) -> Option<u32> {
         let ready = |is_ready: bool, n: u32| u32::from(is_ready) << n;
         Some(match offset {
@@ -226,10 +195,8 @@ impl Rcc {
             0x08 => self.cir,
             0x0c => self.apb2rstr,
             0x10 => self.apb1rstr,
-            0x14 => self.ahbenr,
-            0x18 => self.apb2enr,
-            0x1c => self.apb1enr,
-            0x20 => self.bdcr,
+            0x14 | 0x18 | 0x1c => self.enr[(offset - 0x14) as usize / 4],
+            0x20 => 0,
             0x24 => {
                 let lsi = Self::ready(bit(self.csr, LSION), self.lsi_since, LSI_STARTUP, now);
                 self.csr | ready(lsi, 1)
@@ -246,8 +213,7 @@ impl Rcc {
             0x00 => self.write_cr(value, m),
             0x04 => self.write_cfgr(value, m),
             0x08 => {
-                let what = Irregularity::NotModelled("clock interrupts (RCC_CIR)");
-                m.report_if(value & 0x1f00 != 0, what);
+                m.not_modelled(value & 0x1f00 != 0, "clock interrupts (RCC_CIR)");
                 // CSSC clears CSSF (7.3.3).
                 let failed = self.cir & CSSF;
                 self.cir = value & 0x1f00 | if bit(value, 23) { 0 } else { failed };
@@ -260,24 +226,15 @@ impl Rcc {
                 resets = (Domain::Apb1, value & !self.apb1rstr);
                 self.apb1rstr = value;
             }
-            0x14 => self.ahbenr = value,
-            0x18 => self.apb2enr = value,
-            0x1c => self.apb1enr = value,
-            0x20 => {
-                m.report_if(value != 0, Irregularity::NotModelled("the backup domain"));
-                self.bdcr = value;
-            }
+            0x14 | 0x18 | 0x1c => self.enr[(offset - 0x14) as usize / 4] = value,
+            0x20 => m.not_modelled(value != 0, "the backup domain"),
             0x24 => {
                 if bit(value, LSION) && !bit(self.csr, LSION) {
                     self.lsi_since = m.now;
                 }
                 // RMVF clears all flags (7.3.10).
-                let flags = if bit(value, 24) {
-                    0
-                } else {
-                    self.csr & 0xfc00_0000
-                };
-                self.csr = flags | value & 1;
+                let kept = if bit(value, 24) { 0 } else { 0xfc00_0000 };
+                self.csr = self.csr & kept | value & 1;
             }
             _ => return None,
         }
@@ -297,27 +254,20 @@ impl Rcc {
         let used = match field(self.cfgr, 0, 2) {
             0 => 1 << HSION,
             1 => 1 << HSEON,
-            _ => {
-                1 << PLLON
-                    | if bit(self.cfgr, 16) {
-                        1 << HSEON
-                    } else {
-                        1 << HSION
-                    }
-            }
+            _ if bit(self.cfgr, 16) => 1 << PLLON | 1 << HSEON,
+            _ => 1 << PLLON | 1 << HSION,
         };
-        let what = Irregularity::AgainstTheManual("a clock in use was switched off (7.3.1)");
-        m.report_if(self.cr & used & !value != 0, what);
+        let switched_off = self.cr & used & !value != 0;
+        m.against_manual(switched_off, "a clock in use was switched off (7.3.1)");
         self.cr = value | self.cr & used;
     }
 
     fn write_cfgr(&mut self, value: u32, m: &mut Moment<'_>) {
         const PLL_FIELDS: u32 = 0x003f_0000;
         let mut value = value & 0x077f_fff3;
-        if bit(self.cr, PLLON) && (value ^ self.cfgr) & PLL_FIELDS != 0 {
-            m.report(Irregularity::AgainstTheManual(
-                "the PLL was changed while on (7.3.2)",
-            ));
+        let changed = bit(self.cr, PLLON) && (value ^ self.cfgr) & PLL_FIELDS != 0;
+        m.against_manual(changed, "the PLL was changed while on (7.3.2)");
+        if changed {
             value = value & !PLL_FIELDS | self.cfgr & PLL_FIELDS;
         }
         let ready = match value & 3 {
@@ -326,25 +276,21 @@ impl Rcc {
             2 => self.pll_ready(m.now),
             _ => false,
         };
+        m.not_modelled(!ready, "a switch to a clock that is not ready");
         if !ready {
-            m.report(Irregularity::NotModelled(
-                "a switch to a clock that is not ready",
-            ));
             value = value & !3 | self.cfgr & 3;
         }
         let before = self.cfgr;
         self.cfgr = value;
-        if !TICKS_PER_SECOND.is_multiple_of(self.sysclk_hz()) {
-            m.report(Irregularity::NotModelled(
-                "a system clock that 576 MHz is no multiple of",
-            ));
+        let odd = !TICKS_PER_SECOND.is_multiple_of(self.sysclk_hz());
+        m.not_modelled(odd, "a system clock that 576 MHz is no multiple of");
+        if odd {
             self.cfgr = before;
         }
-        let what = Irregularity::AgainstTheManual("the system clock is above 72 MHz (7.2)");
-        m.report_if(self.sysclk_hz() > SYSCLK_LIMIT, what);
+        let fast = self.sysclk_hz() > SYSCLK_LIMIT;
+        m.against_manual(fast, "the system clock is above 72 MHz (7.2)");
         let pclk1 = TICKS_PER_SECOND / self.clocks().pclk1;
-        let what = Irregularity::AgainstTheManual("PCLK1 is above 36 MHz (7.2)");
-        m.report_if(pclk1 > PCLK1_LIMIT, what);
+        m.against_manual(pclk1 > PCLK1_LIMIT, "PCLK1 is above 36 MHz (7.2)");
     }
 }
 

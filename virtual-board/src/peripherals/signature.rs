@@ -11,13 +11,11 @@ const FLASH_KILOBYTES: u16 = 64;
 
 impl Signature {
     /// A board with this unique number.
-    #[must_use]
     pub fn new(unique_id: [u8; 12]) -> Self {
         Self { unique_id }
     }
 
-    /// The byte at `offset` from 0x1FFF F7E0; `None` where nothing is.
-    #[must_use]
+    /// The byte at `offset` from 0x1FFF F7E0; `None` outside.
     pub fn read_byte(&self, offset: u32) -> Option<u8> {
         let offset = offset as usize;
         match offset {

@@ -5,7 +5,6 @@
 //! always the same, and well below a microsecond.
 
 use super::{Moment, bit, field};
-use crate::record::Irregularity;
 use crate::time::Ticks;
 
 /// Registers by their offsets (15.4.19).
@@ -36,24 +35,19 @@ const TIF: u32 = 1 << 6;
 /// UIF, CC1IF to CC4IF, TIF, CC1OF to CC4OF.
 const SR_BITS: u32 = 0x1e5f;
 
-/// Something that a timer has several of: one for each channel.
-type PerChannel = [u32; 4];
-
 /// Values that take effect at an update event (15.3.1, 15.3.8).
 #[derive(Clone, Copy, Debug, Default)]
 struct Shadowed {
     prescaler: u32,
     reload: u32,
-    compare: PerChannel,
+    /// One for each channel.
+    compare: [u32; 4],
 }
 
-/// A trigger went out to the timer's slaves and to the ADC.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[must_use]
-pub struct TriggerOutput(pub bool);
+/// Whether a trigger goes out, to the timer's slaves and to the ADC.
+pub type TriggerOutput = bool;
 
-/// The model.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Tim {
     cr1: u32,
     cr2: u32,
@@ -73,21 +67,10 @@ pub struct Tim {
 
 impl Tim {
     /// A timer out of reset, on a clock of `clock` ticks.
-    #[must_use]
     pub fn new(clock: Ticks) -> Self {
         Self {
-            cr1: 0,
-            cr2: 0,
-            smcr: 0,
-            dier: 0,
-            sr: 0,
-            ccmr: [0; 2],
-            ccer: 0,
-            written: Shadowed::default(),
-            active: Shadowed::default(),
             clock,
-            count: 0,
-            since: 0,
+            ..Self::default()
         }
     }
 
@@ -102,7 +85,6 @@ impl Tim {
     }
 
     /// The count at `now`, which is before the next [`event`](Self::next_event).
-    #[must_use]
     pub fn count(&self, now: Ticks) -> u32 {
         if self.runs() {
             self.count + ((now - self.since) / self.step()) as u32
@@ -119,8 +101,8 @@ impl Tim {
         }
     }
 
-    /// Makes `now` the time that the count is kept for. What has passed of the count under way is
-    /// lost: only a stop, a new count or a new clock needs this.
+    /// Makes `now` the time of the stored count. The elapsed part of the present count is lost, as a stop, a
+    /// new count or a new clock requires.
     fn settle(&mut self, now: Ticks) {
         self.count = self.count(now);
         self.since = now;
@@ -136,8 +118,7 @@ impl Tim {
         }
     }
 
-    /// The next time that the timer does something by itself.
-    #[must_use]
+    /// The time of the next event.
     pub fn next_event(&self) -> Option<Ticks> {
         let next = self
             .active
@@ -150,16 +131,16 @@ impl Tim {
         self.runs().then_some(self.since + until)
     }
 
-    /// Does what is due at `now`, the time of the next event.
+    /// Handles the event at `now`.
     pub fn advance(&mut self, now: Ticks) -> TriggerOutput {
         if self.next_event() != Some(now) {
-            return TriggerOutput(false);
+            return false;
         }
         let count = self.count(now);
         let overflows = count > self.top();
         self.count = if overflows { 0 } else { count };
         self.since = now;
-        let mut trigger = TriggerOutput(false);
+        let mut trigger = false;
         if overflows && !bit(self.cr1, UDIS) {
             trigger = self.update();
             self.sr |= UIF;
@@ -183,7 +164,7 @@ impl Tim {
     /// The update event (15.3.2): all that is preloaded takes effect.
     fn update(&mut self) -> TriggerOutput {
         self.active = self.written;
-        TriggerOutput(self.master_mode() == 0b010)
+        self.master_mode() == 0b010
     }
 
     /// MMS (15.4.2).
@@ -195,7 +176,7 @@ impl Tim {
     pub fn trigger(&mut self, input: u32, now: Ticks) -> TriggerOutput {
         // SMS = 110: trigger mode, the counter starts and is not reset (15.4.3).
         if field(self.smcr, 0, 3) != 0b110 || field(self.smcr, 4, 3) != input {
-            return TriggerOutput(false);
+            return false;
         }
         self.sr |= TIF;
         self.start(now)
@@ -208,21 +189,18 @@ impl Tim {
             self.since = now;
         }
         // MMS = 001: the trigger output is the counter's enable (15.4.2).
-        TriggerOutput(starts && self.master_mode() == 0b001)
+        starts && self.master_mode() == 0b001
     }
 
     /// The level of output `channel` (1 to 4) at `now`, `None` while it is not driven.
-    #[must_use]
     pub fn output(&self, channel: u32, now: Ticks) -> Option<bool> {
         let enables = field(self.ccer, 4 * (channel - 1), 4);
-        let compare = *self.active.compare.get(channel as usize - 1)?;
-        let below = self.count(now) < compare;
+        let below = self.count(now) < self.active.compare[channel as usize - 1];
         let reference = match self.mode(channel) {
-            0b100 => false,
             0b101 => true,
             0b110 => below,
             0b111 => !below,
-            // Frozen or toggling: see `check_modes`.
+            // Forced low. Frozen or toggling is not modelled: see `check_modes`.
             _ => false,
         };
         // CC1P inverts (15.4.9).
@@ -246,13 +224,10 @@ impl Tim {
     }
 
     /// Whether the timer asks for its interrupt.
-    #[must_use]
     pub fn interrupt(&self) -> bool {
         self.sr & self.dier & 0x5f != 0
     }
 
-    /// Reads the register at `offset`; `None` where there is none.
-    #[must_use]
     pub fn read(&self, offset: u32, now: Ticks) -> Option<u32> {
         Some(match offset {
             offset::CR1 => self.cr1,
@@ -267,39 +242,33 @@ impl Tim {
             offset::CNT => self.count(now),
             offset::PSC => self.written.prescaler,
             offset::ARR => self.written.reload,
-            offset::CCR1..=offset::CCR4 => *self
-                .written
-                .compare
-                .get((offset - offset::CCR1) as usize / 4)?,
+            offset::CCR1..=offset::CCR4 => {
+                self.written.compare[(offset - offset::CCR1) as usize / 4]
+            }
             _ => return None,
         })
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<TriggerOutput> {
         let value = value & 0xffff;
-        let mut trigger = TriggerOutput(false);
+        let mut trigger = false;
         match offset {
             offset::CR1 => trigger = self.write_cr1(value, m),
             offset::CR2 => {
                 self.cr2 = value & 0xf8;
-                let what = Irregularity::NotModelled("this trigger output of a timer");
-                m.report_if(self.master_mode() > 0b010 || bit(value, 7), what);
+                let other = self.master_mode() > 0b010 || bit(value, 7);
+                m.not_modelled(other, "this trigger output of a timer");
             }
             offset::SMCR => {
-                let what = Irregularity::NotModelled("this slave mode of a timer");
-                m.report_if(!matches!(field(value, 0, 3), 0b000 | 0b110), what);
-                m.report_if(field(value, 8, 8) != 0, what);
+                let other = !matches!(field(value, 0, 3), 0b000 | 0b110) || field(value, 8, 8) != 0;
+                m.not_modelled(other, "this slave mode of a timer");
                 self.smcr = value;
             }
             offset::DIER => {
-                m.report_if(
-                    value & 0x7f00 != 0,
-                    Irregularity::NotModelled("DMA by a timer"),
-                );
+                m.not_modelled(value & 0x7f00 != 0, "DMA by a timer");
                 self.dier = value;
             }
-            // Written with 0 to clear; 1 leaves as it is (15.4.5).
+            // Writing 0 clears a flag, writing 1 has no effect (15.4.5).
             offset::SR => self.sr &= value | !SR_BITS,
             offset::EGR => trigger = self.generate(value, m.now),
             offset::CCMR1 | offset::CCMR2 => {
@@ -320,24 +289,14 @@ impl Tim {
     }
 
     fn write_cr1(&mut self, value: u32, m: &mut Moment<'_>) -> TriggerOutput {
-        m.report_if(
-            value & 0x70 != 0,
-            Irregularity::NotModelled("a timer that counts down"),
-        );
-        let (starts, stops) = (
-            bit(value, CEN) && !bit(self.cr1, CEN),
-            !bit(value, CEN) && bit(self.cr1, CEN),
-        );
-        if stops {
+        m.not_modelled(value & 0x70 != 0, "a timer that counts down");
+        if !bit(value, CEN) {
             self.settle(m.now);
+            self.cr1 = value;
+            return false;
         }
-        let cen = self.cr1 & 1 << CEN;
-        self.cr1 = value & !(1 << CEN) | if stops { 0 } else { cen };
-        if starts {
-            self.start(m.now)
-        } else {
-            TriggerOutput(false)
-        }
+        self.cr1 = value & !(1 << CEN) | self.cr1 & 1 << CEN;
+        self.start(m.now)
     }
 
     /// EGR (15.4.6).
@@ -347,11 +306,11 @@ impl Tim {
             self.sr |= TIF;
         }
         if !bit(value, 0) {
-            return TriggerOutput(false);
+            return false;
         }
         self.count = 0;
         self.since = now;
-        let mut trigger = TriggerOutput(false);
+        let mut trigger = false;
         if !bit(self.cr1, UDIS) {
             trigger = self.update();
             // URS: only an overflow sets the flag (15.4.1).
@@ -360,43 +319,37 @@ impl Tim {
             }
         }
         // MMS = 000: UG itself is the trigger output (15.4.2).
-        TriggerOutput(trigger.0 || self.master_mode() == 0b000)
+        trigger || self.master_mode() == 0b000
     }
 
     fn write_reload(&mut self, value: u32, m: &mut Moment<'_>) {
         self.written.reload = value;
         if !bit(self.cr1, ARPE) {
-            m.report_if(
-                self.runs(),
-                Irregularity::NotModelled("a running timer's reload value"),
-            );
+            m.not_modelled(self.runs(), "a running timer's reload value");
             self.active.reload = value;
         }
     }
 
     fn write_compare(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) {
         let index = (offset - offset::CCR1) / 4;
-        let at_once = !self.preloads(index + 1);
-        if let Some(written) = self.written.compare.get_mut(index as usize) {
-            *written = value;
-        }
-        if at_once && let Some(active) = self.active.compare.get_mut(index as usize) {
-            let what = Irregularity::AgainstTheManual(
+        self.written.compare[index as usize] = value;
+        if !self.preloads(index + 1) {
+            self.active.compare[index as usize] = value;
+            let drives = bit(self.cr1, CEN) && bit(self.ccer, 4 * index);
+            m.against_manual(
+                drives,
                 "a running timer's compare value without preload: the pulse may be cut (15.3.9)",
             );
-            let drives = bit(self.ccer, 4 * index);
-            *active = value;
-            m.report_if(bit(self.cr1, CEN) && drives, what);
         }
     }
 
     fn check_modes(&self, m: &mut Moment<'_>) {
         for channel in 1..=4 {
             // CCxS: an input. OCxCE, OCxFE: clearing by ETR, and a fast enable.
-            let what = Irregularity::NotModelled("input capture, or clearing of an output");
-            m.report_if(self.half(channel) & 0b1000_0111 != 0, what);
-            let what = Irregularity::NotModelled("an output that follows a match");
-            m.report_if(matches!(self.mode(channel), 0b001..=0b011), what);
+            let other = self.half(channel) & 0b1000_0111 != 0;
+            m.not_modelled(other, "input capture, or clearing of an output");
+            let follows = matches!(self.mode(channel), 0b001..=0b011);
+            m.not_modelled(follows, "an output that follows a match");
         }
     }
 }

@@ -32,23 +32,20 @@ const UE: u32 = 13;
 /// Bits of a frame: start, eight, stop (27.3.1).
 pub const FRAME_BITS: Ticks = 10;
 
-/// The model.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Usart {
     /// Ticks of one cycle of the USART's clock.
     clock: Ticks,
     sr: u32,
     cr1: u32,
-    cr2: u32,
-    cr3: u32,
     brr: u32,
     received: u8,
-    /// SR was read, so that reading DR clears the errors.
+    /// SR was read, so reading DR clears the errors.
     sr_read: bool,
-    /// The data register's byte, which waits for the shift register.
+    /// The byte in the data register.
     waiting: Option<u8>,
-    /// What is in the shift register and when it will be out; without a byte it is the idle frame
-    /// that enabling the transmitter sends.
+    /// Content of the shift register, and the time at which it is out; without a byte it is the idle frame
+    /// after the transmitter is enabled.
     shifting: Option<(Option<u8>, Ticks)>,
     /// When the line will have been idle for a frame.
     idle_at: Option<Ticks>,
@@ -56,20 +53,11 @@ pub struct Usart {
 
 impl Usart {
     /// A USART out of reset, on a clock of `clock` ticks.
-    #[must_use]
     pub fn new(clock: Ticks) -> Self {
         Self {
             clock,
             sr: TXE | TC,
-            cr1: 0,
-            cr2: 0,
-            cr3: 0,
-            brr: 0,
-            received: 0,
-            sr_read: false,
-            waiting: None,
-            shifting: None,
-            idle_at: None,
+            ..Self::default()
         }
     }
 
@@ -78,8 +66,7 @@ impl Usart {
         self.clock = clock;
     }
 
-    /// Length of a bit. 27.3.4: fCK / baud = 16 USARTDIV, which is what BRR holds.
-    #[must_use]
+    /// Length of a bit. 27.3.4: fCK / baud = 16 USARTDIV, the content of BRR.
     pub fn bit_time(&self) -> Ticks {
         self.clock * Ticks::from(self.brr)
     }
@@ -88,14 +75,13 @@ impl Usart {
         bit(self.cr1, UE) && bit(self.cr1, part)
     }
 
-    /// The next time that the USART does something by itself.
-    #[must_use]
+    /// The time of the next event.
     pub fn next_event(&self) -> Option<Ticks> {
         let sent = self.shifting.map(|(_, at)| at);
         [sent, self.idle_at].into_iter().flatten().min()
     }
 
-    /// Does what is due at `now`; returns a byte that has left, if one has.
+    /// Handles the event at `now`; returns the byte that has left, if any.
     pub fn advance(&mut self, now: Ticks) -> Option<u8> {
         if self.idle_at == Some(now) {
             self.idle_at = None;
@@ -132,14 +118,12 @@ impl Usart {
     }
 
     /// Whether the USART asks for its interrupt (27.4): each enable in CR1 has its flags.
-    #[must_use]
     pub fn interrupt(&self) -> bool {
         [(4, IDLE), (5, RXNE | ORE), (6, TC), (7, TXE)]
             .into_iter()
             .any(|(enable, flags)| bit(self.cr1, enable) && self.sr & flags != 0)
     }
 
-    /// Reads the register at `offset`; `None` where there is none.
     pub fn read(&mut self, offset: u32) -> Option<u32> {
         Some(match offset {
             offset::SR => {
@@ -155,14 +139,11 @@ impl Usart {
             }
             offset::BRR => self.brr,
             offset::CR1 => self.cr1,
-            offset::CR2 => self.cr2,
-            offset::CR3 => self.cr3,
-            offset::GTPR => 0,
+            offset::CR2 | offset::CR3 | offset::GTPR => 0,
             _ => return None,
         })
     }
 
-    /// Writes the register at `offset`; `None` where there is none.
     pub fn write(&mut self, offset: u32, value: u32, m: &mut Moment<'_>) -> Option<()> {
         match offset {
             // CTS, LBD, TC and RXNE are cleared by 0 (27.6.1).
@@ -170,8 +151,8 @@ impl Usart {
             offset::DR => self.send(value as u8, m),
             offset::BRR => self.brr = value & 0xffff,
             offset::CR1 => {
-                let what = Irregularity::NotModelled("nine bits, parity, break or mute (CR1)");
-                m.report_if(value & 0x1f03 != 0, what);
+                let more = value & 0x1f03 != 0;
+                m.not_modelled(more, "nine bits, parity, break or mute (CR1)");
                 let was_on = self.is_on(TE);
                 self.cr1 = value & 0x3fff;
                 // 27.3.2: enabling the transmitter sends an idle frame first.
@@ -180,31 +161,18 @@ impl Usart {
                     self.shift(None, m.now);
                 }
             }
-            offset::CR2 => {
-                m.report_if(
-                    value != 0,
-                    Irregularity::NotModelled("other stop bits, clock, LIN"),
-                );
-                self.cr2 = value;
-            }
-            offset::CR3 => {
-                let what = Irregularity::NotModelled("DMA, flow control or IrDA of the USART");
-                m.report_if(value != 0, what);
-                self.cr3 = value;
-            }
-            offset::GTPR => {
-                m.report_if(value != 0, Irregularity::NotModelled("smart cards"));
-            }
+            offset::CR2 => m.not_modelled(value != 0, "other stop bits, clock, LIN"),
+            offset::CR3 => m.not_modelled(value != 0, "DMA, flow control or IrDA of the USART"),
+            offset::GTPR => m.not_modelled(value != 0, "smart cards"),
             _ => return None,
         }
         Some(())
     }
 
     fn send(&mut self, byte: u8, m: &mut Moment<'_>) {
-        if !self.is_on(TE) || self.brr == 0 {
-            m.report(Irregularity::AgainstTheManual(
-                "data for a transmitter that is off (27.3.2)",
-            ));
+        let off = !self.is_on(TE) || self.brr == 0;
+        m.against_manual(off, "data for a transmitter that is off (27.3.2)");
+        if off {
             return;
         }
         // 27.6.1: TC is cleared by reading SR, then writing DR.
@@ -214,8 +182,7 @@ impl Usart {
         if self.shifting.is_none() {
             self.shift(Some(byte), m.now);
         } else {
-            let what = Irregularity::AgainstTheManual("data written over data (27.3.2)");
-            m.report_if(self.waiting.is_some(), what);
+            m.against_manual(self.waiting.is_some(), "data written over data (27.3.2)");
             self.waiting = Some(byte);
             self.sr &= !TXE;
         }

@@ -1,19 +1,13 @@
-//! What the board needs of a port that a host can open.
+//! A port that a host can open.
 
 use std::io;
 
-/// A port that a host can open. Neither direction ever waits.
+/// A port that a host can open. Neither direction ever waits; an error means that the port is gone for good.
 pub trait HostEnd {
     /// Reads bytes from the host; returns how many, 0 for none.
-    ///
-    /// # Errors
-    /// When the port is gone for good.
     fn receive(&mut self, buffer: &mut [u8]) -> io::Result<usize>;
 
     /// Sends bytes to the host; returns how many it took. Without a host it takes all.
-    ///
-    /// # Errors
-    /// When the port is gone for good.
     fn send(&mut self, bytes: &[u8]) -> io::Result<usize>;
 }
 

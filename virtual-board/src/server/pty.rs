@@ -19,9 +19,6 @@ pub struct PseudoTerminal {
 
 impl PseudoTerminal {
     /// A new pseudo-terminal that passes bytes on as they are.
-    ///
-    /// # Errors
-    /// When the system has none left.
     pub fn open() -> io::Result<Self> {
         let ours = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
         grantpt(&ours)?;
@@ -41,7 +38,6 @@ impl PseudoTerminal {
     }
 
     /// The name that the host opens.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -13,9 +13,6 @@ pub struct TcpServer {
 
 impl TcpServer {
     /// Listens at `address`.
-    ///
-    /// # Errors
-    /// When the address is no address, or is taken.
     pub fn listen(address: impl ToSocketAddrs) -> io::Result<Self> {
         let listener = TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
@@ -26,34 +23,29 @@ impl TcpServer {
     }
 
     /// Its address.
-    ///
-    /// # Errors
-    /// When the system does not give it.
     pub fn address(&self) -> io::Result<SocketAddr> {
         self.listener.local_addr()
     }
 
     fn welcome(&mut self) -> io::Result<()> {
-        if self.host.is_none() {
-            match self.listener.accept() {
-                Ok((stream, _)) => {
-                    stream.set_nonblocking(true)?;
-                    // Messages are small and wait for each other.
-                    stream.set_nodelay(true)?;
-                    self.host = Some(stream);
-                }
-                Err(error) => {
-                    none_if_it_would_wait(Err(error))?;
-                }
+        match self.listener.accept() {
+            Ok((stream, _)) => {
+                stream.set_nonblocking(true)?;
+                // Messages are small and wait for each other.
+                stream.set_nodelay(true)?;
+                self.host = Some(stream);
+                Ok(())
             }
+            Err(error) => none_if_it_would_wait(Err(error)).map(drop),
         }
-        Ok(())
     }
 }
 
 impl HostEnd for TcpServer {
     fn receive(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.welcome()?;
+        if self.host.is_none() {
+            self.welcome()?;
+        }
         let Some(host) = &mut self.host else {
             return Ok(0);
         };
@@ -72,12 +64,9 @@ impl HostEnd for TcpServer {
         let Some(host) = &mut self.host else {
             return Ok(bytes.len());
         };
-        match none_if_it_would_wait(host.write(bytes)) {
-            Ok(count) => Ok(count),
-            Err(_) => {
-                self.host = None;
-                Ok(bytes.len())
-            }
-        }
+        none_if_it_would_wait(host.write(bytes)).or_else(|_| {
+            self.host = None;
+            Ok(bytes.len())
+        })
     }
 }

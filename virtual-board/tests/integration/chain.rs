@@ -1,4 +1,4 @@
-//! The timing chain: what the program makes of timers, ADC and DMA, tick by tick.
+//! The timing chain of timers, ADC and DMA, tick by tick.
 
 use servoid::data::recording::Ending;
 use servoid_protocol::hello::{ClockSource, ResetCause};
@@ -41,7 +41,7 @@ fn assert_on_the_edges(pulses: &[Pulse], start: Ticks) -> usize {
     first as usize
 }
 
-/// What the model says was converted in frame `number`.
+/// The conversions of the model in frame `number`.
 fn samples(conversions: &[Conversion], number: usize) -> Option<[u16; SAMPLES_PER_FRAME]> {
     let per_frame = SAMPLES_PER_FRAME * OVERSAMPLING;
     let frame = conversions.get(number * per_frame..(number + 1) * per_frame)?;
@@ -128,7 +128,7 @@ fn the_staircase_is_on_the_line_and_in_the_stream_to_the_tick() {
 #[test]
 fn load_and_memory() {
     let image = image();
-    let (flash, ram) = (image.flash_used(), image.ram_used());
+    let (flash, ram) = (image.flash_used, image.ram_used);
     let board = SharedBoard::new(&options("bench", &[]));
     let mut client = board.connect();
     let job = staircase();

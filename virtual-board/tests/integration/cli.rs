@@ -1,9 +1,9 @@
-//! The program `virtual-board`: what it says where it cannot run.
+//! The program `virtual-board`: its messages where it cannot run.
 
 use assert_cmd::Command;
 use std::time::Duration;
 
-/// Runs the program, requires that it fails, returns what it says.
+/// Runs the program, requires that it fails, returns its message.
 fn refusal(args: &[&str]) -> String {
     let mut command = Command::cargo_bin("virtual-board").unwrap();
     let output = command

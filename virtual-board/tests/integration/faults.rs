@@ -1,4 +1,4 @@
-//! Faults on purpose: where the rig ends up, how soon, what it says, and that the next run works.
+//! Injected faults: the final state of the rig, the time until then, its report, and the next run.
 //!
 //! | fault            | safe state                     | documented where                                  |
 //! |------------------|--------------------------------|---------------------------------------------------|
@@ -66,7 +66,7 @@ fn start(client: &mut RigClient, lease_frames: u16) {
 /// A lease that outlasts every test.
 const LONG_LEASE: u16 = 1_000;
 
-/// Connects anew and captures a whole staircase; what the rig said of itself before.
+/// Connects anew and captures a whole staircase; returns the status of the rig before.
 fn next_run_works(board: &SharedBoard) -> (ClockSource, ResetCause) {
     next_run_of_it_works(&mut board.connect())
 }
@@ -146,7 +146,7 @@ fn in_a_pulse() -> Ticks {
 #[test]
 fn a_crystal_that_stops_ends_the_pulses_at_once() {
     let at = in_a_pulse();
-    let options = options("linear?seed=1", &[]).with_fault(Fault::CrystalStops { at });
+    let options = options("linear?seed=1", &[]).with_fault(Fault::CrystalStops(at));
     let board = SharedBoard::new(&options);
     start_and_watch(&board, LONG_LEASE, to_duration(at) + Duration::from_secs(1));
     let last = *pulses(&board).last().unwrap();
@@ -270,7 +270,7 @@ fn a_stuck_processor_is_reset_by_the_watchdog() {
         // The frames that nobody took are what is to be seen of it, and nothing else.
         board.with(|board| {
             let chip = board.chip();
-            let overran = |v: &Violation| matches!(v.what, Irregularity::DmaOverrun { .. });
+            let overran = |v: &Violation| matches!(v.what, Irregularity::DmaOverrun(_));
             let violations = &chip.record.violations;
             assert!(
                 !violations.is_empty() && violations.iter().all(overran),
@@ -283,7 +283,7 @@ fn a_stuck_processor_is_reset_by_the_watchdog() {
 #[test]
 fn a_brown_out_ends_the_pulses_and_is_reported() {
     let at = in_a_pulse();
-    let options = options("linear?seed=1", &[]).with_fault(Fault::BrownOut { at });
+    let options = options("linear?seed=1", &[]).with_fault(Fault::BrownOut(at));
     let board = SharedBoard::new(&options);
     start_and_watch(&board, LONG_LEASE, to_duration(at) + Duration::from_secs(1));
     let last = *pulses(&board).last().unwrap();

@@ -1,4 +1,4 @@
-//! What the host makes of a capture from the image: the servo that is behind it.
+//! Identification of the servo behind a capture from the image.
 
 use servoid::data::dataset::{self, DatasetOptions};
 use servoid::data::recording::Ending;

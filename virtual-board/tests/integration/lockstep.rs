@@ -28,10 +28,10 @@ use virtual_board::memory::{FLASH_START, RAM_BYTES, RAM_START, Ram};
 /// Flags N, Z, C, V, Q and the state of IT blocks.
 const FLAGS_AND_IT: u32 = 0xfe00_fc00;
 const EXCEPTION: u32 = 0x1ff;
-/// What is jumped to at the end of a handler (Armv7-M ARM, B1.5.8), less its Thumb bit.
+/// Target of the jump at the end of a handler (Armv7-M ARM, B1.5.8), less its Thumb bit.
 const EXCEPTION_RETURN: u32 = 0xffff_fff0;
 
-/// The board's memory as the other processor sees it: what it writes is kept apart.
+/// The board's memory for the other processor; its writes are kept apart.
 struct View {
     ram: Ram,
     written: Vec<(u32, u8)>,
@@ -91,7 +91,7 @@ struct Tally {
     differences: Vec<String>,
 }
 
-/// The other processor, and what it needs to go beside the board's core.
+/// The other processor, with its view of the memory.
 struct SecondProcessor {
     flash: Vec<u8>,
     ram: Ram,

@@ -26,14 +26,14 @@ use virtual_board::fault::BROWN_OUT;
 use virtual_board::record::{Conversion, Irregularity, Pulse, Record, ResetReason};
 use virtual_board::time::{TICKS_PER_MICROSECOND, Ticks, from_duration, milliseconds, to_duration};
 
-/// What became of the captures.
+/// The outcomes of the captures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Tally {
     /// Every sample.
     complete: u32,
-    /// Some samples, and what is missing is named.
+    /// Some samples, with the missing ones listed.
     partial: u32,
-    /// No recording, and a sentence that says why.
+    /// No recording, with the reason.
     refused: u32,
     /// Those of them that neither a fault of the board nor the user fell into.
     undisturbed: u32,
@@ -152,7 +152,7 @@ fn troubles(length: Duration, rng: &mut ChaCha8Rng) -> Vec<Trouble> {
     }
 }
 
-/// What a capture became, and whether its user may have stopped it.
+/// The outcome of a capture, and whether its user may have stopped it.
 fn one_capture(
     board: &SharedBoard,
     run: u16,
@@ -264,10 +264,10 @@ fn require_explained(record: &Record, troubles: &[Trouble], end: Ticks) -> Resul
         // A stuck processor takes neither what the DMA brings nor what the line does, and nothing
         // else may go wrong.
         let untaken = Irregularity::ReceiverOverrun == violation.what
-            || matches!(violation.what, Irregularity::DmaOverrun { .. });
+            || matches!(violation.what, Irregularity::DmaOverrun(_));
         let explained = untaken
             && troubles.iter().any(|t| {
-                matches!(t.fault, Fault::CpuStuck { .. }) && (t.at..t.over).contains(&violation.at)
+                matches!(t.fault, Fault::CpuStuck(_)) && (t.at..t.over).contains(&violation.at)
             });
         if !explained {
             return Err(violation.to_string());

@@ -1,9 +1,9 @@
 //! A core with something done around each of its steps.
 
 use virtual_board::cpu::rsemu::RsemuCore;
-use virtual_board::cpu::{Core, Registers};
+use virtual_board::cpu::{Core, Line, Registers};
 
-/// What is done around the steps of a core.
+/// Work around the steps of a core.
 pub trait Around {
     /// Takes the core's next step, or lets time pass instead of it; returns the cycles that it took.
     fn step(&mut self, core: &mut RsemuCore) -> u64;
@@ -17,7 +17,7 @@ pub trait Around {
     fn reset(&mut self) {}
 }
 
-/// The board's core and what is done around it.
+/// The board's core, with work around its steps.
 pub struct Stepped<A> {
     core: RsemuCore,
     pub around: A,
@@ -43,12 +43,8 @@ impl<A: Around> Core for Stepped<A> {
         self.core.reset();
     }
 
-    fn set_irq(&mut self, number: u32, level: bool) {
-        self.core.set_irq(number, level);
-    }
-
-    fn set_nmi(&mut self, level: bool) {
-        self.core.set_nmi(level);
+    fn set_line(&mut self, line: Line, level: bool) {
+        self.core.set_line(line, level);
     }
 
     fn skip(&mut self, cycles: u64) {

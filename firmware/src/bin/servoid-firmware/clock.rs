@@ -5,21 +5,15 @@ use stm32f1xx_hal::pac::{FLASH, RCC};
 use stm32f1xx_hal::prelude::*;
 use stm32f1xx_hal::rcc::{Config, Rcc};
 
-/// The clocks and their source.
-pub struct Clock {
-    pub rcc: Rcc,
-    pub source: ClockSource,
-}
-
 /// Polls of the crystal before it is given up: some 50 ms at 8 MHz and about 8 cycles each. A good crystal takes
 /// 2 ms (datasheet, table of HSE characteristics).
 const CRYSTAL_POLLS: u32 = 50_000;
 
-/// Starts the clocks.
+/// Starts the clocks; returns them and their source.
 ///
 /// From both sources the timers' clock is a whole number of MHz, so they count whole microseconds, and the ADC's
 /// clock divides it evenly. A crystal that stops later ends the pulses: see [`guard_the_crystal`].
-pub fn start(rcc: RCC, flash: FLASH) -> Clock {
+pub fn start(rcc: RCC, flash: FLASH) -> (Rcc, ClockSource) {
     let (config, source) = if crystal_runs(&rcc) {
         let config = Config::hse(8.MHz())
             .sysclk(72.MHz())
@@ -40,7 +34,7 @@ pub fn start(rcc: RCC, flash: FLASH) -> Clock {
     if source == ClockSource::Crystal {
         guard_the_crystal();
     }
-    Clock { rcc, source }
+    (rcc, source)
 }
 
 /// Switches the crystal on and waits for it. The HAL would wait for ever for a missing one.

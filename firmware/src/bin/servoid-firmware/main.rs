@@ -47,7 +47,6 @@ mod serial;
 mod timing;
 mod watchdog;
 
-use clock::Clock;
 use defmt_rtt as _;
 use embassy_executor::Spawner;
 use servoid_firmware::{Board, CapturedFrame, Identity, serve};
@@ -55,13 +54,13 @@ use servoid_protocol::PulseWidth;
 use stm32f1xx_hal::gpio::{Output, PC13, PushPull};
 use stm32f1xx_hal::pac::Peripherals;
 use stm32f1xx_hal::prelude::*;
-use watchdog::Watchdog;
+use stm32f1xx_hal::watchdog::IndependentWatchdog;
 
 /// The board as the rig sees it.
 struct Stm32f103 {
     identity: Identity,
     led: PC13<Output<PushPull>>,
-    watchdog: Watchdog,
+    watchdog: IndependentWatchdog,
     /// Number of the newest frame.
     newest: Option<u32>,
 }
@@ -103,7 +102,7 @@ async fn main(_spawner: Spawner) {
     };
     let reset_cause = identity::take_reset_cause(&p.RCC);
     debugger::prepare(&p.DBGMCU);
-    let Clock { mut rcc, source } = clock::start(p.RCC, p.FLASH);
+    let (mut rcc, source) = clock::start(p.RCC, p.FLASH);
 
     let mut gpioa = p.GPIOA.split(&mut rcc);
     let mut gpioc = p.GPIOC.split(&mut rcc);
@@ -123,7 +122,7 @@ async fn main(_spawner: Spawner) {
     let mut board = Stm32f103 {
         identity: identity::read(source, reset_cause, &rcc.clocks),
         led,
-        watchdog: Watchdog::start(p.IWDG),
+        watchdog: watchdog::start(p.IWDG),
         newest: None,
     };
     defmt::info!(

@@ -32,14 +32,11 @@ static LINE: Mutex<Cell<Line>> = Mutex::new(Cell::new(Line {
 pub fn set(pulse: Option<PulseWidth>) {
     critical_section::with(|cs| {
         let applied = on_line(cs);
+        let width = pulse.map_or(0, |pulse| pulse.0);
         // 15.4.14: with preload this takes effect at the next update event.
-        tim2(cs)
-            .ccr2()
-            .write(|w| w.ccr().set(pulse.map_or(0, |pulse| pulse.0)));
-        LINE.borrow(cs).set(Line {
-            applied,
-            preloaded: pulse,
-        });
+        tim2(cs).ccr2().write(|w| w.ccr().set(width));
+        let preloaded = pulse;
+        LINE.borrow(cs).set(Line { applied, preloaded });
     });
 }
 
@@ -52,10 +49,8 @@ pub fn on_line(cs: CriticalSection) -> Option<PulseWidth> {
         // 15.4.5: a flag is cleared by writing 0. The others are not used.
         tim2.sr().modify(|_, w| w.uif().clear());
         let Line { preloaded, .. } = line.get();
-        line.set(Line {
-            applied: preloaded,
-            preloaded,
-        });
+        let applied = preloaded;
+        line.set(Line { applied, preloaded });
     }
     line.get().applied
 }

@@ -1,6 +1,6 @@
 //! The end of the program: panics, faults and a stopped crystal.
 //!
-//! A pulse that is cut short would make the servo jerk. So the compare register is set to zero, the pulse under way
+//! A pulse that is cut short would make the servo jerk. So the compare register is set to zero, the present pulse
 //! ends normally, and the timer makes no more pulses from the next frame edge on. Then the chip is reset, and starts
 //! without pulses. Should even this hang, the watchdog resets the chip a little later.
 //!
@@ -35,7 +35,7 @@ fn panic(info: &PanicInfo) -> ! {
     stop()
 }
 
-/// The crystal has stopped (7.2.7). The timer counts nine times slower now, so the pulse under way is cut at once.
+/// The crystal has stopped (7.2.7). The timer counts nine times slower now, so the present pulse is cut at once.
 #[exception]
 unsafe fn NonMaskableInt() {
     // SAFETY: this never returns, so nothing else uses it any more.

@@ -31,7 +31,7 @@ pub fn aperture_us(clocks: &Clocks) -> u16 {
     (half_cycles * 1_000).div_ceil(2 * clocks.adcclk().to_kHz()) as u16
 }
 
-/// One frame as the DMA leaves it.
+/// The conversions of one frame.
 type RawFrame = [[u16; OVERSAMPLING]; SAMPLES_PER_FRAME];
 
 /// Two frames: the DMA fills one while the other is read.
@@ -153,12 +153,11 @@ fn DMA1_CHANNEL1() {
     });
     // If the next frame has begun already, the pulse is not that of this frame.
     if let Some(pulse) = pulse {
-        let samples = samples(half);
         // A full queue loses the frame; the gap in the numbers shows it.
         let _ = FRAMES.try_send(CapturedFrame {
             number,
             pulse,
-            samples,
+            samples: samples(half),
         });
     }
 }

@@ -85,13 +85,10 @@ fn USART1() {
     }
     if status.txe().bit_is_set() && usart.cr1().read().txeie().bit_is_set() {
         let mut byte = [0];
-        match (TX.try_read(&mut byte), byte) {
-            (Ok(_), [byte]) => {
-                usart.dr().write(|w| w.dr().set(u16::from(byte)));
-            }
-            (Err(_), _) => {
-                usart.cr1().modify(|_, w| w.txeie().clear_bit());
-            }
+        if TX.try_read(&mut byte).is_ok() {
+            usart.dr().write(|w| w.dr().set(byte[0].into()));
+        } else {
+            usart.cr1().modify(|_, w| w.txeie().clear_bit());
         }
     }
 }

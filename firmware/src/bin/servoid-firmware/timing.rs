@@ -12,7 +12,7 @@ use stm32f1xx_hal::rcc::{BusTimerClock, Enable, Rcc, Reset};
 /// own electronics makes at them.
 pub const FIRST_SAMPLE_US: u16 = 500;
 
-/// No sample is under way at an edge: the first is over before the shortest pulse ends (0.1 ms is
+/// No sample includes an edge: the first is over before the shortest pulse ends (0.1 ms is
 /// more than its aperture), the second begins after the longest one.
 const _: () = assert!(FIRST_SAMPLE_US + 100 < SHORTEST_PULSE.0);
 const _: () = assert!(FIRST_SAMPLE_US as u32 + SAMPLE_US > LONGEST_PULSE.0 as u32);

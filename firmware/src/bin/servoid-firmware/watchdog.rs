@@ -11,20 +11,10 @@ use stm32f1xx_hal::watchdog::IndependentWatchdog;
 /// only a standstill triggers it.
 const FRAMES: u32 = 5;
 
-/// The watchdog, running. It cannot be stopped (19.3).
-pub struct Watchdog(IndependentWatchdog);
-
-impl Watchdog {
-    /// Starts it. Until it is first fed it counts from its reset value (19.3): 0.41 s for the first frame, at the
-    /// oscillator's nominal rate. There are no pulses before that frame.
-    pub fn start(iwdg: IWDG) -> Self {
-        let mut watchdog = IndependentWatchdog::new(iwdg);
-        watchdog.start((FRAMES * FRAME_US / 1_000).millis());
-        Self(watchdog)
-    }
-
-    /// Feeds it; called once for each frame.
-    pub fn feed(&mut self) {
-        self.0.feed();
-    }
+/// Starts the watchdog, which cannot be stopped (19.3). Until it is first fed it counts from its reset value: 0.41 s for
+/// the first frame, at the oscillator's nominal rate. There are no pulses before that frame.
+pub fn start(iwdg: IWDG) -> IndependentWatchdog {
+    let mut watchdog = IndependentWatchdog::new(iwdg);
+    watchdog.start((FRAMES * FRAME_US / 1_000).millis());
+    watchdog
 }

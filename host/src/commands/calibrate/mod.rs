@@ -1,17 +1,13 @@
 //! `servoid calibrate`
 
-mod measured;
 mod protractor;
 mod text;
 
-use super::ctrl_c;
-use super::output_args::{Talk, print_remark};
-use super::prompts;
+use super::output::{Output, print_remark, wrong_usage};
 use super::rig_args::RigArgs;
-use super::usage::wrong_usage;
-use crate::commands::output_files;
-use crate::data::rig_file::RigFile;
-use crate::data::rig_file::SensorSection;
+use super::{ctrl_c, prompts};
+use crate::data::recording::write_file;
+use crate::data::rig_file::{RigFile, SensorSection};
 use crate::instrument::calibration::{
     Calibration, Found, Mover, Reading, Rest, Travel, put_into, require_followed,
 };
@@ -19,7 +15,7 @@ use crate::instrument::port;
 use crate::instrument::rig::RigClient;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
-use measured::{DOUBT_PERCENT, Measured};
+use serde::Serialize;
 use servoid_protocol::PulseWidth;
 use std::path::{Path, PathBuf};
 
@@ -79,12 +75,27 @@ pub(super) struct Calibrate {
     /// Write the result into the rig file of --rig; its comments and other lines stay
     #[arg(long, requires = "rig", conflicts_with = "out")]
     update: bool,
-    /// Replace the file of --out if it exists
-    #[arg(long)]
-    force: bool,
     #[command(flatten)]
-    talk: Talk,
+    output: Output,
 }
+
+/// The result as `--json` prints it.
+#[derive(Serialize)]
+struct Measured {
+    /// The sensor's scale; `None` where it was not measured.
+    sensor: Option<Calibration>,
+    /// Whether its angles are assumed: those that the pulses command.
+    assumed: bool,
+    /// Its readings.
+    readings: Vec<Reading>,
+    /// The sensor at each position, where a rig measured it.
+    rests: Vec<Rest>,
+    travel: Option<Travel>,
+}
+
+/// Standard deviation of a data sheet's microseconds per degree (percent): makers round, and servos of one type
+/// differ by some percent.
+const DOUBT_PERCENT: f64 = 5.0;
 
 /// Default number of positions.
 const POSITIONS: i32 = 5;
@@ -102,17 +113,13 @@ fn reading(text: &str) -> Result<Reading, String> {
 
 impl Calibrate {
     pub(super) fn run(self) -> Result<String> {
-        let before = match &self.rig.rig {
-            Some(path) => {
-                RigFile::read(path)?;
-                std::fs::read_to_string(path)
-                    .with_context(|| format!("the rig file {path:?} cannot be read"))?
-            }
-            None => String::new(),
-        };
-        if let Some(out) = &self.out {
-            output_files::check_free(out, self.force)?;
+        let mut before = String::new();
+        if let Some(path) = &self.rig.rig {
+            RigFile::read(path)?;
+            let text = std::fs::read_to_string(path);
+            before = text.with_context(|| format!("the rig file {path:?} cannot be read"))?;
         }
+        self.output.check(&self.out)?;
         let measured = if self.pairs.is_empty() {
             self.measure()?
         } else {
@@ -138,17 +145,15 @@ impl Calibrate {
         match target {
             Some(path) => {
                 self.write(path, &before, &measured)?;
-                self.talk.say(format_args!("rig file: {}", path.display()));
+                self.output.talk.say(format_args!("rig file: {}", path.display()));
             }
-            None => self.talk.say("nothing was written: add --update to write into the rig file of --rig, or -o RIG.toml for another one"),
+            None => self.output.talk.say("nothing was written: add --update to write into the rig file of --rig, or -o RIG.toml for another one"),
         }
         // At the terminal it was printed before the question.
-        let text = if asked && target.is_some() {
-            String::new()
-        } else {
-            text
-        };
-        self.talk.result(text, &measured)
+        let printed = asked && target.is_some();
+        self.output
+            .talk
+            .result(if printed { String::new() } else { text }, &measured)
     }
 
     /// Whether somebody at the terminal reads the angles.
@@ -190,16 +195,14 @@ impl Calibrate {
             [] => None,
             some => Some(self.fit(some, &rests)?),
         };
-        let travel = if self.no_travel {
-            None
-        } else {
-            self.talk
+        let mut travel = None;
+        if !self.no_travel {
+            self.output
+                .talk
                 .say("running a slow staircase over the limits ...");
-            Some(Travel::measure(
-                &mut mover,
-                &scale(&rig.file.sensor, sensor.as_ref()),
-            )?)
-        };
+            let scale = scale(&rig.file.sensor, sensor.as_ref());
+            travel = Some(Travel::measure(&mut mover, &scale)?);
+        }
         Ok(Measured {
             sensor,
             assumed: self.by_servo,
@@ -225,14 +228,12 @@ impl Calibrate {
 
     /// The motion that is about to start.
     fn intention(&self, rig: &RigFile, pulses: &[u16]) -> String {
-        let positions = format!("The servo goes to {} µs", text::listed(pulses));
-        match self.no_travel {
-            true => format!("{positions}."),
-            false => format!(
-                "{positions}, and then slowly from {} to {} µs.",
-                rig.limits.shortest_us, rig.limits.longest_us
-            ),
-        }
+        let [shortest, longest] = [rig.limits.shortest_us, rig.limits.longest_us];
+        let then = match self.no_travel {
+            true => String::new(),
+            false => format!(", and then slowly from {shortest} to {longest} µs"),
+        };
+        format!("The servo goes to {} µs{then}.", text::listed(pulses))
     }
 
     /// The pulses at which the sensor is read (µs).
@@ -243,10 +244,11 @@ impl Calibrate {
         let neutral = f64::from(rig.servo.neutral_us);
         let half = (POSITIONS - 1) / 2;
         let position = |k: i32| {
+            let limits = &rig.limits;
             let limit = if k < 0 {
-                rig.limits.shortest_us
+                limits.shortest_us
             } else {
-                rig.limits.longest_us
+                limits.longest_us
             };
             let way = REACH * (f64::from(limit) - neutral).abs();
             (neutral + way * f64::from(k) / f64::from(half)).round() as u16
@@ -261,53 +263,45 @@ impl Calibrate {
         }
         let rests = mover.visit(pulses, &|_| false)?;
         let scale = mover.rig().servo_scale();
+        let commanded = pulses.iter().map(|us| scale.degrees(PulseWidth(*us)).0);
         let angles: Vec<f64> = match self.by_servo {
-            true => pulses
-                .iter()
-                .map(|us| scale.degrees(PulseWidth(*us)).0)
-                .collect(),
+            true => commanded.collect(),
             false => self.angles.clone(),
         };
-        let pairs = angles.into_iter().zip(&rests);
-        let readings = pairs.map(|(angle_deg, rest)| Reading {
-            angle_deg,
-            counts: rest.counts,
-        });
+        let counts = rests.iter().map(|rest| rest.counts);
+        let readings = angles.into_iter().zip(counts);
+        let readings = readings.map(|(angle_deg, counts)| Reading { angle_deg, counts });
         Ok((readings.collect(), rests))
     }
 
     /// Writes the rig file with the result to `path`.
     fn write(&self, path: &Path, before: &str, measured: &Measured) -> Result<()> {
-        let remark = measured
-            .sensor
-            .as_ref()
-            .map(|fit| text::remark(fit, measured.assumed));
-        let us_per_degree = measured.travel.as_ref().filter(|_| !measured.assumed);
+        let assumed = measured.assumed;
+        let sensor = measured.sensor.as_ref();
+        let remark = sensor.map(|fit| text::remark(fit, assumed));
+        let travel = measured.travel.as_ref().filter(|_| !assumed);
         let found = Found {
-            sensor: measured.sensor.as_ref().zip(remark.as_deref()),
-            us_per_degree: us_per_degree.map(|travel| travel.us_per_degree),
+            sensor: sensor.zip(remark.as_deref()),
+            us_per_degree: travel.map(|travel| travel.us_per_degree),
         };
         let after = put_into(before, &found).map_err(anyhow::Error::msg)?;
         // A file that could not be read back is not written.
         RigFile::parse(&after, path)?;
-        output_files::write_file(
-            path,
-            self.force || self.update || self.asks_for_angles(),
-            &after,
-        )
+        let force = self.output.force || self.update || self.asks_for_angles();
+        Ok(write_file(path, force, &after)?)
     }
 }
 
 /// The sensor of the rig file, with the new scale if there is one.
 fn scale(sensor: &SensorSection, found: Option<&Calibration>) -> SensorSection {
-    match found {
-        Some(found) => SensorSection {
-            zero_counts: found.zero_counts,
-            degrees_per_count: found.degrees_per_count,
-            zero_sd_deg: found.zero_sd_deg,
-            scale_sd_percent: found.scale_sd_percent,
-            ..sensor.clone()
-        },
-        None => sensor.clone(),
+    let Some(found) = found else {
+        return sensor.clone();
+    };
+    SensorSection {
+        zero_counts: found.zero_counts,
+        degrees_per_count: found.degrees_per_count,
+        zero_sd_deg: found.zero_sd_deg,
+        scale_sd_percent: found.scale_sd_percent,
+        ..sensor.clone()
     }
 }

@@ -1,7 +1,7 @@
 //! Angles that somebody reads on a protractor while the servo holds a position.
 
 use crate::commands::prompts;
-use crate::instrument::calibration::{Mover, Reading, Rest};
+use crate::instrument::calibration::{MoveError, Mover, Reading, Rest};
 use anyhow::{Context, Result};
 use std::cell::{Cell, RefCell};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -15,13 +15,11 @@ pub(super) fn read(mover: &mut Mover<'_>, pulses: &[u16]) -> Result<(Vec<Reading
     let (mut readings, mut rests) = (Vec::new(), Vec::new());
     for (number, &pulse_us) in pulses.iter().enumerate() {
         let position = format!("position {} of {}", number + 1, pulses.len());
-        let (rest, angle) =
-            read_one(mover, pulse_us, &position).with_context(|| so_far(&readings))?;
+        let read = read_one(mover, pulse_us, &position);
+        let (rest, angle) = read.with_context(|| so_far(&readings))?;
         if let Some(angle_deg) = angle {
-            readings.push(Reading {
-                angle_deg,
-                counts: rest.counts,
-            });
+            let counts = rest.counts;
+            readings.push(Reading { angle_deg, counts });
             rests.push(rest);
         }
     }
@@ -30,24 +28,19 @@ pub(super) fn read(mover: &mut Mover<'_>, pulses: &[u16]) -> Result<(Vec<Reading
 
 /// The readings so far, for a calibration that fails: they can be used again.
 fn so_far(readings: &[Reading]) -> String {
-    if readings.is_empty() {
-        return "no position was read".to_owned();
+    let pair = |r: &Reading| format!("{}={:.1}", r.angle_deg, r.counts);
+    let pairs: Vec<String> = readings.iter().map(pair).collect();
+    match pairs.join(",").as_str() {
+        "" => "no position was read".to_owned(),
+        pairs => format!("the readings so far are kept here: --pairs={pairs}"),
     }
-    let pairs = readings
-        .iter()
-        .map(|r| format!("{}={:.1}", r.angle_deg, r.counts));
-    let pairs: Vec<String> = pairs.collect();
-    format!(
-        "the readings so far are kept here: --pairs={}",
-        pairs.join(",")
-    )
 }
 
 fn read_one(
     mover: &mut Mover<'_>,
     pulse_us: u16,
     position: &str,
-) -> Result<(Rest, Option<f64>), crate::instrument::calibration::MoveError> {
+) -> Result<(Rest, Option<f64>), MoveError> {
     let waits = mover.is_paced_by_reader();
     let asked: RefCell<Option<Receiver<Option<f64>>>> = RefCell::new(None);
     let answer: Cell<Option<Option<f64>>> = Cell::new(None);

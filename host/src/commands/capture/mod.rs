@@ -9,7 +9,7 @@ pub(super) use monitor::Monitor;
 pub(super) use runs::{CaptureJob, capture};
 
 use super::ctrl_c;
-use super::output_args::Talk;
+use super::output::{Output, Talk};
 use super::reference_args::ReferenceArgs;
 use super::rig_args::{Rig, RigArgs};
 use crate::data::recording::Ending;
@@ -51,13 +51,10 @@ pub(super) struct CaptureArgs {
     /// The first run that is not complete is the last one
     #[arg(long, default_value_t = 1, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=MOST_RUNS))]
     repeat: u16,
-    /// Replace the file if it exists
-    #[arg(long)]
-    force: bool,
     #[command(flatten)]
     monitor: MonitorArgs,
     #[command(flatten)]
-    talk: Talk,
+    output: Output,
     #[command(flatten)]
     reference: ReferenceArgs,
 }
@@ -86,25 +83,23 @@ impl CaptureArgs {
             file: rig,
             condition,
         } = self.rig.require()?;
-        let reference = self.reference.resolve(rig.servo.us_per_degree, self.talk)?;
+        let talk = self.output.talk;
+        let reference = self.reference.resolve(rig.servo.us_per_degree, talk)?;
         let files = run_files(&self.out, self.repeat);
         ctrl_c::listen()?;
-        let monitor = self.monitor.start(self.talk);
-        let ends = capture(
-            &CaptureJob {
-                address: &address,
-                rig,
-                reference,
-                condition: &condition,
-                notes: &self.notes,
-                release: self.release,
-                files: &files,
-                force: self.force,
-            },
-            &monitor,
-            self.talk,
-        )?;
-        report(&files, &ends, monitor.band_reached(), self.talk)
+        let monitor = self.monitor.start(talk);
+        let job = CaptureJob {
+            address: &address,
+            rig,
+            reference,
+            condition: &condition,
+            notes: &self.notes,
+            release: self.release,
+            files: &files,
+            force: self.output.force,
+        };
+        let ends = capture(&job, &monitor, talk)?;
+        report(&files, &ends, monitor.band_reached(), talk)
     }
 }
 
@@ -134,30 +129,29 @@ fn report(
 ) -> Result<String> {
     let (mut text, mut results) = (String::new(), Vec::new());
     for (file, end) in files.iter().zip(ends) {
+        let (name, rows) = (file.display(), end.rows);
         let (state, reason) = match &end.ending {
             Ending::Complete => ("complete", None),
             Ending::Early { reason } => ("ended early", Some(reason.as_str())),
             Ending::Partial { reason, .. } => ("partial", Some(reason.as_str())),
         };
-        if state == "partial"
-            && let Some(reason) = reason
+        if let Ending::Partial { reason, .. } = &end.ending
             && !ctrl_c::asked()
         {
-            bail!(
-                "{} is partial, {} samples: {reason}{}",
-                file.display(),
-                end.rows,
-                runs_before(&results)
-            );
+            let before = match results.len() {
+                0 => String::new(),
+                count => format!(" ({count} complete before it)"),
+            };
+            bail!("{name} is partial, {rows} samples: {reason}{before}");
         }
         let why = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
-        text += &format!("{}: {state}{why}, {} samples\n", file.display(), end.rows);
+        text += &format!("{name}: {state}{why}, {rows} samples\n");
         results.push(CaptureResult {
             file,
-            complete: state == "complete",
-            ended_early: state == "ended early",
+            complete: matches!(end.ending, Ending::Complete),
+            ended_early: matches!(end.ending, Ending::Early { .. }),
             reason,
-            rows: end.rows,
+            rows,
             unreadable_messages: end.rejects,
             frames_asked_again: end.asked_again,
             until_band,
@@ -167,19 +161,11 @@ fn report(
         let spared = files.len() - results.len();
         text += &format!("the band is narrow enough, so {spared} runs were left out\n");
     }
-    if let Some(advice) = until_band.and_then(|band| band.advice(ends.len())) {
-        text += &(advice + "\n");
-    }
+    let advice = until_band.and_then(|band| band.advice(ends.len()));
+    text.extend(advice.map(|advice| advice + "\n"));
     match (files.len(), results.first()) {
         (1, Some(result)) => talk.result(text, result),
         _ => talk.result(text, &serde_json::json!({ "runs": results })),
-    }
-}
-
-fn runs_before(results: &[CaptureResult<'_>]) -> String {
-    match results.len() {
-        0 => String::new(),
-        count => format!(" ({count} complete before it)"),
     }
 }
 

@@ -3,12 +3,10 @@
 use super::progress_line::ProgressLine;
 use super::until_band::BandReached;
 use crate::commands::ctrl_c;
-use crate::commands::output_args::Talk;
-use crate::commands::usage::wrong_usage;
+use crate::commands::output::{Talk, wrong_usage};
 use crate::instrument::live::{LiveIdentification, LiveStep, RunSamples, second_cycle};
 use crate::instrument::rig::{Capture, Progress, StopReason};
-use crate::presentation::scope::state::{FrameSeen, Link};
-use crate::presentation::scope::{Scope, ScopeEvent, ScopeState, terminal};
+use crate::presentation::scope::{FrameSeen, Link, Scope, ScopeEvent, ScopeState, terminal};
 use anyhow::Result;
 use clap::Args;
 use servoid_identification::Options;
@@ -57,10 +55,9 @@ impl Monitor {
     }
 
     fn new(talk: Talk, scope: bool, until_percent: Option<f64>) -> Self {
-        let live = (scope || until_percent.is_some()).then(|| {
-            let period_s = f64::from(SAMPLE_US) * 1e-6;
-            LiveIdentification::new(period_s, Options::default(), until_percent)
-        });
+        let period_s = f64::from(SAMPLE_US) * 1e-6;
+        let live = (scope || until_percent.is_some())
+            .then(|| LiveIdentification::new(period_s, Options::default(), until_percent));
         Self {
             talk,
             scope,
@@ -165,21 +162,14 @@ impl MonitoredRun<'_> {
         live.push(input, output);
         let index = u32::from(progress.frame.index);
         if index >= self.estimate_from && index.is_multiple_of(ESTIMATE_EVERY) {
-            if self.wait {
-                live.ask_and_wait();
-            } else {
-                live.ask();
+            match self.wait {
+                true => live.ask_and_wait(),
+                false => live.ask(),
             }
         }
-        self.show_new(live);
-    }
-
-    fn show_new(&self, live: &LiveIdentification) {
-        let View::Scope(scope) = &self.view else {
-            return;
-        };
         let mut shown = self.shown.borrow_mut();
-        if let Some(latest) = live.latest()
+        if let View::Scope(scope) = &self.view
+            && let Some(latest) = live.latest()
             && shown.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &latest))
         {
             scope.update(ScopeEvent::Step(Arc::clone(&latest)));
@@ -194,10 +184,9 @@ impl MonitoredRun<'_> {
 
     /// Why the run is to end, once it is.
     pub(super) fn stop(&self) -> Option<StopReason> {
-        let reason = if ctrl_c::asked() {
-            Some(StopReason::User)
-        } else {
-            self.enough().map(StopReason::Enough)
+        let reason = match ctrl_c::asked() {
+            true => Some(StopReason::User),
+            false => self.enough(),
         };
         if reason.is_some()
             && !self.stopping.replace(true)
@@ -208,12 +197,11 @@ impl MonitoredRun<'_> {
         reason
     }
 
-    fn enough(&self) -> Option<String> {
+    fn enough(&self) -> Option<StopReason> {
         let percent = self.monitor.until_percent?;
         self.monitor.live.as_ref()?.enough()?;
-        Some(format!(
-            "the step response is known to +-{percent} % of the step"
-        ))
+        let known = format!("the step response is known to +-{percent} % of the step");
+        Some(StopReason::Enough(known))
     }
 
     /// Gives the terminal back.

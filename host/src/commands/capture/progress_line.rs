@@ -1,6 +1,6 @@
 //! Progress of a capture without the live scope.
 
-use crate::commands::output_args::Talk;
+use crate::commands::output::Talk;
 use crate::instrument::rig::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLES_PER_FRAME};
@@ -16,15 +16,13 @@ pub(super) struct ProgressLine {
 
 impl ProgressLine {
     pub(super) fn new(talk: Talk, frames: u32, servo: ServoScale, sensor: SensorScale) -> Self {
-        let bar = if talk.quiet {
-            ProgressBar::hidden()
-        } else {
-            ProgressBar::new(frames.into())
+        let bar = match talk.quiet {
+            true => ProgressBar::hidden(),
+            false => ProgressBar::new(frames.into()),
         };
-        let style =
-            ProgressStyle::with_template("{bar:30} {pos}/{len} frames, {eta} left  {wide_msg}");
+        let template = "{bar:30} {pos}/{len} frames, {eta} left  {wide_msg}";
         // Should the library ever refuse the template, its own style would do.
-        if let Ok(style) = style {
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         Self {
@@ -43,9 +41,10 @@ impl ProgressLine {
         let position = frame
             .samples
             .last()
-            .map_or(f64::NAN, |&c| self.sensor.degrees(c).0);
-        let band =
-            band_percent.map_or_else(String::new, |p| format!("; band +-{p:.2} % of the step"));
+            .map(|&counts| self.sensor.degrees(counts).0);
+        let position = position.unwrap_or(f64::NAN);
+        let band = band_percent.map(|p| format!("; band +-{p:.2} % of the step"));
+        let band = band.unwrap_or_default();
         let message = format!(
             "reference {reference:+.1} deg, position {position:+.2} deg; link: {} messages unreadable, {} frames asked again{band}",
             progress.rejects.total(),
@@ -55,11 +54,10 @@ impl ProgressLine {
             self.bar.set_position(done);
             self.bar.set_message(message);
         } else if done.is_multiple_of(u64::from(FRAMES_PER_SECOND)) {
-            let samples = done * SAMPLES_PER_FRAME as u64;
-            self.talk.say(format_args!(
-                "{samples} of {} samples, {message}",
-                u64::from(progress.frames_total) * SAMPLES_PER_FRAME as u64
-            ));
+            let total = u64::from(progress.frames_total);
+            let [done, total] = [done, total].map(|frames| frames * SAMPLES_PER_FRAME as u64);
+            self.talk
+                .say(format_args!("{done} of {total} samples, {message}"));
         }
     }
 

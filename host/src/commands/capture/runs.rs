@@ -2,12 +2,11 @@
 
 use super::monitor::Monitor;
 use crate::commands::ctrl_c;
-use crate::commands::output_args::Talk;
+use crate::commands::output::Talk;
 use crate::data::recording::{Ending, Header, RecordingWriter, ReservedFile, WriteError};
 use crate::data::rig_file::RigFile;
 use crate::instrument::port;
-use crate::instrument::rig::CaptureError;
-use crate::instrument::rig::{Capture, CaptureEnd, RigClient};
+use crate::instrument::rig::{Capture, CaptureEnd, CaptureError, RigClient};
 use anyhow::{Context, Result, bail};
 use servoid_protocol::message::Command;
 use servoid_protocol::reference::Reference;
@@ -39,12 +38,11 @@ pub(in crate::commands) fn capture(
     let files: Vec<_> = job.files.iter().map(reserve).collect::<Result<_, _>>()?;
     let mut client = RigClient::connect_beside(port::open(job.address)?, job.address)?;
     let hello = client.hello();
+    let (board, build) = (hello.board.as_str(), hello.build.as_str());
+    let clock = format!("{:?}", hello.clock).to_lowercase();
+    let address = job.address;
     talk.say(format_args!(
-        "{}: {}, firmware {}, {} clock",
-        job.address,
-        hello.board.as_str(),
-        hello.build.as_str(),
-        format!("{:?}", hello.clock).to_lowercase()
+        "{address}: {board}, firmware {build}, {clock} clock"
     ));
     let mut ends = Vec::new();
     let mut outcome = Ok(());
@@ -58,10 +56,9 @@ pub(in crate::commands) fn capture(
             break;
         }
     }
-    let released = if job.release {
-        client.request(Command::Disarm)
-    } else {
-        Ok(())
+    let released = match job.release {
+        true => client.request(Command::Disarm),
+        false => Ok(()),
     };
     // The first failure is the one to report.
     outcome?;

@@ -2,7 +2,7 @@
 
 mod range;
 
-pub use range::Range;
+pub(super) use range::{RANGE_FORM, Range};
 
 use crate::data::rig_file::{
     FULL_SCALE_VOLTS, LimitsSection, RTY_DEGREES, RTY_VOLTS, RigFile, RigFileError, SensorSection,
@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// The answers about a new rig.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RigAnswers {
+pub(super) struct RigAnswers {
     /// Name of the rig.
     pub name: String,
     /// Its port; `None` where every command names it.
@@ -41,13 +41,13 @@ pub struct RigAnswers {
 
 /// Travel of a linkage of unknown travel (deg): twice the default amplitude of a reference, and little enough for
 /// most linkages. Servos of helicopters turn 50 degrees, and many linkages jam long before.
-pub const DEFAULT_TRAVEL_DEG: Range = Range {
+const DEFAULT_TRAVEL_DEG: Range = Range {
     low: -10.0,
     high: 10.0,
 };
 
 impl Default for RigAnswers {
-    /// The paper's servo and sensor, as in [`RigFile::default`], with a travel of [`DEFAULT_TRAVEL_DEG`].
+    /// The paper's servo and sensor, as in [`RigFile::default`].
     fn default() -> Self {
         let (servo, limits) = (ServoSection::default(), LimitsSection::default());
         let [low, high] = RTY_VOLTS;
@@ -71,13 +71,10 @@ impl Default for RigAnswers {
 }
 
 /// Whether an answer is acceptable; the error is a sentence for the user.
-pub type Checked = Result<(), String>;
+pub(super) type Checked = Result<(), String>;
 
 /// A name on one line.
-///
-/// # Errors
-/// One sentence.
-pub fn check_name(name: &str) -> Checked {
+pub(super) fn check_name(name: &String) -> Checked {
     require(
         !name.chars().any(char::is_control) && name.chars().count() <= LONGEST_NAME,
         || format!("a name must be one line of at most {LONGEST_NAME} letters"),
@@ -88,10 +85,7 @@ pub fn check_name(name: &str) -> Checked {
 const LONGEST_NAME: usize = 80;
 
 /// A name that is not empty.
-///
-/// # Errors
-/// One sentence.
-pub fn check_condition(condition: &str) -> Checked {
+pub(super) fn check_condition(condition: &String) -> Checked {
     check_name(condition)?;
     require(!condition.trim().is_empty(), || {
         "a condition needs a name: bench, aircraft, or your own words".into()
@@ -99,10 +93,7 @@ pub fn check_condition(condition: &str) -> Checked {
 }
 
 /// The shortest and the longest pulse.
-///
-/// # Errors
-/// One sentence.
-pub fn check_pulses(pulses: &Range) -> Checked {
+pub(super) fn check_pulses(pulses: &Range) -> Checked {
     let [shortest, longest] = BOARD_US.map(f64::from);
     let whole = |us: f64| us.fract() == 0.0;
     require(
@@ -115,30 +106,21 @@ pub fn check_pulses(pulses: &Range) -> Checked {
 const BOARD_US: [u16; 2] = [SHORTEST_PULSE.0, LONGEST_PULSE.0];
 
 /// The pulse at 0 degrees, for a servo that takes `pulses`.
-///
-/// # Errors
-/// One sentence.
-pub fn check_neutral(neutral_us: u16, pulses: &Range) -> Checked {
+pub(super) fn check_neutral(neutral_us: u16, pulses: &Range) -> Checked {
     require(pulses.contains(neutral_us.into()), || {
         format!("neutral must be a pulse that the servo takes, within {pulses} µs")
     })
 }
 
 /// Change of the pulse for one degree.
-///
-/// # Errors
-/// One sentence.
-pub fn check_us_per_degree(us: f64) -> Checked {
+pub(super) fn check_us_per_degree(us: &f64) -> Checked {
     require((0.5..=200.0).contains(&us.abs()), || {
         "it must be a number from 0.5 to 200 µs per degree (R/C servos take about 10 µs), negative where a longer pulse turns the servo towards negative angles".into()
     })
 }
 
 /// Travel of the linkage.
-///
-/// # Errors
-/// One sentence.
-pub fn check_travel(travel: &Range) -> Checked {
+pub(super) fn check_travel(travel: &Range) -> Checked {
     require(travel.low < 0.0 && travel.high > 0.0, || {
         "the travel must go from below 0 degrees, which is neutral, to above it, such as -20:20"
             .into()
@@ -146,10 +128,7 @@ pub fn check_travel(travel: &Range) -> Checked {
 }
 
 /// Volts at the ends of the sensor's range.
-///
-/// # Errors
-/// One sentence.
-pub fn check_volts(volts: &Range) -> Checked {
+pub(super) fn check_volts(volts: &Range) -> Checked {
     require(volts.low >= 0.0 && volts.high <= FULL_SCALE_VOLTS, || {
         format!(
             "it must be a range within the divider's 0 to {FULL_SCALE_VOLTS} V, such as 0.5:4.5"
@@ -158,10 +137,7 @@ pub fn check_volts(volts: &Range) -> Checked {
 }
 
 /// Angle between the ends of the sensor's range.
-///
-/// # Errors
-/// One sentence.
-pub fn check_sensor_degrees(degrees: f64) -> Checked {
+pub(super) fn check_sensor_degrees(degrees: &f64) -> Checked {
     require((1.0..=3600.0).contains(&degrees.abs()), || {
         "the sensor's range must be a number of degrees from 1 to 3600, negative where its output falls as the angle grows".into()
     })
@@ -172,27 +148,9 @@ fn require(holds: bool, sentence: impl FnOnce() -> String) -> Checked {
 }
 
 impl RigAnswers {
-    /// Checks all answers.
-    ///
-    /// # Errors
-    /// One sentence.
-    pub fn check(&self) -> Checked {
-        check_name(&self.name)?;
-        check_condition(&self.condition)?;
-        check_name(&self.servo)?;
-        check_pulses(&self.pulses_us)?;
-        check_neutral(self.neutral_us, &self.pulses_us)?;
-        check_us_per_degree(self.us_per_degree)?;
-        check_travel(&self.travel_deg)?;
-        check_name(&self.sensor)?;
-        check_volts(&self.sensor_volts)?;
-        check_sensor_degrees(self.sensor_degrees)
-    }
-
     /// Limits within the servo's pulses and the travel of the linkage (µs), rounded inwards to whole
     /// microseconds.
-    #[must_use]
-    pub fn limits_us(&self) -> [u16; 2] {
+    fn limits_us(&self) -> [u16; 2] {
         let pulse = |angle: f64| f64::from(self.neutral_us) + angle * self.us_per_degree;
         let Range { low, high } = self.travel_deg;
         let ends = [pulse(low), pulse(high)];
@@ -201,74 +159,52 @@ impl RigAnswers {
         [low, high].map(|us| us as u16)
     }
 
-    /// The rig file, commented.
-    ///
-    /// ```
-    /// use servoid::rig_wizard::{RigAnswers, Range};
-    /// let answers = RigAnswers { travel_deg: Range { low: -20.0, high: 30.0 }, ..RigAnswers::default() };
-    /// let (text, rig) = answers.to_rig_file("rig.toml".as_ref())?;
-    /// assert!(text.contains("# reading at 0 degrees"));
-    /// assert_eq!((rig.limits.shortest_us, rig.limits.longest_us), (1300, 1800));
-    /// # Ok::<(), servoid::data::rig_file::RigFileError>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`RigFileError`] where the answers together make no valid rig; the error names `path`.
-    pub fn to_rig_file(&self, path: &Path) -> Result<(String, RigFile), RigFileError> {
+    /// The rig file, commented. An error names `path`.
+    pub(super) fn to_rig_file(&self, path: &Path) -> Result<(String, RigFile), RigFileError> {
         let quoted = |text: &str| toml_edit::Value::from(text).to_string();
         let number = |number: f64| toml_edit::Value::from(number).to_string();
         let Range { low, high } = self.sensor_volts;
         let sensor = SensorSection::from_data_sheet([low, high], self.sensor_degrees);
         let [shortest, longest] = self.limits_us();
-        let port = match &self.port {
-            Some(port) => format!("port = {}", quoted(port)),
-            None => "# port = \"/dev/ttyUSB0\"".to_owned(),
-        };
-        let text = template::fill(
-            include_str!("rig.toml"),
-            &[
-                ("name", quoted(&self.name)),
-                ("port", port),
-                ("condition", quoted(&self.condition)),
-                ("servo", quoted(&self.servo)),
-                ("neutral_us", self.neutral_us.to_string()),
-                ("us_per_degree", number(self.us_per_degree)),
-                ("sensor", quoted(&self.sensor)),
-                ("volts", format!("{low} to {high} V")),
-                ("degrees", self.sensor_degrees.to_string()),
-                ("zero_counts", number(sensor.zero_counts)),
-                ("degrees_per_count", number(sensor.degrees_per_count)),
-                ("zero_sd_deg", number(sensor.zero_sd_deg)),
-                ("scale_sd_percent", number(sensor.scale_sd_percent)),
-                ("healthy_counts", format!("{:?}", sensor.healthy_counts)),
-                ("travel", self.travel_in_words()),
-                ("shortest_us", shortest.to_string()),
-                ("longest_us", longest.to_string()),
-            ],
-        );
+        let port = self
+            .port
+            .as_ref()
+            .map(|port| format!("port = {}", quoted(port)));
+        let values = [
+            ("name", quoted(&self.name)),
+            (
+                "port",
+                port.unwrap_or_else(|| "# port = \"/dev/ttyUSB0\"".to_owned()),
+            ),
+            ("condition", quoted(&self.condition)),
+            ("servo", quoted(&self.servo)),
+            ("neutral_us", self.neutral_us.to_string()),
+            ("us_per_degree", number(self.us_per_degree)),
+            ("sensor", quoted(&self.sensor)),
+            ("volts", format!("{low} to {high} V")),
+            ("degrees", self.sensor_degrees.to_string()),
+            ("zero_counts", number(sensor.zero_counts)),
+            ("degrees_per_count", number(sensor.degrees_per_count)),
+            ("zero_sd_deg", number(sensor.zero_sd_deg)),
+            ("scale_sd_percent", number(sensor.scale_sd_percent)),
+            ("healthy_counts", format!("{:?}", sensor.healthy_counts)),
+            ("travel", self.travel_in_words()),
+            ("shortest_us", shortest.to_string()),
+            ("longest_us", longest.to_string()),
+        ];
+        let text = template::fill(include_str!("rig.toml"), &values);
         let rig = RigFile::parse(&text, path)?;
         Ok((text, rig))
     }
 
-    /// Travel within the limits (deg).
-    #[must_use]
-    pub fn travel(&self) -> Range {
+    /// The limits in degrees, and their reason.
+    pub(super) fn travel_in_words(&self) -> String {
         let angle = |us: u16| (f64::from(us) - f64::from(self.neutral_us)) / self.us_per_degree;
         let [a, b] = self.limits_us().map(angle);
-        Range {
-            low: a.min(b),
-            high: a.max(b),
-        }
-    }
-
-    /// The limits in degrees, and their reason.
-    #[must_use]
-    pub fn travel_in_words(&self) -> String {
-        let Range { low, high } = self.travel();
-        let because = if self.travel_deg == DEFAULT_TRAVEL_DEG {
-            "a cautious default; widen it once you know that the linkage allows more"
-        } else {
-            "the travel of the linkage, within the servo's pulses"
+        let (low, high) = (a.min(b), a.max(b));
+        let because = match self.travel_deg == DEFAULT_TRAVEL_DEG {
+            true => "a cautious default; widen it once you know that the linkage allows more",
+            false => "the travel of the linkage, within the servo's pulses",
         };
         format!("From {low:.1} to {high:.1} degrees: {because}.")
     }

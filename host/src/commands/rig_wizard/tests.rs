@@ -1,12 +1,29 @@
 use super::*;
 use crate::instrument::reference::ReferenceSpec;
 
+impl RigAnswers {
+    /// Checks all answers, in the order of the questions.
+    fn check(&self) -> Checked {
+        check_name(&self.name)?;
+        check_condition(&self.condition)?;
+        check_name(&self.servo)?;
+        check_pulses(&self.pulses_us)?;
+        check_neutral(self.neutral_us, &self.pulses_us)?;
+        check_us_per_degree(&self.us_per_degree)?;
+        check_travel(&self.travel_deg)?;
+        check_name(&self.sensor)?;
+        check_volts(&self.sensor_volts)?;
+        check_sensor_degrees(&self.sensor_degrees)
+    }
+}
+
 #[test]
 fn default_answers_are_the_default_rig() {
     let (text, rig) = RigAnswers::default()
         .to_rig_file("rig.toml".as_ref())
         .unwrap();
     let default = RigFile::default();
+    assert!(text.contains("# reading at 0 degrees"), "{text}");
     // Within what the board takes by itself, and with room for what a reference does by itself.
     let [shortest, longest] = [rig.limits.shortest_us, rig.limits.longest_us];
     assert_eq!([shortest, longest], [1400, 1600]);

@@ -65,5 +65,6 @@ pub use row::{COLUMNS, Row};
 pub use scan::is_recording;
 pub use target::Target;
 pub(crate) use whole_file::WholeFile;
+pub use whole_file::write_file;
 pub use write_error::WriteError;
 pub use writer::RecordingWriter;

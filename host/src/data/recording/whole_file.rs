@@ -3,7 +3,7 @@
 use super::target::{require_reader, require_unlocked};
 use super::write_error::WriteError;
 use std::fs::{File, OpenOptions};
-use std::io::Result as IoResult;
+use std::io::{Result as IoResult, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -21,6 +21,17 @@ enum Place {
     Aside(NamedTempFile),
     /// What is no plain file, such as a pipe, cannot be replaced.
     Direct(File),
+}
+
+/// Writes a whole file: after an error, the file that was there stays.
+///
+/// # Errors
+/// [`WriteError`], as where the file exists and `force` is not given.
+pub fn write_file(path: &Path, force: bool, content: &str) -> Result<(), WriteError> {
+    let whole = WholeFile::new(path, force)?;
+    let written = whole.file()?.write_all(content.as_bytes());
+    written.map_err(|reason| WriteError::not_created(path, reason))?;
+    whole.put_in_place()
 }
 
 impl WholeFile {

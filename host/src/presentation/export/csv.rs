@@ -1,7 +1,7 @@
 //! A table for anything that reads one: step and frequency response side by side, with bounds, and the
 //! parameters with their covariance.
 
-use super::described_model::Export;
+use super::Export;
 use super::statement::low_order_covariance;
 use super::text::{Style, number};
 use servoid_identification::results::{Bounds, Model};
@@ -17,7 +17,7 @@ const STYLE: Style = Style {
 /// A column of the table: its name, and its cells from the top.
 type Column = (String, Vec<f64>);
 
-/// The table. Lines that begin with # tell about it; a column that is shorter than others ends in
+/// The table. Lines that begin with # describe it; a column that is shorter than others ends in
 /// empty cells.
 pub(super) fn write(export: &Export<'_>) -> String {
     let mut paragraphs = export.statement(false);
@@ -33,11 +33,9 @@ pub(super) fn write(export: &Export<'_>) -> String {
     let mut text = format!("{}\n{}\n", STYLE.comment(&paragraphs), names.join(","));
     let rows = columns.iter().map(|(_, column)| column.len()).max();
     for k in 0..rows.unwrap_or(0) {
-        let cells = columns
-            .iter()
-            .map(|(_, column)| column.get(k).copied().map_or(String::new(), number));
-        text += &cells.collect::<Vec<_>>().join(",");
-        text.push('\n');
+        let cell = |(_, column): &Column| column.get(k).copied().map(number).unwrap_or_default();
+        let cells: Vec<String> = columns.iter().map(cell).collect();
+        text += &format!("{}\n", cells.join(","));
     }
     text
 }
@@ -92,11 +90,8 @@ fn of_covariance(covariance: &[Vec<f64>]) -> Vec<Column> {
     let sd = diagonal.map(|variance| variance.max(0.0).sqrt()).collect();
     let mut columns = named([("theta_sd", sd)]);
     columns.extend((0..covariance.len()).map(|column| {
-        let name = format!("theta_covariance_{}", column + 1);
-        (
-            name,
-            covariance.iter().map(|row| cell(row, column)).collect(),
-        )
+        let cells = covariance.iter().map(|row| cell(row, column));
+        (format!("theta_covariance_{}", column + 1), cells.collect())
     }));
     columns
 }

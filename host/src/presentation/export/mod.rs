@@ -1,48 +1,34 @@
-//! Models to take away: the same model as a script, a header or a fragment for other programs.
+//! The same model as a script, a header or a fragment for other programs.
 //!
-//! | target   | what is written                                                                    |
-//! |----------|------------------------------------------------------------------------------------|
-//! | matlab   | a script: structure with data, `tf` and `frd` (MATLAB, or Octave's control package) |
-//! | python   | a module: numpy arrays, and python-control's objects where it is installed          |
-//! | julia    | a module without packages, that can make objects of ControlSystems.jl               |
-//! | c        | a C99 header: finite impulse response and discrete state space, without allocation  |
-//! | csv      | a table: step and frequency response with bounds, parameters with their covariance  |
-//! | jsbsim   | a system with the actuator, which is the low-order model, and the covariance of that |
-//!
-//! Each says how the samples lie, units and signs, where it comes from, what its bounds are and where
-//! they do not hold. What is exact is the finite impulse response; the low-order model, for programs
-//! that want a ratio of polynomials, says how far it is from it.
+//! Every file states its sample times, units and signs, the origin of the model, and its bounds or why there are
+//! none. The finite impulse response is exact. The low-order model, for programs that need a ratio of
+//! polynomials, states its difference from it.
 
-mod c;
 mod csv;
-mod described_model;
-mod error;
 mod jsbsim;
-mod julia;
-mod matlab;
-mod python;
-mod scripts;
+mod languages;
+mod model;
 mod statement;
 mod text;
 
-pub use described_model::Export;
-pub use error::ExportError;
-pub use text::identifier;
+pub use model::Export;
 
-/// What a model is written for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The target program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Target {
-    /// A MATLAB script, which Octave runs too.
+    /// A script with tf and frd, which Octave runs too
     Matlab,
-    /// A Python module.
+    /// A module with numpy, and python-control where it is there
     Python,
-    /// A Julia module.
+    /// A module without packages; objects of ControlSystems.jl
     Julia,
-    /// A C99 header.
+    /// A C99 header: impulse response and state space, no allocation
     C,
-    /// A table.
+    /// A table: step and frequency response with bounds
+    #[value(alias = "simulink-csv")]
     Csv,
-    /// A JSBSim system.
+    /// A system with the actuator: hold, delay and poles
     Jsbsim,
 }
 
@@ -56,19 +42,16 @@ impl Target {
         Self::Csv,
         Self::Jsbsim,
     ];
+}
 
-    /// As the command line says it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Matlab => "matlab",
-            Self::Python => "python",
-            Self::Julia => "julia",
-            Self::C => "c",
-            Self::Csv => "csv",
-            Self::Jsbsim => "jsbsim",
-        }
-    }
+/// There is no export. The text names the remedy.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ExportError {
+    /// The target is a ratio of polynomials.
+    #[error(
+        "a JSBSim actuator needs a low-order model, and there is none ({0}): export to c or csv, or record larger steps"
+    )]
+    NoLowOrder(String),
 }
 
 impl Export<'_> {
@@ -78,10 +61,10 @@ impl Export<'_> {
     /// [`ExportError`].
     pub fn write(&self, target: Target) -> Result<String, ExportError> {
         Ok(match target {
-            Target::Matlab => matlab::write(self),
-            Target::Python => python::write(self),
-            Target::Julia => julia::write(self),
-            Target::C => c::write(self),
+            Target::Matlab => languages::matlab(self),
+            Target::Python => languages::python(self),
+            Target::Julia => languages::julia(self),
+            Target::C => languages::c(self),
             Target::Csv => csv::write(self),
             Target::Jsbsim => jsbsim::write(self)?,
         })

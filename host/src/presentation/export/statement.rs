@@ -1,64 +1,68 @@
 //! The comment at the top of every export.
 
-use super::described_model::Export;
+use super::Export;
 use super::text::{Style, number};
 use crate::presentation::summary;
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{Bounds, Interval, SelectedBy};
 
 impl Export<'_> {
-    /// Why the numbers, or their bounds, should not be trusted as they stand; a sentence each.
+    /// The limits of the numbers and their bounds, a sentence each.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let model = self.model;
         let mut found = Vec::new();
-        match model.level() {
-            Bounds::Withdrawn(reason) => found.push(format!(
-                "no bounds can be given, as {}: this file has none",
-                reason.because()
-            )),
-            Bounds::Valid(_) if !model.linear => found.push(
-                "the servo is not linear: the bounds are those of the linear description that fits the reference best"
-                    .to_owned(),
-            ),
-            Bounds::Valid(_) => {}
-        }
-        if !model.is_consistent() {
-            found.push("the model contradicts itself: identify again".to_owned());
-        }
-        if model.structure.selected_by == SelectedBy::Narrow {
-            found.push(
-                "the bounds are narrow: they hold only if the response falls by at least 40 dB/decade above the highest frequency"
-                    .to_owned(),
+        let mut warn = |holds: bool, text: &str| {
+            if holds {
+                found.push(text.to_owned());
+            }
+        };
+        if let Bounds::Withdrawn(reason) = model.level() {
+            let because = reason.because();
+            warn(
+                true,
+                &format!("no bounds can be given, as {because}: this file has none"),
+            );
+        } else {
+            warn(
+                !model.linear,
+                "the servo is not linear: the bounds are those of the linear description that fits the reference best",
             );
         }
-        if !model.converged {
-            found.push(
-                "the noise model did not come to rest: the bounds are approximate".to_owned(),
-            );
-        }
+        warn(
+            !model.is_consistent(),
+            "the model contradicts itself: identify again",
+        );
+        warn(
+            model.structure.selected_by == SelectedBy::Narrow,
+            "the bounds are narrow: they hold only if the response falls by at least 40 dB/decade above the highest frequency",
+        );
+        warn(
+            !model.converged,
+            "the noise model did not come to rest: the bounds are approximate",
+        );
         if let Some(reason) = model.metrics.withheld {
-            found.push(format!("metrics are withheld: {}", reason.because()));
+            warn(true, &format!("metrics are withheld: {}", reason.because()));
         }
-        if self.metadata.pulse_frame_s.is_none() {
-            found.push(
-                "it is not known how the command is held: the model does not say that it comes from recordings of servoid, so no frame hold is assumed; for a servo on pulses, state their frame with --frame-ms"
-                    .to_owned(),
-            );
-        }
+        warn(
+            self.metadata.pulse_frame_s.is_none(),
+            "it is not known how the command is held: the model does not say that it comes from recordings of servoid, so no frame hold is assumed; for a servo on pulses, state their frame with --frame-ms",
+        );
         match &self.low_order {
-            Ok(flight) if flight.approximation => found.push(format!(
-                "the low-order model is an approximation: it is wrong by up to {:.2} % of the step",
-                self.largest_error_percent(flight)
-            )),
-            Ok(_) => {}
-            Err(reason) => found.push(format!("there is no low-order model: {reason}")),
+            Ok(flight) => {
+                let error = self.largest_error_percent(flight);
+                let text = format!(
+                    "the low-order model is an approximation: it is wrong by up to {error:.2} % of the step"
+                );
+                warn(flight.approximation, &text);
+            }
+            Err(reason) => warn(true, &format!("there is no low-order model: {reason}")),
         }
         found
     }
 
-    /// Everything that someone who reads the file has to know, a paragraph each. `held` says that the
-    /// frame hold is part of the file.
+    /// Origin, warnings, units, sampling, hold, bounds and parameters, a paragraph each. `held`: the frame hold is
+    /// part of the file.
     pub(super) fn statement(&self, held: bool) -> Vec<String> {
         let mut paragraphs = vec![format!(
             "{}: servo model, exported by servoid {} from {}.",
@@ -66,15 +70,10 @@ impl Export<'_> {
             env!("CARGO_PKG_VERSION"),
             self.source
         )];
-        let warnings = self.warnings();
-        paragraphs.extend(
-            warnings
-                .iter()
-                .map(|warning| format!("WARNING: {warning}.")),
-        );
+        let warnings = self.warnings().into_iter();
+        paragraphs.extend(warnings.map(|warning| format!("WARNING: {warning}.")));
         let advice = self.model.advice.iter();
-        paragraphs
-            .extend(advice.map(|advice| format!("Advice: {} {}", advice.finding, advice.remedy)));
+        paragraphs.extend(advice.map(|a| format!("Advice: {} {}", a.finding, a.remedy)));
         paragraphs.extend([
             self.units_and_signs(),
             self.sampling(),
@@ -82,9 +81,9 @@ impl Export<'_> {
             self.bounds(),
             self.parameters(),
         ]);
-        let flight = self.low_order.as_ref().ok();
-        paragraphs
-            .extend(flight.map(|flight| low_order(flight, self.largest_error_percent(flight))));
+        if let Ok(flight) = &self.low_order {
+            paragraphs.push(low_order(flight, self.largest_error_percent(flight)));
+        }
         paragraphs
     }
 
@@ -120,48 +119,48 @@ impl Export<'_> {
     fn hold(&self, held: bool) -> String {
         let milliseconds = |seconds: f64| number((seconds * 1e7).round() / 1e4);
         let begin = "Delay: all of the servo's own delay, counted from the edge of the command as it was applied, is in the model.";
-        let Some(frame_s) = self.metadata.pulse_frame_s else {
-            return format!(
-                "{begin} How the command is held is not known, and no hold is assumed."
-            );
+        let frame = self
+            .metadata
+            .pulse_frame_s
+            .map(milliseconds)
+            .unwrap_or_default();
+        let hold = match self.metadata.pulse_frame_s {
+            None => "How the command is held is not known, and no hold is assumed.".to_owned(),
+            Some(0.0) => {
+                "No frame hold is assumed: the command may change at any sample.".to_owned()
+            }
+            Some(_) if held => {
+                format!(
+                    "The hold of the command for a pulse frame of {frame} ms is part of this file."
+                )
+            }
+            // A uniform delay between 0 and T has the mean T/2 and the standard deviation T/sqrt(12).
+            Some(frame_s) => format!(
+                "The frame hold is not: a servo gets a new pulse once in {frame} ms only. Put a sample and hold of {frame} ms before the model; a simulation without one must add {} ms of delay, and lacks a jitter of {} ms rms.",
+                milliseconds(frame_s / 2.0),
+                milliseconds(frame_s / 12f64.sqrt()),
+            ),
         };
-        if frame_s == 0.0 {
-            return format!(
-                "{begin} No frame hold is assumed: the command may change at any sample."
-            );
-        }
-        let frame = milliseconds(frame_s);
-        if held {
-            return format!(
-                "{begin} The hold of the command for a pulse frame of {frame} ms is part of this file."
-            );
-        }
-        // A uniform delay between 0 and T has the mean T/2 and the standard deviation T/sqrt(12).
-        format!(
-            "{begin} The frame hold is not: a servo gets a new pulse once in {frame} ms only. Put a sample and hold of {frame} ms before the model; a simulation without one must add {} ms of delay, and lacks a jitter of {} ms rms.",
-            milliseconds(frame_s / 2.0),
-            milliseconds(frame_s / 12f64.sqrt()),
-        )
+        format!("{begin} {hold}")
     }
 
     fn bounds(&self) -> String {
         let Bounds::Valid(bounds) = &self.model.step.bounds else {
             return "Bounds: none can be given (see the warning).".to_owned();
         };
+        let biases = [
+            (bounds.truncation_bias, "left-out high frequencies"),
+            (bounds.rounding_bias, "the steps of the sensor"),
+        ];
+        let biases = biases.into_iter().filter(|(bias, _)| *bias != 0.0);
+        let biases = biases.map(|(bias, hidden_by)| {
+            let bias = number(bias);
+            format!(" {bias} of their half width is a bound of what {hidden_by} may hide.")
+        });
         format!(
             "Bounds: level {} %. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them, saturation and what changes from run to run are not.{}",
             summary::percent(bounds.level),
-            [
-                (bounds.truncation_bias, "left-out high frequencies"),
-                (bounds.rounding_bias, "the steps of the sensor"),
-            ]
-            .into_iter()
-            .filter(|(bias, _)| *bias != 0.0)
-            .map(|(bias, what)| format!(
-                " {} of their half width is a bound of what {what} may hide.",
-                number(bias)
-            ))
-            .collect::<String>(),
+            biases.collect::<String>(),
         )
     }
 
@@ -193,18 +192,10 @@ pub(super) fn parameters_of(flight: &FlightModel) -> &'static str {
 /// The covariance of a low-order model in one paragraph, for files that have no place for a matrix; `None`
 /// where it has no bounds.
 pub(super) fn low_order_covariance(flight: &FlightModel, style: &Style) -> Option<String> {
-    let rows: Vec<String> = flight
-        .bounds
-        .valid()?
-        .covariance
-        .iter()
-        .map(|row| format!("[{}]", style.short(row)))
-        .collect();
-    Some(format!(
-        "Covariance of {}: [{}]",
-        parameters_of(flight),
-        rows.join(", ")
-    ))
+    let rows = flight.bounds.valid()?.covariance.iter();
+    let rows: Vec<String> = rows.map(|row| format!("[{}]", style.short(row))).collect();
+    let (parameters, rows) = (parameters_of(flight), rows.join(", "));
+    Some(format!("Covariance of {parameters}: [{rows}]"))
 }
 
 fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
@@ -230,14 +221,11 @@ fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
             continue;
         };
         let bound = |bound: Option<f64>| bound.map_or("-".to_owned(), |b| format!("{b:.6}"));
-        text += &match (lower, upper) {
-            (None, None) => format!(" {name} = {value:.6}{unit},"),
-            _ => format!(
-                " {name} = {value:.6}{unit} ({} to {}),",
-                bound(lower),
-                bound(upper)
-            ),
+        let bounds = match (lower, upper) {
+            (None, None) => String::new(),
+            _ => format!(" ({} to {})", bound(lower), bound(upper)),
         };
+        text += &format!(" {name} = {value:.6}{unit}{bounds},");
     }
     let intervals = match &flight.bounds {
         Bounds::Valid(bounds) => format!("intervals of {} %", summary::percent(bounds.level)),

@@ -1,27 +1,18 @@
 //! Names, comments and numbers in the form that a language takes.
 //!
-//! Names of files and servos, and the sentences of a model, come from elsewhere: what has a meaning
-//! in a language must not reach it.
+//! Names of files and servos, and the sentences of a model, come from elsewhere: characters with a meaning in a
+//! language must not reach it.
 
-/// A name for programs, `servo_bench_1`: letters of ASCII, digits and underscores, and no word of
-/// any language because of how it begins.
-///
-/// ```
-/// use servoid::export::identifier;
-/// assert_eq!(identifier("DS610 (bench)"), "servo_ds610_bench");
-/// assert_eq!(identifier("\"); system('rm');"), "servo_system_rm");
-/// ```
-#[must_use]
-pub fn identifier(name: &str) -> String {
+/// A name for programs, `servo_bench_1`: letters of ASCII, digits and underscores. The first word keeps it from
+/// being a keyword of any language.
+pub(super) fn identifier(name: &str) -> String {
     let mut safe = String::from("servo");
-    let words = name
-        .split(|c: char| !c.is_ascii_alphanumeric())
-        .filter(|word| !word.is_empty());
-    for word in words {
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric());
+    for word in words.filter(|word| !word.is_empty()) {
         safe.push('_');
         safe.push_str(&word.to_ascii_lowercase());
     }
-    // Names of 63 characters are the longest that MATLAB tells apart, and fields and macros are added.
+    // MATLAB distinguishes names by their first 63 characters, and fields and macros are added.
     safe.truncate(40);
     safe
 }
@@ -29,12 +20,10 @@ pub fn identifier(name: &str) -> String {
 /// Text in which nothing ends a line or hides: letters, digits and the signs of ASCII stay, all else
 /// becomes a space.
 pub(super) fn plain(text: &str) -> String {
-    text.chars()
-        .map(|c| match c {
-            c if c.is_alphanumeric() || c.is_ascii_graphic() => c,
-            _ => ' ',
-        })
-        .collect()
+    text.replace(
+        |c: char| !(c.is_alphanumeric() || c.is_ascii_graphic()),
+        " ",
+    )
 }
 
 /// How a language writes comments, lists and matrices.
@@ -89,10 +78,8 @@ impl Style {
     /// A matrix as the inside of one, a line for each row.
     pub fn matrix(&self, rows: &[Vec<f64>]) -> String {
         let (open, close) = self.row;
-        let rows = rows
-            .iter()
-            .map(|row| format!("    {open}{}{close}", self.short(row)));
-        rows.collect::<Vec<_>>().join("\n")
+        let row = |row: &Vec<f64>| format!("    {open}{}{close}", self.short(row));
+        rows.iter().map(row).collect::<Vec<_>>().join("\n")
     }
 }
 
@@ -138,6 +125,12 @@ mod tests {
         broken: "",
         row: ("{", "},"),
     };
+
+    #[test]
+    fn any_name_becomes_an_identifier() {
+        assert_eq!(identifier("DS610 (bench)"), "servo_ds610_bench");
+        assert_eq!(identifier("\"); system('rm');"), "servo_system_rm");
+    }
 
     #[test]
     fn nothing_leaves_a_comment() {

@@ -1,11 +1,13 @@
-//! What a picture shows, as data.
+//! A figure as data: panels with bands, curves and marks.
 
-/// A picture: panels one above the other, all as wide as the picture.
+use servoid_identification::results::Model;
+
+/// Panels one above the other, all as wide as the figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// Name of its file, without folder and ending.
     pub name: String,
-    /// What it says above the panels.
+    /// Title above the panels.
     pub title: String,
     /// The panels, from the top.
     pub panels: Vec<Panel>,
@@ -14,13 +16,13 @@ pub struct Figure {
 /// One pair of axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Panel {
-    /// What runs to the right, with its unit.
+    /// Quantity to the right, with its unit.
     pub x_label: String,
-    /// Whether it runs logarithmically.
+    /// Whether the axis to the right is logarithmic.
     pub x_logarithmic: bool,
-    /// What runs upwards, with its unit.
+    /// Quantity upwards, with its unit.
     pub y_label: String,
-    /// Where the legend hides nothing.
+    /// Place of the legend.
     pub legend: Legend,
     /// Areas, drawn first.
     pub bands: Vec<Band>,
@@ -33,21 +35,21 @@ pub struct Panel {
 /// Where the curves of a panel leave room.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Legend {
-    /// They rise to the right.
+    /// The curves rise to the right.
     #[default]
     LowerRight,
-    /// They fall to the right.
+    /// The curves fall to the right.
     UpperRight,
-    /// They fill the panel: room is made above them.
+    /// The curves fill the panel: room is made above them.
     Above,
 }
 
 /// A line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// What the legend calls it; empty for none.
+    /// Name in the legend; empty for none.
     pub name: String,
-    /// How it is drawn.
+    /// Its colour.
     pub ink: Ink,
     /// Whether it is dashed.
     pub dashed: bool,
@@ -58,9 +60,9 @@ pub struct Curve {
 /// An area between two lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: String,
-    /// How it is drawn.
+    /// Its colour.
     pub ink: Ink,
     /// (x, lower, upper)
     pub points: Vec<(f64, f64, f64)>,
@@ -69,9 +71,9 @@ pub struct Band {
 /// Points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marks {
-    /// What the legend calls them; empty for none.
+    /// Name in the legend; empty for none.
     pub name: String,
-    /// How they are drawn.
+    /// Their colour.
     pub ink: Ink,
     /// The points.
     pub points: Vec<Mark>,
@@ -80,75 +82,63 @@ pub struct Marks {
 /// One point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// Where.
+    /// Place to the right.
     pub x: f64,
-    /// Where.
+    /// Place upwards.
     pub y: f64,
     /// The ends of a vertical line through it: an interval, or the foot of a stem.
     pub line: Option<(f64, f64)>,
 }
 
-/// What a line stands for decides its colour, the same in every picture.
+/// The meaning of a line, which decides its colour in every figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
-    /// What was commanded.
+    /// The command.
     Reference,
-    /// What was measured.
+    /// The measurement.
     Measured,
     /// The first model.
     Model,
     /// The second model.
     SecondModel,
-    /// Further lines, where runs have to be told apart.
+    /// The fourth of several runs.
     Third,
-    /// And one more.
+    /// The fifth of several runs.
     Fourth,
 }
 
-impl Ink {
-    /// Runs beside each other; from the sixth on the colours come again.
-    #[must_use]
-    pub fn of_run(index: usize) -> Self {
-        match index % 5 {
-            0 => Ink::Measured,
-            1 => Ink::Model,
-            2 => Ink::SecondModel,
-            3 => Ink::Third,
-            _ => Ink::Fourth,
-        }
-    }
+/// A model with the name of its curves.
+#[derive(Clone, Copy, Debug)]
+pub struct Named<'a> {
+    /// Name in the legend.
+    pub name: &'a str,
+    /// The model.
+    pub model: &'a Model,
 }
 
-impl Panel {
-    /// The smallest and largest finite coordinates of everything in it: ((x, x), (y, y)).
-    /// `None` where there is nothing to show.
-    #[must_use]
-    pub fn extent(&self) -> Option<((f64, f64), (f64, f64))> {
-        let curves = self.curves.iter().flat_map(|c| c.points.iter().copied());
-        let bands = self.bands.iter().flat_map(|b| &b.points);
-        let edges = bands.flat_map(|&(x, lower, upper)| [(x, lower), (x, upper)]);
-        let mut extent: Option<((f64, f64), (f64, f64))> = None;
-        let marks = self.marks.iter().flat_map(|m| &m.points).flat_map(|mark| {
-            let (low, high) = mark.line.unwrap_or((mark.y, mark.y));
-            [(mark.x, mark.y), (mark.x, low), (mark.x, high)]
-        });
-        for (x, y) in curves
-            .chain(edges)
-            .chain(marks)
-            .filter(|(x, y)| x.is_finite() && y.is_finite())
-        {
-            let ((x0, x1), (y0, y1)) = extent.get_or_insert(((x, x), (y, y)));
-            (*x0, *x1, *y0, *y1) = (x0.min(x), x1.max(x), y0.min(y), y1.max(y));
-        }
-        extent
-    }
+/// Colours of the first model and of the second.
+pub(super) const INKS: [Ink; 2] = [Ink::Model, Ink::SecondModel];
+
+/// "angle (deg)", or the quantity alone where the unit is not known.
+pub(super) fn with_unit(quantity: &str, unit: Option<&str>) -> String {
+    unit.map_or_else(
+        || quantity.to_owned(),
+        |unit| format!("{quantity} ({unit})"),
+    )
 }
 
 impl Figure {
-    /// The range of x that a panel is drawn over: panels with the same x share it, so that what
-    /// happens at one time is at one place in all of them. `None` where there is nothing to show.
-    #[must_use]
-    pub fn x_range(&self, panel: &Panel) -> Option<(f64, f64)> {
+    pub(crate) fn new(name: &str, title: &str, panels: Vec<Panel>) -> Self {
+        let (name, title) = (name.to_owned(), title.to_owned());
+        Self {
+            name,
+            title,
+            panels,
+        }
+    }
+
+    /// The range of x that a panel is drawn over: panels with the same x share it. `None` without points.
+    pub(super) fn x_range(&self, panel: &Panel) -> Option<(f64, f64)> {
         let alike = self
             .panels
             .iter()
@@ -158,23 +148,55 @@ impl Figure {
     }
 }
 
+impl Panel {
+    /// Axes without curves.
+    pub(crate) fn new(x_label: &str, y_label: impl Into<String>, legend: Legend) -> Self {
+        let (x_label, y_label) = (x_label.to_owned(), y_label.into());
+        Self {
+            x_label,
+            y_label,
+            legend,
+            ..Self::default()
+        }
+    }
+
+    /// The smallest and largest finite coordinates of everything in it: ((x, x), (y, y)). `None` without points.
+    pub(crate) fn extent(&self) -> Option<((f64, f64), (f64, f64))> {
+        let curves = self.curves.iter().flat_map(|c| c.points.iter().copied());
+        let bands = self.bands.iter().flat_map(|b| &b.points);
+        let edges = bands.flat_map(|&(x, lower, upper)| [(x, lower), (x, upper)]);
+        let marks = self.marks.iter().flat_map(|m| &m.points).flat_map(|mark| {
+            let (low, high) = mark.line.unwrap_or((mark.y, mark.y));
+            [(mark.x, mark.y), (mark.x, low), (mark.x, high)]
+        });
+        let all = curves.chain(edges).chain(marks);
+        let finite = all.filter(|(x, y)| x.is_finite() && y.is_finite());
+        finite
+            .map(|(x, y)| ((x, x), (y, y)))
+            .reduce(|((a, b), (c, d)), ((x, _), (y, _))| {
+                ((a.min(x), b.max(x)), (c.min(y), d.max(y)))
+            })
+    }
+}
+
 impl Curve {
     /// A solid line.
-    pub fn solid(
+    pub(crate) fn solid(
         name: impl Into<String>,
         ink: Ink,
         points: impl IntoIterator<Item = (f64, f64)>,
     ) -> Self {
+        let (name, points) = (name.into(), points.into_iter().collect());
         Self {
-            name: name.into(),
+            name,
             ink,
             dashed: false,
-            points: points.into_iter().collect(),
+            points,
         }
     }
 
     /// A dashed line.
-    pub fn dashed(
+    pub(crate) fn dashed(
         name: impl Into<String>,
         ink: Ink,
         points: impl IntoIterator<Item = (f64, f64)>,
@@ -182,6 +204,28 @@ impl Curve {
         Self {
             dashed: true,
             ..Self::solid(name, ink, points)
+        }
+    }
+}
+
+impl Band {
+    /// The area between two lines over the same x.
+    pub(crate) fn between(
+        name: String,
+        ink: Ink,
+        x: impl IntoIterator<Item = f64>,
+        lower: &[f64],
+        upper: &[f64],
+    ) -> Self {
+        let edges = lower.iter().zip(upper);
+        let points = x
+            .into_iter()
+            .zip(edges)
+            .map(|(x, (&low, &high))| (x, low, high));
+        Self {
+            name,
+            ink,
+            points: points.collect(),
         }
     }
 }

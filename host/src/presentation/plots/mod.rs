@@ -1,19 +1,27 @@
-//! Pictures of recordings and models.
+//! Figures of recordings and models.
 //!
-//! [`figure`] is what a picture shows, as data. [`paper_figures`] makes the paper's figures from recordings
-//! and models, those over time in [`signals`] and those of responses in [`response`]; [`structure`],
-//! [`residuals`], [`scatter`] and [`difference`] make what a reader needs to trust them. [`svg`] draws them; a
-//! drawing in another format is another file beside it.
+//! A [`Figure`] is data. The functions here make figures from records and models: the paper's figures, and those
+//! that show whether the results can be trusted. [`draw`] turns a figure into SVG; the report turns the same
+//! figures into interactive ones.
 
-pub mod difference;
-pub mod figure;
-pub mod named;
-pub mod paper_figures;
-pub mod residuals;
-pub mod response;
-pub mod scatter;
-pub mod signals;
-pub mod structure;
-pub mod svg;
+mod difference;
+mod figure;
+mod paper_figures;
+mod residuals;
+mod response;
+mod scatter;
+mod signals;
+mod structure;
+mod svg;
 
-pub use figure::Figure;
+pub use difference::difference;
+pub use figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Named, Panel};
+pub use paper_figures::{Subject, identification, paper};
+pub use residuals::residuals;
+pub use response::{bode, step_response};
+pub use scatter::run_scatter;
+pub use signals::{input_output, validation};
+pub use structure::structure;
+pub use svg::draw;
+
+pub(crate) use signals::MOST_RUNS;

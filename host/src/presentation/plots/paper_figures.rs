@@ -1,14 +1,13 @@
 //! The paper's figures, made from recordings and models.
 
-use super::figure::Figure;
-use super::named::Named;
+use super::figure::{Figure, Named};
 use super::response::{bode, step_response};
 use super::signals::{input_output, validation};
 use crate::data::units::Units;
 use servoid_identification::results::Model;
 use servoid_identification::{Record, Run};
 
-/// Everything that is drawn of one identification: Figs 4-7 of the paper for this record.
+/// All figures of one identification: Figs 4-7 of the paper for this record.
 #[must_use]
 pub fn identification(
     prefix: &str,
@@ -20,20 +19,21 @@ pub fn identification(
         name: "model",
         model,
     }];
+    let name = |what: &str| format!("{prefix}-{what}");
     let mut figures = vec![
         input_output(
-            &format!("{prefix}-input-output"),
+            &name("input-output"),
             "Reference and measurement",
             record,
             units,
         ),
-        step_response(&format!("{prefix}-step"), "Step response", &named, units),
-        bode(&format!("{prefix}-bode"), "Frequency response", &named),
+        step_response(&name("step"), "Step response", &named, units),
+        bode(&name("bode"), "Frequency response", &named),
     ];
     figures.extend(record.runs().iter().zip(1..).map(|(run, number)| {
         let name = match record.runs().len() {
-            1 => format!("{prefix}-validation"),
-            _ => format!("{prefix}-validation-run-{number}"),
+            1 => name("validation"),
+            _ => name(&format!("validation-run-{number}")),
         };
         validation(
             &name,
@@ -46,10 +46,10 @@ pub fn identification(
     figures
 }
 
-/// One servo under one condition: what a report draws.
+/// One servo under one condition.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
-    /// What it is called: bench, aircraft, a file's name.
+    /// Its name: bench, aircraft, a file's name.
     pub name: &'a str,
     /// Its model.
     pub model: &'a Model,
@@ -81,15 +81,9 @@ pub fn paper(first: &Subject<'_>, second: Option<&Subject<'_>>) -> Vec<Figure> {
         let both = [first.named(), second.named()];
         let mut later = of_one(second, &both, ["08", "10", "11", "12"]);
         if let Some(run) = second.first_run() {
+            let (name, unit) = ("fig-09-first-on-second", second.units.output);
             let title = format!("Fig. 9: {} model on {} data", first.name, second.name);
-            let figure = validation(
-                "fig-09-first-on-second",
-                &title,
-                &[first.named()],
-                run,
-                second.units.output,
-            );
-            later.insert(1, figure);
+            later.insert(1, validation(name, &title, &[first.named()], run, unit));
         }
         all.extend(later);
     }
@@ -99,47 +93,31 @@ pub fn paper(first: &Subject<'_>, second: Option<&Subject<'_>>) -> Vec<Figure> {
 /// Measurement, step response, frequency response and validation of one servo, with these numbers
 /// of the paper's figures.
 fn of_one(subject: &Subject<'_>, models: &[Named<'_>], numbers: [&str; 4]) -> Vec<Figure> {
-    let [io, step, frequency, fit] = numbers;
+    let (own, units) = (subject.name, subject.units);
     let names: Vec<&str> = models.iter().map(|m| m.name).collect();
     let names = names.join(" and ");
-    let title =
-        |number: &str, what: &str| format!("Fig. {}: {what}", number.trim_start_matches('0'));
-    let mut figures = Vec::new();
-    if let Some(record) = subject.record {
-        let title = title(io, &format!("{}, reference and measurement", subject.name));
-        figures.push(input_output(
-            &format!("fig-{io}-measurement"),
-            &title,
-            record,
-            subject.units,
-        ));
-    }
-    figures.push(step_response(
-        &format!("fig-{step}-step-response"),
-        &title(step, &format!("step response, {names}")),
-        models,
-        subject.units,
-    ));
-    figures.push(bode(
-        &format!("fig-{frequency}-frequency-response"),
-        &title(frequency, &format!("frequency response, {names}")),
-        models,
-    ));
-    if let Some(run) = subject.first_run() {
-        let title = title(
-            fit,
-            &format!(
-                "model against measurement, {names} on {} data",
-                subject.name
-            ),
-        );
-        figures.push(validation(
-            &format!("fig-{fit}-validation"),
-            &title,
-            models,
-            run,
-            subject.units.output,
-        ));
-    }
+    let texts = [
+        ("measurement", format!("{own}, reference and measurement")),
+        ("step-response", format!("step response, {names}")),
+        ("frequency-response", format!("frequency response, {names}")),
+        (
+            "validation",
+            format!("model against measurement, {names} on {own} data"),
+        ),
+    ];
+    let mut labels = numbers
+        .into_iter()
+        .zip(texts)
+        .map(|(number, (kind, text))| {
+            let title = format!("Fig. {}: {text}", number.trim_start_matches('0'));
+            (format!("fig-{number}-{kind}"), title)
+        });
+    let [io, step, frequency, fit] = std::array::from_fn(|_| labels.next().unwrap_or_default());
+    let measurement = |record| input_output(&io.0, &io.1, record, units);
+    let validated = |run| validation(&fit.0, &fit.1, models, run, units.output);
+    let mut figures: Vec<Figure> = subject.record.map(measurement).into_iter().collect();
+    figures.push(step_response(&step.0, &step.1, models, units));
+    figures.push(bode(&frequency.0, &frequency.1, models));
+    figures.extend(subject.first_run().map(validated));
     figures
 }

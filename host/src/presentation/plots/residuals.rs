@@ -1,4 +1,4 @@
-//! Residuals: correlations of its one-step errors with themselves and with the input.
+//! Correlations of a model's one-step errors with themselves and with the input.
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
 use crate::presentation::summary::probability;
@@ -6,48 +6,29 @@ use servoid_identification::Record;
 use servoid_identification::diagnostics::{Correlogram, WHITENESS_LAGS};
 use servoid_identification::results::Model;
 
-/// Lags of the input looked at before the present and beyond the settling time.
+/// Lags of the input shown before the present and beyond the settling time.
 const AROUND: isize = 25;
 
 /// Share of the lags that lie within their bound if the errors are noise.
 const LEVEL: f64 = 0.99;
 
 /// Both correlograms, with the p-values of the tests that belong to them in the legend. A record
-/// without errors to look at gives no panels.
+/// without errors gives no panels.
 #[must_use]
 pub fn residuals(name: &str, title: &str, model: &Model, record: &Record) -> Figure {
     let beyond = model.structure.settling_samples as isize + AROUND;
-    let p = |p: Option<f64>| format!(", {}", probability(p));
     let tests = &model.residuals;
     let own = Correlogram::of_errors(model, record, 2 * WHITENESS_LAGS, LEVEL);
     let input = Correlogram::with_input(model, record, -AROUND..=beyond, LEVEL);
-    let panels = [
-        own.map(|found| {
-            panel(
-                &found,
-                "lag (samples)",
-                &format!("one-step error with itself{}", p(tests.whiteness_p)),
-            )
-        }),
-        input.map(|found| {
-            panel(
-                &found,
-                "lag of the input behind the error (samples)",
-                &format!(
-                    "one-step error with the input{}",
-                    p(tests.input_correlation_p)
-                ),
-            )
-        }),
-    ];
-    Figure {
-        name: name.into(),
-        title: title.into(),
-        panels: panels.into_iter().flatten().collect(),
-    }
+    let own = own.map(|found| panel(&found, "lag (samples)", "itself", tests.whiteness_p));
+    let input = input.map(|found| {
+        let x_label = "lag of the input behind the error (samples)";
+        panel(&found, x_label, "the input", tests.input_correlation_p)
+    });
+    Figure::new(name, title, own.into_iter().chain(input).collect())
 }
 
-fn panel(found: &Correlogram, x_label: &str, name: &str) -> Panel {
+fn panel(found: &Correlogram, x_label: &str, with: &str, p: Option<f64>) -> Panel {
     let stem = |(&lag, &value): (&isize, &f64)| Mark {
         x: lag as f64,
         y: value,
@@ -55,20 +36,15 @@ fn panel(found: &Correlogram, x_label: &str, name: &str) -> Panel {
     };
     let ends = [found.lags.first(), found.lags.last()];
     let ends: Vec<f64> = ends.into_iter().flatten().map(|&lag| lag as f64).collect();
+    let bound = |&lag: &f64| (lag, -found.bound, found.bound);
     Panel {
-        x_label: x_label.into(),
-        y_label: "correlation".into(),
-        legend: Legend::Above,
         bands: vec![Band {
             name: format!(
                 "{} % of each lag, if there is nothing to find",
                 100.0 * LEVEL
             ),
             ink: Ink::Model,
-            points: ends
-                .iter()
-                .map(|&lag| (lag, -found.bound, found.bound))
-                .collect(),
+            points: ends.iter().map(bound).collect(),
         }],
         curves: vec![Curve::dashed(
             "",
@@ -76,10 +52,10 @@ fn panel(found: &Correlogram, x_label: &str, name: &str) -> Panel {
             ends.iter().map(|&lag| (lag, 0.0)),
         )],
         marks: vec![Marks {
-            name: name.into(),
+            name: format!("one-step error with {with}, {}", probability(p)),
             ink: Ink::Measured,
             points: found.lags.iter().zip(&found.value).map(stem).collect(),
         }],
-        ..Panel::default()
+        ..Panel::new(x_label, "correlation", Legend::Above)
     }
 }

@@ -1,6 +1,6 @@
 //! How runs of one servo differ among themselves.
 
-use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
+use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel, with_unit};
 use crate::presentation::summary::{percent, probability};
 use servoid_identification::diagnostics::{Difference, RunComparison, RunDifference};
 use servoid_identification::results::{Model, StepBounds, pointwise_critical};
@@ -17,34 +17,27 @@ pub fn run_scatter(
     level: Option<f64>,
     unit: Option<&str>,
 ) -> Figure {
-    let mut panels = Vec::new();
-    panels.extend(curves(alone, level));
-    let offset = unit.map_or_else(|| "offset".to_owned(), |unit| format!("offset ({unit})"));
-    let numbers: [(&str, f64, f64, Number); 3] = [
-        ("gain (%)", 1.0, compared.gain_percent.p, |run| {
-            run.gain_percent
-        }),
-        ("delay (ms)", 1e3, compared.delay_s.p, |run| run.delay_s),
-        (&offset, 1.0, compared.offset.p, |run| run.offset),
-    ];
-    for (what, scale, p, of) in numbers {
-        panels.push(number(what, compared, level, p, |run| {
+    let number = |what: &str, scale: f64, p: f64, of: fn(&RunDifference) -> Difference| {
+        number(what, compared, level, p, |run| {
             let Difference { value, sd } = of(run);
             (scale * value, scale * sd)
-        }));
-    }
-    Figure {
-        name: name.into(),
-        title: title.into(),
-        panels,
-    }
+        })
+    };
+    let panels = [
+        number("gain (%)", 1.0, compared.gain_percent.p, |run| {
+            run.gain_percent
+        }),
+        number("delay (ms)", 1e3, compared.delay_s.p, |run| run.delay_s),
+        number(&with_unit("offset", unit), 1.0, compared.offset.p, |run| {
+            run.offset
+        }),
+    ];
+    Figure::new(
+        name,
+        title,
+        curves(alone, level).into_iter().chain(panels).collect(),
+    )
 }
-
-/// What the legend calls numbers whose errors are not noise.
-const NO_BOUNDS: &str = "as estimated: no bounds can be given";
-
-/// How to read a number of a run.
-type Number = fn(&RunDifference) -> Difference;
 
 fn number(
     what: &str,
@@ -55,37 +48,43 @@ fn number(
 ) -> Panel {
     let critical = level.map(pointwise_critical);
     let mark = |run: &RunDifference| {
-        let (value, sd) = of(run);
+        let (y, sd) = of(run);
+        let line = critical.map(|critical| (y - critical * sd, y + critical * sd));
         Mark {
             x: run.run as f64,
-            y: value,
-            line: critical.map(|critical| (value - critical * sd, value + critical * sd)),
+            y,
+            line,
         }
+    };
+    let name = match level.map(percent) {
+        Some(level) => format!(
+            "{level} % for noise alone; no scatter: {}",
+            probability(Some(p))
+        ),
+        None => "as estimated: no bounds can be given".to_owned(),
     };
     let ends = [compared.runs.first(), compared.runs.last()];
     let zero = ends.into_iter().flatten().map(|run| (run.run as f64, 0.0));
+    let points = compared.runs.iter().map(mark).collect();
     Panel {
-        x_label: "run".into(),
-        y_label: format!("run - all: {what}"),
-        legend: Legend::Above,
         curves: vec![Curve::dashed("", Ink::Reference, zero)],
         marks: vec![Marks {
-            name: level.map_or_else(
-                || NO_BOUNDS.to_owned(),
-                |level| {
-                    format!(
-                        "{} % for noise alone; no scatter: {}",
-                        percent(level),
-                        probability(Some(p))
-                    )
-                },
-            ),
+            name,
             ink: Ink::Measured,
-            points: compared.runs.iter().map(mark).collect(),
+            points,
         }],
-        ..Panel::default()
+        ..Panel::new("run", format!("run - all: {what}"), Legend::Above)
     }
 }
+
+/// Colours of the runs; from the sixth on they come again.
+const RUNS: [Ink; 5] = [
+    Ink::Measured,
+    Ink::Model,
+    Ink::SecondModel,
+    Ink::Third,
+    Ink::Fourth,
+];
 
 /// Step responses less their mean, in percent of the step. The band is where noise alone leaves one of
 /// K runs: its own simultaneous bounds, narrower by sqrt(1 - 1/K) as it is part of the mean.
@@ -100,41 +99,37 @@ fn curves(alone: &[Model], level: Option<f64>) -> Option<Panel> {
     let gain = mean_of(&|model| at(&model.step.value, points - 1)).abs();
     let timing = alone.first()?.timing();
     // The mean of bounds is one only where each of them is.
-    let bounds: Option<Vec<&StepBounds>> = alone
-        .iter()
-        .map(|model| model.step.bounds.valid())
-        .collect();
+    let bounds = alone.iter().map(|model| model.step.bounds.valid());
+    let bounds: Option<Vec<&StepBounds>> = bounds.collect();
     let band = |(level, bounds): (f64, Vec<&StepBounds>)| {
         let share = (1.0 - 1.0 / count).sqrt();
         let half_of = |bounds: &&StepBounds, m: usize| {
             let whole = &bounds.simultaneous;
             (at(&whole.upper, m) - at(&whole.lower, m)) / 2.0
         };
-        let half = |m: usize| share * bounds.iter().map(|b| half_of(b, m)).sum::<f64>() / count;
+        let point = |m: usize| {
+            let half = share * bounds.iter().map(|b| half_of(b, m)).sum::<f64>() / count;
+            let half = 100.0 * half / gain;
+            (timing.seconds(m as f64), -half, half)
+        };
         Band {
             name: format!("noise alone, the whole curve, {} %", percent(level)),
             ink: Ink::Reference,
-            points: (0..points)
-                .map(|m| (timing.seconds(m as f64), 100.0 * half(m) / gain))
-                .map(|(time, half)| (time, -half, half))
-                .collect(),
+            points: (0..points).map(point).collect(),
         }
     };
-    let mean: Vec<f64> = (0..points)
-        .map(|m| mean_of(&|model| at(&model.step.value, m)))
-        .collect();
-    let run = |(index, model): (usize, &Model)| {
-        let difference = model.step.value.iter().zip(&mean).enumerate();
-        let points =
-            difference.map(|(m, (g, mean))| (timing.seconds(m as f64), 100.0 * (g - mean) / gain));
-        Curve::solid(format!("run {}", index + 1), Ink::of_run(index), points)
+    let mean = (0..points).map(|m| mean_of(&|model| at(&model.step.value, m)));
+    let mean: Vec<f64> = mean.collect();
+    let run = |((model, ink), number): ((&Model, &Ink), usize)| {
+        let difference = model.step.value.iter().zip(&mean).zip(0..);
+        let percent = |((g, mean), m)| (timing.seconds(f64::from(m)), 100.0 * (g - mean) / gain);
+        Curve::solid(format!("run {number}"), *ink, difference.map(percent))
     };
+    let runs = alone.iter().zip(RUNS.iter().cycle()).zip(1..);
+    let x_label = "time since the edge of the command (s)";
     Some(Panel {
-        x_label: "time since the edge of the command (s)".into(),
-        y_label: "run - mean (% of the step)".into(),
-        legend: Legend::Above,
         bands: level.zip(bounds).map(band).into_iter().collect(),
-        curves: alone.iter().enumerate().map(run).collect(),
-        ..Panel::default()
+        curves: runs.map(run).collect(),
+        ..Panel::new(x_label, "run - mean (% of the step)", Legend::Above)
     })
 }

@@ -9,25 +9,16 @@ use servoid_identification::thresholds::MARGIN;
 /// Settling time, noise order, number of frequencies, and the tail.
 #[must_use]
 pub fn structure(name: &str, title: &str, explanation: &Explanation, model: &Model) -> Figure {
-    let mut panels = Vec::new();
-    panels.extend(
-        explanation
-            .settling
-            .as_ref()
-            .map(|choice| settling(choice, model)),
-    );
-    panels.extend(tail(model));
+    let choice = explanation.settling.as_ref();
+    let settling = choice.map(|choice| settling(choice, model));
+    let mut panels: Vec<Panel> = settling.into_iter().chain(tail(model)).collect();
     if !explanation.noise_orders.is_empty() {
         panels.push(noise_order(explanation, model));
     }
     if explanation.frequencies.len() > 1 {
         panels.push(frequencies(explanation, model));
     }
-    Figure {
-        name: name.into(),
-        title: title.into(),
-        panels,
-    }
+    Figure::new(name, title, panels)
 }
 
 fn chosen(x: f64, y: f64) -> Vec<Marks> {
@@ -39,33 +30,27 @@ fn chosen(x: f64, y: f64) -> Vec<Marks> {
 }
 
 fn settling(choice: &Choice, model: &Model) -> Panel {
-    let line = |of: &dyn Fn(usize, usize) -> f64| -> Vec<(f64, f64)> {
-        let points = choice.candidates.iter();
-        points
-            .map(|c| (c.settling as f64, of(c.settling, c.detected)))
-            .collect()
-    };
+    let needed = |detected: usize| MARGIN * detected as f64;
+    let candidates = || choice.candidates.iter();
     let settling = model.structure.settling_samples;
-    let found = choice.candidates.iter().find(|c| c.settling == settling);
+    let found = candidates().find(|c| c.settling == settling);
+    let measured = candidates().map(|c| (c.settling as f64, needed(c.detected)));
+    let itself = candidates().map(|c| (c.settling as f64, c.settling as f64));
     Panel {
-        x_label: "settling time N considered (samples)".into(),
-        y_label: "length needed (samples)".into(),
         curves: vec![
             Curve::solid(
                 format!("{MARGIN} x the settling found with it"),
                 Ink::Measured,
-                line(&|_, detected| MARGIN * detected as f64),
+                measured,
             ),
-            Curve::dashed(
-                "N itself: enough below it",
-                Ink::Reference,
-                line(&|n, _| n as f64),
-            ),
+            Curve::dashed("N itself: enough below it", Ink::Reference, itself),
         ],
-        marks: found.map_or_else(Vec::new, |c| {
-            chosen(c.settling as f64, MARGIN * c.detected as f64)
-        }),
-        ..Panel::default()
+        marks: found.map_or_else(Vec::new, |c| chosen(c.settling as f64, needed(c.detected))),
+        ..Panel::new(
+            "settling time N considered (samples)",
+            "length needed (samples)",
+            Legend::LowerRight,
+        )
     }
 }
 
@@ -94,15 +79,16 @@ fn tail(model: &Model) -> Option<Panel> {
     };
     let distances = points.iter().map(|&(_, t, x)| (t, percent(x)));
     Some(Panel {
-        x_label: "time since the edge of the command (s)".into(),
-        y_label: "still to go (% of the step)".into(),
-        legend: Legend::UpperRight,
         bands: model.bounds.valid().and_then(band).into_iter().collect(),
         curves: vec![
             Curve::solid("tail of the step response", Ink::Measured, distances),
             Curve::dashed("", Ink::Reference, points.iter().map(|&(_, t, _)| (t, 0.0))),
         ],
-        ..Panel::default()
+        ..Panel::new(
+            "time since the edge of the command (s)",
+            "still to go (% of the step)",
+            Legend::UpperRight,
+        )
     })
 }
 
@@ -112,16 +98,11 @@ fn half_widths_to_last(model: &Model, bounds: &ParameterBounds) -> Option<Vec<f6
     let last = map.nrows().checked_sub(1)?;
     let critical = pointwise_critical(bounds.level);
     let half = |m: usize| {
-        let q: Vec<f64> = (0..map.ncols())
-            .map(|k| map[(m, k)] - map[(last, k)])
-            .collect();
+        let q = (0..map.ncols()).map(|k| map[(m, k)] - map[(last, k)]);
+        let q: Vec<f64> = q.collect();
         let product = |row: &Vec<f64>| row.iter().zip(&q).map(|(c, b)| c * b).sum::<f64>();
-        let variance: f64 = bounds
-            .covariance
-            .iter()
-            .zip(&q)
-            .map(|(row, a)| a * product(row))
-            .sum();
+        let rows = bounds.covariance.iter().zip(&q);
+        let variance: f64 = rows.map(|(row, a)| a * product(row)).sum();
         critical * variance.max(0.0).sqrt()
     };
     Some((0..=last).map(half).collect())
@@ -134,12 +115,13 @@ fn noise_order(explanation: &Explanation, model: &Model) -> Panel {
     let order = model.structure.noise_order;
     let found = orders.iter().find(|c| c.order == order);
     Panel {
-        x_label: "noise order d".into(),
-        y_label: "BIC above the smallest".into(),
-        legend: Legend::UpperRight,
         curves: vec![Curve::solid("Bayes' criterion", Ink::Measured, points)],
         marks: found.map_or_else(Vec::new, |c| chosen(c.order as f64, c.bic - best)),
-        ..Panel::default()
+        ..Panel::new(
+            "noise order d",
+            "BIC above the smallest",
+            Legend::UpperRight,
+        )
     }
 }
 
@@ -148,31 +130,23 @@ fn noise_order(explanation: &Explanation, model: &Model) -> Panel {
 const WIDEST: f64 = 20.0;
 
 fn frequencies(explanation: &Explanation, model: &Model) -> Panel {
-    let widths = explanation
-        .frequencies
-        .iter()
-        .map(BankCandidate::half_width);
+    let all = &explanation.frequencies;
+    let widths = all.iter().map(BankCandidate::half_width);
     let narrowest = widths.fold(f64::INFINITY, f64::min);
-    let worth = |bank: &&BankCandidate| bank.half_width() <= WIDEST * narrowest;
-    let banks: Vec<&BankCandidate> = explanation.frequencies.iter().filter(worth).collect();
-    let each =
-        |of: fn(&BankCandidate) -> f64| banks.iter().map(move |c| (c.frequencies as f64, of(c)));
-    let found = banks
-        .iter()
-        .find(|c| c.frequencies == model.structure.frequencies);
+    let banks = || all.iter().filter(|c| c.half_width() <= WIDEST * narrowest);
+    let each = |of: fn(&BankCandidate) -> f64| banks().map(move |c| (c.frequencies as f64, of(c)));
+    let found = banks().find(|c| c.frequencies == model.structure.frequencies);
+    let total = each(BankCandidate::half_width);
     Panel {
-        x_label: "number of frequencies n".into(),
-        y_label: "half width of the band".into(),
-        legend: Legend::UpperRight,
         curves: vec![
-            Curve::solid(
-                "noise and what is left out",
-                Ink::Measured,
-                each(BankCandidate::half_width),
-            ),
+            Curve::solid("noise and what is left out", Ink::Measured, total),
             Curve::dashed("noise alone", Ink::Reference, each(|c| c.noise_half_width)),
         ],
         marks: found.map_or_else(Vec::new, |c| chosen(c.frequencies as f64, c.half_width())),
-        ..Panel::default()
+        ..Panel::new(
+            "number of frequencies n",
+            "half width of the band",
+            Legend::UpperRight,
+        )
     }
 }

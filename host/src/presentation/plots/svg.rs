@@ -1,6 +1,6 @@
 //! Figures as SVG files.
 
-use super::figure::{Band, Curve, Figure, Ink, Legend, Marks, Panel};
+use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::ValueFormatter;
 use plotters::coord::types::RangedCoordf64;
@@ -58,10 +58,9 @@ fn draw_panel<'a>(figure: &Figure, panel: &Panel, area: &Area<'a>) -> DrawResult
     let lines = panel.bands.len()
         + panel.curves.iter().filter(|c| !c.name.is_empty()).count()
         + panel.marks.iter().filter(|m| !m.name.is_empty()).count();
-    let legend = if panel.legend == Legend::Above {
-        (y1 - y0) * lines as f64 * LEGEND_LINE / f64::from(PANEL_HEIGHT)
-    } else {
-        0.0
+    let legend = match panel.legend {
+        Legend::Above => (y1 - y0) * lines as f64 * LEGEND_LINE / f64::from(PANEL_HEIGHT),
+        Legend::LowerRight | Legend::UpperRight => 0.0,
     };
     let y = (y0 - margin)..(y1 + margin + legend);
     let x1 = if x1 > x0 { x1 } else { x0 + 1.0 };
@@ -122,10 +121,8 @@ fn draw_band<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, band: &Band) 
     let fill = colour(*ink).mix(0.18);
     let upper = points.iter().map(|&(x, _, upper)| (x, upper));
     let lower = points.iter().rev().map(|&(x, lower, _)| (x, lower));
-    let outline: Vec<_> = upper
-        .chain(lower)
-        .filter(|(x, y)| x.is_finite() && y.is_finite())
-        .collect();
+    let mut outline: Vec<_> = upper.chain(lower).collect();
+    outline.retain(|(x, y)| x.is_finite() && y.is_finite());
     chart
         .draw_series(std::iter::once(Polygon::new(outline, fill)))?
         .label(name)
@@ -134,28 +131,22 @@ fn draw_band<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, band: &Band) 
 }
 
 fn draw_curve<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, curve: &Curve) -> DrawResult {
-    let Curve {
-        name,
-        ink,
-        dashed,
-        points,
-    } = curve;
-    // A bound is thinner than what it bounds.
-    let style = ShapeStyle::from(colour(*ink)).stroke_width(if *dashed { 1 } else { 2 });
+    // A bound is thinner than the curve that it bounds.
+    let (width, length) = if curve.dashed { (1, 8) } else { (2, 22) };
+    let style = ShapeStyle::from(colour(curve.ink)).stroke_width(width);
     // A line breaks where a sample is missing; only its first piece is named in the legend.
-    let mut label = (!name.is_empty()).then_some(name);
-    for piece in points.split(|(x, y)| !(x.is_finite() && y.is_finite())) {
-        if piece.is_empty() {
-            continue;
-        }
+    let mut label = (!curve.name.is_empty()).then_some(&curve.name);
+    let pieces = curve
+        .points
+        .split(|(x, y)| !(x.is_finite() && y.is_finite()));
+    for piece in pieces.filter(|piece| !piece.is_empty()) {
         let piece = piece.iter().copied();
-        let drawn = if *dashed {
+        let drawn = if curve.dashed {
             chart.draw_series(DashedLineSeries::new(piece, 7, 5, style))?
         } else {
             chart.draw_series(LineSeries::new(piece, style))?
         };
         if let Some(name) = label.take() {
-            let length = if *dashed { 8 } else { 22 };
             drawn
                 .label(name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + length, y)], style));
@@ -167,17 +158,14 @@ fn draw_curve<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, curve: &Curv
 fn draw_marks<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, marks: &Marks) -> DrawResult {
     let Marks { name, ink, points } = marks;
     let colour = colour(*ink);
+    let thin = colour.stroke_width(1);
     let stems = points.iter().filter_map(|mark| {
         let (low, high) = mark.line?;
-        Some(PathElement::new(
-            [(mark.x, low), (mark.x, high)],
-            colour.stroke_width(1),
-        ))
+        Some(PathElement::new([(mark.x, low), (mark.x, high)], thin))
     });
     chart.draw_series(stems)?;
-    let dots = points
-        .iter()
-        .map(|mark| Circle::new((mark.x, mark.y), 4, colour.filled()));
+    let dot = |mark: &Mark| Circle::new((mark.x, mark.y), 4, colour.filled());
+    let dots = points.iter().map(dot);
     let drawn = chart.draw_series(dots)?;
     if !name.is_empty() {
         drawn
@@ -190,7 +178,6 @@ fn draw_marks<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, marks: &Mark
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::plots::figure::Mark;
 
     #[test]
     fn a_figure_with_gaps_and_odd_panels_is_drawn() {

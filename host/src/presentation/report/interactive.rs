@@ -3,7 +3,7 @@
 //! Colours are names here ("ink-model", "area-model"): the page gives them a value for light, dark
 //! and paper.
 
-use crate::presentation::plots::figure::{Band, Curve, Figure, Ink, Marks, Panel};
+use crate::presentation::plots::{Band, Curve, Figure, Ink, Mark, Marks, Panel};
 use serde_json::{Value, json};
 
 /// The plotting library itself, as a `<script>` element: it travels inside the report, so that the
@@ -25,13 +25,9 @@ pub(super) fn plotly_json(figure: &Figure) -> Value {
     for (index, panel) in figure.panels.iter().enumerate() {
         let suffix = axis_suffix(index);
         // Panels over the same quantity are zoomed together.
-        let like = figure
-            .panels
-            .iter()
-            .position(|other| other.x_label == panel.x_label);
-        let matches = like
-            .filter(|&first| first < index)
-            .map(|first| format!("x{}", axis_suffix(first)));
+        let mut before = figure.panels.iter().take(index);
+        let like = before.position(|other| other.x_label == panel.x_label);
+        let matches = like.map(|first| format!("x{}", axis_suffix(first)));
         let x_axis = json!({
             "matches": matches,
             "title": { "text": text(&panel.x_label), "standoff": 8 },
@@ -65,16 +61,9 @@ fn ticks(panel: &Panel) -> Option<Value> {
         return Some(json!("D2"));
     }
     let ((low, high), _) = panel.extent()?;
-    let curves = panel
-        .curves
-        .iter()
-        .flat_map(|curve| curve.points.iter().map(|p| p.0));
-    let mut x = curves.chain(
-        panel
-            .marks
-            .iter()
-            .flat_map(|marks| marks.points.iter().map(|p| p.x)),
-    );
+    let curves = panel.curves.iter().flat_map(|curve| &curve.points);
+    let marks = panel.marks.iter().flat_map(|marks| &marks.points);
+    let mut x = curves.map(|p| p.0).chain(marks.map(|p| p.x));
     (high - low <= FEW && x.all(|x| x.fract() == 0.0)).then(|| json!(1))
 }
 
@@ -108,17 +97,14 @@ fn unit(label: &str) -> String {
     let unit = label
         .rsplit_once('(')
         .and_then(|(_, rest)| rest.strip_suffix(')'));
-    unit.map_or_else(String::new, |unit| {
-        format!(" {}", text(unit.trim_end_matches(" of the step")))
-    })
+    let unit = unit.map(|unit| text(unit.trim_end_matches(" of the step")));
+    unit.map_or_else(String::new, |unit| format!(" {unit}"))
 }
 
-/// The plotting library reads texts as a small markup, in which names from files have no part.
+/// The plotting library reads texts as a small markup, which names from files must not become.
 fn text(plain: &str) -> String {
-    plain
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
+    let text = plain.replace('&', "&amp;");
+    text.replace('<', "&lt;").replace('>', "&gt;")
 }
 
 /// The traces of one panel; `named` has been in the legend before.
@@ -132,32 +118,39 @@ fn panel_traces(panel: &Panel, suffix: &str, named: &[&str]) -> Vec<Value> {
         put(&mut trace, "legendgroup", text(name));
         let shown = in_legend && !name.is_empty() && !named.contains(&name);
         put(&mut trace, "showlegend", shown);
-        // What has no name is the other edge of something that has, or a line to guide the eye.
-        if name.is_empty() {
-            put(&mut trace, "hoverinfo", "skip");
-        } else {
-            put(&mut trace, "hovertemplate", hover.clone());
+        // A curve without a name is the other edge of a named one, or a line to guide the eye.
+        match name {
+            "" => put(&mut trace, "hoverinfo", "skip"),
+            _ => put(&mut trace, "hovertemplate", hover.clone()),
         }
         trace
     };
     let logarithmic = panel.x_logarithmic;
     let mut traces = Vec::new();
+    let mut add = |mut trace: Value, x: Vec<f64>, name: &str, in_legend: bool| {
+        place(&mut trace, x, logarithmic);
+        traces.push(complete(trace, name, in_legend));
+    };
     for band in &panel.bands {
-        for upper in [false, true] {
-            let mut trace = edge(band, upper);
-            place(&mut trace, band.points.iter().map(|p| p.0), logarithmic);
-            traces.push(complete(trace, &band.name, upper));
-        }
+        let x = || band.points.iter().map(|p| p.0).collect();
+        add(edge(band, false), x(), &band.name, false);
+        add(edge(band, true), x(), &band.name, true);
     }
     for curve in &panel.curves {
-        let mut trace = line(curve);
-        place(&mut trace, curve.points.iter().map(|p| p.0), logarithmic);
-        traces.push(complete(trace, &curve.name, true));
+        add(
+            line(curve),
+            curve.points.iter().map(|p| p.0).collect(),
+            &curve.name,
+            true,
+        );
     }
     for marks in &panel.marks {
-        let mut trace = dots(marks);
-        place(&mut trace, marks.points.iter().map(|p| p.x), logarithmic);
-        traces.push(complete(trace, &marks.name, true));
+        add(
+            dots(marks),
+            marks.points.iter().map(|p| p.x).collect(),
+            &marks.name,
+            true,
+        );
     }
     traces
 }
@@ -188,21 +181,17 @@ fn line(curve: &Curve) -> Value {
 
 /// Dots with their intervals.
 fn dots(marks: &Marks) -> Value {
-    let away = |of: fn(f64, (f64, f64)) -> f64| -> Vec<Value> {
-        let length = marks
-            .points
-            .iter()
-            .map(|p| p.line.map_or(0.0, |line| of(p.y, line)));
-        length.map(rounded).collect()
+    let each = |of: &dyn Fn(&Mark) -> f64| -> Vec<Value> {
+        marks.points.iter().map(|p| rounded(of(p))).collect()
     };
     json!({
-        "y": marks.points.iter().map(|p| rounded(p.y)).collect::<Vec<_>>(),
+        "y": each(&|p| p.y),
         "mode": "markers",
         "marker": { "size": 6, "color": colour(marks.ink) },
         "error_y": {
             "type": "data",
-            "array": away(|y, (_, high)| high - y),
-            "arrayminus": away(|y, (low, _)| y - low),
+            "array": each(&|p| p.line.map_or(0.0, |(_, high)| high - p.y)),
+            "arrayminus": each(&|p| p.line.map_or(0.0, |(low, _)| p.y - low)),
             "width": 0,
             "thickness": 1.2,
             "color": colour(marks.ink),
@@ -212,14 +201,11 @@ fn dots(marks: &Marks) -> Value {
 
 /// Where points lie along x: as a start and a step where they are evenly spaced, which is most of the
 /// file otherwise.
-fn place(trace: &mut Value, x: impl Iterator<Item = f64>, logarithmic: bool) {
-    let x: Vec<f64> = x.collect();
+fn place(trace: &mut Value, x: Vec<f64>, logarithmic: bool) {
     if let [first, second, ..] = x[..] {
         let step = second - first;
-        let even = x
-            .iter()
-            .enumerate()
-            .all(|(k, x)| (x - first - k as f64 * step).abs() <= 1e-6 * step.abs());
+        let off = |(k, x): (usize, &f64)| (x - first - k as f64 * step).abs();
+        let even = x.iter().enumerate().all(|at| off(at) <= 1e-6 * step.abs());
         if even && !logarithmic && step > 0.0 {
             // The step counts as often as there are points, so it is not rounded.
             (trace["x0"], trace["dx"]) = (json!(first), json!(step));
@@ -232,12 +218,8 @@ fn place(trace: &mut Value, x: impl Iterator<Item = f64>, logarithmic: bool) {
 /// Six digits, more than any screen shows; JSON has no NaN, and null breaks a line where a sample is
 /// missing.
 fn rounded(value: f64) -> Value {
-    if !value.is_finite() {
-        return Value::Null;
-    }
-    format!("{value:.5e}")
-        .parse::<f64>()
-        .map_or(Value::Null, |value| json!(value))
+    let rounded = format!("{value:.5e}").parse::<f64>();
+    rounded.map_or(Value::Null, |value| json!(value))
 }
 
 fn colour(ink: Ink) -> String {

@@ -1,26 +1,25 @@
-//! One servo, read and identified: what a page says of it, owned.
+//! One servo under one condition, with all that a page shows of it.
 
-use super::content::Part;
-use super::runs_alone::runs_alone;
+use super::{Facts, Part};
 use crate::data::dataset::Dataset;
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::plots::paper_figures::Subject;
-use servoid_identification::Identification;
+use crate::presentation::plots::Subject;
 use servoid_identification::diagnostics::Explanation;
 use servoid_identification::results::Model;
+use servoid_identification::{Identification, Options, Record, Run, Settling, identify};
 
 /// A servo under one condition.
 #[derive(Debug)]
 pub struct Servo {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// Its model.
     pub model: Model,
-    /// How the model came about; not known of a model from a file.
+    /// The choice of its structure; not known of a model from a file.
     pub explanation: Option<Explanation>,
-    /// What it was identified from; not known of a model from a file.
+    /// The data of its identification; not known of a model from a file.
     pub data: Option<Dataset>,
-    /// What is known of units and of what held the command.
+    /// Units, and the hold of the command.
     pub metadata: ModelMetadata,
     runs: Vec<Model>,
 }
@@ -39,17 +38,16 @@ impl Servo {
         }
     }
 
-    /// What came of identifying `data`; its runs are identified one by one as well.
+    /// The identification of `data`; its runs are identified one by one as well.
     #[must_use]
     pub fn of_data(name: String, data: Dataset, found: Identification) -> Self {
-        let runs = runs_alone(&data.record, &found);
         Self {
             name,
+            runs: runs_alone(&data.record, &found.model).unwrap_or_default(),
             model: found.model,
             explanation: Some(found.explanation),
             metadata: ModelMetadata::from(&data.about),
             data: Some(data),
-            runs,
         }
     }
 
@@ -67,7 +65,30 @@ impl Servo {
             explanation: self.explanation.as_ref(),
             runs: &self.runs,
             metadata: &self.metadata,
-            provenance: data.map_or(&[], |data| &data.about.provenance),
+            provenance: data.map_or(&[][..], |data: &Dataset| -> &[Facts] {
+                &data.about.provenance
+            }),
         }
     }
+}
+
+/// Most runs that are identified one by one.
+const MOST_RUNS_ALONE: usize = 10;
+
+/// Each run identified on its own, with the common settling time. `None` where there is one run, or one is too
+/// short for a model.
+fn runs_alone(record: &Record, model: &Model) -> Option<Vec<Model>> {
+    let runs = record.runs();
+    let default = Options::default();
+    let options = Options {
+        settling: Settling::Samples(model.structure.settling_samples),
+        level: model.level().into_valid().unwrap_or(default.level),
+        ..default
+    };
+    let alone = |run: &Run| {
+        let record = Record::new(record.sample_period_s(), vec![run.clone()]).ok()?;
+        identify(&record.with_sample_phase(model.sample_phase_s), &options).ok()
+    };
+    let several = (2..=MOST_RUNS_ALONE).contains(&runs.len());
+    several.then(|| runs.iter().map(alone).collect())?
 }

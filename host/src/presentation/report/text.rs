@@ -1,25 +1,14 @@
-//! The page's text: verdict, numbers, advice, provenance.
+//! The page's text: verdict, metrics, advice, provenance.
 
-use super::content::{Facts, Page, Part};
+use super::{Facts, Page, Part};
 use crate::presentation::summary;
-use servoid_identification::comparison::Verdict;
 use servoid_identification::results::Bounds;
-use std::fmt::{Error, Result, Write};
 
-/// Text for a page: what has a meaning in HTML loses it.
+/// Text without the characters that have a meaning in HTML.
 pub(super) fn escape(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            '\'' => safe.push_str("&#39;"),
-            other => safe.push(other),
-        }
-    }
-    safe
+    let text = text.replace('&', "&amp;");
+    let text = text.replace('<', "&lt;").replace('>', "&gt;");
+    text.replace('"', "&quot;").replace('\'', "&#39;")
 }
 
 /// JSON for a `<script>` element, which the text `</script>` in a file's name would otherwise end.
@@ -27,250 +16,219 @@ pub(super) fn json_in_page(value: &impl serde::Serialize) -> anyhow::Result<Stri
     Ok(serde_json::to_string(value)?.replace('<', "\\u003c"))
 }
 
-/// What was measured, and the answer where two were.
-pub(super) fn write_verdict(body: &mut String, page: &Page<'_>) -> Result {
-    for part in page.parts() {
-        let (name, model) = (escape(part.subject.name), part.subject.model);
-        let files: Vec<&str> = part
-            .provenance
-            .iter()
-            .filter_map(|facts| facts.iter().find(|(key, _)| key == "file"))
-            .map(|(_, file)| file.as_str())
-            .collect();
-        let from = match files.len() {
-            0 => "a model".to_owned(),
-            1..=4 => escape(&files.join(", ")),
-            many => format!("{many} recordings"),
-        };
-        let runs = part.subject.record.map_or(0, |record| record.runs().len());
-        let runs = match runs {
-            0 => String::new(),
-            1 => ", one run".to_owned(),
-            many => format!(", {many} runs"),
-        };
-        writeln!(
-            body,
-            "<p><b>{name}</b>: from {from}{runs}, {:.1} s used.</p>",
-            model.fit.samples_used as f64 * model.sample_period_s
-        )?;
-        match model.level() {
-            Bounds::Withdrawn(reason) => writeln!(
-                body,
-                "<p class=\"verdict different\">{name}: no bounds can be given, as {} (see the advice).</p>",
-                reason.because()
-            )?,
-            Bounds::Valid(_) if !model.linear => writeln!(
-                body,
-                "<p class=\"verdict undecided\">{name}: not linear; the bounds are those of the linear description that fits this reference best (see the advice).</p>"
-            )?,
-            Bounds::Valid(_) => {}
-        }
-    }
-    let Some(found) = page.comparison else {
-        return Ok(());
-    };
-    let class = match found.verdict {
-        Verdict::Different => "different",
-        Verdict::Same => "same",
-        Verdict::Undecided => "undecided",
-    };
-    let names = [
-        page.first.subject.name,
-        page.second.map_or("", |part| part.subject.name),
-    ];
-    writeln!(
-        body,
-        "<p class=\"verdict {class}\"><b>{class}</b> (the first is {}, the second {}). {}</p>",
-        escape(names[0]),
-        escape(names[1]),
+/// The data of each side, and the verdict on two.
+pub(super) fn verdict(page: &Page<'_>) -> String {
+    let mut body: String = page.parts().map(data_and_bounds).collect();
+    if let (Some(found), Some(second)) = (page.comparison, page.second) {
+        let verdict = summary::verdict(found.verdict);
+        let [first, second] = [&page.first, &second].map(|part| escape(part.subject.name));
         // A number and its unit stay on one line.
-        escape(&found.summary)
+        let sentence = escape(&found.summary)
             .replace(" %", "&nbsp;%")
-            .replace(" ms", "&nbsp;ms")
-    )
-}
-
-/// Metrics of one servo, or of two with their difference; what else a comparison found; the paper's
-/// facts.
-pub(super) fn write_numbers(body: &mut String, page: &Page<'_>) -> Result {
-    writeln!(
-        body,
-        "<h2>What was found</h2>\n<div class=\"wide\"><table class=\"numbers\">"
-    )?;
-    let remark = write_metrics(body, page)?;
-    writeln!(body, "</table></div>\n<p class=\"faint\">{remark}</p>")?;
-    if let (Some(found), Some(second)) = (page.comparison, &page.second) {
-        let facts =
-            summary::facts_of_comparison(page.first.subject.name, second.subject.name, found);
-        write_facts(body, &facts)?;
+            .replace(" ms", "&nbsp;ms");
+        body += &format!(
+            "<p class=\"verdict {verdict}\"><b>{verdict}</b> (the first is {first}, the second {second}). {sentence}</p>\n"
+        );
     }
-    write_paper(body, page)
+    body
 }
 
-/// The rows of the table of metrics; what is to be said below it.
-fn write_metrics(body: &mut String, page: &Page<'_>) -> std::result::Result<String, Error> {
+fn data_and_bounds(part: &Part<'_>) -> String {
+    let (name, model) = (escape(part.subject.name), part.subject.model);
+    let files = part
+        .provenance
+        .iter()
+        .filter_map(|facts| of_key(facts, "file"));
+    let files: Vec<&str> = files.collect();
+    let from = match files.len() {
+        0 => "a model".to_owned(),
+        1..=4 => escape(&files.join(", ")),
+        many => format!("{many} recordings"),
+    };
+    let runs = match part.subject.record.map_or(0, |record| record.runs().len()) {
+        0 => String::new(),
+        1 => ", one run".to_owned(),
+        many => format!(", {many} runs"),
+    };
+    let seconds = model.fit.samples_used as f64 * model.sample_period_s;
+    let data = format!("<p><b>{name}</b>: from {from}{runs}, {seconds:.1} s used.</p>\n");
+    data + &match model.level() {
+        Bounds::Withdrawn(reason) => format!(
+            "<p class=\"verdict different\">{name}: no bounds can be given, as {} (see the advice).</p>\n",
+            reason.because()
+        ),
+        Bounds::Valid(_) if !model.linear => format!(
+            "<p class=\"verdict undecided\">{name}: not linear; the bounds are those of the linear description that fits this reference best (see the advice).</p>\n"
+        ),
+        Bounds::Valid(_) => String::new(),
+    }
+}
+
+/// Metrics of one servo, or of two with their difference; further results of a comparison; the paper's values.
+pub(super) fn numbers(page: &Page<'_>) -> String {
+    let (rows, remark) = metrics(page);
+    let mut body = format!(
+        "<h2>Results</h2>\n<div class=\"wide\"><table class=\"numbers\">\n{rows}</table></div>\n<p class=\"faint\">{remark}</p>\n"
+    );
+    if let (Some(found), Some(second)) = (page.comparison, &page.second) {
+        let names = [page.first.subject.name, second.subject.name];
+        body += &table(&summary::facts_of_comparison(names[0], names[1], found));
+    }
+    body + &paper(page)
+}
+
+/// The rows of the table of metrics, and a remark on them.
+fn metrics(page: &Page<'_>) -> (String, String) {
     let head = |name: &str, level: &str| {
         let name = escape(name);
         format!("<th>{name}<br><span class=\"faint\">{level}</span></th>")
     };
-    let parts: Vec<&Part<'_>> = page.parts().collect();
-    let models: Vec<_> = parts.iter().map(|part| part.subject.model).collect();
-    let mut heads: String = parts
-        .iter()
-        .map(|part| head(part.subject.name, &summary::level_text(part.subject.model)))
+    let head_of = |part: &Part<'_>| {
+        let subject = part.subject;
+        head(subject.name, &summary::level_text(subject.model))
+    };
+    let mut heads: String = page.parts().map(head_of).collect();
+    let gain = common_gain(page);
+    let metrics: Vec<_> = page
+        .parts()
+        .map(|part| &part.subject.model.metrics)
         .collect();
-    let gain = common_gain(&parts);
     let compared = page.comparison.map(|found| (found, &found.bounds));
     let (rows, remark) = match compared {
-        None => (summary::metric_rows(&models, &gain), String::new()),
-        Some((_, Bounds::Withdrawn(_))) => (
-            summary::metric_rows(&models, &gain),
-            format!(
-                "{} The metrics of each side are those of its own model.",
-                summary::NOT_COMPARED
-            ),
-        ),
         Some((found, Bounds::Valid(bounds))) => {
             let level = summary::percent(bounds.level);
             heads += &head("difference", &format!("{level} %"));
+            let remark = summary::how_compared(found).to_owned();
+            (summary::difference_rows(found, &gain), remark)
+        }
+        _ => {
+            let remark = compared.map(|_| {
+                let why = summary::NOT_COMPARED;
+                format!("{why} The metrics of each side are those of its own model.")
+            });
             (
-                summary::difference_rows(found, &gain),
-                summary::how_compared(found).to_owned(),
+                summary::metric_rows(&metrics, &gain),
+                remark.unwrap_or_default(),
             )
         }
     };
-    writeln!(body, "<tr><th></th>{heads}</tr>")?;
+    let mut table = format!("<tr><th></th>{heads}</tr>\n");
     for row in rows {
         let cell = |(value, bounds): &(String, String)| {
-            let value = escape(value);
-            let bounds = match bounds.as_str() {
-                "" => String::new(),
-                bounds => format!("<br><span class=\"faint\">{}</span>", escape(bounds)),
-            };
-            format!("<td>{value}{bounds}</td>")
+            let (value, bounds) = (escape(value), escape(bounds));
+            match bounds.as_str() {
+                "" => format!("<td>{value}</td>"),
+                bounds => format!("<td>{value}<br><span class=\"faint\">{bounds}</span></td>"),
+            }
         };
         let cells: String = row.cells.iter().map(cell).collect();
-        writeln!(body, "<tr><th>{}</th>{cells}</tr>", escape(&row.label))?;
+        table += &format!("<tr><th>{}</th>{cells}</tr>\n", escape(&row.label));
     }
-    Ok(remark)
+    (table, remark)
 }
 
 /// The unit of the gain, where all parts have the same units.
-fn common_gain(parts: &[&Part<'_>]) -> String {
-    let mut units = parts.iter().map(|part| part.subject.units);
-    let first = units.next();
-    let alike = units.all(|other| Some(other) == first);
-    let gain = first.filter(|_| alike).and_then(|units| units.gain());
+fn common_gain(page: &Page<'_>) -> String {
+    let first = page.first.subject.units;
+    let alike = page.parts().all(|part| part.subject.units == first);
+    let gain = if alike { first.gain() } else { None };
     gain.unwrap_or_default()
 }
 
-fn write_paper(body: &mut String, page: &Page<'_>) -> Result {
+fn paper(page: &Page<'_>) -> String {
     if page.paper.is_empty() {
-        return Ok(());
+        return String::new();
     }
-    writeln!(
-        body,
-        "<h2>The paper's facts beside these</h2>\n<div class=\"wide\"><table class=\"numbers\"><tr><th></th><th>figure</th><th>paper</th><th>here</th></tr>"
-    )?;
-    for fact in page.paper {
-        writeln!(
-            body,
-            "<tr><th>{}</th><td>{}</td><td>{}</td><td>{:.*}</td></tr>",
-            escape(fact.fact),
-            fact.figure,
-            fact.paper,
-            fact.digits,
-            fact.here
-        )?;
-    }
-    body.push_str("</table></div>\n");
-    Ok(())
+    let row = |fact: &super::Fact| {
+        let (name, digits) = (escape(fact.fact), fact.digits);
+        let (figure, paper, here) = (fact.figure, fact.paper, fact.here);
+        format!(
+            "<tr><th>{name}</th><td>{figure}</td><td>{paper}</td><td>{here:.digits$}</td></tr>\n"
+        )
+    };
+    format!(
+        "<h2>The paper's values beside these</h2>\n<div class=\"wide\"><table class=\"numbers\"><tr><th></th><th>figure</th><th>paper</th><th>here</th></tr>\n{}</table></div>\n",
+        page.paper.iter().map(row).collect::<String>()
+    )
 }
 
-fn write_facts(body: &mut String, facts: &[(String, String)]) -> Result {
-    body.push_str("<div class=\"wide\"><table>\n");
-    for (name, value) in facts {
-        writeln!(
-            body,
-            "<tr><th>{}</th><td>{}</td></tr>",
+fn table(facts: &[(String, String)]) -> String {
+    let row = |(name, value): &(String, String)| {
+        format!(
+            "<tr><th>{}</th><td>{}</td></tr>\n",
             escape(name),
             escape(value)
-        )?;
-    }
-    body.push_str("</table></div>\n");
-    Ok(())
+        )
+    };
+    let rows: String = facts.iter().map(row).collect();
+    format!("<div class=\"wide\"><table>\n{rows}</table></div>\n")
 }
 
 /// The advice of both models and of the comparison.
-pub(super) fn write_advice(body: &mut String, page: &Page<'_>) -> Result {
+pub(super) fn advice(page: &Page<'_>) -> String {
     let of_parts = page
         .parts()
         .map(|part| (part.subject.name, &part.subject.model.advice));
     let of_comparison = page
         .comparison
         .map(|found| ("the comparison", &found.advice));
-    for (name, advice) in of_parts.chain(of_comparison) {
-        if advice.is_empty() {
-            continue;
-        }
-        writeln!(
-            body,
-            "<h2>Advice: {}</h2>\n<ul class=\"advice\">",
-            escape(name)
-        )?;
+    let mut body = String::new();
+    for (name, advice) in of_parts
+        .chain(of_comparison)
+        .filter(|(_, advice)| !advice.is_empty())
+    {
+        body += &format!("<h2>Advice: {}</h2>\n<ul class=\"advice\">\n", escape(name));
         for item in advice {
             let (finding, remedy) = (escape(&item.finding), escape(&item.remedy));
-            writeln!(body, "<li><b>{finding}</b><br>{remedy}</li>")?;
+            body += &format!("<li><b>{finding}</b><br>{remedy}</li>\n");
         }
-        body.push_str("</ul>\n");
+        body += "</ul>\n";
     }
-    Ok(())
+    body
 }
 
-/// How the models came about, in words.
-pub(super) fn write_structure(body: &mut String, page: &Page<'_>) -> Result {
-    writeln!(body, "<h2>How the numbers came about</h2>")?;
+/// The choice of the models' structures, in words.
+pub(super) fn structure(page: &Page<'_>) -> String {
+    let mut body = "<h2>Data, structure and fit</h2>\n".to_owned();
     for part in page.parts() {
         let (name, model) = (escape(part.subject.name), part.subject.model);
-        let line = summary::one_line(model, part.subject.units.output);
-        writeln!(body, "<p><b>{name}</b>: {}</p>", escape(&line))?;
-        let sentences = part.explanation.map(|e| e.sentences(model));
-        if let Some(sentences) = sentences {
-            writeln!(body, "<p>{}</p>", escape(&sentences.join(" ")))?;
+        let facts = summary::facts(model, part.subject.units.output);
+        let facts = facts.map(|(name, value)| format!("{name}: {value}"));
+        body += &format!("<p><b>{name}</b>: {}</p>\n", escape(&facts.join("; ")));
+        if let Some(explanation) = part.explanation {
+            let sentences = explanation.sentences(model).join(" ");
+            body += &format!("<p>{}</p>\n", escape(&sentences));
         }
     }
-    Ok(())
+    body
 }
 
-/// Where the data come from: what the files of one side agree on once, the rest file by file.
-pub(super) fn write_provenance(body: &mut String, page: &Page<'_>) -> Result {
+/// The origin of the data: what the files of one side agree on once, the rest file by file.
+pub(super) fn provenance(page: &Page<'_>) -> String {
+    let mut body = String::new();
     for part in page.parts().filter(|part| !part.provenance.is_empty()) {
-        writeln!(
-            body,
-            "<h2>Where it comes from: {}</h2>",
-            escape(part.subject.name)
-        )?;
-        let mut keys: Vec<&str> = Vec::new();
+        let mut facts: Vec<(String, String)> = Vec::new();
         for (key, _) in part.provenance.iter().flatten() {
-            if !keys.contains(&key.as_str()) {
-                keys.push(key);
+            if of_key(&facts, key).is_none() {
+                facts.push((key.clone(), of_all_files(part.provenance, key)));
             }
         }
-        let facts: Vec<(String, String)> = keys
-            .into_iter()
-            .map(|key| (key.to_owned(), of_all_files(part.provenance, key)))
-            .collect();
-        write_facts(body, &facts)?;
+        let name = escape(part.subject.name);
+        body += &format!("<h2>Origin of the data: {name}</h2>\n{}", table(&facts));
     }
-    Ok(())
+    body
+}
+
+fn of_key<'a>(facts: &'a [(String, String)], key: &str) -> Option<&'a str> {
+    let found = facts.iter().find(|(name, _)| name == key);
+    found.map(|(_, value)| value.as_str())
 }
 
 fn of_all_files(files: &[Facts], key: &str) -> String {
-    let of = |facts: &Facts| {
-        let found = facts.iter().find(|(name, _)| name == key);
-        found.map_or("-", |(_, value)| value.as_str()).to_owned()
-    };
-    let mut values: Vec<String> = files.iter().map(of).collect();
+    let mut values: Vec<&str> = files
+        .iter()
+        .map(|facts| of_key(facts, key).unwrap_or("-"))
+        .collect();
     if values.iter().all(|value| Some(value) == values.first()) {
         values.truncate(1);
     }

@@ -5,7 +5,7 @@ use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
 use ratatui::symbols::Marker;
-use ratatui::text::Line;
+use ratatui::text::{Line, Span};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 use servoid_identification::results::Bounds;
 
@@ -21,9 +21,9 @@ const MARGIN: f64 = 0.1;
 pub(super) fn trace(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
     let title = Line::from(vec![
         " ".into(),
-        ratatui::text::Span::styled("reference", REFERENCE),
+        Span::styled("reference", REFERENCE),
         " and ".into(),
-        ratatui::text::Span::styled("position", POSITION),
+        Span::styled("position", POSITION),
         " (deg) against time (s) ".into(),
     ]);
     let points = |value: fn(&super::state::TracePoint) -> f64| -> Vec<(f64, f64)> {
@@ -52,17 +52,11 @@ pub(super) fn step(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
         times.zip(values.iter().copied()).collect()
     };
     let value = line(&step.value);
-    let mut title = vec![
-        " ".into(),
-        ratatui::text::Span::styled("step response", POSITION),
-    ];
+    let mut title = vec![" ".into(), Span::styled("step response", POSITION)];
     let mut edges = Vec::new();
     if let Bounds::Valid(bounds) = &step.bounds {
         let percent = format!("{} % band", 100.0 * bounds.level);
-        title.extend([
-            " and its ".into(),
-            ratatui::text::Span::styled(percent, BAND),
-        ]);
+        title.extend([" and its ".into(), Span::styled(percent, BAND)]);
         let whole = &bounds.simultaneous;
         edges.extend([line(&whole.lower), line(&whole.upper)]);
     }

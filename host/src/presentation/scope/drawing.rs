@@ -26,7 +26,10 @@ pub fn draw(frame: &mut Frame<'_>, state: &ScopeState) {
     let area = frame.area();
     let (width, height) = SMALLEST_PLOT;
     if area.width < width || area.height < height {
-        return draw_text_alone(frame, area, state);
+        // The most important line first.
+        let mut lines = status_panel::in_short(state);
+        lines.push(keys_line(state));
+        return frame.render_widget(Paragraph::new(lines), area);
     }
     let [title, body, bar, keys] = Layout::vertical([
         Constraint::Length(1),
@@ -87,19 +90,12 @@ fn keys_line(state: &ScopeState) -> Line<'static> {
     }
 }
 
-/// The text alone, the most important line first.
-fn draw_text_alone(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
-    let mut lines = status_panel::in_short(state);
-    lines.push(keys_line(state));
-    frame.render_widget(Paragraph::new(lines), area);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::instrument::live::LiveStep;
     use crate::instrument::rig::ROLL_FRAMES;
-    use crate::presentation::scope::state::{FrameSeen, Link, ScopeEvent};
+    use crate::presentation::scope::{FrameSeen, Link, ScopeEvent};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
     use servoid_identification::results::{

@@ -20,7 +20,7 @@ const PICTURE_EVERY: Duration = Duration::from_millis(50);
 const LAST_PICTURE: Duration = PICTURE_EVERY.saturating_mul(10);
 
 /// The scope on the terminal. Dropping it gives the terminal back.
-pub struct Scope {
+pub(crate) struct Scope {
     shared: Arc<Shared>,
     /// Carries no message; it is disconnected when the thread ends.
     thread: Receiver<()>,
@@ -36,11 +36,12 @@ impl Shared {
 }
 
 impl Scope {
-    /// Takes the terminal over. Each key that stops the run calls `on_stop`.
-    ///
-    /// # Errors
-    /// The error of the system; the terminal is left as it was.
-    pub fn open(state: ScopeState, on_stop: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+    /// Takes the terminal over. Each key that stops the run calls `on_stop`. After an error the terminal is as it
+    /// was.
+    pub(crate) fn open(
+        state: ScopeState,
+        on_stop: impl Fn() + Send + 'static,
+    ) -> std::io::Result<Self> {
         let screen = Screen::take()?;
         let shared = Arc::new(Shared(Mutex::new((state, false))));
         let theirs = Arc::clone(&shared);
@@ -50,7 +51,7 @@ impl Scope {
     }
 
     /// Adds an event; never waits for the terminal.
-    pub fn update(&self, event: ScopeEvent) {
+    pub(crate) fn update(&self, event: ScopeEvent) {
         self.shared.lock().0.apply(event);
     }
 }

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Length of the trace (s): two and a half of the paper's longest cycles.
-pub const WINDOW_S: f64 = 4.0;
+pub(super) const WINDOW_S: f64 = 4.0;
 
 /// Number of past band widths that are shown.
 const WIDTHS: usize = 6;
@@ -54,13 +54,11 @@ pub struct Link {
 }
 
 /// One sample of the trace.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TracePoint {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TracePoint {
     /// Time since the run began (s).
     pub time_s: f64,
-    /// The reference (deg).
     pub reference_deg: f64,
-    /// The measured position (deg).
     pub position_deg: f64,
 }
 
@@ -68,33 +66,29 @@ pub struct TracePoint {
 #[derive(Clone, Debug)]
 pub struct ScopeState {
     /// The title line: the port and the file.
-    pub title: String,
+    pub(super) title: String,
     /// The run.
-    pub start: Start,
+    start: Start,
     /// Half width of the band at which the run ends (percent of the step), if it is to end there.
-    pub until_percent: Option<f64>,
+    pub(super) until_percent: Option<f64>,
     /// Frames on the disk.
     pub frames: u32,
     /// The newest [`WINDOW_S`] seconds.
-    pub trace: VecDeque<TracePoint>,
-    /// The state of the link.
-    pub link: Link,
+    pub(super) trace: VecDeque<TracePoint>,
+    pub(super) link: Link,
     /// The newest estimate of the step response.
-    pub step: Option<Arc<LiveStep>>,
+    pub(super) step: Option<Arc<LiveStep>>,
     /// Half widths of its band so far (percent of the step), the newest last.
-    pub widths: VecDeque<f64>,
+    pub(super) widths: VecDeque<f64>,
     /// Whether the capture is being stopped.
-    pub stopping: bool,
+    pub(super) stopping: bool,
 }
 
 /// The part of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// At neutral, before the reference.
+pub(super) enum Phase {
     RestBefore,
-    /// The reference.
     Reference,
-    /// At neutral, after the reference.
     RestAfter,
 }
 
@@ -135,51 +129,41 @@ impl ScopeState {
         self.link = frame.link;
         let begin = f64::from(frame.index) * FRAME_S;
         let times = (0..).map(|sample| begin + f64::from(sample) * SAMPLE_S);
-        let points = times.zip(frame.positions_deg);
-        self.trace
-            .extend(points.map(|(time_s, position_deg)| TracePoint {
+        let points = times
+            .zip(frame.positions_deg)
+            .map(|(time_s, position_deg)| TracePoint {
                 time_s,
                 reference_deg: frame.reference_deg,
                 position_deg,
-            }));
-        let newest = self.time_s();
-        while self
-            .trace
-            .front()
-            .is_some_and(|point| point.time_s < newest - WINDOW_S)
-        {
-            self.trace.pop_front();
-        }
+            });
+        self.trace.extend(points);
+        let oldest = self.time_s() - WINDOW_S;
+        self.trace.retain(|point| point.time_s >= oldest);
     }
 
     /// Time since the run began (s).
-    #[must_use]
-    pub fn time_s(&self) -> f64 {
+    pub(super) fn time_s(&self) -> f64 {
         f64::from(self.frames) * FRAME_S
     }
 
     /// Frames that the run will have.
-    #[must_use]
-    pub fn frames_total(&self) -> u32 {
+    pub(super) fn frames_total(&self) -> u32 {
         self.start.frames()
     }
 
     /// Time to the end of the run (s), if nothing ends it early.
-    #[must_use]
-    pub fn left_s(&self) -> f64 {
+    pub(super) fn left_s(&self) -> f64 {
         f64::from(self.frames_total().saturating_sub(self.frames)) * FRAME_S
     }
 
     /// The part of the run that is done, 0 to 1.
-    #[must_use]
-    pub fn done(&self) -> f64 {
+    pub(super) fn done(&self) -> f64 {
         let total = self.frames_total().max(1);
         (f64::from(self.frames) / f64::from(total)).clamp(0.0, 1.0)
     }
 
     /// The part of the run that is under way.
-    #[must_use]
-    pub fn phase(&self) -> Phase {
+    pub(super) fn phase(&self) -> Phase {
         let before = u32::from(self.start.pre_roll_frames);
         if self.frames < before {
             Phase::RestBefore
@@ -191,12 +175,9 @@ impl ScopeState {
     }
 
     /// Whether the band is as narrow as was wanted.
-    #[must_use]
-    pub fn enough(&self) -> bool {
-        match (&self.step, self.until_percent) {
-            (Some(step), Some(percent)) => step.is_within(percent),
-            _ => false,
-        }
+    pub(super) fn enough(&self) -> bool {
+        let wanted = self.step.as_ref().zip(self.until_percent);
+        wanted.is_some_and(|(step, percent)| step.is_within(percent))
     }
 }
 

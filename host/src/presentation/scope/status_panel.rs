@@ -1,13 +1,14 @@
 //! The numbers beside the plots.
 
 use super::charts::{POSITION, REFERENCE};
-use super::state::{Phase, ScopeState};
+use super::state::{Link, Phase, ScopeState};
 use ratatui::Frame;
 use ratatui::layout::Rect;
-use ratatui::style::{Color, Style, Stylize};
+use ratatui::style::{Color, Stylize};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Wrap};
 use servoid_identification::results::Bounds;
+use servoid_protocol::Rejects;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
 /// The whole panel, 40 columns wide. Where the height is too small, the lowest lines are cut off.
@@ -28,52 +29,43 @@ pub(super) fn draw(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
         lines.extend(part);
     }
     let block = Block::bordered().title(" run and link ");
-    frame.render_widget(
-        Paragraph::new(lines)
-            .wrap(Wrap { trim: false })
-            .block(block),
-        area,
-    );
+    let text = Paragraph::new(lines).wrap(Wrap { trim: false });
+    frame.render_widget(text.block(block), area);
 }
 
 /// Four lines for a small terminal.
 pub(super) fn in_short(state: &ScopeState) -> Vec<Line<'static>> {
-    let link = &state.link;
+    let (left, total, frames) = (state.left_s(), state.frames_total(), state.frames);
+    let Link {
+        rejects,
+        asked_again,
+        lost,
+        ..
+    } = state.link;
+    let unreadable = rejects.total();
     vec![
-        Line::from(format!(
-            "{:.1} s left, frame {} of {}",
-            state.left_s(),
-            state.frames,
-            state.frames_total()
-        )),
+        Line::from(format!("{left:.1} s left, frame {frames} of {total}")),
         motion(state),
-        Line::from(format!(
-            "unreadable {}, again {}, lost {}",
-            link.rejects.total(),
-            link.asked_again,
-            link.lost
-        ))
-        .style(health(link.rejects.total() + link.lost)),
+        counted(
+            unreadable + lost,
+            format!("unreadable {unreadable}, again {asked_again}, lost {lost}"),
+        ),
         band(state).swap_remove(0),
     ]
 }
 
 fn run(state: &ScopeState) -> Vec<Line<'static>> {
-    let samples = |frames: u32| u64::from(frames) * SAMPLES_PER_FRAME as u64;
     let phase = match state.phase() {
         Phase::RestBefore => "rest before the reference",
         Phase::Reference => "the reference",
         Phase::RestAfter => "rest after the reference",
     };
+    let (left, [frame, frames]) = (state.left_s(), [state.frames, state.frames_total()]);
+    let [sample, samples] = [frame, frames].map(|n| u64::from(n) * SAMPLES_PER_FRAME as u64);
+    let progress = format!("frame {frame} of {frames}, sample {sample} of {samples}");
     vec![
-        Line::from(format!("{:.1} s left, {phase}", state.left_s())),
-        Line::from(format!(
-            "frame {} of {}, sample {} of {}",
-            state.frames,
-            state.frames_total(),
-            samples(state.frames),
-            samples(state.frames_total())
-        )),
+        Line::from(format!("{left:.1} s left, {phase}")),
+        Line::from(progress),
         motion(state),
     ]
 }
@@ -89,52 +81,48 @@ fn motion(state: &ScopeState) -> Line<'static> {
 }
 
 fn link(state: &ScopeState) -> Vec<Line<'static>> {
-    let link = &state.link;
-    let rejects = link.rejects;
-    let mut lines = vec![
-        Line::from(format!(
-            "frames asked again {}, lost {}",
-            link.asked_again, link.lost
-        ))
-        .style(health(link.lost)),
-    ];
-    if let Some(status) = &link.status {
-        lines.push(Line::from(format!(
-            "rig: at most {} frames waited,",
-            status.backlog_high_water
-        )));
-        lines.push(
-            Line::from(format!(
-                "  {} lost on board, {} unreadable",
-                status.frames_lost_on_board, status.rejects
-            ))
-            .style(health(status.frames_lost_on_board + status.rejects)),
-        );
+    let Link {
+        rejects,
+        asked_again,
+        lost,
+        status,
+    } = state.link;
+    let mut lines = vec![counted(
+        lost,
+        format!("frames asked again {asked_again}, lost {lost}"),
+    )];
+    if let Some(status) = status {
+        let (waited, unreadable) = (status.backlog_high_water, status.rejects);
+        let lost = status.frames_lost_on_board;
+        lines.push(Line::from(format!("rig: at most {waited} frames waited,")));
+        let counters = format!("  {lost} lost on board, {unreadable} unreadable");
+        lines.push(counted(lost + unreadable, counters));
     }
-    lines.extend([
-        Line::from(format!(
-            "unreadable {}: CRC {}, malformed {},",
-            rejects.total(),
-            rejects.crc,
-            rejects.malformed
-        ))
-        .style(health(rejects.total())),
-        Line::from(format!(
-            " too long {}, unknown {}, left over {}",
-            rejects.too_long, rejects.unknown, rejects.left_over
-        ))
-        .style(health(rejects.total())),
-    ]);
+    let Rejects {
+        crc,
+        malformed,
+        too_long,
+        unknown,
+        left_over,
+    } = rejects;
+    let all = rejects.total();
+    let (first, second) = (
+        format!("unreadable {all}: CRC {crc}, malformed {malformed},"),
+        format!(" too long {too_long}, unknown {unknown}, left over {left_over}"),
+    );
+    lines.extend([counted(all, first), counted(all, second)]);
     lines
 }
 
 fn band(state: &ScopeState) -> Vec<Line<'static>> {
     let Some(step) = &state.step else {
-        let wanted = match state.until_percent {
-            Some(percent) => format!("band: none yet; run ends at ±{percent} %"),
-            None => "band: none yet".to_owned(),
-        };
-        return vec![Line::from(wanted)];
+        let end = state
+            .until_percent
+            .map(|percent| format!("; run ends at ±{percent} %"));
+        return vec![Line::from(format!(
+            "band: none yet{}",
+            end.unwrap_or_default()
+        ))];
     };
     let Bounds::Valid(bounds) = &step.step.bounds else {
         return vec![Line::from("no band: see 'servoid identify'").red().bold()];
@@ -148,21 +136,20 @@ fn band(state: &ScopeState) -> Vec<Line<'static>> {
         Line::from(format!("band ±{width:.2} %"))
     };
     let history: Vec<String> = state.widths.iter().map(|w| format!("{w:.1}")).collect();
+    let level = 100.0 * bounds.level;
     vec![
         first.bold(),
-        Line::from(format!(
-            "  of the step, whole curve, {:.0} %",
-            100.0 * bounds.level
-        )),
+        Line::from(format!("  of the step, whole curve, {level:.0} %")),
         Line::from(format!("  before: ±{} %", history.join(" "))),
     ]
 }
 
-/// Red where something went wrong.
-fn health(faults: u32) -> Style {
+/// Counters, red where there are faults.
+fn counted(faults: u32, text: String) -> Line<'static> {
+    let line = Line::from(text);
     if faults > 0 {
-        Style::new().fg(Color::Red)
+        line.fg(Color::Red)
     } else {
-        Style::new()
+        line
     }
 }

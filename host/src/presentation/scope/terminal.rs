@@ -21,24 +21,21 @@ const PATIENCE: Duration = Duration::from_millis(500);
 static TAKEN: AtomicBool = AtomicBool::new(false);
 
 /// Whether there is a terminal for pictures and keys.
-#[must_use]
-pub fn is_there() -> bool {
+pub(crate) fn is_there() -> bool {
     let dumb = std::env::var_os("TERM").is_none_or(|term| term == "dumb");
     let all = stdin().is_terminal() && stdout().is_terminal() && stderr().is_terminal();
     all && !dumb
 }
 
 /// The terminal while it is taken over; dropping it gives it back.
-pub struct Screen {
+pub(super) struct Screen {
     terminal: Terminal<CrosstermBackend<Stdout>>,
 }
 
 impl Screen {
     /// Takes the terminal over: raw mode, and the alternate screen, which leaves the old content untouched.
-    ///
-    /// # Errors
-    /// The error of the system; the terminal is left as it was.
-    pub fn take() -> std::io::Result<Self> {
+    /// After an error the terminal is as it was.
+    pub(super) fn take() -> std::io::Result<Self> {
         give_back_on_panic();
         TAKEN.store(true, Ordering::SeqCst);
         let taken = enable_raw_mode()
@@ -54,10 +51,10 @@ impl Screen {
     }
 
     /// Draws, unless the terminal has been given back meanwhile.
-    ///
-    /// # Errors
-    /// The error of the system.
-    pub fn draw(&mut self, picture: impl FnOnce(&mut ratatui::Frame<'_>)) -> std::io::Result<()> {
+    pub(super) fn draw(
+        &mut self,
+        picture: impl FnOnce(&mut ratatui::Frame<'_>),
+    ) -> std::io::Result<()> {
         if TAKEN.load(Ordering::SeqCst) {
             self.terminal.draw(picture)?;
         }
@@ -73,7 +70,7 @@ impl Drop for Screen {
 
 /// Gives the terminal back if it is taken over; may be called from anywhere, and often. Does not wait for a
 /// blocked terminal.
-pub fn give_back() {
+pub(crate) fn give_back() {
     if TAKEN.swap(false, Ordering::SeqCst) {
         let (ends, ended) = channel::<()>();
         std::thread::spawn(move || {

@@ -1,20 +1,13 @@
-//! What goes beyond the linear response, as text for a terminal: low-order models, strokes apart, limits.
+//! Results beyond the linear response, as text for a terminal: low-order models, strokes by direction, limits.
 
-use super::numbers::{percent, probability};
+use super::numbers::{head_of_bounds, probability};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::nonlinear::{DirectionModel, Limits, Symmetry};
-use servoid_identification::results::{Bounds, Interval};
-use std::fmt::Write;
+use servoid_identification::results::Interval;
 
 /// A low-order model for a flight simulation.
 #[must_use]
 pub fn of_flight_model(flight: &FlightModel) -> String {
-    let mut text =
-        String::from("\nlow-order model: K e^(-Ls) / ((1 + 2 zeta s/w + s^2/w^2) (1 + Ts))\n");
-    let interval = match &flight.bounds {
-        Bounds::Valid(bounds) => format!("{} % interval", percent(bounds.level)),
-        Bounds::Withdrawn(_) => "no bounds".to_owned(),
-    };
     let rows = [
         ("gain K", "", 1.0, Some(flight.gain)),
         ("delay L", "ms", 1e3, Some(flight.delay_s)),
@@ -22,7 +15,11 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
         ("damping zeta", "", 1.0, flight.damping),
         ("lag T", "ms", 1e3, flight.lag_s),
     ];
-    let _infallible = writeln!(text, "  {:22} {:>10} {:5} {interval}", "", "value", "");
+    let head = head_of_bounds(flight.bounds.as_ref().map(|bounds| bounds.level));
+    let mut text = format!(
+        "\nlow-order model: K e^(-Ls) / ((1 + 2 zeta s/w + s^2/w^2) (1 + Ts))\n  {:22} {:>10} {:5} {head}\n",
+        "", "value", ""
+    );
     for (name, unit, scale, interval) in rows {
         let Some(Interval {
             value: Some(value),
@@ -32,29 +29,25 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
         else {
             continue;
         };
-        let number =
-            |bound: Option<f64>| bound.map_or("-".to_owned(), |b| format!("{:.4}", b * scale));
+        let number = |bound: f64| format!("{:.4}", bound * scale);
+        let end = |bound: Option<f64>| bound.map_or("-".to_owned(), number);
         let bounds = match (lower, upper) {
             (None, None) => String::new(),
-            _ => format!("{} .. {}", number(lower), number(upper)),
+            _ => format!("{} .. {}", end(lower), end(upper)),
         };
-        let line = format!("  {name:22} {:>10.4} {unit:5} {bounds}", value * scale);
-        let _infallible = writeln!(text, "{}", line.trim_end());
+        let line = format!("  {name:22} {:>10} {unit:5} {bounds}", number(value));
+        text += &format!("{}\n", line.trim_end());
     }
     for tried in &flight.tried {
-        let mark = if tried.order == flight.order {
-            "  <- chosen"
-        } else {
-            ""
-        };
-        let _infallible = writeln!(
-            text,
-            "  order {}: chi2 {:.1} of {} degrees of freedom, lack of fit {}, largest error {:.2} % of the step{mark}",
+        let chosen = tried.order == flight.order;
+        text += &format!(
+            "  order {}: chi2 {:.1} of {} degrees of freedom, lack of fit {}, largest error {:.2} % of the step{}\n",
             tried.order,
             tried.chi_square,
             tried.degrees_of_freedom,
             probability(Some(tried.p)),
-            tried.largest_error_percent
+            tried.largest_error_percent,
+            if chosen { "  <- chosen" } else { "" }
         );
     }
     text + "  " + &flight.statement + "\n"
@@ -71,16 +64,18 @@ pub fn of_limits(
         || "positions in the recording's unit, speeds in that unit per second".to_owned(),
         |unit| format!("positions in {unit}, speeds in {unit}/s"),
     );
-    let mut text = format!("\nlimits of a linear model ({units})\n");
-    let of_strokes = directions.map_or_else(
-        || "Up and down strokes cannot be told apart in this recording.".to_owned(),
+    let strokes = directions.map_or_else(
+        || "Up and down strokes cannot be compared in this recording.".to_owned(),
         |directions| of_symmetry(&directions.symmetry),
     );
-    let _infallible = writeln!(text, "  {of_strokes}");
-    for statement in limits.statements() {
-        let _infallible = writeln!(text, "  {statement}");
-    }
-    text
+    let statements = limits.statements();
+    let lines = statements
+        .iter()
+        .map(|statement| format!("  {statement}\n"));
+    format!(
+        "\nlimits of a linear model ({units})\n  {strokes}\n{}",
+        lines.collect::<String>()
+    )
 }
 
 /// Probability below which noise does not explain differences.
@@ -112,7 +107,7 @@ fn of_symmetry(symmetry: &Symmetry) -> String {
     if symmetry.p < CHANCE {
         // Many small differences can be more than noise where no single one is.
         return format!(
-            "{beginning} Taken together the differences are more than noise ({p}), as other errors of a linear model leave them."
+            "{beginning} Taken together the differences are more than noise ({p}); other errors of a linear model cause such differences too."
         );
     }
     beginning

@@ -1,126 +1,135 @@
 //! A comparison as text.
 
-use super::advice::write_advice;
-use super::lines::wrapped;
+use super::layout::{findings, wrapped};
 use super::metrics::difference_rows;
-use super::numbers::{percent, probability};
-use servoid_identification::comparison::{Comparison, ComparisonBounds, DifferenceCurve, Stroke};
+use super::numbers::{percent, probability, with_bounds};
+use servoid_identification::comparison::{
+    Comparison, ComparisonBounds, DifferenceCurve, Stroke, Verdict,
+};
 use servoid_identification::results::{Bounds, Interval};
-use std::fmt::Write;
 
-/// What came of a comparison, for a terminal.
+/// A comparison, for a terminal.
 #[must_use]
 pub fn of_comparison(a: &str, b: &str, found: &Comparison) -> String {
-    let mut text = String::new();
-    // Writing to a String cannot fail.
-    let _infallible = write_comparison(&mut text, a, b, found);
-    text
-}
-
-fn write_comparison(text: &mut String, a: &str, b: &str, found: &Comparison) -> std::fmt::Result {
-    writeln!(text, "A  {a}\nB  {b}\n\n{}\n", wrapped(&found.summary, 0))?;
+    let mut text = format!("A  {a}\nB  {b}\n\n{}\n\n", wrapped(&found.summary, 0));
     for (name, value) in facts_of_comparison("A", "B", found) {
-        writeln!(text, "  {name:NAMES$} {}", wrapped(&value, NAMES + 3))?;
+        text += &format!("  {name:NAMES$} {}\n", wrapped(&value, NAMES + 3));
     }
-    write!(text, "\n{}", table_of_comparison("A", "B", found))?;
-    write_advice(text, &found.advice)
+    text + "\n" + &table_of_comparison("A", "B", found) + &findings(&found.advice)
 }
 
 /// Width of the column with the names of facts \[letters\].
 const NAMES: usize = 30;
 
-/// Why metrics of two sides are not set against each other.
-pub const NOT_COMPARED: &str = "No differences of metrics: without bounds they may mean nothing.";
+/// Why metrics of two sides are not compared.
+pub(crate) const NOT_COMPARED: &str =
+    "No differences of metrics: without bounds they may mean nothing.";
 
-/// Metrics of both sides and their difference with its bounds, and how they were made.
-#[must_use]
-pub fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
+/// Metrics of both sides and their difference with its bounds, and the way they were computed.
+pub(crate) fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
     let Bounds::Valid(bounds) = &found.bounds else {
         let instead = "'servoid identify' prints the metrics of each side, and 'servoid report' both side by side.";
         return format!("  {}\n", wrapped(&format!("{NOT_COMPARED} {instead}"), 2));
     };
+    let level = percent(bounds.level);
     let mut text = format!(
-        "  {:32} {a:>10} {b:>10} {:>12}  {} % interval\n",
-        "",
-        "difference",
-        percent(bounds.level)
+        "  {:32} {a:>10} {b:>10} {:>12}  {level} % interval\n",
+        "", "difference"
     );
     for row in difference_rows(found, "") {
         if let [(a, _), (b, _), (difference, bounds)] = &row.cells[..] {
-            let _infallible = writeln!(
-                text,
-                "  {:32} {a:>10} {b:>10} {difference:>12}  {bounds}",
-                row.label
-            );
+            let label = row.label;
+            text += &format!("  {label:32} {a:>10} {b:>10} {difference:>12}  {bounds}\n");
         }
     }
     text + "\n  " + &wrapped(how_compared(found), 2) + "\n"
 }
 
-/// How the metrics of a comparison were made, which are not those of each side by itself.
-#[must_use]
-pub fn how_compared(found: &Comparison) -> &'static str {
+/// The way the metrics of a comparison were computed, which differ from those of each side by itself.
+pub(crate) fn how_compared(found: &Comparison) -> &'static str {
     // Only recordings show where a side comes to rest.
     match found.levels {
         Some(_) => {
-            "Difference: second less first. Both sides as the comparison takes them, with one settling \
-             time and number of frequencies for both: a side by itself, with a structure of its own, has \
-             metrics that differ a little."
+            "Difference: second less first. The comparison takes one settling time and number of \
+             frequencies for both sides: a side by itself, with a structure of its own, has metrics \
+             that differ a little."
         }
         None => {
-            "Difference: second less first. Each side as its model has it, with a structure of its own; \
-             the recordings, taken with one structure for both, give metrics that differ a little."
+            "Difference: second less first. Each side has the structure of its own model: the \
+             recordings, compared with one structure for both, give metrics that differ a little."
         }
     }
 }
 
-/// What was found beside the metrics, a line each: what it is, and what it came to.
-#[must_use]
-pub fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
-    let mut facts = vec![
-        (
-            "verdict".to_owned(),
-            format!(
-                "{} (margin {} % of the step)",
-                format!("{:?}", found.verdict).to_lowercase(),
-                found.margin_percent
-            ),
-        ),
-        (
-            "largest difference".to_owned(),
-            match &found.bounds {
-                Bounds::Valid(bounds) => largest_difference(bounds),
-                Bounds::Withdrawn(reason) => {
-                    format!("no bounds can be given: {}", reason.because())
-                }
-            },
-        ),
-    ];
-    if let Bounds::Valid(bounds) = &found.bounds {
-        facts.extend(delay_shift(a, b, found, bounds));
-        facts.push((
-            "which means".to_owned(),
-            found.delay_shift_definition.clone(),
-        ));
+/// A verdict in one word.
+pub(crate) fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Different => "different",
+        Verdict::Same => "same",
+        Verdict::Undecided => "undecided",
     }
-    facts.extend([(
-        "chance, scatter of runs".to_owned(),
-        match found.p_value {
-            Some(_) => format!(
-                "{} with {} and {} runs",
-                probability(found.p_value),
-                found.runs[0],
-                found.runs[1]
-            ),
-            None => format!(
-                "not tested: needs three runs a side (here {} and {})",
-                found.runs[0], found.runs[1]
-            ),
-        },
-    )]);
-    facts.extend(over_prediction(a, b, found));
-    facts.extend(levels(a, b, found));
-    facts.extend(asymmetry(a, b, found));
+}
+
+/// The results beside the metrics: names and values.
+pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
+    let (verdict, margin) = (verdict(found.verdict), found.margin_percent);
+    let margin = format!("{verdict} (margin {margin} % of the step)");
+    let mut facts = vec![("verdict".to_owned(), margin)];
+    let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
+    match &found.bounds {
+        Bounds::Valid(bounds) => {
+            add("largest difference", largest_difference(bounds));
+            let mut name = format!("{b} is behind {a} by");
+            for shift in delay_shifts(found, bounds) {
+                add(&std::mem::take(&mut name), shift);
+            }
+            add("definition", found.delay_shift_definition.clone());
+        }
+        Bounds::Withdrawn(reason) => {
+            let because = reason.because();
+            add(
+                "largest difference",
+                format!("no bounds can be given: {because}"),
+            );
+        }
+    }
+    let [runs_a, runs_b] = found.runs;
+    let chance = match found.p_value {
+        Some(_) => format!(
+            "{} with {runs_a} and {runs_b} runs",
+            probability(found.p_value)
+        ),
+        None => format!("not tested: needs three runs a side (here {runs_a} and {runs_b})"),
+    };
+    add("chance, scatter of runs", chance);
+    if let Some(over) = &found.over_prediction {
+        let share = |interval: &Interval| with_bounds(interval, " %", |v| format!("{v:.2}"));
+        let [plus, minus, travel] = [
+            &over.plus_percent,
+            &over.minus_percent,
+            &over.travel_percent,
+        ]
+        .map(share);
+        let shares = format!("+ side {plus}, - side {minus}, travel {travel}");
+        add(&format!("{a} over-predicts {b}"), shares);
+        add("definition", over.definition.clone());
+    }
+    for (name, side) in found.levels.iter().flat_map(|l| [(a, &l.a), (b, &l.b)]) {
+        let rest = |level: &Interval| with_bounds(level, "", |v| format!("{v:.3}"));
+        let (plus, minus) = (rest(&side.plus), rest(&side.minus));
+        let [above, below] = [side.command_plus, side.command_minus];
+        let rests = format!("{plus} when commanded {above:+}, {minus} when commanded {below:+}");
+        add(&format!("{name} rests at"), rests);
+    }
+    for (name, side) in found.asymmetry.iter().flat_map(|s| [(a, &s.a), (b, &s.b)]) {
+        if let Some(largest) = side.largest_percent {
+            let (largest, p) = (largest.abs(), probability(side.p));
+            let apart = format!(
+                "{largest:.1} % of the stroke apart where they differ most ({p} by chance alone)"
+            );
+            add(&format!("{name}, up against down strokes"), apart);
+        }
+    }
     facts
 }
 
@@ -140,97 +149,29 @@ fn largest_difference(bounds: &ComparisonBounds) -> String {
     )
 }
 
-/// The equivalent delay shift, stroke by stroke where they are taken apart.
-fn delay_shift(
-    a: &str,
-    b: &str,
-    found: &Comparison,
-    bounds: &ComparisonBounds,
-) -> Vec<(String, String)> {
-    let milliseconds = |value: Option<f64>, bounds: Option<[f64; 2]>| {
-        let Some(value) = value else {
-            return "an unknown time".to_owned();
-        };
-        let bounds = bounds.map_or_else(
-            || " (no bounds)".to_owned(),
-            |[low, high]| format!(" ({:+.2} .. {:+.2})", 1e3 * low, 1e3 * high),
-        );
-        format!("{:+.2} ms{bounds}", 1e3 * value)
-    };
+/// The equivalent delay shift, by direction of stroke where the two are compared separately.
+fn delay_shifts(found: &Comparison, bounds: &ComparisonBounds) -> Vec<String> {
+    let milliseconds = |shift: &Interval| with_bounds(shift, " ms", |s| format!("{:+.2}", 1e3 * s));
     let of = |curve: &DifferenceCurve, way: &str| {
-        let shift = &curve.delay_shift_s;
-        let bounds = shift.lower.zip(shift.upper).map(<[f64; 2]>::from);
-        let left = curve.shift_leaves_percent.map_or_else(String::new, |left| {
-            format!(", which leaves up to {left:.1} % of the final value unexplained")
+        let rest = curve.shift_leaves_percent.map_or_else(String::new, |rest| {
+            format!("; the shifted curves still differ by up to {rest:.1} % of the final value")
         });
-        milliseconds(shift.value, bounds) + way + &left
+        milliseconds(&curve.delay_shift_s) + way + &rest
     };
-    let name = format!("{b} is behind {a} by");
     match &found.curves[..] {
         [up, down] => {
-            let both = milliseconds(found.delay_shift_s, bounds.delay_shift_s);
-            vec![
-                (name, of(up, " on the way up")),
-                (String::new(), of(down, " on the way down")),
-                (String::new(), format!("{both} by one delay for both")),
-            ]
+            let [lower, upper] = bounds
+                .delay_shift_s
+                .map_or([None; 2], |ends| ends.map(Some));
+            let value = found.delay_shift_s;
+            let both = milliseconds(&Interval {
+                value,
+                lower,
+                upper,
+            });
+            let both = format!("{both} by one delay for both");
+            vec![of(up, " on the way up"), of(down, " on the way down"), both]
         }
-        curves => vec![(name, curves.iter().map(|curve| of(curve, "")).collect())],
+        curves => vec![curves.iter().map(|curve| of(curve, "")).collect()],
     }
-}
-
-fn over_prediction(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
-    let Some(over) = &found.over_prediction else {
-        return Vec::new();
-    };
-    let share = |interval: &Interval| match (interval.value, interval.lower, interval.upper) {
-        (Some(v), Some(low), Some(high)) => format!("{v:.2} % ({low:.2} .. {high:.2})"),
-        _ => "-".to_owned(),
-    };
-    vec![
-        (
-            format!("{a} over-predicts {b}"),
-            format!(
-                "+ side {}, - side {}, travel {}",
-                share(&over.plus_percent),
-                share(&over.minus_percent),
-                share(&over.travel_percent)
-            ),
-        ),
-        ("which means".to_owned(), over.definition.clone()),
-    ]
-}
-
-fn levels(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
-    let rest = |level: &Interval| match (level.value, level.lower, level.upper) {
-        (Some(value), Some(low), Some(high)) => format!("{value:.3} ({low:.3} .. {high:.3})"),
-        _ => "-".to_owned(),
-    };
-    let sides = found.levels.iter().flat_map(|l| [(a, &l.a), (b, &l.b)]);
-    sides
-        .map(|(name, side)| {
-            let text = format!(
-                "{} when commanded {:+}, {} when commanded {:+}",
-                rest(&side.plus),
-                side.command_plus,
-                rest(&side.minus),
-                side.command_minus
-            );
-            (format!("{name} rests at"), text)
-        })
-        .collect()
-}
-
-fn asymmetry(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
-    let sides = found.asymmetry.iter().flat_map(|s| [(a, &s.a), (b, &s.b)]);
-    sides
-        .filter_map(|(name, side)| {
-            let text = format!(
-                "{:.1} % of the stroke apart where they differ most ({} by chance alone)",
-                side.largest_percent?.abs(),
-                probability(side.p)
-            );
-            Some((format!("{name}, up against down strokes"), text))
-        })
-        .collect()
 }

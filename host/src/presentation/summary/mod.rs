@@ -1,117 +1,114 @@
 //! Results as text for a terminal.
 
-mod advice;
 mod beyond;
 mod comparison;
-mod lines;
+mod layout;
 mod metrics;
 mod numbers;
 
 pub use beyond::{of_flight_model, of_limits};
-pub use comparison::{
-    NOT_COMPARED, facts_of_comparison, how_compared, of_comparison, table_of_comparison,
-};
-pub use metrics::{MetricRow, difference_rows, metric_rows, rows_of_metrics};
+pub use comparison::of_comparison;
 
-pub(crate) use lines::wrapped;
+pub(crate) use comparison::{
+    NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,
+};
+pub(crate) use layout::wrapped;
+pub(crate) use metrics::{difference_rows, metric_rows};
 pub(crate) use numbers::{decimals, percent, probability};
 
 use crate::data::units::Units;
-use advice::write_advice;
+use layout::findings;
 use numbers::rounded;
 use servoid_identification::results::{Advice, Bounds, Model, SelectedBy, Validation};
-use std::fmt::Write;
 
-/// The level of a model's bounds, as text: none where no bounds can be given.
-#[must_use]
-pub fn level_text(model: &Model) -> String {
+/// The level of a model's bounds, as text.
+pub(crate) fn level_text(model: &Model) -> String {
     match model.level() {
         Bounds::Valid(level) => format!("{} %", percent(level)),
         Bounds::Withdrawn(_) => "no bounds".to_owned(),
     }
 }
 
-/// What was found by one identification.
+/// The results of one identification.
 #[must_use]
 pub fn of_model(source: &str, model: &Model, units: Units<'_>) -> String {
-    let mut text = String::new();
-    // Writing to a String cannot fail.
-    let _infallible = write_model(&mut text, source, model, units);
-    text
-}
-
-fn write_model(
-    text: &mut String,
-    source: &str,
-    model: &Model,
-    units: Units<'_>,
-) -> std::fmt::Result {
-    let unit = units.output.map(|u| format!(" {u}")).unwrap_or_default();
-    let (structure, fit, period) = (&model.structure, &model.fit, model.sample_period_s);
-    let error_digits = decimals(fit.rmse, 2);
-    writeln!(text, "{source}")?;
+    let mut text = format!("{source}\n");
     match model.level() {
-        Bounds::Withdrawn(reason) => writeln!(
-            text,
-            "  ! NO BOUNDS CAN BE GIVEN: {} (see the advice)",
-            reason.because()
-        )?,
-        Bounds::Valid(_) if !model.linear => writeln!(
-            text,
-            "  ! NOT LINEAR: the bounds are those of the linear description that fits this reference best (see the advice)"
-        )?,
+        Bounds::Withdrawn(reason) => {
+            let because = reason.because();
+            text += &format!("  ! NO BOUNDS CAN BE GIVEN: {because} (see the advice)\n");
+        }
+        Bounds::Valid(_) if !model.linear => {
+            text += "  ! NOT LINEAR: the bounds are those of the linear description that fits this reference best (see the advice)\n";
+        }
         Bounds::Valid(_) => {}
     }
-    writeln!(
-        text,
-        "  samples     {} used, {} missing, every {} ms",
+    let [samples, structure, fit, residuals] = facts(model, units.output);
+    let band = ("step band", step_band(model));
+    let offset = ("offset", offset(model, units.output));
+    for (name, value) in [samples, structure, fit, band, offset, residuals] {
+        text += &format!("  {name:11} {value}\n");
+    }
+    text + &metrics::table(model, units) + &findings(&model.advice)
+}
+
+/// Samples, structure, fit and residuals, by name.
+pub(crate) fn facts(model: &Model, unit: Option<&str>) -> [(&'static str, String); 4] {
+    let (structure, fit, tests) = (&model.structure, &model.fit, &model.residuals);
+    let period_ms = model.sample_period_s * 1e3;
+    let samples = format!(
+        "{} used, {} missing, every {} ms",
         fit.samples_used,
         fit.samples_missing,
-        rounded(period * 1e3)
-    )?;
+        rounded(period_ms)
+    );
     let chosen = match structure.selected_by {
         SelectedBy::Auto => "chosen from the data",
         SelectedBy::Narrow => {
             "narrow: smoother, holds only if the response falls steeply above its highest frequency"
         }
-        SelectedBy::User => "as asked for, and what was left open from the data",
+        SelectedBy::User => "as asked for, and the rest from the data",
     };
-    writeln!(
-        text,
-        "  structure   settling N = {} samples ({:.0} ms), n = {} frequencies, noise order d = {} ({chosen})",
-        structure.settling_samples,
-        structure.settling_samples as f64 * period * 1e3,
-        structure.frequencies,
-        structure.noise_order
-    )?;
-    writeln!(
-        text,
-        "  fit         {:.2} % simulated, {:.2} % one step ahead, error {:.error_digits$}{unit} rms",
-        fit.simulation_percent, fit.one_step_percent, fit.rmse
-    )?;
-    writeln!(text, "  step band   {}", step_band(model))?;
-    // A minus in front of nothing but zeros is none.
-    let offset = format!("{:.error_digits$}", model.offset);
-    let offset = match offset.trim_start_matches(['-', '0', '.']) {
-        "" => offset.trim_start_matches('-'),
-        _ => &offset,
-    };
-    writeln!(
-        text,
-        "  offset      {offset}{unit}, the output with the input at 0"
-    )?;
-    writeln!(
-        text,
-        "  residuals   white: {}, independent of the input: {}, linear: {}",
-        probability(model.residuals.whiteness_p),
-        probability(model.residuals.input_correlation_p),
-        probability(model.residuals.linearity_p)
-    )?;
-    metrics::write_table(text, model, units)?;
-    write_advice(text, &model.advice)
+    let settling = structure.settling_samples;
+    let settling_ms = settling as f64 * period_ms;
+    let structure = format!(
+        "settling N = {settling} samples ({settling_ms:.0} ms), n = {} frequencies, noise order d = {} ({chosen})",
+        structure.frequencies, structure.noise_order
+    );
+    let error = number_with_unit(fit.rmse, decimals(fit.rmse, 2), unit);
+    let fit = format!(
+        "{:.2} % simulated, {:.2} % one step ahead, error {error} rms",
+        fit.simulation_percent, fit.one_step_percent
+    );
+    let residuals = format!(
+        "white: {}, independent of the input: {}, linear: {}",
+        probability(tests.whiteness_p),
+        probability(tests.input_correlation_p),
+        probability(tests.linearity_p)
+    );
+    [
+        ("samples", samples),
+        ("structure", structure),
+        ("fit", fit),
+        ("residuals", residuals),
+    ]
 }
 
-/// How wide the bounds of the step response are.
+fn number_with_unit(number: f64, digits: usize, unit: Option<&str>) -> String {
+    let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+    format!("{number:.digits$}{unit}")
+}
+
+fn offset(model: &Model, unit: Option<&str>) -> String {
+    let digits = decimals(model.fit.rmse, 2);
+    // A minus before nothing but zeros is none.
+    let is_zero = format!("{:.digits$}", model.offset.abs()).parse() == Ok(0.0);
+    let offset = if is_zero { 0.0 } else { model.offset };
+    let offset = number_with_unit(offset, digits, unit);
+    format!("{offset}, the output with the input at 0")
+}
+
+/// The width of the step response's bounds.
 fn step_band(model: &Model) -> String {
     let Bounds::Valid(bounds) = &model.step.bounds else {
         return "none, as no bounds can be given".to_owned();
@@ -124,45 +121,24 @@ fn step_band(model: &Model) -> String {
     )
 }
 
-/// How well a model predicted a recording that it had not seen.
+/// How well a model predicted a recording that it was not identified from.
 #[must_use]
 pub fn of_validation(validation: &Validation, unit: Option<&str>, advice: &[Advice]) -> String {
-    let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
     let digits = decimals(validation.rmse, 2);
-    let mut text = format!(
-        "fit {:.2} %, error {:.digits$}{unit} rms, bias {:+.digits$}{unit}, {} samples{}\n",
-        validation.fit_percent,
-        validation.rmse,
-        validation.bias,
-        validation.samples_used,
-        match validation.runs_from_rest {
-            0 => "",
-            _ => ", the first ones too, as the runs begin at rest by the look of them",
-        }
+    let error = number_with_unit(validation.rmse, digits, unit);
+    let sign = if validation.bias.is_sign_negative() {
+        ""
+    } else {
+        "+"
+    };
+    let bias = number_with_unit(validation.bias, digits, unit);
+    let from_rest = match validation.runs_from_rest {
+        0 => "",
+        _ => ", the first ones too, because the runs appear to begin at rest",
+    };
+    let text = format!(
+        "fit {:.2} %, error {error} rms, bias {sign}{bias}, {} samples{from_rest}\n",
+        validation.fit_percent, validation.samples_used
     );
-    // Writing to a String cannot fail.
-    let _infallible = write_advice(&mut text, advice);
-    text
-}
-
-/// Samples, structure and fit in one sentence.
-#[must_use]
-pub fn one_line(model: &Model, unit: Option<&str>) -> String {
-    let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
-    let (structure, fit) = (&model.structure, &model.fit);
-    let digits = decimals(fit.rmse, 2);
-    format!(
-        "{} samples used, {} missing, every {} ms; settling N = {} samples, n = {} frequencies, noise order d = {}; fit {:.2} % simulated, error {:.digits$}{unit} rms; residuals white: {}, independent of the input: {}, linear: {}",
-        fit.samples_used,
-        fit.samples_missing,
-        rounded(model.sample_period_s * 1e3),
-        structure.settling_samples,
-        structure.frequencies,
-        structure.noise_order,
-        fit.simulation_percent,
-        fit.rmse,
-        probability(model.residuals.whiteness_p),
-        probability(model.residuals.input_correlation_p),
-        probability(model.residuals.linearity_p)
-    )
+    text + &findings(advice)
 }

@@ -1,4 +1,6 @@
-//! Numbers as a reader wants them: with the digits that say something, and no others.
+//! Numbers with the digits that mean something, and no others.
+
+use servoid_identification::results::{Bounds, Interval};
 
 /// "p = 0.021"; a test that could not be made has none.
 pub(crate) fn probability(p: Option<f64>) -> String {
@@ -11,19 +13,40 @@ pub(crate) fn probability(p: Option<f64>) -> String {
 
 /// Decimals that show at least so many digits of a number, and four where that is more.
 pub(crate) fn decimals(number: f64, significant: i32) -> usize {
-    let leading = if number == 0.0 || !number.is_finite() {
-        0.0
-    } else {
-        number.abs().log10().floor()
+    let leading = match number.abs().log10().floor() {
+        leading if leading.is_finite() => leading,
+        _ => 0.0,
     };
     // The smallest positive number begins at the 324th decimal.
-    let needed = (significant - 1 - leading as i32).clamp(4, 330);
-    needed as usize
+    (significant - 1 - leading as i32).clamp(4, 330) as usize
 }
 
 /// A level in percent: 57 rather than 56.99999999999999.
 pub(crate) fn percent(level: f64) -> f64 {
     rounded(100.0 * level)
+}
+
+/// The level of bounds as the head of their column.
+pub(super) fn head_of_bounds(level: Bounds<f64>) -> String {
+    match level {
+        Bounds::Valid(level) => format!("{} % interval", percent(level)),
+        Bounds::Withdrawn(_) => "no bounds".to_owned(),
+    }
+}
+
+/// "1.20 ms (1.10 .. 1.30)"; "-" without a value.
+pub(super) fn with_bounds(
+    interval: &Interval,
+    unit: &str,
+    number: impl Fn(f64) -> String,
+) -> String {
+    let Some(value) = interval.value.map(&number) else {
+        return "-".to_owned();
+    };
+    match interval.lower.zip(interval.upper) {
+        Some((low, high)) => format!("{value}{unit} ({} .. {})", number(low), number(high)),
+        None => format!("{value}{unit} (no bounds)"),
+    }
 }
 
 /// 2 rather than 2.0000000000000004.

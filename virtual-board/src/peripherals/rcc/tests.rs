@@ -1,5 +1,6 @@
 use super::*;
 use crate::peripherals::testing::Bench;
+use crate::record::Irregularity;
 
 /// Writes, as a program would: 72 MHz from the crystal, PCLK1 halved, ADC divided by six.
 const CFGR_72_MHZ: u32 = 7 << 18 | 1 << 16 | 2 << 14 | 4 << 8;

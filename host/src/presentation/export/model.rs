@@ -1,4 +1,4 @@
-//! A model together with all that an export says of it.
+//! A model together with the facts that an export states.
 
 use super::text::plain;
 use crate::data::model_metadata::ModelMetadata;
@@ -9,15 +9,15 @@ use servoid_identification::results::Model;
 /// A model, ready to be written.
 #[derive(Clone, Debug)]
 pub struct Export<'a> {
-    /// What the servo is called; any text.
+    /// Name of the servo; any text.
     pub name: &'a str,
-    /// Where the model comes from; any text.
+    /// Origin of the model; any text.
     pub source: &'a str,
     /// The model.
     pub model: &'a Model,
     /// The model of low order, or why there is none.
     pub low_order: Result<FlightModel, String>,
-    /// Units, and the pulse frame that holds a command before the servo, where they are known.
+    /// Units, and the pulse frame that holds a command, where they are known.
     pub metadata: ModelMetadata,
 }
 
@@ -48,36 +48,31 @@ impl<'a> Export<'a> {
         }
     }
 
-    /// The frame that holds a command in what is written \[s\]: 0 where there is none, or none is known.
+    /// The frame that holds a command \[s\]: 0 where there is none, or none is known.
     pub(super) fn frame_s(&self) -> f64 {
         self.metadata.pulse_frame_s.unwrap_or(0.0)
     }
 
     /// Largest distance of the low-order model's step response from the identified one at any sample
-    /// but the last, which gathers what comes later \[% of the step\]; at least what its own fit says.
+    /// but the last, which stands for all later ones \[% of the step\]; at least that of its own fit.
     pub(super) fn largest_error_percent(&self, flight: &FlightModel) -> f64 {
         let step = &self.model.step.value;
         let count = step.len().saturating_sub(1);
         let discrete = flight.transfer.discrete(self.model.timing());
         let gain = step.last().copied().unwrap_or(f64::NAN).abs();
         let response = discrete.simulate(&vec![1.0; count], 0.0);
-        let errors = response
-            .iter()
-            .zip(step)
-            .map(|(a, b)| 100.0 * (a - b).abs() / gain);
+        let pairs = response.iter().zip(step);
+        let errors = pairs.map(|(a, b)| 100.0 * (a - b).abs() / gain);
         errors.fold(flight.largest_error_percent, f64::max)
     }
 
     /// The name as text within a language, with what has a meaning there escaped: `signs` get a
     /// backslash before them, as the backslash itself does.
     pub(super) fn quoted_name(&self, signs: &[char]) -> String {
-        let mut safe = String::new();
-        for letter in plain(self.name).chars() {
-            if letter == '\\' || signs.contains(&letter) {
-                safe.push('\\');
-            }
-            safe.push(letter);
-        }
-        safe
+        let escaped = |letter: char| match letter == '\\' || signs.contains(&letter) {
+            true => vec!['\\', letter],
+            false => vec![letter],
+        };
+        plain(self.name).chars().flat_map(escaped).collect()
     }
 }

@@ -1,7 +1,18 @@
-//! Text in lines that a terminal shows whole.
+//! The layout of text for a terminal: lines that it shows whole, and findings below them.
+
+use servoid_identification::results::Advice;
 
 /// Letters of a line.
 const LINE: usize = 110;
+
+/// Each finding and its remedy, marked and indented.
+pub(super) fn findings(advice: &[Advice]) -> String {
+    let finding = |item: &Advice| {
+        let [finding, remedy] = [&item.finding, &item.remedy].map(|text| wrapped(text, 4));
+        format!("\n  ! {finding}\n    {remedy}\n")
+    };
+    advice.iter().map(finding).collect()
+}
 
 /// The text in lines of [`LINE`] letters, all but the first indented.
 pub(crate) fn wrapped(text: &str, indent: usize) -> String {

@@ -1,0 +1,112 @@
+//! Output of commands: results on standard output, remarks on standard error, and files, which never replace others
+//! without `--force`.
+
+use crate::data::recording::{WriteError, write_file};
+use crate::presentation::plots::{Figure, draw};
+use anyhow::{Context, Result};
+use clap::Args;
+use clap::error::ErrorKind;
+use serde::Serialize;
+use std::fmt::Display;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Prints a line on standard error. A closed pipe or a terminal that is gone must not end a run on a servo, so
+/// an error is ignored.
+pub fn print_remark(line: impl Display) {
+    let _nobody_listens = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Prints an error as clap prints its own, and ends the program with exit code 2.
+pub(super) fn wrong_usage(error: impl Display) -> ! {
+    clap::Command::new("servoid")
+        .override_usage("servoid <COMMAND>")
+        .error(ErrorKind::ValueValidation, error)
+        .exit()
+}
+
+/// A file's name without folder and ending, for plots and for the terminal.
+pub(super) fn stem(path: &Path) -> String {
+    let name = path.file_stem().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// The form of a command's output.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct Talk {
+    /// Print the result as one JSON object
+    #[arg(long)]
+    pub json: bool,
+    /// Print the result and errors only
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+impl Talk {
+    /// A remark for the person at the terminal.
+    pub(super) fn say(self, remark: impl Display) {
+        if !self.quiet {
+            print_remark(remark);
+        }
+    }
+
+    /// The result, as text or as JSON.
+    pub(super) fn result(self, text: String, value: &impl Serialize) -> Result<String> {
+        if self.json { to_json(value) } else { Ok(text) }
+    }
+}
+
+/// The options of commands that write files.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct Output {
+    /// Replace files that exist
+    #[arg(long)]
+    pub force: bool,
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+impl Output {
+    /// Fails where a file could not be written later: before an hour of work rather than after it.
+    pub(super) fn check<'a>(self, files: impl IntoIterator<Item = &'a PathBuf>) -> Result<()> {
+        match files.into_iter().find(|file| !self.force && file.exists()) {
+            Some(file) => Err(WriteError::exists(file).into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes a whole file: after an error, the file that was there stays.
+    pub(super) fn write(self, path: &Path, content: &str) -> Result<()> {
+        Ok(write_file(path, self.force, content)?)
+    }
+
+    /// Writes a result as JSON, if there is a file for it.
+    pub(super) fn write_json(self, path: Option<&PathBuf>, value: &impl Serialize) -> Result<()> {
+        path.map_or(Ok(()), |path| self.write(path, &to_json(value)?))
+    }
+
+    /// Draws figures into a folder, which is made if it is not there.
+    pub(super) fn draw(self, folder: &Path, figures: &[Figure]) -> Result<()> {
+        make_folder(folder)?;
+        let mut files = Vec::new();
+        for figure in figures {
+            let path = folder.join(format!("{}.svg", figure.name));
+            let drawing = draw(figure)
+                .map_err(|e| anyhow::anyhow!("the plot {:?} cannot be drawn: {e}", figure.name))?;
+            self.write(&path, &drawing)?;
+            files.push(path.display().to_string());
+        }
+        self.talk.say(format_args!("plots: {}", files.join(", ")));
+        Ok(())
+    }
+}
+
+pub(super) fn make_folder(folder: &Path) -> Result<()> {
+    let made = std::fs::create_dir_all(folder);
+    made.with_context(|| format!("the folder {folder:?} cannot be made"))
+}
+
+/// A result as indented JSON with a final line end.
+fn to_json(value: &impl Serialize) -> Result<String> {
+    Ok(serde_json::to_string_pretty(value).context("the result cannot be written as JSON")? + "\n")
+}
