@@ -1,13 +1,12 @@
 //! The door: bytes and time in, bytes and events out.
 
-use crate::arming::Arming;
 use crate::event::Event;
 use crate::foreign_traffic::ForeignTraffic;
 use crate::line::Line;
 use crate::mismatch::require_match;
 use crate::run::Run;
 use crate::session::Opening;
-use crate::task::{Asking, Next, Task};
+use crate::task::{Arming, Asking, Next, Task};
 use servoid_protocol::message::{Arm, Command, Start, Status};
 use servoid_protocol::{Hello, Rejects};
 use std::time::Duration;
@@ -25,8 +24,8 @@ pub struct Connect {
 
 /// A host in conversation with a rig.
 ///
-/// Time is what the driver says it is: a duration since any moment of its choice, which never goes back.
-/// A client does one thing at a time; what is asked of it replaces what it was busy with.
+/// Time comes from the driver: a duration since any moment of its choice, which never goes back.
+/// A client does one thing at a time; a new task replaces the one before.
 ///
 /// ```
 /// use servoid_client::{Client, Connect, Event};
@@ -54,7 +53,6 @@ pub struct Client {
 impl Client {
     /// Opens a session; [`Event::Connected`] says when it is open. A rig that another session has armed is
     /// waited for until that one's lease is over.
-    #[must_use]
     pub fn connect(connect: &Connect, now: Duration) -> Self {
         let mut line = Line::new(connect.session, now);
         let mut opening = Opening::new(connect.attempts);
@@ -145,45 +143,39 @@ impl Client {
         self.line.outgoing.pop_front()
     }
 
-    /// What has happened, in order.
+    /// The next event, in order.
     pub fn poll_event(&mut self) -> Option<Event> {
         self.line.events.pop_front()
     }
 
     /// When [`Client::handle`] is to be called if no bytes come before; `None` while nothing is waited
     /// for.
-    #[must_use]
     pub fn next_deadline(&self) -> Option<Duration> {
         let task = self.task.as_ref()?.deadline(&self.line);
         [task, self.line.deadline()].into_iter().flatten().min()
     }
 
     /// Whether the client has nothing to do.
-    #[must_use]
     pub fn is_idle(&self) -> bool {
         self.task.is_none()
     }
 
     /// Who the rig is, once it is known.
-    #[must_use]
     pub fn hello(&self) -> Option<&Hello> {
         self.line.hello.as_ref()
     }
 
-    /// What could not be read of what the rig sent, by class.
-    #[must_use]
+    /// Messages of the rig that could not be read, by class.
     pub fn rejects(&self) -> Rejects {
         self.line.decoder.rejects()
     }
 
     /// Frames of the run that had to be asked for again.
-    #[must_use]
     pub fn frames_asked_again(&self) -> u32 {
         self.line.asked_again
     }
 
-    /// What the rig last said of itself in the run, about twice a second.
-    #[must_use]
+    /// The newest status of the rig in the run, which comes about twice a second.
     pub fn status(&self) -> Option<&Status> {
         self.line.status.as_ref()
     }

@@ -1,8 +1,8 @@
-//! Why a conversation with a rig failed, and what to do.
+//! Why a conversation with a rig failed, and the remedy.
 
 use servoid_protocol::message::Refusal;
 
-/// Why a conversation with a rig failed. The text says what to do.
+/// Why a conversation with a rig failed. The text names the remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ClientError {
     /// No rig has answered.
@@ -14,7 +14,7 @@ pub enum ClientError {
     /// It answered once and no longer does.
     #[error("the rig does not answer to {request}: check the cable and its power")]
     NoAnswer {
-        /// What was asked.
+        /// The request.
         request: &'static str,
     },
     /// Nothing readable has come for a long time.
@@ -53,13 +53,13 @@ pub enum ClientError {
         "the rig's {field} is {rig}, this servoid's {host}: {meaning}; flash the firmware of this version with 'cargo fw-flash'"
     )]
     TimingDiffers {
-        /// What it is called in [`servoid_protocol::Hello`].
+        /// Its name in [`servoid_protocol::Hello`].
         field: &'static str,
         /// The rig's.
         rig: String,
         /// This program's.
         host: String,
-        /// What would follow from it.
+        /// Its consequence.
         meaning: &'static str,
     },
     /// Frames come that nobody here has asked for, or another session holds the rig.
@@ -70,7 +70,7 @@ pub enum ClientError {
     /// The rig says no.
     #[error("the rig refuses to {request}: {}", refusal_text(*.refusal))]
     Refused {
-        /// What was asked.
+        /// The request.
         request: &'static str,
         /// Why not.
         refusal: Refusal,

@@ -1,11 +1,11 @@
-//! What a driver of the conversation learns.
+//! Events of a conversation, for its driver.
 
 use crate::error::ClientError;
 use crate::request::Answer;
 use crate::run_ending::RunEnding;
 use servoid_protocol::{Frame, Hello};
 
-/// What has happened.
+/// An event of the conversation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// The session is open.
@@ -21,6 +21,6 @@ pub enum Event {
     Frame(Frame),
     /// The run is over, and every frame that can be had has come.
     RunEnded(RunEnding),
-    /// What was asked of the client last cannot be had.
+    /// The task has failed.
     Failed(ClientError),
 }

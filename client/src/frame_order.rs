@@ -81,8 +81,8 @@ impl FrameOrder {
         self.given_up
     }
 
-    /// Whether everything that the board caught is here. What is missing was lost on the board then,
-    /// and asking for it again brings nothing.
+    /// Whether every frame that the board caught is here. Missing frames were lost on the board then,
+    /// and asking for them again brings nothing.
     pub(crate) fn lacks_only_what_the_board_lost(&self, ended: &Ended) -> bool {
         let frames = u32::from(ended.frames);
         let waiting = || self.waiting.range(..frames).map(|(_, frame)| frame);

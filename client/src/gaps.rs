@@ -71,7 +71,7 @@ impl Gaps {
             true => frame_at + RESEND_EVERY,
             false => Duration::ZERO,
         };
-        // What was asked for a moment ago is still coming.
+        // Frames that were asked for a moment ago are still coming.
         let before = self.resend.as_ref();
         if let Some(before) = before.filter(|resend| resend.gap.contains(&gap.start))
             && let Some(answered_at) = before.answered_at

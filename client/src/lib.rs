@@ -14,14 +14,14 @@
 //! | module            | what it does                                                            |
 //! |-------------------|-------------------------------------------------------------------------|
 //! | `client`          | the door: bytes and time in, bytes and events out                       |
-//! | `event`           | what a driver learns                                                    |
+//! | `event`           | what happens, for a driver                                              |
 //! | `error`           | why a conversation failed, with what to do                              |
 //! | `line`            | messages to bytes and back, and the one request that waits for its answer |
 //! | `request`         | when a request is repeated, and which message answers it                |
 //! | `foreign_traffic` | listens for another program's run before anything is sent               |
 //! | `session`         | opens a session                                                         |
 //! | `mismatch`        | why a rig does not go with this program                                 |
-//! | `arming`          | brings the rig to neutral                                               |
+//! | `task`            | one thing that a client is busy with, such as a request or arming       |
 //! | `run`             | starts a run and follows it to its end                                  |
 //! | `frame_order`     | puts the frames of a run in order                                       |
 //! | `gaps`            | when missing frames are asked for again, and when they are given up     |
@@ -39,7 +39,6 @@
     )
 )]
 
-mod arming;
 mod client;
 mod error;
 mod event;

@@ -10,10 +10,10 @@ use std::time::Duration;
 
 /// Everything that outlives a single task.
 pub(crate) struct Line {
-    /// What time it is, as the driver said last.
+    /// The time, as the driver gave it last.
     pub now: Duration,
     pub hello: Option<Hello>,
-    /// What the rig last said of itself in the run under way or the last one.
+    /// The newest status of the rig in the run under way or the last one.
     pub status: Option<Status>,
     /// Frames of that run that had to be asked for again.
     pub asked_again: u32,

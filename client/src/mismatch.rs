@@ -1,4 +1,4 @@
-//! What differs between a rig and this program, where they were not built for each other.
+//! Differences between a rig and a program that were not built for each other.
 
 use crate::error::ClientError;
 use serde::Serialize;
@@ -9,61 +9,60 @@ use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
 /// One thing in which they differ.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Mismatch {
-    /// What it is called in [`Hello`].
+    /// Its name in [`Hello`].
     pub field: &'static str,
     /// The rig's.
     pub rig: String,
     /// This program's.
     pub servoid: String,
-    /// What follows from it.
+    /// Its consequence.
     pub meaning: &'static str,
 }
 
 /// Every field of `hello` that this program needs to be other than it is; none where the two go
 /// together.
-#[must_use]
 pub fn mismatches(hello: &Hello) -> Vec<Mismatch> {
-    let mut all = Vec::new();
-    let mut hold = |field, rig: String, servoid: String, meaning| {
-        if rig != servoid {
-            all.push(Mismatch {
-                field,
-                rig,
-                servoid,
-                meaning,
-            });
-        }
+    let update = match hello.protocol_version > PROTOCOL_VERSION {
+        true => "the rig is the newer one: update servoid",
+        false => "the rig is the older one: flash this version's firmware with 'cargo fw-flash'",
     };
-    let newer = hello.protocol_version > PROTOCOL_VERSION;
-    hold(
-        "protocol_version",
-        hello.protocol_version.to_string(),
-        PROTOCOL_VERSION.to_string(),
-        if newer {
-            "the rig is the newer one: update servoid"
-        } else {
-            "the rig is the older one: flash this version's firmware with 'cargo fw-flash'"
-        },
-    );
-    hold(
-        "schema_hash",
-        format!("{:016x}", hello.schema_hash),
-        format!("{SCHEMA_HASH:016x}"),
-        "the messages have other fields: the rig will not arm, because the same bytes might mean another pulse",
-    );
-    hold(
-        "frame_us",
-        hello.frame_us.to_string(),
-        FRAME_US.to_string(),
-        "a PWM frame is of another length: every time in a recording would be wrong",
-    );
-    hold(
-        "sample_us",
-        hello.sample_us.to_string(),
-        SAMPLE_US.to_string(),
-        "samples come at another rate: every time in a recording would be wrong",
-    );
-    all
+    let fields = [
+        (
+            "protocol_version",
+            hello.protocol_version.to_string(),
+            PROTOCOL_VERSION.to_string(),
+            update,
+        ),
+        (
+            "schema_hash",
+            format!("{:016x}", hello.schema_hash),
+            format!("{SCHEMA_HASH:016x}"),
+            "the messages have other fields: the rig will not arm, because the same bytes might mean another pulse",
+        ),
+        (
+            "frame_us",
+            hello.frame_us.to_string(),
+            FRAME_US.to_string(),
+            "a PWM frame is of another length: every time in a recording would be wrong",
+        ),
+        (
+            "sample_us",
+            hello.sample_us.to_string(),
+            SAMPLE_US.to_string(),
+            "samples come at another rate: every time in a recording would be wrong",
+        ),
+    ];
+    let differing = fields
+        .into_iter()
+        .filter(|(_, rig, servoid, _)| rig != servoid);
+    differing
+        .map(|(field, rig, servoid, meaning)| Mismatch {
+            field,
+            rig,
+            servoid,
+            meaning,
+        })
+        .collect()
 }
 
 /// Refuses a rig that differs in anything that a recording depends on.

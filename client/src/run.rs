@@ -8,7 +8,7 @@
 //! | the number is that of the run before          | the next number is tried                           |
 //! | a gap                                         | asked for again until it is filled or the board has forgotten it |
 //! | a request or its answer is lost               | the request is repeated, which has no second effect |
-//! | no frame for a while                          | the rig is asked what it is doing: it may be over  |
+//! | no frame for a while                          | the rig is asked for its status: it may be over    |
 //! | the rig says that it knows nothing of the run | asked twice more, because answers may be old ones  |
 //! | nothing at all for a long time                | the end, with everything that came                 |
 
@@ -34,7 +34,8 @@ const DENIALS: u32 = 3;
 /// A run under way.
 pub(crate) struct Run {
     start: Start,
-    phase: Phase,
+    /// Until the rig has begun it: numbers that were tried beside the first one.
+    starting: Option<u32>,
     order: FrameOrder,
     gaps: Gaps,
     ended: Option<Ended>,
@@ -44,11 +45,6 @@ pub(crate) struct Run {
     /// Every request is a sign of life.
     sign_of_life_at: Duration,
     status_asked_at: Duration,
-}
-
-enum Phase {
-    Starting { other_numbers: u32 },
-    Following,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -66,7 +62,7 @@ impl Run {
         line.ask(Command::Start(start));
         Self {
             start,
-            phase: Phase::Starting { other_numbers: 0 },
+            starting: Some(0),
             order: FrameOrder::new(start.run),
             gaps: Gaps::new(history_frames),
             ended: None,
@@ -79,12 +75,12 @@ impl Run {
     }
 
     fn on_started(&mut self, command: &Command, answer: Option<Answer>, line: &mut Line) -> Next {
-        let Phase::Starting { other_numbers } = self.phase else {
+        let Some(other_numbers) = self.starting else {
             return Next::Stay;
         };
         match answer {
             Some(Answer::Done) => {
-                self.phase = Phase::Following;
+                self.starting = None;
                 self.silence = Silence::since(line.now);
                 let run = self.start.run;
                 line.events.push_back(Event::RunBegun { run });
@@ -95,11 +91,10 @@ impl Run {
                 let run = self.start.run.wrapping_add(1);
                 *self = Self::begin(Start { run, ..self.start }, line);
                 self.stop = stop;
-                let other_numbers = other_numbers + 1;
-                self.phase = Phase::Starting { other_numbers };
+                self.starting = Some(other_numbers + 1);
                 Next::Stay
             }
-            // The rig may have begun it all the same: the answer may be what was lost.
+            // The rig may have begun it all the same: only the answer may be lost.
             _ => {
                 Asking.on_answer(command, answer, line);
                 self.ask_to_stop(line)
@@ -143,13 +138,13 @@ impl Run {
         Next::Then(Box::new(Asking))
     }
 
-    /// Hands on what is next in order.
+    /// Hands on the frames that are next in order.
     fn release(&mut self, line: &mut Line) {
         let ready = std::iter::from_fn(|| self.order.pop_ready());
         line.events.extend(ready.map(Event::Frame));
     }
 
-    /// Hands on all that has come; what is missing before it is given up.
+    /// Hands on all that has come; missing frames before it are given up.
     fn release_over_gaps(&mut self, line: &mut Line) {
         self.release(line);
         while self.order.give_up_before(self.end_so_far()) {
@@ -253,7 +248,7 @@ impl Task for Run {
     }
 
     fn on_time(&mut self, line: &mut Line) -> Next {
-        if matches!(self.phase, Phase::Starting { .. }) {
+        if self.starting.is_some() {
             return Next::Stay;
         }
         self.release(line);
@@ -277,7 +272,7 @@ impl Task for Run {
     }
 
     fn deadline(&self, line: &Line) -> Option<Duration> {
-        if matches!(self.phase, Phase::Starting { .. }) {
+        if self.starting.is_some() {
             return None;
         }
         let agenda = self.agenda(line).into_iter().flatten();

@@ -12,7 +12,7 @@ pub struct RunEnding {
     pub arrived: Arrived,
 }
 
-/// What arrived of the frames that a run had.
+/// Which frames of a run arrived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrived {
     /// All of them, and the rig's check over the run agrees.

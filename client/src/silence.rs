@@ -34,7 +34,7 @@ impl Silence {
         }
     }
 
-    /// When the rig is to be asked what it is doing, if it was last asked at `asked_at`.
+    /// When the rig is to be asked for its status, if it was last asked at `asked_at`.
     pub(crate) fn question_at(&self, asked_at: Duration) -> Duration {
         self.frame_at.max(asked_at) + QUIET
     }

@@ -7,6 +7,7 @@ use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::buffer::{Buffer, Cell};
 use ratatui::style::{Color, Modifier};
+use servoid::data::DegreeScale;
 use servoid::data::recording::{Header, RecordingWriter};
 use servoid::data::rig_file::RigFile;
 use servoid::instrument::live::{Estimator, RunSamples, second_cycle};
@@ -82,14 +83,11 @@ fn half_of_a_run() -> Result<ScopeState, Box<dyn Error>> {
 }
 
 fn seen(rig: &RigFile, progress: &Progress<'_>) -> FrameSeen {
-    let (servo, sensor) = (rig.servo_scale(), rig.sensor_scale());
+    let scale = DegreeScale::of_rig(rig);
     FrameSeen {
         index: progress.frame.index.into(),
-        reference_deg: servo.degrees(progress.frame.pulse).0,
-        positions_deg: progress
-            .frame
-            .samples
-            .map(|counts| sensor.degrees(counts).0),
+        reference_deg: scale.reference(progress.frame.pulse),
+        positions_deg: progress.frame.samples.map(|counts| scale.angle(counts)),
         link: Link {
             rejects: progress.rejects,
             asked_again: progress.asked_again,

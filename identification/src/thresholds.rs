@@ -291,3 +291,75 @@ pub const BARE_MENTION: f64 = 2.0;
 ///
 /// Protects: the verdict "different" between recordings of one servo. Evidence: "Comparison", table of pairs.
 pub const RUNS_DIFFER_SIGNIFICANCE: f64 = 0.01;
+
+// Advice.
+
+/// Standard deviations of a tail of the response that noise may hide after the settling time.
+///
+/// Protects: bounds that hold less often than their level, because a slow end is cut off. Evidence: the rows with
+/// `hidden_tail` in "Poor references and coarse sensors"; the test of smooth references in noise.
+pub const HIDDEN_TAIL: f64 = 0.5;
+
+/// Largest root of D(z) that still is noise and not drift.
+///
+/// Protects: the bounds of the gain, which rest on few independent stretches of noise that drifts. Evidence: the test
+/// of slow noise.
+pub const SLOW_ROOT: f64 = 0.98;
+
+/// Fewer degrees of freedom than this make the width of a bound itself uncertain, by more than 13 %.
+///
+/// Protects: readers from widths that another recording would not repeat. Evidence: the test of slow noise.
+pub const FEW_DEGREES: f64 = 30.0;
+
+/// Share of the rows that may be parameters.
+///
+/// Protects: the estimate of the noise, which needs rows beside the parameters. Evidence: the test of short records.
+pub const LARGE_SHARE: f64 = 0.25;
+
+/// Share of the samples that may serve as history alone.
+///
+/// Protects: users from recording many short runs. Evidence: the test of short records.
+pub const LOST_TO_HISTORY: f64 = 0.2;
+
+// Metrics.
+
+/// Standard deviations beyond which a sample is surely on one side of a level; a draw lies outside once in 5e8.
+///
+/// Protects: the intervals of crossings from samples that cannot matter. Evidence: table of the metrics' intervals,
+/// the test that sure crossings have the intervals of draws.
+pub const SURE: f64 = 6.0;
+
+/// Standard deviations by which each step of a curve must go up for it to be surely rising; one draw in 30 000 has
+/// it go down.
+///
+/// Protects: intervals by inversion, which suppose a single crossing. Evidence: as for [`SURE`].
+pub const RISING: f64 = 4.0;
+
+/// Half width of the bound of a single sample, as a share of the final value, from which on crossings have brackets
+/// instead of quantiles of draws.
+///
+/// Protects: crossings of rough estimates, whose draws are rougher still and miss. Evidence: table of the metrics'
+/// intervals, strong noise.
+pub const ROUGH_SAMPLE: f64 = 0.05;
+
+// Validation and comparison.
+
+/// Errors of samples judged from rest relative to the others, up to which a run began at rest. The noise of the
+/// first sample, from which all of them start, can make them √2 times as large.
+///
+/// Protects: the fit of a validation from beginnings that were not at rest. Evidence: the tests of validation.
+pub const FROM_REST: f64 = 1.5;
+
+/// Difference between the ends of two ranges, as a share of the larger range, up to which motions count as equally
+/// large.
+///
+/// Protects: verdicts on servos that are not linear from references that differ. Evidence: the test of motions.
+pub const EQUALLY_LARGE: f64 = 0.05;
+
+/// Ratio of two usual holds up to which they count as equally long; see [`EQUALLY_LARGE`].
+pub const EQUALLY_LONG: f64 = 1.25;
+
+/// Delay shift below which two servos are called equally fast \[s\]: an eighth of a sample of the rig.
+///
+/// Protects: readers from shifts of no consequence. Evidence: the snapshot of a comparison.
+pub const NOTABLE_SHIFT_S: f64 = 0.25e-3;

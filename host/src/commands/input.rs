@@ -55,7 +55,7 @@ impl TableArgs {
             ("--time", self.time.clone()),
             (
                 "--time-unit",
-                self.time_unit.map(|unit| unit.name().to_owned()),
+                self.time_unit.map(|unit| unit.names().0.to_owned()),
             ),
             ("--run", self.run.clone()),
             ("--at-rest", self.at_rest.map(number)),

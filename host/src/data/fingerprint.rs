@@ -4,42 +4,19 @@ use servoid_identification::results::{Advice, Check};
 use servoid_identification::{Record, Run};
 use std::collections::HashSet;
 
-/// Samples whose bytes are gathered at a time: the table of the CRC takes sixteen bytes at once, and one
-/// sample has eight.
-const GATHERED: usize = 512;
-
 /// The fingerprint of a run: the CRC-32 of its inputs and outputs, eight bytes each, the lowest first.
 fn of_run(run: &Run) -> String {
-    let mut digest = crc32fast::Hasher::new();
-    let mut bytes = [[0; 8]; GATHERED];
-    for column in [run.input(), run.output()] {
-        for values in column.chunks(GATHERED) {
-            for (bytes, value) in bytes.iter_mut().zip(values) {
-                // One NaN is as missing as another, and 0 is -0.
-                let value = if value.is_nan() {
-                    f64::NAN
-                } else {
-                    value + 0.0
-                };
-                *bytes = value.to_le_bytes();
-            }
-            let filled = bytes.get(..values.len()).unwrap_or_default();
-            digest.update(filled.as_flattened());
-        }
-    }
-    format!("{:08x}", digest.finalize())
+    // One NaN is as missing as another, and 0 is -0.
+    let bytes = |value: &f64| match value.is_nan() {
+        true => f64::NAN.to_le_bytes(),
+        false => (value + 0.0).to_le_bytes(),
+    };
+    let values = run.input().iter().chain(run.output());
+    let bytes: Vec<u8> = values.flat_map(bytes).collect();
+    format!("{:08x}", crc32fast::hash(&bytes))
 }
 
 /// The fingerprints of all runs of a record.
-///
-/// ```
-/// use servoid::fingerprint;
-/// use servoid_identification::Record;
-/// let record = Record::from_slices(0.002, &[1.0, 2.0], &[3.0, 4.0])?;
-/// assert_eq!(fingerprint::of(&record), fingerprint::of(&record.clone()));
-/// # Ok::<(), servoid_identification::Error>(())
-/// ```
-#[must_use]
 pub fn of(record: &Record) -> Vec<String> {
     record.runs().iter().map(of_run).collect()
 }
@@ -49,51 +26,40 @@ fn shared(these: &[String], those: &[String]) -> usize {
     these.iter().filter(|one| those.contains(one)).count()
 }
 
+/// Advice that `count` runs are there twice, if any are.
+fn advice(count: usize, finding: String, remedy: &str) -> Option<Advice> {
+    (count > 0).then(|| Advice::new(Check::SameData, finding, count as f64, 0.0, remedy))
+}
+
 /// Advice where the two sides of a comparison share runs.
-#[must_use]
 pub fn advice_on_sides(a: &[String], b: &[String]) -> Option<Advice> {
     let count = shared(b, a);
-    (count > 0).then(|| {
-        Advice::new(
-            Check::SameData,
-            format!(
-                "Both sides have the same samples{}, so the comparison shows nothing about the servo.",
-                match b.len() - count {
-                    0 => String::new(),
-                    _ => format!(" in {count} of the second's {}", runs(b.len())),
-                }
-            ),
-            count as f64,
-            0.0,
-            "Record the second condition by itself, and name that file.",
-        )
-    })
+    let part = match b.len() - count {
+        0 => String::new(),
+        _ => format!(" in {count} of the second's {}", runs(b.len())),
+    };
+    let finding = format!(
+        "Both sides have the same samples{part}, so the comparison shows nothing about the servo."
+    );
+    let remedy = "Record the second condition by itself, and name that file.";
+    advice(count, finding, remedy)
 }
 
 /// Advice where a model is validated on runs that it was identified from.
-#[must_use]
 pub fn advice_on_validation(model: &[String], record: &[String]) -> Option<Advice> {
     let count = shared(record, model);
-    (count > 0).then(|| {
-        Advice::new(
-            Check::SameData,
-            format!(
-                "The model was identified from these very samples{}: it fits what it has seen, and how well it \
-                 predicts anything else is not known.",
-                match record.len() - count {
-                    0 => String::new(),
-                    _ => format!(" ({count} of {})", runs(record.len())),
-                }
-            ),
-            count as f64,
-            0.0,
-            "Validate with a recording that the model has not seen.",
-        )
-    })
+    let part = match record.len() - count {
+        0 => String::new(),
+        _ => format!(" ({count} of {})", runs(record.len())),
+    };
+    let finding = format!(
+        "The model was identified from these very samples{part}: it fits what it has seen, and how well it predicts anything else is not known."
+    );
+    let remedy = "Validate with a recording that the model has not seen.";
+    advice(count, finding, remedy)
 }
 
 /// Advice where a record has a run twice.
-#[must_use]
 pub fn advice_on_repeats(record: &Record) -> Option<Advice> {
     if record.runs().len() < 2 {
         return None; // Nothing to repeat, and no reason to read all samples again.
@@ -101,19 +67,13 @@ pub fn advice_on_repeats(record: &Record) -> Option<Advice> {
     let all = of(record);
     let different: HashSet<&String> = all.iter().collect();
     let count = all.len() - different.len();
-    (count > 0).then(|| {
-        Advice::new(
-            Check::SameData,
-            format!(
-                "{} of {} repeat the samples of another one: a run that counts twice makes bounds narrower than they are.",
-                runs(count),
-                runs(all.len())
-            ),
-            count as f64,
-            0.0,
-            "Name each run once, under whatever name it is kept.",
-        )
-    })
+    let finding = format!(
+        "{} of {} repeat the samples of another one: a run that counts twice makes bounds narrower than they are.",
+        runs(count),
+        runs(all.len())
+    );
+    let remedy = "Name each run once, under whatever name it is kept.";
+    advice(count, finding, remedy)
 }
 
 fn runs(count: usize) -> String {

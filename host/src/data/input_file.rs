@@ -8,10 +8,7 @@ use std::path::Path;
 /// it, a device such as `/dev/zero` would take all of the memory.
 const MOST_FROM_A_STREAM: u64 = 1 << 30;
 
-/// Reads all of a file, or of a pipe.
-///
-/// # Errors
-/// What the system says, or [`ErrorKind::FileTooLarge`] for a stream that does not end.
+/// Reads all of a file, or of a pipe; fails with [`ErrorKind::FileTooLarge`] for a stream that does not end.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     if path.metadata()?.is_file() {
         return std::fs::read(path);

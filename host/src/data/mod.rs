@@ -1,4 +1,4 @@
-//! Files and tables: what comes in and what is kept, as data.
+//! Files as data: recordings, tables, rig files, model files, and the data set of any recordings.
 
 pub mod dataset;
 pub mod model_file;
@@ -7,13 +7,15 @@ pub mod rig_file;
 pub mod table;
 
 pub(crate) mod degrees;
+mod file_error;
 pub(crate) mod fingerprint;
 pub(crate) mod input_file;
 pub(crate) mod model_metadata;
-pub(crate) mod sensor_health;
+
 pub(crate) mod timeline;
 pub(crate) mod units;
 
 pub use degrees::DegreeScale;
+pub use file_error::FileError;
 pub use model_metadata::ModelMetadata;
 pub use units::Units;

@@ -23,7 +23,7 @@ impl UnitNames {
     }
 }
 
-/// Where a model comes from, as far as its user has to know; what is not known is left out.
+/// Where a model comes from, as far as its user has to know; unknown facts are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModelMetadata {
     #[serde(default, skip_serializing_if = "UnitNames::are_unknown")]
@@ -35,7 +35,6 @@ pub struct ModelMetadata {
 
 impl ModelMetadata {
     /// Units where they are named, and the pulse frame where it is known.
-    #[must_use]
     pub fn new(input: Option<String>, output: Option<String>, pulse_frame_s: Option<f64>) -> Self {
         Self {
             units: UnitNames { input, output },
@@ -52,7 +51,6 @@ impl ModelMetadata {
     /// assert_eq!((metadata.units().input, metadata.pulse_frame_s), (Some("us"), Some(0.02)));
     /// assert_eq!(ModelMetadata::in_document(&serde_json::json!({})), ModelMetadata::default());
     /// ```
-    #[must_use]
     pub fn in_document(document: &Value) -> Self {
         let found = Self::deserialize(document).unwrap_or_default();
         Self {
@@ -64,7 +62,6 @@ impl ModelMetadata {
     }
 
     /// The units of command and position.
-    #[must_use]
     pub fn units(&self) -> Units<'_> {
         Units {
             input: self.units.input.as_deref(),
@@ -72,11 +69,8 @@ impl ModelMetadata {
         }
     }
 
-    /// Refuses to hold two against each other whose units are known and differ; `name` and
+    /// Refuses to compare two whose units are known and differ; `name` and
     /// `other_name` are what they are called.
-    ///
-    /// # Errors
-    /// [`UnitsDiffer`].
     pub fn same_units(
         &self,
         name: &str,
@@ -105,10 +99,10 @@ impl ModelMetadata {
     }
 }
 
-/// Two that cannot be held against each other.
+/// Two that cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the {what} of {name} is in {unit}, that of {other} in {other_unit}: only what is in the same units can be put together or held against each other, so convert one of the recordings"
+    "the {what} of {name} is in {unit}, that of {other} in {other_unit}: only data in the same units can be put together or compared, so convert one of the recordings"
 )]
 pub struct UnitsDiffer {
     what: &'static str,

@@ -1,9 +1,9 @@
-//! The rig file: what the user knows of their servo, their sensor and their limits.
+//! The rig file: servo, sensor and limits, as the user knows them.
 //!
 //! ```toml
 //! name = "bench 1"
 //! port = "/dev/ttyUSB0"
-//! condition = "bench"         # what captures note if they are not told
+//! condition = "bench"         # noted in captures unless another is given
 //!
 //! [servo]
 //! name = "ALIGN DS610"
@@ -23,18 +23,17 @@
 //! longest_us = 1600
 //! ```
 //!
-//! Everything may be left out; what stands in for it is in [`RigFile::default`].
+//! Everything may be left out: [`RigFile::default`] has the values that are used then.
 
-use crate::data::sensor_health::HealthyCounts;
 use serde::{Deserialize, Serialize};
 use servoid_protocol::{PulseWidth, SensorScale, ServoScale};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// What the user knows of their rig.
+/// A rig, as its user knows it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RigFile {
-    /// What the user calls this rig.
+    /// Name of this rig.
     pub name: String,
     /// The port to use when none is named on the command line.
     pub port: Option<String>,
@@ -52,7 +51,7 @@ pub struct RigFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ServoSection {
-    /// What the servo is called.
+    /// Name of the servo.
     pub name: String,
     /// The pulse that commands 0 degrees (µs).
     pub neutral_us: u16,
@@ -75,7 +74,7 @@ impl Default for ServoSection {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorSection {
-    /// What the sensor is called.
+    /// Name of the sensor.
     pub name: String,
     /// Reading at 0 degrees (counts).
     pub zero_counts: f64,
@@ -110,7 +109,6 @@ impl SensorSection {
     /// A linear sensor behind the divider of the wiring guide, with `volts` at the low and the high end of
     /// a range of `degrees`, negative where the volts fall as the angle grows; 0 degrees are in its
     /// middle. Nobody has measured where its zero is on this rig, so the zero's uncertainty is a degree.
-    #[must_use]
     pub fn from_data_sheet(volts: [f64; 2], degrees: f64) -> Self {
         let counts_per_volt = FULL_SCALE_COUNTS / FULL_SCALE_VOLTS;
         let [low, high] = volts.map(|volts| volts * counts_per_volt);
@@ -149,53 +147,30 @@ impl Default for LimitsSection {
     }
 }
 
-/// Why a rig file cannot be used. The text says what to do.
+/// Why a rig file cannot be used. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum RigFileError {
-    /// The file cannot be read.
-    #[error("the rig file {path:?} cannot be read: {reason}")]
-    Unreadable {
-        /// Which.
-        path: std::path::PathBuf,
-        /// What the system said.
-        reason: std::io::Error,
-    },
-    /// The file is no rig file.
-    #[error("the rig file {path:?} does not make sense: {reason}")]
-    Malformed {
-        /// Which.
-        path: std::path::PathBuf,
-        /// What is wrong, and where.
-        reason: String,
-    },
+    /// The error of the system.
+    #[error("the rig file {0:?} cannot be read: {1}")]
+    Unreadable(PathBuf, std::io::Error),
+    /// The file is no rig file: what is wrong, and where.
+    #[error("the rig file {0:?} does not make sense: {1}")]
+    Malformed(PathBuf, String),
 }
 
 impl RigFile {
-    /// Reads and checks a rig file.
-    ///
-    /// # Errors
-    /// [`RigFileError`]; the sentence names the key that is wrong.
+    /// Reads and checks a rig file; the error names the key that is wrong.
     pub fn read(path: &Path) -> Result<Self, RigFileError> {
-        let text = std::fs::read_to_string(path).map_err(|reason| RigFileError::Unreadable {
-            path: path.to_owned(),
-            reason,
-        })?;
+        let text = std::fs::read_to_string(path)
+            .map_err(|reason| RigFileError::Unreadable(path.to_owned(), reason))?;
         Self::parse(&text, path)
     }
 
     /// Reads and checks the text of a rig file; `path` is what error texts call it.
-    ///
-    /// # Errors
-    /// [`RigFileError::Malformed`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, RigFileError> {
-        let malformed = |reason| RigFileError::Malformed {
-            path: path.to_owned(),
-            reason,
-        };
-        let file: Self = toml::from_str(text).map_err(|e| malformed(in_one_line(text, &e)))?;
-        file.check()
-            .map_err(|reason| malformed(reason.to_owned()))?;
-        Ok(file)
+        let file: Result<Self, String> = toml::from_str(text).map_err(|e| in_one_line(text, &e));
+        let checked = file.and_then(|file| file.check().map(|()| file).map_err(str::to_owned));
+        checked.map_err(|reason| RigFileError::Malformed(path.to_owned(), reason))
     }
 
     fn check(&self) -> Result<(), &'static str> {
@@ -227,7 +202,6 @@ impl RigFile {
     }
 
     /// How pulses become degrees.
-    #[must_use]
     pub fn servo_scale(&self) -> ServoScale {
         ServoScale {
             neutral: PulseWidth(self.servo.neutral_us),
@@ -236,18 +210,11 @@ impl RigFile {
     }
 
     /// How counts become degrees.
-    #[must_use]
     pub fn sensor_scale(&self) -> SensorScale {
         SensorScale {
             zero_counts: self.sensor.zero_counts,
             degrees_per_count: self.sensor.degrees_per_count,
         }
-    }
-
-    /// Smallest and largest reading of a healthy sensor.
-    #[must_use]
-    pub fn healthy_counts(&self) -> HealthyCounts {
-        HealthyCounts::new(Some(self.sensor.healthy_counts))
     }
 }
 
@@ -263,7 +230,6 @@ fn in_one_line(text: &str, error: &toml::de::Error) -> String {
 }
 
 /// Whether a number can be a scale, of a servo or of a sensor: not 0, and of a size that is met.
-#[must_use]
 pub(crate) fn is_usable_scale(scale: f64) -> bool {
     (1e-6..1e6).contains(&scale.abs())
 }

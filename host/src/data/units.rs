@@ -3,15 +3,14 @@
 /// The units of a record's two columns, where they are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Units<'a> {
-    /// Of what was commanded.
+    /// Of the command.
     pub input: Option<&'a str>,
-    /// Of what was measured.
+    /// Of the measured position.
     pub output: Option<&'a str>,
 }
 
 impl<'a> Units<'a> {
     /// One unit for both.
-    #[must_use]
     pub fn common(self) -> Option<&'a str> {
         self.output.filter(|_| self.input == self.output)
     }
@@ -24,7 +23,6 @@ impl<'a> Units<'a> {
     /// assert_eq!(units("us", "deg").gain().as_deref(), Some("deg/us"));
     /// assert_eq!(units("deg", "deg").gain(), None);
     /// ```
-    #[must_use]
     pub fn gain(self) -> Option<String> {
         let (input, output) = (self.input?, self.output?);
         (input != output).then(|| format!("{output}/{input}"))

@@ -38,11 +38,19 @@ impl Expectation {
             level: request.level,
             ..Options::default()
         };
+        let assumed = &request.assumed;
+        let by_model_alone = assumed.simulation.is_none() && assumed.white_noise.is_none();
         let mut all = Vec::new();
         for seed in 1..=simulations {
             let record = simulated(request, seed)?;
             let example = identify(&record, &options)?;
-            let model = expected_model(&example, &record, &request.assumed.model, request.level)?;
+            // The noise of a servo that is known by a model alone is known where that model has bounds.
+            let known = match by_model_alone {
+                true => assumed.model.level(),
+                false => example.level(),
+            };
+            let level = known.map(|_| request.level);
+            let model = expected_model(&example, &record, &assumed.model, level)?;
             all.push((model, example, record));
         }
         let is_bounded = |(model, ..): &(Model, Model, Record)| model.bounds.valid().is_some();

@@ -27,7 +27,7 @@ pub fn of_plan(plan: &Plan) -> String {
             "step band",
             match &plan.band {
                 Some(band) => step_band(plan, band),
-                None => "none: the residuals of such a run are not noise, so 'servoid identify' will give no bounds and\n              may withhold metrics; take holds in which the servo comes to rest\n".to_owned(),
+                None => "none: the residuals of such a run are not noise, or the model that is planned with has no bounds, so\n              'servoid identify' will give none and may withhold metrics; take holds in which the servo comes to rest\n".to_owned(),
             },
         ),
     ];

@@ -22,17 +22,22 @@ pub(crate) fn as_text(explanation: &Explanation, model: &Model) -> String {
 
 fn write_text(text: &mut String, e: &Explanation, structure: &Structure) -> std::fmt::Result {
     writeln!(text, "\nhow the structure came about")?;
-    let least = e
-        .degrees_of_freedom
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
-    writeln!(
+    let parameters = structure.frequencies + 1 + structure.noise_order;
+    write!(
         text,
-        "  data        {} rows for {} parameters; every bound rests on {least:.0} degrees of freedom or more",
-        e.rows,
-        structure.frequencies + 1 + structure.noise_order
+        "  data        {} rows for {parameters} parameters",
+        e.rows
     )?;
+    match &e.degrees_of_freedom {
+        Some(degrees) => {
+            let least = degrees.iter().copied().fold(f64::INFINITY, f64::min);
+            writeln!(
+                text,
+                "; every bound rests on {least:.0} degrees of freedom or more"
+            )?;
+        }
+        None => writeln!(text)?,
+    }
     write_settling(text, e, structure)?;
     if !e.noise_orders.is_empty() {
         write_noise_orders(text, e, structure)?;
@@ -99,30 +104,37 @@ fn write_frequencies(
     e: &Explanation,
     structure: &Structure,
 ) -> std::fmt::Result {
-    writeln!(
+    let widths = e.frequencies.last().and_then(|c| c.noise_half_width);
+    write!(
         text,
-        "\n  frequencies n: by how many the response is described. With n = N nothing is left out; with fewer, the band of the\n  noise is narrower, and what is left out may add as much as 'left out' (both for a unit step). 'prediction' is the\n  error of predicting what was not seen (generalised cross-validation), the least being 1.\n\n  {:>8} {:>14} {:>12} {:>12}",
-        "n", "prediction", "noise +-", "left out"
+        "\n  frequencies n: by how many the response is described. With n = N nothing is left out; {}'prediction' is the\n  error of predicting what was not seen (generalised cross-validation), the least being 1.\n\n  {:>8} {:>14}",
+        match widths {
+            Some(_) =>
+                "with fewer, the band of the\n  noise is narrower, and what is left out may add as much as 'left out' (both for a unit step). ",
+            None => "",
+        },
+        "n",
+        "prediction"
     )?;
-    let digits = e
-        .frequencies
-        .last()
-        .map_or(4, |c| decimals(c.noise_half_width, 2));
+    match widths {
+        Some(_) => writeln!(text, " {:>12} {:>12}", "noise +-", "left out")?,
+        None => writeln!(text)?,
+    }
+    let digits = widths.map_or(4, |width| decimals(width, 2));
     let gcv = e.frequencies.iter().map(|c| c.gcv);
     let least = gcv.fold(f64::INFINITY, f64::min);
     let every = e.frequencies.len().div_ceil(MOST_LINES);
     for (i, c) in e.frequencies.iter().enumerate() {
         let chosen = c.frequencies == structure.frequencies;
         if chosen || i % every == 0 {
-            let mark = mark(chosen);
-            writeln!(
-                text,
-                "  {:>8} {:>14.4} {:>12.digits$} {:>12.digits$}{mark}",
-                c.frequencies,
-                c.gcv / least,
-                c.noise_half_width,
-                c.truncation_bias
-            )?;
+            write!(text, "  {:>8} {:>14.4}", c.frequencies, c.gcv / least)?;
+            for width in [c.noise_half_width, c.truncation_bias]
+                .into_iter()
+                .flatten()
+            {
+                write!(text, " {width:>12.digits$}")?;
+            }
+            writeln!(text, "{}", mark(chosen))?;
         }
     }
     Ok(())

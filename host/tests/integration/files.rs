@@ -3,8 +3,8 @@
 use crate::support::{arg, data, refusal, run};
 use servoid::data::DegreeScale;
 use servoid::data::recording::{
-    Completeness, Ending, FORMAT, Header, ReadError, Recording, RecordingWriter, is_recording,
-    recover,
+    Completeness, Ending, FORMAT, Header, ReadError, ReadFault, Recording, RecordingWriter,
+    is_recording, recover,
 };
 use servoid_protocol::{Counts, Frame, PulseWidth, framing};
 use servoid_test_support::trials::kill;
@@ -25,7 +25,7 @@ fn frame(index: u16) -> Frame {
 }
 
 /// A recording of four frames in which nothing depends on the clock, nor on what this program takes
-/// a rig to be that it is told nothing of.
+/// a rig to be where nothing is given.
 fn small(path: &Path, ending: Option<&Ending>) {
     let header = Header {
         servoid: "0.1.0".to_owned(),
@@ -153,9 +153,9 @@ fn require_same_or_damaged(found: &Recording, original: &Recording, what: &str) 
         let Completeness::Partial(why) = &found.completeness else {
             panic!("{what}: {:?}", found.completeness);
         };
-        let told = ["damaged", "cut off", "no last line", "no rows"];
+        let causes = ["damaged", "cut off", "no last line", "no rows"];
         assert!(
-            told.iter().any(|words| why.contains(words)),
+            causes.iter().any(|words| why.contains(words)),
             "{what}: {why}"
         );
         assert!(found.lost_samples.is_empty(), "{what}");
@@ -209,7 +209,7 @@ fn complete_is_what_has_the_whole_run() {
         ("partial", ", reason = \"x\", lost_samples = [[30, 49]]"),
     ] {
         let error = ended(end, more).unwrap_err();
-        assert!(matches!(error, ReadError::Changed { .. }), "{error}");
+        assert!(matches!(error.fault, ReadFault::Changed(_)), "{error}");
     }
     // A run of which the header says that it has more.
     let dir = tempfile::tempdir().unwrap();
@@ -254,22 +254,22 @@ fn every_changed_byte_is_seen_where_it_is_and_what_is_sound_is_saved() {
                 let mut changed = bytes.clone();
                 changed[at] = byte;
                 let what = format!("byte {at} {:?} to {:?}", bytes[at] as char, byte as char);
-                let found = match parse(&changed) {
+                let found = match parse(&changed).map_err(|error| error.fault) {
                     Ok(found) => {
                         assert_eq!(found.header, original.header, "{what}");
                         require_same_or_damaged(&found, &original, &what);
                         Some(found)
                     }
-                    Err(ReadError::DamagedRow { row, .. }) => {
+                    Err(ReadFault::DamagedRow { row, .. }) => {
                         let hit = row_hit.unwrap_or_else(|| panic!("{what}: no row was hit"));
                         assert!(row.abs_diff(hit) <= 1, "{what}: row {hit}, said {row}");
                         None
                     }
-                    Err(ReadError::DamagedHeader { .. }) => {
+                    Err(ReadFault::DamagedHeader(..)) => {
                         assert!(row_hit.is_none(), "{what}: a row was hit");
                         None
                     }
-                    Err(ReadError::Changed { .. }) => {
+                    Err(ReadFault::Changed(_)) => {
                         assert!(row_hit > Some(40), "{what}: not the last line");
                         None
                     }

@@ -182,8 +182,11 @@ fn other_languages_and_letters_are_read_and_units_reach_the_results() {
             more,
         ];
         let output = servoid(&args.concat()).output().unwrap();
-        let told = String::from_utf8(output.stdout).unwrap();
-        let line = told.lines().find(|line| line.contains("DC gain")).unwrap();
+        let printed = String::from_utf8(output.stdout).unwrap();
+        let line = printed
+            .lines()
+            .find(|line| line.contains("DC gain"))
+            .unwrap();
         assert!(line.contains(unit), "{file}: {line}");
         let stem = Path::new(file).file_stem().unwrap().to_str().unwrap();
         let plot =
@@ -199,10 +202,10 @@ fn other_languages_and_letters_are_read_and_units_reach_the_results() {
                 plot("step").contains(&format!("unit step ({unit})")),
                 "{file}"
             );
-            assert!(told.contains(&format!(" {output} rms")), "{told}");
+            assert!(printed.contains(&format!(" {output} rms")), "{printed}");
         } else {
             // What is not known is not made up.
-            assert!(!told.contains(" deg rms") && !plot("input-output").contains("(deg)"));
+            assert!(!printed.contains(" deg rms") && !plot("input-output").contains("(deg)"));
         }
     }
     let args = [&["identify", &named], &columns[..]].concat();

@@ -1,69 +1,128 @@
 //! Where no bounds can be given, none are shown: not as numbers, not as curves, not in a caption.
 
 use crate::report::embedded;
-use crate::support::{arg, json, run};
+use crate::support::{arg, json, run, servoid};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// A servo whose speed is limited, under random steps that do not let it rest: its errors are not noise.
-fn limited(dir: &Path, seed: u32) -> PathBuf {
-    const PERIOD: f64 = 0.002;
-    let (mut random, mut noise, mut level) = (seed, 7 * seed + 1, 5.0);
-    let next = |state: &mut u32| {
-        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(*state >> 8) / f64::from(1 << 24)
-    };
-    let (mut position, mut speed) = (level, 0.0);
-    let mut rows = String::from("time_s,u [us],y [deg]\n");
-    for k in 0..3600 {
-        if k % 10 == 0 {
-            level = if next(&mut random) > 0.5 { 5.0 } else { -5.0 };
+/// A recording for which no bounds can be given, one for each reason.
+#[derive(Clone, Copy, Debug)]
+enum Withdrawn {
+    /// A smooth reference that leaves frequencies without power.
+    InputUnexcited,
+    /// A servo whose speed is limited, under random steps that do not let it rest.
+    ErrorsNotNoise,
+    /// A smooth reference, and steps of the sensor that are larger than the noise.
+    QuantisationAboveNoise,
+}
+
+impl Withdrawn {
+    const ALL: [Self; 3] = [
+        Self::InputUnexcited,
+        Self::ErrorsNotNoise,
+        Self::QuantisationAboveNoise,
+    ];
+
+    fn reason(self) -> &'static str {
+        match self {
+            Self::InputUnexcited => "input_unexcited",
+            Self::ErrorsNotNoise => "errors_not_noise",
+            Self::QuantisationAboveNoise => "quantisation_above_noise",
         }
-        // Second order, 60 rad/s and damping 0.7, ten steps a sample, 100 degrees a second at most.
-        for _ in 0..10 {
-            let acceleration = 3600.0 * (level - position) - 84.0 * speed;
-            speed = (speed + acceleration * PERIOD / 10.0).clamp(-100.0, 100.0);
-            position += speed * PERIOD / 10.0;
-        }
-        let error = 0.07 * (next(&mut noise) - 0.5);
-        let time = f64::from(k) * PERIOD;
-        rows += &format!("{time:.3},{level},{:.4}\n", position + error);
     }
-    let file = dir.join(format!("limited-{seed}.csv"));
-    std::fs::write(&file, rows).unwrap();
-    file
+
+    /// Lags of 20 Hz between the steps and the command, limit of the speed [deg/s], noise and step of the sensor [deg].
+    fn settings(self) -> (usize, f64, f64, f64) {
+        match self {
+            Self::InputUnexcited => (4, f64::INFINITY, 0.17, 0.0),
+            Self::ErrorsNotNoise => (0, 100.0, 0.07, 0.0),
+            Self::QuantisationAboveNoise => (1, f64::INFINITY, 0.01, 0.04),
+        }
+    }
+
+    fn recording(self, dir: &Path, seed: u32) -> PathBuf {
+        const PERIOD: f64 = 0.002;
+        let (mut random, mut noise) = (seed, 7 * seed + 1);
+        let next = |state: &mut u32| {
+            *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(*state >> 8) / f64::from(1 << 24)
+        };
+        let (lags, fastest, loudness, step) = self.settings();
+        let frames = if lags > 0 { 12 } else { 1 };
+        let keep = (-std::f64::consts::TAU * 20.0 * PERIOD).exp();
+        let mut level = 5.0;
+        let mut lagged = vec![level; lags];
+        let (mut position, mut speed) = (level, 0.0);
+        let mut rows = String::from("time_s,u [us],y [deg]\n");
+        for k in 0..3600 {
+            if k % (10 * frames) == 0 {
+                level = if next(&mut random) > 0.5 { 5.0 } else { -5.0 };
+            }
+            let mut command = level;
+            for state in &mut lagged {
+                *state = keep * *state + (1.0 - keep) * command;
+                command = *state;
+            }
+            // Second order, 60 rad/s and damping 0.7, ten steps a sample.
+            for _ in 0..10 {
+                let acceleration = 3600.0 * (command - position) - 84.0 * speed;
+                speed = (speed + acceleration * PERIOD / 10.0).clamp(-fastest, fastest);
+                position += speed * PERIOD / 10.0;
+            }
+            let mut output = position + loudness * (next(&mut noise) - 0.5);
+            if step > 0.0 {
+                output = step * (output / step).round();
+            }
+            let time = f64::from(k) * PERIOD;
+            rows += &format!("{time:.3},{command},{output:.4}\n");
+        }
+        let file = dir.join(format!("{}-{seed}.csv", self.reason().replace('_', "-")));
+        std::fs::write(&file, rows).unwrap();
+        file
+    }
+}
+
+/// A servo whose speed is limited: its errors are not noise.
+fn limited(dir: &Path, seed: u32) -> PathBuf {
+    Withdrawn::ErrorsNotNoise.recording(dir, seed)
 }
 
 const NAMED: [&str; 4] = ["--input", "u", "--output", "y"];
 
-/// Fields that are bounds, or of which bounds are made.
-fn is_bound(key: &str) -> bool {
-    const BOUNDS: [&str; 22] = [
-        "level",
-        "lower",
-        "upper",
-        "sd",
-        "critical_value",
-        "covariance",
-        "truncation_bias",
-        "rounding_bias",
-        "bias",
-        "magnitude_db_lower",
-        "magnitude_db_upper",
-        "phase_deg_lower",
-        "phase_deg_upper",
-        "pointwise",
-        "simultaneous",
-        "difference_percent",
-        "at_least",
-        "at_most",
-        "run_to_run_at_most_percent",
-        "a_bounds",
-        "b_bounds",
-        "delay_shift_bounds_s",
-    ];
-    BOUNDS.contains(&key)
-}
+/// Fields that are bounds, or of which bounds are made, by their names in JSON and in exports.
+const BOUNDS: [&str; 31] = [
+    "bounds",
+    "level",
+    "lower",
+    "upper",
+    "sd",
+    "critical_value",
+    "covariance",
+    "truncation_bias",
+    "rounding_bias",
+    "bias",
+    "allowance",
+    "noise_half_width",
+    "half_width",
+    "degrees_of_freedom",
+    "magnitude_db_lower",
+    "magnitude_db_upper",
+    "phase_deg_lower",
+    "phase_deg_upper",
+    "pointwise",
+    "simultaneous",
+    "difference_percent",
+    "at_least",
+    "at_most",
+    "run_to_run_at_most_percent",
+    "a_bounds",
+    "b_bounds",
+    "delay_shift_bounds_s",
+    "theta_sd",
+    "step_sd",
+    "step_lower",
+    "step_upper",
+];
 
 /// No bound in a document is a number, nor has numbers in it.
 pub fn require_no_bound(value: &Value, place: &str) {
@@ -71,17 +130,288 @@ pub fn require_no_bound(value: &Value, place: &str) {
         Value::Object(object) => {
             for (key, value) in object {
                 let place = format!("{place}/{key}");
-                if is_bound(key) || key == "bounds" {
+                // Limits have bounds of their own evidence, the scatter of strokes and rests. How much runs differ
+                // from each other is a result; how well each of them is known would be a bound.
+                // The degrees of freedom of a fit of low order are those of its lack of fit.
+                let own_evidence = place.ends_with("/limits")
+                    || place.ends_with("/flight_model/tried")
+                    || ["gain_percent", "delay_s", "offset"]
+                        .iter()
+                        .any(|quantity| {
+                            place.ends_with(&format!("/explanation/runs/{quantity}/sd"))
+                        });
+                if own_evidence {
+                    continue;
+                }
+                if BOUNDS.contains(&key.as_str()) {
                     assert!(value.is_null(), "{place} is {value}");
                 }
-                // Beside the model: how the search for its structure went.
-                if key != "explanation" {
-                    require_no_bound(value, &place);
-                }
+                require_no_bound(value, &place);
             }
         }
         Value::Array(list) => list.iter().for_each(|value| require_no_bound(value, place)),
         _ => {}
+    }
+}
+
+/// No sentence for people speaks of bounds as if there were some.
+fn require_no_claim(text: &str, place: &str) {
+    for claim in [
+        "99 % interval",
+        "99 % bounds",
+        "99 % sure",
+        "level 99 %",
+        " +- ",
+        "noise +-",
+        "half width",
+        "degrees of freedom or more",
+        "standard deviations. The bounds",
+        "bounds of the gain",
+        "bounds contain",
+        "bands contain",
+        "bounds hold",
+        "bounds rest",
+        "bounds are",
+        "bounds describe",
+        "bounds of the step response wide",
+        "width of the b",
+        "is itself uncertain",
+    ] {
+        assert!(!text.contains(claim), "{place} has '{claim}':\n{text}");
+    }
+}
+
+/// The advice of a document, one sentence a line.
+fn sentences(document: &Value) -> String {
+    let advice = document["advice"].as_array().unwrap().iter();
+    let texts = advice.flat_map(|found| [&found["finding"], &found["do"]]);
+    texts
+        .map(|text| format!("{}\n", text.as_str().unwrap()))
+        .collect()
+}
+
+#[test]
+fn no_reason_leaves_a_bound_in_an_identification() {
+    let dir = tempfile::tempdir().unwrap();
+    for withdrawn in Withdrawn::ALL {
+        let files = [1, 2, 3].map(|seed| withdrawn.recording(dir.path(), seed));
+        let common = [
+            "identify",
+            "-q",
+            arg(&files[0]),
+            arg(&files[1]),
+            arg(&files[2]),
+        ];
+        let further = ["--explain", "--limits", "--flight-model"];
+        let text = run(&[&common[..], &further, &NAMED].concat());
+        let document = run(&[&common[..], &further, &NAMED, &["--json"]].concat());
+        let document: Value = serde_json::from_str(&document).unwrap();
+        assert_eq!(
+            document["withdrawn"]["reason"],
+            withdrawn.reason(),
+            "{text}"
+        );
+        require_no_bound(&document, withdrawn.reason());
+        let found = |path: &str| document.pointer(path).is_some_and(|value| !value.is_null());
+        for part in [
+            "/explanation/runs/runs/0",
+            "/explanation/settling",
+            "/limits",
+            "/directions",
+        ] {
+            assert!(found(part), "{withdrawn:?} has no {part}");
+        }
+        require_no_claim(&sentences(&document), "the advice");
+        // Up to the limits, which have bounds of their own evidence.
+        let (linear, _) = text.split_once("\nlimits of a linear model").unwrap();
+        assert!(linear.contains("how the structure came about"), "{linear}");
+        require_no_claim(linear, "the summary");
+        assert!(!linear.contains(" .. "), "{linear}");
+    }
+}
+
+/// Formats of `export`.
+const FORMATS: [&str; 6] = ["matlab", "python", "julia", "c", "csv", "jsbsim"];
+
+#[test]
+fn no_reason_leaves_a_bound_in_an_export_a_plan_a_validation_or_a_comparison() {
+    let dir = tempfile::tempdir().unwrap();
+    let steps = dir.path().join("steps.csv");
+    run(&[
+        "simulate",
+        "-q",
+        "--servo",
+        "linear",
+        "--seed",
+        "3",
+        "-o",
+        arg(&steps),
+    ]);
+    for withdrawn in Withdrawn::ALL {
+        let [a, b] = [1, 2].map(|seed| withdrawn.recording(dir.path(), seed));
+        let model = dir.path().join("model.json");
+        let identify = [
+            "identify",
+            "-q",
+            arg(&a),
+            "--force",
+            "-o",
+            arg(&model),
+            "--flight-model",
+        ];
+        run(&[&identify[..], &NAMED].concat());
+        assert_eq!(json(&model)["withdrawn"]["reason"], withdrawn.reason());
+        for format in FORMATS {
+            let exported = servoid(&["export", arg(&model), "--to", format, "-q"])
+                .output()
+                .unwrap();
+            // A model without a gain cannot be exported to every format.
+            let text = String::from_utf8(exported.stdout).unwrap();
+            let place = format!("{withdrawn:?} as {format}");
+            if !exported.status.success() {
+                assert!(text.is_empty(), "{place}: {text}");
+                continue;
+            }
+            assert!(
+                text.contains("Bounds: none can be given"),
+                "{place}: {text}"
+            );
+            require_no_claim(&text, &place);
+            for line in text.lines() {
+                let name = line
+                    .split(['=', ':', '[', '(', ','])
+                    .next()
+                    .unwrap_or_default();
+                let name = name
+                    .trim()
+                    .rsplit([' ', '.', '_'])
+                    .next()
+                    .unwrap_or_default()
+                    .to_lowercase();
+                let is_bound = [
+                    "lower",
+                    "upper",
+                    "sd",
+                    "covariance",
+                    "level",
+                    "simultaneous",
+                ]
+                .contains(&name.as_str());
+                assert!(!is_bound, "{place}: {line}");
+            }
+            if format == "csv" {
+                let names = text
+                    .lines()
+                    .find(|line| line.starts_with("time_s"))
+                    .unwrap();
+                for name in names.split(',') {
+                    assert!(
+                        !BOUNDS.contains(&name) && !name.contains("covariance"),
+                        "{place}: {name}"
+                    );
+                }
+            }
+        }
+        let planned = dir.path().join("plan.json");
+        let plan = servoid(&[
+            "plan",
+            "--model",
+            arg(&model),
+            "-q",
+            "--force",
+            "-o",
+            arg(&planned),
+        ])
+        .output()
+        .unwrap();
+        if plan.status.success() {
+            let document = json(&planned);
+            assert!(
+                document["band"].is_null() && document["metrics"].is_null(),
+                "{withdrawn:?}: {document}"
+            );
+        }
+        let validated = dir.path().join("validated.json");
+        let args = [
+            "validate",
+            "-q",
+            arg(&model),
+            arg(&b),
+            "--force",
+            "-o",
+            arg(&validated),
+        ];
+        run(&[&args[..], &NAMED].concat());
+        let document = json(&validated);
+        let fields: Vec<&String> = document.as_object().unwrap().keys().collect();
+        // `bias` is the mean error of the prediction here.
+        assert!(
+            fields
+                .iter()
+                .all(|key| *key == "bias" || !BOUNDS.contains(&key.as_str())),
+            "{fields:?}"
+        );
+
+        let compared = dir.path().join("compared.json");
+        let args = [
+            "compare",
+            "-q",
+            arg(&a),
+            arg(&b),
+            "--force",
+            "-o",
+            arg(&compared),
+        ];
+        let text = run(&[&args[..], &NAMED].concat());
+        let document = json(&compared);
+        assert_eq!(
+            document["withdrawn"]["reason"],
+            withdrawn.reason(),
+            "{text}"
+        );
+        require_no_bound(&document, "comparison");
+        require_no_claim(&sentences(&document), "the advice of a comparison");
+        require_no_claim(&text, "a comparison");
+        assert!(!text.contains(" .. "), "{text}");
+    }
+}
+
+#[test]
+fn a_comparison_has_no_bounds_where_either_side_has_none() {
+    let dir = tempfile::tempdir().unwrap();
+    let without = limited(dir.path(), 1);
+    let sound = dir.path().join("sound.csv");
+    let mut rows = String::from("time_s,u [us],y [deg]\n");
+    let (mut y, mut noise) = (5.0, 9u32);
+    for k in 0..3600 {
+        let level = if k * k / 40_000 % 2 == 0 { 5.0 } else { -5.0 };
+        y += 0.1 * (level - y);
+        noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let error = 0.05 * (f64::from(noise >> 8) / f64::from(1 << 24) - 0.5);
+        rows += &format!("{:.3},{level},{:.4}\n", f64::from(k) * 0.002, y + error);
+    }
+    std::fs::write(&sound, rows).unwrap();
+    for (a, b) in [(&without, &sound), (&sound, &without)] {
+        let compared = dir.path().join("compared.json");
+        let args = [
+            "compare",
+            "-q",
+            arg(a),
+            arg(b),
+            "--force",
+            "-o",
+            arg(&compared),
+        ];
+        let text = run(&[&args[..], &NAMED].concat());
+        let document = json(&compared);
+        assert_eq!(
+            document["withdrawn"]["reason"], "errors_not_noise",
+            "{text}"
+        );
+        require_no_bound(&document, "comparison");
+        require_no_claim(&sentences(&document), "the advice of a comparison");
+        require_no_claim(&text, "a comparison");
+        assert!(!text.contains(" .. "), "{text}");
     }
 }
 
@@ -159,7 +489,7 @@ fn a_report_draws_no_bounds_and_its_captions_promise_none() {
     ] {
         assert!(!body.contains(gone), "{gone}");
     }
-    assert!(body.contains("No bounds can be given for limited-1 and limited-2"));
+    assert!(body.contains("No bounds can be given for errors-not-noise-1 and errors-not-noise-2"));
     let figures = embedded(&text, "figures");
     for figure in figures.as_array().unwrap() {
         let name = figure["name"].as_str().unwrap();

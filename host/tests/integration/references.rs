@@ -163,9 +163,9 @@ fn a_table_of_steps() {
     );
 }
 
-/// Of many levels, what the two levels of the paper's staircase cannot tell.
+/// Many levels show what the two levels of the paper's staircase cannot show.
 #[test]
-fn stairs_tell_of_limits_what_the_staircase_cannot() {
+fn stairs_show_limits_that_the_staircase_cannot() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("stairs.csv");
     captured(&file, "sim:linear?seed=3", &["--reference", "stairs"]);

@@ -1,9 +1,10 @@
 //! What is on the disk stays until something better takes its place; a rig in use is left alone.
 
 use crate::support::{arg, data, json, refusal, run};
+use servoid::data::FileError;
 use servoid::data::model_file::ModelFile;
 use servoid::data::recording::{
-    Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteError, write_file,
+    Completeness, Ending, Header, Recording, RecordingWriter, ReservedFile, WriteFault, write_file,
 };
 use servoid::data::rig_file::RigFile;
 use servoid::instrument::port;
@@ -30,7 +31,7 @@ fn record_unarmed(file: &Path, force: bool, stop: bool) -> CaptureError {
     let mut client = RigClient::connect_as(port::open("sim:bench").unwrap(), "sim", 1).unwrap();
     let capture = Capture::new(RigFile::default(), Reference::Staircase(Staircase::PAPER));
     let header = Header::of_run(client.hello(), &capture.rig, &capture.start);
-    let writer = RecordingWriter::begin(reserved, &header).unwrap();
+    let writer = RecordingWriter::begin(reserved, &header);
     capture
         .record(
             &mut client,
@@ -76,7 +77,7 @@ fn an_empty_file_is_not_in_the_way() {
 /// A recording to a file that nobody else writes to.
 fn recording_under_way(file: &Path) -> RecordingWriter {
     let reserved = ReservedFile::new(file, false).unwrap();
-    RecordingWriter::begin(reserved, &Header::default()).unwrap()
+    RecordingWriter::begin(reserved, &Header::default())
 }
 
 #[test]
@@ -87,7 +88,13 @@ fn a_file_is_written_by_one_capture_at_a_time() {
     for _ in 0..2 {
         let second = ReservedFile::new(&file, true);
         assert!(
-            matches!(second, Err(WriteError::InUse { .. })),
+            matches!(
+                second,
+                Err(FileError {
+                    fault: WriteFault::InUse,
+                    ..
+                })
+            ),
             "{second:?}"
         );
         // Before its first frame and after it.
@@ -104,14 +111,14 @@ fn a_file_that_is_removed_under_way_is_put_back_or_beside_the_one_in_its_place()
     let file = dir.path().join("x.csv");
     for (replaced, name) in [(false, "x.csv"), (true, "x-rescued-1.csv")] {
         let reserved = ReservedFile::new(&file, true).unwrap();
-        let mut writer = RecordingWriter::begin(reserved, &Header::default()).unwrap();
+        let mut writer = RecordingWriter::begin(reserved, &Header::default());
         writer.append(&frame(0)).unwrap();
         std::fs::remove_file(&file).unwrap();
         if replaced {
             std::fs::write(&file, "another's").unwrap();
         }
         let error = writer.finish(&Ending::Complete).unwrap_err();
-        let WriteError::Rescued { rows: 10, kept, .. } = error else {
+        let WriteFault::Rescued { rows: 10, kept } = error.fault else {
             panic!("{error}");
         };
         assert_eq!(kept, dir.path().join(name));
@@ -122,7 +129,7 @@ fn a_file_that_is_removed_under_way_is_put_back_or_beside_the_one_in_its_place()
     assert_eq!(std::fs::read_to_string(&file).unwrap(), "another's");
 }
 
-/// Whatever else writes files is told to wait too.
+/// Whatever else writes files has to wait too.
 #[test]
 fn a_recording_under_way_is_replaced_by_nothing() {
     let dir = tempfile::tempdir().unwrap();
@@ -263,7 +270,7 @@ fn a_model_of_another_schema_is_named_as_what_it_is() {
     }
 }
 
-/// A network bridge that brings a run's frames to whoever connects, and notes what it is told.
+/// A network bridge that brings a run's frames to whoever connects, and counts the bytes that come.
 #[test]
 fn a_rig_with_a_run_under_way_is_left_alone() {
     use std::io::{Read, Write};
@@ -272,7 +279,7 @@ fn a_rig_with_a_run_under_way_is_left_alone() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("x.csv");
     let bridge = std::thread::spawn(move || {
-        let mut told = 0;
+        let mut received = 0;
         for _ in 0..2 {
             let (mut stream, _) = listener.accept().unwrap();
             let pause = std::time::Duration::from_millis(20);
@@ -284,11 +291,11 @@ fn a_rig_with_a_run_under_way_is_left_alone() {
                 if stream.write_all(wire).is_err() {
                     break;
                 }
-                // A frame's time passes, or somebody says something.
-                told += stream.read(&mut [0; 100]).unwrap_or(0);
+                // A frame's time passes, or somebody sends something.
+                received += stream.read(&mut [0; 100]).unwrap_or(0);
             }
         }
-        told
+        received
     });
     let said = run(&["info", "--port", &port]);
     assert!(said.contains("run of another program"), "{said}");

@@ -32,18 +32,24 @@ fn the_same_samples_are_known_again_under_another_name() {
         (vec!["compare", &model, &twin], true),
         (vec!["compare", &one, &other], false),
     ] {
-        let told = run(&[&args[..], &["-q"]].concat()).replace("\n    ", " ");
-        assert_eq!(told.contains(noticed), expected, "{args:?}: {told}");
+        let printed = run(&[&args[..], &["-q"]].concat()).replace("\n    ", " ");
+        assert_eq!(printed.contains(noticed), expected, "{args:?}: {printed}");
     }
     let columns = ["--input", "reference_deg", "--output", "position_deg", "-q"];
-    let told = run(&[&["compare", &foreign, &twice], &columns[..]].concat());
-    assert!(told.replace("\n    ", " ").contains(noticed), "{told}");
+    let printed = run(&[&["compare", &foreign, &twice], &columns[..]].concat());
+    assert!(
+        printed.replace("\n    ", " ").contains(noticed),
+        "{printed}"
+    );
 
     let seen = "identified from these very samples";
     for (file, expected) in [(&one, true), (&copy, true), (&other, false)] {
-        let told = run(&["validate", &model, file, "-q"]);
-        assert_eq!(told.contains(seen), expected, "{file}: {told}");
+        let printed = run(&["validate", &model, file, "-q"]);
+        assert_eq!(printed.contains(seen), expected, "{file}: {printed}");
     }
-    let told = run(&["identify", &one, &copy, "-q"]);
-    assert!(told.contains("repeat the samples of another one"), "{told}");
+    let printed = run(&["identify", &one, &copy, "-q"]);
+    assert!(
+        printed.contains("repeat the samples of another one"),
+        "{printed}"
+    );
 }

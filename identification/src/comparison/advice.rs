@@ -7,16 +7,15 @@ use crate::nonlinear::Limits;
 use crate::results::{Advice, Check, Model};
 use crate::thresholds::LEVELS_FOR_ENDS;
 
-/// That the sides were not asked to do the same.
+/// That the sides had different references.
 pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: &str) -> Advice {
     let (a, b) = (motions.a.in_words(unit), motions.b.in_words(unit));
     let meaning = if linear {
-        "Neither shows a servo that is not linear under its own reference, and a linear servo answers both \
-         alike; one that is limited in speed or torque, or has play, does not, and would differ from itself."
+        "Neither servo is shown to be nonlinear under its own reference, and a linear servo responds to both alike; \
+         one that is limited in speed or torque, or has play, does not, and would differ from itself."
     } else {
-        "At least one of these is not shown to be linear, and a servo that is not answers each motion in a way \
-         of its own: the two descriptions are then of different motions, and their difference is no finding \
-         about the servos."
+        "At least one of the servos is not shown to be linear, and a servo that is not responds to each motion \
+         differently: the difference is one of two motions, and no finding about the servos."
     };
     let range = |motion: &Motion| motion.highest - motion.lowest;
     Advice::new(
@@ -28,17 +27,15 @@ pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: 
     )
 }
 
-/// What two models cannot show, whatever servo they are of.
+/// The limit of a comparison of two models, whatever servos they are of.
 pub(super) fn one_response() -> Advice {
     Advice::new(
         Check::OneResponse,
-        "A model holds one response for up and down strokes alike, and a settling time of its own: where \
-         a servo answers the two differently, as a loaded one does, each stroke may differ by more than \
-         is said here, and the figures of models and of recordings are not the same."
-            .to_owned(),
+        "Single strokes may differ by more than these models do: a model has one response for up and down strokes \
+         alike, and a settling time of its own, so the metrics of models and of recordings are not the same.",
         1.0,
         2.0,
-        "Compare the recordings: that takes up and down strokes apart, with one structure for both sides.",
+        "Compare the recordings: that separates up and down strokes, with one structure for both sides.",
     )
 }
 
@@ -77,8 +74,8 @@ pub(super) fn gather(
         advice.push(Advice::new(
             Check::Levels,
             format!(
-                "Where between its levels a servo loses travel, and whether it meets a stop, cannot be known \
-                 from {fewest} levels at which it rests."
+                "{fewest} levels of rest do not show where between them a servo loses travel, nor whether it meets a \
+                 stop."
             ),
             fewest as f64,
             LEVELS_FOR_ENDS as f64,

@@ -1,13 +1,13 @@
 //! From two records, or two models, to a verdict.
 
 use super::difference::{Curves, Differences, LargestDifference};
-use super::difference_curves::{Later, difference_curves};
+use super::difference_curves::difference_curves;
 use super::metric_differences::metric_differences;
 use super::motion::Motion;
 use super::options::ComparisonOptions;
 use super::outcome::{Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Verdict};
 use super::over_prediction::{Predictor, over_prediction};
-use super::pair::{identified, same_period};
+use super::pair::{Identified, identified, same_period};
 use super::scatter::{self, RunToRun, explained_by_chance};
 use super::{advice, shift, words};
 use crate::data::Record;
@@ -53,7 +53,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
             Curves::of_model(&b.model, points)?,
         ],
     };
-    let run_to_run = match scatter::run_to_run(a.record, b.record, a.model.basis()?, level) {
+    let run_to_run = match scatter::run_to_run(&a, &b, level) {
         // A single run may be too short for a model of its own; then there is no test.
         Err(Error::TooFewSamples { .. } | Error::OneDirection) => None,
         other => other?,
@@ -72,19 +72,10 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
             level,
         };
         comparison.over_prediction = over_prediction(b.record, &predictor);
-        comparison.levels = Some(Sides {
-            a: a.levels(),
-            b: b.levels(),
-        });
-        comparison.asymmetry = Some(Sides {
-            a: a.asymmetry(),
-            b: b.asymmetry(),
-        });
+        comparison.levels = Some(Sides::of([&a, &b], Identified::levels));
+        comparison.asymmetry = Some(Sides::of([&a, &b], Identified::asymmetry));
     }
-    let motions = Sides {
-        a: Motion::of(a.record),
-        b: Motion::of(b.record),
-    };
+    let motions = Sides::of([a.record, b.record], Motion::of);
     comparison.motions = Some(motions);
     let differ = !motions.a.is_like(&motions.b);
     let linear = a.alone.linear && b.alone.linear;
@@ -136,14 +127,17 @@ fn of_curves(
     let differences = Differences::of(&curves[0], &curves[1], level);
     let largest = differences.largest();
     let timing = a.timing();
-    let later = Later {
-        curves,
-        level,
-        period_s: timing.sample_period_s,
-        phases_s: b.sample_phase_s - a.sample_phase_s,
+    let shift_of = |which: std::ops::Range<usize>| {
+        let found = shift::shift(&curves[0], &curves[1], which, level);
+        let later = b.sample_phase_s - a.sample_phase_s;
+        let seconds = |samples: f64| samples * timing.sample_period_s + later;
+        (
+            found.samples.map(seconds),
+            found.remains.map(|remains| 100.0 * remains),
+        )
     };
-    let difference_curves = difference_curves(&differences, timing, &later);
-    let (shift, _) = later.by(0..differences.curves());
+    let difference_curves = difference_curves(&differences, timing, shift_of);
+    let (shift, _) = shift_of(0..differences.curves());
     let verdict = largest.map(|found| {
         let margin = options.margin_percent / 100.0;
         verdict(found, margin, run_to_run)
@@ -185,20 +179,14 @@ fn of_curves(
 }
 
 fn verdict(found: LargestDifference, margin: f64, run_to_run: Option<RunToRun>) -> Verdict {
-    let by_margin = if found.at_least > margin {
-        Verdict::Different
-    } else if found.at_most <= margin {
+    if found.at_least > margin {
+        match explained_by_chance(run_to_run.map(|found| found.p)) {
+            true => Verdict::Undecided,
+            false => Verdict::Different,
+        }
+    } else if found.at_most <= margin && run_to_run.is_none_or(|found| found.at_most <= margin) {
         Verdict::Same
     } else {
         Verdict::Undecided
-    };
-    match by_margin {
-        Verdict::Different if explained_by_chance(run_to_run.map(|found| found.p)) => {
-            Verdict::Undecided
-        }
-        Verdict::Same if run_to_run.is_some_and(|found| found.at_most > margin) => {
-            Verdict::Undecided
-        }
-        other => other,
     }
 }

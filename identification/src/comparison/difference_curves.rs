@@ -1,36 +1,16 @@
 //! The difference of the step responses, stroke by stroke.
 
-use super::difference::{Curves, Differences};
+use super::difference::Differences;
 use super::outcome::{CurveBounds, DifferenceCurve, Stroke};
-use super::shift;
 use crate::data::Timing;
 use crate::results::Interval;
 
-/// How much later the second side moves.
-pub(super) struct Later<'a> {
-    pub(super) curves: &'a [Curves; 2],
-    pub(super) level: f64,
-    pub(super) period_s: f64,
-    /// How much later after an edge the second side is sampled \[s\].
-    pub(super) phases_s: f64,
-}
-
-impl Later<'_> {
-    /// By how much on the curves with these numbers \[s\], and the remainder that such a delay does not explain
-    /// \[% of the final value\].
-    pub(super) fn by(&self, curves: std::ops::Range<usize>) -> (Interval, Option<f64>) {
-        let [a, b] = self.curves;
-        let found = shift::shift(a, b, curves, self.level);
-        let seconds = |samples: f64| samples * self.period_s + self.phases_s;
-        let percent = found.remains.map(|remains| 100.0 * remains);
-        (found.samples.map(seconds), percent)
-    }
-}
-
+/// The curves; `shift_of` gives the delay shift of some of them \[s\], and the remainder that it does not explain
+/// \[% of the final value\].
 pub(super) fn difference_curves(
     differences: &Differences,
     timing: Timing,
-    later: &Later<'_>,
+    shift_of: impl Fn(std::ops::Range<usize>) -> (Interval, Option<f64>),
 ) -> Vec<DifferenceCurve> {
     let strokes: &[Stroke] = match differences.curves() {
         1 => &[Stroke::Both],
@@ -48,7 +28,7 @@ pub(super) fn difference_curves(
                 upper: at(1.0),
             }
         });
-        let (delay_shift_s, shift_leaves_percent) = later.by(index..index + 1);
+        let (delay_shift_s, shift_leaves_percent) = shift_of(index..index + 1);
         DifferenceCurve {
             stroke,
             time_s: (0..value.len()).map(|m| timing.seconds(m as f64)).collect(),

@@ -1,22 +1,15 @@
-//! What the sides were asked to do, and whether that was the same.
+//! The references of both sides, and whether they are the same.
 //!
-//! A linear servo has one response whatever moves it. Any other has one for each kind and size of
-//! motion, so that recordings of one servo under two references differ as those of two servos do.
+//! A linear servo has one response to any motion. Any other has one for each kind and size of motion, so that
+//! recordings of one servo under two references differ as those of two servos do.
 
 use serde::{Deserialize, Serialize};
 
 use crate::data::{Record, Run, usual_hold};
-use crate::thresholds::HELD_WITHIN;
+use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN};
 
 /// More levels than this are a smooth motion.
 const MOST_LEVELS: usize = 25;
-
-/// Difference between the ends of two ranges, as a share of the larger range, up to which motions count
-/// as equally large.
-const EQUALLY_LARGE: f64 = 0.05;
-
-/// Ratio of two usual holds up to which they count as equally long.
-const EQUALLY_LONG: f64 = 1.25;
 
 /// The reference of one side.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -114,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn motions_of_another_size_or_kind_are_told_apart() {
+    fn motions_of_another_size_or_kind_are_distinguished() {
         let small = square(5.0, 20);
         assert!(small.is_like(&square(5.1, 20)));
         assert!(!small.is_like(&square(30.0, 20)));

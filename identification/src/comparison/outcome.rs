@@ -105,6 +105,12 @@ pub struct Sides<T> {
     pub b: T,
 }
 
+impl<T> Sides<T> {
+    pub(super) fn of<S: Copy>([a, b]: [S; 2], of: impl Fn(S) -> T) -> Self {
+        Self { a: of(a), b: of(b) }
+    }
+}
+
 /// One metric of both sides, each identified with the structure that the comparison gives both.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MetricDifference {
@@ -126,7 +132,7 @@ pub struct MetricDifference {
     pub upper: Option<f64>,
 }
 
-/// What can be said of the size of the difference.
+/// Bounds of the difference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ComparisonBounds {
     /// Level of every bound.
@@ -169,7 +175,7 @@ pub struct Comparison {
     #[serde(default)]
     pub motions: Option<Sides<Motion>>,
     /// Whether the references differ and a side is not linear: then the difference is one of linear
-    /// descriptions of two motions, and says nothing of the servos.
+    /// descriptions of two motions, and no finding about the servos.
     #[serde(default)]
     pub descriptions_of_different_motions: bool,
     /// By how much the first, driven like the second, goes farther; `None` without plateaus at two

@@ -1,7 +1,6 @@
 //! One side of a comparison, identified.
 
 use super::outcome::{Asymmetry, Levels};
-use super::scatter;
 use crate::data::Record;
 use crate::error::Error;
 use crate::identify::{identify, identify_explained};
@@ -54,7 +53,7 @@ impl<'a> Identified<'a> {
     /// Rest at the ends of the command: from the plateaus of a record with several levels, from the
     /// static line of one with two.
     pub(super) fn levels(&self) -> Levels {
-        let (low, high) = scatter::ends(self.record);
+        let (low, high) = ends(self.record);
         let cells = Limits::level_table(self.record, &self.model);
         let mut commands: Vec<f64> = cells.iter().map(|cell| cell.command).collect();
         commands.dedup();
@@ -79,7 +78,7 @@ impl<'a> Identified<'a> {
 
     /// Standard deviation of the rest at the largest and the smallest command.
     pub(super) fn sd_at_rest(&self) -> Bounds<[f64; 2]> {
-        let (low, high) = scatter::ends(self.record);
+        let (low, high) = ends(self.record);
         self.model.bounds.as_ref().map(|bounds| {
             let critical = pointwise_critical(bounds.level);
             [high, low].map(|command| match &self.split {
@@ -146,4 +145,15 @@ pub(super) fn same_period(expected: f64, found: f64) -> Result<(), Error> {
         return Err(Error::PeriodMismatch { expected, found });
     }
     Ok(())
+}
+
+/// Smallest and largest command.
+pub(super) fn ends(record: &Record) -> (f64, f64) {
+    record
+        .runs()
+        .iter()
+        .flat_map(|run| run.input().iter().filter(|u| !u.is_nan()))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &u| {
+            (low.min(u), high.max(u))
+        })
 }

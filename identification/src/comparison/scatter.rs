@@ -10,12 +10,12 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::pair::{Identified, ends};
 use crate::data::Record;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
 use crate::nonlinear::{DirectionModel, split_with};
 use crate::options::NoiseOrder;
-use crate::results::Bounds;
 use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
 
 /// Runs a side needed for t tests, and for permutations: with four, the smallest possible p is
@@ -31,7 +31,7 @@ pub(super) fn explained_by_chance(p_value: Option<f64>) -> bool {
     p_value.is_some_and(|p| p > RUNS_DIFFER_SIGNIFICANCE)
 }
 
-/// What the scatter of runs says of a difference.
+/// A difference against the scatter of runs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RunToRun {
     /// Probability of a difference at least as large if both sides are one servo.
@@ -41,31 +41,31 @@ pub(crate) struct RunToRun {
     pub(crate) at_most: f64,
 }
 
-/// What the runs of two sides say of their difference; `None` with fewer than three runs on a side.
-pub(crate) fn run_to_run(
-    a: &Record,
-    b: &Record,
-    basis: FsfBasis,
+/// Compares two sides run by run; `None` with fewer than three runs on a side.
+pub(super) fn run_to_run(
+    a: &Identified<'_>,
+    b: &Identified<'_>,
     level: f64,
 ) -> Result<Option<RunToRun>, Error> {
-    let fewest = a.runs().len().min(b.runs().len());
+    let fewest = a.record.runs().len().min(b.record.runs().len());
     if fewest < RUNS.0 {
         return Ok(None);
     }
-    let ends = ends(a);
-    let (a, b) = (models(a, basis, level)?, models(b, basis, level)?);
+    let ends = ends(a.record);
+    let basis = a.model.basis()?;
+    let (a, b) = (models(a, basis)?, models(b, basis)?);
     let at_most = largest_left_open(&a, &b, level);
     let found = |p| Ok(Some(RunToRun { p, at_most }));
     if fewest >= RUNS.1 {
         return found(permutation(&a, &b));
     }
-    let figures = |models: &[DirectionModel]| -> Vec<[f64; 10]> {
+    let figures = |models: &[DirectionModel]| -> Vec<Vec<f64>> {
         models.iter().map(|model| figures(model, ends)).collect()
     };
     let (a, b) = (figures(&a), figures(&b));
     let smallest = (0..10)
         .filter_map(|k| {
-            let column = |rows: &[[f64; 10]]| rows.iter().map(|row| row[k]).collect::<Vec<f64>>();
+            let column = |rows: &[Vec<f64>]| rows.iter().map(|row| row[k]).collect::<Vec<f64>>();
             Some(Welch::new(&column(&a), &column(&b))?.p())
         })
         .fold(1.0, f64::min);
@@ -94,60 +94,39 @@ fn largest_left_open(a: &[DirectionModel], b: &[DirectionModel], level: f64) -> 
     largest
 }
 
-fn models(record: &Record, basis: FsfBasis, level: f64) -> Result<Vec<DirectionModel>, Error> {
+/// A model of each run of a side alone, whose bounds hold if those of the side do.
+fn models(side: &Identified<'_>, basis: FsfBasis) -> Result<Vec<DirectionModel>, Error> {
+    let record = side.record;
     let alone = |run: &crate::data::Run| {
         let record = Record::new(record.sample_period_s(), vec![run.clone()])?
             .with_sample_phase(record.sample_phase_s());
-        split_with(&record, basis, NoiseOrder::Auto, Bounds::Valid(level))
+        split_with(&record, basis, NoiseOrder::Auto, side.model.level())
     };
     record.runs().iter().map(alone).collect()
 }
 
-/// Smallest and largest command.
-pub(crate) fn ends(record: &Record) -> (f64, f64) {
-    record
-        .runs()
-        .iter()
-        .flat_map(|run| run.input().iter().filter(|u| !u.is_nan()))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &u| {
-            (low.min(u), high.max(u))
-        })
-}
-
-fn figures(model: &DirectionModel, (low, high): (f64, f64)) -> [f64; 10] {
+/// Times of 10, 50 and 90 % and the peak, up and down, and both levels at rest.
+fn figures(model: &DirectionModel, (low, high): (f64, f64)) -> Vec<f64> {
     let of = |curve: &[f64]| {
         let gain = curve[curve.len() - 1];
         let at = |level: f64| {
-            let Some(m) = curve
-                .iter()
-                .position(|g| g / gain >= level)
-                .filter(|m| *m > 0)
-            else {
+            let reached = curve.iter().position(|g| g / gain >= level);
+            let Some(m) = reached.filter(|m| *m > 0) else {
                 return f64::NAN;
             };
             let (before, after) = (curve[m - 1] / gain, curve[m] / gain);
             (m - 1) as f64 + (level - before) / (after - before)
         };
-        let peak = curve
-            .iter()
-            .map(|g| g / gain)
-            .fold(f64::NEG_INFINITY, f64::max);
-        [at(0.1), at(0.5), at(0.9), peak]
+        let relative = curve.iter().map(|g| g / gain);
+        [
+            at(0.1),
+            at(0.5),
+            at(0.9),
+            relative.fold(f64::NEG_INFINITY, f64::max),
+        ]
     };
-    let (up, down) = (of(&model.up.value), of(&model.down.value));
-    let level = |command: f64| model.level_at(command).value.unwrap_or(f64::NAN);
-    [
-        up[0],
-        up[1],
-        up[2],
-        up[3],
-        down[0],
-        down[1],
-        down[2],
-        down[3],
-        level(high),
-        level(low),
-    ]
+    let levels = [high, low].map(|command| model.level_at(command).value.unwrap_or(f64::NAN));
+    [&of(&model.up.value)[..], &of(&model.down.value), &levels].concat()
 }
 
 /// Welch's comparison of two means, variances unknown and unequal.
@@ -192,96 +171,66 @@ impl Welch {
     }
 }
 
+/// The share of the splits of all runs into groups of these sizes whose difference is at least as large.
 fn permutation(a: &[DirectionModel], b: &[DirectionModel]) -> f64 {
-    let curves: Vec<Vec<f64>> = a
-        .iter()
-        .chain(b)
+    let runs = a.iter().chain(b);
+    let curves: Vec<Vec<f64>> = runs
         .map(|model| [model.up.value.as_slice(), &model.down.value].concat())
         .collect();
-    let total = curves.len();
-    let observed: Vec<bool> = (0..total).map(|k| k < a.len()).collect();
-    let reached = statistic(&curves, &observed);
+    let mut split: Vec<bool> = (0..curves.len()).map(|k| k < a.len()).collect();
+    let reached = statistic(&curves, &split);
     // Statistics of the same split in another order of summation differ by rounding.
     let exceeds = |split: &[bool]| statistic(&curves, split) >= reached * (1.0 - 1e-9);
-    let mut splits = Vec::new();
-    choose(total, a.len(), &mut Vec::new(), &mut splits);
-    if splits.len() > SPLITS {
-        let mut random = ChaCha8Rng::seed_from_u64(SEED);
-        let mut split = observed;
-        let count = (0..SPLITS)
-            .filter(|_| {
-                split.shuffle(&mut random);
-                exceeds(&split)
-            })
-            .count();
-        return (count + 1) as f64 / (SPLITS + 1) as f64;
+    if let Some(splits) = all_splits(curves.len(), a.len()) {
+        let count = splits.iter().filter(|split| exceeds(split)).count();
+        return count as f64 / splits.len() as f64;
     }
-    let count = splits.iter().filter(|split| exceeds(split)).count();
-    count as f64 / splits.len() as f64
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let drawn = (0..SPLITS).filter(|_| {
+        split.shuffle(&mut random);
+        exceeds(&split)
+    });
+    (drawn.count() + 1) as f64 / (SPLITS + 1) as f64
 }
 
-/// All ways to mark `chosen` of `total`, up to one more than are ever tried.
-fn choose(total: usize, chosen: usize, marks: &mut Vec<bool>, splits: &mut Vec<Vec<bool>>) {
-    if splits.len() > SPLITS {
-        return;
-    }
-    if marks.len() == total {
-        splits.push(marks.clone());
-        return;
-    }
-    let left = total - marks.len();
-    for mark in [true, false] {
-        let needed = chosen - usize::from(mark && chosen > 0);
-        let possible = if mark { chosen > 0 } else { chosen < left };
-        if possible {
-            marks.push(mark);
-            choose(total, needed, marks, splits);
-            marks.pop();
-        }
-    }
+/// All ways to mark `chosen` of `total`; `None` where they are too many to be tried.
+fn all_splits(total: usize, chosen: usize) -> Option<Vec<Vec<bool>>> {
+    let count = (0..chosen).fold(1.0, |count, k| count * (total - k) as f64 / (k + 1) as f64);
+    // With five of each at least, so few splits are of fewer runs than a number has bits.
+    (count <= SPLITS as f64 && total < 32).then(|| {
+        let marks = |mask: u32| (0..total).map(|k| mask >> k & 1 == 1).collect();
+        let masks = (0..1u32 << total).filter(|mask| mask.count_ones() as usize == chosen);
+        masks.map(marks).collect()
+    })
 }
 
 /// max_m |difference of means| / (s_m + median s), s the pooled scatter within groups.
 fn statistic(curves: &[Vec<f64>], first: &[bool]) -> f64 {
     let points = curves[0].len();
     let group = |m: usize, side: bool| {
-        let values = || {
-            curves
-                .iter()
-                .zip(first)
-                .filter(move |(_, f)| **f == side)
-                .map(move |(c, _)| c[m])
-        };
-        let count = values().count() as f64;
-        let mean = values().sum::<f64>() / count;
-        (mean, values().map(|x| (x - mean).powi(2)).sum::<f64>())
+        let marked = curves.iter().zip(first).filter(|(_, f)| **f == side);
+        let values: Vec<f64> = marked.map(|(curve, _)| curve[m]).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        (mean, values.iter().map(|x| (x - mean).powi(2)).sum::<f64>())
     };
+    let degrees = (curves.len() - 2) as f64;
     let (difference, scatter): (Vec<f64>, Vec<f64>) = (0..points)
         .map(|m| {
             let ((mean_a, square_a), (mean_b, square_b)) = (group(m, true), group(m, false));
-            let degrees = (curves.len() - 2) as f64;
             (
                 (mean_a - mean_b).abs(),
                 ((square_a + square_b) / degrees).sqrt(),
             )
         })
         .unzip();
-    let median = {
-        let mut sorted = scatter.clone();
-        sorted.sort_by(f64::total_cmp);
-        sorted[points / 2]
-    };
-    difference
+    let mut sorted = scatter.clone();
+    sorted.sort_by(f64::total_cmp);
+    let scales = scatter.iter().map(|s| s + sorted[points / 2]);
+    let relative = difference
         .iter()
-        .zip(&scatter)
-        .map(|(d, s)| {
-            if s + median > 0.0 {
-                d / (s + median)
-            } else {
-                0.0
-            }
-        })
-        .fold(0.0, f64::max)
+        .zip(scales)
+        .filter(|(_, scale)| *scale > 0.0);
+    relative.map(|(d, scale)| d / scale).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -303,8 +252,7 @@ mod tests {
 
     #[test]
     fn all_splits_are_listed_once() {
-        let mut splits = Vec::new();
-        choose(10, 5, &mut Vec::new(), &mut splits);
+        let mut splits = all_splits(10, 5).unwrap();
         assert_eq!(splits.len(), 252);
         assert!(
             splits

@@ -6,10 +6,7 @@ use super::outcome::{
 };
 use super::scatter::explained_by_chance;
 use crate::results::Bounds;
-use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
-
-/// A shift in time below this is not worth a word \[s\]: an eighth of a sample of the rig.
-const SHIFT_S: f64 = 0.25e-3;
+use crate::thresholds::{NOTABLE_SHIFT_S, RUNS_DIFFER_SIGNIFICANCE};
 
 pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String {
     match found.bounds {
@@ -110,13 +107,13 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
 
 /// Whether the second is behind the first in time, stroke by stroke where they differ.
 fn behind(found: &Comparison) -> String {
-    let said = |curve: &DifferenceCurve| {
+    let timing = |curve: &DifferenceCurve| {
         let shift = &curve.delay_shift_s;
         let Some(seconds) = shift.value else {
             return "cannot be called earlier or later than the first".to_owned();
         };
         let level = shift.lower.is_some() && shift.contains(0.0);
-        if level || seconds.abs() < SHIFT_S {
+        if level || seconds.abs() < NOTABLE_SHIFT_S {
             return "is as fast as the first, as far as these recordings show".to_owned();
         }
         let place = if seconds > 0.0 { "behind" } else { "ahead of" };
@@ -125,12 +122,12 @@ fn behind(found: &Comparison) -> String {
     match &found.curves[..] {
         [up, down] => format!(
             "On the way up the second {}, on the way down it {}",
-            said(up),
-            said(down)
+            timing(up),
+            timing(down)
         ),
         curves => {
-            let said: String = curves.iter().map(said).collect();
-            format!("The second {said}")
+            let timing: String = curves.iter().map(timing).collect();
+            format!("The second {timing}")
         }
     }
 }
@@ -162,12 +159,12 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
                 true => (2.0 - size.log10().floor()).clamp(0.0, 12.0) as usize,
                 false => 0,
             };
-            let said = |level: f64| with(format!("{level:.decimals$}"), &options.output_unit);
+            let position = |level: f64| with(format!("{level:.decimals$}"), &options.output_unit);
             format!(
                 "; commanded {} it comes to rest at {}, the first at {}",
                 with(format!("{command:+}"), &options.input_unit),
-                said(b),
-                said(a)
+                position(b),
+                position(a)
             )
         })
 }

@@ -14,7 +14,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::data::Record;
+use crate::data::{Record, Run};
 use crate::numerics::pointwise_critical;
 use crate::results::Model;
 
@@ -59,35 +59,22 @@ impl Correlogram {
 
 /// One-step errors by run, NaN where unknown.
 fn errors(model: &Model, record: &Record) -> Vec<Vec<f64>> {
-    let of = |run: &crate::data::Run| {
-        let predicted = model.predict(run);
-        run.output()
-            .iter()
-            .zip(predicted)
-            .map(|(y, p)| y - p)
-            .collect()
+    let of = |run: &Run| {
+        let pairs = run.output().iter().zip(model.predict(run));
+        pairs.map(|(y, p)| y - p).collect()
     };
     record.runs().iter().map(of).collect()
 }
 
 /// D(z) u by run, without its mean, which the offset explains; NaN where unknown.
 fn inputs(model: &Model, record: &Record) -> Vec<Vec<f64>> {
-    let ar = &model.noise.ar;
-    let mut filtered: Vec<Vec<f64>> = record
-        .runs()
-        .iter()
-        .map(|run| {
-            let u = run.input();
-            let at = |k: usize| -> f64 {
-                let past = ar.iter().enumerate().map(|(i, d)| {
-                    k.checked_sub(i + 1)
-                        .map_or(f64::NAN, |before| d * u[before])
-                });
-                u[k] + past.sum::<f64>()
-            };
-            (0..u.len()).map(at).collect()
-        })
-        .collect();
+    let of = |run: &Run| {
+        let u = run.input();
+        (0..u.len())
+            .map(|k| u[k] + model.noise_memory(u, k))
+            .collect()
+    };
+    let mut filtered: Vec<Vec<f64>> = record.runs().iter().map(of).collect();
     let known = filtered.iter().flatten().filter(|u| !u.is_nan());
     let (count, sum) = known.fold((0usize, 0.0), |(n, sum), u| (n + 1, sum + u));
     let mean = sum / count.max(1) as f64;
@@ -100,32 +87,22 @@ fn correlogram(
     lags: RangeInclusive<isize>,
     level: f64,
 ) -> Option<Correlogram> {
-    let known = |values: &[f64]| {
-        let known = values.iter().filter(|value| !value.is_nan());
-        known.fold((0usize, 0.0), |(n, sum), value| {
-            (n + 1, sum + value * value)
-        })
+    let over_runs = |of: &dyn Fn(&(&[f64], &[f64])) -> (usize, f64)| {
+        let add = |(n, sum): (usize, f64), (m, more): (usize, f64)| (n + m, sum + more);
+        pairs.iter().map(of).fold((0, 0.0), add)
     };
-    let add = |(n, sum): (usize, f64), (m, more): (usize, f64)| (n + m, sum + more);
-    let (count, square) = pairs.iter().map(|(e, _)| known(e)).fold((0, 0.0), add);
-    let (others, square_of_other) = pairs.iter().map(|(_, x)| known(x)).fold((0, 0.0), add);
+    let (count, square) = over_runs(&|(e, _)| lagged_product(e, e, 0));
+    let (others, square_of_other) = over_runs(&|(_, x)| lagged_product(x, x, 0));
     let scale = (square / count.max(1) as f64 * square_of_other / others.max(1) as f64).sqrt();
     if count < 2 || scale.is_nan() || scale <= 0.0 {
         return None;
     }
     let lags: Vec<isize> = lags.collect();
-    let value = lags
-        .iter()
-        .map(|&lag| {
-            let products = pairs.iter().map(|(e, x)| lagged_product(e, x, lag));
-            let (n, sum) = products.fold((0, 0.0), add);
-            if n == 0 {
-                0.0
-            } else {
-                sum / (n as f64 * scale)
-            }
-        })
-        .collect();
+    let correlation = |&lag: &isize| match over_runs(&|(e, x)| lagged_product(e, x, lag)) {
+        (0, _) => 0.0,
+        (n, sum) => sum / (n as f64 * scale),
+    };
+    let value = lags.iter().map(correlation).collect();
     Some(Correlogram {
         lags,
         value,

@@ -8,9 +8,62 @@ use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::{BankCandidate, Excitation, OrderCandidate, Solver};
-use crate::results::{Model, SelectedBy};
+use crate::results::{Bounds, Model};
 use crate::selection::Choice;
 use crate::thresholds::MARGIN;
+
+/// A bank at the settling time that was chosen. Where the bounds of the model are withdrawn, it has no widths
+/// either.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Bank {
+    /// n.
+    pub frequencies: usize,
+    /// Generalised cross-validation: rows RSS / (rows - n - 1)².
+    pub gcv: f64,
+    /// Mean 99 % half width of the step response from the noise alone.
+    pub noise_half_width: Option<f64>,
+    /// Bound of the truncation bias at the assumed roll-off.
+    pub truncation_bias: Option<f64>,
+}
+
+impl Bank {
+    pub(crate) fn new(found: &BankCandidate, level: Bounds<f64>) -> Self {
+        let held = |width: f64| level.valid().map(|_| width);
+        Self {
+            frequencies: found.frequencies,
+            gcv: found.gcv,
+            noise_half_width: held(found.noise_half_width),
+            truncation_bias: held(found.truncation_bias),
+        }
+    }
+
+    /// Half width of the bound: noise and truncation bias together.
+    #[must_use]
+    pub fn half_width(&self) -> Option<f64> {
+        Some(self.noise_half_width? + self.truncation_bias?)
+    }
+}
+
+/// Steps of the sensor that are larger than the noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Resolution {
+    /// δ \[output\].
+    pub step: f64,
+    /// Root mean square of the residuals, in steps.
+    pub residual: f64,
+    /// Largest error of a gain from rounding \[output per input\]; `None` where bounds are withdrawn.
+    pub allowance: Option<f64>,
+}
+
+impl Resolution {
+    pub(crate) fn new(found: &Quantisation, level: Bounds<f64>) -> Self {
+        Self {
+            step: found.step,
+            residual: found.residual,
+            allowance: level.valid().map(|_| found.allowance),
+        }
+    }
+}
 
 /// The way to a model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,7 +71,7 @@ pub struct Explanation {
     /// The choice of the settling time; `None` when it was given.
     pub settling: Option<Choice>,
     /// Banks at that settling time, by number of frequencies; empty when n was given.
-    pub frequencies: Vec<BankCandidate>,
+    pub frequencies: Vec<Bank>,
     /// Noise orders; empty when d was given.
     pub noise_orders: Vec<OrderCandidate>,
     /// Which arithmetic was used.
@@ -27,15 +80,15 @@ pub struct Explanation {
     pub condition: f64,
     /// Rows of the regression.
     pub rows: usize,
-    /// Degrees of freedom behind each standard deviation of the step response.
-    pub degrees_of_freedom: Vec<f64>,
+    /// Degrees of freedom behind each standard deviation of the step response; `None` where there are no bounds.
+    pub degrees_of_freedom: Option<Vec<f64>>,
     /// What was found when the errors are not noise; `None` when they are.
     pub model_errors: Option<Misfit>,
     /// Whether the errors of the first estimate follow the motion; `None` where that could not be
     /// tested.
     #[serde(default)]
     pub linearity: Option<Linearity>,
-    /// The run that did not begin where it is said to have rested, if one did not.
+    /// The run that did not begin at the rest that was stated, if one did not.
     #[serde(default)]
     pub at_rest: Option<Contradicted>,
     /// Up to which frequency the input moves.
@@ -43,7 +96,7 @@ pub struct Explanation {
     pub excitation: Option<Excitation>,
     /// The steps of the sensor, where they are larger than the noise.
     #[serde(default)]
-    pub resolution: Option<Quantisation>,
+    pub resolution: Option<Resolution>,
     /// How the runs compare; `None` with fewer than two.
     pub runs: Option<RunComparison>,
 }
@@ -58,48 +111,38 @@ impl Explanation {
         if let Some(choice) = &self.settling {
             sentences.push(choice_in_words(choice, period));
         }
-        if let (Some(narrowest), Some(all)) = (self.narrowest_bank(), self.frequencies.last()) {
+        if let Some(all) = self.frequencies.last() {
             let gain = model.metrics.dc_gain.value.unwrap_or(1.0).abs();
-            let percent = |half_width: f64| 100.0 * half_width / gain;
-            let widths = [narrowest, all].map(|bank| percent(bank.half_width()));
+            let percent = |bank: &Bank| bank.half_width().map(|half| 100.0 * half / gain);
+            let narrowest = self
+                .narrowest_bank()
+                .and_then(|bank| Some((bank.frequencies, percent(bank)?)));
+            let widths = match (narrowest, percent(all)) {
+                (Some((count, _)), Some(width)) if count == all.frequencies => format!(
+                    ", and none would give a narrower band than all (mean half width {width:.2} % of the gain)"
+                ),
+                (Some((count, least)), Some(width)) => format!(
+                    "; with all the band has a mean half width of {width:.2} % of the gain, and it would be \
+                     narrowest, {least:.2} %, with {count}"
+                ),
+                _ => String::new(),
+            };
             sentences.push(format!(
-                "Frequencies: {} of {} that the input excites{}.",
-                structure.frequencies,
-                all.frequencies,
-                if model.bounds.withdrawn().is_some() {
-                    String::new()
-                } else if narrowest.frequencies == all.frequencies {
-                    format!(
-                        ", and none would give a narrower band than all (mean half width {:.2} % of the \
-                         gain)",
-                        widths[1]
-                    )
-                } else {
-                    format!(
-                        "; with all the band has a mean half width of {:.2} % of the gain, and it would \
-                         be narrowest, {:.2} %, with {}",
-                        widths[1], widths[0], narrowest.frequencies
-                    )
-                }
+                "Frequencies: {} of {} that the input excites{widths}.",
+                structure.frequencies, all.frequencies
             ));
         }
         if let Some(white) = self.noise_orders.first() {
-            let best = self
-                .noise_orders
-                .iter()
-                .map(|order| order.bic)
-                .fold(white.bic, f64::min);
-            sentences.push(if best < white.bic {
-                format!(
-                    "Noise: order {} by Bayes' criterion, which is smaller by {:.1} than for white noise.",
-                    structure.noise_order,
-                    white.bic - best
-                )
-            } else {
-                format!(
-                    "Noise: order {}; Bayes' criterion is smallest for white noise (order 0).",
-                    structure.noise_order
-                )
+            let all = self.noise_orders.iter().map(|order| order.bic);
+            let gained = white.bic - all.fold(white.bic, f64::min);
+            let order = structure.noise_order;
+            sentences.push(match gained > 0.0 {
+                true => format!(
+                    "Noise: order {order} by Bayes' criterion, which is smaller by {gained:.1} than for white noise."
+                ),
+                false => format!(
+                    "Noise: order {order}; Bayes' criterion is smallest for white noise (order 0)."
+                ),
             });
         }
         if let Some(errors) = &self.model_errors {
@@ -124,36 +167,14 @@ impl Explanation {
         sentences
     }
 
-    /// The lowest frequency of which the input does not tell the response of `model` \[Hz\]; `None` where it
-    /// tells of all, or frequencies were left out by the caller's choice alone. Bounds have no level where
-    /// there is one.
-    #[must_use]
-    pub fn unexcited_above_hz(&self, model: &Model) -> Option<f64> {
-        if let Some(untold) = self
-            .model_errors
-            .as_ref()
-            .and_then(|e| e.unexcited_above_hz)
-        {
-            return Some(untold);
-        }
-        let basis = model.basis().ok()?;
-        let unbounded = self.excitation.is_some_and(|found| !found.bounded);
-        // The choice for prediction leaves out what does not help it, whether the input has it or not.
-        let lacking = match &self.model_errors {
-            Some(_) => unbounded && self.excitation.is_some_and(|found| found.is_smooth()),
-            None => {
-                let chosen = model.structure.selected_by == SelectedBy::Auto;
-                unbounded || chosen && !basis.has_all_frequencies()
-            }
-        };
-        let next = (basis.highest() + 1) as f64;
-        lacking.then(|| next / (basis.settling() as f64 * model.sample_period_s))
-    }
-
-    fn narrowest_bank(&self) -> Option<&BankCandidate> {
-        self.frequencies
+    fn narrowest_bank(&self) -> Option<&Bank> {
+        let widths = self
+            .frequencies
             .iter()
-            .min_by(|a, b| a.half_width().total_cmp(&b.half_width()))
+            .filter_map(|bank| Some((bank, bank.half_width()?)));
+        widths
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(bank, _)| bank)
     }
 }
 

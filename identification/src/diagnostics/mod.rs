@@ -12,11 +12,11 @@ mod simulation_error;
 mod standstill_noise;
 mod validity;
 
-pub use crate::estimation::{BankCandidate, Excitation, OrderCandidate, Solver};
+pub use crate::estimation::{Excitation, OrderCandidate, Solver};
 pub use crate::selection::{Choice, SettlingCandidate};
 pub(crate) use advice::{Evidence, gather_advice};
 pub use correlogram::Correlogram;
-pub use explanation::Explanation;
+pub use explanation::{Bank, Explanation, Resolution};
 pub use initial_rest::Contradicted;
 pub(crate) use initial_rest::contradicted_rest;
 pub(crate) use linearity::test_linearity;
@@ -29,4 +29,4 @@ pub use run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatt
 pub(crate) use simulation_error::{beginnings, simulated, square};
 pub use standstill_noise::StandstillNoise;
 pub(crate) use standstill_noise::against_standstill;
-pub(crate) use validity::{reason_against_bounds, supported_metrics};
+pub(crate) use validity::{Validity, ValidityEvidence};

@@ -49,8 +49,10 @@ pub fn whiteness(errors: &[Vec<f64>], noise_order: usize, share: f64) -> Option<
     let runs: Vec<KnownErrors> = errors.iter().map(|run| KnownErrors::of(run)).collect();
     let statistic: f64 = (1..=WHITENESS_LAGS)
         .map(|lag| {
-            let pairs: f64 = runs.iter().map(|run| run.pairs(lag)).sum();
-            let sum: f64 = runs.iter().map(|run| run.lagged_product(lag)).sum();
+            let (pairs, sum) = runs
+                .iter()
+                .map(|run| run.pairs(lag))
+                .fold((0.0, 0.0), |all, run| (all.0 + run.0, all.1 + run.1));
             if pairs == 0.0 {
                 return 0.0;
             }
@@ -65,8 +67,8 @@ pub fn whiteness(errors: &[Vec<f64>], noise_order: usize, share: f64) -> Option<
 struct KnownErrors {
     /// 0 where missing.
     errors: Vec<f64>,
-    /// 1 where known, 0 where missing; `None` when all are known.
-    known: Option<Vec<f64>>,
+    /// 1 where known, 0 where missing.
+    known: Vec<f64>,
 }
 
 impl KnownErrors {
@@ -74,30 +76,18 @@ impl KnownErrors {
         let first = run.iter().position(|error| !error.is_nan()).unwrap_or(0);
         let last = run.iter().rposition(|error| !error.is_nan());
         let run = &run[first..last.map_or(first, |last| last + 1)];
+        let present = |error: &f64| if error.is_nan() { 0.0 } else { *error };
         let known = |error: &f64| f64::from(u8::from(!error.is_nan()));
         Self {
-            errors: run
-                .iter()
-                .map(|e| if e.is_nan() { 0.0 } else { *e })
-                .collect(),
-            known: run
-                .iter()
-                .any(|error| error.is_nan())
-                .then(|| run.iter().map(known).collect()),
+            errors: run.iter().map(present).collect(),
+            known: run.iter().map(known).collect(),
         }
     }
 
-    /// Number of known pairs at a lag.
-    fn pairs(&self, lag: usize) -> f64 {
-        match &self.known {
-            None => self.errors.len().saturating_sub(lag) as f64,
-            Some(known) => dot(known.get(lag..).unwrap_or_default(), known),
-        }
-    }
-
-    /// Sum of their products.
-    fn lagged_product(&self, lag: usize) -> f64 {
-        dot(self.errors.get(lag..).unwrap_or_default(), &self.errors)
+    /// Number of known pairs at a lag, and the sum of their products.
+    fn pairs(&self, lag: usize) -> (f64, f64) {
+        let lagged = |values: &[f64]| dot(values.get(lag..).unwrap_or_default(), values);
+        (lagged(&self.known), lagged(&self.errors))
     }
 }
 

@@ -33,8 +33,8 @@ const QUANTITIES: usize = 3;
 pub struct Difference {
     /// Difference from the common model.
     pub value: f64,
-    /// Its standard deviation from the noise.
-    pub sd: f64,
+    /// Its standard deviation from the noise; `None` where the bounds of the model are withdrawn.
+    pub sd: Option<f64>,
 }
 
 /// One run against the common model.
@@ -48,12 +48,6 @@ pub struct RunDifference {
     pub delay_s: Difference,
     /// Additional offset \[units of the output\].
     pub offset: Difference,
-}
-
-impl RunDifference {
-    fn quantity(&self, index: usize) -> Difference {
-        [self.gain_percent, self.delay_s, self.offset][index]
-    }
 }
 
 /// Scatter of one quantity between runs.
@@ -109,86 +103,114 @@ impl RunComparison {
         if runs.len() < 2 {
             return None;
         }
-        let compared: Vec<RunDifference> = runs
-            .iter()
-            .enumerate()
-            .filter_map(|(index, run)| difference(model, run, index + 1))
+        let numbered = runs.iter().zip(1..);
+        let compared: Vec<Estimated> = numbered
+            .filter_map(|(run, number)| Estimated::new(model, run, number))
             .collect();
         if compared.len() < 2 {
             return None;
         }
-        let scatter = |index: usize| scatter(compared.iter().map(|run| run.quantity(index)));
+        let [gain_percent, delay_s, offset] =
+            [0, 1, 2].map(|index| scatter(compared.iter().map(|run| run.quantities[index])));
         let farthest = farthest(&compared);
+        let has_bounds = model.bounds.valid().is_some();
         Some(Self {
-            gain_percent: scatter(0),
-            delay_s: scatter(1),
-            offset: scatter(2),
+            runs: compared.iter().map(|run| run.shown(has_bounds)).collect(),
+            gain_percent,
+            delay_s,
+            offset,
             deviating: farthest.filter(|run| run.distance > run.threshold),
             farthest,
-            runs: compared,
         })
     }
 }
 
-/// The three quantities of one run; `None` when it is too short or does not move.
-fn difference(model: &Model, run: &Run, number: usize) -> Option<RunDifference> {
-    let simulated = model.simulate(run);
-    let order = model.noise.ar.len();
-    let d = noise_filter(&model.noise.ar);
-    let filtered = |k: usize, value: &dyn Fn(usize) -> f64| -> f64 {
-        d.iter().enumerate().map(|(i, d)| d * value(k - i)).sum()
-    };
-    let gain: f64 = d.iter().sum();
-    let mut normal = Mat::<f64>::zeros(QUANTITIES, QUANTITIES);
-    let mut right = [0.0; QUANTITIES];
-    let mut rows = 0;
-    for k in order + 1..run.len().saturating_sub(1) {
-        let row = [
-            filtered(k, &|k| simulated[k] - model.offset),
-            filtered(k, &|k| (simulated[k - 1] - simulated[k + 1]) / 2.0),
-            gain,
-        ];
-        let error = filtered(k, &|k| run.output()[k] - simulated[k]);
-        if (row.iter().sum::<f64>() + error).is_nan() {
-            continue;
-        }
-        rows += 1;
-        for i in 0..QUANTITIES {
-            right[i] += row[i] * error;
-            for j in 0..QUANTITIES {
-                normal[(i, j)] += row[i] * row[j];
+/// A quantity of a run against the common model.
+#[derive(Clone, Copy)]
+struct Quantity {
+    value: f64,
+    /// From the noise.
+    sd: f64,
+}
+
+/// Gain \[%\], delay \[s\] and offset of one run.
+struct Estimated {
+    run: usize,
+    quantities: [Quantity; QUANTITIES],
+}
+
+impl Estimated {
+    /// `None` for a run that is too short or does not move.
+    fn new(model: &Model, run: &Run, number: usize) -> Option<Self> {
+        let simulated = model.simulate(run);
+        let order = model.noise.ar.len();
+        let d = noise_filter(&model.noise.ar);
+        let filtered = |k: usize, value: &dyn Fn(usize) -> f64| -> f64 {
+            d.iter().enumerate().map(|(i, d)| d * value(k - i)).sum()
+        };
+        let gain: f64 = d.iter().sum();
+        let mut normal = Mat::<f64>::zeros(QUANTITIES, QUANTITIES);
+        let mut right = [0.0; QUANTITIES];
+        let mut rows = 0;
+        for k in order + 1..run.len().saturating_sub(1) {
+            let row = [
+                filtered(k, &|k| simulated[k] - model.offset),
+                filtered(k, &|k| (simulated[k - 1] - simulated[k + 1]) / 2.0),
+                gain,
+            ];
+            let error = filtered(k, &|k| run.output()[k] - simulated[k]);
+            if (row.iter().sum::<f64>() + error).is_nan() {
+                continue;
+            }
+            rows += 1;
+            for i in 0..QUANTITIES {
+                right[i] += row[i] * error;
+                for j in 0..QUANTITIES {
+                    normal[(i, j)] += row[i] * row[j];
+                }
             }
         }
+        // Fewer than ten rows a quantity do not characterise a run.
+        if rows < 10 * QUANTITIES {
+            return None;
+        }
+        let scale: Vec<f64> = (0..QUANTITIES)
+            .map(|i| normal[(i, i)].sqrt().recip())
+            .collect();
+        let scaled = Mat::from_fn(QUANTITIES, QUANTITIES, |i, j| {
+            normal[(i, j)] * scale[i] * scale[j]
+        });
+        let lower = cholesky(&scaled)?;
+        let right: Vec<f64> = right.iter().zip(&scale).map(|(r, s)| r * s).collect();
+        let x = backward_solve(&lower, &forward_solve(&lower, &right));
+        let inverse = inverse_of_lower(&lower);
+        let units = [100.0, model.sample_period_s, 1.0];
+        Some(Self {
+            run: number,
+            quantities: std::array::from_fn(|i| Quantity {
+                value: units[i] * x[i] * scale[i],
+                sd: units[i] * model.noise.sigma * scale[i] * inverse.col(i).norm_l2(),
+            }),
+        })
     }
-    // Fewer than ten rows a quantity do not characterise a run.
-    if rows < 10 * QUANTITIES {
-        return None;
+
+    fn shown(&self, has_bounds: bool) -> RunDifference {
+        let [gain_percent, delay_s, offset] = self.quantities.map(|found| Difference {
+            value: found.value,
+            sd: has_bounds.then_some(found.sd),
+        });
+        RunDifference {
+            run: self.run,
+            gain_percent,
+            delay_s,
+            offset,
+        }
     }
-    let scale: Vec<f64> = (0..QUANTITIES)
-        .map(|i| normal[(i, i)].sqrt().recip())
-        .collect();
-    let scaled = Mat::from_fn(QUANTITIES, QUANTITIES, |i, j| {
-        normal[(i, j)] * scale[i] * scale[j]
-    });
-    let lower = cholesky(&scaled)?;
-    let right: Vec<f64> = right.iter().zip(&scale).map(|(r, s)| r * s).collect();
-    let x = backward_solve(&lower, &forward_solve(&lower, &right));
-    let inverse = inverse_of_lower(&lower);
-    let quantity = |i: usize, unit: f64| Difference {
-        value: unit * x[i] * scale[i],
-        sd: unit * model.noise.sigma * scale[i] * inverse.col(i).norm_l2(),
-    };
-    Some(RunDifference {
-        run: number,
-        gain_percent: quantity(0, 100.0),
-        delay_s: quantity(1, model.sample_period_s),
-        offset: quantity(2, 1.0),
-    })
 }
 
 /// Method of moments: the excess of the weighted squares over their expectation.
-fn scatter(values: impl Iterator<Item = Difference>) -> Scatter {
-    let values: Vec<Difference> = values.collect();
+fn scatter(values: impl Iterator<Item = Quantity>) -> Scatter {
+    let values: Vec<Quantity> = values.collect();
     let weights: Vec<f64> = values.iter().map(|v| v.sd.powi(-2)).collect();
     let total: f64 = weights.iter().sum();
     if !total.is_finite() {
@@ -217,7 +239,7 @@ fn scatter(values: impl Iterator<Item = Difference>) -> Scatter {
 /// by fifty times the noise, and three of four then agree by chance surprisingly often. With four runs it
 /// therefore takes 35 standard deviations of the others to call the fourth deviating, with five runs 16. No
 /// test that holds at every scatter needs less.
-fn farthest(runs: &[RunDifference]) -> Option<Deviation> {
+fn farthest(runs: &[Estimated]) -> Option<Deviation> {
     let others = runs.len() - 1;
     if others < 2 {
         return None;
@@ -226,15 +248,13 @@ fn farthest(runs: &[RunDifference]) -> Option<Deviation> {
     let degrees = (others - 1) as f64;
     let threshold = student_critical(normal_upper_quantile(share), &[degrees])[0];
     let distance = |r: usize, index: usize| {
-        let rest: Vec<Difference> = (0..runs.len())
-            .filter(|&other| other != r)
-            .map(|other| runs[other].quantity(index))
-            .collect();
+        let others = runs.iter().filter(|other| other.run != runs[r].run);
+        let rest: Vec<Quantity> = others.map(|other| other.quantities[index]).collect();
         let count = rest.len() as f64;
         let mean = rest.iter().map(|v| v.value).sum::<f64>() / count;
         let spread = rest.iter().map(|v| (v.value - mean).powi(2)).sum::<f64>() / degrees;
         let noise = rest.iter().map(|v| v.sd.powi(2)).sum::<f64>() / count;
-        let own = runs[r].quantity(index);
+        let own = runs[r].quantities[index];
         let variance = spread.max(noise) / count + spread.max(own.sd.powi(2));
         if variance > 0.0 {
             (own.value - mean).abs() / variance.sqrt()
@@ -242,15 +262,13 @@ fn farthest(runs: &[RunDifference]) -> Option<Deviation> {
             0.0
         }
     };
+    let largest = |r: usize| {
+        (0..QUANTITIES)
+            .map(|index| distance(r, index))
+            .fold(0.0, f64::max)
+    };
     let (run, distance) = (0..runs.len())
-        .map(|r| {
-            (
-                r,
-                (0..QUANTITIES)
-                    .map(|index| distance(r, index))
-                    .fold(0.0, f64::max),
-            )
-        })
+        .map(|r| (r, largest(r)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let tests = (2 * QUANTITIES * runs.len()) as f64;
     let p = StudentsT::new(0.0, 1.0, degrees).map_or(1.0, |t| tests * t.sf(distance));

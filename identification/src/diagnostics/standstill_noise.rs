@@ -31,7 +31,7 @@ use crate::options::MAX_AUTO_ORDER;
 /// Shortest stretch of rest that is used \[samples\].
 const SHORTEST: usize = 32;
 
-/// Fewest samples at rest that say something about the noise.
+/// Fewest samples at rest that determine the noise.
 const FEWEST: usize = 100;
 
 /// Share of the pieces of motion that is left out, the loudest ones.

@@ -1,62 +1,113 @@
 //! Whether the bounds of an identification hold, and which of its metrics it supports.
 //!
-//! This is the one place where that is decided, from the evidence alone.
+//! This is the one place where that is decided, from the evidence alone, before anything is drawn or written.
+//! Nothing else makes bounds valid; everything else derives its own from the level that is given here.
 
-use crate::diagnostics::explanation::Explanation;
-use crate::results::{Interval, Metrics, Model, Reason, Withheld};
+use crate::diagnostics::misfit::Misfit;
+use crate::estimation::{Excitation, FsfBasis};
+use crate::results::{Bounds, Interval, Metrics, Reason, SelectedBy, Withheld};
 use crate::thresholds::DISAGREEMENT;
 
-/// Why the bounds of `model` do not hold, if they do not. An input that excites only part of the response
-/// leaves errors that do not look like noise either, so it comes first.
-pub(crate) fn reason_against_bounds(explanation: &Explanation, model: &Model) -> Option<Reason> {
-    // Under a smooth input the effect of rounding grows with everything else, and nothing bounds it.
-    let smooth = || {
-        explanation
-            .excitation
-            .is_some_and(|found| found.is_smooth())
-    };
-    if explanation.unexcited_above_hz(model).is_some() {
-        Some(Reason::InputUnexcited)
-    } else if explanation.model_errors.is_some() {
-        Some(Reason::ErrorsNotNoise)
-    } else if explanation.resolution.is_some() && smooth() {
-        Some(Reason::QuantisationAboveNoise)
-    } else {
-        None
+/// The evidence for and against bounds.
+pub(crate) struct ValidityEvidence<'a> {
+    pub(crate) basis: FsfBasis,
+    pub(crate) selected_by: SelectedBy,
+    pub(crate) sample_period_s: f64,
+    /// What was found when the errors are not noise.
+    pub(crate) misfit: Option<&'a Misfit>,
+    pub(crate) excitation: Excitation,
+    /// Whether the steps of the sensor are larger than the noise.
+    pub(crate) quantised: bool,
+    /// G_0.
+    pub(crate) gain: f64,
+    /// The step response, and what left-out frequencies may change in it.
+    pub(crate) step: &'a [f64],
+    pub(crate) truncation_bias: f64,
+}
+
+/// What the evidence decides.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Validity {
+    /// The level of all bounds, where they hold.
+    pub(crate) level: Bounds<f64>,
+    /// The lowest frequency at which the input does not determine the response \[Hz\]; `None` where it determines
+    /// all, or frequencies were left out by the caller's choice alone.
+    pub(crate) unexcited_above_hz: Option<f64>,
+    /// Why metrics are left out, where they are.
+    pub(crate) withheld: Option<Withheld>,
+    /// Whether the final value is supported all the same.
+    gain_is_supported: bool,
+}
+
+impl Validity {
+    /// Decides; bounds that hold have `level`.
+    ///
+    /// An input that excites only part of the response leaves errors that do not look like noise either, so it
+    /// comes first. Under a smooth input the effect of rounding grows with everything else, and nothing bounds it.
+    pub(crate) fn new(evidence: &ValidityEvidence<'_>, level: f64) -> Self {
+        let unexcited_above_hz = evidence.unexcited_above_hz();
+        let reason = if unexcited_above_hz.is_some() {
+            Some(Reason::InputUnexcited)
+        } else if evidence.misfit.is_some() {
+            Some(Reason::ErrorsNotNoise)
+        } else if evidence.quantised && evidence.excitation.is_smooth() {
+            Some(Reason::QuantisationAboveNoise)
+        } else {
+            None
+        };
+        // The share of its final value by which frequencies without excitation may change the step response.
+        let unexcited = evidence.truncation_bias / evidence.gain.abs();
+        let disagreeing = evidence
+            .misfit
+            .filter(|misfit| misfit.disagreement(evidence.step) > DISAGREEMENT);
+        let (withheld, gain_is_supported) = match disagreeing {
+            // The final value is no exception: a bank that is short of frequencies takes others for it.
+            _ if unexcited_above_hz.is_some() && unexcited > DISAGREEMENT => {
+                (Some(Withheld::InputUnexcited), false)
+            }
+            // Where estimators disagree, neither's times are findings. The final value may be one all the same.
+            Some(misfit) => {
+                let last = evidence.step.last().zip(misfit.other_step.last());
+                let agree = |(a, b): (&f64, &f64)| (a - b).abs() <= DISAGREEMENT * a.abs();
+                (Some(Withheld::EstimatorsDisagree), last.is_some_and(agree))
+            }
+            None => (None, true),
+        };
+        Self {
+            level: reason.map_or(Bounds::Valid(level), Bounds::Withdrawn),
+            unexcited_above_hz,
+            withheld,
+            gain_is_supported,
+        }
+    }
+
+    /// `metrics` without those that the evidence does not support.
+    pub(crate) fn supported(&self, metrics: Metrics) -> Metrics {
+        let gain = match self.gain_is_supported {
+            true => metrics.dc_gain,
+            false => Interval::default(),
+        };
+        self.withheld.map_or(metrics, |reason| {
+            Metrics::withheld(gain, reason, metrics.bounds)
+        })
     }
 }
 
-/// The metrics of `model` without those that the evidence does not support.
-pub(crate) fn supported_metrics(explanation: &Explanation, model: &Model) -> Metrics {
-    let metrics = model.metrics;
-    if unexcited_share(explanation, model).is_some_and(|share| share > DISAGREEMENT) {
-        // The final value is no exception: a bank that is short of frequencies takes others for it.
-        return Metrics::withheld(
-            Interval::default(),
-            Withheld::InputUnexcited,
-            metrics.bounds,
-        );
+impl ValidityEvidence<'_> {
+    fn unexcited_above_hz(&self) -> Option<f64> {
+        if let Some(found) = self.misfit.and_then(|misfit| misfit.unexcited_above_hz) {
+            return Some(found);
+        }
+        let unbounded = !self.excitation.bounded;
+        let lacking = match self.misfit {
+            // The choice for prediction leaves out what does not help it, whether the input has it or not.
+            Some(_) => unbounded && self.excitation.is_smooth(),
+            None => {
+                let chosen = self.selected_by == SelectedBy::Auto;
+                unbounded || chosen && !self.basis.has_all_frequencies()
+            }
+        };
+        let next = (self.basis.highest() + 1) as f64;
+        lacking.then(|| next / (self.basis.settling() as f64 * self.sample_period_s))
     }
-    let taken = &model.step.value;
-    let Some(errors) = explanation
-        .model_errors
-        .as_ref()
-        .filter(|errors| errors.disagreement(taken) > DISAGREEMENT)
-    else {
-        return metrics;
-    };
-    // Where estimators disagree, neither's times are findings. The final value may be one all the same.
-    let gain = match (taken.last(), errors.other_step.last()) {
-        (Some(a), Some(b)) if (a - b).abs() <= DISAGREEMENT * a.abs() => metrics.dc_gain,
-        _ => Interval::default(),
-    };
-    Metrics::withheld(gain, Withheld::EstimatorsDisagree, metrics.bounds)
-}
-
-/// By how much of its final value the step response may be changed by frequencies that the input does not
-/// excite; `None` where it excites all.
-pub(crate) fn unexcited_share(explanation: &Explanation, model: &Model) -> Option<f64> {
-    explanation.unexcited_above_hz(model)?;
-    let bounds = model.step.bounds.valid()?;
-    Some(bounds.truncation_bias / model.theta[0].abs())
 }

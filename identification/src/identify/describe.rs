@@ -6,13 +6,44 @@ use super::fitted::Fitted;
 use super::responses::Responses;
 use super::task::Task;
 use crate::data::Timing;
-use crate::diagnostics::{Explanation, RunComparison, contradicted_rest};
+use crate::diagnostics::{
+    Bank, Explanation, Resolution, RunComparison, Validity, ValidityEvidence, contradicted_rest,
+};
 use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
 use crate::results::{
-    Bounds, FrequencyBounds, FrequencyResponse, MODEL_SCHEMA, Measured, Metrics, Model,
+    FrequencyBounds, FrequencyResponse, MODEL_SCHEMA, Measured, MetricBounds, Metrics, Model,
     ParameterBounds, Residuals, StepBounds, StepResponse, Structure,
 };
+
+/// Whether bounds hold, decided before any are drawn.
+pub(super) fn validity(
+    task: &Task<'_>,
+    fitted: &Fitted,
+    responses: &Responses,
+    allowances: &Allowances,
+) -> Validity {
+    let (plan, estimate) = (&fitted.candidate.plan, &fitted.estimate);
+    let evidence = ValidityEvidence {
+        basis: plan.basis,
+        selected_by: plan.selected_by,
+        sample_period_s: fitted.candidate.moments.sample_period_s(),
+        misfit: fitted.misfit.as_ref(),
+        excitation: excitation(fitted, allowances),
+        quantised: allowances.quantisation.is_some(),
+        gain: estimate.fit.theta()[0],
+        step: &responses.step_values,
+        truncation_bias: allowances.step.truncation,
+    };
+    Validity::new(&evidence, task.options.level)
+}
+
+fn excitation(fitted: &Fitted, allowances: &Allowances) -> Excitation {
+    Excitation {
+        bounded: allowances.bounded,
+        ..Excitation::of(&fitted.estimate.information.moments)
+    }
+}
 
 /// The model without tests of its residuals and advice.
 pub(super) fn model(
@@ -20,6 +51,7 @@ pub(super) fn model(
     fitted: &Fitted,
     responses: &Responses,
     allowances: &Allowances,
+    validity: &Validity,
 ) -> Model {
     let (plan, moments) = (&fitted.candidate.plan, &fitted.candidate.moments);
     let (information, fit) = (&fitted.estimate.information, &fitted.estimate.fit);
@@ -45,11 +77,8 @@ pub(super) fn model(
         allowances.frequency.clone(),
     );
     let omega_rad_s: Vec<f64> = responses.omegas.iter().map(|w| w / period).collect();
-    let parameter_bounds = ParameterBounds {
-        level,
-        covariance: to_rows(&covariance),
-    };
-    let metrics = Metrics::new(&Measured {
+    let rows = to_rows(&covariance);
+    let measured = Measured {
         basis: *basis,
         theta: &theta,
         covariance,
@@ -58,7 +87,12 @@ pub(super) fn model(
         omega_rad_s: &omega_rad_s,
         frequency_bounds: &frequency_bounds,
         timing,
-    });
+    };
+    let metrics = Metrics::new(
+        &measured,
+        validity.level.map(|level| MetricBounds { level }),
+    );
+    let metrics = validity.supported(metrics);
     let follows_motion = fitted.linearity.is_some_and(|found| found.is_rejected());
     Model {
         schema: MODEL_SCHEMA,
@@ -71,7 +105,10 @@ pub(super) fn model(
             selected_by: plan.selected_by,
         },
         theta,
-        bounds: Bounds::Valid(parameter_bounds),
+        bounds: validity.level.map(|level| ParameterBounds {
+            level,
+            covariance: rows,
+        }),
         offset: fit.offset(information),
         noise: Noise {
             ar: fit.ar.clone(),
@@ -82,13 +119,13 @@ pub(super) fn model(
         step: StepResponse::new(
             period,
             responses.step_values.clone(),
-            Bounds::Valid(step_bounds),
+            validity.level.map(|_| step_bounds),
         ),
         frequency: FrequencyResponse::new(
             period,
             &responses.omegas,
             &responses.frequency_values,
-            Bounds::Valid(frequency_bounds),
+            validity.level.map(|_| frequency_bounds),
         ),
         fit: figures_of_merit(fitted),
         residuals: Residuals::default(),
@@ -106,26 +143,33 @@ pub(super) fn explanation(
     allowances: &Allowances,
     model: &Model,
 ) -> Explanation {
+    let excitation = excitation(&fitted, allowances);
     let (plan, estimate) = (fitted.candidate.plan, fitted.estimate);
     let information = &estimate.information;
+    let level = model.level();
     Explanation {
         settling: plan.choice,
-        frequencies: plan.banks,
+        frequencies: plan
+            .banks
+            .iter()
+            .map(|bank| Bank::new(bank, level))
+            .collect(),
         noise_orders: estimate.fit.orders,
         path: information.path(),
         condition: estimate.fit.solution.condition,
         rows: information.rows(),
-        degrees_of_freedom: responses.step.degrees_of_freedom.clone(),
+        degrees_of_freedom: level
+            .valid()
+            .map(|_| responses.step.degrees_of_freedom.clone()),
         model_errors: fitted.misfit,
         linearity: fitted.linearity,
         at_rest: task
             .record
             .and_then(|record| contradicted_rest(record, model)),
-        excitation: Some(Excitation {
-            bounded: allowances.bounded,
-            ..Excitation::of(&information.moments)
-        }),
-        resolution: allowances.quantisation,
+        excitation: Some(excitation),
+        resolution: allowances
+            .quantisation
+            .map(|found| Resolution::new(&found, level)),
         runs: task
             .record
             .and_then(|record| RunComparison::of(model, record.runs())),

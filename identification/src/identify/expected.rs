@@ -5,11 +5,12 @@ use crate::error::Error;
 use crate::estimation::{Coordinates, CurveVariance, FsfBasis, GlsFit, GlsOptions, RowInformation};
 use crate::numerics::matrix_rows::to_rows;
 use crate::options::NoiseOrder;
-use crate::results::{Model, ParameterBounds, StepBounds, StepResponse};
+use crate::results::{Bounds, Model, ParameterBounds, StepBounds, StepResponse};
 
 /// The model that records like `record` are expected to give of the servo `truth`: its response and noise, with
 /// the structure of `example`, which was identified from a simulation of such a record. The covariance is that of
-/// generalised least squares at this noise, and bounds have the `level`.
+/// generalised least squares at this noise. Bounds have the `level`, where those of `example` hold and that noise is
+/// known.
 ///
 /// # Errors
 /// The input does not determine the structure of `example`.
@@ -17,7 +18,7 @@ pub fn expected_model(
     example: &Model,
     record: &Record,
     truth: &Model,
-    level: f64,
+    level: Bounds<f64>,
 ) -> Result<Model, Error> {
     let basis = example.basis()?;
     let (settling, order) = (basis.settling(), truth.noise.ar.len());
@@ -45,18 +46,17 @@ pub fn expected_model(
     value[settling - 1] = last;
     let n = basis.frequencies();
     let covariance = fit.covariance().as_ref().submatrix(0, 0, n, n).to_owned();
-    // The bounds hold if those of the example do.
-    let step_bounds = example
-        .step
-        .bounds
-        .as_ref()
-        .map(|known| StepBounds::new(&value, &spread, level, known.biases()));
+    let known = level.zip(example.step.bounds.as_ref());
+    let step_bounds =
+        known.map(|(level, known)| StepBounds::new(&value, &spread, level, known.biases()));
     Ok(Model {
         theta: parameters(&basis, &value),
-        bounds: example.level().map(|level| ParameterBounds {
-            level,
-            covariance: to_rows(&covariance),
-        }),
+        bounds: level
+            .zip(example.level())
+            .map(|(_, level)| ParameterBounds {
+                level,
+                covariance: to_rows(&covariance),
+            }),
         noise: truth.noise.clone(),
         step: StepResponse::new(example.sample_period_s, value, step_bounds),
         ..example.clone()

@@ -2,8 +2,8 @@
 //!
 //! The story: moments are collected in one pass, and the first [candidate](candidate) that they determine is
 //! fitted by generalised least squares; [gates](gates) look at its errors and may put another one in its place; the
-//! [responses](responses) get their [bounds](allowances) and the metrics their intervals; tests and advice come
-//! last.
+//! evidence decides whether bounds hold; the [responses](responses) get their [bounds](allowances) and the metrics
+//! their intervals; tests and advice come last.
 
 mod allowances;
 mod assess;
@@ -18,9 +18,7 @@ mod responses;
 mod task;
 
 use crate::data::{Moments, Record};
-use crate::diagnostics::{
-    Evidence, Explanation, gather_advice, reason_against_bounds, supported_metrics,
-};
+use crate::diagnostics::{Evidence, Explanation, gather_advice};
 use crate::error::Error;
 use crate::options::Options;
 use crate::results::Model;
@@ -84,20 +82,16 @@ fn run(task: &Task<'_>, first: Candidate) -> Result<Identification, Error> {
     let fitted = gates::pass(task, Fitted::new(task, first)?)?;
     let responses = Responses::new(&fitted.estimate);
     let allowances = Allowances::new(task, &fitted, &responses);
-    let mut model = describe::model(task, &fitted, &responses, &allowances);
+    let validity = describe::validity(task, &fitted, &responses, &allowances);
+    let mut model = describe::model(task, &fitted, &responses, &allowances, &validity);
     model.residuals = assess::residuals(task, &fitted, &model);
     let explanation = describe::explanation(task, fitted, &responses, &allowances, &model);
-    model.metrics = supported_metrics(&explanation, &model);
-    let withdrawn = reason_against_bounds(&explanation, &model);
     model.advice = gather_advice(&Evidence {
         model: &model,
-        withdrawn,
+        validity: &validity,
         explanation: &explanation,
         options: task.options,
         samples,
     });
-    if let Some(reason) = withdrawn {
-        model.withdraw(reason);
-    }
     Ok(Identification { model, explanation })
 }

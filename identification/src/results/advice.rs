@@ -18,7 +18,7 @@ pub enum Check {
     /// Whether two estimators agree on the metrics.
     Metrics,
     /// Whether the metrics rest on frequencies that the input excites.
-    #[serde(rename = "untold")]
+    #[serde(alias = "untold")]
     UnexcitedMetrics,
     /// Whether the response is over within the settling time.
     Settled,
@@ -54,7 +54,7 @@ pub enum Check {
     DeviatingRun,
     /// How many samples only serve as history.
     History,
-    /// Whether runs begin where they are said to have rested.
+    /// Whether runs begin at the rest that was stated.
     AtRest,
     /// Whether both sides had the same reference.
     References,
@@ -66,8 +66,8 @@ pub enum Check {
     Levels,
     /// Whether samples are there twice.
     SameData,
-    /// Whether values stand for missing ones.
-    #[serde(rename = "stand_in")]
+    /// Whether some values are sentinels of missing ones.
+    #[serde(alias = "stand_in")]
     SentinelValues,
     /// Whether a recording came to its end.
     Partial,
@@ -113,26 +113,22 @@ pub struct Advice {
 }
 
 impl Advice {
-    /// A finding; numbers beyond the finite ones are brought to the largest finite ones, because
-    /// the document that carries them has no infinity.
+    /// A finding; numbers that are not finite are replaced by finite ones, because JSON has no infinity.
     #[must_use]
     pub fn new(
         check: Check,
-        finding: String,
+        finding: impl Into<String>,
         value: f64,
         threshold: f64,
         remedy: impl Into<String>,
     ) -> Self {
-        let finite = |x: f64| {
-            if x.is_nan() {
-                0.0
-            } else {
-                x.clamp(f64::MIN, f64::MAX)
-            }
+        let finite = |x: f64| match x.is_nan() {
+            true => 0.0,
+            false => x.clamp(f64::MIN, f64::MAX),
         };
         Self {
             check,
-            finding,
+            finding: finding.into(),
             value: finite(value),
             threshold: finite(threshold),
             remedy: remedy.into(),

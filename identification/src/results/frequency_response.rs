@@ -9,7 +9,6 @@
 //! were left out may do (see [`crate::estimation::truncation`]) is a disc around each point of that region.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::LazyLock;
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -132,13 +131,9 @@ impl FrequencyResponse {
     /// The response of the servo itself, from that of its samples: freed of their hold and phase.
     #[must_use]
     pub(crate) fn freed_of_hold(mut self, timing: Timing) -> Self {
-        let bounds = match &mut self.bounds {
-            Bounds::Valid(bounds) => Some(bounds),
-            Bounds::Withdrawn(_) => None,
-        };
         let (mut magnitudes, mut phases) =
             (vec![&mut self.magnitude_db], vec![&mut self.phase_deg]);
-        if let Some(bounds) = bounds {
+        if let Bounds::Valid(bounds) = &mut self.bounds {
             magnitudes.extend([
                 &mut bounds.magnitude_db_lower,
                 &mut bounds.magnitude_db_upper,
@@ -261,10 +256,6 @@ fn decibels(magnitude: f64) -> f64 {
     (20.0 * magnitude.log10()).max(ZERO_DB)
 }
 
-/// Sines and cosines of [`STEPS`] angles around the circle.
-static COARSE: LazyLock<[(f64, f64); STEPS]> =
-    LazyLock::new(|| std::array::from_fn(|k| (TAU * k as f64 / STEPS as f64).sin_cos()));
-
 /// The uncertainty of a complex number.
 struct Ellipse {
     centre: (f64, f64),
@@ -309,22 +300,17 @@ impl Ellipse {
         let (x, y) = self.turned();
         let (a, b) = (radius * self.axes.0, radius * self.axes.1);
         let square = |(sin, cos): (f64, f64)| (x + a * cos).powi(2) + (y + b * sin).powi(2);
-        let coarse = &*COARSE;
-        let (mut nearest, mut farthest) = ((0, f64::INFINITY), (0, f64::NEG_INFINITY));
-        for (k, point) in coarse.iter().enumerate() {
-            let distance = square(*point);
-            if distance < nearest.1 {
-                nearest = (k, distance);
-            }
-            if distance > farthest.1 {
-                farthest = (k, distance);
-            }
-        }
+        let angle_of = |k: usize| TAU * k as f64 / STEPS as f64;
+        let coarse: [f64; STEPS] = std::array::from_fn(|k| square(angle_of(k).sin_cos()));
+        let by_distance = |i: &usize, k: &usize| coarse[*i].total_cmp(&coarse[*k]);
+        let nearest = (0..STEPS).min_by(by_distance).unwrap_or(0);
+        // Of equals the first.
+        let farthest = (0..STEPS).rev().max_by(by_distance).unwrap_or(0);
         // Newton's rule on the derivative of the squared distance, from the best of the coarse
         // angles; a step against the curvature or beyond the next angle is not taken.
         let refined = |k: usize, sign: f64| {
-            let mut angle = TAU * k as f64 / STEPS as f64;
-            let mut point = coarse[k];
+            let mut angle = angle_of(k);
+            let mut point = angle.sin_cos();
             for _ in 0..6 {
                 let (sin, cos) = point;
                 let slope = b * cos * (y + b * sin) - a * sin * (x + a * cos);
@@ -343,7 +329,7 @@ impl Ellipse {
             }
             square(point).sqrt()
         };
-        (refined(nearest.0, 1.0), refined(farthest.0, -1.0))
+        (refined(nearest, 1.0), refined(farthest, -1.0))
     }
 
     /// How far the phase may lie below and above that of the centre \[rad\]; π when any phase is

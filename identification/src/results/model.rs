@@ -203,7 +203,10 @@ impl Model {
     /// # Errors
     /// The structure of a hand-made document does not describe a filter bank.
     pub fn metrics_anew(&self) -> Result<Bounds<Metrics>, Error> {
-        Ok(self.measured()?.map(|measured| Metrics::new(&measured)))
+        let bounds = self.metrics.bounds;
+        Ok(self
+            .measured()?
+            .map(|measured| Metrics::new(&measured, bounds)))
     }
 
     /// When the samples of the model's responses are taken.
@@ -256,27 +259,15 @@ impl Model {
     #[must_use]
     pub fn predict(&self, run: &Run) -> Vec<f64> {
         let simulated = self.simulate(run);
-        let error: Vec<f64> = run
-            .output()
-            .iter()
-            .zip(&simulated)
-            .map(|(y, simulated)| y - simulated)
-            .collect();
-        simulated
-            .iter()
-            .enumerate()
-            .map(|(k, simulated)| {
-                let past =
-                    self.noise
-                        .ar
-                        .iter()
-                        .enumerate()
-                        .map(|(i, d)| match k.checked_sub(i + 1) {
-                            Some(before) => d * error[before],
-                            None => f64::NAN,
-                        });
-                simulated - past.sum::<f64>()
-            })
-            .collect()
+        let pairs = run.output().iter().zip(&simulated);
+        let error: Vec<f64> = pairs.map(|(y, simulated)| y - simulated).collect();
+        let predicted = |(k, simulated): (usize, &f64)| simulated - self.noise_memory(&error, k);
+        simulated.iter().enumerate().map(predicted).collect()
+    }
+
+    /// sum_i d_i x(k-i); NaN where a past value is missing.
+    pub(crate) fn noise_memory(&self, values: &[f64], k: usize) -> f64 {
+        let past = |(d, i): (&f64, usize)| k.checked_sub(i).map_or(f64::NAN, |k| d * values[k]);
+        self.noise.ar.iter().zip(1..).map(past).sum()
     }
 }

@@ -5,14 +5,11 @@ use serde::{Deserialize, Serialize};
 use crate::data::{Record, Run};
 use crate::error::Error;
 use crate::results::model::Model;
+use crate::thresholds::FROM_REST;
 
 /// Relative difference of sample periods that still counts as the same: clocks of two recordings
 /// of one rig agree far better, and a different rate differs far more.
 const PERIOD_TOLERANCE: f64 = 1e-6;
-
-/// Errors of samples judged from rest relative to the others, up to which the run began at rest: the
-/// noise of the first sample, from which all of them start, can make them √2 times as large.
-const FROM_REST: f64 = 1.5;
 
 /// How well a model predicts a record, by simulation from the input alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -26,23 +23,14 @@ pub struct Validation {
     /// Samples with an output and a full history of input.
     pub samples_used: usize,
     /// Runs whose input before the first sample was not stated and is taken to have stood still,
-    /// as their first samples say: these are then among the samples used.
+    /// as their first samples show: these are then among the samples used.
     #[serde(default)]
     pub runs_from_rest: usize,
 }
 
 impl Validation {
-    /// Simulates `model` on every run of `record`.
-    ///
-    /// The first N-1 samples of a run have no full history of input, unless the run states what
-    /// it was. The servo is then taken to have stood still where the first sample finds it. If the
-    /// model, so started, is about as near to these samples as to the ones with a history, they are
-    /// judged as well; otherwise the runs do not begin at rest, and they are left out. The decision
-    /// is one for the whole record.
-    ///
-    /// # Errors
-    /// The record has another sample period, or no sample with enough history.
-    pub fn of(model: &Model, record: &Record) -> Result<Self, Error> {
+    /// See [`Model::validate`].
+    fn of(model: &Model, record: &Record) -> Result<Self, Error> {
         let (expected, found) = (model.sample_period_s, record.sample_period_s());
         if ((found - expected) / expected).abs() > PERIOD_TOLERANCE {
             return Err(Error::PeriodMismatch { expected, found });
@@ -76,30 +64,22 @@ impl Validation {
 
     /// Compares pairs of measured and predicted output; pairs with a NaN do not count. `None` when
     /// no pair is left.
-    pub fn of_pairs(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
-        let pairs: Vec<(f64, f64)> = pairs
+    fn of_pairs(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
+        let known = pairs
             .into_iter()
-            .filter(|(y, predicted)| !(y - predicted).is_nan())
-            .collect();
+            .filter(|(y, predicted)| !(y - predicted).is_nan());
+        let pairs: Vec<(f64, f64)> = known.collect();
         if pairs.is_empty() {
             return None;
         }
+        let sum = |of: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>();
         let count = pairs.len() as f64;
-        let mean = pairs.iter().map(|(y, _)| y).sum::<f64>() / count;
-        let bias = pairs
-            .iter()
-            .map(|(y, predicted)| y - predicted)
-            .sum::<f64>()
-            / count;
-        let error = pairs
-            .iter()
-            .map(|(y, predicted)| (y - predicted).powi(2))
-            .sum::<f64>();
-        let spread = pairs.iter().map(|(y, _)| (y - mean).powi(2)).sum::<f64>();
+        let mean = sum(&|(y, _)| *y) / count;
+        let error = sum(&|(y, predicted)| (y - predicted).powi(2));
         Some(Self {
-            fit_percent: fit_percent(error, spread),
+            fit_percent: fit_percent(error, sum(&|(y, _)| (y - mean).powi(2))),
             rmse: (error / count).sqrt(),
-            bias,
+            bias: sum(&|(y, predicted)| y - predicted) / count,
             samples_used: pairs.len(),
             runs_from_rest: 0,
         })
@@ -108,6 +88,11 @@ impl Validation {
 
 impl Model {
     /// Simulates every run of a record that the model has not seen and compares.
+    ///
+    /// The first N-1 samples of a run have no full history of input, unless the run states it. The servo is then
+    /// taken to have stood still where the first sample finds it. If the model, so started, is about as near to
+    /// these samples as to the ones with a history, they are judged as well; otherwise the runs do not begin at
+    /// rest, and they are left out. The decision is one for the whole record.
     ///
     /// ```
     /// # use servoid_identification::{identify, Options, Record, Settling, Frequencies, NoiseOrder};
@@ -161,7 +146,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     /// Two lags of 5 samples behind random levels of 5 samples each, 200 samples of which are not
-    /// recorded; a little noise. With one lag the first sample would tell the whole state.
+    /// recorded; a little noise. With one lag the first sample would determine the whole state.
     fn run(seed: u64, rest: bool, samples: usize) -> Run {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         let before = 200;

@@ -47,7 +47,7 @@ pub struct Choice {
     /// The longest N possible \[samples\].
     pub longest: usize,
     /// Whether the input lacks high frequencies, so that n < N.
-    #[serde(rename = "low_passed")]
+    #[serde(alias = "low_passed")]
     pub smooth_input: bool,
     /// n, when the input lacks high frequencies.
     pub frequencies: Option<usize>,

@@ -48,7 +48,7 @@ fn what_a_smooth_reference_leaves_out_has_no_level_and_no_figures() {
     assert_eq!(line.level, 0.0, "{line:?}");
     assert_eq!(line.stated, [0.0; 6], "{line:?}");
     assert_always_said(&line, "excitation");
-    assert_always_said(&line, "untold");
+    assert_always_said(&line, "unexcited_metrics");
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod documents;
 mod imports;
 mod manifests;
 mod source;
+mod validity;
 
 use std::path::{Path, PathBuf};
 

@@ -6,6 +6,7 @@ mod text;
 use super::output::{Output, print_remark, wrong_usage};
 use super::rig_args::RigArgs;
 use super::{ctrl_c, prompts};
+use crate::data::DegreeScale;
 use crate::data::recording::write_file;
 use crate::data::rig_file::{RigFile, SensorSection};
 use crate::instrument::calibration::{
@@ -262,8 +263,8 @@ impl Calibrate {
             return protractor::read(mover, pulses);
         }
         let rests = mover.visit(pulses, &|_| false)?;
-        let scale = mover.rig().servo_scale();
-        let commanded = pulses.iter().map(|us| scale.degrees(PulseWidth(*us)).0);
+        let scale = DegreeScale::of_rig(mover.rig());
+        let commanded = pulses.iter().map(|us| scale.reference(PulseWidth(*us)));
         let angles: Vec<f64> = match self.by_servo {
             true => commanded.collect(),
             false => self.angles.clone(),

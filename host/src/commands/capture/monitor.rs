@@ -4,6 +4,7 @@ use super::progress_line::ProgressLine;
 use super::until_band::BandReached;
 use crate::commands::ctrl_c;
 use crate::commands::output::{Talk, wrong_usage};
+use crate::data::DegreeScale;
 use crate::instrument::live::{LiveIdentification, LiveStep, RunSamples, second_cycle};
 use crate::instrument::rig::{Capture, Progress, StopReason};
 use crate::presentation::scope::{FrameSeen, Link, Scope, ScopeEvent, ScopeState, terminal};
@@ -11,7 +12,6 @@ use anyhow::Result;
 use clap::Args;
 use servoid_identification::Options;
 use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLE_US};
-use servoid_protocol::{SensorScale, ServoScale};
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
@@ -76,20 +76,19 @@ impl Monitor {
         if let Some(live) = &self.live {
             live.begin_run();
         }
-        let (servo, sensor) = (capture.rig.servo_scale(), capture.rig.sensor_scale());
+        let scale = DegreeScale::of_rig(&capture.rig);
         let state = ScopeState::new(title, capture.start, self.until_percent);
         let view = if self.scope {
             View::Scope(Scope::open(state, ctrl_c::ask)?)
         } else {
             let frames = capture.start.frames();
-            View::Lines(ProgressLine::new(self.talk, frames, servo, sensor))
+            View::Lines(ProgressLine::new(self.talk, frames, scale.clone()))
         };
         let before = u32::from(capture.start.pre_roll_frames);
         Ok(MonitoredRun {
             monitor: self,
             view,
-            servo,
-            sensor,
+            scale,
             samples: RefCell::new(RunSamples::new(&capture.rig, &capture.start)),
             estimate_from: before + second_cycle(&capture.start.reference).unwrap_or(0),
             wait: paced && self.until_percent.is_some(),
@@ -110,8 +109,7 @@ impl Monitor {
 pub(super) struct MonitoredRun<'a> {
     monitor: &'a Monitor,
     view: View,
-    servo: ServoScale,
-    sensor: SensorScale,
+    scale: DegreeScale,
     samples: RefCell<RunSamples>,
     /// The first frame with an estimate.
     estimate_from: u32,
@@ -143,8 +141,8 @@ impl MonitoredRun<'_> {
         let frame = progress.frame;
         FrameSeen {
             index: frame.index.into(),
-            reference_deg: self.servo.degrees(frame.pulse).0,
-            positions_deg: frame.samples.map(|counts| self.sensor.degrees(counts).0),
+            reference_deg: self.scale.reference(frame.pulse),
+            positions_deg: frame.samples.map(|counts| self.scale.angle(counts)),
             link: Link {
                 rejects: progress.rejects,
                 asked_again: progress.asked_again,

@@ -1,21 +1,20 @@
 //! Progress of a capture without the live scope.
 
 use crate::commands::output::Talk;
+use crate::data::DegreeScale;
 use crate::instrument::rig::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLES_PER_FRAME};
-use servoid_protocol::{SensorScale, ServoScale};
 
 /// A progress bar in a terminal; elsewhere one line for each second of the run.
 pub(super) struct ProgressLine {
     bar: ProgressBar,
     talk: Talk,
-    servo: ServoScale,
-    sensor: SensorScale,
+    scale: DegreeScale,
 }
 
 impl ProgressLine {
-    pub(super) fn new(talk: Talk, frames: u32, servo: ServoScale, sensor: SensorScale) -> Self {
+    pub(super) fn new(talk: Talk, frames: u32, scale: DegreeScale) -> Self {
         let bar = match talk.quiet {
             true => ProgressBar::hidden(),
             false => ProgressBar::new(frames.into()),
@@ -25,24 +24,16 @@ impl ProgressLine {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
-        Self {
-            bar,
-            talk,
-            servo,
-            sensor,
-        }
+        Self { bar, talk, scale }
     }
 
     /// Shows a frame. `band_percent` is half the width of the step response's band, if there is one.
     pub(super) fn update(&self, progress: Progress<'_>, band_percent: Option<f64>) {
         let frame = progress.frame;
         let done = u64::from(frame.index) + 1;
-        let reference = self.servo.degrees(frame.pulse).0;
-        let position = frame
-            .samples
-            .last()
-            .map(|&counts| self.sensor.degrees(counts).0);
-        let position = position.unwrap_or(f64::NAN);
+        let reference = self.scale.reference(frame.pulse);
+        let newest = frame.samples.last();
+        let position = newest.map_or(f64::NAN, |&counts| self.scale.angle(counts));
         let band = band_percent.map(|p| format!("; band +-{p:.2} % of the step"));
         let band = band.unwrap_or_default();
         let message = format!(

@@ -3,7 +3,7 @@
 use super::monitor::Monitor;
 use crate::commands::ctrl_c;
 use crate::commands::output::Talk;
-use crate::data::recording::{Ending, Header, RecordingWriter, ReservedFile, WriteError};
+use crate::data::recording::{Ending, Header, RecordingWriter, ReservedFile, WriteFault};
 use crate::data::rig_file::RigFile;
 use crate::instrument::port;
 use crate::instrument::rig::{Capture, CaptureEnd, CaptureError, RigClient};
@@ -98,7 +98,7 @@ fn capture_run(
         port: job.address.to_owned(),
         ..Header::of_run(client.hello(), &job.rig, &capture.start)
     };
-    let writer = RecordingWriter::begin(file, &header)?;
+    let writer = RecordingWriter::begin(file, &header);
     let title = format!("{}  to {}", job.address, path.display());
     let run = monitor.begin(title, &capture, client.is_paced_by_reader())?;
     let mut kept = false;
@@ -108,9 +108,14 @@ fn capture_run(
     });
     run.finish();
     match end {
-        Err(
-            error @ CaptureError::Write(WriteError::Removed { .. } | WriteError::Rescued { .. }),
-        ) => Err(error.into()),
+        Err(CaptureError::Write(error))
+            if matches!(
+                error.fault,
+                WriteFault::Removed(_) | WriteFault::Rescued { .. }
+            ) =>
+        {
+            Err(error.into())
+        }
         Err(error) if kept => Err(error)
             .with_context(|| format!("{} keeps all rows up to the failure", path.display())),
         other => Ok(other?),

@@ -1,18 +1,20 @@
-//! What files say of themselves.
+//! Where data come from, as far as the files state it.
 
+use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::results::{Advice, Check};
+use servoid_protocol::timing::FRAME_US;
 
-/// What files say of themselves.
+/// Where data come from, as far as the files state it.
 #[derive(Clone, Debug, Default)]
 pub struct About {
     /// Whether all files are recordings of servoid, whose command changes with the pulse frame only.
     pub by_servoid: bool,
-    /// The unit of what was commanded, where the files say it and agree.
+    /// The unit of what was commanded, where the files state it and agree.
     pub input_unit: Option<String>,
-    /// The unit of what was measured, where the files say it and agree.
+    /// The unit of what was measured, where the files state it and agree.
     pub output_unit: Option<String>,
-    /// Under what condition it was recorded, where the files say it and agree.
+    /// Under what condition it was recorded, where the files state it and agree.
     pub condition: Option<String>,
     /// Where the data come from, file by file: name and value of each thing that is known.
     pub provenance: Vec<Vec<(String, String)>>,
@@ -25,20 +27,17 @@ pub struct About {
 
 impl About {
     /// The unit of the input of both, empty where they do not have one in common.
-    #[must_use]
-    pub fn input_unit_with(&self, other: &Self) -> String {
-        in_common(self.input_unit.as_ref(), other.input_unit.as_ref())
+    pub(crate) fn input_unit_with(&self, other: &Self) -> String {
+        in_common(&self.input_unit, &other.input_unit)
     }
 
     /// The unit of the output of both, empty where they do not have one in common.
-    #[must_use]
-    pub fn output_unit_with(&self, other: &Self) -> String {
-        in_common(self.output_unit.as_ref(), other.output_unit.as_ref())
+    pub(crate) fn output_unit_with(&self, other: &Self) -> String {
+        in_common(&self.output_unit, &other.output_unit)
     }
 
     /// The units of the two columns.
-    #[must_use]
-    pub fn units(&self) -> Units<'_> {
+    pub(crate) fn units(&self) -> Units<'_> {
         Units {
             input: self.input_unit.as_deref(),
             output: self.output_unit.as_deref(),
@@ -75,8 +74,18 @@ impl About {
     }
 }
 
-fn in_common(a: Option<&String>, b: Option<&String>) -> String {
-    a.filter(|unit| b == Some(unit))
-        .cloned()
-        .unwrap_or_default()
+fn in_common(a: &Option<String>, b: &Option<String>) -> String {
+    a.clone().filter(|_| a == b).unwrap_or_default()
+}
+
+/// The pulse frame of servoid's rig \[s\].
+const RIG_FRAME_S: f64 = FRAME_US as f64 * 1e-6;
+
+impl From<&About> for ModelMetadata {
+    fn from(about: &About) -> Self {
+        // A recording of servoid was commanded by pulses, which change with the frame only.
+        let pulse_frame_s = about.by_servoid.then_some(RIG_FRAME_S);
+        let (input, output) = (about.input_unit.clone(), about.output_unit.clone());
+        Self::new(input, output, pulse_frame_s)
+    }
 }

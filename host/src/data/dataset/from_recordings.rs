@@ -1,15 +1,13 @@
 //! Recordings of this program.
 
 use super::about::About;
-use super::error::DatasetError;
+use super::error::DatasetFault;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use crate::data::degrees::DegreeScale;
-use crate::data::recording::{Completeness, ReadError, Recording};
-use servoid_identification::Run;
+use crate::data::recording::{Completeness, ReadFault, Recording};
 use servoid_identification::results::Check;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
-use std::ops::Range;
 use std::path::Path;
 
 /// The run of a recording: of its reference, or of all of it.
@@ -17,53 +15,50 @@ pub(super) fn from_recording(
     recording: &Recording,
     path: &Path,
     options: &DatasetOptions,
-) -> Result<Loaded, DatasetError> {
-    let range = if options.with_rest {
-        0..u64::MAX
-    } else {
-        recording.reference_samples()
+) -> Result<Loaded, DatasetFault> {
+    let header = &recording.header;
+    let range = match options.with_rest {
+        true => 0..u64::MAX,
+        false => recording.reference_samples(),
     };
-    let scale = DegreeScale::of_recording(&recording.header);
+    let scale = DegreeScale::of_recording(header);
     let rows = recording.rows_of(range.clone());
     if rows.is_empty() {
-        return Err(DatasetError::NoReference {
-            path: path.to_owned(),
-            end: said_end(recording),
+        return Err(DatasetFault::NoReference {
+            end: end_of(recording),
             rows: recording.rows.len(),
             begins: range.start,
         });
     }
-    let (input, output) = scale.columns(rows);
-    let run = run(input, output, path, options.at_rest)?;
-    let rest = match options.with_rest {
-        true => Vec::new(), // It is part of the run.
-        false => rest(recording, &range, &scale, path)?,
-    };
-    let phase_s = recording.header.sample_phase_s;
+    let phase_s = header.sample_phase_s;
     if !(phase_s >= 0.0 && phase_s.is_finite()) {
         let reason = "sample_phase_s is no time after an edge".to_owned();
-        return Err(ReadError::DamagedHeader {
-            path: path.to_owned(),
-            line: 1,
-            reason,
+        return Err(ReadFault::DamagedHeader(1, reason).into());
+    }
+    let (input, output) = scale.columns(rows);
+    // What was recorded before and after the reference shows the noise of a servo at rest.
+    let mut rest = Vec::new();
+    for range in [0..range.start, range.end..u64::MAX] {
+        let (input, output) = scale.columns(recording.rows_of(range));
+        if !input.is_empty() {
+            rest.push(run(input, output, None)?);
         }
-        .into());
     }
     Ok(Loaded {
-        runs: vec![run],
+        runs: vec![run(input, output, options.at_rest)?],
         rest,
-        period_s: recording.header.sample_period_s,
+        period_s: header.sample_period_s,
         phase_s,
         about: about(recording, path, options, scale.unhealthy(rows)),
     })
 }
 
-/// What a recording says of itself, `broken` of whose samples no healthy sensor gives.
+/// Where a recording comes from, `broken` of whose samples no healthy sensor gives.
 fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: usize) -> About {
     let header = &recording.header;
     let mut provenance = vec![
         ("file".to_owned(), path.display().to_string()),
-        ("end".to_owned(), said_end(recording)),
+        ("end".to_owned(), end_of(recording)),
     ];
     provenance.extend(header.facts());
     let mut about = About {
@@ -106,36 +101,21 @@ fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: u
     if options.period_s.is_some() {
         let period_s = header.sample_period_s;
         about.remarks.push(format!(
-            "{shown} is a recording and says itself that its samples are {period_s} s apart; --period is not used for it"
+            "{shown} is a recording whose header states that its samples are {period_s} s apart; --period is not used for it"
         ));
     }
     about
 }
 
-/// Samples that the run was to have, by a header that may say anything.
+/// Samples that the run was to have, by its header.
 fn samples_meant(recording: &Recording) -> f64 {
     let header = &recording.header;
     let rolls = f64::from(header.pre_roll_frames) + f64::from(header.post_roll_frames);
     (rolls + f64::from(header.reference_frames)) * SAMPLES_PER_FRAME as f64
 }
 
-/// What was recorded before and after the reference, which shows the noise of a servo at rest.
-fn rest(
-    recording: &Recording,
-    reference: &Range<u64>,
-    scale: &DegreeScale,
-    path: &Path,
-) -> Result<Vec<Run>, DatasetError> {
-    [0..reference.start, reference.end..u64::MAX]
-        .into_iter()
-        .map(|range| scale.columns(recording.rows_of(range)))
-        .filter(|(input, _)| !input.is_empty())
-        .map(|(input, output)| run(input, output, path, None))
-        .collect()
-}
-
 /// Whether all of it is there, and why not.
-fn said_end(recording: &Recording) -> String {
+fn end_of(recording: &Recording) -> String {
     match &recording.completeness {
         Completeness::Partial(reason) => format!("partial ({reason})"),
         Completeness::Early(reason) => format!("on purpose ({reason})"),
@@ -143,10 +123,10 @@ fn said_end(recording: &Recording) -> String {
     }
 }
 
-/// What is to be said of a recording whose columns were named, so that it is read as any CSV file.
+/// The remark on a recording whose columns were named, so that it is read as any CSV file.
 pub(super) fn remark_on_named(bytes: &[u8], path: &Path) -> String {
     let what = match Recording::parse(bytes, path) {
-        Ok(recording) => format!("{}, {}", path.display(), said_end(&recording)),
+        Ok(recording) => format!("{}, {}", path.display(), end_of(&recording)),
         Err(damage) => damage.to_string(),
     };
     format!(

@@ -1,77 +1,79 @@
-//! Any CSV file with its columns named.
+//! Any CSV file with its columns named: cells, time axis, runs.
 
 use super::about::About;
-use super::error::DatasetError;
+use super::error::DatasetFault;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use super::time_column::{self, TimeUnit};
 use super::{sentinel_values, suggestion};
-use crate::data::table::{Table, TableError, unit_of};
+use crate::data::table::{Table, TableFault, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
+use clap::ValueEnum;
 use servoid_identification::results::{Advice, Check};
 use std::path::Path;
 
-/// The runs of a table.
-pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Loaded, DatasetError> {
-    let path = table.path();
+/// The runs of a table, which is the file `path`.
+pub(super) fn from_table(
+    table: &Table,
+    path: &Path,
+    options: &DatasetOptions,
+) -> Result<Loaded, DatasetFault> {
     let (Some(input), Some(output)) = (&options.input, &options.output) else {
-        return Err(DatasetError::Unnamed {
-            path: path.to_owned(),
-            columns: table.columns_said(),
+        return Err(DatasetFault::Unnamed {
+            columns: table.columns_clause(),
             options: suggestion::options(table.columns()),
         });
     };
-    let column = table.column(input)?;
-    if column == table.column(output)? {
-        return Err(DatasetError::OneColumn {
-            path: path.to_owned(),
-            column: column.to_owned(),
-        });
+    let names = [table.column(input)?, table.column(output)?];
+    if names[0] == names[1] {
+        return Err(DatasetFault::OneColumn(names[0].to_owned()));
     }
-    let Columns { u, y, time, labels } = Columns::read(table, input, output, options)?;
+    let Columns {
+        u,
+        y,
+        labels,
+        clock,
+    } = Columns::read(table, names, options)?;
     if u.len() < 2 {
-        return Err(TableError::Empty {
-            path: path.to_owned(),
-        }
-        .into());
+        return Err(TableFault::Empty.into());
     }
-    let layout = table.remarks().iter();
-    let mut remarks: Vec<String> = layout
-        .map(|remark| format!("{}: {remark}", path.display()))
-        .collect();
+    let clock_name = clock.as_ref().map(|clock| clock.name);
     let Spacing {
         period_s,
         time,
         remark,
-    } = Spacing::of(path, time, options)?;
-    remarks.extend(remark.map(|remark| format!("{}: {remark}", path.display())));
-    let found = timeline::stretches(u.len(), time.as_ref().map(|(_, t)| t), labels.as_deref());
-    if let Some((column, _)) = &time {
-        remarks.extend(remark_on_time(path, column, &found, labels.is_some()));
+    } = Spacing::of(clock, options)?;
+    let found = timeline::stretches(u.len(), time.as_ref(), labels.as_deref());
+    let mut remarks = table.remarks().to_vec();
+    remarks.extend(remark);
+    if let (Some(column), Some(_)) = (clock_name, &time) {
+        remarks.extend(remarks_on_time(column, &found, labels.is_some()));
     }
-    let mut runs = Vec::new();
-    for stretch in &found {
+    let runs = found.iter().map(|stretch| {
         let at_rest = options.at_rest.filter(|_| !stretch.continues);
-        runs.push(run(stretch.place(&u), stretch.place(&y), path, at_rest)?);
-    }
-    let provenance = vec![
-        ("file".to_owned(), path.display().to_string()),
-        (
-            "columns".to_owned(),
-            format!("input {input}, output {output}"),
-        ),
-        ("sample period s".to_owned(), period_s.to_string()),
+        run(stretch.place(&u), stretch.place(&y), at_rest)
+    });
+    let runs = runs.collect::<Result<_, _>>()?;
+    let file = path.display();
+    let columns = format!("input {input}, output {output}");
+    let facts = [
+        ("file", file.to_string()),
+        ("columns", columns),
+        ("sample period s", period_s.to_string()),
     ];
-    let unit = |name: &str| Ok::<_, TableError>(unit_of(table.column(name)?).map(str::to_owned));
+    let [input_unit, output_unit] = names.map(|name| unit_of(name).map(str::to_owned));
     let mut about = About {
-        input_unit: unit(input)?,
-        output_unit: unit(output)?,
-        provenance: vec![provenance],
-        remarks,
+        input_unit,
+        output_unit,
+        provenance: vec![facts.map(|(key, value)| (key.to_owned(), value)).into()],
+        remarks: remarks
+            .iter()
+            .map(|remark| format!("{file}: {remark}"))
+            .collect(),
         ..About::default()
     };
     for (name, column) in [(input, &u), (output, &y)] {
-        tell_stand_in(&mut about, path, name, column);
+        note_sentinel_value(&mut about, path, name, column);
     }
     Ok(Loaded {
         runs,
@@ -82,8 +84,8 @@ pub(super) fn from_table(table: &Table, options: &DatasetOptions) -> Result<Load
     })
 }
 
-/// Says where a number of a column seems to stand for no reading: as it is, it counts as one.
-fn tell_stand_in(about: &mut About, path: &Path, name: &str, column: &[f64]) {
+/// Remarks where a number of a column seems to stand for no reading: as it is, it counts as one.
+fn note_sentinel_value(about: &mut About, path: &Path, name: &str, column: &[f64]) {
     let Some((value, rows)) = sentinel_values::find(column) else {
         return;
     };
@@ -95,11 +97,62 @@ fn tell_stand_in(about: &mut About, path: &Path, name: &str, column: &[f64]) {
     about.remarks.push(format!(
         "{finding}; where that stands for no reading, leave the cells empty"
     ));
-    let finding = format!("{finding}.");
     let remedy =
         "Where that stands for no reading, leave the cells empty: they count as missing then.";
-    let advice = Advice::new(Check::SentinelValues, finding, rows as f64, 0.0, remedy);
+    let advice = Advice::new(
+        Check::SentinelValues,
+        finding + ".",
+        rows as f64,
+        0.0,
+        remedy,
+    );
     about.advice.push(advice);
+}
+
+/// The columns that are needed of a table.
+struct Columns<'a> {
+    u: Vec<f64>,
+    y: Vec<f64>,
+    /// Names of runs.
+    labels: Option<Vec<f64>>,
+    clock: Option<Clock<'a>>,
+}
+
+/// A column of time.
+struct Clock<'a> {
+    name: &'a str,
+    /// As the name gives it.
+    unit: Option<TimeUnit>,
+    /// `None` where it holds no numbers.
+    times: Option<Vec<f64>>,
+}
+
+impl<'a> Columns<'a> {
+    /// Reads all of them in one pass.
+    fn read(
+        table: &'a Table,
+        names: [&str; 2],
+        options: &DatasetOptions,
+    ) -> Result<Self, TableFault> {
+        let run = options.run.as_deref();
+        let clock = match &options.time {
+            Some(name) => {
+                let column = table.column(name)?;
+                Some((column, time_column::unit_in(column)))
+            }
+            None => time_column::column(table.columns()),
+        };
+        let wanted: Vec<&str> = names.into_iter().chain(run).collect();
+        let (numbers, times) = table.numbers_beside(&wanted, clock.map(|(name, _)| name))?;
+        let mut numbers = numbers.into_iter();
+        let mut next = || numbers.next().unwrap_or_default();
+        Ok(Self {
+            u: next(),
+            y: next(),
+            labels: run.map(|_| next()),
+            clock: clock.map(|(name, unit)| Clock { name, unit, times }),
+        })
+    }
 }
 
 /// Longest step that a column of time without a unit has in seconds: beyond it, milliseconds and
@@ -112,46 +165,37 @@ const SCATTER: f64 = 0.02;
 /// How far apart rows are, and how that is known.
 struct Spacing {
     period_s: f64,
-    /// The column that says where rows are missing, and its name.
-    time: Option<(String, TimeColumn)>,
-    /// What to say of it.
+    /// The column that shows where rows are missing.
+    time: Option<TimeColumn>,
     remark: Option<String>,
 }
 
 impl Spacing {
-    fn of(
-        path: &Path,
-        clock: Option<Clock>,
-        options: &DatasetOptions,
-    ) -> Result<Self, DatasetError> {
+    fn of(clock: Option<Clock<'_>>, options: &DatasetOptions) -> Result<Self, DatasetFault> {
         if let Some(period_s) = options.period_s {
-            return Ok(Self::stated(period_s, clock, options));
+            let (time, remark) = match clock {
+                Some(clock) => Self::beside_stated(period_s, clock, options),
+                None => (None, None),
+            };
+            return Ok(Self {
+                period_s,
+                time,
+                remark,
+            });
         }
-        let path = path.to_owned();
-        let Some(Clock { name, unit, times }) = clock else {
-            return Err(DatasetError::NoPeriod { path });
-        };
-        let Some(times) = times else {
-            return Err(DatasetError::TimeNotNumbers { path, column: name });
-        };
-        let times = match TimeColumn::new(times) {
-            Ok(times) => times,
-            Err(reason) => {
-                return Err(DatasetError::UnevenTime {
-                    path,
-                    column: name,
-                    reason,
-                });
-            }
-        };
-        let step = times.step();
+        let Clock { name, unit, times } = clock.ok_or(DatasetFault::NoPeriod)?;
+        let times = times.ok_or_else(|| DatasetFault::TimeNotNumbers(name.to_owned()))?;
+        let time = TimeColumn::new(times)
+            .map_err(|fault| DatasetFault::UnevenTime(name.to_owned(), fault))?;
+        let step = time.step();
         let (unit, hint) = match options.time_unit.or(unit) {
             Some(unit) => (unit, ""),
-            None if step < LONGEST_STEP_S => (TimeUnit::Seconds, " (--time-unit says otherwise)"),
+            None if step < LONGEST_STEP_S => {
+                (TimeUnit::Seconds, " (--time-unit states another unit)")
+            }
             None => {
-                return Err(DatasetError::NoTimeUnit {
-                    path,
-                    column: name,
+                return Err(DatasetFault::NoTimeUnit {
+                    column: name.to_owned(),
                     step,
                 });
             }
@@ -159,132 +203,68 @@ impl Spacing {
         let period_s = step * unit.seconds();
         let mut remark = format!(
             "time (column {name:?}) read as {}: rows are {} apart{hint}",
-            unit.word(),
-            time_column::said(period_s)
+            unit.names().1,
+            time_column::shown(period_s)
         );
-        if times.scatter() > SCATTER {
+        if time.scatter() > SCATTER {
             remark += &format!(
                 "; its time stamps scatter by {:.0} % of that, and the rows are taken as evenly spaced",
-                100.0 * times.scatter()
+                100.0 * time.scatter()
             );
         }
         Ok(Self {
             period_s,
-            time: Some((name, times)),
+            time: Some(time),
             remark: Some(remark),
         })
     }
 
-    /// The period that was stated; a column of time then says where rows are missing, if it agrees.
-    fn stated(period_s: f64, clock: Option<Clock>, options: &DatasetOptions) -> Self {
-        let plain = Self {
-            period_s,
-            time: None,
-            remark: None,
+    /// The column of time beside a period that was stated: it shows where rows are missing, if it agrees.
+    fn beside_stated(
+        period_s: f64,
+        Clock { name, unit, times }: Clock<'_>,
+        options: &DatasetOptions,
+    ) -> (Option<TimeColumn>, Option<String>) {
+        let Some(times) = times else {
+            return (None, None);
         };
-        let Some(Clock { name, unit, times }) = clock else {
-            return plain;
-        };
-        let Some(times) = times else { return plain };
         let unit = options.time_unit.or(unit);
         let possible = unit
             .as_ref()
-            .map_or(&TimeUnit::ALL[..], std::slice::from_ref);
+            .map_or(TimeUnit::value_variants(), std::slice::from_ref);
         let agrees = |unit: &TimeUnit| TimeColumn::with_step(&times, period_s / unit.seconds());
         if let Some(column) = possible.iter().find_map(agrees) {
-            return Self {
-                time: Some((name, column)),
-                ..plain
-            };
+            return (Some(column), None);
         }
-        let Ok(column) = TimeColumn::new(times) else {
-            let remark = format!(
-                "column {name:?} is too uneven to say where rows are missing, and is not used"
-            );
-            return Self {
-                remark: Some(remark),
-                ..plain
-            };
-        };
-        let unit = unit.map_or(String::new(), |unit| format!(" {}", unit.name()));
-        let remark = format!(
-            "by column {name:?} rows are {}{unit} apart, but {period_s} s was stated, and is taken",
-            column.step()
-        );
-        Self {
-            time: Some((name, column)),
-            remark: Some(remark),
-            ..plain
-        }
-    }
-}
-
-/// A column of time.
-struct Clock {
-    name: String,
-    /// As the name says.
-    unit: Option<TimeUnit>,
-    /// `None` where it holds no numbers.
-    times: Option<Vec<f64>>,
-}
-
-/// What is needed of a table.
-struct Columns {
-    u: Vec<f64>,
-    y: Vec<f64>,
-    time: Option<Clock>,
-    /// Names of runs.
-    labels: Option<Vec<f64>>,
-}
-
-impl Columns {
-    /// Reads all of them in one pass.
-    fn read(
-        table: &Table,
-        input: &str,
-        output: &str,
-        options: &DatasetOptions,
-    ) -> Result<Self, TableError> {
-        let run = options.run.as_deref();
-        let clock = match &options.time {
-            Some(name) => {
-                let column = table.column(name)?;
-                Some((column, time_column::unit_in(column)))
+        let column = TimeColumn::new(times).ok();
+        let remark = match &column {
+            Some(column) => {
+                let unit = unit.map_or(String::new(), |unit| format!(" {}", unit.names().0));
+                format!(
+                    "by column {name:?} rows are {}{unit} apart, but {period_s} s was stated, and is taken",
+                    column.step()
+                )
             }
-            None => time_column::column(table.columns()),
+            None => format!(
+                "column {name:?} is too uneven to say where rows are missing, and is not used"
+            ),
         };
-        let mut wanted = vec![input, output];
-        wanted.extend(run);
-        let (numbers, times) = table.numbers_beside(&wanted, clock.map(|(name, _)| name))?;
-        let mut numbers = numbers.into_iter();
-        let mut next = || numbers.next().unwrap_or_default();
-        Ok(Self {
-            u: next(),
-            y: next(),
-            labels: run.map(|_| next()),
-            time: clock.map(|(name, unit)| Clock {
-                name: name.to_owned(),
-                unit,
-                times,
-            }),
-        })
+        (column, Some(remark))
     }
 }
 
-/// What a column of time has shown: gaps, and runs that the user has not named.
-fn remark_on_time(path: &Path, column: &str, found: &[Stretch], labelled: bool) -> Vec<String> {
+/// Gaps that a column of time shows, and runs that the user has not named.
+fn remarks_on_time(column: &str, found: &[Stretch], labelled: bool) -> Vec<String> {
     let mut remarks = Vec::new();
     let missing: usize = found.iter().map(Stretch::missing).sum();
     if missing > 0 {
         remarks.push(format!(
-            "{}: column {column:?} has gaps; {missing} samples count as missing",
-            path.display()
+            "column {column:?} has gaps; {missing} samples count as missing"
         ));
     }
     if found.len() > 1 && !labelled {
         remarks.push(format!(
-            "{}: column {column:?} goes back, stands still or jumps far ahead {} times; a new run begins at each (--run COLUMN names runs)",
-            path.display(),
+            "column {column:?} goes back, stands still or jumps far ahead {} times; a new run begins at each (--run COLUMN names runs)",
             found.len() - 1
         ));
     }

@@ -1,9 +1,10 @@
 //! The runs of files, as they are put together.
 
 use super::about::About;
-use super::error::DatasetError;
+use super::error::{DatasetError, DatasetFault};
+use crate::data::file_error::FileError;
 use crate::data::model_metadata::ModelMetadata;
-use servoid_identification::Run;
+use servoid_identification::{Error, Run};
 use std::path::{Path, PathBuf};
 
 /// Periods that differ by less are the same: it is far below what any result resolves, and above
@@ -30,24 +31,20 @@ impl Loaded {
         earlier: &[PathBuf],
         path: &Path,
     ) -> Result<(), DatasetError> {
+        let refused = |fault| Err(FileError::at(path)(fault).into());
         if (next.period_s / self.period_s - 1.0).abs() > PERIOD_TOLERANCE {
-            return Err(DatasetError::MixedPeriods {
-                path: path.to_owned(),
+            return refused(DatasetFault::MixedPeriods {
                 found: next.period_s,
                 expected: self.period_s,
             });
         }
         if next.phase_s != self.phase_s {
-            return Err(DatasetError::MixedPhases {
-                path: path.to_owned(),
+            return refused(DatasetFault::MixedPhases {
                 found: next.phase_s,
                 expected: self.phase_s,
             });
         }
-        let (own, another) = (
-            ModelMetadata::from(&self.about),
-            ModelMetadata::from(&next.about),
-        );
+        let [own, another] = [&self.about, &next.about].map(ModelMetadata::from);
         own.same_units(&listed(earlier), &another, &path.display().to_string())?;
         self.runs.extend(next.runs);
         self.rest.extend(next.rest);
@@ -56,15 +53,9 @@ impl Loaded {
     }
 }
 
-/// A run of these columns, which are those of the file `path`.
-pub(super) fn run(
-    input: Vec<f64>,
-    output: Vec<f64>,
-    path: &Path,
-    at_rest: Option<f64>,
-) -> Result<Run, DatasetError> {
-    let files = path.display().to_string();
-    let run = Run::new(input, output).map_err(|error| DatasetError::Data { files, error })?;
+/// A run of these columns.
+pub(super) fn run(input: Vec<f64>, output: Vec<f64>, at_rest: Option<f64>) -> Result<Run, Error> {
+    let run = Run::new(input, output)?;
     Ok(match at_rest {
         Some(input) => run.with_input_at_rest(input),
         None => run,

@@ -10,47 +10,45 @@ mod error;
 mod from_recordings;
 mod from_tables;
 mod loaded;
-mod metadata;
 mod options;
 mod sentinel_values;
 pub(crate) mod suggestion;
 mod time_column;
 
 pub use about::About;
-pub use error::DatasetError;
+pub use error::{DatasetError, DatasetFault};
 pub(crate) use loaded::listed;
 pub use options::DatasetOptions;
 pub use time_column::TimeUnit;
 
-use crate::data::fingerprint;
+use crate::data::file_error::FileError;
 use crate::data::recording::{self, Recording};
-use crate::data::table::{Table, TableError};
+use crate::data::table::{Table, TableFault};
+use crate::data::{fingerprint, input_file};
 use loaded::Loaded;
 use servoid_identification::Record;
 use std::path::{Path, PathBuf};
 
-/// A record, and what is known of where it comes from.
+/// A record, and where it comes from.
 #[derive(Clone, Debug)]
 pub struct Dataset {
     /// The runs.
     pub record: Record,
-    /// What the files say of themselves.
+    /// Where they come from.
     pub about: About,
 }
 
 /// Reads files, each one run or more, into one record.
-///
-/// # Errors
-/// [`DatasetError`].
 pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, DatasetError> {
     let mut all: Option<Loaded> = None;
     for (index, path) in paths.iter().enumerate() {
         // A run that counts twice would make bounds narrower than they are.
         let earlier = paths.get(..index).unwrap_or_default();
-        if earlier.contains(path) {
-            return Err(DatasetError::Twice { path: path.clone() });
-        }
-        let next = load_one(path, options)?;
+        let next = match earlier.contains(path) {
+            true => Err(DatasetFault::Twice),
+            false => load_one(path, options),
+        };
+        let next = next.map_err(FileError::at(path))?;
         match &mut all {
             Some(all) => all.append(next, earlier, path)?,
             None => all = Some(next),
@@ -63,10 +61,8 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
         phase_s,
         mut about,
     } = all.unwrap_or_default();
-    let record = Record::new(period_s, runs).map_err(|error| DatasetError::Data {
-        files: listed(paths),
-        error,
-    })?;
+    let record =
+        Record::new(period_s, runs).map_err(|error| DatasetError::Data(listed(paths), error))?;
     if let Some(advice) = fingerprint::advice_on_repeats(&record) {
         about.remarks.push(advice.finding.clone());
         about.advice.push(advice);
@@ -77,11 +73,8 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
     })
 }
 
-/// Reads two sides that are to be held against each other. Where one side is recordings of servoid without
+/// Reads two sides that are to be compared. Where one side is recordings of servoid without
 /// the columns that `options` name, and the other has them, `options` are how to read the other.
-///
-/// # Errors
-/// [`DatasetError`].
 pub fn load_sides(
     sides: [&[PathBuf]; 2],
     options: &DatasetOptions,
@@ -93,45 +86,38 @@ pub fn load_sides(
         };
         let mut side = load(paths, &plain)?;
         side.about.remarks.push(format!(
-            "{} is read as the recording that it is; how to read columns was said for the other side",
+            "{} is read as the recording that it is; the columns were named for the other side",
             listed(paths)
         ));
         Ok(side)
     };
     match sides.map(|paths| load(paths, options)) {
-        [Err(DatasetError::OtherColumns { .. }), Ok(b)] => Ok([as_recordings(sides[0])?, b]),
-        [Ok(a), Err(DatasetError::OtherColumns { .. })] => Ok([a, as_recordings(sides[1])?]),
+        [Err(a), Ok(b)] if has_other_columns(&a) => Ok([as_recordings(sides[0])?, b]),
+        [Ok(a), Err(b)] if has_other_columns(&b) => Ok([a, as_recordings(sides[1])?]),
         // Columns were named for the other side, and that is where to look for the mistake.
-        [Err(DatasetError::OtherColumns { .. }), Err(error)] => Err(error),
+        [Err(a), Err(error)] if has_other_columns(&a) => Err(error),
         [a, b] => Ok([a?, b?]),
     }
 }
 
-fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded, DatasetError> {
-    let bytes = crate::data::input_file::read(path).map_err(|reason| TableError::Unreadable {
-        path: path.to_owned(),
-        reason,
-    })?;
+fn has_other_columns(error: &DatasetError) -> bool {
+    matches!(error, DatasetError::File(file) if matches!(file.fault, DatasetFault::OtherColumns { .. }))
+}
+
+fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded, DatasetFault> {
+    let bytes = input_file::read(path).map_err(TableFault::Unreadable)?;
     let named = options.input.is_some() || options.output.is_some();
     let is_recording = recording::is_recording(&bytes);
     if is_recording && !named {
-        return from_recordings::from_recording(&Recording::parse(&bytes, path)?, path, options);
+        return from_recordings::from_recording(&Recording::of(&bytes)?, path, options);
     }
-    if let Some(error) = refused_json(&bytes, path) {
-        return Err(error);
+    if let Some(fault) = refused_json(&bytes) {
+        return Err(fault);
     }
     let remark = is_recording.then(|| from_recordings::remark_on_named(&bytes, path));
-    let mut loaded = match from_tables::from_table(&Table::parse(path, bytes)?, options) {
-        Err(DatasetError::Table(TableError::NoColumn {
-            path,
-            column,
-            present,
-        })) if is_recording => {
-            return Err(DatasetError::OtherColumns {
-                path,
-                column,
-                present,
-            });
+    let mut loaded = match from_tables::from_table(&Table::parse(bytes)?, path, options) {
+        Err(DatasetFault::Table(TableFault::NoColumn { column, present })) if is_recording => {
+            return Err(DatasetFault::OtherColumns { column, present });
         }
         loaded => loaded?,
     };
@@ -140,15 +126,14 @@ fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded, DatasetErro
 }
 
 /// Why a file in JSON is no recording; `None` for what is no JSON.
-fn refused_json(bytes: &[u8], path: &Path) -> Option<DatasetError> {
-    let path = path.to_owned();
+fn refused_json(bytes: &[u8]) -> Option<DatasetFault> {
     if !bytes.trim_ascii_start().starts_with(b"{") {
         return None;
     }
     let value: serde_json::Value = serde_json::from_slice(bytes).ok()?;
     Some(match value.get("theta") {
-        Some(_) => DatasetError::Model { path },
-        None => DatasetError::Json { path },
+        Some(_) => DatasetFault::Model,
+        None => DatasetFault::Json,
     })
 }
 

@@ -2,25 +2,12 @@
 
 use std::ops::Range;
 
-/// They fit no measurement: nothing but nines, and the ends of whole numbers of 16 and 32 bits.
-const SENTINELS: [f64; 16] = [
-    99.0,
-    -99.0,
-    999.0,
-    -999.0,
-    9999.0,
-    -9999.0,
-    99_999.0,
-    -99_999.0,
-    999_999.0,
-    -999_999.0,
-    32_767.0,
-    -32_768.0,
-    65_535.0,
-    2_147_483_647.0,
-    -2_147_483_648.0,
-    4_294_967_295.0,
-];
+/// Nothing but nines, or an end of the whole numbers of 16 and 32 bits: they fit no measurement.
+fn is_sentinel(value: f64) -> bool {
+    [99.0, 999.0, 9999.0, 99_999.0, 999_999.0].contains(&value.abs())
+        || [32_767.0, -32_768.0, 65_535.0].contains(&value)
+        || [2_147_483_647.0, -2_147_483_648.0, 4_294_967_295.0].contains(&value)
+}
 
 /// How far from all other values such a number lies \[their span\]: a servo that is read as 999 among readings up
 /// to 900 may be there.
@@ -31,7 +18,7 @@ pub(super) fn find(column: &[f64]) -> Option<(f64, usize)> {
     let all = extent(column.iter().copied())?;
     let found = [all.start, all.end]
         .into_iter()
-        .find(|end| SENTINELS.contains(end))?;
+        .find(|end| is_sentinel(*end))?;
     let others = extent(column.iter().copied().filter(|value| *value != found))?;
     let distance = (found - others.end).max(others.start - found);
     let apart = distance > APART * (others.end - others.start);

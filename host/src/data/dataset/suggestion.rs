@@ -1,53 +1,13 @@
 //! Guesses the input and the output of a foreign file by the names of its columns: for a command to try,
 //! never to compute with.
 
-/// Names that people give to the command and to the measured position, the plainest first.
-const INPUTS: [&str; 22] = [
-    "u",
-    "input",
-    "in",
-    "command",
-    "commanded",
-    "cmd",
-    "reference",
-    "ref",
-    "setpoint",
-    "set",
-    "desired",
-    "target",
-    "demand",
-    "goal",
-    "pwm",
-    "pulse",
-    "soll",
-    "sollwert",
-    "vorgabe",
-    "consigne",
-    "consigna",
-    "stick",
-];
-const OUTPUTS: [&str; 20] = [
-    "y",
-    "output",
-    "out",
-    "position",
-    "pos",
-    "angle",
-    "measured",
-    "measurement",
-    "meas",
-    "actual",
-    "response",
-    "feedback",
-    "sensor",
-    "ist",
-    "istwert",
-    "winkel",
-    "lage",
-    "ángulo",
-    "posición",
-    "posizione",
-];
+/// Names that people give to the command, the plainest first.
+const INPUTS: &str = "u input in command commanded cmd reference ref setpoint set desired target demand goal \
+                      pwm pulse soll sollwert vorgabe consigne consigna stick";
+
+/// Names that people give to the measured position, the plainest first.
+const OUTPUTS: &str = "y output out position pos angle measured measurement meas actual response feedback \
+                       sensor ist istwert winkel lage ángulo posición posizione";
 
 /// Names of a column whose value changes from run to run.
 const RUNS: [&str; 6] = [
@@ -62,8 +22,8 @@ const RUNS: [&str; 6] = [
 /// "--input u --output y --period SECONDS" for a file with these columns; words in capitals where no name
 /// is known.
 pub(super) fn options(columns: &[String]) -> String {
-    let input = named(columns, &INPUTS, None);
-    let output = named(columns, &OUTPUTS, input);
+    let input = named(columns, INPUTS, None);
+    let output = named(columns, OUTPUTS, input);
     let word = |column: Option<&String>| column.map_or_else(|| "COLUMN".to_owned(), |c| quoted(c));
     let timed = crate::data::dataset::time_column::column(columns).is_some();
     let taken = |column: &&String| Some(*column) != input && Some(*column) != output;
@@ -81,22 +41,20 @@ pub(super) fn options(columns: &[String]) -> String {
 }
 
 /// The first column that is called so, or else whose name has such a word in it, and is not `taken`.
-fn named<'a>(columns: &'a [String], names: &[&str], taken: Option<&String>) -> Option<&'a String> {
+fn named<'a>(columns: &'a [String], names: &str, taken: Option<&String>) -> Option<&'a String> {
     let free = || columns.iter().filter(move |column| Some(*column) != taken);
-    let whole = |name: &&str| free().find(|column| column.to_lowercase() == **name);
-    let part = |name: &&str| {
+    let whole = |name: &str| free().find(|column| column.to_lowercase() == name);
+    let part = |name: &str| {
         free().find(|column| {
             let lower = column.to_lowercase();
             // "pos_cmd" and "Command [deg]" are two words each.
             lower
                 .split(|letter: char| !letter.is_alphanumeric())
-                .any(|word| word == *name)
+                .any(|word| word == name)
         })
     };
-    names
-        .iter()
-        .find_map(whole)
-        .or_else(|| names.iter().find_map(part))
+    let mut all = names.split(' ');
+    all.clone().find_map(whole).or_else(|| all.find_map(part))
 }
 
 /// A name for a command line.

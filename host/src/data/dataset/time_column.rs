@@ -20,17 +20,8 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// All of them, the longest first.
-    pub const ALL: [Self; 4] = [
-        Self::Seconds,
-        Self::Milliseconds,
-        Self::Microseconds,
-        Self::Nanoseconds,
-    ];
-
     /// One of it, in seconds.
-    #[must_use]
-    pub fn seconds(self) -> f64 {
+    pub(super) fn seconds(self) -> f64 {
         match self {
             Self::Seconds => 1.0,
             Self::Milliseconds => 1e-3,
@@ -39,24 +30,13 @@ impl TimeUnit {
         }
     }
 
-    /// As it is typed.
-    #[must_use]
-    pub fn name(self) -> &'static str {
+    /// Its symbol and its name.
+    pub(crate) fn names(self) -> (&'static str, &'static str) {
         match self {
-            Self::Seconds => "s",
-            Self::Milliseconds => "ms",
-            Self::Microseconds => "us",
-            Self::Nanoseconds => "ns",
-        }
-    }
-
-    /// As it is said.
-    pub(super) fn word(self) -> &'static str {
-        match self {
-            Self::Seconds => "seconds",
-            Self::Milliseconds => "milliseconds",
-            Self::Microseconds => "microseconds",
-            Self::Nanoseconds => "nanoseconds",
+            Self::Seconds => ("s", "seconds"),
+            Self::Milliseconds => ("ms", "milliseconds"),
+            Self::Microseconds => ("us", "microseconds"),
+            Self::Nanoseconds => ("ns", "nanoseconds"),
         }
     }
 
@@ -78,43 +58,14 @@ impl TimeUnit {
 
 /// Words that a column of time is called by: in English, German, French, Spanish, Portuguese and Italian,
 /// the Nordic languages, Dutch, Polish, Czech, Hungarian, Turkish, Russian, Chinese and Japanese.
-const WORDS: [&str; 24] = [
-    "t",
-    "time",
-    "timestamp",
-    "elapsed",
-    "zeit",
-    "zeitstempel",
-    "temps",
-    "tiempo",
-    "tempo",
-    "tid",
-    "aika",
-    "tijd",
-    "czas",
-    "čas",
-    "cas",
-    "idő",
-    "ido",
-    "zaman",
-    "время",
-    "时间",
-    "時間",
-    "时刻",
-    "時刻",
-    "horodatage",
-];
+const WORDS: &str = "t time timestamp elapsed zeit zeitstempel temps horodatage tiempo tempo tid aika tijd \
+                     czas čas cas idő ido zaman время 时间 時間 时刻 時刻";
+
 /// Words that mean time without another word.
-const ALONE: [&str; 5] = [
-    "seconds",
-    "millis",
-    "milliseconds",
-    "micros",
-    "microseconds",
-];
+const ALONE: &str = "seconds millis milliseconds micros microseconds";
 
 /// Words that may stand beside them.
-const BESIDE: [&str; 6] = ["stamp", "since", "start", "rel", "relative", "in"];
+const BESIDE: &str = "stamp since start rel relative in";
 
 /// The column of time, and its unit where its name has one: the first that has, or else the first.
 pub(super) fn column(columns: &[String]) -> Option<(&str, Option<TimeUnit>)> {
@@ -131,15 +82,16 @@ pub(super) fn column(columns: &[String]) -> Option<(&str, Option<TimeUnit>)> {
 fn unit(column: &str) -> Option<Option<TimeUnit>> {
     let lower = column.to_lowercase();
     let words: Vec<&str> = words(&lower).collect();
-    let time = |word: &&str| WORDS.contains(word);
+    let among = |list: &str, word: &str| list.split(' ').any(|known| known == word);
+    let time = |word: &&str| among(WORDS, word);
     let known =
-        |word: &&str| time(word) || BESIDE.contains(word) || TimeUnit::of_word(word).is_some();
-    let is_time = words.iter().any(time) || matches!(words[..], [word] if ALONE.contains(&word));
+        |word: &&str| time(word) || among(BESIDE, word) || TimeUnit::of_word(word).is_some();
+    let is_time = words.iter().any(time) || matches!(words[..], [word] if among(ALONE, word));
     (is_time && words.iter().all(known))
         .then(|| words.iter().find_map(|word| TimeUnit::of_word(word)))
 }
 
-/// The unit that a name has in it, whatever else it says.
+/// The unit that a name has in it, whatever else is in it.
 pub(super) fn unit_in(column: &str) -> Option<TimeUnit> {
     words(&column.to_lowercase()).find_map(TimeUnit::of_word)
 }
@@ -151,7 +103,7 @@ fn words(lower: &str) -> impl Iterator<Item = &str> {
 }
 
 /// "2.000 ms" for a time in seconds.
-pub(super) fn said(seconds: f64) -> String {
+pub(super) fn shown(seconds: f64) -> String {
     let (scale, unit) = match seconds {
         s if s >= 1.0 => (1.0, "s"),
         s if s >= 1e-4 => (1e3, "ms"),

@@ -37,10 +37,10 @@ fn as_fingerprints<S: Serializer>(
     record.map(fingerprint::of).serialize(serializer)
 }
 
-/// Why a file is not read as a model. The text says what to do.
+/// Why a file is not read as a model. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum ModelFileError {
-    /// What the system said.
+    /// The error of the system.
     #[error("the model {0:?} cannot be read: {1}")]
     NotRead(PathBuf, std::io::Error),
     /// Bytes that are no letters.
@@ -76,7 +76,7 @@ pub enum ModelFileError {
     Malformed(PathBuf, serde_json::Error),
     /// Its parts do not fit together.
     #[error(
-        "the model {0:?} contradicts itself: its lists do not have the lengths that its structure says, its bounds are there in part, or its numbers are beyond what any servo could have; identify again"
+        "the model {0:?} contradicts itself: its lists do not have the lengths that its structure gives, its bounds are there in part, or its numbers are beyond what any servo could have; identify again"
     )]
     Inconsistent(PathBuf),
     /// The model of low order cannot be read.
@@ -109,9 +109,6 @@ struct Beside {
 
 impl ModelFile {
     /// Reads a model that `servoid identify` has written.
-    ///
-    /// # Errors
-    /// [`ModelFileError`].
     pub fn read(path: &Path) -> Result<Self, ModelFileError> {
         let bytes = input_file::read(path)
             .map_err(|reason| ModelFileError::NotRead(path.to_owned(), reason))?;
@@ -121,9 +118,6 @@ impl ModelFile {
     }
 
     /// [`ModelFile::read`] of a text; errors call it `path`.
-    ///
-    /// # Errors
-    /// As [`ModelFile::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, ModelFileError> {
         if !text.trim_start().starts_with('{') {
             return Err(ModelFileError::NotAModel(path.to_owned()));
@@ -163,7 +157,7 @@ impl ModelFile {
 
 /// The document as this version would have written it.
 fn to_todays_schema(mut document: Value, path: &Path) -> Result<Value, ModelFileError> {
-    // A document without one is no model at all, which reading it says better.
+    // A document without one is no model at all, which reading it reports better.
     let Some(schema) = document.get("schema").cloned() else {
         return Ok(document);
     };

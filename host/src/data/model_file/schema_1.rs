@@ -1,6 +1,6 @@
 //! Model files of schema 1, as servoid 0.1 wrote them.
 //!
-//! They had bounds whether these held or not, and said only by the names of their advice which of the two
+//! They had bounds whether these held or not, and showed only by the names of their advice which of the two
 //! it was. This is the one place that reads those names: a model whose bounds did not hold comes out
 //! without any.
 

@@ -3,8 +3,8 @@
 use super::reference_toml::as_toml;
 use crate::data::rig_file::RigFile;
 use serde::{Deserialize, Serialize};
+use servoid_protocol::Hello;
 use servoid_protocol::message::Start;
-use servoid_protocol::{Hello, PulseWidth, SensorScale, ServoScale};
 use toml::{Table, Value};
 
 /// Version of the format; a reader refuses a higher one.
@@ -29,11 +29,11 @@ pub struct Header {
     pub servoid: String,
     /// When the run began, UTC, RFC 3339.
     pub started: String,
-    /// What the servo is called.
+    /// Name of the servo.
     pub servo: String,
     /// Under what condition: `bench`, `aircraft`, or the user's word.
     pub condition: String,
-    /// What the rig is called.
+    /// Name of the rig.
     pub rig: String,
     /// The user's remarks.
     pub notes: String,
@@ -69,7 +69,7 @@ pub struct Header {
     pub neutral_us: u16,
     /// Change of the pulse for one degree (µs/deg).
     pub us_per_degree: f64,
-    /// What the sensor is called.
+    /// Name of the sensor.
     pub sensor: String,
     /// Sensor reading at 0 degrees (counts).
     pub zero_counts: f64,
@@ -121,7 +121,6 @@ impl Default for Header {
 
 impl Header {
     /// The header of a run that begins now.
-    #[must_use]
     pub fn of_run(hello: &Hello, rig: &RigFile, start: &Start) -> Self {
         let now = std::time::SystemTime::now();
         Self {
@@ -155,19 +154,20 @@ impl Header {
         }
     }
 
+    /// The keys and values, in the file's order. A header always has a form in TOML.
+    fn fields(&self) -> Table {
+        Table::try_from(self).unwrap_or_default()
+    }
+
     /// All that is known, in the file's order: name and value, empty values left out.
-    #[must_use]
-    pub fn facts(&self) -> Vec<(String, String)> {
-        // A header always has a form in TOML.
-        let value = Value::try_from(self).unwrap_or_else(|_| Value::Table(Table::new()));
-        let text = |value: &Value| {
-            value
-                .as_str()
-                .map_or_else(|| value.to_string(), str::to_owned)
+    pub(crate) fn facts(&self) -> Vec<(String, String)> {
+        let text = |value: &Value| match value.as_str() {
+            Some(text) => text.to_owned(),
+            None => value.to_string(),
         };
-        let fields = value.as_table().into_iter().flatten();
-        fields
-            .map(|(key, value)| (key.replace('_', " "), text(value)))
+        let facts = self.fields().into_iter();
+        facts
+            .map(|(key, value)| (key.replace('_', " "), text(&value)))
             .filter(|(_, value)| !value.is_empty())
             .collect()
     }
@@ -175,51 +175,29 @@ impl Header {
     /// Marks the values of a damaged header that nothing proves. `proved` are the keys of those that the
     /// rows prove.
     pub(super) fn mark_unproved(&mut self, proved: &[&str]) {
-        let value = Value::try_from(&*self).unwrap_or_else(|_| Value::Table(Table::new()));
-        let fields = value.as_table().into_iter().flatten();
-        let unproved: Vec<String> = fields
-            .filter(|(key, value)| {
-                let numbers = !value.is_str();
-                let matters = numbers || ["condition", "servo", "sensor"].contains(&key.as_str());
-                matters && !proved.contains(&key.as_str())
-            })
+        let matters = |key: &str, value: &Value| {
+            !value.is_str() || ["condition", "servo", "sensor"].contains(&key)
+        };
+        let unproved: Vec<String> = self
+            .fields()
+            .iter()
+            .filter(|(key, value)| matters(key, value) && !proved.contains(&key.as_str()))
             .map(|(key, value)| format!("{key} = {}", on_one_line(value)))
             .collect();
         self.unproved = unproved.join(", ");
     }
 
     /// The comment lines: the format first, a CRC-32 over all of them last.
-    ///
-    /// # Errors
-    /// When a value has no form in TOML.
-    pub fn to_lines(&self) -> Result<String, toml::ser::Error> {
-        let value = Value::try_from(self)?;
-        let fields = value.as_table().into_iter().flatten();
+    pub(super) fn to_lines(&self) -> String {
+        let fields = self.fields();
         let lines: String = fields
+            .iter()
             .filter(|(key, _)| *key != "format")
             .map(|(key, value)| format!("# {key} = {}\n", on_one_line(value)))
             .collect();
         let lines = format!("{FIRST_LINE}{}\n{lines}", self.format);
         let crc32 = crc32fast::hash(lines.as_bytes());
-        Ok(format!("{lines}# {HEADER_CRC} = \"{crc32:08x}\"\n"))
-    }
-
-    /// How pulses become degrees.
-    #[must_use]
-    pub fn servo_scale(&self) -> ServoScale {
-        ServoScale {
-            neutral: PulseWidth(self.neutral_us),
-            us_per_degree: self.us_per_degree,
-        }
-    }
-
-    /// How counts become degrees.
-    #[must_use]
-    pub fn sensor_scale(&self) -> SensorScale {
-        SensorScale {
-            zero_counts: self.zero_counts,
-            degrees_per_count: self.degrees_per_count,
-        }
+        format!("{lines}# {HEADER_CRC} = \"{crc32:08x}\"\n")
     }
 }
 

@@ -23,7 +23,7 @@
 //! | last line | how it ended, the number of rows, the CRC of the rows, and last its own CRC                |
 //!
 //! On reading, the columns for people must be those of the data beside them, so that a changed digit shows
-//! where it is; then they are dropped. [`degrees`](crate::degrees) makes degrees of the data again.
+//! where it is; then they are dropped. [`DegreeScale`](crate::data::DegreeScale) makes degrees of the data again.
 //!
 //! Every CRC is a CRC-32 (ISO-HDLC): the header's over the lines above it, that of the rows over their bytes
 //! with their line ends, that of the last line over the text before it.
@@ -31,7 +31,7 @@
 //! The end is `"complete"`, `"early"` (ended on purpose, with the reason: every sample until then is
 //! there) or `"partial"` (with the reason and the lost samples). Without its last line a recording is
 //! partial, and is read as such. It is complete when its samples are those of the run in the header, none
-//! left out and none named as lost, whatever the last line says.
+//! left out and none named as lost, whatever its last line states.
 //!
 //! pandas (`read_csv(path, comment="#")`) and MATLAB (`readtable(path, CommentStyle="#")`) read a recording
 //! as it is. The line ends of other systems and a byte order mark, which editors put in, are read as if they
@@ -48,7 +48,6 @@ mod recover;
 mod reference_toml;
 mod reserved_file;
 mod row;
-mod row_reader;
 mod scan;
 mod target;
 mod whole_file;
@@ -57,7 +56,7 @@ mod writer;
 
 pub use header::{FORMAT, Header};
 pub use last_line::Ending;
-pub use reader::{Completeness, ReadError, Recording};
+pub use reader::{Completeness, ReadError, ReadFault, Recording};
 pub use recover::{Recovered, recover};
 pub use reference_toml::as_toml;
 pub use reserved_file::ReservedFile;
@@ -66,5 +65,5 @@ pub use scan::is_recording;
 pub use target::Target;
 pub(crate) use whole_file::WholeFile;
 pub use whole_file::write_file;
-pub use write_error::WriteError;
+pub use write_error::{WriteError, WriteFault};
 pub use writer::RecordingWriter;

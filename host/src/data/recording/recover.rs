@@ -6,9 +6,9 @@
 
 use super::header::{FORMAT, Header};
 use super::last_line::Ending;
-use super::reader::{Completeness, ReadError, judge};
+use super::reader::{Completeness, ReadError, ReadFault, judge};
 use super::row::{Row, SAMPLE_PERIOD_S};
-use super::scan::{LastLine, Newer, scan};
+use super::scan::scan;
 use super::write_error::WriteError;
 use super::writer::RecordingWriter;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
@@ -19,7 +19,7 @@ use std::path::Path;
 /// Findings that are listed one by one: the header of the saved recording keeps them.
 const MOST_FINDINGS: usize = 20;
 
-/// What could be saved.
+/// The sound part of a damaged recording.
 #[derive(Clone, Debug)]
 pub struct Recovered {
     /// Where it comes from, and in `recovered` the damage.
@@ -28,52 +28,50 @@ pub struct Recovered {
     pub frames: Vec<Frame>,
     /// Frames between them of which nothing sound is left.
     pub lost_frames: Vec<Range<u32>>,
-    /// What was wrong, one sentence each.
+    /// The faults, one sentence each.
     pub findings: Vec<String>,
 }
 
 /// Finds the sound frames of a file; `path` is what error texts call it.
 ///
 /// # Errors
-/// [`ReadError::Newer`] for a file of a later version, [`ReadError::NothingSound`] where no frame is
-/// left.
+/// [`ReadFault::Newer`] for a file of a later version, [`ReadFault::NothingSound`] where no frame is left.
 pub fn recover(bytes: &[u8], path: &Path) -> Result<Recovered, ReadError> {
-    let scanned = scan(bytes).map_err(|Newer(format)| ReadError::Newer {
-        path: path.to_owned(),
-        format,
-    })?;
+    recovered(bytes).map_err(ReadError::at(path))
+}
+
+fn recovered(bytes: &[u8]) -> Result<Recovered, ReadFault> {
+    let scanned = scan(bytes)?;
     let frames: Vec<Frame> = scanned
         .rows
         .chunk_by(same_frame)
         .filter_map(frame)
         .collect();
     if frames.is_empty() {
-        return Err(ReadError::NothingSound {
-            path: path.to_owned(),
-        });
+        return Err(ReadFault::NothingSound);
     }
-    let mut findings: Vec<String> = scanned
-        .damages
-        .iter()
-        .take(MOST_FINDINGS)
+    let damages = &scanned.damages;
+    let listed = damages.iter().take(MOST_FINDINGS);
+    let mut findings: Vec<String> = listed
         .map(|damage| format!("line {}: {}", damage.line, damage.reason))
         .collect();
-    let more = scanned.damages.len() - findings.len();
-    if more > 0 {
+    if damages.len() > MOST_FINDINGS {
+        let more = damages.len() - MOST_FINDINGS;
         findings.push(format!("{more} more findings of this kind"));
     }
+    let mut named_lost = Vec::new();
     match judge(&scanned) {
-        Ok((Completeness::Complete | Completeness::Early(_), _)) => {}
-        Ok((Completeness::Partial(why), _)) => findings.push(why),
-        Err(what) if scanned.damages.is_empty() => {
+        Ok((completeness, lost)) => {
+            named_lost = lost;
+            if let Completeness::Partial(why) = completeness {
+                findings.push(why);
+            }
+        }
+        Err(what) if damages.is_empty() => {
             findings.push(format!("its rows do not match its last line: {what}"));
         }
         Err(_) => {}
     }
-    let end = match &scanned.last_line {
-        LastLine::Read(_) => judge(&scanned).map_or_else(|_| Vec::new(), |(_, lost)| lost),
-        _ => Vec::new(),
-    };
     let mut header = scanned.header;
     header.format = FORMAT;
     header.sample_period_s = SAMPLE_PERIOD_S;
@@ -86,7 +84,7 @@ pub fn recover(bytes: &[u8], path: &Path) -> Result<Recovered, ReadError> {
     }
     header.recovered = findings.join("; ");
     Ok(Recovered {
-        lost_frames: lost_frames(&frames, &end),
+        lost_frames: lost_frames(&frames, &named_lost),
         header,
         frames,
         findings,
@@ -113,15 +111,11 @@ fn differ<T: PartialEq>(mut values: impl Iterator<Item = T>) -> bool {
 
 impl Recovered {
     /// Rows that were saved.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.frames.len() * SAMPLES_PER_FRAME
     }
 
     /// Writes a partial recording of the frames that were saved.
-    ///
-    /// # Errors
-    /// [`WriteError`].
     pub fn write(&self, mut writer: RecordingWriter) -> Result<(), WriteError> {
         for frame in &self.frames {
             writer.append(frame)?;
@@ -145,13 +139,11 @@ fn frame(rows: &[Row]) -> Option<Frame> {
     let first = rows.first()?;
     let counts: Vec<Counts> = rows.iter().map(|row| row.counts).collect();
     // Format 1 does not promise whole frames of one pulse.
-    if rows.iter().any(|row| row.pulse != first.pulse) {
-        return None;
-    }
+    let one_pulse = rows.iter().all(|row| row.pulse == first.pulse);
     Some(Frame {
         run: 0,
         index: u16::try_from(index(first)).ok()?,
-        pulse: first.pulse,
+        pulse: one_pulse.then_some(first.pulse)?,
         samples: counts.try_into().ok()?,
     })
 }

@@ -1,11 +1,10 @@
-//! A reference as a recording's header says it.
+//! A reference in a recording's header.
 
 use servoid_protocol::Reference;
 use toml::{Table, Value};
 
 /// A reference as a flat table: its kind, then its numbers by the names of their fields. Of a table of
-/// steps only what is held, each as `[offset_us, hold_frames]`.
-#[must_use]
+/// steps only those that are held, each as `[offset_us, hold_frames]`.
 pub fn as_toml(reference: &Reference) -> Table {
     let mut table = Table::new();
     table.insert("kind".into(), reference.name().into());

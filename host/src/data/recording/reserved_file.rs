@@ -23,7 +23,7 @@ impl ReservedFile {
     /// Opens the file, or makes it where it is not there. An empty file is nobody's loss.
     ///
     /// # Errors
-    /// [`WriteError::Exists`] unless `force`; [`WriteError::InUse`]; [`WriteError::NotCreated`].
+    /// [`WriteFault::Exists`](super::WriteFault::Exists) unless `force`.
     pub fn new(path: &Path, force: bool) -> Result<Self, WriteError> {
         let there = path.metadata().ok();
         let empty = there

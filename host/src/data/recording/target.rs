@@ -1,28 +1,33 @@
 //! Where a recording is written to, and whether that is free.
 
-use super::write_error::WriteError;
+use super::write_error::{WriteError, WriteFault};
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{Error, Seek, SeekFrom, Write};
+use std::io::{Error, Seek, SeekFrom, Sink, Write};
 use std::path::{Path, PathBuf};
 
 /// Where a recording is written to: a file, as a rule.
 pub trait Target: Write {
     /// Takes back everything beyond the first `length` bytes.
-    ///
-    /// # Errors
-    /// When that cannot be done.
     fn cut_to(&mut self, length: u64) -> std::io::Result<()>;
 
     /// Waits until everything is where a power cut cannot touch it.
-    ///
-    /// # Errors
-    /// When that cannot be done.
     fn settle(&mut self) -> std::io::Result<()>;
 
     /// Saves the contents under another name, after the file's own name has been taken from it; returns that
     /// name.
     fn rescue(&mut self) -> Option<PathBuf> {
         None
+    }
+}
+
+/// Rows that nobody wants to keep.
+impl Target for Sink {
+    fn cut_to(&mut self, _length: u64) -> std::io::Result<()> {
+        Ok(())
+    }
+
+    fn settle(&mut self) -> std::io::Result<()> {
+        Ok(())
     }
 }
 
@@ -40,9 +45,7 @@ impl Target for File {
 /// Makes sure that nobody writes to the file.
 pub(super) fn require_unlocked(file: &File, path: &Path) -> Result<(), WriteError> {
     match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(WriteError::InUse {
-            path: path.to_owned(),
-        }),
+        Err(TryLockError::WouldBlock) => Err(WriteError::at(path)(WriteFault::InUse)),
         _ => Ok(()),
     }
 }

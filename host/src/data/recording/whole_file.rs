@@ -7,7 +7,7 @@ use std::io::{Result as IoResult, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A file that takes its place when it is whole: until then what was there stays, and half a file is
+/// A file that takes its place when it is whole: until then an older file stays, and half a file is
 /// never seen.
 #[derive(Debug)]
 pub(crate) struct WholeFile {
@@ -19,7 +19,7 @@ pub(crate) struct WholeFile {
 #[derive(Debug)]
 enum Place {
     Aside(NamedTempFile),
-    /// What is no plain file, such as a pipe, cannot be replaced.
+    /// A pipe or a device cannot be replaced.
     Direct(File),
 }
 
@@ -36,9 +36,6 @@ pub fn write_file(path: &Path, force: bool, content: &str) -> Result<(), WriteEr
 
 impl WholeFile {
     /// Begins a file beside `path`.
-    ///
-    /// # Errors
-    /// [`WriteError::Exists`] unless `force`; [`WriteError::NotCreated`].
     pub(crate) fn new(path: &Path, force: bool) -> Result<Self, WriteError> {
         let there = path.metadata().ok();
         if there.is_some() && !force {
@@ -71,9 +68,6 @@ impl WholeFile {
     }
 
     /// What to write to.
-    ///
-    /// # Errors
-    /// [`WriteError::NotCreated`].
     pub(crate) fn file(&self) -> Result<File, WriteError> {
         let file = match &self.target {
             Place::Aside(file) => file.as_file(),
@@ -86,7 +80,7 @@ impl WholeFile {
     /// Puts it in its place.
     ///
     /// # Errors
-    /// [`WriteError`]; what was there is there still.
+    /// [`WriteError`]; an older file is there still.
     pub(crate) fn put_in_place(self) -> Result<(), WriteError> {
         let Place::Aside(file) = self.target else {
             return Ok(());
@@ -119,6 +113,6 @@ fn beside(path: &Path) -> IoResult<NamedTempFile> {
         builder.permissions(permissions);
     }
     let aside = builder.tempfile_in(folder.unwrap_or(Path::new(".")));
-    // The name of a file that nobody asked for says nothing.
+    // The name of a file that nobody asked for is of no use in an error.
     aside.map_err(|reason| reason.kind().into())
 }

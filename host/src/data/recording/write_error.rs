@@ -1,75 +1,51 @@
-//! Why a recording could not be written.
+//! Why a file could not be written.
 
+use crate::data::file_error::FileError;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// Why a recording could not be written. The text names the remedy.
+/// Why a file could not be written.
+pub type WriteError = FileError<WriteFault>;
+
+/// What keeps a file from being written.
 #[derive(Debug, thiserror::Error)]
-pub enum WriteError {
-    /// The target is there already.
-    #[error("{path:?} exists already: choose another name, or add --force to replace it")]
-    Exists {
-        /// Which.
-        path: PathBuf,
-    },
-    /// The target is a folder.
-    #[error("{path:?} is a folder: give the name of a file in it")]
-    Folder {
-        /// Which.
-        path: PathBuf,
-    },
+pub enum WriteFault {
+    /// It is there already.
+    #[error("exists already: choose another name, or add --force to replace it")]
+    Exists,
+    /// It is a folder.
+    #[error("is a folder: give the name of a file in it")]
+    Folder,
     /// Its folder is not there.
-    #[error("{path:?} cannot be written: its folder is not there; make it first")]
-    NoFolder {
-        /// Which.
-        path: PathBuf,
-    },
-    /// The file cannot be made.
-    #[error("{path:?} cannot be written: {reason}")]
-    NotCreated {
-        /// Which.
-        path: PathBuf,
-        /// What the system said.
-        reason: Error,
-    },
+    #[error("cannot be written: its folder is not there; make it first")]
+    NoFolder,
+    /// It cannot be made.
+    #[error("cannot be written: {0}")]
+    NotCreated(Error),
     /// Another program writes to it.
-    #[error(
-        "{path:?} is being written by another program: wait for its end, or choose another name"
-    )]
-    InUse {
-        /// Which.
-        path: PathBuf,
-    },
+    #[error("is being written by another program: wait for its end, or choose another name")]
+    InUse,
     /// The file had no name any more, and has got another one.
     #[error(
-        "{path:?} was removed or replaced by another program while it was written: all of its {rows} rows are in {kept:?}"
+        "was removed or replaced by another program while it was written: all of its {rows} rows are in {kept:?}"
     )]
     Rescued {
-        /// Where it was to be.
-        path: PathBuf,
         /// Where it is.
         kept: PathBuf,
         /// Rows that are in it.
         rows: u64,
     },
-    /// The file has no name any more.
+    /// The file, in which so many rows were, has no name any more.
     #[error(
-        "{path:?} was removed or replaced by another program while it was written: its {rows} rows are lost"
+        "was removed or replaced by another program while it was written: its {0} rows are lost"
     )]
-    Removed {
-        /// Which.
-        path: PathBuf,
-        /// Rows that were in it.
-        rows: u64,
-    },
+    Removed(u64),
     /// The disk is full or gone.
-    #[error("{path:?} could not be written on ({reason}): the {rows} rows so far are kept")]
+    #[error("could not be written on ({reason}): the {rows} rows so far are kept")]
     Stopped {
-        /// Which.
-        path: PathBuf,
         /// Rows that are on the disk.
         rows: u64,
-        /// What the system said.
+        /// The error of the system.
         reason: Error,
     },
 }
@@ -77,25 +53,18 @@ pub enum WriteError {
 impl WriteError {
     /// That `path` is there already.
     pub(crate) fn exists(path: &Path) -> Self {
-        let path = path.to_owned();
-        if path.is_dir() {
-            Self::Folder { path }
-        } else {
-            Self::Exists { path }
-        }
+        Self::at(path)(match path.is_dir() {
+            true => WriteFault::Folder,
+            false => WriteFault::Exists,
+        })
     }
 
     /// That `path` cannot be made, and why.
     pub(crate) fn not_created(path: &Path, reason: Error) -> Self {
         match reason.kind() {
             ErrorKind::AlreadyExists | ErrorKind::IsADirectory => Self::exists(path),
-            ErrorKind::NotFound => Self::NoFolder {
-                path: path.to_owned(),
-            },
-            _ => Self::NotCreated {
-                path: path.to_owned(),
-                reason,
-            },
+            ErrorKind::NotFound => Self::at(path)(WriteFault::NoFolder),
+            _ => Self::at(path)(WriteFault::NotCreated(reason)),
         }
     }
 }

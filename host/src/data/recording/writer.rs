@@ -3,9 +3,10 @@
 use super::header::Header;
 use super::last_line::Ending;
 use super::reserved_file::ReservedFile;
-use super::row::{COLUMNS, Row, RowFormat};
+use super::row::{COLUMNS, Row, write_row};
 use super::target::Target;
-use super::write_error::WriteError;
+use super::write_error::{WriteError, WriteFault};
+use crate::data::degrees::DegreeScale;
 use servoid_protocol::Frame;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::path::{Path, PathBuf};
@@ -16,7 +17,7 @@ pub struct RecordingWriter {
     path: PathBuf,
     /// The lines above the rows, until they are written.
     header: Option<String>,
-    format: RowFormat,
+    scale: DegreeScale,
     rows: u64,
     /// Length of the file up to the last whole frame (bytes).
     bytes: u64,
@@ -25,53 +26,38 @@ pub struct RecordingWriter {
 
 impl RecordingWriter {
     /// Makes the file and writes its header.
-    ///
-    /// # Errors
-    /// [`WriteError`].
     pub fn create(path: &Path, force: bool, header: &Header) -> Result<Self, WriteError> {
-        let mut writer = Self::begin(ReservedFile::new(path, force)?, header)?;
-        writer.begin_file()?;
-        Ok(writer)
+        let file = Box::new(ReservedFile::new(path, force)?);
+        Self::on(file, path, header)
     }
 
     /// A writer that replaces the contents of `file` with the first frame or the end.
-    ///
-    /// # Errors
-    /// [`WriteError::NotCreated`].
-    pub fn begin(file: ReservedFile, header: &Header) -> Result<Self, WriteError> {
+    pub fn begin(file: ReservedFile, header: &Header) -> Self {
         let path = file.path().to_owned();
         Self::waiting(Box::new(file), &path, header)
     }
 
     /// Writes the header to `target`; `path` is what error texts call it.
-    ///
-    /// # Errors
-    /// [`WriteError::NotCreated`].
     pub fn on(target: Box<dyn Target>, path: &Path, header: &Header) -> Result<Self, WriteError> {
-        let mut writer = Self::waiting(target, path, header)?;
+        let mut writer = Self::waiting(target, path, header);
         writer.begin_file()?;
         Ok(writer)
     }
 
     /// A writer that leaves `target` as it is until the first frame or the end.
-    fn waiting(target: Box<dyn Target>, path: &Path, header: &Header) -> Result<Self, WriteError> {
-        let lines = header.to_lines().map_err(|error| WriteError::NotCreated {
-            path: path.to_owned(),
-            reason: std::io::Error::other(error),
-        })?;
-        Ok(Self {
+    fn waiting(target: Box<dyn Target>, path: &Path, header: &Header) -> Self {
+        Self {
             target,
             path: path.to_owned(),
-            header: Some(format!("{lines}{COLUMNS}\n")),
-            format: RowFormat::new(header),
+            header: Some(format!("{}{COLUMNS}\n", header.to_lines())),
+            scale: DegreeScale::of_recording(header),
             rows: 0,
             bytes: 0,
             digest: crc32fast::Hasher::new(),
-        })
+        }
     }
 
     /// Whether anything of it is in the file; before that, the file is unchanged.
-    #[must_use]
     pub fn has_begun(&self) -> bool {
         self.header.is_none()
     }
@@ -81,28 +67,23 @@ impl RecordingWriter {
         let Some(text) = self.header.take() else {
             return Ok(());
         };
-        // What is not a plain file has no length to cut.
+        // A pipe or a device has no length to cut.
         let _best_effort = self.target.cut_to(0);
         self.target.write_all(text.as_bytes()).map_err(|reason| {
             // An empty file is in nobody's way.
             let _best_effort = self.target.cut_to(0);
-            WriteError::NotCreated {
-                path: self.path.clone(),
-                reason,
-            }
+            WriteError::at(&self.path)(WriteFault::NotCreated(reason))
         })?;
         self.bytes = text.len() as u64;
         Ok(())
     }
 
     /// Where it goes.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// Rows so far.
-    #[must_use]
     pub fn rows(&self) -> u64 {
         self.rows
     }
@@ -111,7 +92,7 @@ impl RecordingWriter {
     /// no longer touches them.
     ///
     /// # Errors
-    /// [`WriteError::Stopped`]; the rows before this frame are kept.
+    /// [`WriteFault::Stopped`]; the rows before this frame are kept.
     pub fn append(&mut self, frame: &Frame) -> Result<(), WriteError> {
         self.begin_file()?;
         let mut text = String::with_capacity(SAMPLES_PER_FRAME * 48);
@@ -122,7 +103,7 @@ impl RecordingWriter {
                 pulse: frame.pulse,
                 counts,
             };
-            self.format.write(&mut text, row);
+            write_row(&mut text, &self.scale, row);
         }
         // In one piece, so that a program that dies leaves whole frames.
         self.target
@@ -137,8 +118,8 @@ impl RecordingWriter {
     /// Writes the last line and waits until everything is on the disk.
     ///
     /// # Errors
-    /// [`WriteError::Stopped`]; the rows are kept, and without its last line the recording is read
-    /// as partial. [`WriteError::Rescued`], [`WriteError::Removed`].
+    /// [`WriteFault::Stopped`]; the rows are kept, and without its last line the recording is read
+    /// as partial. [`WriteFault::Rescued`], [`WriteFault::Removed`].
     pub fn finish(mut self, ending: &Ending) -> Result<(), WriteError> {
         self.begin_file()?;
         let line = ending.last_line(self.rows, self.digest.clone().finalize());
@@ -150,21 +131,19 @@ impl RecordingWriter {
     }
 
     fn stopped(&mut self, reason: std::io::Error) -> WriteError {
-        if reason.kind() == std::io::ErrorKind::NotFound {
-            let (path, rows) = (self.path.clone(), self.rows);
-            return match self.target.rescue() {
-                Some(kept) => WriteError::Rescued { path, kept, rows },
-                None => WriteError::Removed { path, rows },
-            };
-        }
-        // Part of a frame may have got through; if the system cannot take it back, the reader
-        // passes over a last line that has no end.
-        let _best_effort = self.target.cut_to(self.bytes);
-        WriteError::Stopped {
-            path: self.path.clone(),
-            rows: self.rows,
-            reason,
-        }
+        let rows = self.rows;
+        let fault = if reason.kind() == std::io::ErrorKind::NotFound {
+            match self.target.rescue() {
+                Some(kept) => WriteFault::Rescued { kept, rows },
+                None => WriteFault::Removed(rows),
+            }
+        } else {
+            // Part of a frame may have got through; if the system cannot take it back, the reader
+            // passes over a last line that has no end.
+            let _best_effort = self.target.cut_to(self.bytes);
+            WriteFault::Stopped { rows, reason }
+        };
+        WriteError::at(&self.path)(fault)
     }
 }
 
@@ -216,7 +195,7 @@ mod tests {
     }
 
     /// Wherever the disk ends, in a row, in a frame or in the last line: what is on it is whole
-    /// frames, and the error says how many rows they are.
+    /// frames, and the error has the number of their rows.
     #[test]
     fn a_full_disk_keeps_every_whole_frame() {
         for can_cut in [true, false] {
@@ -246,8 +225,9 @@ mod tests {
                 let recording = Recording::parse(&disk.bytes.borrow(), path).unwrap();
                 let rows = recording.rows.len() as u64;
                 assert_eq!(rows, u64::from(index) * 10, "{room}");
-                let said = matches!(stopped, WriteError::Stopped { rows: r, .. } if r == rows);
-                assert!(said, "{stopped}");
+                let matches =
+                    matches!(stopped.fault, WriteFault::Stopped { rows: r, .. } if r == rows);
+                assert!(matches, "{stopped}");
                 // The room that the frame did not need may be enough for the last line.
                 if closed.is_err() || !can_cut {
                     assert!(matches!(recording.completeness, Completeness::Partial(_)));

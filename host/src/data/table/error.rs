@@ -1,61 +1,45 @@
 //! Why a table could not be read.
 
-use std::path::PathBuf;
+use crate::data::file_error::FileError;
 
-/// Why a table could not be read. The text names the remedy.
+/// Why a table could not be read.
+pub type TableError = FileError<TableFault>;
+
+/// A fault in a table.
 #[derive(Debug, thiserror::Error)]
-pub enum TableError {
-    /// The file cannot be read.
-    #[error("{path:?} cannot be read: {reason}")]
-    Unreadable {
-        /// Which.
-        path: PathBuf,
-        /// What the system said.
-        reason: std::io::Error,
-    },
+pub enum TableFault {
+    /// The error of the system.
+    #[error("cannot be read: {0}")]
+    Unreadable(std::io::Error),
     /// No header row.
-    #[error("{path:?} is empty: a header row with column names and at least two rows are needed")]
-    Empty {
-        /// Which.
-        path: PathBuf,
-    },
-    /// It is no CSV file.
-    #[error("{path:?} is not a CSV file with a header row and even rows: {reason}")]
-    NotCsv {
-        /// Which.
-        path: PathBuf,
-        /// What is wrong, and where.
-        reason: String,
-    },
+    #[error("is empty: a header row with column names and at least two rows are needed")]
+    Empty,
+    /// It is no CSV file, for this reason.
+    #[error("is not a CSV file with a header row and even rows: {0}")]
+    NotCsv(String),
     /// No such column.
-    #[error("{path:?} has no column {column:?}: its columns are {present}")]
+    #[error("has no column {column:?}: its columns are {present}")]
     NoColumn {
-        /// Which file.
-        path: PathBuf,
-        /// Which column.
+        /// The column.
         column: String,
-        /// What there is.
+        /// Those of the table.
         present: String,
     },
     /// Several columns that could be meant.
     #[error(
-        "{path:?} has several columns that {column:?} could mean ({present}): give the one that is meant its full name, or a name of its own in the file"
+        "has several columns that {column:?} could mean ({present}): give the one that is meant its full name, or a name of its own in the file"
     )]
     SeveralColumns {
-        /// Which file.
-        path: PathBuf,
-        /// Which column.
+        /// The column.
         column: String,
-        /// What it could mean.
+        /// Those that it could mean.
         present: String,
     },
     /// Numbers with points and numbers with commas in one table.
     #[error(
-        "{path:?} has numbers with a decimal comma (line {comma}) and numbers with a decimal point (line {point}), so that neither is certain: write it with one of the two"
+        "has numbers with a decimal comma (line {comma}) and numbers with a decimal point (line {point}), so that neither is certain: write it with one of the two"
     )]
     MixedDecimals {
-        /// Which file.
-        path: PathBuf,
         /// A line with a comma.
         comma: u64,
         /// A line with a point.
@@ -63,12 +47,10 @@ pub enum TableError {
     },
     /// A cell is no number.
     #[error(
-        "{path:?} line {line}, column {column:?}: {text:?} is no finite number (leave the cell empty where a sample is missing)"
+        "line {line}, column {column:?}: {text:?} is no finite number (leave the cell empty where a sample is missing)"
     )]
     NotANumber {
-        /// Which file.
-        path: PathBuf,
-        /// Which column.
+        /// The column.
         column: String,
         /// Line, from 1.
         line: u64,

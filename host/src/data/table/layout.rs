@@ -5,7 +5,6 @@
 //! cells of numbers, as many as the header row has.
 
 use super::number::{self, Decimal};
-use std::ops::Range;
 
 /// What may part cells, the most usual first.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
@@ -33,23 +32,18 @@ pub(super) struct Layout {
 impl Layout {
     /// `None` where there is no line with anything in it.
     pub(super) fn of(bytes: &[u8]) -> Option<Self> {
-        let lines: Vec<Range<usize>> = lines(bytes).take(LOOKED_AT).collect();
-        SEPARATORS
+        let layouts = SEPARATORS
             .iter()
-            .filter_map(|&separator| Self::with(bytes, &lines, separator))
-            // The first of equals.
-            .rev()
-            .max_by(|(one, _), (other, _)| one.cmp(other))
-            .map(|(_, layout)| layout)
+            .filter_map(|&separator| Self::with(bytes, separator));
+        // The first of equals.
+        let best = layouts.rev().max_by_key(|(speaks, _)| *speaks);
+        best.map(|(_, layout)| layout)
     }
 
     /// The layout with this separator, and how many rows and cells of numbers speak for it.
-    fn with(bytes: &[u8], lines: &[Range<usize>], separator: u8) -> Option<((usize, usize), Self)> {
-        let mut reader = CellReader::new(separator);
-        let cells: Vec<Vec<String>> = lines
-            .iter()
-            .map(|line| reader.cells(bytes.get(line.clone()).unwrap_or_default()))
-            .collect();
+    fn with(bytes: &[u8], separator: u8) -> Option<((usize, usize), Self)> {
+        let (starts, cells): (Vec<usize>, Vec<Vec<String>>) =
+            lines(bytes, separator).take(LOOKED_AT).unzip();
         let (header, rows) = headed(&cells, separator)
             .or_else(|| headless(&cells, separator))
             .unwrap_or((Some(0), 1));
@@ -81,7 +75,7 @@ impl Layout {
             ));
         }
         let kinds = cells.iter().skip(rows);
-        let matching = kinds.filter(|cells| fits(cells, columns.len()));
+        let matching = kinds.filter(|cells| fits(cells.iter(), columns.len()));
         let numbers = matching.map(|cells| numbers_in(cells, separator));
         let (count, total) = numbers.fold((0, 0), |(rows, all), n| {
             (rows + usize::from(n > 0), all + n)
@@ -92,7 +86,7 @@ impl Layout {
         } else {
             (0, total)
         };
-        let rows_at = lines.get(rows).map_or(bytes.len(), |line| line.start);
+        let rows_at = starts.get(rows).copied().unwrap_or(bytes.len());
         Some((
             speaks,
             Self {
@@ -111,7 +105,7 @@ impl Layout {
 fn headed(lines: &[Vec<String>], separator: u8) -> Option<(Option<usize>, usize)> {
     let is_row = |at: usize, width: usize| {
         let line = lines.get(at);
-        line.is_none_or(|cells| fits(cells, width) && numbers_in(cells, separator) > 0)
+        line.is_none_or(|cells| fits(cells.iter(), width) && numbers_in(cells, separator) > 0)
     };
     lines.iter().enumerate().find_map(|(header, cells)| {
         let width = cells.len();
@@ -149,10 +143,9 @@ fn headless(lines: &[Vec<String>], separator: u8) -> Option<(Option<usize>, usiz
 }
 
 /// As many cells, or more that are empty: some programs end every row with a separator.
-pub(super) fn fits(cells: &[impl AsRef<[u8]>], width: usize) -> bool {
+pub(super) fn fits<T: AsRef<[u8]>>(cells: impl ExactSizeIterator<Item = T>, width: usize) -> bool {
     cells.len() >= width
         && cells
-            .iter()
             .skip(width)
             .all(|cell| cell.as_ref().trim_ascii().is_empty())
 }
@@ -195,7 +188,7 @@ fn are_units(cells: &[String], width: usize) -> bool {
         let bracketed = cell.starts_with(['[', '(']) && cell.ends_with([']', ')']);
         cell.is_empty() || bracketed || is_unit(cell)
     };
-    fits(cells, width) && cells.iter().any(|cell| !cell.is_empty()) && cells.iter().all(unit)
+    fits(cells.iter(), width) && cells.iter().any(|cell| !cell.is_empty()) && cells.iter().all(unit)
 }
 
 /// "time" and "ms" or "[ms]" become "time [ms]".
@@ -204,23 +197,6 @@ fn add_unit(column: &mut String, unit: &str) {
     if !unit.is_empty() && unit != "-" {
         *column = format!("{column} [{unit}]");
     }
-}
-
-/// Lines with anything in them that are no remarks.
-fn lines(bytes: &[u8]) -> impl Iterator<Item = Range<usize>> {
-    let mut at = 0;
-    std::iter::from_fn(move || {
-        loop {
-            let rest = bytes.get(at..).filter(|rest| !rest.is_empty())?;
-            let end = memchr::memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
-            let line = at..at + end;
-            at += end + 1;
-            let text = rest.get(..end).unwrap_or_default();
-            if !text.trim_ascii().is_empty() && text.first() != Some(&b'#') {
-                return Some(line);
-            }
-        }
-    })
 }
 
 /// The text of a cell. Programs that do not write UTF-8 write Latin-1, whose letters have the numbers of
@@ -232,72 +208,16 @@ fn decoded(cell: &[u8]) -> String {
     }
 }
 
-/// Takes single lines apart. One reader serves all of them: to build another costs more than to read a
-/// hundred lines.
-struct CellReader {
-    core: csv_core::Reader,
-    text: Vec<u8>,
-    ends: Vec<usize>,
-}
-
-impl CellReader {
-    fn new(separator: u8) -> Self {
-        let core = csv_core::ReaderBuilder::new().delimiter(separator).build();
-        Self {
-            core,
-            text: Vec::new(),
-            ends: Vec::new(),
-        }
-    }
-
-    /// The cells of one line, without quotes and spaces around them.
-    fn cells(&mut self, line: &[u8]) -> Vec<String> {
-        // Cells are no longer than the line, and one is between any two bytes of it.
-        self.text.resize(line.len(), 0);
-        self.ends.resize(line.len() + 1, 0);
-        self.core.reset();
-        let (text, ends) = (&mut self.text[..], &mut self.ends[..]);
-        let (_, _, written, count) = self.core.read_record(line, text, ends);
-        // Nothing more comes: the last cell ends there.
-        let (text, ends) = (
-            text.get_mut(written..).unwrap_or_default(),
-            ends.get_mut(count..).unwrap_or_default(),
-        );
-        let (_, _, _, last) = self.core.read_record(&[], text, ends);
-        let mut begin = 0;
-        let ends = self.ends.iter().take(count + last);
-        ends.map(|&end| {
-            let cell = self.text.get(std::mem::replace(&mut begin, end)..end);
-            decoded(cell.unwrap_or_default()).trim().to_owned()
-        })
-        .collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    /// The cells by a reader that has read nothing before.
-    fn read_alone(line: &[u8], separator: u8) -> Vec<String> {
-        let mut record = csv::ByteRecord::new();
-        let mut reader = crate::data::table::reader(line, separator);
-        reader.read_byte_record(&mut record).unwrap();
-        let cells = record.iter().map(|cell| decoded(cell).trim().to_owned());
-        cells.collect()
-    }
-
-    proptest! {
-        #[test]
-        fn no_line_leaves_anything_behind_for_the_next(
-            lines in prop::collection::vec("[,; \"a1.é]{1,12}", 1..5), separator in prop::sample::select(&SEPARATORS),
-        ) {
-            let mut reader = CellReader::new(separator);
-            for line in &lines {
-                let line = line.as_bytes();
-                prop_assert_eq!(reader.cells(line), read_alone(line, separator));
-            }
-        }
-    }
+/// Where each line begins that has anything in it and is no remark, and its cells without spaces around them.
+fn lines(bytes: &[u8], separator: u8) -> impl Iterator<Item = (usize, Vec<String>)> {
+    let records = super::reader(bytes, separator).into_byte_records();
+    // Every line is a record, and nothing else can go wrong in memory.
+    records.map_while(Result::ok).filter_map(|record| {
+        let start = record
+            .position()
+            .map_or(0, |position| position.byte() as usize);
+        let cell = |cell| decoded(cell).trim().to_owned();
+        let cells: Vec<String> = record.iter().map(cell).collect();
+        (cells.len() > 1 || cells.iter().any(|cell| !cell.is_empty())).then_some((start, cells))
+    })
 }

@@ -1,7 +1,7 @@
 use super::*;
 
-fn table(text: &str) -> Result<Table, TableError> {
-    Table::parse(Path::new("x.csv"), text.as_bytes().to_vec())
+fn table(text: &str) -> Result<Table, TableFault> {
+    Table::parse(text.as_bytes().to_vec())
 }
 
 #[test]
@@ -87,11 +87,11 @@ fn text_above_the_header_row_units_below_it_and_no_header_row_at_all() {
     assert!(error.unwrap_err().to_string().contains("line 10"));
 
     let commas = table("t;\"set, deg\"\n0;1\n1;2\n").unwrap();
-    assert_eq!(commas.columns_said(), "its columns are t, \"set, deg\"");
+    assert_eq!(commas.columns_clause(), "its columns are t, \"set, deg\"");
     let bare = table("0,1,2\n0.1,3,4\n").unwrap();
     assert_eq!(bare.numbers(&["1", "3"]).unwrap(), [[0.0, 0.1], [2.0, 4.0]]);
     assert!(bare.remarks()[0].contains("no header row"));
-    assert!(bare.columns_said().ends_with("called 1 to 3"));
+    assert!(bare.columns_clause().ends_with("called 1 to 3"));
 }
 
 #[test]

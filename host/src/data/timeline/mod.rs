@@ -1,6 +1,6 @@
 //! Where the rows of a table lie in time: which run each belongs to, and which sample of it each is.
 //!
-//! A column of time says where rows are missing and where another run begins; taking such rows for
+//! A column of time shows where rows are missing and where another run begins; taking such rows for
 //! neighbours would shift every sample behind them.
 
 use std::ops::Range;
@@ -74,9 +74,6 @@ const FOLLOW: f64 = 0.05;
 impl TimeColumn {
     /// Takes a column for one of time if its steps are of one length but for gaps and beginnings of
     /// runs, and its stamps lie close to even ones.
-    ///
-    /// # Errors
-    /// [`TimeFault`].
     pub fn new(times: Vec<f64>) -> Result<Self, TimeFault> {
         let mut steps: Vec<f64> = steps(&times).filter(|step| *step > 0.0).collect();
         if steps.is_empty() {
@@ -138,7 +135,7 @@ impl TimeColumn {
         (2 * ones >= times.len().saturating_sub(1) && found.scatter <= SCATTER).then_some(found)
     }
 
-    /// Whether what is not of one length is gaps of whole steps. Stamps that are coarser than the
+    /// Whether all steps of another length are gaps of whole steps. Stamps that are coarser than the
     /// steps look so too; but those stay close to a straight line.
     fn has_gaps_alone(&self, steps: &[f64], all: f64) -> bool {
         let whole = |step: &f64| {
@@ -163,13 +160,11 @@ impl TimeColumn {
 
     /// The usual step, freed of the rounding noise that differences of written times carry: 0.02
     /// comes back as 0.020000000000003126.
-    #[must_use]
     pub fn step(&self) -> f64 {
         format!("{:.6e}", self.step).parse().unwrap_or(self.step)
     }
 
     /// How far the times lie from even ones, root of the mean square \[steps\].
-    #[must_use]
     pub fn scatter(&self) -> f64 {
         self.scatter
     }
@@ -178,12 +173,9 @@ impl TimeColumn {
         let mut ahead = 0.0;
         let (mut square, mut count) = (0.0, 0);
         for row in 1..self.times.len() {
-            match self.step_before(row, &mut ahead) {
-                Step::Samples(_) => {
-                    square += ahead * ahead;
-                    count += 1;
-                }
-                Step::LongGap | Step::NewRun => {}
+            if let Step::Samples(_) = self.step_before(row, &mut ahead) {
+                square += ahead * ahead;
+                count += 1;
             }
         }
         (square / f64::from(count.max(1))).sqrt()
@@ -195,7 +187,7 @@ impl TimeColumn {
         let time = |row: usize| self.times.get(row).copied().unwrap_or(f64::NAN);
         let steps = (time(row) - time(row - 1)) / self.step;
         if steps.is_nan() {
-            // An empty cell says nothing of gaps.
+            // An empty cell is no sign of a gap.
             return Step::Samples(1);
         }
         if steps == 0.0 && ((time(row + 1) - time(row)) / self.step - 2.0).abs() < LATE {
@@ -205,18 +197,13 @@ impl TimeColumn {
         }
         if steps <= 0.0 || steps >= LONGEST_GAP {
             *ahead = 0.0;
-            return if steps <= 0.0 {
-                Step::NewRun
-            } else {
-                Step::LongGap
+            return match steps <= 0.0 {
+                true => Step::NewRun,
+                false => Step::LongGap,
             };
         }
         let place = *ahead + steps;
-        // Rounding is a call, and nearly every row is the next sample.
-        let samples = match place {
-            place if place > 0.5 && place < 1.5 => 1.0,
-            place => place.round().max(1.0),
-        };
+        let samples = place.round().max(1.0);
         *ahead = (place - samples) * (1.0 - FOLLOW);
         Step::Samples(samples as usize)
     }
@@ -239,19 +226,6 @@ enum Step {
 }
 
 /// Sorts `rows` rows into runs, by a column of labels and a column of time as far as they are there.
-///
-/// ```
-/// use servoid::timeline::{TimeColumn, stretches};
-/// let mut times: Vec<f64> = (0..60).map(|k| 0.01 * f64::from(k)).collect();
-/// times.remove(30); // a row is missing
-/// times.extend([0.0, 0.01]); // another run
-/// let column = TimeColumn::new(times.clone()).ok();
-/// let found = stretches(times.len(), column.as_ref(), None);
-/// assert_eq!(found.len(), 2);
-/// assert_eq!(found[0].samples[29..31], [29, 31]);
-/// assert_eq!(found[1].rows, 59..61);
-/// ```
-#[must_use]
 pub fn stretches(rows: usize, time: Option<&TimeColumn>, labels: Option<&[f64]>) -> Vec<Stretch> {
     let mut found: Vec<Stretch> = Vec::new();
     let mut ahead = 0.0;
@@ -285,7 +259,6 @@ pub fn stretches(rows: usize, time: Option<&TimeColumn>, labels: Option<&[f64]>)
 
 impl Stretch {
     /// Samples without a row.
-    #[must_use]
     pub fn missing(&self) -> usize {
         self.samples
             .last()
@@ -294,7 +267,6 @@ impl Stretch {
 
     /// The rows' part of `column`, each value at its sample's place, NaN where a sample or its row is
     /// missing.
-    #[must_use]
     pub fn place(&self, column: &[f64]) -> Vec<f64> {
         let mut placed = vec![f64::NAN; self.samples.last().map_or(0, |last| last + 1)];
         let values = column.get(self.rows.clone()).unwrap_or_default();

@@ -98,7 +98,7 @@ fn stamps_that_scatter_keep_every_row_at_its_place() {
 }
 
 #[test]
-fn many_gaps_are_told_from_stamps_too_coarse() {
+fn many_gaps_are_distinguished_from_stamps_too_coarse() {
     let kept: Vec<usize> = (0..3000)
         .filter(|&k| k == 0 || scattered(k as u32) > -0.4)
         .collect();

@@ -60,16 +60,20 @@ mod tests {
     }
 
     #[test]
-    fn a_stop_is_told_and_a_soft_end_or_a_repeated_position_is_none() {
+    fn a_stop_is_found_and_a_soft_end_or_a_repeated_position_is_none() {
         let stop = rests(&[
             (1500, 8000.0),
             (1300, 6000.0),
             (1700, 8600.0),
             (1900, 8601.0),
         ]);
-        let told = require_followed(&stop).unwrap_err();
-        assert_eq!((told.from_us, told.to_us), (1700, 1900));
-        assert!(told.to_string().contains("changes by 1 counts, where 2000"));
+        let error = require_followed(&stop).unwrap_err();
+        assert_eq!((error.from_us, error.to_us), (1700, 1900));
+        assert!(
+            error
+                .to_string()
+                .contains("changes by 1 counts, where 2000")
+        );
         let soft = rests(&[
             (1300, 6000.0),
             (1500, 8000.0),
@@ -77,7 +81,7 @@ mod tests {
             (1700, 9000.0),
         ]);
         assert_eq!(require_followed(&soft), Ok(()));
-        // Nothing moves at all: that is for the fit to say.
+        // Nothing moves at all: that is for the fit to find.
         assert_eq!(
             require_followed(&rests(&[(1300, 8000.0), (1500, 8000.0)])),
             Ok(())

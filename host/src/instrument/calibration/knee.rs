@@ -17,70 +17,53 @@ pub(super) enum Side {
 }
 
 impl Side {
+    /// Of offsets on this side.
+    fn sign(self) -> f64 {
+        match self {
+            Self::Low => -1.0,
+            Self::High => 1.0,
+        }
+    }
+
     /// The offset of the pulse farthest out on this side (µs).
     pub(super) fn outermost(self, points: &[(f64, f64)]) -> f64 {
-        let offsets = points.iter().map(|point| point.0);
-        match self {
-            Self::Low => offsets.fold(0.0, f64::min),
-            Self::High => offsets.fold(0.0, f64::max),
-        }
+        let outwards = points.iter().map(|point| self.sign() * point.0);
+        self.sign() * outwards.fold(0.0, f64::max)
     }
 
     fn is_beyond(self, offset: f64, knee: f64) -> bool {
-        match self {
-            Self::Low => offset < knee,
-            Self::High => offset > knee,
-        }
-    }
-}
-
-/// Where the line breaks: offsets from neutral (µs).
-#[derive(Clone, Copy, Debug)]
-struct Knees {
-    low: f64,
-    high: f64,
-}
-
-impl Knees {
-    fn with(self, side: Side, at: f64) -> Self {
-        match side {
-            Side::Low => Self { low: at, ..self },
-            Side::High => Self { high: at, ..self },
-        }
+        self.sign() * offset > self.sign() * knee
     }
 
-    fn at(self, side: Side) -> f64 {
-        match side {
-            Side::Low => self.low,
-            Side::High => self.high,
-        }
-    }
-
-    /// counts = zero + slope · clamp(x) + slope_low · min(x - low, 0) + slope_high · max(x - high, 0).
-    fn fit(self, points: &[(f64, f64)]) -> Option<Solution> {
-        let column = |of: &dyn Fn(f64) -> f64| points.iter().map(|point| of(point.0)).collect();
-        let columns: [Vec<f64>; 4] = [
-            column(&|_| 1.0),
-            column(&|x| x.clamp(self.low, self.high)),
-            column(&|x| (x - self.low).min(0.0)),
-            column(&|x| (x - self.high).max(0.0)),
-        ];
-        let values: Vec<f64> = points.iter().map(|point| point.1).collect();
-        least_squares(&columns, &values)
-    }
-}
-
-/// The column of the slope in [`Knees::fit`].
-const SLOPE: usize = 1;
-
-impl Side {
+    /// The column of the slope beyond this side's knee in [`fit`].
     fn column(self) -> usize {
-        match self {
-            Self::Low => 2,
-            Self::High => 3,
-        }
+        2 + self as usize
     }
 }
+
+/// Where the line breaks on each [`Side`]: offsets from neutral (µs).
+type Knees = [f64; 2];
+
+fn with(mut knees: Knees, side: Side, at: f64) -> Knees {
+    knees[side as usize] = at;
+    knees
+}
+
+/// counts = zero + slope · clamp(x) + slope_low · min(x - low, 0) + slope_high · max(x - high, 0).
+fn fit([low, high]: Knees, points: &[(f64, f64)]) -> Option<Solution> {
+    let column = |of: &dyn Fn(f64) -> f64| points.iter().map(|point| of(point.0)).collect();
+    let columns: [Vec<f64>; 4] = [
+        column(&|_| 1.0),
+        column(&|x| x.clamp(low, high)),
+        column(&|x| (x - low).min(0.0)),
+        column(&|x| (x - high).max(0.0)),
+    ];
+    let values: Vec<f64> = points.iter().map(|point| point.1).collect();
+    least_squares(&columns, &values)
+}
+
+/// The column of the slope between the knees in [`fit`].
+const SLOPE: usize = 1;
 
 /// Numbers that are fitted: four coefficients and two knees.
 const FITTED: f64 = 6.0;
@@ -126,23 +109,20 @@ impl Line {
     /// The line through `points`, offsets from neutral (µs) and counts; `None` where there are too few of
     /// them, or too few pulses, to judge by.
     pub(super) fn through(points: &[(f64, f64)]) -> Option<Self> {
-        let mut knees = Knees {
-            low: Side::Low.outermost(points),
-            high: Side::High.outermost(points),
-        };
+        let mut knees = [Side::Low, Side::High].map(|side| side.outermost(points));
         // Each side's best knee depends but slightly on the other one's.
         for side in [Side::High, Side::Low, Side::High, Side::Low] {
-            let squares = |at: &f64| knees.with(side, *at).fit(points).map(|fit| fit.squares);
-            let judged = places(points, side).filter_map(|at| Some((at, squares(&at)?)));
+            let squares = |at: f64| Some((at, fit(with(knees, side, at), points)?.squares));
+            let judged = places(points, side).filter_map(squares);
             let (best, _) = judged.min_by(|a, b| a.1.total_cmp(&b.1))?;
-            knees = knees.with(side, best);
+            knees[side as usize] = best;
         }
         let degrees_of_freedom = points.len() as f64 - FITTED;
         if degrees_of_freedom < FITTED {
             return None;
         }
-        let fit = knees.fit(points)?;
-        // However straight the line, what is read is rounded.
+        let fit = fit(knees, points)?;
+        // However straight the line, readings are rounded.
         let variance = (fit.squares / degrees_of_freedom).max(super::sensor_scale::ROUNDING);
         let [zero, slope, ..] = fit.coefficients;
         let [zero_variance, slope_variance, ..] = fit.variances;
@@ -172,8 +152,8 @@ impl Line {
         level: f64,
         t: f64,
     ) -> Option<Knee> {
-        let fit = |at: f64| self.knees.with(side, at).fit(points);
-        let at = self.knees.at(side);
+        let fit = |at: f64| fit(with(self.knees, side, at), points);
+        let at = self.knees[side as usize];
         let least = fit(at)?.squares;
         let half = self.degrees_of_freedom / 2.0;
         // The quantile of F(2, ν) has a closed form: ν/2 (α^(-2/ν) - 1).
@@ -211,7 +191,6 @@ fn places(points: &[(f64, f64)], side: Side) -> impl Iterator<Item = f64> {
     let outermost = side.outermost(points).abs();
     let levels = points.iter().filter(|point| side.is_beyond(point.0, 0.0));
     let first = levels.map(|point| point.0.abs()).fold(outermost, f64::min);
-    let sign = if side == Side::Low { -1.0 } else { 1.0 };
     let steps = ((outermost - first) / GRID_US) as u32;
-    (0..=steps).map(move |step| sign * (outermost - f64::from(step) * GRID_US))
+    (0..=steps).map(move |step| side.sign() * (outermost - f64::from(step) * GRID_US))
 }

@@ -4,7 +4,7 @@ use faer::linalg::solvers::{Qr, SolveLstsq};
 use faer::linalg::triangular_inverse::invert_upper_triangular;
 use faer::{Mat, Par};
 
-/// What least squares give.
+/// A least-squares fit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solution {
     /// One for each column; 0 for a column that depends on those before it.
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn four_columns_are_told_apart() {
+    fn four_columns_are_distinguished() {
         let rows = 0..9;
         let column = |of: fn(f64) -> f64| -> Vec<f64> {
             rows.clone().map(|k| of(f64::from(k) - 4.0)).collect()

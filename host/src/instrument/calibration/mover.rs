@@ -1,15 +1,14 @@
 //! Brings the servo to positions, and reads the sensor once it rests there.
 
-use crate::data::recording::{Ending, Header, RecordingWriter, Target};
+use crate::data::recording::{Ending, Header, RecordingWriter};
 use crate::data::rig_file::RigFile;
-use crate::instrument::rig::CaptureError;
-use crate::instrument::rig::{Capture, RigClient, StopReason, TalkError};
+use crate::instrument::rig::{Capture, CaptureError, RigClient, StopReason, TalkError};
 use serde::Serialize;
 use servoid_protocol::reference::{MAX_STEPS, Reference, Step, Steps};
 use servoid_protocol::timing::FRAMES_PER_SECOND;
 use servoid_protocol::{Frame, PulseWidth};
 use std::cell::RefCell;
-use std::io::Write;
+use std::io::sink;
 use std::path::Path;
 
 /// Rest before a position is read: half a second, four times what the paper's servo takes to settle.
@@ -67,7 +66,7 @@ pub enum MoveError {
     /// The run is not whole.
     #[error("the servo is back at neutral, and the calibration has no result: {0}")]
     BrokenOff(String),
-    /// Beyond what the rig file allows.
+    /// Beyond the limits of the rig file.
     #[error("{pulse_us} µs is beyond the limits of the rig file, {shortest} to {longest} µs")]
     BeyondLimits {
         /// The pulse that was asked for.
@@ -88,8 +87,7 @@ pub struct Mover<'a> {
 }
 
 impl<'a> Mover<'a> {
-    /// A mover of the servo at the other end of `client`, which stops when `interrupted` says so.
-    #[must_use]
+    /// A mover of the servo at the other end of `client`, which stops when `interrupted`.
     pub fn new(client: RigClient, rig: RigFile, interrupted: &'a dyn Fn() -> bool) -> Self {
         Self {
             client,
@@ -99,19 +97,17 @@ impl<'a> Mover<'a> {
     }
 
     /// Whether the rig's time stands still while nobody listens to it, as that of a simulated one.
-    #[must_use]
     pub fn is_paced_by_reader(&self) -> bool {
         self.client.is_paced_by_reader()
     }
 
     /// The rig that is moved.
-    #[must_use]
     pub fn rig(&self) -> &RigFile {
         &self.rig
     }
 
-    /// Goes from one pulse to the next and reads the sensor at each, until `enough` says so of the
-    /// readings so far.
+    /// Goes from one pulse to the next and reads the sensor at each, until the readings so far are
+    /// `enough`.
     ///
     /// # Errors
     /// [`MoveError`]; the servo is at neutral, or the lease brings it there.
@@ -135,10 +131,10 @@ impl<'a> Mover<'a> {
         Ok(rests)
     }
 
-    /// Holds a position until `done` says so of the reading there, which it is asked again and again.
+    /// Holds a position until the reading there is `done`, which is asked again and again.
     ///
     /// # Errors
-    /// [`MoveError`], also when nobody has said so for 20 minutes.
+    /// [`MoveError`], also when it is not for 20 minutes.
     pub fn hold(&mut self, pulse_us: u16, done: &dyn Fn(&Rest) -> bool) -> Result<Rest, MoveError> {
         let steps = self.steps(&[pulse_us], LONGEST_HOLD_FRAMES)?;
         let found = RefCell::new(None);
@@ -175,13 +171,9 @@ impl<'a> Mover<'a> {
         let mut steps = pulses_us.iter().map(step).collect::<Result<Vec<_>, _>>()?;
         // A reference has to move: a microsecond at the end of a hold at neutral that nobody waits for.
         if steps.iter().all(|step| step.offset_us == 0) {
-            let back = if limits.longest_us > self.rig.servo.neutral_us {
-                1
-            } else {
-                -1
-            };
+            let upwards = limits.longest_us > self.rig.servo.neutral_us;
             steps.push(Step {
-                offset_us: back,
+                offset_us: if upwards { 1 } else { -1 },
                 hold_frames: 1,
             });
         }
@@ -200,8 +192,9 @@ impl<'a> Mover<'a> {
         capture.start.pre_roll_frames = SETTLE_FRAMES;
         capture.start.post_roll_frames = 0;
         capture.arm(&mut self.client)?;
+        // Frames are kept in memory, and their recording is not wanted.
         let header = Header::of_run(self.client.hello(), &self.rig, &capture.start);
-        let writer = RecordingWriter::on(Box::new(Nowhere), Path::new("the calibration"), &header);
+        let writer = RecordingWriter::on(Box::new(sink()), Path::new("the calibration"), &header);
         let frames = RefCell::new(Vec::new());
         let should_stop = || {
             if (self.interrupted)() {
@@ -236,27 +229,4 @@ fn readings(pulses_us: &[u16], frames: &[Frame]) -> Vec<Rest> {
         held.then(|| Rest::of(pulse_us, rest))
     };
     pulses_us.iter().zip(holds).map_while(reading).collect()
-}
-
-/// Frames are kept in memory, and their recording is not wanted.
-struct Nowhere;
-
-impl Write for Nowhere {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Target for Nowhere {
-    fn cut_to(&mut self, _length: u64) -> std::io::Result<()> {
-        Ok(())
-    }
-
-    fn settle(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
 }

@@ -1,10 +1,10 @@
-//! Puts what was found into the text of a rig file, which otherwise stays as it is.
+//! Puts the results into the text of a rig file, which otherwise stays as it is.
 
-use super::estimate::Estimate;
-use super::sensor_scale::{Calibration, LEVEL};
+use super::estimate::{Estimate, LEVEL};
+use super::sensor_scale::Calibration;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
-/// What was found.
+/// Results of a calibration.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Found<'a> {
     /// The sensor's scale, and a remark of one line on how it was found.
@@ -16,7 +16,7 @@ pub struct Found<'a> {
 /// How the remark on the sensor's scale begins: one that is there already is replaced.
 const REMARK: &str = "# Calibrated: ";
 
-/// Puts what was found into the sections `[sensor]` and `[servo]`; everything else, comments included,
+/// Puts the results into the sections `[sensor]` and `[servo]`; everything else, comments included,
 /// stays as it is.
 ///
 /// ```
@@ -37,15 +37,10 @@ pub fn put_into(rig_file: &str, found: &Found<'_>) -> Result<String, String> {
         .parse()
         .map_err(|_| "the rig file is no TOML".to_owned())?;
     if let Some(estimate) = &found.us_per_degree {
-        let Estimate {
-            value,
-            lower,
-            upper,
-        } = estimate;
-        let level = 100.0 * LEVEL;
+        let (lower, upper, level) = (estimate.lower, estimate.upper, 100.0 * LEVEL);
         let servo = section(&mut document, "servo")?;
         let remark = format!("  # {lower:.4} to {upper:.4} with {level} % confidence");
-        set(servo, "us_per_degree", *value, &remark);
+        set(servo, "us_per_degree", estimate.value, &remark);
     }
     if let Some((sensor, remark)) = found.sensor {
         let table = section(&mut document, "sensor")?;

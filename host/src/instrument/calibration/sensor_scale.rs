@@ -1,25 +1,23 @@
 //! The sensor's scale from readings at known angles.
 //!
 //! `counts = zero + angle / scale + error`, by least squares of the readings on the angles, which are
-//! taken as exact; what the errors are is judged by the scatter around the line (N. R. Draper and
+//! taken as exact; the size of the errors follows from the scatter around the line (N. R. Draper and
 //! H. Smith, *Applied Regression Analysis*, 1998, §1.4).
 
+use super::estimate::{LEVEL, student};
 use serde::Serialize;
-use servoid_identification::results::{pointwise_critical, student_critical};
+use servoid_identification::results::pointwise_critical;
 
 /// Variance that readings have at least, however straight their line (counts²): a count is the sum of
 /// four conversions, each rounded to a whole number, which errs by 1/12 (uniform).
 pub(super) const ROUNDING: f64 = 4.0 / 12.0;
-
-/// Confidence of the intervals.
-pub const LEVEL: f64 = 0.99;
 
 /// A reading at a known angle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Reading {
     /// The angle (deg).
     pub angle_deg: f64,
-    /// What the sensor said there (counts; an average need not be whole).
+    /// The reading of the sensor there (counts; an average need not be whole).
     pub counts: f64,
 }
 
@@ -58,7 +56,7 @@ pub enum CalibrationError {
     TooFewAngles(usize),
     /// No slope that differs from none.
     #[error(
-        "the readings do not follow the angles well enough to tell even the direction: take angles that are farther apart, or more of them, and look at the sensor's wiring"
+        "the readings do not follow the angles well enough to show even the direction: take angles that are farther apart, or more of them, and look at the sensor's wiring"
     )]
     Flat,
 }
@@ -74,9 +72,6 @@ impl Calibration {
     /// assert!((found.degrees_per_count - 0.009155).abs() < 1e-5);
     /// # Ok::<(), servoid::instrument::calibration::CalibrationError>(())
     /// ```
-    ///
-    /// # Errors
-    /// [`CalibrationError`].
     pub fn fit(readings: &[Reading]) -> Result<Self, CalibrationError> {
         let usable = |r: &Reading| {
             (-360.0..=360.0).contains(&r.angle_deg) && (0.0..=65535.0).contains(&r.counts)
@@ -102,10 +97,7 @@ impl Calibration {
         let scatter = sum(&|r| residual(r).powi(2)) / degrees;
         let variance = scatter.max(ROUNDING);
         let normal = pointwise_critical(LEVEL);
-        let t = student_critical(normal, &[degrees])
-            .first()
-            .copied()
-            .unwrap_or(f64::INFINITY);
+        let t = student(degrees);
         let slope_half = t * (variance / spread).sqrt();
         let zero_half = t * (variance * (1.0 / count + angle * angle / spread)).sqrt();
         // Written so that a slope of zero without scatter is flat, too.

@@ -29,14 +29,12 @@ pub struct LiveStep {
 impl LiveStep {
     /// Half of the width of the whole curve's band where it is widest, in percent of the commanded step; `None`
     /// where there is no band.
-    #[must_use]
     pub fn half_width_percent(&self) -> Option<f64> {
         let bounds = self.step.bounds.valid()?;
         Some(100.0 * bounds.widest_half_width())
     }
 
     /// Whether the whole band is within ±`percent` of the commanded step.
-    #[must_use]
     pub fn is_within(&self, percent: f64) -> bool {
         self.half_width_percent()
             .is_some_and(|half| half <= percent)
@@ -81,7 +79,6 @@ pub struct Estimator {
 
 impl Estimator {
     /// Without samples; they will be `period_s` seconds apart.
-    #[must_use]
     pub fn new(period_s: f64, options: Options) -> Self {
         Self {
             period_s,
@@ -94,7 +91,7 @@ impl Estimator {
         }
     }
 
-    /// Another run begins: what was before has nothing to do with what comes.
+    /// Another run begins, which does not depend on the samples before.
     pub fn begin_run(&mut self) {
         if let Some(runs) = &mut self.runs {
             runs.push((Vec::new(), Vec::new()));
@@ -143,7 +140,7 @@ impl Estimator {
     /// The step response of the samples so far.
     ///
     /// # Errors
-    /// One sentence that says what the samples lack; more of them may mend it.
+    /// One sentence that names what the samples lack; more of them may mend it.
     pub fn estimate(&mut self) -> Result<LiveStep, Error> {
         let again = self.samples as f64 >= CHOOSE_AGAIN * self.chosen_at as f64;
         match &self.chosen {
@@ -154,9 +151,6 @@ impl Estimator {
 
     /// The step response that `servoid identify` gives of these samples: nothing is carried over from
     /// earlier estimates, as long as all samples are kept.
-    ///
-    /// # Errors
-    /// As [`Estimator::estimate`].
     pub fn estimate_anew(&mut self) -> Result<LiveStep, Error> {
         let all = match (&self.runs, &self.chosen) {
             (None, Some((settling, stream))) => return self.of_moments(*settling, stream),
@@ -202,7 +196,7 @@ mod tests {
     use super::*;
 
     /// Where the reference changes its sign: holds of 200, 150, 110 and 80 samples. Equal holds would
-    /// be a periodic reference, which says nothing of lags beyond a hold.
+    /// be a periodic reference, which does not determine lags beyond a hold.
     const EDGES: [usize; 4] = [200, 350, 460, 540];
 
     /// A servo of first order (time constant 10 samples) with white noise of 0.05, between ±5.

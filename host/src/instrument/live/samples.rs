@@ -20,7 +20,6 @@ pub struct RunSamples {
 
 impl RunSamples {
     /// For a run of `rig`.
-    #[must_use]
     pub fn new(rig: &RigFile, start: &Start) -> Self {
         let first = u32::from(start.pre_roll_frames);
         Self {
@@ -56,7 +55,6 @@ impl RunSamples {
 /// // Two holds of 40 frames, then the next cycle.
 /// assert_eq!(second_cycle(&Reference::Staircase(Staircase::PAPER)), Some(80));
 /// ```
-#[must_use]
 pub fn second_cycle(reference: &Reference) -> Option<u32> {
     let first = reference.offset_us(0)?;
     let away = (0..reference.frames()).find(|f| reference.offset_us(*f) != Some(first))?;

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What the thread is told.
+/// An order to the thread.
 enum Order {
     BeginRun,
     Samples(Vec<f64>, Vec<f64>),
@@ -17,7 +17,7 @@ enum Order {
     EstimateAnew(Sender<()>),
 }
 
-/// What was found last, for anybody to look at.
+/// The newest estimate, for anybody to look at.
 #[derive(Default)]
 struct Found {
     latest: Mutex<Option<Arc<LiveStep>>>,
@@ -25,7 +25,7 @@ struct Found {
 }
 
 impl Found {
-    /// What cannot be found yet leaves what was found before.
+    /// An estimate that fails leaves the one before.
     fn keep(&self, step: Result<LiveStep, Error>) {
         if let Ok(step) = step {
             let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
@@ -44,10 +44,8 @@ pub struct LiveIdentification {
 }
 
 impl LiveIdentification {
-    /// Without samples; they will be `period_s` seconds apart. `until_percent` is what the band is to
-    /// be narrower than, if anything: an estimate that seems to be is made anew from all samples
-    /// before it is believed.
-    #[must_use]
+    /// Without samples; they will be `period_s` seconds apart. Where the band is to be within
+    /// `until_percent`, an estimate that seems to be is made anew from all samples before it is believed.
     pub fn new(period_s: f64, options: Options, until_percent: Option<f64>) -> Self {
         let (orders, queue) = channel();
         let found = Arc::new(Found::default());
@@ -63,18 +61,18 @@ impl LiveIdentification {
 
     /// Another run begins.
     pub fn begin_run(&self) {
-        self.tell(Order::BeginRun);
+        self.send(Order::BeginRun);
     }
 
     /// Adds consecutive samples of the run, NaN where one is missing.
     pub fn push(&self, input: Vec<f64>, output: Vec<f64>) {
-        self.tell(Order::Samples(input, output));
+        self.send(Order::Samples(input, output));
     }
 
     /// Has an estimate made, unless one is being made already.
     pub fn ask(&self) {
         if !self.found.busy.swap(true, Ordering::SeqCst) {
-            self.tell(Order::Estimate(self.until_percent, None));
+            self.send(Order::Estimate(self.until_percent, None));
         }
     }
 
@@ -91,26 +89,24 @@ impl LiveIdentification {
 
     fn wait_for(&self, order: impl FnOnce(Sender<()>) -> Order) {
         let (answer, done) = channel();
-        self.tell(order(answer));
+        self.send(order(answer));
         // A thread that is gone answers by being gone.
         let _nothing_more_comes = done.recv();
     }
 
     /// The newest estimate.
-    #[must_use]
     pub fn latest(&self) -> Option<Arc<LiveStep>> {
         let latest = self.found.latest.lock();
         latest.unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// The newest estimate, if its band is as narrow as was wanted.
-    #[must_use]
     pub fn enough(&self) -> Option<Arc<LiveStep>> {
         let wanted = self.until_percent?;
         self.latest().filter(|step| step.is_within(wanted))
     }
 
-    fn tell(&self, order: Order) {
+    fn send(&self, order: Order) {
         // A thread that is gone leaves a capture without its estimates, which is no reason to end it.
         let _nobody_listens = self.orders.send(order);
     }

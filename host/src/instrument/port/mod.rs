@@ -6,7 +6,7 @@
 //! | `tcp:HOST:PORT`             | a board behind a serial-to-network bridge                 |
 //! | `sim:bench`, `sim:aircraft`, `sim:linear` | the rig's own program in this process, on a simulated servo |
 //!
-//! Code that talks to a rig sees a [`Port`] and cannot tell which of them it has.
+//! Code that talks to a rig sees a [`Port`], whichever of them it is.
 
 mod byte_stream;
 mod open_error;
@@ -20,9 +20,6 @@ pub use open_error::OpenError;
 pub use serial::BAUD_RATE;
 
 /// Opens the port at `address` (see the module's table).
-///
-/// # Errors
-/// [`OpenError`] with a sentence that says what to do.
 pub fn open(address: &str) -> Result<Box<dyn Port>, OpenError> {
     if let Some(simulation) = address.strip_prefix("sim:") {
         Ok(Box::new(simulated::open(simulation)?))
@@ -34,7 +31,6 @@ pub fn open(address: &str) -> Result<Box<dyn Port>, OpenError> {
 }
 
 /// Whether the servo behind `address` is a simulated one, so that nobody can be hurt by it.
-#[must_use]
 pub fn is_simulated(address: &str) -> bool {
     simulated_servo(address).is_some()
 }
@@ -45,7 +41,6 @@ pub fn is_simulated(address: &str) -> bool {
 /// assert_eq!(servoid::instrument::port::simulated_servo("sim:aircraft?seed=7"), Some("aircraft"));
 /// assert_eq!(servoid::instrument::port::simulated_servo("/dev/ttyUSB0"), None);
 /// ```
-#[must_use]
 pub fn simulated_servo(address: &str) -> Option<&str> {
     let description = address.strip_prefix("sim:")?;
     description.split('?').next()

@@ -1,6 +1,6 @@
 //! Why a port could not be opened, and what to do about it.
 
-/// Why a port could not be opened. The text says what to do.
+/// Why a port could not be opened. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// No such port.
@@ -14,23 +14,13 @@ pub enum OpenError {
     /// There is something of that name, and it is no serial port.
     #[error("{0:?} is no serial port: 'servoid ports' lists those that are there")]
     NoSerialPort(String),
-    /// Nobody listens there.
-    #[error("nobody answers at {address}: {reason}")]
-    Unreachable {
-        /// Where.
-        address: String,
-        /// What the network said.
-        reason: String,
-    },
+    /// Nobody listens at this address, for this reason.
+    #[error("nobody answers at {0}: {1}")]
+    Unreachable(String, String),
     /// The text after `sim:` or `tcp:` makes no sense.
     #[error("{0}")]
     BadAddress(String),
-    /// Anything else that the system said.
-    #[error("port {port:?} cannot be opened: {reason}")]
-    Other {
-        /// Which.
-        port: String,
-        /// What the system said.
-        reason: String,
-    },
+    /// Anything else that the system reports of this port.
+    #[error("port {0:?} cannot be opened: {1}")]
+    Other(String, String),
 }

@@ -70,14 +70,11 @@ fn refusal(name: &str, error: &serialport::Error) -> OpenError {
         }
         ErrorKind::Io(Io::PermissionDenied | Io::ResourceBusy) => OpenError::Busy(name.to_owned()),
         ErrorKind::NoDevice | ErrorKind::Io(Io::NotFound) => OpenError::NotFound(name.to_owned()),
-        // ENOTTY, of which the system says "Not a typewriter": a file or a device without a line.
+        // ENOTTY, which the system reports as "Not a typewriter": a file or a device without a line.
         _ if text.contains("typewriter") || text.contains("inappropriate ioctl") => {
             OpenError::NoSerialPort(name.to_owned())
         }
-        _ => OpenError::Other {
-            port: name.to_owned(),
-            reason: error.to_string(),
-        },
+        _ => OpenError::Other(name.to_owned(), error.to_string()),
     }
 }
 

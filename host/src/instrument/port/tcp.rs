@@ -17,10 +17,7 @@ pub(super) struct TcpPort {
 
 impl TcpPort {
     pub(super) fn open(address: &str) -> Result<Self, OpenError> {
-        let unreachable = |reason: String| OpenError::Unreachable {
-            address: format!("tcp:{address}"),
-            reason,
-        };
+        let unreachable = |reason| OpenError::Unreachable(format!("tcp:{address}"), reason);
         let candidates: Vec<_> = address
             .to_socket_addrs()
             .map_err(|_| {

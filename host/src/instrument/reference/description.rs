@@ -4,7 +4,6 @@ use super::whole_frames::seconds;
 use servoid_protocol::reference::{MAX_STEPS, Reference};
 
 /// A reference in one line, for people: its name, its numbers, how long it takes.
-#[must_use]
 pub fn describe(reference: &Reference, us_per_degree: f64) -> String {
     let degrees = |us: u16| f64::from(us) / us_per_degree.abs();
     let hertz = |millihertz: u16| f64::from(millihertz) * 1e-3;

@@ -3,7 +3,7 @@
 use super::kind::Kind;
 use crate::data::table::TableError;
 
-/// Why a reference cannot be made of a specification. The text says what to do.
+/// Why a reference cannot be made of a specification. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// An option that does not apply to this reference.

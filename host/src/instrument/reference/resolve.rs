@@ -54,7 +54,7 @@ const STAIRS_HOLD_S: f64 = 1.2;
 const CHIP_S: f64 = 0.16;
 /// Each level has to be reached from each side twice, or there is no scatter to judge by.
 const CYCLES: u32 = 2;
-/// What the other references take if nothing is said: 63 chips of 8 frames, a whole sequence of 6 bits, fit
+/// The default length of the other references: 63 chips of 8 frames, a whole sequence of 6 bits, fit
 /// just so.
 const LENGTH_FRAMES: u32 = 512;
 /// From a stroke a second or so up to where frames still make a good sine (three a turn).
@@ -78,9 +78,6 @@ impl ReferenceSpec {
     /// assert_eq!(resolved.reference.frames(), 2400); // 5 levels, 20 strokes of 1.2 s, twice
     /// # Ok::<(), servoid::instrument::reference::ReferenceError>(())
     /// ```
-    ///
-    /// # Errors
-    /// [`ReferenceError`].
     pub fn resolve(&self, us_per_degree: f64) -> Result<ResolvedReference, ReferenceError> {
         self.refuse_inapplicable_options()?;
         let mut remarks = Vec::new();

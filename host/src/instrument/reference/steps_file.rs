@@ -2,7 +2,7 @@
 
 use super::error::ReferenceError;
 use super::whole_frames::{LARGEST_AMPLITUDE_US, LONGEST_S, frames, repetitions, seconds};
-use crate::data::table::Table;
+use crate::data::table::{Table, TableError};
 use servoid_protocol::reference::{MAX_STEPS, Step, Steps};
 use std::path::Path;
 
@@ -16,7 +16,10 @@ pub(super) fn read(
     length_s: Option<f64>,
     remarks: &mut Vec<String>,
 ) -> Result<Steps, ReferenceError> {
-    let mut columns = Table::read(path)?.numbers(&COLUMNS)?.into_iter();
+    let mut columns = Table::read(path)?
+        .numbers(&COLUMNS)
+        .map_err(TableError::at(path))?
+        .into_iter();
     let mut column = || columns.next().unwrap_or_default();
     let (angles, holds) = (column(), column());
     let wrong = |row: usize, what: String| {

@@ -10,7 +10,6 @@ pub(super) const LARGEST_AMPLITUDE_US: f64 = 1000.0;
 pub(super) const LONGEST_S: f64 = 1200.0;
 
 /// The time that so many frames take (s).
-#[must_use]
 pub fn seconds(frames: u32) -> f64 {
     // One rounding: 0.3 s stays 0.3.
     f64::from(frames) / (1e6 / f64::from(FRAME_US))

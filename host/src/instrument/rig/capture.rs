@@ -1,21 +1,21 @@
 //! Recording one run.
 //!
 //! Frames are written in order as they come. The end is *complete* only when the rig's own check over the
-//! run agrees with what was written.
+//! run agrees with the rows.
 
 use super::capture_outcome::{CaptureEnd, CaptureError, Progress, StopReason};
 use super::client::{RigClient, session_number};
 use super::recording_ending::recording_ending;
-use super::run_rows::RunRows;
 use super::talk_error::TalkError;
-use crate::data::recording::{Ending, RecordingWriter};
+use crate::data::recording::{Ending, RecordingWriter, WriteError};
 use crate::data::rig_file::RigFile;
-use servoid_client::{Event, RunEnding};
+use servoid_client::{Client, Event, RunEnding};
 use servoid_protocol::lease::LEASE_FRAMES;
 use servoid_protocol::message::{Arm, Start};
 use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::timing::FRAMES_PER_SECOND;
-use servoid_protocol::{PulseWidth, Reference};
+use servoid_protocol::{Counts, Frame, PulseWidth, Reference};
+use std::ops::Range;
 use std::time::Duration;
 
 /// Rest before and after the reference: as long as the paper's longest hold, 0.8 s, so that what
@@ -25,10 +25,10 @@ pub const ROLL_FRAMES: u16 = (FRAMES_PER_SECOND * 8 / 10) as u16;
 /// How often a capture asks whether it is to stop, where no frame comes.
 const STOP_ASKED_EVERY: Duration = Duration::from_millis(5);
 
-/// What is to be recorded.
+/// A run to be recorded.
 #[derive(Clone, Debug)]
 pub struct Capture {
-    /// What the user knows of their rig.
+    /// The rig.
     pub rig: RigFile,
     /// The run.
     pub start: Start,
@@ -36,7 +36,6 @@ pub struct Capture {
 
 impl Capture {
     /// A run of `reference` with the usual rest before and after it.
-    #[must_use]
     pub fn new(rig: RigFile, reference: Reference) -> Self {
         let start = Start {
             run: session_number(),
@@ -52,14 +51,14 @@ impl Capture {
     /// # Errors
     /// When the rig refuses or does not answer.
     pub fn arm(&self, client: &mut RigClient) -> Result<(), TalkError> {
-        let healthy = self.rig.healthy_counts();
+        let [sensor_low, sensor_high] = self.rig.sensor.healthy_counts.map(Counts);
         client.arm(Arm {
             schema_hash: SCHEMA_HASH,
             neutral: PulseWidth(self.rig.servo.neutral_us),
             shortest: PulseWidth(self.rig.limits.shortest_us),
             longest: PulseWidth(self.rig.limits.longest_us),
-            sensor_low: healthy.lowest,
-            sensor_high: healthy.highest,
+            sensor_low,
+            sensor_high,
             lease_frames: LEASE_FRAMES,
         })
     }
@@ -79,7 +78,11 @@ impl Capture {
         on_progress: &mut dyn FnMut(Progress<'_>),
     ) -> Result<CaptureEnd, CaptureError> {
         let mut run = RecordedRun {
-            rows: RunRows::new(writer, self.start.frames(), on_progress),
+            writer,
+            on_progress,
+            frames_total: self.start.frames(),
+            written: 0,
+            lost: Vec::new(),
             begun: false,
             stopped: None,
         };
@@ -87,11 +90,11 @@ impl Capture {
         if let Err(error) = &outcome {
             run.leave(client, error);
         }
-        if !run.begun && !run.rows.writer.has_begun() {
-            // No run, no recording: what was in the file is there still.
+        if !run.begun && !run.writer.has_begun() {
+            // No run, no recording: the file still has its earlier contents.
             return Err(outcome.err().unwrap_or(CaptureError::StoppedBefore));
         }
-        let lost_frames = run.rows.missing();
+        let lost_frames = run.missing();
         let ending = match &outcome {
             Ok(ended) => recording_ending(ended.as_ref(), run.stopped.as_ref(), lost_frames),
             Err(error) => Ending::Partial {
@@ -99,8 +102,8 @@ impl Capture {
                 lost_frames,
             },
         };
-        let rows = run.rows.writer.rows();
-        let closed = run.rows.writer.finish(&ending);
+        let rows = run.writer.rows();
+        let closed = run.writer.finish(&ending);
         outcome?;
         closed?;
         Ok(CaptureEnd {
@@ -114,8 +117,14 @@ impl Capture {
 
 /// A run that is being recorded.
 struct RecordedRun<'a> {
-    rows: RunRows<'a>,
-    /// Whether the rig has said that it has begun it.
+    writer: RecordingWriter,
+    on_progress: &'a mut dyn FnMut(Progress<'_>),
+    frames_total: u32,
+    /// One past the newest frame that is in the file.
+    written: u32,
+    /// Frames that are missing before it.
+    lost: Vec<Range<u32>>,
+    /// Whether the rig has reported that it has begun.
     begun: bool,
     stopped: Option<StopReason>,
 }
@@ -136,7 +145,7 @@ impl RecordedRun<'_> {
         loop {
             match client.next_event(STOP_ASKED_EVERY)? {
                 Some(Event::RunBegun { .. }) => self.begun = true,
-                Some(Event::Frame(frame)) => self.rows.write(&frame, client.conversation())?,
+                Some(Event::Frame(frame)) => self.write(&frame, client.conversation())?,
                 Some(Event::RunEnded(ending)) => return Ok(Some(ending)),
                 Some(Event::Failed(error)) => return Err(TalkError::from(error).into()),
                 Some(_) | None => {}
@@ -156,8 +165,39 @@ impl RecordedRun<'_> {
         let mut file_takes_it = !matches!(error, CaptureError::Write(_));
         client.leave_run(line_is_gone, |event, client| {
             if let Event::Frame(frame) = event {
-                file_takes_it = file_takes_it && self.rows.write(&frame, client).is_ok();
+                file_takes_it = file_takes_it && self.write(&frame, client).is_ok();
             }
         });
+    }
+
+    /// Writes the next frame; those between it and the one before are lost.
+    fn write(&mut self, frame: &Frame, client: &Client) -> Result<(), WriteError> {
+        let index = u32::from(frame.index);
+        if self.written < index {
+            self.lost.push(self.written..index);
+        }
+        self.writer.append(frame)?;
+        self.written = index + 1;
+        (self.on_progress)(Progress {
+            frame,
+            frames_total: self.frames_total,
+            rejects: client.rejects(),
+            asked_again: client.frames_asked_again(),
+            lost: self.lost.iter().map(|gap| gap.end - gap.start).sum(),
+            status: client.status(),
+        });
+        Ok(())
+    }
+
+    /// Every frame that is missing, with those that the run would still have had.
+    fn missing(&self) -> Vec<Range<u32>> {
+        let mut missing = self.lost.clone();
+        match missing.last_mut() {
+            // A frame behind it came and could not be written.
+            Some(last) if last.end > self.written => last.end = self.frames_total,
+            _ if self.written < self.frames_total => missing.push(self.written..self.frames_total),
+            _ => {}
+        }
+        missing
     }
 }

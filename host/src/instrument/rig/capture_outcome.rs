@@ -1,4 +1,4 @@
-//! What comes of a capture, while it goes on and at its end.
+//! Progress and end of a capture.
 
 use super::talk_error::TalkError;
 use crate::data::recording::{Ending, WriteError};
@@ -18,7 +18,7 @@ pub struct Progress<'a> {
     pub asked_again: u32,
     /// Frames that have been given up.
     pub lost: u32,
-    /// What the rig last said of itself, about twice a second.
+    /// The newest status of the rig, which comes about twice a second.
     pub status: Option<&'a Status>,
 }
 
@@ -27,7 +27,7 @@ pub struct Progress<'a> {
 pub enum StopReason {
     /// The user wants it: the recording is partial.
     User,
-    /// What the run was made for has been reached, in plain words: the recording is whole as far as
+    /// The purpose of the run has been reached, in plain words: the recording is whole as far as
     /// it goes.
     Enough(String),
 }
@@ -35,7 +35,7 @@ pub enum StopReason {
 /// How a capture ended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptureEnd {
-    /// Complete, or what is missing and why.
+    /// Complete, or the missing frames and the reason.
     pub ending: Ending,
     /// Rows written.
     pub rows: u64,

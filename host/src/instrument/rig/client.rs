@@ -34,9 +34,6 @@ impl RigClient {
 
     /// [`RigClient::connect`] with a session number of the caller's: equal numbers on equal ports
     /// give equal bytes.
-    ///
-    /// # Errors
-    /// As [`RigClient::connect`].
     pub fn connect_as(port: Box<dyn Port>, address: &str, session: u16) -> Result<Self, TalkError> {
         let connect = Connect {
             session,
@@ -47,18 +44,12 @@ impl RigClient {
     }
 
     /// [`RigClient::connect`], but nothing is sent where frames of a run are heard.
-    ///
-    /// # Errors
-    /// As [`RigClient::connect`].
     pub fn connect_beside(port: Box<dyn Port>, address: &str) -> Result<Self, TalkError> {
         Self::open_beside(port, address, HELLO_ATTEMPTS)
     }
 
     /// [`RigClient::connect_beside`] without patience: to find out quickly which of many ports is a
     /// rig.
-    ///
-    /// # Errors
-    /// As [`RigClient::connect_beside`].
     pub fn probe(port: Box<dyn Port>, address: &str) -> Result<Self, TalkError> {
         Self::open_beside(port, address, PROBE_ATTEMPTS)
     }
@@ -77,13 +68,8 @@ impl RigClient {
         let client = Client::connect(connect, port.now());
         let mut driver = Driver { port, client };
         let nobody = |bytes| match bytes {
-            0 => TalkError::Silent {
-                port: address.to_owned(),
-            },
-            bytes => TalkError::Garbled {
-                port: address.to_owned(),
-                bytes,
-            },
+            0 => TalkError::Silent(address.to_owned()),
+            _ => TalkError::Garbled(address.to_owned(), bytes),
         };
         loop {
             match driver.next_event(Duration::MAX)? {
@@ -99,31 +85,26 @@ impl RigClient {
     }
 
     /// Who the rig is.
-    #[must_use]
     pub fn hello(&self) -> &Hello {
         &self.hello
     }
 
     /// Whether the rig was built for the messages of this program.
-    #[must_use]
     pub fn has_equal_schema(&self) -> bool {
         self.hello.schema_hash == SCHEMA_HASH
     }
 
-    /// What could not be read of what the rig sent.
-    #[must_use]
+    /// Messages of the rig that could not be read, by class.
     pub fn rejects(&self) -> Rejects {
         self.driver.client.rejects()
     }
 
     /// The port's clock.
-    #[must_use]
     pub fn now(&self) -> Duration {
         self.driver.port.now()
     }
 
     /// Whether the rig's time stands still while nobody listens to it.
-    #[must_use]
     pub fn is_paced_by_reader(&self) -> bool {
         self.driver.port.is_paced_by_reader()
     }
@@ -184,7 +165,7 @@ impl RigClient {
         self.driver.next_event(timeout)
     }
 
-    /// Lets go of a run that went wrong, so that the servo returns to neutral; hands what is left of it to
+    /// Lets go of a run that went wrong, so that the servo returns to neutral; hands the remaining events to
     /// `rest`. Where the line is gone nobody can be asked, and the lease brings the servo there.
     pub(super) fn leave_run(&mut self, line_is_gone: bool, mut rest: impl FnMut(Event, &Client)) {
         self.driver.client.break_off_run(self.now());
@@ -209,7 +190,6 @@ fn no_answer() -> TalkError {
 
 /// A number that two programs on one rig will hardly both choose. It need not be random in any
 /// stronger sense: it keeps sessions apart, it does not protect them.
-#[must_use]
 pub fn session_number() -> u16 {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let nanos = now.map_or(0, |d| d.subsec_nanos() ^ d.as_secs() as u32);

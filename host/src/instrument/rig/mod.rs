@@ -9,7 +9,6 @@ mod capture_outcome;
 mod client;
 mod driver;
 mod recording_ending;
-mod run_rows;
 mod talk_error;
 
 pub use capture::{Capture, ROLL_FRAMES};

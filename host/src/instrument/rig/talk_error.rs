@@ -2,27 +2,19 @@
 
 use servoid_client::ClientError;
 
-/// Why a rig cannot be talked to. The text says what to do.
+/// Why a rig cannot be talked to. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum TalkError {
-    /// Not a byte came.
+    /// Not a byte came from this port.
     #[error(
-        "nothing on {port} answers: check that the board has power, is flashed with servoid-firmware, and that RX and TX are crossed"
+        "nothing on {0} answers: check that the board has power, is flashed with servoid-firmware, and that RX and TX are crossed"
     )]
-    Silent {
-        /// The port's address.
-        port: String,
-    },
-    /// Bytes come, but none of them make sense.
+    Silent(String),
+    /// So many bytes came from this port, but none of them make sense.
     #[error(
-        "{port} sends bytes that are not a rig's ({bytes} bytes, no message in them): another device, another baud rate than 115200, or a noisy line"
+        "{0} sends bytes that are not a rig's ({1} bytes, no message in them): another device, another baud rate than 115200, or a noisy line"
     )]
-    Garbled {
-        /// The port's address.
-        port: String,
-        /// How many bytes came.
-        bytes: u64,
-    },
+    Garbled(String, u64),
     /// The conversation failed.
     #[error(transparent)]
     Rig(#[from] ClientError),

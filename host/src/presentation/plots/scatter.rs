@@ -20,7 +20,7 @@ pub fn run_scatter(
     let number = |what: &str, scale: f64, p: f64, of: fn(&RunDifference) -> Difference| {
         number(what, compared, level, p, |run| {
             let Difference { value, sd } = of(run);
-            (scale * value, scale * sd)
+            (scale * value, sd.map(|sd| scale * sd))
         })
     };
     let panels = [
@@ -44,12 +44,13 @@ fn number(
     compared: &RunComparison,
     level: Option<f64>,
     p: f64,
-    of: impl Fn(&RunDifference) -> (f64, f64),
+    of: impl Fn(&RunDifference) -> (f64, Option<f64>),
 ) -> Panel {
     let critical = level.map(pointwise_critical);
     let mark = |run: &RunDifference| {
         let (y, sd) = of(run);
-        let line = critical.map(|critical| (y - critical * sd, y + critical * sd));
+        let interval = |(critical, sd): (f64, f64)| (y - critical * sd, y + critical * sd);
+        let line = critical.zip(sd).map(interval);
         Mark {
             x: run.run as f64,
             y,

@@ -2,7 +2,7 @@
 //! what is left of the response at the end of the settling time.
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
-use servoid_identification::diagnostics::{BankCandidate, Choice, Explanation};
+use servoid_identification::diagnostics::{Bank, Choice, Explanation};
 use servoid_identification::results::{Model, ParameterBounds, pointwise_critical};
 use servoid_identification::thresholds::MARGIN;
 
@@ -125,28 +125,43 @@ fn noise_order(explanation: &Explanation, model: &Model) -> Panel {
     }
 }
 
-/// Banks whose band is wider than the narrowest by more than this are not drawn: they would flatten the
-/// rest.
+/// Banks that exceed the best by more than this factor are not drawn: they would flatten the rest.
 const WIDEST: f64 = 20.0;
 
+/// The width of the band over n; in a model without bounds, the error of prediction.
 fn frequencies(explanation: &Explanation, model: &Model) -> Panel {
-    let all = &explanation.frequencies;
-    let widths = all.iter().map(BankCandidate::half_width);
-    let narrowest = widths.fold(f64::INFINITY, f64::min);
-    let banks = || all.iter().filter(|c| c.half_width() <= WIDEST * narrowest);
-    let each = |of: fn(&BankCandidate) -> f64| banks().map(move |c| (c.frequencies as f64, of(c)));
-    let found = banks().find(|c| c.frequencies == model.structure.frequencies);
-    let total = each(BankCandidate::half_width);
-    Panel {
-        curves: vec![
-            Curve::solid("noise and what is left out", Ink::Measured, total),
-            Curve::dashed("noise alone", Ink::Reference, each(|c| c.noise_half_width)),
-        ],
-        marks: found.map_or_else(Vec::new, |c| chosen(c.frequencies as f64, c.half_width())),
-        ..Panel::new(
-            "number of frequencies n",
+    let has_bounds = model.bounds.valid().is_some();
+    let of = |bank: &Bank| match has_bounds {
+        true => bank.half_width(),
+        false => Some(bank.gcv),
+    };
+    let all = explanation.frequencies.iter();
+    let all = all.filter_map(|bank| Some((bank.frequencies as f64, of(bank)?, bank)));
+    let least = all.clone().map(|(_, y, _)| y).fold(f64::INFINITY, f64::min);
+    let drawn = all.filter(|(_, y, _)| *y <= WIDEST * least);
+    let points = drawn.clone().map(|(n, y, _)| (n, y));
+    let noise = drawn.filter_map(|(n, _, bank)| Some((n, bank.noise_half_width?)));
+    let (title, curves) = match has_bounds {
+        true => (
             "half width of the band",
-            Legend::UpperRight,
-        )
+            vec![
+                Curve::solid("noise and what is left out", Ink::Measured, points.clone()),
+                Curve::dashed("noise alone", Ink::Reference, noise),
+            ],
+        ),
+        false => (
+            "error of prediction",
+            vec![Curve::solid(
+                "cross-validation",
+                Ink::Measured,
+                points.clone(),
+            )],
+        ),
+    };
+    let mut found = points.filter(|(n, _)| *n == model.structure.frequencies as f64);
+    Panel {
+        curves,
+        marks: found.next().map_or_else(Vec::new, |(n, y)| chosen(n, y)),
+        ..Panel::new("number of frequencies n", title, Legend::UpperRight)
     }
 }

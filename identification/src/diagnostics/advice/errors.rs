@@ -1,4 +1,4 @@
-//! Findings on the errors: whether they are noise, and noise of the kind that the model says.
+//! Findings on the errors: whether they are noise, and whether the noise model fits them.
 
 use super::evidence::Evidence;
 use crate::diagnostics::linearity::Linearity;
@@ -7,49 +7,50 @@ use crate::estimation::largest_root;
 use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
 use crate::results::{Advice, Check};
 use crate::thresholds::{
-    DISAGREEMENT, MATERIAL_MISFIT_PERCENT, RESIDUAL_SIGNIFICANCE, STEPS_FOLLOWED,
-    UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,
+    DISAGREEMENT, FEW_DEGREES, MATERIAL_MISFIT_PERCENT, RESIDUAL_SIGNIFICANCE, SLOW_ROOT,
+    STEPS_FOLLOWED, UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,
 };
 
 pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
-    let errors = evidence.explanation.model_errors.as_ref()?;
-    let taken = if evidence.model.structure.noise_order == 0 {
-        "plain"
-    } else {
-        "generalised"
+    let misfit = evidence.misfit()?;
+    let taken = match evidence.model.structure.noise_order {
+        0 => "plain",
+        _ => "generalised",
     };
-    // With a smooth input, what the left-out frequencies do to the others looks the same.
-    let smooth = match errors.unexcited_above_hz {
-        Some(_) => " The input is too smooth to tell whether the servo or the input is the reason.",
+    // With a smooth input, the effect of the left-out frequencies on the others looks the same.
+    let smooth = match misfit.unexcited_above_hz {
+        Some(_) => " The input is too smooth to show whether the servo or the input is the cause.",
         None => "",
     };
-    let chosen_by = match errors.candidates.is_empty() {
-        true => "how well it simulates this record, as no part of it tells of another",
-        false => "how well it predicts parts not seen",
-    };
-    let worth = match errors.candidates.first() {
-        Some(best) => format!(
-            "use this model for prediction (it met parts not seen to {:.0} %), not for comparison",
-            best.cross_validated_percent
+    let (chosen_by, use_of_model) = match misfit.candidates.first() {
+        Some(best) => (
+            "how well it predicts parts not seen",
+            format!(
+                "use this model for prediction (it met parts not seen to {:.0} %), not for comparison",
+                best.cross_validated_percent
+            ),
         ),
-        None => "use this model as a picture of this recording alone".to_owned(),
+        None => (
+            "how well it simulates this record, as no part of it predicts another",
+            "use this model as a picture of this recording alone".to_owned(),
+        ),
     };
-    let (sign, value, threshold) = sign_in_words(errors);
+    let (reason, value, threshold) = reason_in_words(misfit);
     Some(Advice::new(
         Check::ModelError,
         format!(
-            "What the model cannot explain is not noise: {sign}. So no bounds can be given. The structure was chosen by {chosen_by}, and {taken} \
-             least squares was taken.{smooth}"
+            "No bounds can be given, because the errors are not noise: {reason}. The structure was chosen by \
+             {chosen_by}, and {taken} least squares was taken.{smooth}"
         ),
         value,
         threshold,
         format!(
-            "Record steps that are held until the servo rests, smaller ones and fewer a second; {worth}."
+            "Record steps that are held until the servo rests, smaller ones and fewer a second; {use_of_model}."
         ),
     ))
 }
 
-/// "p = 2.3e-7"; smaller ones than any table has are not told apart.
+/// "p = 2.3e-7"; smaller ones than any table has are all the same.
 fn probability(p: f64) -> String {
     const LEAST: f64 = 1e-12;
     if p < LEAST {
@@ -59,11 +60,13 @@ fn probability(p: f64) -> String {
     }
 }
 
-/// What told that errors are not noise, the number and what it was held against.
-fn sign_in_words(errors: &Misfit) -> (String, f64, f64) {
-    match errors.evidence {
+/// Why errors are not noise, the number that shows it, and its threshold.
+fn reason_in_words(misfit: &Misfit) -> (String, f64, f64) {
+    let unexplained = misfit.unexplained_percent();
+    let left = format!("simulation leaves {unexplained:.0} % of the motion (rms) unexplained");
+    match misfit.evidence {
         MisfitEvidence::Whitening => {
-            let (plain, generalised) = (errors.least_squares_percent, errors.generalised_percent);
+            let (plain, generalised) = (misfit.least_squares_percent, misfit.generalised_percent);
             let simulated = |percent: f64| match percent > 0.0 {
                 true => format!("to {percent:.1} %"),
                 false => "worse than its mean does".to_owned(),
@@ -76,30 +79,23 @@ fn sign_in_words(errors: &Misfit) -> (String, f64, f64) {
             (words, plain - generalised, WHITENING_COST_POINTS)
         }
         MisfitEvidence::Misfit(found) => {
-            let left = errors.unexplained_percent();
-            let words = format!(
-                "simulation leaves {left:.0} % of the motion (rms), and what it leaves {}",
-                Shown::by(&found).how
-            );
-            (words, left, UNEXPLAINED_PERCENT)
+            let words = format!("{left}, and the residual {}", excess(&found).1);
+            (words, unexplained, UNEXPLAINED_PERCENT)
         }
         MisfitEvidence::Runs(found) => {
-            let left = errors.unexplained_percent();
             let words = format!(
-                "simulation leaves {left:.0} % of the motion (rms), and gain, delay and offset differ from run to \
-                 run by {:.0} % of it ({}): the runs are not of one servo under the same conditions",
+                "{left}, and gain, delay and offset differ from run to run by {:.0} % of it ({}): the runs are not \
+                 of one servo under the same conditions",
                 found.misfit_percent,
                 probability(found.p)
             );
-            (words, left, UNEXPLAINED_PERCENT)
+            (words, unexplained, UNEXPLAINED_PERCENT)
         }
         MisfitEvidence::NoSteps(found, seen) => {
-            let shown = Shown::by(&found);
+            let (percent, shown_by) = excess(&found);
             let words = format!(
-                "the servo is not linear ({:.1} % of the motion, rms, {}), and of the steps of the \
-                 reference {:.0} % are held until it has followed: how it answers a step was not seen",
-                shown.percent,
-                shown.how,
+                "the servo is not linear ({percent:.1} % of the motion, rms, {shown_by}), and only {:.0} % of the \
+                 steps of the reference are held until it has followed: its response to a step was not seen",
                 100.0 * seen
             );
             (words, seen, STEPS_FOLLOWED)
@@ -107,78 +103,62 @@ fn sign_in_words(errors: &Misfit) -> (String, f64, f64) {
     }
 }
 
-/// What showed that errors are not noise.
-struct Shown {
-    /// How much of the motion is concerned \[% rms\].
-    percent: f64,
-    /// What the errors do.
-    how: String,
-}
-
-impl Shown {
-    /// The functions of the motion know what the errors are like, so they come first.
-    fn by(found: &Linearity) -> Self {
-        match found.against_rest().filter(|_| !found.by_functions()) {
-            Some(rest) => Self {
-                percent: rest.misfit_percent,
-                how: format!(
-                    "is {:.1} times the noise at rest ({})",
-                    rest.ratio,
-                    probability(rest.p)
-                ),
-            },
-            None => Self {
-                percent: found.misfit_percent,
-                how: format!(
-                    "follows the motion in a way that neither noise nor a linear servo can ({})",
-                    probability(found.p)
-                ),
-            },
-        }
+/// How much of the motion is not explained by noise \[% rms\], and what shows it. The functions of the motion
+/// describe the errors more closely than the noise at rest does, so they come first.
+fn excess(found: &Linearity) -> (f64, String) {
+    match found.against_rest().filter(|_| !found.by_functions()) {
+        Some(rest) => (
+            rest.misfit_percent,
+            format!(
+                "is {:.1} times the noise at rest ({})",
+                rest.ratio,
+                probability(rest.p)
+            ),
+        ),
+        None => (
+            found.misfit_percent,
+            format!(
+                "follows the motion in a way that neither noise nor a linear servo can ({})",
+                probability(found.p)
+            ),
+        ),
     }
 }
 
 pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
-    let found = evidence
-        .explanation
-        .linearity
-        .filter(Linearity::is_rejected)?;
-    if evidence.explanation.model_errors.is_some() {
-        return None;
-    }
-    let shown = Shown::by(&found);
+    let linearity = evidence.explanation.linearity;
+    let found = linearity.filter(|found| found.is_rejected() && evidence.misfit().is_none())?;
+    let (percent, shown_by) = excess(&found);
+    let consequence = match evidence.has_bounds() {
+        true => {
+            "The bounds are those of the linear description that fits this reference best: a single stroke may lie \
+             outside, and other steps, amplitudes or a sine may give another description."
+        }
+        false => {
+            "The response is that of the linear description that fits this reference best; other steps, amplitudes \
+             or a sine may give another."
+        }
+    };
     Some(Advice::new(
         Check::Linearity,
         format!(
-            "The servo is not linear: {:.1} % of the motion (rms) {}. The bounds are those of the linear \
-             description that fits this reference best: a single stroke may lie outside, and other steps, \
-             amplitudes or a sine may give another description.",
-            shown.percent, shown.how
+            "The servo is not linear: {percent:.1} % of the motion (rms) {shown_by}. {consequence}"
         ),
-        shown.percent,
+        percent,
         MATERIAL_MISFIT_PERCENT,
         "Compare only what was recorded with the same reference; look at strokes up and down and at the \
          limits of speed and travel apart (--limits).",
     ))
 }
 
-/// Whether errors are shown to be more than noise, so that they say nothing of how large noise is.
-pub(super) fn nonlinear(evidence: &Evidence<'_>) -> bool {
-    let linearity = evidence.explanation.linearity.as_ref();
-    evidence.explanation.model_errors.is_some()
-        || linearity.is_some_and(Linearity::errors_follow_motion)
-}
-
 pub(super) fn metrics(evidence: &Evidence<'_>) -> Option<Advice> {
-    let errors = evidence.explanation.model_errors.as_ref()?;
-    let apart = errors.disagreement(&evidence.model.step.value);
+    let apart = evidence.misfit()?.disagreement(&evidence.model.step.value);
     (apart > DISAGREEMENT).then(|| {
         Advice::new(
             Check::Metrics,
             format!(
-                "Delay, rise time, overshoot and the like cannot be told from this recording: the step \
-                 responses of plain and generalised least squares differ by up to {:.0} % of the largest \
-                 value. They are left out.",
+                "Delay, rise time, overshoot and the other metrics are left out: the step responses of plain and \
+                 generalised least squares differ by up to {:.0} % of the largest value.",
                 100.0 * apart.min(9.99)
             ),
             apart,
@@ -189,99 +169,89 @@ pub(super) fn metrics(evidence: &Evidence<'_>) -> Option<Advice> {
 }
 
 pub(super) fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
-    // Of errors that are not noise, nothing more is to be said of the kind of noise.
-    if evidence.explanation.model_errors.is_some() {
+    // Errors that are not noise need no finding on the kind of noise.
+    if evidence.misfit().is_some() {
         return None;
     }
     let order = evidence.model.structure.noise_order;
+    let p = evidence.model.residuals.whiteness_p;
+    let (check, finding, value, threshold) = match p.filter(|p| *p < RESIDUAL_SIGNIFICANCE) {
+        Some(p) => {
+            let effect = match evidence.has_bounds() {
+                true => ", so the bounds are approximate",
+                false => "",
+            };
+            let finding = format!(
+                "The noise model is incomplete (order {order}): the one-step errors are related to each other{effect}."
+            );
+            (Check::Whiteness, finding, p, RESIDUAL_SIGNIFICANCE)
+        }
+        None if evidence.options.noise_order == NoiseOrder::Auto && order == MAX_AUTO_ORDER => {
+            let finding = format!("The noise model has the highest order considered, {order}.");
+            (
+                Check::NoiseOrder,
+                finding,
+                order as f64,
+                MAX_AUTO_ORDER as f64,
+            )
+        }
+        None => return None,
+    };
     let remedy =
         "Look for a periodic disturbance or a nonlinearity; a higher noise order may help.";
-    if let Some(p) = evidence
-        .model
-        .residuals
-        .whiteness_p
-        .filter(|p| *p < RESIDUAL_SIGNIFICANCE)
-    {
-        let finding = format!(
-            "The noise model is incomplete (order {order}): the one-step errors are related to each \
-             other, so the bounds are approximate."
-        );
-        return Some(Advice::new(
-            Check::Whiteness,
-            finding,
-            p,
-            RESIDUAL_SIGNIFICANCE,
-            remedy,
-        ));
-    }
-    (evidence.options.noise_order == NoiseOrder::Auto && order == MAX_AUTO_ORDER).then(|| {
-        let finding = format!("The noise model has the highest order considered, {order}.");
-        Advice::new(
-            Check::NoiseOrder,
-            finding,
-            order as f64,
-            MAX_AUTO_ORDER as f64,
-            remedy,
-        )
-    })
+    Some(Advice::new(check, finding, value, threshold, remedy))
 }
 
 pub(super) fn independence(evidence: &Evidence<'_>) -> Option<Advice> {
-    if evidence.explanation.model_errors.is_some() {
-        return None;
-    }
-    let p = evidence
-        .model
-        .residuals
-        .input_correlation_p
-        .filter(|p| *p < RESIDUAL_SIGNIFICANCE)?;
+    let p = evidence.model.residuals.input_correlation_p;
+    let p = p.filter(|p| *p < RESIDUAL_SIGNIFICANCE && evidence.misfit().is_none())?;
+    let description = match evidence.has_bounds() {
+        true => "the bounds are those of its best linear description only",
+        false => "this is its best linear description only",
+    };
     Some(Advice::new(
         Check::InputIndependence,
-        "What the model leaves over still depends on the input: the response is longer than the \
-         settling time, has more detail than the frequencies, or the servo is not linear."
-            .to_owned(),
+        "The residuals depend on the input: the response is longer than the settling time, has more detail than the \
+         frequencies, or the servo is not linear.",
         p,
         RESIDUAL_SIGNIFICANCE,
-        "Take a longer settling time or more frequencies; if neither helps, the servo is not linear \
-         and the bounds describe its best linear picture only.",
+        format!(
+            "Take a longer settling time or more frequencies; if neither helps, the servo is not linear and \
+             {description}."
+        ),
     ))
 }
 
-/// A root of D(z) beyond this is drift.
-const SLOW_ROOT: f64 = 0.98;
-
-/// Fewer degrees of freedom than this make the width of a band itself uncertain.
-const FEW_DEGREES: f64 = 30.0;
-
 pub(super) fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
-    // Of a servo that is not linear, what seems to drift is the rest of its motion.
-    if nonlinear(evidence) {
+    // The errors of a servo that is not linear follow its motion, which looks like drift.
+    if evidence.errors_follow_motion() {
         return None;
     }
-    let degrees = evidence
-        .explanation
-        .degrees_of_freedom
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
     let root = largest_root(&evidence.model.noise.ar);
-    let remedy = "Record longer, or remove the drift at its source.";
-    if root > SLOW_ROOT {
-        let finding = "The noise drifts slowly; the bounds of the gain rest on few independent \
-                       stretches of it.";
-        return Some(Advice::new(
-            Check::SlowNoise,
-            finding.to_owned(),
-            root,
-            SLOW_ROOT,
-            remedy,
-        ));
-    }
-    (degrees < FEW_DEGREES).then(|| {
-        let uncertain = 100.0 / (2.0 * degrees).sqrt();
+    let (finding, value, threshold) = if root > SLOW_ROOT {
+        let effect = match evidence.has_bounds() {
+            true => "; the bounds of the gain rest on few independent stretches of it",
+            false => "",
+        };
+        (format!("The noise drifts slowly{effect}."), root, SLOW_ROOT)
+    } else {
+        let degrees = evidence.explanation.degrees_of_freedom.iter().flatten();
+        let least = degrees.copied().fold(f64::INFINITY, f64::min);
+        if least >= FEW_DEGREES {
+            return None;
+        }
+        let uncertain = 100.0 / (2.0 * least).sqrt();
         let finding = format!(
-            "The noise is slow: the width of the bands is itself uncertain by {uncertain:.0} %."
+            "The noise is slow: the width of the bounds is itself uncertain by {uncertain:.0} %."
         );
-        Advice::new(Check::SlowNoise, finding, degrees, FEW_DEGREES, remedy)
-    })
+        (finding, least, FEW_DEGREES)
+    };
+    let remedy = "Record longer, or remove the drift at its source.";
+    Some(Advice::new(
+        Check::SlowNoise,
+        finding,
+        value,
+        threshold,
+        remedy,
+    ))
 }

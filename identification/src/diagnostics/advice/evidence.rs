@@ -1,17 +1,49 @@
 //! The evidence behind the findings on a model.
 
 use crate::diagnostics::explanation::Explanation;
+use crate::diagnostics::linearity::Linearity;
+use crate::diagnostics::misfit::Misfit;
+use crate::diagnostics::validity::Validity;
 use crate::options::Options;
-use crate::results::{Model, Reason};
+use crate::results::Model;
 
 /// What advice is drawn from.
 pub(crate) struct Evidence<'a> {
-    /// The model, with the bounds that it has as long as nothing speaks against them.
+    /// The model, whose bounds are withdrawn already where they do not hold.
     pub(crate) model: &'a Model,
-    /// Why these bounds do not hold, if they do not.
-    pub(crate) withdrawn: Option<Reason>,
+    /// Whether they hold, and what the input does not determine.
+    pub(crate) validity: &'a Validity,
     pub(crate) explanation: &'a Explanation,
     pub(crate) options: &'a Options,
     /// Samples of the record, missing ones included.
     pub(crate) samples: usize,
+}
+
+impl<'a> Evidence<'a> {
+    /// Whether the model has bounds, of which advice may speak.
+    pub(super) fn has_bounds(&self) -> bool {
+        self.model.bounds.valid().is_some()
+    }
+
+    /// What was found when the errors are not noise.
+    pub(super) fn misfit(&self) -> Option<&'a Misfit> {
+        self.explanation.model_errors.as_ref()
+    }
+
+    /// Whether the errors are more than noise, so that they do not show how large the noise is.
+    pub(super) fn errors_follow_motion(&self) -> bool {
+        let linearity = self.explanation.linearity.as_ref();
+        self.misfit().is_some() || linearity.is_some_and(Linearity::errors_follow_motion)
+    }
+
+    /// Half the sampling rate.
+    pub(super) fn nyquist_hz(&self) -> f64 {
+        0.5 / self.model.sample_period_s
+    }
+}
+
+/// A number with its first two digits.
+pub(super) fn two_digits(number: f64) -> String {
+    let decimals = (1.0 - number.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{number:.decimals$}")
 }

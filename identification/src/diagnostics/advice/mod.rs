@@ -1,4 +1,6 @@
 //! The sentences of advice: findings, and what to do about each.
+//!
+//! A finding on a model without bounds does not speak of bounds, nor has it a number that is the width of one.
 
 mod errors;
 mod evidence;
@@ -25,8 +27,7 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
         response::hidden_tail(evidence),
         response::responds(evidence),
         response::truncated(evidence),
-        resolution::coarse(evidence),
-        resolution::rounding(evidence),
+        resolution::quantised(evidence),
         record::parameters(evidence),
         errors::slow_noise(evidence),
         errors::whiteness(evidence),
@@ -41,4 +42,74 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
     .into_iter()
     .flatten()
     .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::results::{Check, Model};
+    use crate::{Options, Record, Settling, identify};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::StandardNormal;
+
+    /// A lag of a few samples under random levels, whose noise remembers the share `memory` of its last value.
+    fn model(samples: usize, memory: f64) -> Model {
+        let mut random = ChaCha8Rng::seed_from_u64(11);
+        let (mut level, mut servo, mut noise) = (1.0, 1.0, 0.0);
+        let (mut input, mut output) = (Vec::new(), Vec::new());
+        for _ in 0..samples {
+            if random.random_bool(0.1) {
+                level = -level;
+            }
+            noise = memory * noise + 0.02 * random.sample::<f64, _>(StandardNormal);
+            servo += 0.3 * (level - servo);
+            input.push(level);
+            output.push(servo + noise);
+        }
+        let options = Options {
+            settling: Settling::Samples(41),
+            ..Options::default()
+        };
+        identify(
+            &Record::from_slices(0.01, &input, &output).unwrap(),
+            &options,
+        )
+        .unwrap()
+    }
+
+    fn checks(model: &Model) -> Vec<&Check> {
+        model.advice.iter().map(|found| &found.check).collect()
+    }
+
+    #[test]
+    fn noise_that_drifts_is_slow_and_noise_that_forgets_is_not() {
+        let slow = |model: &Model| {
+            let found = model
+                .advice
+                .iter()
+                .find(|found| found.check == Check::SlowNoise);
+            found.map(|found| found.finding.clone())
+        };
+        let drift = slow(&model(4000, 0.995)).unwrap();
+        assert!(drift.contains("drifts slowly"), "{drift}");
+        let few = slow(&model(1200, 0.95)).unwrap();
+        assert!(few.contains("itself uncertain by"), "{few}");
+        assert_eq!(slow(&model(4000, 0.5)), None);
+    }
+
+    #[test]
+    fn a_short_record_has_many_parameters_and_loses_samples_to_history() {
+        let short = model(160, 0.0);
+        let found = checks(&short);
+        assert!(
+            found.contains(&&Check::Parameters) && found.contains(&&Check::History),
+            "{found:?}"
+        );
+        let long = model(2000, 0.0);
+        let found = checks(&long);
+        assert!(
+            !found.contains(&&Check::Parameters) && !found.contains(&&Check::History),
+            "{found:?}"
+        );
+    }
 }

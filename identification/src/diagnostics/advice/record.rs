@@ -1,13 +1,10 @@
 //! Findings on the record: whether it is enough, sound for the arithmetic, and of one piece.
 
 use super::evidence::Evidence;
-use crate::diagnostics::run_scatter::RunComparison;
+use crate::diagnostics::run_scatter::{RunComparison, RunDifference};
 use crate::estimation::{Solver, WELL_CONDITIONED};
 use crate::results::{Advice, Check};
-use crate::thresholds::{INITIAL_REST_MISSED, RESIDUAL_SIGNIFICANCE};
-
-/// More parameters than this share of the rows leave too little to judge the noise by.
-const LARGE_SHARE: f64 = 0.25;
+use crate::thresholds::{INITIAL_REST_MISSED, LARGE_SHARE, LOST_TO_HISTORY, RESIDUAL_SIGNIFICANCE};
 
 pub(super) fn parameters(evidence: &Evidence<'_>) -> Option<Advice> {
     let rows = evidence.explanation.rows as f64;
@@ -30,9 +27,8 @@ pub(super) fn conditioning(evidence: &Evidence<'_>) -> Option<Advice> {
     (evidence.explanation.path == Solver::Qr).then(|| {
         Advice::new(
             Check::Conditioning,
-            "The moments were not accurate enough for this input or this little noise; the rows \
-             were factorised by QR instead, which is slower and as accurate as ever."
-                .to_owned(),
+            "The moments were not accurate enough for this input or this little noise; the rows were factorised by \
+             QR instead, which is slower and as accurate as ever.",
             evidence.explanation.condition,
             WELL_CONDITIONED,
             "Nothing needs to be done; sharper edges in the input make the moments suffice.",
@@ -41,49 +37,57 @@ pub(super) fn conditioning(evidence: &Evidence<'_>) -> Option<Advice> {
 }
 
 pub(super) fn converged(evidence: &Evidence<'_>) -> Option<Advice> {
+    let iterations = evidence.model.iterations as f64;
     (!evidence.model.converged).then(|| {
         Advice::new(
             Check::Converged,
-            "The noise model did not come to rest.".to_owned(),
-            evidence.model.iterations as f64,
-            evidence.model.iterations as f64,
+            "The noise model did not converge.",
+            iterations,
+            iterations,
             "Fix the noise order, or look for a disturbance that comes and goes.",
         )
     })
 }
 
+/// A run against the common model.
+fn differences(run: &RunDifference) -> String {
+    format!(
+        "gain {:+.2} %, delay {:+.2} ms, offset {:+.3} against the common model",
+        run.gain_percent.value,
+        1000.0 * run.delay_s.value,
+        run.offset.value
+    )
+}
+
 pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
     let runs = evidence.explanation.runs.as_ref()?;
-    let p = [runs.gain_percent, runs.delay_s, runs.offset]
-        .iter()
-        .map(|s| s.p)
-        .fold(1.0, f64::min);
-    // Three numbers are tested.
-    let threshold = RESIDUAL_SIGNIFICANCE / 3.0;
+    let scatter = [runs.gain_percent, runs.delay_s, runs.offset];
+    let p = scatter.iter().map(|s| s.p).fold(1.0, f64::min);
+    let threshold = RESIDUAL_SIGNIFICANCE / scatter.len() as f64;
+    let bounds = match evidence.has_bounds() {
+        true => " The bounds hold for the mean of these runs, not for the next one.",
+        false => "",
+    };
     (p < threshold).then(|| {
         Advice::new(
             Check::RunScatter,
             format!(
-                "The runs differ by more than their noise: gain by {:.2} %, delay by {:.2} ms, offset \
-                 by {:.3} (standard deviations between runs).{}{}",
+                "The runs differ by more than their noise: gain by {:.2} %, delay by {:.2} ms, offset by {:.3} \
+                 (standard deviations between runs).{bounds}{}",
                 runs.gain_percent.sd,
                 1000.0 * runs.delay_s.sd,
                 runs.offset.sd,
-                match evidence.explanation.model_errors {
-                    Some(_) => "",
-                    None => " The bounds hold for the mean of these runs, not for the next one.",
-                },
                 farthest(runs).unwrap_or_default()
             ),
             p,
             threshold,
-            "Look for what changes from run to run, such as supply voltage or temperature; compare \
-             servos by several runs each.",
+            "Look for what changes from run to run, such as supply voltage or temperature; compare servos by \
+             several runs each.",
         )
     })
 }
 
-/// Which run lies farthest from the others, where that is no finding of its own.
+/// The run that lies farthest from the others, where that is no finding of its own.
 fn farthest(runs: &RunComparison) -> Option<String> {
     let farthest = runs.farthest.filter(|_| runs.deviating.is_none())?;
     let run = runs.runs.iter().find(|run| run.run == farthest.run)?;
@@ -92,13 +96,10 @@ fn farthest(runs: &RunComparison) -> Option<String> {
         _ => "in any number".to_owned(),
     };
     Some(format!(
-        " Run {} lies farthest from the others (gain {:+.2} %, delay {:+.2} ms, offset {:+.3} against the common \
-         model; {:.1} of their standard deviations), which {} runs of one kind bring about by chance {chance} \
-         of records.",
+        " Run {} lies farthest from the others ({}; {:.1} of their standard deviations), which happens by chance \
+         {chance} of records of {} runs of one kind.",
         run.run,
-        run.gain_percent.value,
-        1000.0 * run.delay_s.value,
-        run.offset.value,
+        differences(run),
         farthest.distance,
         runs.runs.len()
     ))
@@ -111,12 +112,9 @@ pub(super) fn deviating(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::DeviatingRun,
         format!(
-            "Run {} stands out from the others: gain {:+.2} %, delay {:+.2} ms, offset {:+.3} against \
-             the common model.",
+            "Run {} deviates from the others: {}.",
             run.run,
-            run.gain_percent.value,
-            1000.0 * run.delay_s.value,
-            run.offset.value
+            differences(run)
         ),
         deviating.distance,
         deviating.threshold,
@@ -126,9 +124,6 @@ pub(super) fn deviating(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
     ))
 }
-
-/// Share of the samples that may be lost to history without a word.
-const LOST_TO_HISTORY: f64 = 0.2;
 
 pub(super) fn history(evidence: &Evidence<'_>) -> Option<Advice> {
     let fit = &evidence.model.fit;
@@ -155,13 +150,12 @@ pub(super) fn at_rest(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::AtRest,
         format!(
-            "Run {} does not begin where an input of {} at rest would have brought the servo: its first readings are \
-             {:+.3} from there, {:.0} times the usual error, as if the input had been {:.3}. A wrong statement \
-             bends the whole response.",
+            "Run {} did not begin at rest under an input of {}: its first readings are {:+.3} from there, {:.0} times \
+             the usual error, as if the input had been {:.3}. A wrong statement bends the whole response.",
             found.run, found.stated, found.error, found.times_usual, found.rather
         ),
         found.times_usual,
         INITIAL_REST_MISSED,
-        "State the input that the servo had rested at (--at-rest), or none.",
+        "State the input at which the servo rested before the run (--at-rest), or none.",
     ))
 }

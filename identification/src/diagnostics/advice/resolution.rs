@@ -1,62 +1,51 @@
 //! Findings on the sensor: whether its steps are small enough for the noise.
 
-use super::evidence::Evidence;
+use super::evidence::{Evidence, two_digits};
+use crate::estimation::Excitation;
 use crate::results::{Advice, Check};
 use crate::thresholds::DITHERED;
 
 const REMEDY: &str =
     "Use larger strokes, many different levels, or a sensor with smaller steps or more noise.";
 
-/// Rounding that the bounds contain.
-pub(super) fn coarse(evidence: &Evidence<'_>) -> Option<Advice> {
+pub(super) fn quantised(evidence: &Evidence<'_>) -> Option<Advice> {
     let found = evidence.explanation.resolution?;
-    if is_smooth(evidence) {
-        return None;
-    }
-    let percent = match evidence.model.theta[0].abs() {
-        gain if gain > 0.0 => 100.0 * found.allowance / gain,
-        _ => 0.0,
-    };
-    Some(Advice::new(
-        Check::Resolution,
-        format!(
-            "The sensor's steps of {} are larger than the noise: its rounding repeats itself and is not \
-             averaged out. The bounds contain {percent:.2} % of the gain for it.",
-            step_in_words(found.step)
-        ),
-        found.residual,
-        DITHERED,
-        REMEDY,
-    ))
-}
-
-/// Under a smooth input what rounding does to the response grows with everything else, and nothing bounds it.
-pub(super) fn rounding(evidence: &Evidence<'_>) -> Option<Advice> {
-    let found = evidence.explanation.resolution?;
-    is_smooth(evidence).then(|| {
-        Advice::new(
+    let smooth = evidence.explanation.excitation.as_ref();
+    let steps = format!(
+        "The sensor's steps of {} are larger than the noise",
+        two_digits(found.step)
+    );
+    let (check, finding, remedy) = if smooth.is_some_and(Excitation::is_smooth) {
+        // Under a smooth input the effect of rounding on the response grows with everything else.
+        (
             Check::Rounding,
             format!(
-                "The sensor's steps of {} are larger than the noise, and the reference is smooth: what the \
-                 rounding does to the response is not known. The bounds have no level.",
-                step_in_words(found.step)
+                "{steps}, and the reference is smooth: the effect of the rounding on the response has no bound, so \
+                 no bounds can be given."
             ),
-            found.residual,
-            DITHERED,
             format!("Use a reference with sharp edges. {REMEDY}"),
         )
-    })
-}
-
-fn is_smooth(evidence: &Evidence<'_>) -> bool {
-    evidence
-        .explanation
-        .excitation
-        .is_some_and(|found| found.is_smooth())
-}
-
-/// Two digits that count.
-fn step_in_words(step: f64) -> String {
-    let digits = (1.0 - step.log10().floor()).clamp(0.0, 9.0) as usize;
-    format!("{step:.digits$}")
+    } else {
+        let gain = evidence.model.theta[0].abs();
+        let allowance = found.allowance.map_or_else(String::new, |allowance| {
+            let percent = if gain > 0.0 {
+                100.0 * allowance / gain
+            } else {
+                0.0
+            };
+            format!(" The bounds contain {percent:.2} % of the gain for it.")
+        });
+        (
+            Check::Resolution,
+            format!("{steps}: their rounding repeats itself and is not averaged out.{allowance}"),
+            REMEDY.to_owned(),
+        )
+    };
+    Some(Advice::new(
+        check,
+        finding,
+        found.residual,
+        DITHERED,
+        remedy,
+    ))
 }

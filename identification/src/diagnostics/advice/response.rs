@@ -1,19 +1,15 @@
-//! Findings on the response: whether it is over, and what of it was left out.
+//! Findings on the response: whether it is over, and which part of it was left out.
 
-use super::errors;
-use super::evidence::Evidence;
+use super::evidence::{Evidence, two_digits};
 use crate::options::Frequencies;
 use crate::results::{Advice, Check, SelectedBy};
 use crate::selection::Choice;
-use crate::thresholds::{DETECTION, MARGIN};
+use crate::thresholds::{DETECTION, HIDDEN_TAIL, MARGIN};
 
 /// The choice of the settling time, unless it was overruled because the errors are not noise.
 fn trusted_choice<'a>(evidence: &Evidence<'a>) -> Option<&'a Choice> {
-    let explanation = evidence.explanation;
-    explanation
-        .settling
-        .as_ref()
-        .filter(|_| explanation.model_errors.is_none())
+    let choice = evidence.explanation.settling.as_ref();
+    choice.filter(|_| evidence.misfit().is_none())
 }
 
 pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
@@ -21,12 +17,15 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     let period = evidence.model.sample_period_s;
     let longest = choice.longest as f64 * period;
     let moving = choice.detected as f64 * period;
+    let bounds = match evidence.has_bounds() {
+        true => "The bounds hold up to there; the",
+        false => "The",
+    };
     Some(Advice::new(
         Check::Settled,
         format!(
-            "The response has not settled within the longest time that can be judged, {longest:.3} \
-             s: it still moves at {moving:.3} s. The bounds hold up to there; the final value is not \
-             certain."
+            "The response has not settled within the longest time that can be judged, {longest:.3} s: it still moves \
+             at {moving:.3} s. {bounds} final value is not certain."
         ),
         choice.detected as f64,
         choice.longest as f64 / MARGIN,
@@ -40,84 +39,76 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
 
 pub(super) fn repeats(evidence: &Evidence<'_>) -> Option<Advice> {
     let settling = evidence.explanation.settling.as_ref()?;
-    let repeats = settling.repeats_after? as f64 * evidence.model.sample_period_s;
+    let period = evidence.model.sample_period_s;
+    let repeats = settling.repeats_after? as f64 * period;
     Some(Advice::new(
         Check::Repeats,
         format!(
-            "The reference repeats itself after {repeats:.3} s: what the response does later than that cannot be \
-             told from what it does before, and is taken to be over."
+            "The response is taken to be over after {repeats:.3} s, because the reference repeats itself then: later \
+             parts cannot be separated from earlier ones."
         ),
         repeats,
-        settling.longest as f64 * evidence.model.sample_period_s,
+        settling.longest as f64 * period,
         "Use holds of different lengths, as a staircase or random steps have, to see later parts of the \
          response.",
     ))
 }
 
-/// What may go on below the noise after the settling time, in standard deviations, without spoiling
-/// bounds.
-const HIDDEN: f64 = 0.5;
-
 /// Of an exponential tail of the size A of the response, seen down to c standard deviations s, the share
-/// (c s / A)^κ is left after κ times as long: c (c s / A)^(κ-1) standard deviations.
+/// (c s / A)^κ is left after κ times as long: c (c s / A)^(κ-1) standard deviations. Without bounds, s is not known.
 pub(super) fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
     trusted_choice(evidence).filter(|choice| choice.settled && choice.detected > 1)?;
     let step = &evidence.model.step;
     let size = step.value.last()?.abs();
     let sd = step.bounds.valid()?.sd.iter().copied().fold(0.0, f64::max);
-    let hidden = DETECTION * (DETECTION * sd / size).powf(MARGIN - 1.0);
-    if errors::nonlinear(evidence) {
-        // More motion would bring more of the errors, not less noise.
-        return (hidden > HIDDEN).then(|| hidden_by_errors(hidden, sd / size));
+    let visible = DETECTION * sd / size;
+    let hidden = DETECTION * visible.powf(MARGIN - 1.0);
+    if hidden <= HIDDEN_TAIL {
+        return None;
     }
-    (hidden > HIDDEN).then(|| {
-        Advice::new(
-            Check::HiddenTail,
+    let percent = 100.0 * visible;
+    // Where errors grow with the motion, more motion would bring more of them.
+    let (finding, remedy) = match evidence.errors_follow_motion() {
+        true => (
             format!(
-                "The noise is large for what this input excites: a slow end or a ringing of the response below {:.0} % of the final \
-                 value cannot be seen, and what is left of it after the settling time may be {hidden:.1} \
-                 standard deviations. The bounds may hold less often than they say.",
-                100.0 * DETECTION * sd / size
+                "A slow end or a ringing of the response below {percent:.0} % of the final value cannot be seen: the \
+                 errors of a servo that is not linear hide it."
             ),
-            hidden,
-            HIDDEN,
-            "Record longer, or use larger steps with sharper edges.",
-        )
-    })
-}
-
-/// The same of a servo whose errors grow with its motion; `share` is a standard deviation of the final
-/// value.
-fn hidden_by_errors(hidden: f64, share: f64) -> Advice {
-    Advice::new(
-        Check::HiddenTail,
-        format!(
-            "The errors of a servo that is not linear hide what its response does below {:.0} % of the final value: \
-             a slow end or a ringing cannot be seen.",
-            100.0 * DETECTION * share
+            "Record steps of one size that are held until the servo rests.",
         ),
+        false => (
+            format!(
+                "A slow end or a ringing of the response below {percent:.0} % of the final value cannot be seen, \
+                 because the noise is large for this input; after the settling time it may still amount to \
+                 {hidden:.1} standard deviations. The bounds may hold less often than their level."
+            ),
+            "Record longer, or use larger steps with sharper edges.",
+        ),
+    };
+    Some(Advice::new(
+        Check::HiddenTail,
+        finding,
         hidden,
-        HIDDEN,
-        "Record steps of one size that are held until the servo rests.",
-    )
+        HIDDEN_TAIL,
+        remedy,
+    ))
 }
 
 pub(super) fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
     let choice = trusted_choice(evidence).filter(|choice| choice.detected <= 1)?;
     let gain = &evidence.model.metrics.dc_gain;
-    let sign_is_known = gain
-        .lower
-        .zip(gain.upper)
-        .is_some_and(|(lower, upper)| lower * upper > 0.0);
-    let finding = if sign_is_known {
-        "No moment of the response stands out of the noise: that the output follows the input shows in the gain alone, \
-         and how it gets there is not known."
-    } else {
+    let has_sign = |(lower, upper): (f64, f64)| lower * upper > 0.0;
+    let finding = if gain.lower.zip(gain.upper).is_some_and(has_sign) {
+        "The course of the response is not known: the output follows the input in its gain, but no moment of the \
+         response exceeds the noise."
+    } else if evidence.has_bounds() {
         "The output shows no response to the input above the noise."
+    } else {
+        "No moment of the response exceeds the noise."
     };
     Some(Advice::new(
         Check::Response,
-        finding.to_owned(),
+        finding,
         choice.detected as f64,
         1.0,
         "Check that input and output belong together, and use larger steps.",
@@ -126,72 +117,71 @@ pub(super) fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
 
 pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     let model = evidence.model;
+    let structure = &model.structure;
     let basis = model.basis().ok()?;
     if basis.has_all_frequencies() {
         return None;
     }
-    let bounds = model.step.bounds.valid()?;
-    let bias = bounds.truncation_bias;
-    let noise = bounds.mean_half_widths().0 - bias;
     let highest = basis.highest_hz(model.sample_period_s);
-    let decade = if model.structure.selected_by == SelectedBy::Narrow {
-        40
-    } else {
-        20
-    };
-    let automatic = evidence.options.frequencies == Frequencies::Auto;
-    let errors = evidence.explanation.model_errors.as_ref();
+    let misfit = evidence.misfit();
     // The choice for prediction leaves out what does not help it, whether the input has it or not.
-    let low_passed = errors.is_none_or(|errors| errors.unexcited_above_hz.is_some());
-    let (finding, remedy) = if automatic && !low_passed {
-        (
-            format!(
-                "The {} frequencies that predict best reach up to {highest:.1} Hz only",
-                model.structure.frequencies
-            ),
-            "Nothing needs to be done for prediction; ask for more frequencies to look at detail.",
+    let by_prediction = misfit.is_some_and(|misfit| misfit.unexcited_above_hz.is_none());
+    let reach = |which: &str| {
+        format!(
+            "The {} frequencies{which} reach up to {highest:.1} Hz only",
+            structure.frequencies
         )
-    } else if automatic {
-        (
+    };
+    let (finding, remedy) = match evidence.options.frequencies {
+        Frequencies::Auto if by_prediction => (
+            reach(" that predict best"),
+            "Nothing needs to be done for prediction; ask for more frequencies to look at detail.",
+        ),
+        Frequencies::Auto => (
             match highest > 0.0 {
                 true => format!(
-                    "The input has too little power above {highest:.1} Hz to tell the response there"
+                    "The input has too little power above {highest:.1} Hz to determine the response there"
                 ),
-                false => {
-                    "The input moves too slowly to tell more of the response than a gain".to_owned()
-                }
+                false => "The input moves too slowly to determine more of the response than a gain"
+                    .to_owned(),
             },
             "Use a reference with sharp edges, without a filter before the servo.",
-        )
-    } else {
-        (
-            format!(
-                "The {} frequencies reach up to {highest:.1} Hz only",
-                model.structure.frequencies
-            ),
+        ),
+        _ => (
+            reach(""),
             "Take more frequencies, or leave their number to the automatic choice.",
-        )
+        ),
     };
-    // Two digits that count.
-    let digits = (1.0 - bias.log10().floor()).clamp(0.0, 9.0) as usize;
-    if evidence.withdrawn.is_some() {
-        let structure = &model.structure;
-        return Some(Advice::new(
-            Check::Truncation,
+    let (finding, value, threshold) = match model.step.bounds.valid() {
+        Some(bounds) => {
+            let bias = bounds.truncation_bias;
+            let decade = if structure.selected_by == SelectedBy::Narrow {
+                40
+            } else {
+                20
+            };
+            let allowance = format!(
+                "The bounds contain {} for what is left out, which holds if the response falls by at least {decade} \
+                 dB/decade above",
+                two_digits(bias)
+            );
+            (
+                format!("{finding}. {allowance}."),
+                bias,
+                bounds.mean_half_widths().0 - bias,
+            )
+        }
+        None => (
             format!("{finding}."),
             structure.frequencies as f64,
             structure.settling_samples as f64,
-            remedy,
-        ));
-    }
+        ),
+    };
     Some(Advice::new(
         Check::Truncation,
-        format!(
-            "{finding}. The bands contain {bias:.digits$} for what is left out, which holds if the response falls by at \
-             least {decade} dB/decade above."
-        ),
-        bias,
-        noise,
+        finding,
+        value,
+        threshold,
         remedy,
     ))
 }

@@ -1,4 +1,4 @@
-//! What samples cannot tell from higher frequencies.
+//! Aliasing: the effect of frequencies above half the rate of sampling on those below.
 //!
 //! An input that is held between samples has a spectrum of its own at every ω + kω_s, ω_s being the rate of
 //! sampling, and sampling folds what the servo answers there onto ω:
@@ -25,7 +25,7 @@ const CAUTION: f64 = 3.0;
 
 /// The part of a response that is folded from beyond half the rate of sampling.
 pub(super) struct Folding {
-    /// |G(jω)| ω is at most this beyond half the rate of sampling; infinite where nothing says so.
+    /// |G(jω)| ω is at most this beyond half the rate of sampling; infinite where that is not known.
     r: f64,
 }
 

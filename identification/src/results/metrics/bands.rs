@@ -48,7 +48,7 @@ impl Scan {
     fn new(measured: &Measured<'_>) -> Self {
         let (basis, period) = (&measured.basis, measured.timing.sample_period_s);
         let low = 0.02 * basis.fundamental() / period;
-        // A bank of the gain alone says nothing of any other frequency: there is nowhere to look.
+        // A bank of the gain alone has no other frequency to look at.
         let points = if basis.highest() == 0 { 0 } else { SCAN };
         let high = basis.highest() as f64 * basis.fundamental() / period;
         let ratio = (high / low).ln() / (SCAN - 1) as f64;
@@ -84,7 +84,7 @@ impl Falling<'_> {
         let Some(omega) = zero else {
             return Interval::new(f64::INFINITY, f64::INFINITY, f64::INFINITY);
         };
-        // Slope and standard deviation at the crossing say where the bounds are about.
+        // Slope and standard deviation at the crossing give a first guess of the bounds.
         let h = 1e-3 * omega;
         let at = |omega: f64| self.value_and_sd(omega);
         let sd = at(omega).1;

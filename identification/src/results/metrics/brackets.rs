@@ -5,11 +5,9 @@
 
 use super::interval::Interval;
 use super::rise::RiseIntervals;
-use super::shape::{EARLY, HALF, LATE};
+use super::shape::LEVELS;
 use super::spread::Spread;
-
-/// Half width of the bound of a single sample, as a share of the final value, from which on brackets are taken.
-const WIDE: f64 = 0.05;
+use crate::thresholds::ROUGH_SAMPLE;
 
 /// A curve whose gain is positive, and how well its samples are known.
 pub(super) struct Brackets<'a> {
@@ -25,10 +23,10 @@ impl Brackets<'_> {
         self.curve.len() - 1
     }
 
-    /// Whether one of the samples `points` is known to no better than [`WIDE`].
+    /// Whether one of the samples `points` is known to no better than [`ROUGH_SAMPLE`].
     pub(super) fn are_needed(&self, points: &[usize]) -> bool {
-        let sd = points.iter().map(|&m| self.spread.sd_over(m, HALF));
-        self.one * sd.fold(0.0, f64::max) > WIDE * self.curve[self.last()]
+        let sd = points.iter().map(|&m| self.spread.sd_over(m, LEVELS.half));
+        self.one * sd.fold(0.0, f64::max) > ROUGH_SAMPLE * self.curve[self.last()]
     }
 
     /// Sample `m` over a level, less `deviations` standard deviations.
@@ -54,8 +52,8 @@ impl Brackets<'_> {
     /// The times by which the response has passed 5, 10, 50 and 90 % as [`Shape`](super::shape::Shape) reads them:
     /// half and 90 % for the first time, the others for the last time before half. `value` holds the estimates.
     pub(super) fn intervals(&self, value: &RiseIntervals) -> RiseIntervals {
-        let half_first = self.earliest(0, HALF);
-        let half_last = self.reached(0, HALF);
+        let half_first = self.earliest(0, LEVELS.half);
+        let half_last = self.reached(0, LEVELS.half);
         let early = |share: f64| {
             let all_above = half_last.map(|half| {
                 (0..half)
@@ -64,9 +62,9 @@ impl Brackets<'_> {
             });
             (self.earliest(0, share), end(all_above))
         };
-        let (delay, tenth) = (early(EARLY[0]), early(EARLY[1]));
-        let late_first = self.earliest(half_first as usize, LATE);
-        let late_last = end(half_last.and_then(|half| self.reached(half, LATE)));
+        let (delay, tenth) = (early(LEVELS.delay), early(LEVELS.tenth));
+        let late_first = self.earliest(half_first as usize, LEVELS.ninety);
+        let late_last = end(half_last.and_then(|half| self.reached(half, LEVELS.ninety)));
         let interval = |value: Interval, (lower, upper): (f64, f64)| {
             Interval::new(value.value.unwrap_or(f64::INFINITY), lower, upper)
         };

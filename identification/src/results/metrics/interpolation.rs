@@ -1,7 +1,7 @@
 //! Between samples: what interpolation of a crossing may be wrong by.
 
 use super::crossing::Crossing;
-use super::shape::{EARLY, HALF, LATE, Shape};
+use super::shape::{AtLevels, LEVELS, Shape};
 use super::spread::Weights;
 
 /// Samples in the rise below which a cubic through four samples no longer follows the curve between
@@ -13,8 +13,8 @@ const BEGUN: f64 = 0.02;
 
 /// What interpolation may be wrong by \[samples\], at each crossing of a curve.
 ///
-/// Nothing is known of the curve between its samples; what different interpolations disagree by says
-/// how much that may matter. With x the crossing of the cubic, x1 that of the straight line, x2 and
+/// Nothing is known of the curve between its samples; the difference of several interpolations shows how much
+/// that may matter. With x the crossing of the cubic, x1 that of the straight line, x2 and
 /// x3 those of the two parabolas, and r samples from 10 to 90 %,
 ///
 /// ```text
@@ -26,42 +26,29 @@ const BEGUN: f64 = 0.02;
 /// rise e is about a hundredth of a sample. Where the response had not begun at the sample before, a
 /// dead time may end anywhere up to the crossing's other neighbour: then e reaches to the farther of
 /// the two, again by the share min(1, (4/r)²).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Interpolation {
-    pub(crate) delay: f64,
-    pub(crate) tenth: f64,
-    pub(crate) half: f64,
-    pub(crate) ninety: f64,
-}
-
-impl Interpolation {
-    /// Of `curve`, whose crossings are those of `shape`.
-    pub(crate) fn new(curve: &[f64], shape: &Shape) -> Self {
-        let coarseness = (COARSE / shape.crossings.rise()).powi(2).min(1.0);
-        let error = |crossing: f64, share: f64| {
-            // The sample that follows the crossing; none where there is no crossing.
-            let m = (crossing.floor() as usize).saturating_add(1);
-            if !crossing.is_finite() || m >= curve.len() {
-                return 0.0;
-            }
-            let around = Crossing::new(curve, m, share * shape.gain);
-            let at = crossing - (m - 1) as f64;
-            let line = (at - around.linear()).abs();
-            let parabola = around.parabolas().map(|x| (at - x).abs());
-            let error = 3.0 * coarseness * line + 2.0 * parabola[0].max(parabola[1]);
-            let begun = curve[m - 1] > BEGUN * shape.gain;
-            if begun {
-                error
-            } else {
-                error.max(coarseness * at.max(1.0 - at))
-            }
-        };
-        Self {
-            delay: error(shape.crossings.delay, EARLY[0]),
-            tenth: error(shape.crossings.tenth, EARLY[1]),
-            half: error(shape.crossings.half, HALF),
-            ninety: error(shape.crossings.ninety, LATE),
+pub(crate) fn interpolation_errors(curve: &[f64], shape: &Shape) -> AtLevels<f64> {
+    let coarseness = (COARSE / shape.crossings.rise()).powi(2).min(1.0);
+    let error = |crossing: f64, share: f64| {
+        // The sample that follows the crossing; none where there is no crossing.
+        let m = (crossing.floor() as usize).saturating_add(1);
+        if !crossing.is_finite() || m >= curve.len() {
+            return 0.0;
         }
+        let around = Crossing::new(curve, m, share * shape.gain);
+        let at = crossing - (m - 1) as f64;
+        let line = (at - around.linear()).abs();
+        let parabola = around.parabolas().map(|x| (at - x).abs());
+        let error = 3.0 * coarseness * line + 2.0 * parabola[0].max(parabola[1]);
+        match curve[m - 1] > BEGUN * shape.gain {
+            true => error,
+            false => error.max(coarseness * at.max(1.0 - at)),
+        }
+    };
+    AtLevels {
+        delay: error(shape.crossings.delay, LEVELS.delay),
+        tenth: error(shape.crossings.tenth, LEVELS.tenth),
+        half: error(shape.crossings.half, LEVELS.half),
+        ninety: error(shape.crossings.ninety, LEVELS.ninety),
     }
 }
 
@@ -111,8 +98,8 @@ mod tests {
         };
         let Crossings { delay, half, .. } = shape.crossings;
         // Crossings are found to a billionth of the slope.
-        assert_abs_diff_eq!(value(delay, EARLY[0]), 0.0, epsilon = 1e-9);
-        assert_abs_diff_eq!(value(half, HALF), 0.0, epsilon = 1e-9);
+        assert_abs_diff_eq!(value(delay, LEVELS.delay), 0.0, epsilon = 1e-9);
+        assert_abs_diff_eq!(value(half, LEVELS.half), 0.0, epsilon = 1e-9);
         for m in [0, 1, 2, 70, last - 2, last - 1] {
             assert_abs_diff_eq!(value(m as f64, 0.0), curve[m], epsilon = 1e-15);
         }
@@ -124,19 +111,19 @@ mod tests {
         let mut shape = Windows::new(&curve, &vec![1e-9; curve.len()]).read(&curve);
         for none in [f64::INFINITY, f64::NAN] {
             shape.crossings.delay = none;
-            assert_eq!(Interpolation::new(&curve, &shape).delay, 0.0);
+            assert_eq!(interpolation_errors(&curve, &shape).delay, 0.0);
         }
     }
 
     /// A first-order lag whose dead time ends between samples: the delay lies where no cubic can
-    /// find it, and the error says so; sampled finely, there is no error to speak of.
+    /// find it, and the error shows it; sampled finely, there is no error to speak of.
     #[test]
     fn crossings_between_coarse_samples_are_as_uncertain_as_they_are() {
         let read = |lag: f64, dead: f64, samples: usize| {
             let response = |m: usize| 1.0 - (-(m as f64 - dead).max(0.0) / lag).exp();
             let curve: Vec<f64> = (0..samples).map(response).chain([1.0]).collect();
             let shape = Windows::new(&curve, &vec![1e-9; curve.len()]).read(&curve);
-            let error = Interpolation::new(&curve, &shape);
+            let error = interpolation_errors(&curve, &shape);
             let truth = |share: f64| dead - lag * (1.0 - share).ln();
             for (x, e, share) in [
                 (shape.crossings.delay, error.delay, 0.05),

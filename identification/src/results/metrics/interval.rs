@@ -33,16 +33,6 @@ impl Interval {
         })
     }
 
-    /// The value alone.
-    #[must_use]
-    pub(crate) fn without_bounds(self) -> Self {
-        Self {
-            lower: None,
-            upper: None,
-            ..self
-        }
-    }
-
     /// The same interval in another unit: a rising function of value and bounds.
     pub(crate) fn map(self, of: impl Fn(f64) -> f64) -> Self {
         Self {

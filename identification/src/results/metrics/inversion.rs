@@ -11,12 +11,8 @@
 //! the places at which v = 0 is not rejected.
 
 use super::interpolation::weights_at;
-use super::shape::SURE;
 use super::spread::{Joint, Spread, Weights};
-
-/// Standard deviations by which each step of a curve must go up for it to be surely rising: one draw
-/// in 30 000 would have it go down.
-const RISING: f64 = 4.0;
+use crate::thresholds::{RISING, SURE};
 
 /// A level that a curve passes.
 #[derive(Debug, Clone, Copy)]

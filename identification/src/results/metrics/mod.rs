@@ -118,15 +118,20 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// Reads them off.
-    pub(crate) fn new(measured: &Measured<'_>) -> Self {
+    /// Reads them off. Where `bounds` are withdrawn, intervals keep their value alone.
+    pub(crate) fn new(measured: &Measured<'_>, bounds: Bounds<MetricBounds>) -> Self {
+        let metrics = Self::of_response(measured, bounds);
+        match bounds.withdrawn() {
+            Some(reason) => metrics.withdrawn(reason),
+            None => metrics,
+        }
+    }
+
+    fn of_response(measured: &Measured<'_>, bounds: Bounds<MetricBounds>) -> Self {
         let step = measured.step;
         let last = step.len() - 1;
         let pointwise = &measured.step_bounds.pointwise;
         let dc_gain = Interval::new(step[last], pointwise.lower[last], pointwise.upper[last]);
-        let bounds = Bounds::Valid(MetricBounds {
-            level: measured.level(),
-        });
         // Everything else is relative to a gain, and there is none if it may be zero.
         if dc_gain.contains(0.0) {
             return Self::withheld(dc_gain, Withheld::GainMayBeZero, bounds);
@@ -136,7 +141,7 @@ impl Metrics {
         let rise = of_step.rise();
         let [bandwidth_rad_s, phase_minus_90_rad_s] =
             bands::bandwidth_and_quarter_turn(measured, spread.widest());
-        // No response comes before its edge, whatever a wide interval says.
+        // No response comes before its edge, even if an interval is wide.
         let since_edge = |samples: f64| measured.timing.seconds(samples).max(0.0);
         Self {
             dc_gain,
@@ -160,31 +165,38 @@ impl Metrics {
         reason: Withheld,
         bounds: Bounds<MetricBounds>,
     ) -> Self {
+        let none = Interval::default();
         Self {
             dc_gain,
-            rise_time_s: Interval::default(),
-            settling_time_s: Interval::default(),
-            overshoot_percent: Interval::default(),
-            delay_s: Interval::default(),
-            t50_s: Interval::default(),
-            bandwidth_rad_s: Interval::default(),
-            phase_minus_90_rad_s: Interval::default(),
+            rise_time_s: none,
+            settling_time_s: none,
+            overshoot_percent: none,
+            delay_s: none,
+            t50_s: none,
+            bandwidth_rad_s: none,
+            phase_minus_90_rad_s: none,
             withheld: Some(reason),
             bounds,
         }
     }
 
-    /// The values without their bounds.
-    pub(crate) fn withdrawn(mut self, reason: Reason) -> Self {
-        for interval in self.intervals_mut() {
-            *interval = interval.without_bounds();
-        }
-        self.bounds = Bounds::Withdrawn(reason);
-        self
+    /// All metrics by the names of their fields.
+    pub(crate) fn named(&self) -> [(&'static str, Interval); 8] {
+        [
+            ("dc_gain", self.dc_gain),
+            ("delay_s", self.delay_s),
+            ("t50_s", self.t50_s),
+            ("rise_time_s", self.rise_time_s),
+            ("overshoot_percent", self.overshoot_percent),
+            ("settling_time_s", self.settling_time_s),
+            ("bandwidth_rad_s", self.bandwidth_rad_s),
+            ("phase_minus_90_rad_s", self.phase_minus_90_rad_s),
+        ]
     }
 
-    fn intervals_mut(&mut self) -> [&mut Interval; 8] {
-        [
+    /// The values without their bounds.
+    pub(crate) fn withdrawn(mut self, reason: Reason) -> Self {
+        for interval in [
             &mut self.dc_gain,
             &mut self.rise_time_s,
             &mut self.settling_time_s,
@@ -193,17 +205,20 @@ impl Metrics {
             &mut self.t50_s,
             &mut self.bandwidth_rad_s,
             &mut self.phase_minus_90_rad_s,
-        ]
+        ] {
+            (interval.lower, interval.upper) = (None, None);
+        }
+        self.bounds = Bounds::Withdrawn(reason);
+        self
     }
 
-    /// Whether intervals have bounds only where the document says that they hold.
-    pub(super) fn is_consistent(mut self) -> bool {
+    /// Whether intervals have bounds only where the document has bounds.
+    pub(super) fn is_consistent(&self) -> bool {
+        let has_bounds =
+            |(_, interval): (&str, Interval)| interval.lower.or(interval.upper).is_some();
         match self.bounds {
             Bounds::Valid(bounds) => LEVELS.contains(&bounds.level),
-            Bounds::Withdrawn(_) => self
-                .intervals_mut()
-                .iter()
-                .all(|interval| interval.lower.or(interval.upper).is_none()),
+            Bounds::Withdrawn(_) => !self.named().into_iter().any(has_bounds),
         }
     }
 }

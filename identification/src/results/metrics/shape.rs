@@ -1,24 +1,24 @@
 //! Reading a step response: crossings, peak, settling, in samples.
 //!
 //! The same reading may be done thousands of times over curves that differ little, so it is limited
-//! in advance: [`Windows`] holds, for each metric, the samples that can matter within six standard
-//! deviations. All other samples are surely on their side of every level.
+//! in advance: [`Windows`] holds, for each metric, the samples that can matter within [`SURE`]
+//! standard deviations. All other samples are surely on their side of every level.
 
 use std::ops::Range;
 
 use super::crossing::crossing_before;
+use crate::thresholds::SURE;
 
 /// Half width of the band that the response must not leave any more, relative to the final value.
 pub(crate) const SETTLED: f64 = 0.02;
 
-/// Standard deviations beyond which a sample is surely on one side of a level: a draw that lies
-/// outside turns up once in 5e8.
-pub(crate) const SURE: f64 = 6.0;
-
-/// Levels of delay, early and late end of the rise, relative to the final value.
-pub(crate) const EARLY: [f64; 2] = [0.05, 0.1];
-pub(crate) const HALF: f64 = 0.5;
-pub(crate) const LATE: f64 = 0.9;
+/// Levels of delay, early end, middle and late end of the rise, relative to the final value.
+pub(crate) const LEVELS: AtLevels<f64> = AtLevels {
+    delay: 0.05,
+    tenth: 0.1,
+    half: 0.5,
+    ninety: 0.9,
+};
 
 /// Metrics of one curve; infinite where the curve does not have them. Times in samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,14 +30,17 @@ pub(crate) struct Shape {
     pub(crate) settling: f64,
 }
 
-/// When a curve passes the levels of its rise, in samples; infinite where it does not.
+/// One item for each of [`LEVELS`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Crossings {
-    pub(crate) delay: f64,
-    pub(crate) tenth: f64,
-    pub(crate) half: f64,
-    pub(crate) ninety: f64,
+pub(crate) struct AtLevels<T> {
+    pub(crate) delay: T,
+    pub(crate) tenth: T,
+    pub(crate) half: T,
+    pub(crate) ninety: T,
 }
+
+/// When a curve passes the levels of its rise, in samples; infinite where it does not.
+pub(crate) type Crossings = AtLevels<f64>;
 
 impl Crossings {
     const NONE: Self = Self {
@@ -49,10 +52,9 @@ impl Crossings {
 
     /// From 10 to 90 %.
     pub(crate) fn rise(&self) -> f64 {
-        if self.ninety.is_finite() {
-            self.ninety - self.tenth
-        } else {
-            f64::INFINITY
+        match self.ninety.is_finite() {
+            true => self.ninety - self.tenth,
+            false => f64::INFINITY,
         }
     }
 }
@@ -79,12 +81,12 @@ impl Windows {
         let first = |from: usize, test: &dyn Fn(usize) -> bool| {
             (from..last).find(|&m| test(m)).unwrap_or(last)
         };
-        let half_from = first(0, &|m| curve[m] + margin(m) >= HALF * gain);
-        let half_to = first(half_from, &|m| curve[m] - margin(m) >= HALF * gain);
+        let half_from = first(0, &|m| curve[m] + margin(m) >= LEVELS.half * gain);
+        let half_to = first(half_from, &|m| curve[m] - margin(m) >= LEVELS.half * gain);
         let early_from = (0..half_from)
-            .rfind(|&m| curve[m] + margin(m) < EARLY[0] * gain)
+            .rfind(|&m| curve[m] + margin(m) < LEVELS.delay * gain)
             .unwrap_or(0);
-        let late_to = first(half_to, &|m| curve[m] - margin(m) >= LATE * gain);
+        let late_to = first(half_to, &|m| curve[m] - margin(m) >= LEVELS.ninety * gain);
         let top = (0..last)
             .map(|m| curve[m] - margin(m))
             .fold(f64::NEG_INFINITY, f64::max);
@@ -102,7 +104,7 @@ impl Windows {
         let matters = |&m: &usize| {
             let crossed_next =
                 |level: f64| m < last && (curve[m] < level * gain) != (curve[m + 1] < level * gain);
-            [EARLY[0], EARLY[1], HALF, LATE]
+            [LEVELS.delay, LEVELS.tenth, LEVELS.half, LEVELS.ninety]
                 .iter()
                 .any(|&level| near(m, level) || crossed_next(level))
         };
@@ -154,20 +156,20 @@ impl Windows {
         let last = curve.len() - 1;
         let gain = curve[last];
         let reached = |from: usize, level: f64| (from..last).find(|&m| curve[m] >= level * gain);
-        let Some(half) = reached(self.half_from, HALF).filter(|_| gain > 0.0) else {
+        let Some(half) = reached(self.half_from, LEVELS.half).filter(|_| gain > 0.0) else {
             return Crossings::NONE;
         };
         let early = |level: f64| {
             let below = (0..half).rfind(|&m| curve[m] < level * gain);
             crossing_before(curve, below.map_or(0, |m| m + 1), level * gain)
         };
-        let late = reached(half, LATE);
+        let late = reached(half, LEVELS.ninety);
         Crossings {
-            delay: early(EARLY[0]),
-            tenth: early(EARLY[1]),
-            half: crossing_before(curve, half, HALF * gain),
+            delay: early(LEVELS.delay),
+            tenth: early(LEVELS.tenth),
+            half: crossing_before(curve, half, LEVELS.half * gain),
             ninety: late.map_or(f64::INFINITY, |late| {
-                crossing_before(curve, late, LATE * gain)
+                crossing_before(curve, late, LEVELS.ninety * gain)
             }),
         }
     }

@@ -2,12 +2,12 @@
 
 use super::brackets::Brackets;
 use super::draws;
-use super::interpolation::Interpolation;
+use super::interpolation::interpolation_errors;
 use super::interval::Interval;
 use super::inversion::{Known, Level, SureCrossing};
 use super::measured::Measured;
 use super::rise::RiseIntervals;
-use super::shape::{Crossings, EARLY, HALF, LATE, SETTLED, Shape, Windows, bump};
+use super::shape::{AtLevels, Crossings, LEVELS, SETTLED, Shape, Windows, bump};
 use super::spread::{Joint, Spread};
 use crate::numerics::{normal_upper_quantile, pointwise_critical};
 
@@ -45,14 +45,23 @@ impl<'a> StepMetrics<'a> {
     /// between samples may be wrong by.
     pub(crate) fn rise(&self) -> RiseIntervals {
         let noise = self.rise_from_noise();
-        let bias = self.effect_of_bias();
-        let between = Interpolation::new(&self.curve, &self.nominal);
+        let (nominal, moved) = (self.nominal.crossings, self.moved_by_bias());
+        // Most negative and most positive change of a crossing. One that is not there has no interval to widen.
+        let bias = |crossing: fn(&Crossings) -> f64| {
+            let at = crossing(&nominal);
+            let [up, down] = moved.map(|moved| crossing(&moved) - at);
+            match at.is_finite() {
+                true => (up.min(down).min(0.0), up.max(down).max(0.0)),
+                false => (0.0, 0.0),
+            }
+        };
+        let between = interpolation_errors(&self.curve, &self.nominal);
         let also = |interval: Interval, error: f64| widened(interval, (-error, error));
-        let (early, late) = (bias.of(|c| c.tenth), bias.of(|c| c.ninety));
+        let (early, late) = (bias(|c| c.tenth), bias(|c| c.ninety));
         let rise = widened(noise.rise, (late.0 - early.1, late.1 - early.0));
         RiseIntervals {
-            delay: also(widened(noise.delay, bias.of(|c| c.delay)), between.delay),
-            half: also(widened(noise.half, bias.of(|c| c.half)), between.half),
+            delay: also(widened(noise.delay, bias(|c| c.delay)), between.delay),
+            half: also(widened(noise.half, bias(|c| c.half)), between.half),
             rise: also(rise, between.tenth + between.ninety),
         }
     }
@@ -62,7 +71,7 @@ impl<'a> StepMetrics<'a> {
     fn rise_from_noise(&self) -> RiseIntervals {
         let joint = Joint::new(self.spread, self.windows.of_rise.clone());
         let value = self.nominal.crossings;
-        let sure = SureRise::new(&self.known(&joint), &value, pointwise_critical(self.level));
+        let sure = sure_rise(&self.known(&joint), &value, pointwise_critical(self.level));
         let inverted = |crossing: &Option<SureCrossing>| {
             crossing.map(|x| Interval::new(x.value, x.lower, x.upper))
         };
@@ -111,27 +120,21 @@ impl<'a> StepMetrics<'a> {
         }
     }
 
-    /// How far the crossings move when the whole response is off by its bound, and its final value the other way
+    /// The crossings when the whole response is off by its bound to either side, and its final value the other way
     /// by its own.
-    fn effect_of_bias(&self) -> BiasEffect {
-        let nominal = self.nominal.crossings;
+    fn moved_by_bias(&self) -> [Crossings; 2] {
+        if self.bias <= 0.0 {
+            return [self.nominal.crossings; 2];
+        }
         let last = self.curve.len() - 1;
-        let moved = |side: f64| {
+        [1.0, -1.0].map(|side| {
             let shifted: Vec<f64> = self.curve[..last]
                 .iter()
                 .map(|value| value + side * self.bias)
                 .chain([self.curve[last] - side * self.gain_bias])
                 .collect();
             Windows::new(&shifted, &self.spread.sd).crossings(&shifted)
-        };
-        BiasEffect {
-            nominal,
-            moved: if self.bias > 0.0 {
-                [moved(1.0), moved(-1.0)]
-            } else {
-                [nominal; 2]
-            },
-        }
+        })
     }
 
     /// Highest point above the final value, relative to it.
@@ -222,46 +225,32 @@ impl<'a> StepMetrics<'a> {
     }
 }
 
-/// The crossings of the rise, where each is the only one there can be.
-struct SureRise {
-    delay: Option<SureCrossing>,
-    tenth: Option<SureCrossing>,
-    half: Option<SureCrossing>,
-    ninety: Option<SureCrossing>,
-}
-
-impl SureRise {
-    fn new(known: &Known<'_>, value: &Crossings, critical: f64) -> Self {
-        let crossing =
-            |value: f64, share: f64| known.crossing(value, Level::rising(share), critical);
-        let none = Self {
-            delay: None,
-            tenth: None,
-            half: None,
-            ninety: None,
-        };
-        // Half is reached for the first time: nothing before may reach it.
-        let below = |range: std::ops::Range<usize>, share: f64| {
-            let level = Level::rising(share);
-            range.into_iter().all(|m| known.surely(m, level, -1.0))
-        };
-        let Some(half) = crossing(value.half, HALF).filter(|x| below(0..x.stretch.0, HALF)) else {
-            return none;
-        };
-        // The early levels are passed for the last time before it: nothing between may be below.
-        let early = |value: f64, share: f64| {
-            let level = Level::rising(share);
-            crossing(value, share)
-                .filter(|x| (x.stretch.1..half.stretch.1).all(|m| known.surely(m, level, 1.0)))
-        };
-        Self {
-            delay: early(value.delay, EARLY[0]),
-            tenth: early(value.tenth, EARLY[1]),
-            half: Some(half),
-            // The late level is reached for the first time after it.
-            ninety: crossing(value.ninety, LATE)
-                .filter(|x| below(half.stretch.0..x.stretch.0, LATE)),
-        }
+/// The crossings of the rise at `value`, where each is the only one there can be.
+fn sure_rise(
+    known: &Known<'_>,
+    value: &Crossings,
+    critical: f64,
+) -> AtLevels<Option<SureCrossing>> {
+    let crossing = |value: f64, share: f64| known.crossing(value, Level::rising(share), critical);
+    let all = |mut range: std::ops::Range<usize>, share: f64, side: f64| {
+        range.all(|m| known.surely(m, Level::rising(share), side))
+    };
+    // Half is reached for the first time: nothing before may reach it.
+    let half = crossing(value.half, LEVELS.half).filter(|x| all(0..x.stretch.0, LEVELS.half, -1.0));
+    // The early levels are passed for the last time before it: nothing between may be below.
+    let early = |value: f64, share: f64| {
+        let half = half?;
+        crossing(value, share).filter(|x| all(x.stretch.1..half.stretch.1, share, 1.0))
+    };
+    AtLevels {
+        delay: early(value.delay, LEVELS.delay),
+        tenth: early(value.tenth, LEVELS.tenth),
+        half,
+        // The late level is reached for the first time after it.
+        ninety: half.and_then(|half| {
+            crossing(value.ninety, LEVELS.ninety)
+                .filter(|x| all(half.stretch.0..x.stretch.0, LEVELS.ninety, -1.0))
+        }),
     }
 }
 
@@ -279,28 +268,6 @@ impl Critical {
             one: normal_upper_quantile(tail),
             all: normal_upper_quantile(tail / samples as f64),
         }
-    }
-}
-
-/// Crossings with the whole response moved up and down.
-struct BiasEffect {
-    nominal: Crossings,
-    moved: [Crossings; 2],
-}
-
-impl BiasEffect {
-    /// Most negative and most positive change of a crossing.
-    fn of(&self, crossing: impl Fn(&Crossings) -> f64) -> (f64, f64) {
-        let at = crossing(&self.nominal);
-        let change = self.moved.map(|moved| crossing(&moved) - at);
-        // What is not there in the estimate has no interval to widen.
-        if !at.is_finite() {
-            return (0.0, 0.0);
-        }
-        (
-            change[0].min(change[1]).min(0.0),
-            change[0].max(change[1]).max(0.0),
-        )
     }
 }
 
@@ -361,7 +328,7 @@ mod tests {
         let metrics = StepMetrics::new(&measured, &spread);
         let joint = Joint::new(&spread, metrics.windows.of_rise.clone());
         let value = metrics.nominal.crossings;
-        let sure = SureRise::new(&metrics.known(&joint), &value, pointwise_critical(0.99));
+        let sure = sure_rise(&metrics.known(&joint), &value, pointwise_critical(0.99));
         assert!(sure.delay.is_some() && sure.half.is_some());
         assert!(sure.tenth.is_some() && sure.ninety.is_some());
         let read = |curve: &[f64]| {

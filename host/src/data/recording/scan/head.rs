@@ -1,9 +1,8 @@
 //! The lines above the rows, and the marks by which a recording is recognised.
 
-use super::comment::{NO_COMMENT, comment_table};
-use super::damage::Damage;
-use super::lines::{Line, Lines};
+use super::{Damage, NO_COMMENT, comment_table};
 use crate::data::recording::header::{FIRST_LINE, FORMAT, HEADER_CRC, Header};
+use crate::data::recording::reader::ReadFault;
 use crate::data::recording::row::{COLUMNS, COLUMNS_WITHOUT_PULSE, SAMPLE_PERIOD_S};
 use crate::data::rig_file::is_usable_scale;
 use crate::data::table::BYTE_ORDER_MARK;
@@ -14,7 +13,6 @@ const MOST_HEADER_LINES: usize = 100;
 
 /// Whether `bytes` look like a recording of this program, sound or damaged or cut short, rather than
 /// any other CSV file: by its first line, its columns, or the other keys of its header.
-#[must_use]
 pub fn is_recording(bytes: &[u8]) -> bool {
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let begins = bytes.starts_with(FIRST_LINE.as_bytes())
@@ -53,10 +51,6 @@ fn has_pulse(line: &[u8]) -> Option<bool> {
         .or_else(|| is(COLUMNS_WITHOUT_PULSE).then_some(false))
 }
 
-/// A format that is higher than [`FORMAT`].
-#[derive(Debug)]
-pub(in crate::data::recording) struct Newer(pub(in crate::data::recording) u32);
-
 /// The lines above the rows, read.
 pub(super) struct Head {
     pub(super) header: Header,
@@ -69,24 +63,32 @@ pub(super) struct Head {
 
 impl Head {
     /// Reads up to the row of column names, which is the line `columns` where there is one.
-    pub(super) fn read(lines: &mut Lines<'_>, columns: Option<usize>) -> Result<Self, Newer> {
+    pub(super) fn read<'a>(
+        lines: &mut impl Iterator<Item = (usize, &'a [u8])>,
+        columns: Option<usize>,
+    ) -> Result<Self, ReadFault> {
         let mut damages = Vec::new();
-        let mut damage = |line, reason: &str| damages.push(Damage::above_rows(line, reason));
+        let mut damage = |line, reason: &str| {
+            damages.push(Damage {
+                row: None,
+                line,
+                reason: reason.to_owned(),
+            });
+        };
         let (mut table, mut digest, mut seal) = (Table::new(), crc32fast::Hasher::new(), None);
         let (mut last, mut names) = (0, None);
-        for Line { number, bytes } in lines {
+        for (number, line) in lines {
             last = number;
-            let text = bytes.trim_ascii_end();
-            let Some(comment) = text.strip_prefix(b"#") else {
-                if columns.is_some_and(|columns| number < columns) {
-                    damage(number, NO_COMMENT);
-                    digest.update(bytes);
-                    continue;
+            let text = line.trim_ascii_end();
+            let comment = match text.strip_prefix(b"#") {
+                Some(comment) => comment_table(comment),
+                None if columns.is_some_and(|columns| number < columns) => Err(NO_COMMENT),
+                None => {
+                    names = Some(has_pulse(text));
+                    break;
                 }
-                names = Some(has_pulse(text));
-                break;
             };
-            match comment_table(comment) {
+            match comment {
                 Ok(entry) => {
                     if let Some(crc32) = entry.get(HEADER_CRC).and_then(Value::as_str) {
                         seal = Some(format!("{:08x}", digest.clone().finalize()) == crc32);
@@ -95,71 +97,75 @@ impl Head {
                 }
                 Err(reason) => damage(number, reason),
             }
-            digest.update(bytes);
+            digest.update(line);
         }
         if names == Some(None) {
             damage(last, "the column names are wrong");
         }
         let format = table.get("format").and_then(Value::as_integer);
         let format = format.unwrap_or(FORMAT.into());
-        // A flipped digit is not a newer version: only a sound header says so.
+        // A flipped digit is not a newer version: only a sound header may state one.
         if format > i64::from(FORMAT) && seal != Some(false) {
-            return Err(Newer(u32::try_from(format).unwrap_or(u32::MAX)));
+            return Err(ReadFault::Newer(u32::try_from(format).unwrap_or(u32::MAX)));
         }
         if seal == Some(false) || (seal.is_none() && names.is_some() && format > 1) {
             damage(last, "the lines above the rows do not match their CRC");
         }
-        let header = table.try_into().unwrap_or_else(|error: toml::de::Error| {
+        let mut header = table.try_into().unwrap_or_else(|error: toml::de::Error| {
             damage(last, error.message());
             Header::default()
         });
-        let mut head = Self {
+        for reason in mend_scales(&mut header) {
+            damage(1, &reason);
+        }
+        let is_sound = damages.is_empty();
+        damages.extend(wrong_period(&header));
+        Ok(Self {
             header,
-            is_sound: false,
+            is_sound,
             has_pulse: names.flatten().unwrap_or(format > 2),
             damages,
-        };
-        head.mend_scales();
-        head.is_sound = head.damages.is_empty();
-        head.check_period();
-        Ok(head)
+        })
     }
+}
 
-    /// A scale that no servo and no sensor has, such as 0, makes no number of any row: the usual one takes
-    /// its place, so that the rows can be kept.
-    fn mend_scales(&mut self) {
-        let usual = Header::default();
-        let header = &mut self.header;
-        for (key, scale, usual) in [
-            (
-                "us_per_degree",
-                &mut header.us_per_degree,
-                usual.us_per_degree,
-            ),
-            (
-                "degrees_per_count",
-                &mut header.degrees_per_count,
-                usual.degrees_per_count,
-            ),
-        ] {
-            if !is_usable_scale(*scale) {
-                let reason = format!("{key} is {scale}, which is no scale");
-                self.damages.push(Damage::above_rows(1, reason));
-                *scale = usual;
-            }
-        }
-    }
+/// Replaces a scale that no servo and no sensor has, such as 0, by the usual one, so that the rows can be kept;
+/// returns the faults.
+fn mend_scales(header: &mut Header) -> Vec<String> {
+    let usual = Header::default();
+    let Header {
+        us_per_degree,
+        degrees_per_count,
+        ..
+    } = header;
+    let scales = [
+        ("us_per_degree", us_per_degree, usual.us_per_degree),
+        (
+            "degrees_per_count",
+            degrees_per_count,
+            usual.degrees_per_count,
+        ),
+    ];
+    let unusable = scales
+        .into_iter()
+        .filter(|(_, scale, _)| !is_usable_scale(**scale));
+    unusable
+        .map(|(key, scale, usual)| {
+            let wrong = std::mem::replace(scale, usual);
+            format!("{key} is {wrong}, which is no scale")
+        })
+        .collect()
+}
 
-    /// Times in rows are made of the period that every rig has: a header with another one would make
-    /// every time in the results wrong.
-    fn check_period(&mut self) {
-        let (said, written) = (self.header.sample_period_s, SAMPLE_PERIOD_S);
-        // Far above the rounding of a number in text, far below what any clock is off by.
-        let equal = (said - written).abs() <= 1e-9 * written;
-        if !equal {
-            let reason =
-                format!("sample_period_s is {said}, and the rows are written {written} s apart");
-            self.damages.push(Damage::above_rows(1, reason));
-        }
-    }
+/// Times in rows are made of the period that every rig has: a header with another one would make every time
+/// in the results wrong.
+fn wrong_period(header: &Header) -> Option<Damage> {
+    let (stated, written) = (header.sample_period_s, SAMPLE_PERIOD_S);
+    // Far above the rounding of a number in text, far below what any clock is off by.
+    let equal = (stated - written).abs() <= 1e-9 * written;
+    (!equal).then(|| Damage {
+        row: None,
+        line: 1,
+        reason: format!("sample_period_s is {stated}, and the rows are written {written} s apart"),
+    })
 }

@@ -1,23 +1,19 @@
-//! A file's lines, taken apart; what is wrong is noted, and reading goes on.
+//! A file's lines, taken apart; faults are noted, and reading goes on.
 
 mod as_written;
-mod comment;
-mod damage;
 mod head;
-mod lines;
 mod rows;
 
-pub(super) use damage::Damage;
-pub(super) use head::Newer;
 pub use head::is_recording;
-pub(super) use rows::LastLine;
+pub(super) use rows::End;
 
 use super::header::Header;
+use super::reader::ReadFault;
 use super::row::Row;
 use as_written::as_written;
 use head::{Head, column_row};
-use lines::Lines;
 use rows::Rows;
+use toml::{Table, Value};
 
 /// A file, taken apart.
 #[derive(Debug)]
@@ -31,7 +27,7 @@ pub(super) struct Scan {
     pub(super) rows: Vec<Row>,
     /// Rows that are there, sound or not.
     pub(super) rows_seen: usize,
-    pub(super) last_line: LastLine,
+    pub(super) end: End,
     /// The file does not end with a line end.
     pub(super) cut: bool,
     /// Rows of the last frame that were passed over, because the rest of it is missing.
@@ -41,20 +37,28 @@ pub(super) struct Scan {
     pub(super) damages: Vec<Damage>,
 }
 
-/// Takes a file apart.
-pub(super) fn scan(bytes: &[u8]) -> Result<Scan, Newer> {
+/// Something that is not as it was written.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Damage {
+    /// Row, from 1; `None` for the lines above the rows.
+    pub(super) row: Option<usize>,
+    /// Line, from 1.
+    pub(super) line: usize,
+    /// The fault.
+    pub(super) reason: String,
+}
+
+/// Takes a file apart; fails for one of a later format.
+pub(super) fn scan(bytes: &[u8]) -> Result<Scan, ReadFault> {
     let bytes = &*as_written(bytes);
     // What comes after the last line end was being written when the writer died.
-    let whole = bytes
-        .iter()
-        .rposition(|&b| b == b'\n')
-        .map_or(0, |end| end + 1);
+    let whole = memchr::memrchr(b'\n', bytes).map_or(0, |end| end + 1);
     let body = bytes.get(..whole).unwrap_or_default();
-    let mut lines = Lines::new(body);
+    let mut lines = lines(body);
     let head = Head::read(&mut lines, column_row(body))?;
-    let mut rows = Rows::new(&head, body.len());
-    for line in lines {
-        rows.take(&line);
+    let mut rows = Rows::new(&head);
+    for (number, line) in lines {
+        rows.read(number, line);
     }
     rows.finish();
     let mut damages = head.damages;
@@ -66,10 +70,34 @@ pub(super) fn scan(bytes: &[u8]) -> Result<Scan, Newer> {
         has_pulse: head.has_pulse,
         rows: rows.sound,
         rows_seen: rows.seen,
-        last_line: rows.last_line,
+        end: rows.end,
         cut: whole < bytes.len(),
         cut_rows: rows.cut_rows,
         crc32: rows.digest.finalize(),
         damages,
     })
+}
+
+/// The lines of a file that ends with a line end, these included, and their numbers from 1.
+fn lines(body: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    let mut start = 0;
+    let lines = memchr::memchr_iter(b'\n', body).filter_map(move |end| {
+        let line = body.get(start..=end);
+        start = end + 1;
+        line
+    });
+    (1..).zip(lines)
+}
+
+/// Why a line above the rows is no comment.
+const NO_COMMENT: &str = "it is not of the form '# key = value'";
+
+/// A comment is the inside of a TOML inline table: `key = value, key = value`.
+fn comment_table(comment: &[u8]) -> Result<Table, &'static str> {
+    let text = std::str::from_utf8(comment).map_err(|_| "it is not UTF-8 text")?;
+    let table: Result<Table, _> = toml::from_str(&format!("line = {{ {} }}", text.trim()));
+    match table.map(|mut table| (table.remove("line"), table.is_empty())) {
+        Ok((Some(Value::Table(inner)), true)) => Ok(inner),
+        _ => Err(NO_COMMENT),
+    }
 }

@@ -1,27 +1,20 @@
-//! Rows, held against their own frame and against those before them.
+//! Rows, checked against their own frame and against those before them.
 
-use super::comment::comment_table;
-use super::damage::Damage;
 use super::head::Head;
-use super::lines::Line;
-use crate::data::recording::last_line::is_as_written;
-use crate::data::recording::row::{MOST_SAMPLES, Row};
-use crate::data::recording::row_reader::RowReader;
+use super::{Damage, comment_table};
+use crate::data::recording::last_line::LastLine;
+use crate::data::recording::row::{Row, RowReader};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
-use toml::Table;
 
-/// Bytes of the shortest row that can be written.
-const SHORTEST_ROW: usize = "0,0.000,0,0.0000,0\n".len();
-
-/// The last line.
+/// The end of a file, where the last line belongs.
 #[derive(Debug)]
-pub(in crate::data::recording) enum LastLine {
-    /// There is none, or only a part of one.
+pub(in crate::data::recording) enum End {
+    /// Nothing, or only a part of one.
     Missing,
-    /// Something else is in its place.
+    /// Something else.
     Damaged,
-    /// There is one.
-    Read(Table),
+    /// A last line.
+    Read(LastLine),
 }
 
 /// The rows, as they are read.
@@ -39,27 +32,30 @@ pub(super) struct Rows {
     pub(super) seen: usize,
     newest_sample: Option<u64>,
     pub(super) digest: crc32fast::Hasher,
-    pub(super) last_line: LastLine,
+    pub(super) end: End,
     last_line_number: usize,
     strange_comment: Option<(usize, &'static str)>,
     pub(super) cut_rows: usize,
     pub(super) damages: Vec<Damage>,
 }
 
+/// Line, row number and result.
+type FrameRow = (usize, usize, Result<Row, &'static str>);
+
 impl Rows {
-    /// For the rows below `head`, in a file of so many bytes.
-    pub(super) fn new(head: &Head, bytes: usize) -> Self {
+    /// For the rows below `head`.
+    pub(super) fn new(head: &Head) -> Self {
         Self {
             reader: RowReader::new(&head.header, head.has_pulse),
             frames_are_whole: head.header.format > 1,
-            sound: Vec::with_capacity((bytes / SHORTEST_ROW).min(MOST_SAMPLES as usize)),
+            sound: Vec::new(),
             frame: Vec::new(),
             frame_number: None,
             frame_sound: 0,
             seen: 0,
             newest_sample: None,
             digest: crc32fast::Hasher::new(),
-            last_line: LastLine::Missing,
+            end: End::Missing,
             last_line_number: 0,
             strange_comment: None,
             cut_rows: 0,
@@ -69,62 +65,55 @@ impl Rows {
 
     /// Judges the last frame and the last comment, when all lines are read.
     pub(super) fn finish(&mut self) {
-        if self.frames_are_whole {
-            self.check_frame();
-        }
+        self.check_frame();
         if let Some((number, reason)) = self.strange_comment.take() {
             // In its last place a comment that cannot be read is the last line, damaged.
             if number == self.last_line_number {
-                self.last_line = LastLine::Damaged;
+                self.end = End::Damaged;
             } else {
-                self.damaged(number, reason);
+                self.damaged(self.seen + 1, number, reason);
             }
         }
     }
 
-    fn damaged(&mut self, line: usize, reason: &str) {
-        self.damages
-            .push(Damage::at_row(self.seen + 1, line, reason));
+    fn damaged(&mut self, row: usize, line: usize, reason: &str) {
+        self.damages.push(Damage {
+            row: Some(row),
+            line,
+            reason: reason.to_owned(),
+        });
     }
 
-    /// Takes in the next line.
-    pub(super) fn take(&mut self, line: &Line<'_>) {
-        let number = line.number;
+    /// Reads the next line.
+    pub(super) fn read(&mut self, number: usize, line: &[u8]) {
         self.last_line_number = number;
         if let Some((number, reason)) = self.strange_comment.take() {
-            self.damaged(number, reason);
+            self.damaged(self.seen + 1, number, reason);
         }
-        if !matches!(self.last_line, LastLine::Missing) {
-            self.damaged(number, "something follows the last line");
+        if !matches!(self.end, End::Missing) {
+            self.damaged(self.seen + 1, number, "something follows the last line");
             return;
         }
-        let text = line.bytes.trim_ascii_end();
+        let text = line.trim_ascii_end();
         if let Some(comment) = text.strip_prefix(b"#") {
-            self.take_comment(number, comment, text);
+            self.read_comment(number, comment, text);
             return;
         }
-        self.digest.update(line.bytes);
+        self.digest.update(line);
         self.seen += 1;
         let row = self.reader.read(text).and_then(|row| self.rising(row));
-        if self.frames_are_whole {
-            self.take_into_frame(number, row);
-            return;
-        }
         match row {
+            _ if self.frames_are_whole => self.add_to_frame(number, row),
             Ok(row) => self.sound.push(row),
-            Err(reason) => self.damages.push(Damage::at_row(self.seen, number, reason)),
+            Err(reason) => self.damaged(self.seen, number, reason),
         }
     }
 
-    /// Takes in a comment, which is the last line as a rule; `text` is all of its line.
-    fn take_comment(&mut self, number: usize, comment: &[u8], text: &[u8]) {
+    /// Reads a comment, which is the last line as a rule; `text` is all of its line.
+    fn read_comment(&mut self, number: usize, comment: &[u8], text: &[u8]) {
         match comment_table(comment) {
             Ok(end) if end.contains_key("end") => {
-                self.last_line = if is_as_written(&end, text) {
-                    LastLine::Read(end)
-                } else {
-                    LastLine::Damaged
-                };
+                self.end = LastLine::read(end, text).map_or(End::Damaged, End::Read);
             }
             Ok(_) if !self.frames_are_whole => {}
             Ok(_) => self.strange_comment = Some((number, "no comment belongs here")),
@@ -133,25 +122,16 @@ impl Rows {
     }
 
     fn rising(&mut self, row: Row) -> Result<Row, &'static str> {
-        if self
-            .newest_sample
-            .is_some_and(|newest| row.sample <= newest)
-        {
+        if self.newest_sample >= Some(row.sample) {
             return Err("the sample number does not rise");
         }
         self.newest_sample = Some(row.sample);
         Ok(row)
     }
 
-    fn take_into_frame(&mut self, line: usize, row: Result<Row, &'static str>) {
-        let number = row
-            .as_ref()
-            .ok()
-            .map(|row| row.sample / SAMPLES_PER_FRAME as u64);
-        let another = match (self.frame_number, number) {
-            (Some(current), Some(number)) => current != number,
-            _ => false,
-        };
+    fn add_to_frame(&mut self, line: usize, row: Result<Row, &'static str>) {
+        let number = row.ok().map(|row| row.sample / SAMPLES_PER_FRAME as u64);
+        let another = number.is_some() && self.frame_number.is_some_and(|n| Some(n) != number);
         // A line that was broken in two makes eleven of ten: only sound rows fill a frame.
         if another || self.frame_sound == SAMPLES_PER_FRAME {
             self.check_frame();
@@ -164,65 +144,38 @@ impl Rows {
 
     /// Judges the frame that has been read: ten sound rows in order, all of one pulse.
     fn check_frame(&mut self) {
-        let mut frame = std::mem::take(&mut self.frame);
-        if is_perfect(&frame) {
-            self.sound
-                .extend(frame.iter().filter_map(|(_, _, row)| row.ok()));
-        } else {
-            self.judge(&frame);
-        }
-        frame.clear();
-        self.frame = frame;
+        let frame = std::mem::take(&mut self.frame);
         (self.frame_number, self.frame_sound) = (None, 0);
-    }
-
-    /// Finds what is wrong with a frame, or with the end of the file in it.
-    fn judge(&mut self, frame: &[FrameRow]) {
-        let rows: Vec<Row> = frame.iter().filter_map(|(_, _, row)| row.ok()).collect();
-        let most = most_common(rows.iter().map(|row| row.pulse));
-        let faults = frame.iter().filter_map(|(line, number, row)| {
-            let reason = match row {
-                Err(reason) => reason,
-                Ok(row) if Some(row.pulse) != most => "its pulse is not that of its frame",
-                Ok(_) => return None,
-            };
-            Some(Damage::at_row(*number, *line, reason))
-        });
-        let before = self.damages.len();
-        self.damages.extend(faults);
-        let Some((line, number, _)) = frame.last().filter(|_| self.damages.len() == before) else {
+        let Some(&(line, number, _)) = frame.last() else {
             return;
         };
+        let rows: Vec<Row> = frame.iter().filter_map(|(_, _, row)| row.ok()).collect();
+        let before = self.damages.len();
+        let pulse = most_common(rows.iter().map(|row| row.pulse));
+        for (line, number, row) in frame {
+            match row {
+                Err(reason) => self.damaged(number, line, reason),
+                Ok(row) if Some(row.pulse) == pulse => {}
+                Ok(_) => self.damaged(number, line, "its pulse is not that of its frame"),
+            }
+        }
+        if self.damages.len() > before {
+            return;
+        }
         let first = rows.first().map_or(0, |row| row.sample);
         let begins_a_frame = first.is_multiple_of(SAMPLES_PER_FRAME as u64)
             && (first..)
                 .zip(&rows)
                 .all(|(sample, row)| row.sample == sample);
-        let ends_the_file =
-            matches!(self.last_line, LastLine::Missing) && *line == self.last_line_number;
-        if begins_a_frame && ends_the_file {
+        let ends_the_file = matches!(self.end, End::Missing) && line == self.last_line_number;
+        if begins_a_frame && rows.len() == SAMPLES_PER_FRAME {
+            self.sound.extend(rows);
+        } else if begins_a_frame && ends_the_file {
             self.cut_rows = rows.len();
         } else {
-            let reason = "rows of its frame are missing";
-            self.damages.push(Damage::at_row(*number, *line, reason));
+            self.damaged(number, line, "rows of its frame are missing");
         }
     }
-}
-
-/// Line, row number and result.
-type FrameRow = (usize, usize, Result<Row, &'static str>);
-
-/// Whether these are the ten rows of a frame, all sound.
-fn is_perfect(frame: &[FrameRow]) -> bool {
-    let Some((_, _, Ok(first))) = frame.first() else {
-        return false;
-    };
-    let fits = |(sample, (_, _, row)): (u64, &FrameRow)| {
-        row.is_ok_and(|row| row.sample == sample && row.pulse == first.pulse)
-    };
-    frame.len() == SAMPLES_PER_FRAME
-        && first.sample.is_multiple_of(SAMPLES_PER_FRAME as u64)
-        && (first.sample..).zip(frame).all(fits)
 }
 
 /// The value that is there most often; of equals the one that comes last.

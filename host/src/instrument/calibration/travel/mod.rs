@@ -11,16 +11,14 @@
 //! worse by more than scatter explains: F(2, ν) on the sums of squares, ν = readings - 6. Its interval is
 //! where the sum of squares stays within F(1, ν) of its minimum (the profile likelihood of a change point:
 //! D. V. Hinkley, *Inference in two-phase regression*, JASA 66, 1971), and whether the servo stops there or
-//! only answers less is told by the slope beyond it, over all places in that interval.
+//! only answers less is judged by the slope beyond it, over all places in that interval.
 
-use super::estimate::Estimate;
+use super::estimate::{Estimate, LEVEL, student};
 use super::knee;
 use super::mover::{MoveError, Mover, Rest};
-use super::sensor_scale::LEVEL;
-use crate::data::rig_file::RigFile;
-use crate::data::rig_file::SensorSection;
+use crate::data::rig_file::{RigFile, SensorSection};
 use serde::Serialize;
-use servoid_identification::results::{pointwise_critical, student_critical};
+use servoid_identification::results::pointwise_critical;
 
 /// Levels on each side of neutral.
 const LEVELS: u16 = 8;
@@ -53,7 +51,7 @@ pub enum End {
     Softens {
         /// From about this pulse on (µs).
         from_us: Estimate,
-        /// What is left of the gain (percent).
+        /// The gain there, of that around neutral (percent).
         gain_percent: Estimate,
     },
     /// From there on it answers more: what is nearer to neutral answers less, by load, friction or linkage.
@@ -63,23 +61,23 @@ pub enum End {
         /// The gain there, of that around neutral (percent).
         gain_percent: Estimate,
     },
-    /// It stops or answers less, and which of them the readings beyond cannot tell.
+    /// It stops or answers less; the readings beyond do not determine which.
     Unclear {
         /// From about this pulse on (µs).
         from_us: Estimate,
     },
 }
 
-/// What a slow staircase has shown.
+/// The result of a slow staircase.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Travel {
     /// The pulse at neutral (µs).
     pub neutral_us: u16,
     /// The sensor there (counts).
     pub neutral_counts: Estimate,
-    /// The angle there (deg), what is known of the sensor included.
+    /// The angle there (deg), the uncertainty of the sensor included.
     pub neutral_deg: Estimate,
-    /// Change of the pulse for one degree (µs/deg), what is known of the sensor included.
+    /// Change of the pulse for one degree (µs/deg), the uncertainty of the sensor included.
     pub us_per_degree: Estimate,
     /// On the side of the shortest pulse.
     pub short_end: End,
@@ -91,7 +89,7 @@ pub struct Travel {
     pub rests: Vec<Rest>,
 }
 
-/// Why a staircase tells nothing.
+/// Why a staircase has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum TravelError {
     /// It could not be made.
@@ -138,11 +136,8 @@ fn stands_still(rests: &[Rest], counts_per_us: f64) -> bool {
 }
 
 impl Travel {
-    /// Makes the staircase and tells what it shows; `sensor` turns counts into degrees. On a side on which
+    /// Makes the staircase and evaluates it; `sensor` turns counts into degrees. On a side on which
     /// the servo stands still for two levels in a row the staircase turns back there.
-    ///
-    /// # Errors
-    /// [`TravelError`].
     pub fn measure(mover: &mut Mover<'_>, sensor: &SensorSection) -> Result<Self, TravelError> {
         let RigFile { servo, limits, .. } = mover.rig().clone();
         let [shortest, longest] = [limits.shortest_us, limits.longest_us];
@@ -172,7 +167,7 @@ impl Travel {
         Self::of(rests, servo.neutral_us, [shortest, longest], sensor)
     }
 
-    /// What readings show that go to both sides of `neutral_us`.
+    /// The result of readings that go to both sides of `neutral_us`.
     ///
     /// # Errors
     /// [`TravelError::StandsStill`], also where there are fewer than twelve readings.
@@ -182,15 +177,9 @@ impl Travel {
         limits_us: [u16; 2],
         sensor: &SensorSection,
     ) -> Result<Self, TravelError> {
-        let points: Vec<(f64, f64)> = rests
-            .iter()
-            .map(|rest| {
-                (
-                    f64::from(rest.pulse_us) - f64::from(neutral_us),
-                    rest.counts,
-                )
-            })
-            .collect();
+        let offset = |pulse_us: u16| f64::from(pulse_us) - f64::from(neutral_us);
+        let point = |rest: &Rest| (offset(rest.pulse_us), rest.counts);
+        let points: Vec<(f64, f64)> = rests.iter().map(point).collect();
         let stands_still = || {
             let pulses = || rests.iter().map(|rest| rest.pulse_us);
             let counts = |pick: fn(f64, f64) -> f64| rests.iter().map(|r| r.counts).reduce(pick);
@@ -201,12 +190,8 @@ impl Travel {
             }
         };
         let line = knee::Line::through(&points).ok_or_else(stands_still)?;
-        let degrees = |counts: f64| (counts - sensor.zero_counts) * sensor.degrees_per_count;
         let normal = pointwise_critical(LEVEL);
-        let t = student_critical(normal, &[line.degrees_of_freedom])
-            .first()
-            .copied()
-            .unwrap_or(f64::INFINITY);
+        let t = student(line.degrees_of_freedom);
         let slope_half = t * line.slope_se;
         if line.slope.abs() <= slope_half || !slope_half.is_finite() {
             return Err(stands_still());
@@ -221,14 +206,12 @@ impl Travel {
             points: &points,
             neutral_us,
             t,
-            degrees: &degrees,
-            degrees_per_count: sensor.degrees_per_count,
-            sensor_half: normal * sensor.zero_sd_deg,
+            sensor,
         };
         Ok(Self {
             neutral_us,
             neutral_counts: Estimate::around(line.zero, zero_half),
-            neutral_deg: Estimate::around(degrees(line.zero), zero_deg),
+            neutral_deg: Estimate::around(degrees(sensor, line.zero), zero_deg),
             us_per_degree: Estimate::around(us_per_degree, (us_per_degree * relative).abs()),
             short_end: view.end(knee::Side::Low, limits_us[0]),
             long_end: view.end(knee::Side::High, limits_us[1]),
@@ -238,40 +221,19 @@ impl Travel {
     }
 }
 
-/// A fitted line, and what an end is told by.
+/// The angle of a reading, which may be a mean (deg).
+fn degrees(sensor: &SensorSection, counts: f64) -> f64 {
+    (counts - sensor.zero_counts) * sensor.degrees_per_count
+}
+
+/// A fitted line, and the data by which its ends are judged.
 struct View<'a> {
     line: &'a knee::Line,
     points: &'a [(f64, f64)],
     neutral_us: u16,
     /// Student's t at [`LEVEL`].
     t: f64,
-    degrees: &'a dyn Fn(f64) -> f64,
-    degrees_per_count: f64,
-    /// Half width of the interval of the sensor's zero (deg).
-    sensor_half: f64,
-}
-
-/// An end beyond which the servo goes on, with a gain from `least` to `most` of that before it; `None` where
-/// that may be the same gain.
-fn bent(from_us: Estimate, least: f64, most: f64) -> Option<End> {
-    let gain_percent = Estimate {
-        value: 50.0 * (least + most),
-        lower: 100.0 * least,
-        upper: 100.0 * most,
-    };
-    if most < 1.0 {
-        Some(End::Softens {
-            from_us,
-            gain_percent,
-        })
-    } else if least > 1.0 {
-        Some(End::AnswersMore {
-            from_us,
-            gain_percent,
-        })
-    } else {
-        None
-    }
+    sensor: &'a SensorSection,
 }
 
 impl View<'_> {
@@ -280,7 +242,7 @@ impl View<'_> {
         let outermost = side.outermost(self.points);
         let not_within = End::NotWithin {
             limit_us,
-            angle_deg: (self.degrees)(self.line.at(outermost)),
+            angle_deg: degrees(self.sensor, self.line.at(outermost)),
         };
         let Some(knee) = self.line.knee(self.points, side, LEVEL, self.t) else {
             return not_within;
@@ -294,17 +256,34 @@ impl View<'_> {
             upper: us(knee.interval[1]),
         };
         let [least, most] = knee.gain;
+        let gain_percent = Estimate {
+            value: 50.0 * (least + most),
+            lower: 100.0 * least,
+            upper: 100.0 * most,
+        };
         if -STANDS_STILL < least && most < STANDS_STILL {
             let [counts, half] = knee.beyond;
-            let half = (half * self.degrees_per_count).hypot(self.sensor_half);
+            let zero_half = pointwise_critical(LEVEL) * self.sensor.zero_sd_deg;
+            let half = (half * self.sensor.degrees_per_count).hypot(zero_half);
             End::Stops {
                 at_us: from_us,
-                angle_deg: Estimate::around((self.degrees)(counts), half),
+                angle_deg: Estimate::around(degrees(self.sensor, counts), half),
             }
         } else if least <= STANDS_STILL {
             End::Unclear { from_us }
+        } else if most < 1.0 {
+            End::Softens {
+                from_us,
+                gain_percent,
+            }
+        } else if least > 1.0 {
+            End::AnswersMore {
+                from_us,
+                gain_percent,
+            }
         } else {
-            bent(from_us, least, most).unwrap_or(not_within)
+            // It may be the same gain on both sides of the knee.
+            not_within
         }
     }
 }
