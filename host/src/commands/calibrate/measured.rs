@@ -7,14 +7,14 @@ use serde::Serialize;
 #[derive(Serialize)]
 pub(super) struct Measured {
     /// The sensor's scale; `None` where it was not measured.
-    pub(super) sensor: Option<Calibration>,
+    pub sensor: Option<Calibration>,
     /// Whether its angles are assumed: those that the pulses command.
-    pub(super) assumed: bool,
+    pub assumed: bool,
     /// Its readings.
-    pub(super) readings: Vec<Reading>,
+    pub readings: Vec<Reading>,
     /// The sensor at each position, where a rig measured it.
-    pub(super) rests: Vec<Rest>,
-    pub(super) travel: Option<Travel>,
+    pub rests: Vec<Rest>,
+    pub travel: Option<Travel>,
 }
 
 /// Standard deviation of a data sheet's microseconds per degree (percent): makers round, and servos of one type

@@ -1,4 +1,4 @@
-//! The reason why there is no export.
+//! Why a model cannot be written for a target.
 
 /// There is no export. The text names the remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! The report's figures in order, with captions.
 
-use super::page::{Page, Part};
+use super::content::{Page, Part};
 use super::text::escape;
 use crate::presentation::plots::{self, Figure, MOST_RUNS};
 use crate::presentation::summary;

@@ -4,14 +4,14 @@
 //! A page has at most 8 MB: 1 for the plotting library, up to 1 for models, the rest for figures,
 //! whose long signals are thinned out and of whose runs only the first are drawn.
 
+mod content;
 mod figures;
 mod interactive;
-mod page;
 mod servo;
 mod text;
 
 pub use super::paper_values::Fact;
-pub use page::{Facts, Page, Part};
+pub use content::{Facts, Page, Part};
 pub use servo::Servo;
 
 use super::template::fill;

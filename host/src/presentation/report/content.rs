@@ -1,4 +1,4 @@
-//! The content of a page.
+//! The content of a page: one servo, or two and their comparison.
 
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::paper_values::Fact;
