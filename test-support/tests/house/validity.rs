@@ -17,7 +17,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
         }
         if path.is_dir() {
             sources(&path, found);
-        } else if path.extension().is_some_and(|end| end == "rs") {
+        } else if path.extension().is_some_and(|end| end == "rs") && !path.ends_with("tests.rs") {
             found.push(path);
         }
     }
@@ -38,7 +38,7 @@ fn makes_a_value(rest: &str) -> bool {
         return true;
     };
     let behind = rest[end + 1..].trim_start();
-    !["=", "if ", "|", ")) ="]
+    !["=", "if ", "|", ") =", ")) ="]
         .iter()
         .any(|pattern| behind.starts_with(pattern))
 }
@@ -74,5 +74,6 @@ fn patterns_are_no_values() {
     assert!(makes_a_value(");"));
     assert!(!makes_a_value("(bounds) => bounds"));
     assert!(!makes_a_value("((a, b)) = both {"));
+    assert!(!makes_a_value("(bounds)) => bounds"));
     assert!(!makes_a_value("(_) if linear"));
 }
