@@ -129,14 +129,14 @@ pub fn rig_file() -> RigFile {
 /// The limits of the rig file, with a lease of two seconds.
 pub fn arm() -> Arm {
     let rig = rig_file();
-    let healthy = rig.healthy_counts();
+    let [sensor_low, sensor_high] = rig.sensor.healthy_counts.map(servoid_protocol::Counts);
     Arm {
         schema_hash: SCHEMA_HASH,
         neutral: PulseWidth(rig.servo.neutral_us),
         shortest: PulseWidth(rig.limits.shortest_us),
         longest: PulseWidth(rig.limits.longest_us),
-        sensor_low: healthy.lowest,
-        sensor_high: healthy.highest,
+        sensor_low,
+        sensor_high,
         lease_frames: 100,
     }
 }
