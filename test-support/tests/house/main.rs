@@ -7,6 +7,7 @@ mod imports;
 mod manifests;
 mod source;
 mod validity;
+mod words;
 
 use std::path::{Path, PathBuf};
 
