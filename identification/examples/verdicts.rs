@@ -60,7 +60,7 @@ fn detectors(runs: u64) {
         ),
     ];
     println!(
-        "\n| servo | asymmetric | rate limited | grows less | hysteresis | low end | high end | cannot tell |"
+        "\n| servo | asymmetric | rate limited | grows less | hysteresis | low end | high end | not determined |"
     );
     println!("|---|---|---|---|---|---|---|---|");
     let levels: Vec<f64> = (-3..=3).map(|k| 2.0 * f64::from(k)).collect();

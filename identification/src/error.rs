@@ -154,17 +154,6 @@ pub enum Error {
         /// Period of the record at hand \[s\].
         found: f64,
     },
-    /// Two sets of moments differ in when their samples are taken.
-    #[error(
-        "samples are taken {found} s after the edges of the input where {expected} s is needed: \
-         identify the two apart"
-    )]
-    PhaseMismatch {
-        /// Phase of the first \[s\].
-        expected: f64,
-        /// Phase of the other \[s\].
-        found: f64,
-    },
     /// No sample of a record has the history that the model needs.
     #[error(
         "no sample has the {history} samples of input history that the model needs: give a longer \
@@ -192,15 +181,26 @@ pub enum Error {
          reference with steps that are held until the servo rests"
     )]
     Unexcited,
-    /// Moments with different lags cannot be added.
+    /// Moments lack lags for the settling time and noise order that are asked for.
     #[error(
-        "moments of {left} lags cannot be added to moments of {right}: collect both with the same \
-         settling time and noise order"
+        "the moments have {lags} lags of the input and need {needed}: collect them with more lags, or state a \
+         shorter settling time"
     )]
-    LagMismatch {
-        /// Lags of the first.
-        left: usize,
-        /// Lags of the second.
-        right: usize,
+    TooFewLags {
+        /// Lags of the moments.
+        lags: usize,
+        /// Lags needed.
+        needed: usize,
     },
+}
+
+impl Error {
+    /// The input excites a gain at the most, where `asked` frequencies are needed.
+    pub(crate) fn nothing_excited(asked: usize) -> Self {
+        Self::NotExcited {
+            asked,
+            excited: 1,
+            highest_hz: 0.0,
+        }
+    }
 }

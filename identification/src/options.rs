@@ -12,6 +12,9 @@ pub(crate) const MAX_NOISE_ORDER: usize = 24;
 /// entries, 200 MB each.
 pub(crate) const LONGEST_SETTLING_BY_HAND: usize = 5000;
 
+/// Largest order that the automatic choice of the noise model considers.
+pub(crate) const MAX_AUTO_ORDER: usize = 8;
+
 /// Confidence levels that bounds can be had for.
 pub const LEVELS: std::ops::RangeInclusive<f64> = 0.5..=0.99999;
 
@@ -47,6 +50,16 @@ pub enum NoiseOrder {
     Auto,
     /// Fixed; 0 is plain least squares.
     Order(usize),
+}
+
+impl NoiseOrder {
+    /// The highest order that may be fitted.
+    pub(crate) fn highest(self) -> usize {
+        match self {
+            Self::Auto => MAX_AUTO_ORDER,
+            Self::Order(order) => order,
+        }
+    }
 }
 
 /// Options of [`crate::identify()`]. `Options::default()` leaves every choice to the data, at 99 %.

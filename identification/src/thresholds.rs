@@ -28,6 +28,54 @@ pub const MARGIN: f64 = 1.75;
 /// the longest N has samples, hence above [`DETECTION`]. Evidence: "Measured coverage", plant E.
 pub const CONTRADICTION: f64 = 4.75;
 
+/// Longest settling time considered unless the options say otherwise \[samples\].
+///
+/// Protects: users from waiting; the choice takes time with the third power of it. Evidence: the servos of the
+/// tables settle within a fifth of it.
+pub const LONGEST_SETTLING: usize = 599;
+
+/// Smallest N considered \[samples\]. A fast response under coarse sampling is over within a few samples, and its
+/// curve could be shorter; but [`MARGIN`] covers the rest of a tail whose time constant is that of the motion before
+/// it.
+///
+/// Protects: a slow end of a fast response, which is missed on so few samples: where 3 % of it took ten times as long,
+/// the whole curve was inside its band in 13-78 % of runs with N from 9 on. Evidence: the tests of coarse sampling.
+pub const SHORTEST_SETTLING: usize = 31;
+
+/// Smallest longest N that leaves a choice \[samples\].
+///
+/// Protects: short records from spending more parameters on it. Evidence: the tests of poor records.
+pub const SHORTEST_CHOICE: usize = 41;
+
+/// Rows needed for each sample of the longest N; half as many where a record has no more.
+///
+/// Protects: the estimates of the noise, from which the bounds follow. Evidence: "Measured coverage", short records.
+pub const ROWS_PER_SAMPLE: usize = 6;
+
+/// Rows needed for each sample of N where bounds are not at stake, because only prediction counts.
+///
+/// Protects: the choice by prediction from responses that fit anything. Evidence: the real recordings in the tests of
+/// the host.
+pub const ROWS_FOR_PREDICTION: usize = 2;
+
+/// Share of the samples that must then be left as rows.
+///
+/// Protects: three quarters of a record, from which the last quarter is predicted, from being used up by
+/// histories. Evidence: the real recordings in the tests of the host.
+pub const ROWS_KEPT: f64 = 0.74;
+
+/// Share of the variance of a lag that the lags before it must leave, relative to what they brought themselves (median),
+/// for the lag to count as resolved.
+///
+/// Protects: the response to an input that repeats itself. Exact repetition leaves rounding, 1e-12 or so; one edge in a
+/// record of 10^6 samples that is not where it would repeat leaves more than 1e-6. Evidence: the tests of repetition.
+pub const NOTHING_NEW: f64 = 1e-8;
+
+/// Differences in a step response, as a share of the spread of the output, that do not matter to the choice.
+///
+/// Protects: records without noise from an N that follows rounding. Evidence: the test of a record without noise.
+pub const IMMATERIAL_TAIL: f64 = 1e-5;
+
 /// Ratio of the complete bank's band to the narrowest one above which frequencies are left out.
 ///
 /// Protects: users from bands so wide that they say nothing. What it costs is the level, because a bank that
@@ -41,6 +89,43 @@ pub const WIDE_COMPLETE_BAND: f64 = 3.0;
 /// Protects: the settling time under smooth inputs, which is then looked for in averages too. Evidence:
 /// "Poor references and coarse sensors", Smooth(1) and Smooth(2).
 pub const SMOOTH_SHARE: f64 = 0.1;
+
+/// Largest share of the magnitude at the edge of a bank that may come from omitted frequencies.
+///
+/// Protects: bounds of the truncation bias; above it, that magnitude does not bound what is omitted. Evidence: the
+/// tests of truncation; "Poor references and coarse sensors", Smooth(4).
+pub const LEAKED_SHARE: f64 = 0.75;
+
+// The steps of the sensor.
+
+/// Share of samples equal to the one before, above which the output may have steps.
+///
+/// Protects: smooth outputs from an allowance that they do not need. Evidence: "Poor references and coarse
+/// sensors", steps of 0 to 0.3.
+pub const REPEATED: f64 = 0.1;
+
+/// Differences of up to this many steps must be whole multiples of the step. Larger ones may have been rounded
+/// again.
+///
+/// Protects: outputs without steps, whose smallest difference is an accident. Evidence: the tests of quantisation.
+pub const MULTIPLES: f64 = 3.5;
+
+/// Tolerance of a whole multiple, as a share of the step; see [`MULTIPLES`].
+pub const MULTIPLE_WITHIN: f64 = 0.1;
+
+/// Share of the small differences that must be whole multiples; see [`MULTIPLES`].
+pub const ON_GRID: f64 = 0.95;
+
+/// Residuals (rms) below this share of a step do not dither. Normal noise of half a step and the rounding together
+/// give sqrt(1/4 + 1/12).
+///
+/// Protects: bounds of gains, which rounding without dither moves alike in every repetition. Evidence: "Poor references
+/// and coarse sensors", steps of 0 to 0.3.
+pub const DITHERED: f64 = 0.577;
+
+/// Residual variance \[squared steps\] that rounding alone can cause: twice that of uniform errors, because the errors
+/// at a few levels of rest need not be uniform; see [`DITHERED`].
+pub const OF_ROUNDING: f64 = 1.0 / 6.0;
 
 // Whether the errors are noise.
 
@@ -100,7 +185,7 @@ pub const PREDICTION_TIE: f64 = 0.5;
 /// its largest value or gain, beyond which the figures read from it are withheld.
 ///
 /// Protects: readers from delays and rise times that depend on the estimator. Evidence: "Poor references and
-/// coarse sensors", the column "told".
+/// coarse sensors", the column "stated".
 pub const DISAGREEMENT: f64 = 0.1;
 
 // Findings beside the bounds.
@@ -130,6 +215,13 @@ pub const ASYMMETRY_FALSE_ALARM: f64 = 0.001;
 /// the bounds in one run of six. Evidence: the tests of the direction-split model.
 pub const MATERIAL_ASYMMETRY: f64 = 0.02;
 
+/// Smallest pivot of the equations of the direction-split model that counts: five digits of a column that the
+/// others do not have.
+///
+/// Protects: users from separate responses that the record does not determine. Evidence: the tests of the
+/// direction-split model.
+pub const SEPARABLE: f64 = 1e-5;
+
 /// Probability of a false alarm for hysteresis.
 ///
 /// Protects: users from searching for play that does not exist. Evidence: the tests of the limits.
@@ -139,6 +231,44 @@ pub const HYSTERESIS_FALSE_ALARM: f64 = 0.001;
 ///
 /// Protects: users from searching for a stop that does not exist. Evidence: the tests of the limits.
 pub const RANGE_END_FALSE_ALARM: f64 = 0.005;
+
+/// Gain at an end of the range, relative to that elsewhere, below which the end softens.
+///
+/// Protects: users from searching for a stop where the gain varies a little. Evidence: the tests of the limits.
+pub const SOFT_END: f64 = 0.9;
+
+/// Gain at an end of the range, relative to that elsewhere, below which the end is a stop; see [`SOFT_END`].
+pub const HARD_STOP: f64 = 0.1;
+
+/// Levels needed to find a softening end: two for the gain at the end, and a median of the others.
+///
+/// Protects: users from a finding that rests on one other gain. Evidence: the tests of the limits.
+pub const LEVELS_FOR_ENDS: usize = 4;
+
+/// Strokes in one direction needed to look for a rate limit.
+///
+/// Protects: users from a law that a line through five points would give. Evidence: the tests of the limits.
+pub const STROKES_FOR_RATE: usize = 6;
+
+/// Ratio of the largest to the smallest stroke needed for that; see [`STROKES_FOR_RATE`].
+pub const SIZES_FOR_RATE: f64 = 1.5;
+
+/// Strokes above the hinge, and ratio of their sizes, needed to call a speed constant; see [`STROKES_FOR_RATE`].
+pub const STROKES_AT_LIMIT: (usize, f64) = (5, 1.2);
+
+/// Slopes of ln v over ln A: significantly below the first the speed is not proportional, below the second it is constant.
+///
+/// Protects: linear servos, whose slope is 1, from a rate limit that does not exist, and gradual saturation from being
+/// called a limit. Evidence: the tests of the limits.
+pub const RATE_SLOPES: (f64, f64) = (0.95, 0.25);
+
+/// A hinge below this share of the largest size counts; see [`RATE_SLOPES`].
+pub const HINGE: f64 = 0.9;
+
+/// Travel per command, relative to that of the strokes with the farthest travel, below which a stroke was stopped.
+///
+/// Protects: the speed of free strokes from those that met a stop. Evidence: the tests of strokes that meet a stop.
+pub const STOPPED: f64 = 0.9;
 
 /// Level of each single test for a rate limit.
 ///

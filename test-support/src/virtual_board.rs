@@ -8,7 +8,7 @@ use servoid::instrument::rig::{Capture, CaptureEnd, CaptureError};
 use servoid_protocol::message::Arm;
 use servoid_protocol::reference::{Reference, Staircase};
 use servoid_protocol::schema::SCHEMA_HASH;
-use servoid_protocol::{Frame, PulseWidth};
+use servoid_protocol::{Counts, Frame, PulseWidth};
 use servoid_simulator::SENSOR_SCALE;
 use std::cell::RefCell;
 use std::path::Path;
@@ -129,7 +129,7 @@ pub fn rig_file() -> RigFile {
 /// The limits of the rig file, with a lease of two seconds.
 pub fn arm() -> Arm {
     let rig = rig_file();
-    let [sensor_low, sensor_high] = rig.sensor.healthy_counts.map(servoid_protocol::Counts);
+    let [sensor_low, sensor_high] = rig.sensor.healthy_counts.map(Counts);
     Arm {
         schema_hash: SCHEMA_HASH,
         neutral: PulseWidth(rig.servo.neutral_us),

@@ -145,18 +145,15 @@ impl Given {
     /// Every answer, from the options and the asker.
     fn complete(self, asker: &Asker, talk: Talk) -> Result<RigAnswers> {
         let mut to = RigAnswers::default();
-        asker.ask(self.name, NAME, &mut to.name, check_name)?;
-        asker.ask(
-            self.condition,
-            CONDITION,
-            &mut to.condition,
-            check_condition,
-        )?;
+        asker.ask(self.name, NAME, &mut to.name, |name| check_name(name))?;
+        asker.ask(self.condition, CONDITION, &mut to.condition, |name| {
+            check_condition(name)
+        })?;
         to.port = match self.port {
             Some(port) => Some(port),
             None => ask_port(asker, talk)?,
         };
-        asker.ask(self.servo, SERVO, &mut to.servo, check_name)?;
+        asker.ask(self.servo, SERVO, &mut to.servo, |name| check_name(name))?;
         asker.ask(self.pulses, PULSES, &mut to.pulses_us, check_pulses)?;
         let neutral = |us: &u16| check_neutral(*us, &to.pulses_us);
         asker.ask(self.neutral, NEUTRAL, &mut to.neutral_us, neutral)?;
@@ -168,7 +165,7 @@ impl Given {
             check_us_per_degree,
         )?;
         asker.ask(self.travel, TRAVEL, &mut to.travel_deg, check_travel)?;
-        asker.ask(self.sensor, SENSOR, &mut to.sensor, check_name)?;
+        asker.ask(self.sensor, SENSOR, &mut to.sensor, |name| check_name(name))?;
         asker.ask(self.sensor_volts, VOLTS, &mut to.sensor_volts, check_volts)?;
         let degrees = &mut to.sensor_degrees;
         asker.ask(
@@ -207,7 +204,7 @@ fn ask_port(asker: &Asker, talk: Talk) -> Result<Option<String>> {
         3 => Ok(Some(simulated.into())),
         2 => {
             let mut port = "/dev/ttyUSB0".to_owned();
-            asker.ask(None, PORT, &mut port, check_name)?;
+            asker.ask(None, PORT, &mut port, |name| check_name(name))?;
             Ok(Some(port))
         }
         _ => Ok(None),

@@ -55,7 +55,7 @@ fn write_settling(text: &mut String, e: &Explanation, structure: &Structure) -> 
     };
     writeln!(
         text,
-        "\n  settling time N: the response is taken to be over after N samples. Of each N that was tried, 'settles at' says\n  after how many samples the response found with it rests, and 'apart' how far it lies from the one found with the\n  longest, N = {} (in standard deviations of the difference). The smallest N is chosen that is {MARGIN} times its\n  'settles at', with {CONTRADICTION} sd apart at most.\n\n  {:>8} {:>10} {:>16}",
+        "\n  settling time N: the response is taken to be over after N samples. For each N that was tried, 'settles at'\n  is the number of samples after which the response found with it rests, and 'apart' its distance from the response\n  found with the longest, N = {} (in standard deviations of the difference). The smallest N is chosen that is {MARGIN} times its\n  'settles at', with {CONTRADICTION} sd apart at most.\n\n  {:>8} {:>10} {:>16}",
         choice.longest, "N", "settles at", "apart"
     )?;
     for c in &choice.candidates {

@@ -3,8 +3,9 @@
 use super::motion::Motion;
 use super::outcome::{Comparison, Sides};
 use super::pair::Identified;
-use crate::nonlinear::{LEVELS_FOR_ENDS, Limits};
+use crate::nonlinear::Limits;
 use crate::results::{Advice, Check, Model};
+use crate::thresholds::LEVELS_FOR_ENDS;
 
 /// That the sides had different references.
 pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: &str) -> Advice {

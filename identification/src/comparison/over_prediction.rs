@@ -17,7 +17,7 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::data::{Hold, Record, Run, holds, mean_output};
+use crate::data::{EXACTLY, Hold, Record, Run, holds, mean_output};
 use crate::results::{Interval, Model};
 
 /// Over-prediction of the second servo by the first.
@@ -66,7 +66,7 @@ pub(crate) fn over_prediction(
         .runs()
         .iter()
         .flat_map(|run| {
-            holds(run)
+            holds(run, EXACTLY)
                 .into_iter()
                 .filter(|hold| hold.samples.len() > predictor.wait)
         })
@@ -137,7 +137,7 @@ impl End {
                 samples,
                 level: at,
                 before,
-            } in holds(run)
+            } in holds(run, EXACTLY)
             {
                 let settled = samples.start + predictor.wait..samples.end;
                 if at != level || before.is_none() || settled.len() < 2 {

@@ -1,7 +1,9 @@
 //! The input as holds and strokes.
 //!
-//! A hold is a stretch of samples over which the input stays where it was at their first one. Exactly, unless
-//! noise of an input that was measured has to be allowed for.
+//! A hold is a stretch of samples over which the input stays within a tolerance of the first of them. For how
+//! long an input is held has the tolerance [`HELD_WITHIN`], because an input that was measured has noise. Rests and
+//! strokes are read from inputs that are held exactly: at the peaks of a sweep the input hardly moves either, but
+//! the servo does.
 
 use std::ops::Range;
 
@@ -17,13 +19,11 @@ pub(crate) struct Hold {
     pub(crate) before: Option<f64>,
 }
 
-/// The holds of one run at exact levels, in order. A missing input ends a hold, and the next has no level before.
-pub(crate) fn holds(run: &Run) -> Vec<Hold> {
-    holds_within(run, 0.0)
-}
+/// The tolerance of an input that is held exactly.
+pub(crate) const EXACTLY: f64 = 0.0;
 
-/// The same, where an input within `tolerance` of the level counts as held.
-fn holds_within(run: &Run, tolerance: f64) -> Vec<Hold> {
+/// The holds of one run, in order. A missing input ends a hold, and the next has no level before.
+pub(crate) fn holds(run: &Run, tolerance: f64) -> Vec<Hold> {
     let mut holds: Vec<Hold> = Vec::new();
     for (k, &level) in run.input().iter().enumerate().filter(|(_, u)| !u.is_nan()) {
         match holds.last_mut() {
@@ -54,11 +54,8 @@ fn hold_lengths(record: &Record) -> Vec<usize> {
     let low = present().fold(f64::INFINITY, f64::min);
     let high = present().fold(f64::NEG_INFINITY, f64::max);
     let tolerance = HELD_WITHIN * (high - low);
-    let holds = |run| holds_within(run, tolerance);
-    let runs = record.runs().iter();
-    runs.flat_map(holds)
-        .map(|hold| hold.samples.len())
-        .collect()
+    let holds = record.runs().iter().flat_map(|run| holds(run, tolerance));
+    holds.map(|hold| hold.samples.len()).collect()
 }
 
 /// The time for which the input is usually held between changes: the median \[samples\].
@@ -107,7 +104,7 @@ pub(crate) fn strokes(record: &Record, settling: usize) -> Vec<Stroke> {
     let period = record.sample_period_s();
     let mut strokes = Vec::new();
     for run in record.runs() {
-        let holds = holds(run);
+        let holds = holds(run, EXACTLY);
         for pair in holds.windows(2) {
             let (before, after) = (&pair[0], &pair[1]);
             let isolated = after.before.is_some()
@@ -161,7 +158,7 @@ mod tests {
         let run = Run::new(input, vec![0.0; 7])
             .unwrap()
             .with_input_at_rest(0.0);
-        let found: Vec<(Range<usize>, Option<f64>)> = holds(&run)
+        let found: Vec<(Range<usize>, Option<f64>)> = holds(&run, EXACTLY)
             .into_iter()
             .map(|hold| (hold.samples, hold.before))
             .collect();
@@ -179,7 +176,7 @@ mod tests {
         let noise = |k: usize| 0.01 * (k * 7919 % 101) as f64 / 101.0;
         let input: Vec<f64> = (0..100).map(|k| (k / 20 % 2) as f64 + noise(k)).collect();
         let run = Run::new(input.clone(), input).unwrap();
-        assert!(holds(&run).len() > 90);
+        assert!(holds(&run, EXACTLY).len() > 90);
         let record = Record::new(0.01, vec![run]).unwrap();
         assert_eq!(usual_hold(&record), 20);
         assert_eq!(

@@ -7,10 +7,9 @@ mod record;
 mod timing;
 
 pub(crate) use holds::{
-    Hold, Stroke, holds, last_quarter, mean_output, share_held, strokes, usual_hold,
+    EXACTLY, Hold, Stroke, holds, last_quarter, mean_output, share_held, strokes, usual_hold,
 };
 pub use moments::{MomentStream, Moments};
-pub(crate) use quantisation::DITHERED;
 pub use quantisation::Quantisation;
 pub use record::{Record, Run};
 pub use timing::Timing;

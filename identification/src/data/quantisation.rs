@@ -17,30 +17,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::data::record::Record;
-
-/// Share of samples equal to the previous one, above which the steps may be coarse.
-const REPEATED: f64 = 0.1;
-
-/// Differences of up to this many steps must be whole multiples of the step. Larger ones may have been
-/// rounded again.
-const MULTIPLES: f64 = 3.5;
-
-/// Tolerance of a whole multiple, as a share of the step.
-const TOLERANCE: f64 = 0.1;
-
-/// Share of the small differences that must be whole multiples.
-const ON_GRID: f64 = 0.95;
+use crate::thresholds::{DITHERED, MULTIPLE_WITHIN, MULTIPLES, OF_ROUNDING, ON_GRID, REPEATED};
 
 /// Differences below this share of the range are the rounding of arithmetic.
 const ARITHMETIC: f64 = 1e-9;
-
-/// Residuals (rms) below this share of a step do not dither. Normal noise of half a step and the
-/// rounding together give sqrt(1/4 + 1/12).
-pub(crate) const DITHERED: f64 = 0.577;
-
-/// Residual variance \[squared steps\] that rounding alone can cause: twice that of uniform errors,
-/// because the errors at a few levels of rest need not be uniform.
-const OF_ROUNDING: f64 = 1.0 / 6.0;
 
 /// Radius that contains 99 % of a complex normal quantity, in standard deviations of its parts:
 /// sqrt(-2 ln 0.01).
@@ -62,7 +42,6 @@ pub struct Quantisation {
 
 impl Quantisation {
     /// Of `record` with its residuals \[rms\]. `None` when the noise dithers or the output has no steps.
-    #[must_use]
     pub fn of(record: &Record, residual: f64) -> Option<Self> {
         let step = step_of(record)?;
         let residual = residual / step;
@@ -106,7 +85,7 @@ fn step_of(record: &Record) -> Option<f64> {
             .map(|difference| difference / step)
             .filter(|steps| *steps < MULTIPLES)
     };
-    let on_grid = small().filter(|steps| (steps - steps.round()).abs() < TOLERANCE);
+    let on_grid = small().filter(|steps| (steps - steps.round()).abs() < MULTIPLE_WITHIN);
     (step.is_finite() && on_grid.count() as f64 >= ON_GRID * small().count() as f64).then_some(step)
 }
 
@@ -114,7 +93,6 @@ impl Quantisation {
     /// Largest error of G from rounding at `omega` \[rad/sample\], for a step response of `settling`
     /// samples. It has two parts: the error of the gain, and the transform of uniform, independent errors
     /// over the moving half of the response (`RIPPLE` standard deviations).
-    #[must_use]
     pub fn allowance_at(&self, omega: f64, settling: usize) -> f64 {
         let moving = settling as f64 / 2.0;
         let change = 2.0 * (omega / 2.0).sin().abs();

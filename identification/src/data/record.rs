@@ -61,37 +61,31 @@ impl Run {
     }
 
     /// The input u, one value per sample, NaN where missing.
-    #[must_use]
     pub fn input(&self) -> &[f64] {
         &self.input
     }
 
     /// The output y, one value per sample, NaN where missing.
-    #[must_use]
     pub fn output(&self) -> &[f64] {
         &self.output
     }
 
     /// The input before the first sample, if it was stated.
-    #[must_use]
     pub fn input_at_rest(&self) -> Option<f64> {
         self.at_rest
     }
 
     /// Number of samples, missing ones included.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.input.len()
     }
 
     /// Whether the run has no sample.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.input.is_empty()
     }
 
     /// Number of samples that lack the input or the output.
-    #[must_use]
     pub fn missing(&self) -> usize {
         self.input
             .iter()
@@ -106,7 +100,6 @@ impl Run {
     ///
     /// # Panics
     /// When `range` reaches beyond the run.
-    #[must_use]
     pub fn part(&self, range: Range<usize>) -> Self {
         Self {
             at_rest: self.at_rest.filter(|_| range.start == 0),
@@ -118,7 +111,6 @@ impl Run {
     /// The longest stretches of complete rows. Row k is complete when the output is known from
     /// k-`output_lags`+1 to k and the input from k-`input_lags`+1 to k. Before the first sample only the
     /// input is known, and only when the run began at rest.
-    #[must_use]
     pub fn complete_rows(&self, input_lags: usize, output_lags: usize) -> Vec<Range<usize>> {
         let mut spans = Vec::new();
         let (inputs, outputs) = (input_lags.max(1), output_lags.max(1));
@@ -222,13 +214,11 @@ impl Record {
     }
 
     /// The recordings at a constant input around the runs.
-    #[must_use]
     pub fn rest(&self) -> &[Run] {
         &self.rest
     }
 
     /// Sample period and sample phase.
-    #[must_use]
     pub fn timing(&self) -> Timing {
         Timing {
             sample_period_s: self.sample_period_s,
@@ -237,7 +227,6 @@ impl Record {
     }
 
     /// Time from the edge of the input to the sample of the output that belongs to it \[s\].
-    #[must_use]
     pub fn sample_phase_s(&self) -> f64 {
         self.sample_phase_s
     }
@@ -251,31 +240,26 @@ impl Record {
     }
 
     /// Time between samples \[s\].
-    #[must_use]
     pub fn sample_period_s(&self) -> f64 {
         self.sample_period_s
     }
 
     /// The runs, in the order given.
-    #[must_use]
     pub fn runs(&self) -> &[Run] {
         &self.runs
     }
 
     /// Number of samples of all runs, missing ones included.
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.runs.iter().map(Run::len).sum()
     }
 
     /// Number of samples of all runs that lack the input or the output.
-    #[must_use]
     pub fn missing(&self) -> usize {
         self.runs.iter().map(Run::missing).sum()
     }
 
     /// Number of complete rows (see [`Run::complete_rows`]).
-    #[must_use]
     pub fn count_rows(&self, input_lags: usize, output_lags: usize) -> usize {
         self.runs
             .iter()

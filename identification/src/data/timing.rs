@@ -30,19 +30,16 @@ impl Timing {
     /// let timing = Timing { sample_period_s: 0.002, sample_phase_s: 0.0005 };
     /// assert!((timing.seconds(10.0) - 0.0205).abs() < 1e-12);
     /// ```
-    #[must_use]
     pub fn seconds(&self, samples: f64) -> f64 {
         samples * self.sample_period_s + self.sample_phase_s
     }
 
     /// Phase of the servo less that of G(e^{jωTs}) \[rad\], at ω \[rad/s\].
-    #[must_use]
     pub fn phase_lead(&self, omega: f64) -> f64 {
         omega * (self.sample_period_s / 2.0 - self.sample_phase_s)
     }
 
     /// |G_servo| over |G(e^{jωTs})|, at ω \[rad/s\].
-    #[must_use]
     pub fn magnitude_factor(&self, omega: f64) -> f64 {
         let half = omega * self.sample_period_s / 2.0;
         if half == 0.0 { 1.0 } else { half / half.sin() }

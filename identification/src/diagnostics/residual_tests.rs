@@ -107,7 +107,7 @@ pub fn input_independence(moments: &Moments, coordinates: &Coordinates, ar: &[f6
     let d = noise_filter(ar);
     let gain: f64 = d.iter().sum();
     let uu = filtered_input_moments(&moments.uu, n + beyond, &d);
-    let square = coordinates.square(uu.as_ref().submatrix(0, 0, n, n));
+    let square = coordinates.square(uu.as_ref().submatrix(0, 0, n, n).to_owned());
     let equations = NormalEquations::with_square(moments, coordinates, ar, square);
     let solution = solve_moments(&equations)?;
     let impulse = coordinates.impulse(solution.response());

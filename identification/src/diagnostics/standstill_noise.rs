@@ -23,11 +23,10 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use crate::data::{Run, holds};
+use crate::data::{EXACTLY, Run, holds};
 use crate::diagnostics::simulation_error::{SAMPLES, Simulated, beginnings, square};
-use crate::estimation::{
-    GlsFit, MAX_AUTO_ORDER, NoiseFit, RowInformation, best_order, noise_filter,
-};
+use crate::estimation::{GlsFit, NoiseFit, RowInformation, best_order, noise_filter};
+use crate::options::MAX_AUTO_ORDER;
 
 /// Shortest stretch of rest that is used \[samples\].
 const SHORTEST: usize = 32;
@@ -207,7 +206,7 @@ impl<'a> Recorded<'a> {
             let from_rest = run
                 .input_at_rest()
                 .filter(|u| run.input().first() == Some(u));
-            for (index, hold) in holds(run).into_iter().enumerate() {
+            for (index, hold) in holds(run, EXACTLY).into_iter().enumerate() {
                 let settled = if index == 0 && from_rest.is_some() {
                     0
                 } else {
@@ -217,7 +216,7 @@ impl<'a> Recorded<'a> {
             }
         }
         for run in &self.rest {
-            for hold in holds(run) {
+            for hold in holds(run, EXACTLY) {
                 // A settling time that was found too long must not leave nothing.
                 let settled = settling.min(hold.samples.len() / 2);
                 add_settled(&run.output()[hold.samples], settled, &mut found);

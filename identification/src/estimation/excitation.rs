@@ -32,7 +32,6 @@ pub struct Excitation {
 
 impl Excitation {
     /// Of the input behind `moments`.
-    #[must_use]
     pub fn of(moments: &Moments) -> Self {
         let power = Power::new(moments);
         let (grid, nyquist) = (GRID as f64, 0.5 / moments.sample_period_s());
@@ -50,7 +49,6 @@ impl Excitation {
     }
 
     /// Whether the input lacks the power that edges have at high frequencies.
-    #[must_use]
     pub fn is_smooth(&self) -> bool {
         self.upper_share < SMOOTH_SHARE
     }

@@ -67,49 +67,41 @@ impl FsfBasis {
     }
 
     /// N \[samples\].
-    #[must_use]
     pub fn settling(&self) -> usize {
         self.settling
     }
 
     /// n.
-    #[must_use]
     pub fn frequencies(&self) -> usize {
         self.frequencies
     }
 
     /// q = (n-1)/2: the index of the highest frequency.
-    #[must_use]
     pub fn highest(&self) -> usize {
         (self.frequencies - 1) / 2
     }
 
     /// Whether the bank spans every impulse response of N samples.
-    #[must_use]
     pub fn is_complete(&self) -> bool {
         self.frequencies == self.settling
     }
 
     /// Whether the bank omits at most the frequency N/2 of an even N.
-    #[must_use]
     pub fn has_all_frequencies(&self) -> bool {
         self.frequencies + 1 >= self.settling
     }
 
     /// Ω = 2π/N \[rad/sample\].
-    #[must_use]
     pub fn fundamental(&self) -> f64 {
         TAU / self.settling as f64
     }
 
     /// The highest frequency of the bank \[Hz\].
-    #[must_use]
     pub fn highest_hz(&self, sample_period_s: f64) -> f64 {
         self.highest() as f64 / (self.settling as f64 * sample_period_s)
     }
 
     /// T of eq. (2): N x n, from parameters to impulse response.
-    #[must_use]
     pub fn impulse_map(&self) -> Mat<f64> {
         let scale = 1.0 / self.settling as f64;
         let circle = Circle::new(self.settling);
@@ -126,7 +118,6 @@ impl FsfBasis {
 
     /// n x N, from an impulse response of N samples to parameters (the discrete Fourier transform
     /// at the frequencies of the bank). Inverse of [`FsfBasis::impulse_map`] when the bank is complete.
-    #[must_use]
     pub fn analysis_map(&self) -> Mat<f64> {
         let circle = Circle::new(self.settling);
         Mat::from_fn(self.frequencies, self.settling, |j, i| match j {
@@ -137,7 +128,6 @@ impl FsfBasis {
     }
 
     /// Rows Q(m)', m = 0..N-1, of eq. (5): N x n, from parameters to step response.
-    #[must_use]
     pub fn step_map(&self) -> Mat<f64> {
         let mut map = self.impulse_map();
         for j in 0..self.frequencies {
@@ -149,7 +139,6 @@ impl FsfBasis {
     }
 
     /// Columns Q(m) of eq. (5) for the samples `points` alone: n x points.
-    #[must_use]
     pub fn step_rows(&self, points: &[usize]) -> Mat<f64> {
         let n = self.settling;
         // S(l,m) = sin(lΩ(m+1)/2) e^{jlΩm/2} / (N sin(lΩ/2)): multiples of the angle π/N.
@@ -168,7 +157,6 @@ impl FsfBasis {
     }
 
     /// The impulse response T θ (N samples).
-    #[must_use]
     pub fn impulse_response(&self, theta: &[f64]) -> Vec<f64> {
         let circle = Circle::new(self.settling);
         let scale = 1.0 / self.settling as f64;
@@ -184,14 +172,12 @@ impl FsfBasis {
     }
 
     /// The step response Q(m)'θ, m = 0..N-1, to a unit step at sample 0.
-    #[must_use]
     pub fn step_response(&self, theta: &[f64]) -> Vec<f64> {
         running_sum(&self.impulse_response(theta))
     }
 
     /// |S(l,m)| = |sin(lΩ(m+1)/2) / (N sin(lΩ/2))| for each frequency l = 1..=N/2 (outer) and m = 0..N-1
     /// (inner): the largest contribution of a unit of |G_l| to the step response.
-    #[must_use]
     pub fn step_kernel_magnitudes(&self) -> Vec<Vec<f64>> {
         let n = self.settling;
         // |sin(πk/N)| has the period N.
@@ -208,7 +194,6 @@ impl FsfBasis {
 
     /// The two rows that map parameters to Re G and Im G at `omega` \[rad/sample\], any value:
     /// G = sum_i e^{-jωi} (Tθ)_i. A lag has negative phase.
-    #[must_use]
     pub fn frequency_rows(&self, omega: f64) -> (Vec<f64>, Vec<f64>) {
         let n = self.settling as f64;
         let mut re = vec![0.0; self.frequencies];
@@ -248,7 +233,6 @@ impl FsfBasis {
     }
 
     /// G at each of `omegas` \[rad/sample\] as (real, imaginary), summed over the impulse response.
-    #[must_use]
     pub fn frequency_responses(&self, theta: &[f64], omegas: &[f64]) -> Vec<(f64, f64)> {
         const TOGETHER: usize = 8;
         let impulse = self.impulse_response(theta);
@@ -275,7 +259,6 @@ impl FsfBasis {
     }
 
     /// G at `omega` \[rad/sample\] as (real, imaginary).
-    #[must_use]
     pub fn frequency_response(&self, theta: &[f64], omega: f64) -> (f64, f64) {
         let (re, im) = self.frequency_rows(omega);
         (dot(&re, theta), dot(&im, theta))

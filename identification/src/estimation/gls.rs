@@ -15,11 +15,8 @@ use faer::Mat;
 use crate::estimation::lag_products::LagProducts;
 use crate::estimation::least_squares::{Coordinates, RowInformation, Solution};
 use crate::estimation::noise_model::{NoiseFit, OrderCandidate, best_order};
-use crate::numerics::{dot, times};
+use crate::numerics::{dot, largest_difference, times};
 use crate::options::NoiseOrder;
-
-/// Largest order that the automatic choice considers.
-pub const MAX_AUTO_ORDER: usize = 8;
 
 /// Passes in which the order may change. Afterwards it is fixed, so that two orders of nearly equal BIC
 /// cannot alternate for ever.
@@ -79,7 +76,6 @@ pub struct GlsFit {
 
 impl GlsFit {
     /// Fits response and noise. `None` when the rows do not determine the response.
-    #[must_use]
     pub fn of(
         information: &RowInformation,
         coordinates: &Coordinates,
@@ -87,10 +83,7 @@ impl GlsFit {
     ) -> Option<Self> {
         let lags = information.moments.input_lags() - coordinates.basis.settling();
         let available = lags.min(information.moments.output_lags() - 1);
-        let max_order = match options.order {
-            NoiseOrder::Auto => MAX_AUTO_ORDER.min(available),
-            NoiseOrder::Order(order) => order.min(available),
-        };
+        let max_order = options.order.highest().min(available);
         let spread = information.moments.output_spread();
         let mut ar = options.start.clone();
         ar.truncate(available);
@@ -113,7 +106,7 @@ impl GlsFit {
                 }
                 None => Vec::new(), // The fit is exact: there is no noise to model.
             };
-            converged = spread == 0.0 || distance(&ar, &next) <= options.tolerance;
+            converged = spread == 0.0 || largest_difference(&ar, &next) <= options.tolerance;
             ar = next;
         }
         let mut solution = information.solve(coordinates, &ar)?;
@@ -156,19 +149,16 @@ impl GlsFit {
     }
 
     /// Degrees of freedom of the variance: rows - parameters - offset - d.
-    #[must_use]
     pub fn degrees_of_freedom(&self) -> f64 {
         degrees_of_freedom(self.rows, self.coordinates.len(), self.ar.len())
     }
 
     /// The impulse response, N samples.
-    #[must_use]
     pub fn impulse(&self) -> Vec<f64> {
         self.coordinates.impulse(self.solution.response())
     }
 
     /// θ.
-    #[must_use]
     pub fn theta(&self) -> Vec<f64> {
         match self.coordinates.theta_map() {
             Some(map) => times(&map, self.solution.response()),
@@ -177,7 +167,6 @@ impl GlsFit {
     }
 
     /// Covariance of θ and, as last row and column, the offset: (n+1) x (n+1).
-    #[must_use]
     pub fn covariance(&self) -> Mat<f64> {
         let p = self.coordinates.len();
         let mut covariance = match self.coordinates.theta_map() {
@@ -201,7 +190,6 @@ impl GlsFit {
     }
 
     /// The offset c of y = G u + c; that of the solution is relative to the centre of the moments.
-    #[must_use]
     pub fn offset(&self, information: &RowInformation) -> f64 {
         let gain: f64 = self.impulse().iter().sum();
         let (u, y) = information.moments.centre;
@@ -291,10 +279,4 @@ impl<'a> Traces<'a> {
                 .sum(),
         }
     }
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    (0..a.len().max(b.len()))
-        .map(|i| (a.get(i).unwrap_or(&0.0) - b.get(i).unwrap_or(&0.0)).abs())
-        .fold(0.0, f64::max)
 }

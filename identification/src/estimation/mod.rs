@@ -15,7 +15,7 @@ mod variance;
 pub(crate) use conditioning::{WELL_CONDITIONED, is_accurate};
 pub use excitation::Excitation;
 pub(crate) use fsf_basis::FsfBasis;
-pub(crate) use gls::{GlsFit, GlsOptions, MAX_AUTO_ORDER};
+pub(crate) use gls::{GlsFit, GlsOptions};
 pub use least_squares::Solver;
 pub(crate) use least_squares::{
     Coordinates, NormalEquations, RowInformation, complete_bank_rss, filtered_input_moments,
@@ -24,7 +24,7 @@ pub(crate) use least_squares::{
 pub use nested_banks::BankCandidate;
 pub(crate) use nested_banks::NestedBanks;
 pub use noise_model::{Noise, OrderCandidate};
-pub(crate) use noise_model::{NoiseFit, best_order, largest_root, noise_filter};
+pub(crate) use noise_model::{NoiseFit, best_order, lagged_filter, largest_root, noise_filter};
 pub(crate) use qr::triangular_factor;
 pub(crate) use truncation::{FIRST_ORDER, SECOND_ORDER, Truncation};
 pub(crate) use variance::CurveVariance;

@@ -33,7 +33,6 @@ pub struct BankCandidate {
 
 impl BankCandidate {
     /// Half width of the bound: noise and truncation bias together.
-    #[must_use]
     pub fn half_width(&self) -> f64 {
         self.noise_half_width + self.truncation_bias
     }

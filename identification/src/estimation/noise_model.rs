@@ -7,7 +7,7 @@
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::numerics::{cholesky, forward_solve, inverse_of_lower};
+use crate::numerics::{cholesky, forward_solve, inverse_of_square};
 
 /// The noise of a model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,6 +21,14 @@ pub struct Noise {
 /// The coefficients 1, d_1, ..., d_d of the noise filter D.
 pub(crate) fn noise_filter(ar: &[f64]) -> Vec<f64> {
     std::iter::once(1.0).chain(ar.iter().copied()).collect()
+}
+
+/// D for each of the first `settling` lags of a row that has `lags`, one in each column.
+pub(crate) fn lagged_filter(lags: usize, settling: usize, d: &[f64]) -> Mat<f64> {
+    Mat::from_fn(lags, settling, |row, lag| {
+        let late = row.checked_sub(lag);
+        late.and_then(|i| d.get(i)).copied().unwrap_or(0.0)
+    })
 }
 
 /// A fit of D for every order up to that of the moments.
@@ -81,8 +89,7 @@ impl NoiseFit {
     /// Covariance of d_1..d_d per unit variance of ε.
     pub(crate) fn unit_covariance(&self, order: usize) -> Mat<f64> {
         let lower = self.lower.as_ref().submatrix(0, 0, order, order).to_owned();
-        let inverse = inverse_of_lower(&lower);
-        inverse.transpose() * &inverse
+        inverse_of_square(&lower)
     }
 
     /// Bayes' information criterion for orders 0..=max.
@@ -108,7 +115,6 @@ pub(crate) fn best_order(candidates: &[OrderCandidate]) -> usize {
 
 /// Largest magnitude of the roots of D(z), 0 for white noise. Above 1 the modelled noise would grow without
 /// bound; near 1 it drifts.
-#[must_use]
 pub fn largest_root(ar: &[f64]) -> f64 {
     let order = ar.len();
     if order == 0 {

@@ -11,7 +11,6 @@ use crate::data::{Moments, Record};
 
 /// Upper triangular R with R'R = Z'Z for the complete rows of `record`, with the lags and centre of
 /// `template`.
-#[must_use]
 pub fn triangular_factor(record: &Record, template: &Moments) -> Mat<f64> {
     let (lags, outputs) = (template.input_lags(), template.output_lags());
     let width = lags + 1 + outputs;

@@ -22,6 +22,7 @@ use crate::estimation::fsf_basis::{Circle, FsfBasis};
 use crate::estimation::least_squares::filtered_input_moments;
 use crate::estimation::noise_model::noise_filter;
 use crate::numerics::{cholesky, inverse_of_lower};
+use crate::thresholds::LEAKED_SHARE;
 
 /// Number of highest frequencies from which the magnitude above them is extrapolated.
 const EDGE_FREQUENCIES: usize = 3;
@@ -30,10 +31,6 @@ const EDGE_FREQUENCIES: usize = 3;
 pub const FIRST_ORDER: i32 = 1;
 /// Roll-off of 40 dB/decade, as of a second-order servo.
 pub const SECOND_ORDER: i32 = 2;
-
-/// Largest share of the magnitude at the edge that may come from omitted frequencies. Above it, that
-/// magnitude does not bound them.
-const LARGEST_SHARE: f64 = 0.75;
 
 /// Bounds of the errors that omitted frequencies cause.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +63,7 @@ impl Truncation {
         let shares = errors.of_frequencies(&edge_omegas);
         let mut largest = 0.0f64;
         for (l, share) in edge.zip(shares) {
-            if share > LARGEST_SHARE {
+            if share > LEAKED_SHARE {
                 return None;
             }
             largest = largest.max(magnitude(theta, sd, l) / (1.0 - share));

@@ -31,7 +31,6 @@ pub struct CurveVariance {
 
 impl CurveVariance {
     /// Of the functions in the rows of `functions` (f x n, in the coordinates of the fit).
-    #[must_use]
     pub fn of_fit(information: &RowInformation, fit: &GlsFit, functions: &Mat<f64>) -> Self {
         let (f, p) = (functions.nrows(), fit.coordinates.len());
         let inverse = &fit.solution.inverse;

@@ -46,7 +46,6 @@ impl LowOrder {
     /// let servo = LowOrder { gain: 0.9, delay_s: 0.02, oscillator, lag_s: None };
     /// assert_eq!(servo.denominator(), [0.0004, 0.02, 1.0]);
     /// ```
-    #[must_use]
     pub fn denominator(&self) -> Vec<f64> {
         let second = self.oscillator.map_or_else(
             || vec![1.0],
@@ -76,7 +75,6 @@ impl LowOrder {
     /// let response = discrete.simulate(&[1.0; 20], 0.0);
     /// assert!((response[10] - servo.step(0.02)).abs() < 1e-12);
     /// ```
-    #[must_use]
     pub fn discrete(&self, timing: Timing) -> Discrete {
         let (a, b) = self.rates();
         let period = timing.sample_period_s;
@@ -165,7 +163,6 @@ fn transition(a: &[Vec<f64>], b: &[f64], t: f64) -> Mat<f64> {
 
 impl Discrete {
     /// The response to an input, from rest at the input `before`.
-    #[must_use]
     pub fn simulate(&self, input: &[f64], before: f64) -> Vec<f64> {
         let mut x: Vec<f64> = self.rest.iter().map(|r| r * before).collect();
         let product =
@@ -186,7 +183,6 @@ impl Discrete {
 
     /// Numerator and denominator in falling powers of z, of the same length, without the m samples
     /// of delay; the denominator begins with 1 (after D. K. Faddeev and U. Le Verrier).
-    #[must_use]
     pub fn transfer_function(&self) -> (Vec<f64>, Vec<f64>) {
         let order = self.b.len();
         let a = Mat::from_fn(order, order, |i, j| self.a[i][j]);

@@ -99,7 +99,6 @@ impl LowOrder {
     /// let servo = LowOrder { gain: 2.0, delay_s: 0.02, oscillator: None, lag_s: Some(0.01) };
     /// assert!((servo.step(0.03) - 2.0 * (1.0 - (-1.0f64).exp())).abs() < 1e-12);
     /// ```
-    #[must_use]
     pub fn step(&self, t_s: f64) -> f64 {
         self.steps(std::iter::once(t_s))[0]
     }

@@ -80,7 +80,6 @@ pub struct FlightModel {
 impl FlightModel {
     /// Whether order, parameters and covariance agree and the poles are stable. A fitted model is always
     /// consistent; one that was read from a file must be checked.
-    #[must_use]
     pub fn is_consistent(&self) -> bool {
         let transfer = &self.transfer;
         let oscillates = transfer.oscillator.is_some();

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use crate::numerics::{backward_solve, cholesky, dot, forward_solve, inverse_of_lower, times};
+use crate::numerics::{backward_solve, cholesky, dot, forward_solve, inverse_of_square, times};
 
 /// Largest number of steps. A good start needs about ten.
 const STEPS: usize = 60;
@@ -64,11 +64,11 @@ fn minimise(
         return None;
     }
     let jacobian = jacobian(residuals, &x, increments);
-    let inverse = inverse_of_lower(&cholesky(&(jacobian.transpose() * &jacobian))?);
+    let lower = cholesky(&(jacobian.transpose() * &jacobian))?;
     Some(Minimum {
         parameters: x,
         sum_of_squares: best,
-        covariance: inverse.transpose() * &inverse,
+        covariance: inverse_of_square(&lower),
     })
 }
 

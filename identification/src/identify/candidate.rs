@@ -1,13 +1,13 @@
 //! A structure to be fitted, with the moments that it needs.
 
 use super::plan::{Plan, check_rows};
-use super::task::{Task, noise_lags};
+use super::task::Task;
 use crate::data::{Moments, Record};
 use crate::diagnostics::INPUT_LAGS;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
 use crate::options::{NoiseOrder, Options, Settling};
-use crate::selection::{Search, choose_settling, longest_settling, odd_at_most};
+use crate::selection::{Choice, Search, choose_settling, longest_settling, odd_at_most};
 
 /// Share of rows that must be gained to make another pass over the data worth while.
 const WORTHWHILE_ROWS: f64 = 0.01;
@@ -32,7 +32,7 @@ impl Candidate {
     }
 
     fn for_settling(record: &Record, settling: usize, options: &Options) -> Result<Self, Error> {
-        let lags = noise_lags(options.noise_order);
+        let lags = options.noise_order.highest();
         let extended = Moments::of_record(record, settling + lags + INPUT_LAGS, lags + 1);
         let moments = extended.with_fewer_lags(record, settling + lags);
         Ok(Self {
@@ -45,7 +45,7 @@ impl Candidate {
     fn with_chosen_settling(record: &Record, options: &Options) -> Result<Self, Error> {
         let order = options.noise_order;
         let longest = longest_settling(record, options.longest_settling)?;
-        let lags = noise_lags(order);
+        let lags = order.highest();
         let long = Moments::of_record(record, longest + lags, lags + 1);
         let choice = choose_settling(&Search {
             moments: &long,
@@ -69,7 +69,7 @@ impl Candidate {
 
     /// By the options, from moments that came without their record.
     pub(super) fn of_moments(moments: &Moments, options: &Options) -> Result<Self, Error> {
-        let noise = noise_lags(options.noise_order).min(moments.output_lags() - 1);
+        let noise = options.noise_order.highest().min(moments.output_lags() - 1);
         let available = moments.input_lags().saturating_sub(noise);
         let plan = match options.settling {
             Settling::Auto => {
@@ -83,9 +83,9 @@ impl Candidate {
                 Plan::of_choice(choice, moments, options)?
             }
             Settling::Samples(settling) if settling > available => {
-                return Err(Error::LagMismatch {
-                    left: settling + noise,
-                    right: moments.input_lags(),
+                return Err(Error::TooFewLags {
+                    lags: moments.input_lags(),
+                    needed: settling + noise,
                 });
             }
             Settling::Samples(settling) => Plan::for_settling(settling, moments, options)?,
@@ -103,10 +103,24 @@ impl Candidate {
         Ok(self)
     }
 
+    /// As one whose N is limited to the usual hold; `None` where no N up to it was acceptable.
+    pub(super) fn within_holds(self) -> Option<Self> {
+        let choice = self.plan.choice.filter(|choice| choice.settled)?;
+        let choice = Some(Choice {
+            within_holds: true,
+            ..choice
+        });
+        let plan = Plan {
+            choice,
+            ..self.plan
+        };
+        Some(Self { plan, ..self })
+    }
+
     /// The same choice with another bank and another order of the noise.
     pub(super) fn with(&self, task: &Task<'_>, basis: FsfBasis, order: NoiseOrder) -> Self {
         let of_record = |beyond: usize| {
-            let lags = noise_lags(order);
+            let lags = order.highest();
             let collect =
                 |record| Moments::of_record(record, basis.settling() + lags + beyond, lags + 1);
             task.record.map(collect)

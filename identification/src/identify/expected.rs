@@ -30,11 +30,7 @@ pub fn expected_model(
         start: truth.noise.ar.clone(),
         ..GlsOptions::default()
     };
-    let not_excited = || Error::NotExcited {
-        asked: basis.frequencies(),
-        excited: 1,
-        highest_hz: 0.0,
-    };
+    let not_excited = || Error::nothing_excited(basis.frequencies());
     let mut fit = GlsFit::of(&information, &coordinates, &options).ok_or_else(not_excited)?;
     // The covariance of D is the fit's; D and σ are the assumed ones.
     fit.ar.clone_from(&truth.noise.ar);

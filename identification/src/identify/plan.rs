@@ -30,24 +30,20 @@ impl Plan {
         moments: &Moments,
         options: &Options,
     ) -> Result<Self, Error> {
-        let bank = Bank::new(choice.settling, moments, options, &choice.ar)?;
+        let start = choice.ar.clone();
+        let plan = Self::new(choice.settling, start, moments, options)?;
         let basis = match (choice.frequencies, options.frequencies) {
             (Some(frequencies), Frequencies::Auto) => FsfBasis::new(choice.settling, frequencies)?,
-            _ => bank.basis,
-        };
-        let selected_by = match options.frequencies {
-            Frequencies::Auto => SelectedBy::Auto,
-            Frequencies::Narrow => SelectedBy::Narrow,
-            Frequencies::Count(_) => SelectedBy::User,
+            _ => plan.basis,
         };
         Ok(Self {
             basis,
-            selected_by,
-            roll_off: bank.roll_off,
-            order: options.noise_order,
-            start: choice.ar.clone(),
+            selected_by: match options.frequencies {
+                Frequencies::Auto => SelectedBy::Auto,
+                _ => plan.selected_by,
+            },
             choice: Some(choice),
-            banks: bank.considered,
+            ..plan
         })
     }
 
@@ -62,18 +58,50 @@ impl Plan {
             Frequencies::Count(_) => Vec::new(),
             _ => rough_noise(FsfBasis::full(settling)?, moments, options.noise_order),
         };
-        let bank = Bank::new(settling, moments, options, &start)?;
+        Self::new(settling, start, moments, options)
+    }
+
+    /// The bank for a settling time and D to start from.
+    fn new(
+        settling: usize,
+        start: Vec<f64>,
+        moments: &Moments,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let given = |frequencies| -> Result<Self, Error> {
+            Ok(Self {
+                basis: FsfBasis::new(settling, frequencies)?,
+                selected_by: SelectedBy::User,
+                roll_off: FIRST_ORDER,
+                order: options.noise_order,
+                start: start.clone(),
+                choice: None,
+                banks: Vec::new(),
+            })
+        };
+        if let Frequencies::Count(frequencies) = options.frequencies {
+            return given(frequencies);
+        }
+        let full = FsfBasis::full(settling)?.frequencies();
+        let scan = NestedBanks::scan(moments, settling, &start, FIRST_ORDER)
+            .ok_or(Error::nothing_excited(settling))?;
+        let banks = scan.candidates().to_vec();
+        if options.frequencies == Frequencies::Narrow {
+            let narrow = 2 * scan.best_predictor() + 1;
+            return Ok(Self {
+                selected_by: SelectedBy::Narrow,
+                roll_off: SECOND_ORDER,
+                banks,
+                ..given(narrow.min(full).min(scan.excited()))?
+            });
+        }
+        let frequencies = match is_wide(&scan, settling) {
+            true => scan.narrowest().frequencies,
+            false => full,
+        };
         Ok(Self {
-            basis: bank.basis,
-            selected_by: match options.frequencies {
-                Frequencies::Narrow => SelectedBy::Narrow,
-                _ => SelectedBy::User,
-            },
-            roll_off: bank.roll_off,
-            order: options.noise_order,
-            start,
-            choice: None,
-            banks: bank.considered,
+            banks,
+            ..given(frequencies)?
         })
     }
 
@@ -83,10 +111,9 @@ impl Plan {
             basis,
             order,
             start: Vec::new(),
-            selected_by: self.selected_by,
-            roll_off: self.roll_off,
             choice: self.choice.clone(),
             banks: self.banks.clone(),
+            ..*self
         }
     }
 }
@@ -102,52 +129,6 @@ fn rough_noise(basis: FsfBasis, moments: &Moments, order: NoiseOrder) -> Vec<f64
     };
     let information = RowInformation::from_moments(moments.clone());
     GlsFit::of(&information, &Coordinates::new(basis), &rough).map_or_else(Vec::new, |fit| fit.ar)
-}
-
-/// The bank for a settling time.
-struct Bank {
-    basis: FsfBasis,
-    roll_off: i32,
-    /// None where n is given.
-    considered: Vec<BankCandidate>,
-}
-
-impl Bank {
-    fn new(
-        settling: usize,
-        moments: &Moments,
-        options: &Options,
-        ar: &[f64],
-    ) -> Result<Self, Error> {
-        let full = FsfBasis::full(settling)?;
-        if let Frequencies::Count(frequencies) = options.frequencies {
-            return Ok(Self {
-                basis: FsfBasis::new(settling, frequencies)?,
-                roll_off: FIRST_ORDER,
-                considered: Vec::new(),
-            });
-        }
-        let scan =
-            NestedBanks::scan(moments, settling, ar, FIRST_ORDER).ok_or(Error::NotExcited {
-                asked: settling,
-                excited: 1,
-                highest_hz: 0.0,
-            })?;
-        let (frequencies, roll_off) = if options.frequencies == Frequencies::Narrow {
-            let largest = full.frequencies().min(scan.excited());
-            let narrow = 2 * scan.best_predictor() + 1;
-            (narrow.min(largest), SECOND_ORDER)
-        } else if is_wide(&scan, settling) {
-            (scan.narrowest().frequencies, FIRST_ORDER)
-        } else {
-            (full.frequencies(), FIRST_ORDER)
-        };
-        Ok(Self {
-            basis: FsfBasis::new(settling, frequencies)?,
-            roll_off,
-            considered: scan.candidates().to_vec(),
-        })
-    }
 }
 
 /// At least two rows for each parameter: with fewer, the residuals say little about the noise.

@@ -5,5 +5,4 @@ mod limits;
 
 pub(crate) use direction::split_with;
 pub use direction::{DirectionModel, Symmetry, split_by_direction};
-pub(crate) use limits::LEVELS_FOR_ENDS;
 pub use limits::{Cell, Hysteresis, Limits, RangeEnd, Rate, RateVerdict, Side};

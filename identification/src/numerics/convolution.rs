@@ -7,7 +7,6 @@ const DIRECT_PRODUCTS: usize = 1 << 16;
 
 /// y(k) = sum_i h_i u(k-i), NaN where one of the inputs is missing. Inputs before the first equal
 /// `at_rest`, or are missing.
-#[must_use]
 pub fn causal_filter(impulse: &[f64], input: &[f64], at_rest: Option<f64>) -> Vec<f64> {
     let lags = impulse.len();
     let history = lags.saturating_sub(1);

@@ -18,13 +18,11 @@ const GAUSS_LEGENDRE_16: [(f64, f64); 8] = [
 ];
 
 /// Φ(x), the standard normal distribution function.
-#[must_use]
 pub fn normal_cdf(x: f64) -> f64 {
     0.5 * erfc(-x / std::f64::consts::SQRT_2)
 }
 
 /// x with Φ(-x) = `tail`.
-#[must_use]
 pub fn normal_upper_quantile(tail: f64) -> f64 {
     std::f64::consts::SQRT_2 * erfc_inv(2.0 * tail)
 }
@@ -35,7 +33,6 @@ pub(crate) fn chi_square_upper_tail(statistic: f64, degrees: usize) -> f64 {
 }
 
 /// Two-sided critical value of one normal quantity: 2.5758 for 0.99.
-#[must_use]
 pub fn pointwise_critical(level: f64) -> f64 {
     normal_upper_quantile((1.0 - level) / 2.0)
 }
@@ -49,7 +46,6 @@ pub fn pointwise_critical(level: f64) -> f64 {
 /// ```
 ///
 /// It needs no random draws, lies 0-9 % above the exact value, and never exceeds Bonferroni's.
-#[must_use]
 pub fn simultaneous_critical(neighbour_correlation: &[f64], level: f64) -> f64 {
     let target = (1.0 - level).ln();
     let pairs = Pairs::new(neighbour_correlation);
@@ -150,7 +146,6 @@ fn pair_exceedance(tail: &[(f64, f64)], c: f64, r: f64) -> f64 {
 
 /// Student's t quantile with the tail probability of the normal quantile `normal`, for many
 /// degrees of freedom at once.
-#[must_use]
 pub fn student_critical(normal: f64, degrees_of_freedom: &[f64]) -> Vec<f64> {
     let smallest = degrees_of_freedom
         .iter()

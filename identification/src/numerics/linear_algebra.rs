@@ -40,6 +40,12 @@ pub(crate) fn inverse_of_lower(lower: &Mat<f64>) -> Mat<f64> {
     inverse
 }
 
+/// (L L')^-1.
+pub(crate) fn inverse_of_square(lower: &Mat<f64>) -> Mat<f64> {
+    let inverse = inverse_of_lower(lower);
+    inverse.transpose() * &inverse
+}
+
 /// A column vector.
 fn column(values: &[f64]) -> Mat<f64> {
     Mat::from_fn(values.len(), 1, |i, _| values[i])

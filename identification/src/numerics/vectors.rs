@@ -11,6 +11,13 @@ pub(crate) fn running_sum(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+/// Largest difference between the elements of two slices, the shorter one continued by zeros.
+pub(crate) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    (0..a.len().max(b.len()))
+        .map(|i| (a.get(i).unwrap_or(&0.0) - b.get(i).unwrap_or(&0.0)).abs())
+        .fold(0.0, f64::max)
+}
+
 /// Inner product over the common length. Eight independent sums fit vector registers.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let length = a.len().min(b.len());

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::thresholds::{CONTRADICTION, MARGIN};
+
 /// One settling time that was considered.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SettlingCandidate {
@@ -13,6 +15,24 @@ pub struct SettlingCandidate {
     pub contradiction: f64,
     /// Whether it was acceptable.
     pub accepted: bool,
+}
+
+impl SettlingCandidate {
+    /// Acceptable is an N that the long fit does not contradict, with the margin over its own N0.
+    pub(super) fn new(
+        settling: usize,
+        detected: usize,
+        contradiction: f64,
+        longest: usize,
+    ) -> Self {
+        Self {
+            settling,
+            detected,
+            contradiction,
+            accepted: (settling == longest || contradiction <= CONTRADICTION)
+                && settling as f64 >= MARGIN * detected as f64,
+        }
+    }
 }
 
 /// A choice of the settling time and the candidates that led to it.
@@ -47,19 +67,19 @@ pub struct Choice {
 
 impl Choice {
     /// Takes settling times in ascending order up to the first that is accepted, or the longest.
-    pub(crate) fn first_accepted(
-        candidates: impl Iterator<Item = SettlingCandidate>,
+    pub(super) fn first_accepted(
+        all: impl Iterator<Item = SettlingCandidate>,
         longest: usize,
         ar: Vec<f64>,
     ) -> Option<Self> {
-        let mut considered = Vec::new();
-        for candidate in candidates {
-            considered.push(candidate);
+        let mut candidates = Vec::new();
+        for candidate in all {
+            candidates.push(candidate);
             if candidate.accepted {
                 break;
             }
         }
-        let last = *considered.last()?;
+        let last = *candidates.last()?;
         Some(Self {
             settling: last.settling,
             detected: last.detected,
@@ -70,7 +90,7 @@ impl Choice {
             repeats_after: None,
             within_holds: false,
             ar,
-            candidates: considered,
+            candidates,
         })
     }
 }

@@ -5,23 +5,18 @@ use super::long_fit::LongFit;
 use super::search::Search;
 use super::settling_range::grid;
 use crate::estimation::{Excitation, FIRST_ORDER, NestedBanks};
-use crate::thresholds::{CONTRADICTION, MARGIN, WIDE_COMPLETE_BAND};
+use crate::thresholds::WIDE_COMPLETE_BAND;
 
 /// The shortest acceptable N; `None` where the input does not determine a complete bank.
 pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
     let (moments, longest) = (search.moments, search.longest);
-    let mut long = LongFit::new(moments, longest, search.order)?;
-    if Excitation::of(moments).is_smooth() {
-        long.look_at_averages();
-    }
+    let long = LongFit::new(moments, longest, search.order)?;
+    let long = match Excitation::of(moments).is_smooth() {
+        true => long.with_averages(),
+        false => long,
+    };
     let grid = grid(longest);
-    let candidates = long.candidates(&grid).map(|mut candidate| {
-        let n = candidate.settling;
-        let agrees = n == longest || candidate.contradiction <= CONTRADICTION;
-        candidate.accepted = agrees && n as f64 >= MARGIN * candidate.detected as f64;
-        candidate
-    });
-    let choice = Choice::first_accepted(candidates, longest, long.ar.clone())?;
+    let choice = Choice::first_accepted(long.candidates(&grid), longest, long.ar.clone())?;
     let banks = NestedBanks::scan(moments, choice.settling, &choice.ar, FIRST_ORDER)?;
     (!is_wide(&banks, choice.settling)).then_some(choice)
 }

@@ -8,14 +8,10 @@ use crate::data::Moments;
 use crate::estimation::{Coordinates, FsfBasis, NormalEquations};
 use crate::numerics::{backward_solve, cholesky, dot, forward_solve, inverse_of_lower};
 use crate::options::NoiseOrder;
-use crate::thresholds::DETECTION;
+use crate::thresholds::{DETECTION, IMMATERIAL_TAIL};
 
 /// Averages are taken over this part of the settling time.
 const AVERAGED: usize = 8;
-
-/// Resolution of the choice relative to the spread of the output: tails below it do not matter,
-/// also when a record has no noise at all.
-const RESOLUTION: f64 = 1e-5;
 
 /// A complete bank at the longest settling time, factorised with the offset first and the lags
 /// ascending, so that every shorter settling time is a prefix.
@@ -69,7 +65,7 @@ impl LongFit {
             rows: moments.rows,
             projected: factor.projected,
             total: factor.total,
-            floor: RESOLUTION * RESOLUTION * spread,
+            floor: IMMATERIAL_TAIL * IMMATERIAL_TAIL * spread,
             weights,
             sums: None,
         })
@@ -84,7 +80,7 @@ impl LongFit {
 
     /// Looks for the end of the response in its averages too: under a smooth input the noise of a step
     /// response is a ripple, which hides a tail in every single sample but not in their mean.
-    pub(crate) fn look_at_averages(&mut self) {
+    pub(crate) fn with_averages(self) -> Self {
         let mut sums = self.weights.clone();
         for m in 1..self.settling {
             for j in 0..=self.settling {
@@ -92,7 +88,10 @@ impl LongFit {
                 sums[(j, m)] += before;
             }
         }
-        self.sums = Some(sums);
+        Self {
+            sums: Some(sums),
+            ..self
+        }
     }
 
     /// The middle of the last stretch whose average is not yet the final value of settling time `n`.
@@ -116,17 +115,13 @@ impl LongFit {
         from.map(|m| m + 1 + width / 2)
     }
 
-    /// The settling times of `grid`, ascending, with their detected ends; none is accepted yet.
+    /// The settling times of `grid`, ascending, with their detected ends.
     pub(crate) fn candidates(&self, grid: &[usize]) -> impl Iterator<Item = SettlingCandidate> {
         let contradictions = self.contradictions(grid);
         grid.iter().zip(contradictions).map(|(&n, contradiction)| {
             let sigma = self.variance(n).sqrt();
-            SettlingCandidate {
-                settling: n,
-                detected: self.moving_until(n, sigma).map_or(1, |m| m + 2),
-                contradiction: contradiction / sigma,
-                accepted: false,
-            }
+            let detected = self.moving_until(n, sigma).map_or(1, |m| m + 2);
+            SettlingCandidate::new(n, detected, contradiction / sigma, self.settling)
         })
     }
 

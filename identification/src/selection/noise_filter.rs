@@ -1,7 +1,8 @@
 //! The noise filter of a long fit, which has to be roughly right only.
 
 use crate::data::Moments;
-use crate::estimation::{MAX_AUTO_ORDER, NoiseFit, RowInformation, best_order};
+use crate::estimation::{NoiseFit, RowInformation, best_order};
+use crate::numerics::largest_difference;
 use crate::options::NoiseOrder;
 
 /// Passes over fit and noise.
@@ -22,7 +23,7 @@ pub(crate) fn alternate(
     for pass in 0..PASSES {
         let (impulse, offset) = fit(&ar)?;
         let next = filter(&information, &impulse, offset, order, pass == 0);
-        let change = largest_change(&ar, &next);
+        let change = largest_difference(&ar, &next);
         ar = next;
         if change < TOLERANCE {
             break;
@@ -40,11 +41,7 @@ fn filter(
     first: bool,
 ) -> Vec<f64> {
     let moments = &information.moments;
-    let max = match order {
-        NoiseOrder::Auto => MAX_AUTO_ORDER,
-        NoiseOrder::Order(order) => order,
-    }
-    .min(moments.output_lags() - 1);
+    let max = order.highest().min(moments.output_lags() - 1);
     let residuals = information.residual_moments(impulse, offset, max);
     let Some(noise) = NoiseFit::new(&residuals, moments.output_spread()) else {
         return Vec::new();
@@ -55,10 +52,4 @@ fn filter(
         }
         _ => noise.coefficients(max),
     }
-}
-
-fn largest_change(a: &[f64], b: &[f64]) -> f64 {
-    (0..a.len().max(b.len()))
-        .map(|i| (a.get(i).unwrap_or(&0.0) - b.get(i).unwrap_or(&0.0)).abs())
-        .fold(0.0, f64::max)
 }

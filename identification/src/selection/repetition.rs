@@ -11,15 +11,11 @@
 use super::choice::Choice;
 use super::complete_bank;
 use super::search::Search;
-use super::settling_range::{SHORTEST, odd_at_most};
+use super::settling_range::odd_at_most;
 use crate::data::Moments;
 use crate::estimation::{Coordinates, FsfBasis, NormalEquations};
 use crate::numerics::dot;
-
-/// A lag counts as resolved already when it brings this share of what the lags before it brought (median).
-/// Exact repetition leaves rounding, 1e-12 or so; one edge in a record of 10^6 samples that is not where
-/// it would repeat leaves more than 1e-6 of the variance.
-const NOTHING_NEW: f64 = 1e-8;
+use crate::thresholds::{NOTHING_NEW, SHORTEST_SETTLING};
 
 /// A choice among the lags that the input resolves; `None` where it does not repeat itself.
 pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
@@ -37,7 +33,7 @@ pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
 /// The number of lags from 0 on that the input resolves, where it is below `longest` because the input repeats
 /// itself from there on.
 ///
-/// [`SHORTEST`] lags at least have to be resolved before: an input that is poor from the start does not repeat
+/// [`SHORTEST_SETTLING`] lags at least have to be resolved before: an input that is poor from the start does not repeat
 /// itself, it is smooth.
 fn repeats_after(moments: &Moments, longest: usize) -> Option<usize> {
     let coordinates = Coordinates::new(FsfBasis::full(longest).ok()?);
@@ -55,7 +51,7 @@ fn repeats_after(moments: &Moments, longest: usize) -> Option<usize> {
         let share = matrix[(place(i), place(i))] - dot(&row, &row);
         if share <= NOTHING_NEW * median(&shares) {
             let lags = i.saturating_sub(1);
-            return (lags >= SHORTEST).then_some(lags);
+            return (lags >= SHORTEST_SETTLING).then_some(lags);
         }
         shares.push(share);
         row.push(share.sqrt());

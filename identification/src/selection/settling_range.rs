@@ -2,31 +2,14 @@
 
 use crate::data::Record;
 use crate::error::Error;
-use crate::estimation::MAX_AUTO_ORDER;
-
-/// Longest settling time considered unless the options say otherwise \[samples\].
-pub const LONGEST_SETTLING: usize = 599;
-
-/// Smallest N considered. A fast response under coarse sampling is over within a few samples, and its curve
-/// could be shorter; but [`crate::thresholds::MARGIN`] covers the rest of a tail whose time constant is that of
-/// the motion before it, and on so few samples a slow end of a fast response is missed altogether: where 3 % of it took
-/// ten times as long, the whole curve was inside its band in 13-78 % of runs with N from 9 on.
-pub(crate) const SHORTEST: usize = 31;
-
-/// Smallest longest N that leaves a choice without spending more parameters on it.
-const SHORTEST_LONGEST: usize = 41;
+use crate::options::MAX_AUTO_ORDER;
+use crate::thresholds::{
+    LONGEST_SETTLING, ROWS_FOR_PREDICTION, ROWS_KEPT, ROWS_PER_SAMPLE, SHORTEST_CHOICE,
+    SHORTEST_SETTLING,
+};
 
 /// Ratio of neighbouring settling times of the grid.
 const GRID_RATIO: f64 = 1.12;
-
-/// Rows needed per sample of settling time.
-const ROWS_PER_SAMPLE: usize = 6;
-
-/// Rows needed per sample of settling time where bounds are not at stake.
-const ROWS_FOR_PREDICTION: usize = 2;
-
-/// Share of the samples that must then be left as rows.
-const ROWS_KEPT: f64 = 0.74;
 
 /// The longest settling time that `record` can support \[samples, odd\].
 ///
@@ -38,13 +21,13 @@ pub(crate) fn longest_settling(record: &Record, cap: Option<usize>) -> Result<us
     let plenty = with_rows(ROWS_PER_SAMPLE);
     // A short record leaves no choice with so many rows to spare: half as many have to do, and the
     // advice says that parameters are many.
-    let longest = if plenty >= SHORTEST_LONGEST {
+    let longest = if plenty >= SHORTEST_CHOICE {
         plenty
     } else {
-        with_rows(ROWS_PER_SAMPLE / 2).min(SHORTEST_LONGEST)
+        with_rows(ROWS_PER_SAMPLE / 2).min(SHORTEST_CHOICE)
     };
-    if longest < SHORTEST {
-        let needed = (ROWS_PER_SAMPLE / 2 + 1) * SHORTEST + MAX_AUTO_ORDER;
+    if longest < SHORTEST_SETTLING {
+        let needed = (ROWS_PER_SAMPLE / 2 + 1) * SHORTEST_SETTLING + MAX_AUTO_ORDER;
         return Err(Error::TooShortForAuto {
             samples: record.samples(),
             needed,
@@ -85,9 +68,9 @@ pub(crate) fn odd_at_most(samples: usize) -> usize {
     samples.saturating_sub(usize::from(samples.is_multiple_of(2)))
 }
 
-/// Odd settling times from [`SHORTEST`] to `longest`, each about 1.12 times the one before.
+/// Odd settling times from [`SHORTEST_SETTLING`] to `longest`, each about 1.12 times the one before.
 pub(crate) fn grid(longest: usize) -> Vec<usize> {
-    let mut grid: Vec<usize> = std::iter::successors(Some(SHORTEST as f64), |settling| {
+    let mut grid: Vec<usize> = std::iter::successors(Some(SHORTEST_SETTLING as f64), |settling| {
         Some(settling * GRID_RATIO)
     })
     .map(|settling| settling as usize | 1)
@@ -102,7 +85,7 @@ pub(crate) fn grid(longest: usize) -> Vec<usize> {
 pub(crate) fn shorter(longest: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(longest), |longest| Some(odd_at_most(longest * 3 / 4)))
         .skip(1)
-        .take_while(|longest| *longest >= SHORTEST_LONGEST)
+        .take_while(|longest| *longest >= SHORTEST_CHOICE)
 }
 
 #[cfg(test)]

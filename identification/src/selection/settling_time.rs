@@ -40,9 +40,5 @@ pub(crate) fn choose_settling(search: &Search<'_>) -> Result<Choice, Error> {
     CANDIDATES
         .iter()
         .find_map(|candidate| candidate(search))
-        .ok_or(Error::NotExcited {
-            asked: search.longest,
-            excited: 1,
-            highest_hz: 0.0,
-        })
+        .ok_or(Error::nothing_excited(search.longest))
 }

@@ -13,7 +13,7 @@ use crate::estimation::{
     RowInformation,
 };
 use crate::options::NoiseOrder;
-use crate::thresholds::{CONTRADICTION, DETECTION, MARGIN};
+use crate::thresholds::DETECTION;
 
 /// The shortest acceptable N and its n; `None` when the input excites nothing beyond a constant.
 pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
@@ -30,11 +30,13 @@ pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
     let candidates = grid(longest).into_iter().filter_map(|settling| {
         Response::new(&information, settling, &ar).map(|response| response.candidate(&long))
     });
-    let mut choice = Choice::first_accepted(candidates, longest, ar.clone())?;
+    let choice = Choice::first_accepted(candidates, longest, ar.clone())?;
     let chosen = Response::new(&information, choice.settling, &ar)?;
-    choice.smooth_input = true;
-    choice.frequencies = Some(chosen.frequencies);
-    Some(choice)
+    Some(Choice {
+        smooth_input: true,
+        frequencies: Some(chosen.frequencies),
+        ..choice
+    })
 }
 
 /// The step response at one settling time, by its narrowest bank.
@@ -70,16 +72,9 @@ impl Response {
 
     /// This settling time beside the longest one.
     fn candidate(&self, long: &Self) -> SettlingCandidate {
-        let (settling, longest) = (self.value.len(), long.value.len());
         let detected = self.last_moving().map_or(1, |m| m + 2);
-        let contradiction = self.contradiction(long);
-        SettlingCandidate {
-            settling,
-            detected,
-            contradiction,
-            accepted: (settling == longest || contradiction <= CONTRADICTION)
-                && settling as f64 >= MARGIN * detected as f64,
-        }
+        let (settling, longest) = (self.value.len(), long.value.len());
+        SettlingCandidate::new(settling, detected, self.contradiction(long), longest)
     }
 
     /// The last sample at which the response is not yet at its final value.

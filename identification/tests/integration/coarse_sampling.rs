@@ -1,5 +1,5 @@
 //! Records of few samples: responses that are over within a few of them, and responses that outlast
-//! what the record can tell.
+//! the record.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -183,7 +183,7 @@ fn strokes_that_differ_have_a_delay_shift_each() {
             .contains("On the way up the second is about 6.0 ms behind")
     );
     let alone = found.curves[0].shift_leaves_percent.unwrap();
-    // A delay is all there is, as far as the short bank for the difference of the strokes tells.
+    // The servos differ by a delay alone, as far as the short bank for the difference of the strokes resolves.
     assert!(alone < 4.0, "{alone} %");
 }
 

@@ -272,7 +272,7 @@ fn errors_that_are_not_noise_withdraw_the_label_and_honest_noise_does_not() {
     );
 }
 
-/// A square wave tells no lag beyond a hold, and the other side's longer settling time must not be
+/// A square wave determines no lag beyond a hold, and the other side's longer settling time must not be
 /// asked of it.
 #[test]
 #[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored coverage"]

@@ -1,4 +1,4 @@
-//! Servos that are not linear are told from those that are, and what that does to the bounds.
+//! Servos that are not linear are distinguished from those that are, and the bounds follow.
 
 use rayon::prelude::*;
 use servoid_identification::results::Model;

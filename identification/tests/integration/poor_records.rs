@@ -1,4 +1,4 @@
-//! Linear servos under references and sensors that do not tell everything: what is claimed must be true, and
+//! Linear servos under references and sensors that do not determine everything: what is claimed must be true, and
 //! what is not known must not be claimed. A short version of the `figures_coverage` example.
 
 use servoid_test_support::figures_coverage::{Case, Line, NAMES, Reference, Sensor, measure};

@@ -1,4 +1,4 @@
-//! Inputs without steps: what they tell, and what is left out.
+//! Inputs without steps: results that they determine, and results that are withheld.
 
 use std::f64::consts::TAU;
 

@@ -55,17 +55,3 @@ fn a_live_collection_ends_with_the_model_of_the_record() {
         "moments do not hold single errors"
     );
 }
-
-#[test]
-fn recordings_whose_samples_are_taken_at_another_phase_are_not_merged() {
-    let moments = |phase: f64| {
-        let mut stream = MomentStream::new(PERIOD, 3, 1).with_sample_phase(phase);
-        stream.push(&[0.0, 1.0, 0.0, 1.0], &[0.0, 0.0, 0.5, 0.3]);
-        stream.moments()
-    };
-    let mut first = moments(0.0005);
-    assert!(first.merge(&moments(0.0005)).is_ok());
-    let error = first.merge(&moments(0.0)).unwrap_err().to_string();
-    assert!(error.contains("0.0005 s"), "{error}");
-    assert_eq!(first.rows(), 4);
-}

@@ -74,7 +74,7 @@ impl Default for RigAnswers {
 pub(super) type Checked = Result<(), String>;
 
 /// A name on one line.
-pub(super) fn check_name(name: &String) -> Checked {
+pub(super) fn check_name(name: &str) -> Checked {
     require(
         !name.chars().any(char::is_control) && name.chars().count() <= LONGEST_NAME,
         || format!("a name must be one line of at most {LONGEST_NAME} letters"),
@@ -85,7 +85,7 @@ pub(super) fn check_name(name: &String) -> Checked {
 const LONGEST_NAME: usize = 80;
 
 /// A name that is not empty.
-pub(super) fn check_condition(condition: &String) -> Checked {
+pub(super) fn check_condition(condition: &str) -> Checked {
     check_name(condition)?;
     require(!condition.trim().is_empty(), || {
         "a condition needs a name: bench, aircraft, or your own words".into()

@@ -37,7 +37,7 @@ pub fn draw(figure: &Figure) -> Result<String, Box<dyn Error>> {
     Ok(text)
 }
 
-/// Colours that people with any colour vision can tell apart (Okabe and Ito).
+/// Colours that people with any colour vision can distinguish (Okabe and Ito).
 fn colour(ink: Ink) -> RGBColor {
     match ink {
         Ink::Reference => RGBColor(0, 0, 0),

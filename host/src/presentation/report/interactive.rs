@@ -14,7 +14,7 @@ pub(super) fn library() -> String {
 }
 
 /// Data and layout of a figure, as plotly.js wants them; `panels` is their number. Where panels and
-/// their legends lie depends on the width of the page, so the page's script says that.
+/// their legends lie depends on the width of the page, so the page's script sets that.
 pub(super) fn plotly_json(figure: &Figure) -> Value {
     let mut traces = Vec::new();
     let mut layout = json!({

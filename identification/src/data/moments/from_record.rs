@@ -10,7 +10,6 @@ impl Moments {
     /// The moments of all runs of `record` for `input_lags` lags of the input and `output_lags`
     /// (at most as many) of the output. A model with settling time N and noise order d needs N+d
     /// and d+1.
-    #[must_use]
     pub fn of_record(record: &Record, input_lags: usize, output_lags: usize) -> Self {
         let mut stream = MomentStream::new(record.sample_period_s(), input_lags, output_lags)
             .with_sample_phase(record.sample_phase_s());

@@ -1,10 +1,9 @@
-//! The moments: adding and removing rows, fewer lags, another centre.
+//! The moments: adding and removing rows, fewer lags.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::data::record::Run;
-use crate::error::Error;
 use crate::numerics::add_outer_product;
 
 /// Lagged moments of the complete rows of a record.
@@ -30,83 +29,43 @@ pub struct Moments {
 
 impl Moments {
     /// L: lags of the input.
-    #[must_use]
     pub fn input_lags(&self) -> usize {
         self.uu.nrows()
     }
 
     /// J: lags of the output, the present sample included.
-    #[must_use]
     pub fn output_lags(&self) -> usize {
         self.yy.nrows()
     }
 
     /// Number of complete rows.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.rows
     }
 
     /// Samples seen, missing ones included.
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.samples
     }
 
     /// Samples that lacked the input or the output.
-    #[must_use]
     pub fn missing(&self) -> usize {
         self.missing
     }
 
     /// Time between samples \[s\].
-    #[must_use]
     pub fn sample_period_s(&self) -> f64 {
         self.sample_period_s
     }
 
     /// Time from an edge of the input to the first sample that counts as after it \[s\].
-    #[must_use]
     pub fn sample_phase_s(&self) -> f64 {
         self.sample_phase_s
     }
 
     /// Sum of squares of the output about its mean.
-    #[must_use]
     pub fn output_spread(&self) -> f64 {
         (self.yy[(0, 0)] - self.y[0] * self.y[0] / self.rows.max(1) as f64).max(0.0)
-    }
-
-    /// Adds the rows of `other`, as if both had been collected together.
-    ///
-    /// # Errors
-    /// The two have different lags, sample periods or sample phases.
-    pub fn merge(&mut self, other: &Self) -> Result<(), Error> {
-        if (self.input_lags(), self.output_lags()) != (other.input_lags(), other.output_lags()) {
-            return Err(Error::LagMismatch {
-                left: self.input_lags(),
-                right: other.input_lags(),
-            });
-        }
-        if self.sample_period_s != other.sample_period_s {
-            return Err(Error::PeriodMismatch {
-                expected: self.sample_period_s,
-                found: other.sample_period_s,
-            });
-        }
-        if self.sample_phase_s != other.sample_phase_s {
-            return Err(Error::PhaseMismatch {
-                expected: self.sample_phase_s,
-                found: other.sample_phase_s,
-            });
-        }
-        let mut other = other.clone();
-        if self.rows == 0 {
-            self.centre = other.centre;
-        }
-        other.move_centre(self.centre);
-        self.accumulate(&other, 1.0);
-        Ok(())
     }
 
     /// Adds one row.
@@ -167,28 +126,7 @@ impl Moments {
         self.missing = count(self.missing, other.missing);
     }
 
-    /// Expresses the moments relative to another centre.
-    fn move_centre(&mut self, centre: (f64, f64)) {
-        let (du, dy) = (self.centre.0 - centre.0, self.centre.1 - centre.1);
-        let rows = self.rows as f64;
-        let (u, y) = (&self.u, &self.y);
-        let shift = |matrix: &mut Mat<f64>, x: &[f64], dx: f64, z: &[f64], dz: f64| {
-            for b in 0..matrix.ncols() {
-                for a in 0..matrix.nrows() {
-                    matrix[(a, b)] += dz * x[a] + dx * z[b] + rows * dx * dz;
-                }
-            }
-        };
-        shift(&mut self.uu, u, du, u, du);
-        shift(&mut self.uy, u, du, y, dy);
-        shift(&mut self.yy, y, dy, y, dy);
-        self.u.iter_mut().for_each(|sum| *sum += rows * du);
-        self.y.iter_mut().for_each(|sum| *sum += rows * dy);
-        self.centre = centre;
-    }
-
     /// The moments of fewer lags over the same rows.
-    #[must_use]
     pub(crate) fn truncated(&self, input_lags: usize, output_lags: usize) -> Self {
         let part = |matrix: &Mat<f64>, rows, columns| {
             matrix.as_ref().submatrix(0, 0, rows, columns).to_owned()

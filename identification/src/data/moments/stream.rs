@@ -72,7 +72,6 @@ impl MomentStream {
     ///
     /// # Panics
     /// When a number of lags is zero, or there are more lags of the output than of the input.
-    #[must_use]
     pub fn new(sample_period_s: f64, input_lags: usize, output_lags: usize) -> Self {
         assert!(
             (1..=input_lags).contains(&output_lags),
@@ -156,13 +155,11 @@ impl MomentStream {
     }
 
     /// The moments of all samples so far.
-    #[must_use]
     pub fn moments(&self) -> Moments {
         self.clone().into_moments()
     }
 
     /// The moments of all samples; ends the collection.
-    #[must_use]
     pub fn into_moments(mut self) -> Moments {
         let done = &mut self;
         done.sum_pending();

@@ -3,8 +3,8 @@
 use super::evidence::Evidence;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
-use crate::estimation::{MAX_AUTO_ORDER, largest_root};
-use crate::options::NoiseOrder;
+use crate::estimation::largest_root;
+use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
 use crate::results::{Advice, Check};
 use crate::thresholds::{
     DISAGREEMENT, FEW_DEGREES, MATERIAL_MISFIT_PERCENT, RESIDUAL_SIGNIFICANCE, SLOW_ROOT,

@@ -1,9 +1,9 @@
 //! Findings on the sensor: whether its steps are small enough for the noise.
 
 use super::evidence::{Evidence, two_digits};
-use crate::data::DITHERED;
 use crate::estimation::Excitation;
 use crate::results::{Advice, Check};
+use crate::thresholds::DITHERED;
 
 const REMEDY: &str =
     "Use larger strokes, many different levels, or a sensor with smaller steps or more noise.";

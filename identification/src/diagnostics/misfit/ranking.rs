@@ -5,8 +5,7 @@ use super::evidence::Prediction;
 use crate::data::{MomentStream, Moments, Record};
 use crate::diagnostics::simulation_error::square;
 use crate::estimation::{
-    Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, MAX_AUTO_ORDER, NestedBanks,
-    RowInformation,
+    Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, NestedBanks, RowInformation,
 };
 use crate::options::NoiseOrder;
 use crate::results::fit_percent;
@@ -46,10 +45,7 @@ pub(crate) fn rank(
     frequencies: Option<usize>,
     order: NoiseOrder,
 ) -> Vec<Prediction> {
-    let lags = match order {
-        NoiseOrder::Auto => MAX_AUTO_ORDER,
-        NoiseOrder::Order(order) => order,
-    };
+    let lags = order.highest();
     let longest = settlings.iter().copied().max().unwrap_or(0);
     let parts = moments_of_parts(record, longest + lags, lags + 1);
     let mut total = parts[0].clone();

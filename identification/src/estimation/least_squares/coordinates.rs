@@ -1,6 +1,6 @@
 //! The coordinates in which least squares is solved.
 
-use faer::{Mat, MatRef};
+use faer::Mat;
 
 use crate::estimation::fsf_basis::FsfBasis;
 use crate::numerics::times;
@@ -17,7 +17,6 @@ pub struct Coordinates {
 
 impl Coordinates {
     /// Coordinates for `basis`.
-    #[must_use]
     pub fn new(basis: FsfBasis) -> Self {
         Self {
             basis,
@@ -26,7 +25,6 @@ impl Coordinates {
     }
 
     /// Coordinates θ, also for a complete bank.
-    #[must_use]
     pub fn in_theta(basis: FsfBasis) -> Self {
         Self {
             basis,
@@ -35,19 +33,11 @@ impl Coordinates {
     }
 
     /// Number of parameters without the offset.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.basis.frequencies()
     }
 
-    /// Never: a bank has at least one frequency.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        false
-    }
-
     /// The impulse response of a vector of coordinates.
-    #[must_use]
     pub fn impulse(&self, coordinates: &[f64]) -> Vec<f64> {
         match &self.map {
             Some(map) => times(map, coordinates),
@@ -56,7 +46,6 @@ impl Coordinates {
     }
 
     /// From coordinates to step response: N x n.
-    #[must_use]
     pub fn step_map(&self) -> Mat<f64> {
         match self.map {
             Some(_) => self.basis.step_map(),
@@ -68,13 +57,11 @@ impl Coordinates {
     }
 
     /// From coordinates to θ: n x n, `None` when they are θ.
-    #[must_use]
     pub fn theta_map(&self) -> Option<Mat<f64>> {
         self.map.is_none().then(|| self.basis.analysis_map())
     }
 
     /// T C T': the covariance of the impulse response from that of the coordinates.
-    #[must_use]
     pub fn expand(&self, covariance: Mat<f64>) -> Mat<f64> {
         match &self.map {
             Some(map) => map * (covariance * map.transpose()),
@@ -99,17 +86,13 @@ impl Coordinates {
     }
 
     /// From coordinates to impulse response, `None` when they are the impulse response.
-    #[must_use]
     pub fn impulse_map(&self) -> Option<&Mat<f64>> {
         self.map.as_ref()
     }
 
     /// T'M T.
-    pub(crate) fn square(&self, matrix: MatRef<'_, f64>) -> Mat<f64> {
-        match &self.map {
-            Some(map) => map.transpose() * (matrix * map),
-            None => matrix.to_owned(),
-        }
+    pub(crate) fn square(&self, matrix: Mat<f64>) -> Mat<f64> {
+        self.compress(self.combine(matrix))
     }
 
     /// T'M.

@@ -7,7 +7,7 @@ use super::solution::Solution;
 use crate::data::Moments;
 use crate::estimation::noise_model::noise_filter;
 use crate::numerics::{
-    backward_solve, cholesky, condition, dot, forward_solve, inverse_of_lower, times,
+    backward_solve, cholesky, condition, dot, forward_solve, inverse_of_square, times,
 };
 
 /// D-filtered normal equations A x = b with the offset as last parameter.
@@ -22,7 +22,7 @@ impl NormalEquations {
     pub(crate) fn new(moments: &Moments, coordinates: &Coordinates, ar: &[f64]) -> Self {
         let uu =
             filtered_input_moments(&moments.uu, coordinates.basis.settling(), &noise_filter(ar));
-        let square = coordinates.square(uu.as_ref());
+        let square = coordinates.square(uu);
         Self::with_square(moments, coordinates, ar, square)
     }
 
@@ -166,8 +166,7 @@ impl Factored {
     }
 
     fn inverse(&self) -> Mat<f64> {
-        let inverse_lower = inverse_of_lower(&self.lower);
-        let mut inverse = inverse_lower.transpose() * &inverse_lower;
+        let mut inverse = inverse_of_square(&self.lower);
         for j in 0..self.scale.len() {
             for i in 0..self.scale.len() {
                 inverse[(i, j)] *= self.scale[i] * self.scale[j];

@@ -10,7 +10,6 @@ use crate::numerics::dot;
 impl RowInformation {
     /// E\[i,j\] = sum v(k-i) v(k-j), i, j = 0..=order, for v = y - h*u - offset (all relative to
     /// the centre).
-    #[must_use]
     pub fn residual_moments(&self, impulse: &[f64], offset: f64, order: usize) -> Mat<f64> {
         match &self.factor {
             None => {

@@ -37,7 +37,6 @@ pub struct RowInformation {
 
 impl RowInformation {
     /// The fast form.
-    #[must_use]
     pub fn from_moments(moments: Moments) -> Self {
         Self {
             moments,
@@ -48,7 +47,6 @@ impl RowInformation {
 
     /// The accurate form: `factor` is upper triangular with factor'factor = Z'Z, its columns in
     /// the order of `template`'s lags (see [`crate::estimation::qr`]).
-    #[must_use]
     pub fn from_factor(template: &Moments, factor: Mat<f64>) -> Self {
         let moments = Moments::from_products(template, &(factor.transpose() * &factor));
         Self {
@@ -59,7 +57,6 @@ impl RowInformation {
     }
 
     /// Which form it is.
-    #[must_use]
     pub fn path(&self) -> Solver {
         if self.factor.is_some() {
             Solver::Qr
@@ -69,14 +66,12 @@ impl RowInformation {
     }
 
     /// Number of rows.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.moments.rows()
     }
 
     /// Least squares with the noise filter 1 + ar_1 z^-1 + ...; `None` when the rows do not
     /// determine the parameters.
-    #[must_use]
     pub fn solve(&self, coordinates: &Coordinates, ar: &[f64]) -> Option<Solution> {
         match &self.factor {
             None => solve_moments(&self.equations(coordinates, ar)),
@@ -85,7 +80,6 @@ impl RowInformation {
     }
 
     /// The coordinates and offset of [`RowInformation::solve`], without their covariance.
-    #[must_use]
     pub(crate) fn solve_coordinates(
         &self,
         coordinates: &Coordinates,

@@ -16,13 +16,11 @@ pub struct Solution {
 
 impl Solution {
     /// The offset relative to the centre of the moments.
-    #[must_use]
     pub fn offset(&self) -> f64 {
         self.coordinates[self.coordinates.len() - 1]
     }
 
     /// The coordinates of the response.
-    #[must_use]
     pub fn response(&self) -> &[f64] {
         &self.coordinates[..self.coordinates.len() - 1]
     }

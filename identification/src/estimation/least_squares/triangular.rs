@@ -6,8 +6,8 @@ use super::coordinates::Coordinates;
 use super::normal_equations::centred_condition;
 use super::solution::Solution;
 use crate::data::Moments;
-use crate::estimation::noise_model::noise_filter;
-use crate::numerics::{backward_solve, inverse_of_lower};
+use crate::estimation::noise_model::{lagged_filter, noise_filter};
+use crate::numerics::{backward_solve, inverse_of_square};
 
 pub(super) fn solve_factor(
     factor: &Mat<f64>,
@@ -21,13 +21,7 @@ pub(super) fn solve_factor(
         coordinates.len(),
     );
     let d = noise_filter(ar);
-    let mut impulse = Mat::zeros(lags, n);
-    for a in 0..n {
-        for (i, di) in d.iter().enumerate() {
-            impulse[(a + i, a)] = *di;
-        }
-    }
-    let filtered = coordinates.combine(impulse);
+    let filtered = coordinates.combine(lagged_filter(lags, n, &d));
     // Columns: the filtered regressor, the filtered offset, the filtered output.
     let gain: f64 = d.iter().sum();
     let combination = Mat::from_fn(factor.ncols(), p + 2, |row, k| match (row, k) {
@@ -49,8 +43,7 @@ pub(super) fn solve_factor(
     let lower = triangle.transpose().to_owned();
     let right: Vec<f64> = (0..=p).map(|k| r[(k, p + 1)]).collect();
     let x = backward_solve(&lower, &right);
-    let inverse_lower = inverse_of_lower(&lower);
-    let inverse = inverse_lower.transpose() * &inverse_lower;
+    let inverse = inverse_of_square(&lower);
     let a = triangle.transpose() * &triangle;
     let condition = centred_condition(&a, &inverse);
     let rss = if r.nrows() > p + 1 {

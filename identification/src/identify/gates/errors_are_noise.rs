@@ -16,7 +16,7 @@ use crate::estimation::{FsfBasis, GlsFit, GlsOptions, RowInformation};
 use crate::identify::candidate::Candidate;
 use crate::identify::estimate::Estimate;
 use crate::identify::fitted::Fitted;
-use crate::identify::task::{Task, noise_lags};
+use crate::identify::task::Task;
 use crate::options::{Frequencies, NoiseOrder};
 use crate::selection::longest_for_prediction;
 
@@ -140,7 +140,7 @@ fn other_step(task: &Task<'_>, candidate: &Candidate, adopted: &Estimate) -> Vec
         _ => PLAIN,
     };
     let coordinates = &adopted.coordinates;
-    let lags = noise_lags(order);
+    let lags = order.highest();
     let moments = match task.record {
         Some(record) => Moments::of_record(record, coordinates.basis.settling() + lags, lags + 1),
         None => adopted.information.moments.clone(),

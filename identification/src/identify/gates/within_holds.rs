@@ -29,13 +29,12 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
         longest_settling: Some(odd_at_most(hold)),
         ..*task.options
     };
-    let Ok(mut shorter) = Candidate::of_record(record, &options) else {
+    let Some(shorter) = Candidate::of_record(record, &options)
+        .ok()
+        .and_then(Candidate::within_holds)
+    else {
         return Ok(fitted);
     };
-    match shorter.plan.choice.as_mut() {
-        Some(choice) if choice.settled => choice.within_holds = true,
-        _ => return Ok(fitted),
-    }
     let shorter = Fitted::new(task, shorter)?;
     Ok(Fitted {
         linearity: shorter.linearity.or(fitted.linearity),

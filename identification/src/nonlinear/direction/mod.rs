@@ -285,7 +285,6 @@ pub(crate) fn wald(x: &[f64], covariance: &Mat<f64>) -> (f64, usize) {
 impl DirectionModel {
     /// The output at rest at a constant command, on the static line of the model. It is valid for a record
     /// with two levels. With more levels, a servo whose gain depends on the level is not on one line.
-    #[must_use]
     pub fn level_at(&self, command: f64) -> Interval {
         let (weights, constant) = self.fit.level_weights(command);
         let value = constant + dot(&weights, &self.fit.parameters);

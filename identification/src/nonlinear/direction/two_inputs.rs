@@ -7,11 +7,12 @@
 use faer::Mat;
 
 use crate::data::{MomentStream, Moments, Record, Run};
-use crate::estimation::{
-    Coordinates, FsfBasis, MAX_AUTO_ORDER, NoiseFit, best_order, noise_filter,
+use crate::estimation::{Coordinates, FsfBasis, NoiseFit, best_order, lagged_filter, noise_filter};
+use crate::numerics::{
+    backward_solve, cholesky, forward_solve, inverse_of_square, largest_difference, times,
 };
-use crate::numerics::{backward_solve, cholesky, forward_solve, inverse_of_lower};
-use crate::options::NoiseOrder;
+use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
+use crate::thresholds::SEPARABLE;
 
 /// Largest number of passes.
 const PASSES: usize = 30;
@@ -148,10 +149,7 @@ pub(crate) fn fit(
     order: NoiseOrder,
 ) -> Option<TwoInputFit> {
     let problem = Problem::new(moments, coordinates, second);
-    let max_order = match order {
-        NoiseOrder::Auto => MAX_AUTO_ORDER,
-        NoiseOrder::Order(order) => order.min(MAX_AUTO_ORDER),
-    };
+    let max_order = order.highest().min(MAX_AUTO_ORDER);
     let mut ar = Vec::new();
     let mut solution = problem.solve(&ar)?;
     for pass in 0..PASSES {
@@ -165,9 +163,7 @@ pub(crate) fn fit(
             NoiseOrder::Auto => best_order(&noise.candidates(moments.rows)),
         };
         let next = noise.coefficients(order);
-        let moved = (0..order.max(ar.len()))
-            .map(|i| (ar.get(i).unwrap_or(&0.0) - next.get(i).unwrap_or(&0.0f64)).abs())
-            .fold(0.0, f64::max);
+        let moved = largest_difference(&ar, &next);
         ar = next;
         solution = problem.solve(&ar)?;
         if moved < CONVERGED {
@@ -224,14 +220,13 @@ impl<'a> Problem<'a> {
         let scaled = Mat::from_fn(p, p, |i, j| gram[(i, j)] * scale[i] * scale[j]);
         let lower = cholesky(&scaled)?;
         // A column that is a combination of the others to five digits is undetermined.
-        if (0..p).any(|k| lower[(k, k)] < 1e-5) {
+        if (0..p).any(|k| lower[(k, k)] < SEPARABLE) {
             return None;
         }
         let right: Vec<f64> = (0..p).map(|k| gram[(k, p)] * scale[k]).collect();
         let projected = forward_solve(&lower, &right);
         let solved = backward_solve(&lower, &projected);
-        let inverse_lower = inverse_of_lower(&lower);
-        let inverse = inverse_lower.transpose() * &inverse_lower;
+        let inverse = inverse_of_square(&lower);
         Some(JointSolution {
             parameters: solved.iter().zip(&scale).map(|(x, s)| x * s).collect(),
             inverse: Mat::from_fn(p, p, |i, j| inverse[(i, j)] * scale[i] * scale[j]),
@@ -244,12 +239,7 @@ impl<'a> Problem<'a> {
         let lags = self.moments.lags;
         let d = noise_filter(ar);
         let settling = self.coordinates.basis.settling();
-        let mut filter = Mat::zeros(lags, settling);
-        for a in 0..settling {
-            for (i, di) in d.iter().enumerate() {
-                filter[(a + i, a)] = *di;
-            }
-        }
+        let filter = lagged_filter(lags, settling, &d);
         let second = &filter * &self.second;
         let first = self.coordinates.combine(filter);
         let (n, n2) = (first.ncols(), second.ncols());
@@ -280,7 +270,7 @@ impl<'a> Problem<'a> {
         let (lags, n) = (self.moments.lags, self.coordinates.len());
         let n2 = self.second.ncols();
         let first = self.coordinates.impulse(&parameters[..n]);
-        let second = crate::numerics::times(&self.second, &parameters[n..n + n2]);
+        let second = times(&self.second, &parameters[n..n + n2]);
         let offset = parameters[n + n2];
         let combination = Mat::from_fn(self.moments.products.nrows(), order + 1, |row, i| {
             let lag = |row: usize, response: &[f64]| {

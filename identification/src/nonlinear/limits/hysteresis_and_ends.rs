@@ -14,15 +14,11 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::data::{Run, holds, last_quarter, mean_output};
+use crate::data::{EXACTLY, Run, holds, last_quarter, mean_output};
 use crate::results::Interval;
-use crate::thresholds::{HYSTERESIS_FALSE_ALARM, RANGE_END_FALSE_ALARM};
-
-/// Gain at an end relative to the others: below the first it softens, below the second it stops.
-const SOFT: f64 = 0.9;
-const STOP: f64 = 0.1;
-/// Number of levels needed to find a softening end.
-pub(crate) const LEVELS_FOR_ENDS: usize = 4;
+use crate::thresholds::{
+    HARD_STOP, HYSTERESIS_FALSE_ALARM, LEVELS_FOR_ENDS, RANGE_END_FALSE_ALARM, SOFT_END,
+};
 
 /// The side from which a level was reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -100,7 +96,7 @@ impl Table {
     pub(crate) fn new(runs: &[Run], period_s: f64, settling: usize, level: Option<f64>) -> Self {
         let mut visits: Vec<(f64, Side, f64)> = Vec::new();
         for run in runs {
-            for hold in holds(run) {
+            for hold in holds(run, EXACTLY) {
                 let rest = last_quarter(&hold.samples);
                 let Some(before) = hold
                     .before
@@ -216,7 +212,7 @@ impl Table {
                 found: None,
                 size: Interval::default(),
                 statement: format!(
-                    "Cannot tell from this recording whether the rest position depends on the \
+                    "This recording does not determine whether the rest position depends on the \
                      direction of approach: record stairs that reach each level from both sides, \
                      at least twice, each held for at least {:.2} s.",
                     self.needed_s
@@ -264,7 +260,7 @@ impl Table {
             reached: self.around(level.mean, 1.0 / level.visits as f64),
             gain_ratio: Interval::default(),
             statement: format!(
-                "Cannot tell from this recording whether the servo softens or stops at a command of \
+                "This recording does not determine whether the servo softens or stops at a command of \
                  {:.3}, where it reaches {:.3}: record stairs of at least {LEVELS_FOR_ENDS} levels, both ends \
                  included, each visited at least twice and held for at least {:.2} s.",
                 level.command, level.mean, self.needed_s
@@ -293,9 +289,9 @@ impl Table {
         let sd = (self.variance * share).sqrt() / (neighbours[1].command - neighbours[0].command);
         let ratio = gain / others;
         end.gain_ratio = self.within(ratio, sd / others.abs());
-        let softens = SOFT - ratio > self.critical(RANGE_END_FALSE_ALARM) * sd / others.abs();
+        let softens = SOFT_END - ratio > self.critical(RANGE_END_FALSE_ALARM) * sd / others.abs();
         end.softens = Some(softens);
-        end.statement = match (softens, ratio < STOP) {
+        end.statement = match (softens, ratio < HARD_STOP) {
             (false, _) => format!(
                 "No stop at the {name} end: {:.3} is reached at a command of {:.3}, with {:.0} % of \
                  the gain elsewhere.",

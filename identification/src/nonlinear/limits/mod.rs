@@ -16,7 +16,6 @@ use crate::data::{Record, Run, strokes};
 use crate::results::Model;
 use crate::thresholds::MARGIN;
 
-pub(crate) use hysteresis_and_ends::LEVELS_FOR_ENDS;
 pub use hysteresis_and_ends::{Cell, Hysteresis, RangeEnd, Side};
 pub use rate::{Rate, RateVerdict};
 
@@ -56,7 +55,6 @@ impl Limits {
     /// assert_eq!(limits.hysteresis.found, Some(false));
     /// # Ok::<(), servoid_identification::Error>(())
     /// ```
-    #[must_use]
     pub fn of(record: &Record, model: &Model, level: f64) -> Self {
         let settling = settling(model);
         let strokes = strokes(record, settling);
@@ -73,13 +71,11 @@ impl Limits {
     }
 
     /// The level table alone: rest positions by level and side. Empty when no hold is long enough.
-    #[must_use]
     pub fn level_table(record: &Record, model: &Model) -> Vec<Cell> {
         table(record, model, model.level().into_valid()).cells
     }
 
     /// All findings as sentences.
-    #[must_use]
     pub fn statements(&self) -> Vec<&str> {
         let ends = self.ends.iter().flatten().map(|end| end.statement.as_str());
         [

@@ -20,21 +20,10 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 use crate::data::Stroke;
 use crate::numerics::pointwise_critical;
 use crate::results::Interval;
-use crate::thresholds::RATE_LIMIT_LEVEL;
-
-/// Strokes needed in one direction.
-const STROKES: usize = 6;
-/// Ratio of the largest to the smallest size needed.
-const SIZES: f64 = 1.5;
-/// Strokes above the hinge, and ratio of their sizes, needed for a rate limit.
-const ABOVE: (usize, f64) = (5, 1.2);
-/// Slopes: below the first the speed is not proportional, below the second it is constant.
-const SLOPES: (f64, f64) = (0.95, 0.25);
-/// Travel per command, relative to that of the strokes with the farthest travel, below which a stroke was
-/// stopped.
-const STOPPED: f64 = 0.9;
-/// A hinge below this share of the largest size counts.
-const HINGE: f64 = 0.9;
+use crate::thresholds::{
+    HINGE, RATE_LIMIT_LEVEL, RATE_SLOPES, SIZES_FOR_RATE, STOPPED, STROKES_AT_LIMIT,
+    STROKES_FOR_RATE,
+};
 
 /// The finding for the strokes of one direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -92,7 +81,7 @@ impl Rate {
             sizes,
             statement: String::new(),
         };
-        if strokes.len() < STROKES || sizes.1 < SIZES * sizes.0 {
+        if strokes.len() < STROKES_FOR_RATE || sizes.1 < SIZES_FOR_RATE * sizes.0 {
             let seen = match strokes.len() {
                 0 => "no stroke that began and ended at rest".to_owned(),
                 count => format!(
@@ -108,9 +97,9 @@ impl Rate {
                 ),
             };
             rate.statement = format!(
-                "Cannot tell whether the speed {direction} is limited, because the recording has \
-                 {seen}{stopped}: record at least {STROKES} strokes in each direction, the largest at \
-                 least {SIZES} times the smallest, each held until it has settled{within}."
+                "This recording does not determine whether the speed {direction} is limited, because it has \
+                 {seen}{stopped}: record at least {STROKES_FOR_RATE} strokes in each direction, the largest at \
+                 least {SIZES_FOR_RATE} times the smallest, each held until it has settled{within}."
             );
             return rate;
         }
@@ -131,7 +120,7 @@ impl Rate {
         };
         let above = of_size(&|size| size > hinge.knee);
         let bent = hinge.p < 1.0 - RATE_LIMIT_LEVEL && hinge.knee < HINGE * sizes.1;
-        if slope.value + critical * slope.sd >= SLOPES.0 && !bent {
+        if slope.value + critical * slope.sd >= RATE_SLOPES.0 && !bent {
             rate.verdict = RateVerdict::Proportional;
             rate.speed = mean_speed(&of_size(&|size| size == sizes.1), level);
         } else if is_constant(&above, critical) {
@@ -139,7 +128,10 @@ impl Rate {
             rate.speed = mean_speed(&above, level);
         } else {
             rate.verdict = RateVerdict::GrowsLess;
-            rate.speed = mean_speed(&of_size(&|size| size * ABOVE.1 >= sizes.1), level);
+            rate.speed = mean_speed(
+                &of_size(&|size| size * STROKES_AT_LIMIT.1 >= sizes.1),
+                level,
+            );
         }
         rate.statement = rate.sentence(direction);
         rate
@@ -179,7 +171,7 @@ fn is_constant(above: &[Stroke], critical: f64) -> bool {
     let size = |stroke: &Stroke| stroke.size.abs();
     let smallest = above.iter().map(size).fold(f64::INFINITY, f64::min);
     let largest = above.iter().map(size).fold(0.0, f64::max);
-    if above.len() < ABOVE.0 || largest <= ABOVE.1 * smallest {
+    if above.len() < STROKES_AT_LIMIT.0 || largest <= STROKES_AT_LIMIT.1 * smallest {
         return false;
     }
     let logs: Vec<(f64, f64)> = above
@@ -187,7 +179,7 @@ fn is_constant(above: &[Stroke], critical: f64) -> bool {
         .map(|s| (size(s).ln(), s.mid_speed.ln()))
         .collect();
     let slope = Slope::new(&logs);
-    slope.value + critical * slope.sd < SLOPES.1
+    slope.value + critical * slope.sd < RATE_SLOPES.1
 }
 
 /// Mean mid-travel speed with Student's interval.
