@@ -15,7 +15,7 @@ use std::rc::Rc;
 use std::task::{Context, Waker};
 use std::time::{Duration, Instant};
 
-/// A simulated rig behind a simulated serial line; see the [module](self).
+/// A simulated rig behind a simulated serial line. Simulated time passes only in [`read`](Self::read).
 ///
 /// ```
 /// use servoid_protocol::{Command, Decoder, Request, RigMessage, framing};

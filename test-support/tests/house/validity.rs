@@ -12,9 +12,12 @@ const ALLOWED: [&str; 2] = [
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("the folder is there") {
         let path = entry.expect("the folder can be read").path();
+        if path.file_stem().is_some_and(|name| name == "tests") {
+            continue;
+        }
         if path.is_dir() {
             sources(&path, found);
-        } else if path.extension().is_some_and(|end| end == "rs") {
+        } else if path.extension().is_some_and(|end| end == "rs") && !path.ends_with("tests.rs") {
             found.push(path);
         }
     }
@@ -35,7 +38,7 @@ fn makes_a_value(rest: &str) -> bool {
         return true;
     };
     let behind = rest[end + 1..].trim_start();
-    !["=", "if ", "|", ")) ="]
+    !["=", "if ", "|", ") =", ")) ="]
         .iter()
         .any(|pattern| behind.starts_with(pattern))
 }
@@ -71,5 +74,6 @@ fn patterns_are_no_values() {
     assert!(makes_a_value(");"));
     assert!(!makes_a_value("(bounds) => bounds"));
     assert!(!makes_a_value("((a, b)) = both {"));
+    assert!(!makes_a_value("(bounds)) => bounds"));
     assert!(!makes_a_value("(_) if linear"));
 }

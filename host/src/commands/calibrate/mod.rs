@@ -1,5 +1,6 @@
 //! `servoid calibrate`
 
+mod measured;
 mod protractor;
 mod text;
 
@@ -16,7 +17,7 @@ use crate::instrument::port;
 use crate::instrument::rig::RigClient;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
-use serde::Serialize;
+use measured::{DOUBT_PERCENT, Measured};
 use servoid_protocol::PulseWidth;
 use std::path::{Path, PathBuf};
 
@@ -79,24 +80,6 @@ pub(super) struct Calibrate {
     #[command(flatten)]
     output: Output,
 }
-
-/// The result as `--json` prints it.
-#[derive(Serialize)]
-struct Measured {
-    /// The sensor's scale; `None` where it was not measured.
-    sensor: Option<Calibration>,
-    /// Whether its angles are assumed: those that the pulses command.
-    assumed: bool,
-    /// Its readings.
-    readings: Vec<Reading>,
-    /// The sensor at each position, where a rig measured it.
-    rests: Vec<Rest>,
-    travel: Option<Travel>,
-}
-
-/// Standard deviation of a data sheet's microseconds per degree (percent): makers round, and servos of one type
-/// differ by some percent.
-const DOUBT_PERCENT: f64 = 5.0;
 
 /// Default number of positions.
 const POSITIONS: i32 = 5;

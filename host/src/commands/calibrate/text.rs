@@ -1,6 +1,6 @@
 //! A calibration as text.
 
-use super::{DOUBT_PERCENT, Measured};
+use super::measured::{DOUBT_PERCENT, Measured};
 use crate::instrument::calibration::{Calibration, End, Estimate, LEVEL, Reading, Rest, Travel};
 
 /// "1300, 1400, 1500".

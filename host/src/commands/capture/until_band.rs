@@ -3,7 +3,6 @@
 use crate::instrument::live::LiveStep;
 use crate::plan::NarrowingBand;
 use serde::Serialize;
-use servoid_identification::results::Bounds;
 
 /// The band that was asked for, and the band of all runs together.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -30,10 +29,10 @@ enum Estimate {
 impl BandReached {
     /// Compares the last estimate, if there is one, with the band that was asked for.
     pub(super) fn of(asked_percent: f64, step: Option<&LiveStep>) -> Self {
-        let estimate = match step.map(|live| &live.step.bounds) {
+        let estimate = match step.map(|live| live.step.bounds.valid()) {
             None => Estimate::None,
-            Some(Bounds::Withdrawn(_)) => Estimate::NoBounds,
-            Some(Bounds::Valid(bounds)) => Estimate::Band(NarrowingBand {
+            Some(None) => Estimate::NoBounds,
+            Some(Some(bounds)) => Estimate::Band(NarrowingBand {
                 widest_percent: 100.0 * bounds.widest_half_width(),
                 floor_percent: 100.0 * bounds.bias(),
             }),

@@ -43,11 +43,13 @@
 
 mod header;
 mod last_line;
+mod read_error;
 mod reader;
 mod recover;
 mod reference_toml;
 mod reserved_file;
 mod row;
+mod row_text;
 mod scan;
 mod target;
 mod whole_file;
@@ -56,7 +58,8 @@ mod writer;
 
 pub use header::{FORMAT, Header};
 pub use last_line::Ending;
-pub use reader::{Completeness, ReadError, ReadFault, Recording};
+pub use read_error::{ReadError, ReadFault};
+pub use reader::{Completeness, Recording};
 pub use recover::{Recovered, recover};
 pub use reference_toml::as_toml;
 pub use reserved_file::ReservedFile;

@@ -1,9 +1,9 @@
 //! Reads a recording, and judges whether it is complete, partial, or damaged.
 
-use super::header::{FORMAT, Header};
+use super::header::Header;
+use super::read_error::{ReadError, ReadFault};
 use super::row::{MOST_SAMPLES, Row};
 use super::scan::{Damage, End, Scan, scan};
-use crate::data::file_error::FileError;
 use crate::data::input_file;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::ops::Range;
@@ -31,45 +31,6 @@ pub struct Recording {
     pub completeness: Completeness,
     /// The samples that the last line names as lost.
     pub lost_samples: Vec<Range<u64>>,
-}
-
-/// Why a recording could not be read.
-pub type ReadError = FileError<ReadFault>;
-
-/// A fault in a recording.
-#[derive(Debug, thiserror::Error)]
-pub enum ReadFault {
-    /// The error of the system.
-    #[error("cannot be read: {0}")]
-    Unreadable(std::io::Error),
-    /// A later version, which has this format, wrote it.
-    #[error(
-        "was made by a newer servoid (format {0}, this one reads up to {FORMAT}): update servoid"
-    )]
-    Newer(u32),
-    /// A comment line is damaged: number from 1, and reason.
-    #[error("is damaged above its rows, at line {0}: {1}; 'servoid recover' keeps what is sound")]
-    DamagedHeader(usize, String),
-    /// A row is damaged.
-    #[error(
-        "is damaged at row {row} (line {line}): {reason}; 'servoid recover' keeps what is sound"
-    )]
-    DamagedRow {
-        /// Row, from 1.
-        row: usize,
-        /// Line, from 1.
-        line: usize,
-        /// The fault.
-        reason: String,
-    },
-    /// Not one frame is sound.
-    #[error("has no sound frame left: nothing can be recovered from it")]
-    NothingSound,
-    /// Every row reads well, and yet rows are not as they were written, for this reason.
-    #[error(
-        "was changed after it was recorded: its rows do not match its last line ({0}); if you meant to, 'servoid recover' makes a partial recording of it"
-    )]
-    Changed(&'static str),
 }
 
 impl Recording {

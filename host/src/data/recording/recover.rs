@@ -6,7 +6,8 @@
 
 use super::header::{FORMAT, Header};
 use super::last_line::Ending;
-use super::reader::{Completeness, ReadError, ReadFault, judge};
+use super::read_error::{ReadError, ReadFault};
+use super::reader::{Completeness, judge};
 use super::row::{Row, SAMPLE_PERIOD_S};
 use super::scan::scan;
 use super::write_error::WriteError;

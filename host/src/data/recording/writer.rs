@@ -3,7 +3,8 @@
 use super::header::Header;
 use super::last_line::Ending;
 use super::reserved_file::ReservedFile;
-use super::row::{COLUMNS, Row, write_row};
+use super::row::{COLUMNS, Row};
+use super::row_text::write_row;
 use super::target::Target;
 use super::write_error::{WriteError, WriteFault};
 use crate::data::degrees::DegreeScale;

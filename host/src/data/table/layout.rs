@@ -5,6 +5,7 @@
 //! cells of numbers, as many as the header row has.
 
 use super::number::{self, Decimal};
+use super::rows::reader;
 
 /// What may part cells, the most usual first.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
@@ -210,7 +211,7 @@ fn decoded(cell: &[u8]) -> String {
 
 /// Where each line begins that has anything in it and is no remark, and its cells without spaces around them.
 fn lines(bytes: &[u8], separator: u8) -> impl Iterator<Item = (usize, Vec<String>)> {
-    let records = super::reader(bytes, separator).into_byte_records();
+    let records = reader(bytes, separator).into_byte_records();
     // Every line is a record, and nothing else can go wrong in memory.
     records.map_while(Result::ok).filter_map(|record| {
         let start = record

@@ -3,6 +3,7 @@
 mod error;
 mod layout;
 mod number;
+mod rows;
 
 pub use error::{TableError, TableFault};
 pub(crate) use layout::is_unit;
@@ -10,6 +11,7 @@ pub(crate) use layout::is_unit;
 use crate::data::input_file;
 use layout::{Layout, fits};
 use number::Decimal;
+use rows::reader;
 use std::path::Path;
 
 /// A CSV file in memory, its header row read. Lines that begin with `#` are passed over; cells may be
@@ -299,17 +301,6 @@ fn parted_by_spaces(rows: &[u8]) -> bool {
         .collect();
     let number = |word: &&[u8]| number::parse(word, Decimal::Point).is_some();
     words.len() > 1 && words.iter().all(number)
-}
-
-/// Reads rows of any length; cells are trimmed where they are used, as trimming whole rows would copy
-/// each of them.
-fn reader(rows: &[u8], separator: u8) -> csv::Reader<&[u8]> {
-    csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .delimiter(separator)
-        .has_headers(false)
-        .flexible(true)
-        .from_reader(rows)
 }
 
 #[cfg(test)]

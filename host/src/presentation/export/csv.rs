@@ -1,7 +1,7 @@
 //! A table for anything that reads one: step and frequency response side by side, with bounds, and the
 //! parameters with their covariance.
 
-use super::Export;
+use super::model::Export;
 use super::statement::low_order_covariance;
 use super::text::{Style, number};
 use servoid_identification::results::{Bounds, Model};

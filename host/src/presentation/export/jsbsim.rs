@@ -1,8 +1,9 @@
 //! A JSBSim system: hold, delay and poles.
 
+use super::error::ExportError;
+use super::model::Export;
 use super::statement::low_order_covariance;
 use super::text::{Style, identifier, number};
-use super::{Export, ExportError};
 use crate::presentation::template::fill;
 use servoid_identification::flight_model::LowOrder;
 

@@ -5,12 +5,14 @@
 //! polynomials, states its difference from it.
 
 mod csv;
+mod error;
 mod jsbsim;
 mod languages;
 mod model;
 mod statement;
 mod text;
 
+pub use error::ExportError;
 pub use model::Export;
 
 /// The target program.
@@ -42,16 +44,6 @@ impl Target {
         Self::Csv,
         Self::Jsbsim,
     ];
-}
-
-/// There is no export. The text names the remedy.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ExportError {
-    /// The target is a ratio of polynomials.
-    #[error(
-        "a JSBSim actuator needs a low-order model, and there is none ({0}): export to c or csv, or record larger steps"
-    )]
-    NoLowOrder(String),
 }
 
 impl Export<'_> {

@@ -1,6 +1,6 @@
 //! The comment at the top of every export.
 
-use super::Export;
+use super::model::Export;
 use super::text::{Style, number};
 use crate::presentation::summary;
 use servoid_identification::flight_model::FlightModel;

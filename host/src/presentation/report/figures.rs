@@ -1,7 +1,7 @@
 //! The report's figures in order, with captions.
 
+use super::content::{Page, Part};
 use super::text::escape;
-use super::{Page, Part};
 use crate::presentation::plots::{self, Figure, MOST_RUNS};
 use crate::presentation::summary;
 

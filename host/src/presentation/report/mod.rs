@@ -4,64 +4,21 @@
 //! A page has at most 8 MB: 1 for the plotting library, up to 1 for models, the rest for figures,
 //! whose long signals are thinned out and of whose runs only the first are drawn.
 
+mod content;
 mod figures;
 mod interactive;
 mod servo;
 mod text;
 
 pub use super::paper_values::Fact;
+pub use content::{Facts, Page, Part};
 pub use servo::Servo;
 
-use super::plots::Subject;
 use super::template::fill;
 use crate::data::model_file::ModelDocument;
-use crate::data::model_metadata::ModelMetadata;
 use anyhow::Result;
 use serde_json::Value;
-use servoid_identification::comparison::Comparison;
-use servoid_identification::diagnostics::Explanation;
-use servoid_identification::results::Model;
 use text::{escape, json_in_page};
-
-/// Names and values of what is known of one file.
-pub type Facts = Vec<(String, String)>;
-
-/// One servo in the report.
-#[derive(Clone, Copy, Debug)]
-pub struct Part<'a> {
-    /// Model, and record where there is one.
-    pub subject: Subject<'a>,
-    /// The choice of the model's structure, where that is known.
-    pub explanation: Option<&'a Explanation>,
-    /// Models of its runs, each identified on its own, where there are several.
-    pub runs: &'a [Model],
-    /// Units, and the hold of the command.
-    pub metadata: &'a ModelMetadata,
-    /// The origin of the data, file by file.
-    pub provenance: &'a [Facts],
-}
-
-/// The content of a page: one servo, or two and their comparison.
-#[derive(Clone, Copy, Debug)]
-pub struct Page<'a> {
-    /// Its title.
-    pub title: &'a str,
-    /// The servo, or the reference condition.
-    pub first: Part<'a>,
-    /// The other condition.
-    pub second: Option<Part<'a>>,
-    /// The comparison of the two.
-    pub comparison: Option<&'a Comparison>,
-    /// The paper's values beside those found here, where the servos are those of the paper.
-    pub paper: &'a [Fact],
-}
-
-impl<'a> Page<'a> {
-    /// The first servo, and the second where there is one.
-    fn parts(&self) -> impl Iterator<Item = &Part<'a>> {
-        std::iter::once(&self.first).chain(&self.second)
-    }
-}
 
 /// The page without its content.
 const PAGE: &str = include_str!("page.html");

@@ -1,6 +1,6 @@
 //! One servo under one condition, with all that a page shows of it.
 
-use super::{Facts, Part};
+use super::content::{Facts, Part};
 use crate::data::dataset::Dataset;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::plots::Subject;

@@ -1,6 +1,7 @@
 //! The page's text: verdict, metrics, advice, provenance.
 
-use super::{Facts, Page, Part};
+use super::content::{Facts, Page, Part};
+use crate::presentation::paper_values::Fact;
 use crate::presentation::summary;
 use servoid_identification::results::Bounds;
 
@@ -139,7 +140,7 @@ fn paper(page: &Page<'_>) -> String {
     if page.paper.is_empty() {
         return String::new();
     }
-    let row = |fact: &super::Fact| {
+    let row = |fact: &Fact| {
         let (name, digits) = (escape(fact.fact), fact.digits);
         let (figure, paper, here) = (fact.figure, fact.paper, fact.here);
         format!(

@@ -1,8 +1,9 @@
 //! The lines above the rows, and the marks by which a recording is recognised.
 
-use super::{Damage, NO_COMMENT, comment_table};
+use super::comment::{NO_COMMENT, comment_table};
+use super::damage::Damage;
 use crate::data::recording::header::{FIRST_LINE, FORMAT, HEADER_CRC, Header};
-use crate::data::recording::reader::ReadFault;
+use crate::data::recording::read_error::ReadFault;
 use crate::data::recording::row::{COLUMNS, COLUMNS_WITHOUT_PULSE, SAMPLE_PERIOD_S};
 use crate::data::rig_file::is_usable_scale;
 use crate::data::table::BYTE_ORDER_MARK;

@@ -1,19 +1,21 @@
 //! A file's lines, taken apart; faults are noted, and reading goes on.
 
 mod as_written;
+mod comment;
+mod damage;
 mod head;
 mod rows;
 
+pub(super) use damage::Damage;
 pub use head::is_recording;
 pub(super) use rows::End;
 
 use super::header::Header;
-use super::reader::ReadFault;
+use super::read_error::ReadFault;
 use super::row::Row;
 use as_written::as_written;
 use head::{Head, column_row};
 use rows::Rows;
-use toml::{Table, Value};
 
 /// A file, taken apart.
 #[derive(Debug)]
@@ -35,17 +37,6 @@ pub(super) struct Scan {
     /// CRC-32 over the rows.
     pub(super) crc32: u32,
     pub(super) damages: Vec<Damage>,
-}
-
-/// Something that is not as it was written.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Damage {
-    /// Row, from 1; `None` for the lines above the rows.
-    pub(super) row: Option<usize>,
-    /// Line, from 1.
-    pub(super) line: usize,
-    /// The fault.
-    pub(super) reason: String,
 }
 
 /// Takes a file apart; fails for one of a later format.
@@ -87,17 +78,4 @@ fn lines(body: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
         line
     });
     (1..).zip(lines)
-}
-
-/// Why a line above the rows is no comment.
-const NO_COMMENT: &str = "it is not of the form '# key = value'";
-
-/// A comment is the inside of a TOML inline table: `key = value, key = value`.
-fn comment_table(comment: &[u8]) -> Result<Table, &'static str> {
-    let text = std::str::from_utf8(comment).map_err(|_| "it is not UTF-8 text")?;
-    let table: Result<Table, _> = toml::from_str(&format!("line = {{ {} }}", text.trim()));
-    match table.map(|mut table| (table.remove("line"), table.is_empty())) {
-        Ok((Some(Value::Table(inner)), true)) => Ok(inner),
-        _ => Err(NO_COMMENT),
-    }
 }

@@ -1,9 +1,11 @@
 //! Rows, checked against their own frame and against those before them.
 
+use super::comment::comment_table;
+use super::damage::Damage;
 use super::head::Head;
-use super::{Damage, comment_table};
 use crate::data::recording::last_line::LastLine;
-use crate::data::recording::row::{Row, RowReader};
+use crate::data::recording::row::Row;
+use crate::data::recording::row_text::RowReader;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
 /// The end of a file, where the last line belongs.

@@ -1,0 +1,216 @@
+//! The text of a row: writing it, and reading it again.
+
+use super::header::Header;
+use super::row::{MOST_SAMPLES, Row};
+use crate::data::degrees::DegreeScale;
+use servoid_protocol::timing::SAMPLE_US;
+use servoid_protocol::{Counts, PulseWidth};
+use std::fmt::Write as _;
+
+/// Appends a row and its line end.
+pub(super) fn write_row(text: &mut String, scale: &DegreeScale, row: Row) {
+    // Whole microseconds, so that no row's time carries a rounding of its own.
+    let time_us = row.sample.saturating_mul(SAMPLE_US.into());
+    let _infallible = writeln!(
+        text,
+        "{},{}.{:03},{},{:.4},{},{}",
+        row.sample,
+        time_us / 1_000_000,
+        time_us % 1_000_000 / 1000,
+        scale.reference(row.pulse),
+        scale.angle(row.counts),
+        row.pulse.0,
+        row.counts.0,
+    );
+}
+
+/// Reads rows one after the other, and takes none that [`write_row`] would write another way.
+#[derive(Debug)]
+pub(super) struct RowReader {
+    scale: DegreeScale,
+    has_pulse: bool,
+    /// The pulse of the newest row and its reference as it is written: ten rows share them.
+    reference: (PulseWidth, String),
+}
+
+impl RowReader {
+    /// For rows under this header, with a column of the pulse or without one.
+    pub(super) fn new(header: &Header, has_pulse: bool) -> Self {
+        let scale = DegreeScale::of_recording(header);
+        let neutral = PulseWidth::NEUTRAL;
+        Self {
+            reference: (neutral, scale.reference(neutral).to_string()),
+            scale,
+            has_pulse,
+        }
+    }
+
+    /// Reads a row, without its line end. The time must be that of the sample, the reference that of the
+    /// pulse, and the position that of the counts.
+    pub(super) fn read(&mut self, line: &[u8]) -> Result<Row, &'static str> {
+        let mut fields = line.split(|&byte| byte == b',');
+        let mut next = || fields.next().ok_or("it has too few fields");
+        let (sample, time, reference, position) = (next()?, next()?, next()?, next()?);
+        let pulse = self.has_pulse.then(&mut next).transpose()?;
+        let counts = next()?;
+        if fields.next().is_some() {
+            return Err("it has too many fields");
+        }
+        let sample = whole_number(sample).ok_or("the sample number is no whole number")?;
+        if sample >= MOST_SAMPLES {
+            return Err("the sample number is beyond any run");
+        }
+        if fixed_point::<3>(time) != Some(sample * u64::from(SAMPLE_US) / 1000) {
+            return Err("its time is not that of its sample number");
+        }
+        let pulse = match pulse {
+            Some(pulse) => {
+                let width = whole_number(pulse).and_then(|width| width.try_into().ok());
+                PulseWidth(width.ok_or("the pulse is no whole number of microseconds")?)
+            }
+            None => self
+                .pulse_of(reference)
+                .ok_or("its reference is that of no pulse")?,
+        };
+        if pulse != self.reference.0 {
+            self.reference = (pulse, self.scale.reference(pulse).to_string());
+        }
+        if self.reference.1.as_bytes() != reference {
+            return Err("its reference is not that of its pulse");
+        }
+        let counts = whole_number(counts).and_then(|counts| counts.try_into().ok());
+        let counts = Counts(counts.ok_or("the counts are no whole number")?);
+        if !is_written_as(position, self.scale.angle(counts)) {
+            return Err("its position is not that of its counts");
+        }
+        Ok(Row {
+            sample,
+            pulse,
+            counts,
+        })
+    }
+
+    /// The pulse that commands a reference of formats 1 and 2.
+    fn pulse_of(&self, reference: &[u8]) -> Option<PulseWidth> {
+        let degrees = std::str::from_utf8(reference).ok()?.parse().ok()?;
+        self.scale.pulse(degrees)
+    }
+}
+
+/// Whether `text` is this angle with its four decimals.
+fn is_written_as(text: &[u8], angle: f64) -> bool {
+    let negative = text.strip_prefix(b"-");
+    let digits = fixed_point::<4>(negative.unwrap_or(text));
+    digits == Some((angle.abs() * 1e4).round() as u64)
+        && negative.is_some() == angle.is_sign_negative()
+}
+
+/// A number with so many places behind the point, in units of the last one.
+fn fixed_point<const PLACES: usize>(text: &[u8]) -> Option<u64> {
+    let (whole, places) = text.split_last_chunk::<PLACES>()?;
+    let whole = whole_number(whole.strip_suffix(b".")?)?;
+    places.iter().try_fold(whole, with_digit)
+}
+
+/// A whole number as it is written, without leading zeros. At most 12 digits: neither sample numbers nor
+/// seconds of a run come near.
+fn whole_number(text: &[u8]) -> Option<u64> {
+    if matches!(text, [] | [b'0', _, ..]) || text.len() > 12 {
+        return None;
+    }
+    text.iter().try_fold(0, with_digit)
+}
+
+fn with_digit(number: u64, digit: &u8) -> Option<u64> {
+    digit
+        .is_ascii_digit()
+        .then(|| number * 10 + u64::from(digit - b'0'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn header() -> Header {
+        Header {
+            neutral_us: 1500,
+            us_per_degree: 10.0,
+            zero_counts: 8190.0,
+            degrees_per_count: 0.009_157,
+            ..Header::default()
+        }
+    }
+
+    fn written(header: &Header, row: Row) -> String {
+        let mut text = String::new();
+        write_row(&mut text, &DegreeScale::of_recording(header), row);
+        text.trim_end().to_owned()
+    }
+
+    fn row(sample: u64, pulse: u16, counts: u16) -> Row {
+        Row {
+            sample,
+            pulse: PulseWidth(pulse),
+            counts: Counts(counts),
+        }
+    }
+
+    #[test]
+    fn a_row_as_it_is_written_is_read_and_no_other_taken_for_it() {
+        let mut reader = RowReader::new(&header(), true);
+        let line = written(&header(), row(123_456, 1550, 9000));
+        assert_eq!(line, "123456,246.912,5,7.4172,1550,9000");
+        assert_eq!(reader.read(line.as_bytes()), Ok(row(123_456, 1550, 9000)));
+        for other in [
+            line.replace("1550", "1551"),
+            line.replace("9000", "9001"),
+            line.replace("246.912", "246.914"),
+            line.replace("246.912", "246.9120"),
+            line.replace("246.912", "0246.912"),
+            line.replace("123456", "+123456"),
+            line.replace(",9000", ",09000"),
+            line.replace(",9000", ",9000 "),
+            line.replace(",9000", ""),
+            line.replace(",7.4172", ",7.4173"),
+            line.replace(",7.4172", ",-7.4172"),
+            line.replace(",5,", ",5.0,"),
+            line.replace(",5,", ",4.9,"),
+            format!("{line},"),
+        ] {
+            assert_ne!(other, line);
+            assert!(reader.read(other.as_bytes()).is_err(), "{other}");
+        }
+    }
+
+    /// At half a digit of a position, 0.01245 deg for one count, the text is what decides.
+    #[test]
+    fn positions_between_two_digits_are_read_as_they_are_written() {
+        let header = Header {
+            degrees_per_count: 0.012_45,
+            ..header()
+        };
+        let mut reader = RowReader::new(&header, true);
+        for counts in 8_000..8_400 {
+            let line = written(&header, row(0, 1500, counts));
+            assert!(reader.read(line.as_bytes()).is_ok(), "{line}");
+        }
+    }
+
+    proptest! {
+        /// Whatever byte is changed into whatever other: what is still read is written the same way.
+        #[test]
+        fn a_row_that_is_read_is_written_the_same_way(
+            sample in 0u64..700_000, pulse in 500u16..2500, counts: u16,
+            place in 0usize..44, byte: u8,
+        ) {
+            let mut line = written(&header(), row(sample, pulse, counts)).into_bytes();
+            if let Some(there) = line.get_mut(place) {
+                *there = byte;
+            }
+            if let Ok(row) = RowReader::new(&header(), true).read(&line) {
+                prop_assert_eq!(written(&header(), row).into_bytes(), line);
+            }
+        }
+    }
+}
