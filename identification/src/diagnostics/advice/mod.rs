@@ -92,7 +92,7 @@ mod tests {
         };
         let drift = slow(&model(4000, 0.995)).unwrap();
         assert!(drift.contains("drifts slowly"), "{drift}");
-        let few = slow(&model(1200, 0.95)).unwrap();
+        let few = slow(&model(300, 0.95)).unwrap();
         assert!(few.contains("itself uncertain by"), "{few}");
         assert_eq!(slow(&model(4000, 0.5)), None);
     }
