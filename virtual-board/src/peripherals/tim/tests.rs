@@ -191,13 +191,13 @@ fn a_trigger_starts_the_slave_from_its_preset_count() {
     rig.write(CNT, 1_500);
     rig.write(CR2, 0b010 << 4);
     rig.write(SMCR, 0b001 << 4);
-    assert_eq!(rig.tim.trigger(1, rig.now), false, "no slave mode yet");
+    assert!(!rig.tim.trigger(1, rig.now), "no slave mode yet");
     rig.write(SMCR, 0b001 << 4 | 0b110);
     let start = rig.now + 5_000;
     assert!(rig.run_to(start).is_empty());
-    assert_eq!(rig.tim.trigger(0, start), false, "another input");
+    assert!(!rig.tim.trigger(0, start), "another input");
     assert_eq!(rig.tim.next_event(), None);
-    assert_eq!(rig.tim.trigger(1, start), false);
+    assert!(!rig.tim.trigger(1, start));
     assert_eq!(rig.read(SR) & TIF, TIF);
     let triggers = rig.run_to(start + 3_000 * US);
     assert_eq!(triggers, [start + 500 * US, start + 2_500 * US]);
