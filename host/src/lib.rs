@@ -1,6 +1,7 @@
 //! Measures the motion of R/C servos: step and frequency response, with 99 % bounds.
 //!
-//! The path of the data, and the rooms that it goes through. Each room imports only rooms above it.
+//! The path of the data, and the rooms that it goes through. A room imports only those before it in this order:
+//! [`data`], [`instrument`], [`presentation`], [`plan`], [`commands`].
 //!
 //! 1. [`instrument::reference`] resolves a reference: a pulse width for each frame of 20 ms.
 //! 2. [`instrument::rig`] drives a rig with it and receives the frames: applied pulses and sensor counts.

@@ -28,6 +28,11 @@ pub const MARGIN: f64 = 1.75;
 /// the longest N has samples, hence above [`DETECTION`]. Evidence: "Measured coverage", plant E.
 pub const CONTRADICTION: f64 = 4.75;
 
+/// Level of the bands among which the narrowest decides on the number of frequencies, whatever level is asked for.
+///
+/// Protects: the structure from depending on the level of its bounds. Evidence: "Measured coverage", smooth references.
+pub const NARROWEST_AT: f64 = 0.99;
+
 /// Longest settling time considered unless the options say otherwise \[samples\].
 ///
 /// Protects: users from waiting; the choice takes time with the third power of it. Evidence: the servos of the
@@ -200,6 +205,21 @@ pub const RESIDUAL_SIGNIFICANCE: f64 = 0.01;
 /// Protects: responses from a history that was not there, at no alarm in the tables of linear servos.
 /// Evidence: the tests of the initial rest.
 pub const INITIAL_REST_MISSED: f64 = 6.0;
+
+/// Shortest stretch of rest that shows the noise at standstill \[samples\].
+///
+/// Protects: that noise from the end of a motion. Evidence: the tests of the noise at standstill.
+pub const SHORTEST_REST: usize = 32;
+
+/// Fewest samples that determine the noise at standstill, or that in motion.
+///
+/// Protects: linear servos from an alarm by chance. Evidence: the tests of the noise at standstill.
+pub const FEWEST_AT_REST: usize = 100;
+
+/// One in so many pieces of motion is left out of the noise in motion: the loudest.
+///
+/// Protects: linear servos whose line has single glitches. Evidence: the tests of the noise at standstill.
+pub const LOUDEST_LEFT_OUT: usize = 5;
 
 // Beyond the linear model.
 

@@ -192,24 +192,25 @@ struct Identified<'a> {
     directions: Option<Directions>,
 }
 
-/// Up and down strokes apart.
+/// Up and down strokes apart. Whether they differ is `null` where bounds are withdrawn.
 #[derive(Serialize)]
 struct Directions {
-    asymmetric: bool,
-    p: f64,
-    largest_difference_percent: f64,
-    at_s: f64,
+    asymmetric: Option<bool>,
+    p: Option<f64>,
+    largest_difference_percent: Option<f64>,
+    at_s: Option<f64>,
     up: StepResponse,
     down: StepResponse,
 }
 
 impl From<DirectionModel> for Directions {
     fn from(split: DirectionModel) -> Self {
+        let symmetry = split.symmetry.valid();
         Self {
-            asymmetric: split.symmetry.asymmetric,
-            p: split.symmetry.p,
-            largest_difference_percent: 100.0 * split.symmetry.largest_difference,
-            at_s: split.symmetry.at_s,
+            asymmetric: symmetry.map(|found| found.asymmetric),
+            p: symmetry.map(|found| found.p),
+            largest_difference_percent: symmetry.map(|found| 100.0 * found.largest_difference),
+            at_s: symmetry.map(|found| found.at_s),
             up: split.up,
             down: split.down,
         }

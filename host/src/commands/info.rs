@@ -25,7 +25,7 @@ pub(super) struct Info {
 }
 
 #[derive(serde::Serialize)]
-struct Answer<'a> {
+struct Identity<'a> {
     hello: &'a Hello,
     schema_equal: bool,
     mismatches: &'a [Mismatch],
@@ -49,7 +49,7 @@ impl Info {
         let status = schema_equal.then(|| client.status()).transpose()?;
         let mismatches = mismatches(&hello);
         let text = describe(&hello, status.as_ref(), client.rejects()) + &explain(&mismatches);
-        let answer = Answer {
+        let answer = Identity {
             hello: &hello,
             schema_equal,
             mismatches: &mismatches,

@@ -18,23 +18,23 @@ pub(super) enum Asker {
 }
 
 /// An answer of a type: the error for text that is not of it.
-pub(super) trait Answer: Clone + FromStr + Display {
+pub(super) trait TypedAnswer: Clone + FromStr + Display {
     const FORM: &'static str;
 }
 
-impl Answer for String {
+impl TypedAnswer for String {
     const FORM: &'static str = "a name is needed";
 }
 
-impl Answer for u16 {
+impl TypedAnswer for u16 {
     const FORM: &'static str = "whole microseconds are needed, such as 1500";
 }
 
-impl Answer for f64 {
+impl TypedAnswer for f64 {
     const FORM: &'static str = "a number is needed, such as 10 or -9.5";
 }
 
-impl Answer for Range {
+impl TypedAnswer for Range {
     const FORM: &'static str = super::rig_wizard::RANGE_FORM;
 }
 
@@ -57,7 +57,7 @@ impl Asker {
 
     /// Puts an answer into `to`: that of the option if it is given, else that of the user, who is asked again after
     /// a wrong one. Enter keeps the value of `to`.
-    pub(super) fn ask<T: Answer>(
+    pub(super) fn ask<T: TypedAnswer>(
         &self,
         given: Option<T>,
         (option, words): (&str, &str),

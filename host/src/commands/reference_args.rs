@@ -2,7 +2,7 @@
 
 use super::completion_values;
 use super::output::{Talk, wrong_usage};
-use crate::instrument::reference::{Band, Kind, ReferenceError, ReferenceSpec};
+use crate::instrument::reference::{FrequencyBand, Kind, ReferenceError, ReferenceSpec};
 use anyhow::Result;
 use clap::Args;
 use servoid_protocol::Reference;
@@ -35,7 +35,7 @@ pub(super) struct ReferenceArgs {
     prbs_seed: Option<u16>,
     /// Frequencies of sweep and multisine (Hz) [default: 0.2:15]
     #[arg(long, value_name = "LOW:HIGH")]
-    frequencies: Option<Band>,
+    frequencies: Option<FrequencyBand>,
 }
 
 impl ReferenceArgs {

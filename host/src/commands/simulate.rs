@@ -18,7 +18,7 @@ use std::path::PathBuf;
 pub(super) struct Simulate {
     /// The servo: free on the bench, loaded by a rotor, or exactly linear
     #[arg(long, value_enum)]
-    servo: Servo,
+    servo: SimulatedServo,
     /// Seed of the noise; equal seeds give equal recordings
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -32,7 +32,7 @@ pub(super) struct Simulate {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Servo {
+enum SimulatedServo {
     Bench,
     Aircraft,
     Linear,
@@ -41,9 +41,9 @@ enum Servo {
 impl Simulate {
     pub(super) fn run(self) -> Result<String> {
         let servo = match self.servo {
-            Servo::Bench => "bench",
-            Servo::Aircraft => "aircraft",
-            Servo::Linear => "linear",
+            SimulatedServo::Bench => "bench",
+            SimulatedServo::Aircraft => "aircraft",
+            SimulatedServo::Linear => "linear",
         };
         let (rig, talk) = (RigFile::default(), self.output.talk);
         let job = CaptureJob {

@@ -1,4 +1,4 @@
-//! Pulse widths and counts become degrees, and nowhere else.
+//! Pulse widths and counts of a rig become degrees here, and nowhere else.
 //!
 //! Rigs and recordings have microseconds and counts. The two columns that are identified, the columns that
 //! people read in a recording, and the live view are all made of them here.

@@ -14,12 +14,12 @@ pub(crate) struct Curves {
     /// Points of each curve.
     pub(crate) points: usize,
     /// Their uncertainty, where bounds hold.
-    pub(super) spread: Bounds<Spread>,
+    pub(super) spread: Bounds<DifferenceSpread>,
 }
 
 /// The second moments of curves.
 #[derive(Debug, Clone)]
-pub(super) struct Spread {
+pub(super) struct DifferenceSpread {
     pub(super) variance: Vec<f64>,
     /// Covariance of each point with the next; one fewer.
     neighbour: Vec<f64>,
@@ -45,7 +45,7 @@ impl Curves {
             points,
             spread: known.map(|(parameters, step)| {
                 let covariance = parameters.covariance_matrix();
-                Spread::new(&map, &covariance, degrees, step.bias())
+                DifferenceSpread::new(&map, &covariance, degrees, step.bias())
             }),
         })
     }
@@ -59,7 +59,7 @@ impl Curves {
             points: map.nrows() / 2,
             spread: model
                 .level
-                .map(|_| Spread::new(&map, &fit.covariance, fit.degrees_of_freedom, 0.0)),
+                .map(|_| DifferenceSpread::new(&map, &fit.covariance, fit.degrees_of_freedom, 0.0)),
         }
     }
 
@@ -69,7 +69,7 @@ impl Curves {
     }
 }
 
-impl Spread {
+impl DifferenceSpread {
     pub(super) fn new(
         map: &Mat<f64>,
         covariance: &Mat<f64>,

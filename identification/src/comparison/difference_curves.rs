@@ -1,7 +1,7 @@
 //! The difference of the step responses, stroke by stroke.
 
 use super::difference::Differences;
-use super::outcome::{CurveBounds, DifferenceCurve, Stroke};
+use super::outcome::{CurveBounds, DifferenceCurve, Direction};
 use crate::data::Timing;
 use crate::results::Interval;
 
@@ -12,11 +12,11 @@ pub(super) fn difference_curves(
     timing: Timing,
     shift_of: impl Fn(std::ops::Range<usize>) -> (Interval, Option<f64>),
 ) -> Vec<DifferenceCurve> {
-    let strokes: &[Stroke] = match differences.curves() {
-        1 => &[Stroke::Both],
-        _ => &[Stroke::Up, Stroke::Down],
+    let strokes: &[Direction] = match differences.curves() {
+        1 => &[Direction::Both],
+        _ => &[Direction::Up, Direction::Down],
     };
-    let curve = |(index, &stroke): (usize, &Stroke)| {
+    let curve = |(index, &stroke): (usize, &Direction)| {
         let (value, half) = differences.curve(index);
         let bounds = half.map(|half| {
             let at = |side: f64| {

@@ -42,6 +42,6 @@ pub use motion::Motion;
 pub use options::ComparisonOptions;
 pub use outcome::{
     Asymmetry, Comparison, ComparisonBounds, CurveBounds, DifferenceCurve, DifferencePercent,
-    Levels, MetricDifference, SCHEMA, Sides, Stroke, Verdict,
+    Direction, Levels, MetricDifference, SCHEMA, Sides, Verdict,
 };
 pub use over_prediction::OverPrediction;

@@ -31,13 +31,13 @@ pub struct DifferencePercent {
     /// When the difference is surest, after the edge \[s\].
     pub at_s: f64,
     /// On which strokes.
-    pub stroke: Stroke,
+    pub stroke: Direction,
 }
 
 /// Which strokes a curve belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Stroke {
+pub enum Direction {
     /// Both: no side answers them differently.
     Both,
     /// Upwards.
@@ -50,7 +50,7 @@ pub enum Stroke {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DifferenceCurve {
     /// The strokes it belongs to.
-    pub stroke: Stroke,
+    pub stroke: Direction,
     /// Time after the edge \[s\].
     pub time_s: Vec<f64>,
     /// Difference \[% of the step\].

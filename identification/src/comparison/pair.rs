@@ -14,7 +14,7 @@ pub(super) struct Identified<'a> {
     pub(super) record: &'a Record,
     pub(super) model: Model,
     pub(super) split: Option<DirectionModel>,
-    /// The model with a structure of its own. It decides whether bounds hold, and carries the advice.
+    /// The model with a structure of its own. Bounds hold only where its own do. It carries the advice.
     pub(super) alone: Model,
 }
 
@@ -35,13 +35,11 @@ impl<'a> Identified<'a> {
     }
 
     pub(super) fn asymmetric(&self) -> bool {
-        self.split
-            .as_ref()
-            .is_some_and(|split| split.symmetry.asymmetric)
+        self.split.as_ref().is_some_and(DirectionModel::asymmetric)
     }
 
     pub(super) fn asymmetry(&self) -> Asymmetry {
-        let symmetry = self.split.as_ref().map(|split| &split.symmetry);
+        let symmetry = self.split.as_ref().and_then(|split| split.symmetry.valid());
         Asymmetry {
             p: symmetry.map(|symmetry| symmetry.p),
             largest_percent: symmetry.map(|s| {

@@ -274,7 +274,7 @@ impl Around {
 
 #[cfg(test)]
 mod tests {
-    use super::super::difference::Spread;
+    use super::super::difference::DifferenceSpread;
     use super::*;
     use crate::results::Bounds;
     use approx::assert_abs_diff_eq;
@@ -288,7 +288,7 @@ mod tests {
         Curves {
             value: values.to_vec(),
             points,
-            spread: Bounds::Valid(Spread::new(&unit, &covariance, 1e6, 0.0)),
+            spread: Bounds::Valid(DifferenceSpread::new(&unit, &covariance, 1e6, 0.0)),
         }
     }
 

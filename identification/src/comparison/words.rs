@@ -2,7 +2,7 @@
 
 use super::options::ComparisonOptions;
 use super::outcome::{
-    Comparison, ComparisonBounds, DifferenceCurve, Levels, Sides, Stroke, Verdict,
+    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Verdict,
 };
 use super::scatter::explained_by_chance;
 use crate::results::Bounds;
@@ -29,9 +29,9 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
         ..
     } = bounds;
     let stroke = match bounds.stroke {
-        Stroke::Both => "",
-        Stroke::Up => " on the way up",
-        Stroke::Down => " on the way down",
+        Direction::Both => "",
+        Direction::Up => " on the way up",
+        Direction::Down => " on the way down",
     };
     let apart = format!(
         "where they differ most they are at least {:.1} % and at most {:.1} % of the step apart ({} % \

@@ -85,11 +85,7 @@ fn inputs(model: &Model, record: &Record) -> Vec<Vec<f64>> {
 /// The residuals of a run, and the signal that they are compared with.
 type Pair<'a> = (&'a [f64], &'a [f64]);
 
-fn correlogram(
-    pairs: &[Pair<'_>],
-    lags: RangeInclusive<isize>,
-    level: f64,
-) -> Option<Correlogram> {
+fn correlogram(pairs: &[Pair<'_>], lags: RangeInclusive<isize>, level: f64) -> Option<Correlogram> {
     let over_runs = |of: &dyn Fn(&Pair<'_>) -> (usize, f64)| {
         let add = |(n, sum): (usize, f64), (m, more): (usize, f64)| (n + m, sum + more);
         pairs.iter().map(of).fold((0, 0.0), add)

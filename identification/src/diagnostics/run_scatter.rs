@@ -127,7 +127,7 @@ impl RunComparison {
 
 /// A quantity of a run against the common model.
 #[derive(Clone, Copy)]
-struct Quantity {
+struct RunQuantity {
     value: f64,
     /// From the noise.
     sd: f64,
@@ -136,7 +136,7 @@ struct Quantity {
 /// Gain \[%\], delay \[s\] and offset of one run.
 struct Estimated {
     run: usize,
-    quantities: [Quantity; QUANTITIES],
+    quantities: [RunQuantity; QUANTITIES],
 }
 
 impl Estimated {
@@ -187,7 +187,7 @@ impl Estimated {
         let units = [100.0, model.sample_period_s, 1.0];
         Some(Self {
             run: number,
-            quantities: std::array::from_fn(|i| Quantity {
+            quantities: std::array::from_fn(|i| RunQuantity {
                 value: units[i] * x[i] * scale[i],
                 sd: units[i] * model.noise.sigma * scale[i] * inverse.col(i).norm_l2(),
             }),
@@ -209,8 +209,8 @@ impl Estimated {
 }
 
 /// Method of moments: the excess of the weighted squares over their expectation.
-fn scatter(values: impl Iterator<Item = Quantity>) -> Scatter {
-    let values: Vec<Quantity> = values.collect();
+fn scatter(values: impl Iterator<Item = RunQuantity>) -> Scatter {
+    let values: Vec<RunQuantity> = values.collect();
     let weights: Vec<f64> = values.iter().map(|v| v.sd.powi(-2)).collect();
     let total: f64 = weights.iter().sum();
     if !total.is_finite() {
@@ -249,7 +249,7 @@ fn farthest(runs: &[Estimated]) -> Option<Deviation> {
     let threshold = student_critical(normal_upper_quantile(share), &[degrees])[0];
     let distance = |r: usize, index: usize| {
         let others = runs.iter().filter(|other| other.run != runs[r].run);
-        let rest: Vec<Quantity> = others.map(|other| other.quantities[index]).collect();
+        let rest: Vec<RunQuantity> = others.map(|other| other.quantities[index]).collect();
         let count = rest.len() as f64;
         let mean = rest.iter().map(|v| v.value).sum::<f64>() / count;
         let spread = rest.iter().map(|v| (v.value - mean).powi(2)).sum::<f64>() / degrees;

@@ -27,15 +27,7 @@ use crate::data::{EXACTLY, Run, holds};
 use crate::diagnostics::simulation_error::{SAMPLES, Simulated, beginnings, square};
 use crate::estimation::{GlsFit, NoiseFit, RowInformation, best_order, noise_filter};
 use crate::options::MAX_AUTO_ORDER;
-
-/// Shortest stretch of rest that is used \[samples\].
-const SHORTEST: usize = 32;
-
-/// Fewest samples at rest that determine the noise.
-const FEWEST: usize = 100;
-
-/// Share of the pieces of motion that is left out, the loudest ones.
-const LEFT_OUT: usize = 5;
+use crate::thresholds::{FEWEST_AT_REST, LOUDEST_LEFT_OUT, SHORTEST_REST};
 
 /// The errors in motion against the noise at standstill.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -69,13 +61,13 @@ pub(crate) fn against_standstill(
         .map(|piece| (noise.filtered_square(piece), piece.len() - order))
         .collect();
     pieces.sort_by(|a, b| (a.0 / a.1 as f64).total_cmp(&(b.0 / b.1 as f64)));
-    pieces.truncate(pieces.len() - pieces.len() / LEFT_OUT);
+    pieces.truncate(pieces.len() - pieces.len() / LOUDEST_LEFT_OUT);
     let filtered: f64 = pieces.iter().map(|(square, _)| square).sum();
     let count: usize = pieces.iter().map(|(_, count)| count).sum();
     // The part of the noise that the fitted response explains, spread over all rows.
     let share = fit.degrees_of_freedom() / information.rows() as f64;
     let degrees = (count as f64 - pieces.len() as f64) * share;
-    if degrees < FEWEST as f64 {
+    if degrees < FEWEST_AT_REST as f64 {
         return None;
     }
     let f = (filtered / degrees) / noise.variance;
@@ -119,7 +111,7 @@ impl StandstillModel {
     fn of(recorded: &Recorded<'_>, settling: usize) -> Option<Self> {
         let stretches = recorded.stretches(settling);
         let count: usize = stretches.iter().map(|stretch| stretch.len()).sum();
-        if count < FEWEST {
+        if count < FEWEST_AT_REST {
             return None;
         }
         let mut lengths: Vec<usize> = stretches.iter().map(|stretch| stretch.len()).collect();
@@ -240,7 +232,7 @@ fn add_settled<'a>(output: &'a [f64], settled: usize, found: &mut Vec<&'a [f64]>
     found.extend(
         settled
             .split(|y| y.is_nan())
-            .filter(|part| part.len() >= SHORTEST),
+            .filter(|part| part.len() >= SHORTEST_REST),
     );
 }
 

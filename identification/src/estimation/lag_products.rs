@@ -44,7 +44,7 @@ impl LagProducts {
         if ((order + 1) * n).pow(2) > MOST_ENTRIES {
             return None;
         }
-        let shift = Shift::new(basis);
+        let shift = LagShift::new(basis);
         let lags = settling + order;
         let uu = moments.uu.as_ref().submatrix(0, 0, lags, lags);
         // Columns of R at lag j through the filters: lags x n.
@@ -128,13 +128,13 @@ impl LagProducts {
 }
 
 /// Shifts a sequence by one sample, in its parameters.
-struct Shift {
+struct LagShift {
     settling: f64,
     /// cos lΩ and sin lΩ, l = 1, 2, ...
     angles: Vec<(f64, f64)>,
 }
 
-impl Shift {
+impl LagShift {
     fn new(basis: FsfBasis) -> Self {
         let angle = |l: usize| {
             let (sin, cos) = (l as f64 * basis.fundamental()).sin_cos();

@@ -13,6 +13,7 @@ use crate::estimation::fsf_basis::FsfBasis;
 use crate::estimation::least_squares::{Coordinates, NormalEquations};
 use crate::estimation::truncation::unit_biases;
 use crate::numerics::{dot, inverse_of_lower};
+use crate::thresholds::NARROWEST_AT;
 
 /// Smallest squared pivot of the equilibrated equations. Below it, a frequency is a combination of lower
 /// ones and not excited by itself.
@@ -106,7 +107,7 @@ impl NestedBanks {
         // F = Q L^-T for the step response, offset first: N x size.
         let spread = scaled.transpose() * inverse.transpose();
         let biases = unit_biases(settling, self.roll_off);
-        let critical = crate::numerics::pointwise_critical(0.99);
+        let critical = crate::numerics::pointwise_critical(NARROWEST_AT);
         let mut variances = vec![0.0; settling];
         let mut added = 0;
         self.residual_squares()

@@ -18,10 +18,10 @@ use super::search::Search;
 use super::{complete_bank, repetition, shorter_history, smooth_input};
 use crate::error::Error;
 
-type Candidate = fn(&Search<'_>) -> Option<Choice>;
+type Proposal = fn(&Search<'_>) -> Option<Choice>;
 
 /// The candidates in their order: the first one that the input determines is taken.
-const CANDIDATES: [Candidate; 4] = [
+const PROPOSALS: [Proposal; 4] = [
     // All frequencies, any N up to the longest that the record supports.
     complete_bank::choose,
     // All frequencies, any N up to where the input repeats itself.
@@ -37,7 +37,7 @@ const CANDIDATES: [Candidate; 4] = [
 /// # Errors
 /// The input does not even excite a constant gain.
 pub(crate) fn choose_settling(search: &Search<'_>) -> Result<Choice, Error> {
-    CANDIDATES
+    PROPOSALS
         .iter()
         .find_map(|candidate| candidate(search))
         .ok_or(Error::nothing_excited(search.longest))

@@ -2,7 +2,7 @@
 //! refused, and `recover` makes a recording of them.
 
 use servoid::data::DegreeScale;
-use servoid::data::recording::{Recording, RecordingWriter, Target, recover};
+use servoid::data::recording::{Recording, RecordingTarget, RecordingWriter, recover};
 use std::cell::RefCell;
 use std::io::{Result, Write};
 use std::path::Path;
@@ -23,7 +23,7 @@ impl Write for Memory {
     }
 }
 
-impl Target for Memory {
+impl RecordingTarget for Memory {
     fn cut_to(&mut self, length: u64) -> Result<()> {
         self.0.borrow_mut().truncate(length as usize);
         Ok(())

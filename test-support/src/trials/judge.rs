@@ -1,6 +1,8 @@
 //! A capture into memory, compared with the samples of the board.
 
-use servoid::data::recording::{Completeness, Ending, Header, Recording, RecordingWriter, Target};
+use servoid::data::recording::{
+    Completeness, Ending, Header, Recording, RecordingTarget, RecordingWriter,
+};
 use servoid::data::rig_file::RigFile;
 use servoid::instrument::port::Port;
 use servoid::instrument::rig::CaptureError;
@@ -49,7 +51,7 @@ impl Write for Memory {
     }
 }
 
-impl Target for Memory {
+impl RecordingTarget for Memory {
     fn cut_to(&mut self, length: u64) -> IoResult<()> {
         self.bytes.borrow_mut().truncate(length as usize);
         Ok(())

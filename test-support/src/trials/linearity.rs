@@ -2,7 +2,7 @@
 //! not linear, and the accuracy of the metrics whose bounds hold.
 
 use super::recordings::{US_PER_DEGREE, recording};
-use servoid::instrument::reference::{Band, Kind, ReferenceSpec};
+use servoid::instrument::reference::{FrequencyBand, Kind, ReferenceSpec};
 use servoid_identification::{Error, Options, identify_explained};
 use servoid_protocol::reference::Reference;
 
@@ -51,7 +51,7 @@ pub fn motions() -> Vec<Motion> {
         motions.push(Motion::new(&name, hold(Kind::Prbs, hold_s)));
     }
     for last in [5.0, 15.0] {
-        let frequencies_hz = Some(Band { first: 0.2, last });
+        let frequencies_hz = Some(FrequencyBand { first: 0.2, last });
         for (kind, name) in [(Kind::Sweep, "sweep"), (Kind::Multisine, "sum of sines")] {
             let spec = ReferenceSpec {
                 frequencies_hz,

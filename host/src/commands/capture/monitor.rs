@@ -79,10 +79,10 @@ impl Monitor {
         let scale = DegreeScale::of_rig(&capture.rig);
         let state = ScopeState::new(title, capture.start, self.until_percent);
         let view = if self.scope {
-            View::Scope(Scope::open(state, ctrl_c::ask)?)
+            LiveView::Scope(Scope::open(state, ctrl_c::ask)?)
         } else {
             let frames = capture.start.frames();
-            View::Lines(ProgressLine::new(self.talk, frames, scale.clone()))
+            LiveView::Lines(ProgressLine::new(self.talk, frames, scale.clone()))
         };
         let before = u32::from(capture.start.pre_roll_frames);
         Ok(MonitoredRun {
@@ -108,7 +108,7 @@ impl Monitor {
 /// One run, shown and estimated as it goes on.
 pub(super) struct MonitoredRun<'a> {
     monitor: &'a Monitor,
-    view: View,
+    view: LiveView,
     scale: DegreeScale,
     samples: RefCell<RunSamples>,
     /// The first frame with an estimate.
@@ -120,7 +120,7 @@ pub(super) struct MonitoredRun<'a> {
     stopping: Cell<bool>,
 }
 
-enum View {
+enum LiveView {
     Scope(Scope),
     Lines(ProgressLine),
 }
@@ -129,8 +129,8 @@ impl MonitoredRun<'_> {
     /// Shows a frame and adds it to the estimate.
     pub(super) fn update(&self, progress: Progress<'_>) {
         match &self.view {
-            View::Scope(scope) => scope.update(ScopeEvent::Frame(self.frame_seen(&progress))),
-            View::Lines(lines) => lines.update(progress, self.latest_width()),
+            LiveView::Scope(scope) => scope.update(ScopeEvent::Frame(self.frame_seen(&progress))),
+            LiveView::Lines(lines) => lines.update(progress, self.latest_width()),
         }
         if let Some(live) = &self.monitor.live {
             self.estimate(live, &progress);
@@ -166,7 +166,7 @@ impl MonitoredRun<'_> {
             }
         }
         let mut shown = self.shown.borrow_mut();
-        if let View::Scope(scope) = &self.view
+        if let LiveView::Scope(scope) = &self.view
             && let Some(latest) = live.latest()
             && shown.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &latest))
         {
@@ -188,7 +188,7 @@ impl MonitoredRun<'_> {
         };
         if reason.is_some()
             && !self.stopping.replace(true)
-            && let View::Scope(scope) = &self.view
+            && let LiveView::Scope(scope) = &self.view
         {
             scope.update(ScopeEvent::Stopping);
         }
@@ -204,7 +204,7 @@ impl MonitoredRun<'_> {
 
     /// Gives the terminal back.
     pub(super) fn finish(self) {
-        if let View::Lines(lines) = &self.view {
+        if let LiveView::Lines(lines) = &self.view {
             lines.finish();
         }
     }

@@ -12,12 +12,12 @@ pub(super) struct BandReached {
     reached_percent: Option<f64>,
     reached: bool,
     #[serde(skip)]
-    estimate: Estimate,
+    estimate: BandEstimate,
 }
 
 /// The estimate from all runs together.
 #[derive(Clone, Copy, Debug)]
-enum Estimate {
+enum BandEstimate {
     /// No step response.
     None,
     /// A step response without valid bounds.
@@ -30,9 +30,9 @@ impl BandReached {
     /// Compares the last estimate, if there is one, with the band that was asked for.
     pub(super) fn of(asked_percent: f64, step: Option<&LiveStep>) -> Self {
         let estimate = match step.map(|live| live.step.bounds.valid()) {
-            None => Estimate::None,
-            Some(None) => Estimate::NoBounds,
-            Some(Some(bounds)) => Estimate::Band(NarrowingBand {
+            None => BandEstimate::None,
+            Some(None) => BandEstimate::NoBounds,
+            Some(Some(bounds)) => BandEstimate::Band(NarrowingBand {
                 widest_percent: 100.0 * bounds.widest_half_width(),
                 floor_percent: 100.0 * bounds.bias(),
             }),
@@ -40,8 +40,8 @@ impl BandReached {
         Self {
             asked_percent,
             reached_percent: match estimate {
-                Estimate::Band(band) => Some(band.widest_percent),
-                Estimate::None | Estimate::NoBounds => None,
+                BandEstimate::Band(band) => Some(band.widest_percent),
+                BandEstimate::None | BandEstimate::NoBounds => None,
             },
             reached: step.is_some_and(|step| step.is_within(asked_percent)),
             estimate,
@@ -55,16 +55,16 @@ impl BandReached {
         }
         let asked = self.asked_percent;
         Some(match self.estimate {
-            Estimate::Band(band) => format!(
+            BandEstimate::Band(band) => format!(
                 "the band is still +-{:.2} % of the step, not the +-{asked} % that was asked for; {}",
                 band.widest_percent,
                 band.advice(asked, runs)
             ),
-            Estimate::NoBounds => {
+            BandEstimate::NoBounds => {
                 "no band can be given: the model's bounds are withdrawn, and 'servoid identify' gives the reason"
                     .to_owned()
             }
-            Estimate::None => {
+            BandEstimate::None => {
                 "no step response could be found: the run was too short; record a longer one".to_owned()
             }
         })

@@ -142,12 +142,19 @@ impl ModelFile {
     /// The model of low order that the file may carry beside the model.
     ///
     /// # Errors
-    /// It cannot be read, or it contradicts itself.
+    /// It cannot be read, or it contradicts itself or the model.
     pub fn flight_model(&self) -> Result<Option<FlightModel>, ModelFileError> {
         let found: Option<FlightModel> = Deserialize::deserialize(&self.flight_model)
             .map_err(|reason| ModelFileError::MalformedFlightModel(self.path.clone(), reason))?;
+        let level = self.model.level().into_valid();
         match &found {
-            Some(flight) if !flight.is_consistent() => {
+            Some(flight)
+                if !flight.is_consistent()
+                    || flight
+                        .bounds
+                        .valid()
+                        .is_some_and(|bounds| Some(bounds.level) != level) =>
+            {
                 Err(ModelFileError::InconsistentFlightModel(self.path.clone()))
             }
             _ => Ok(found),

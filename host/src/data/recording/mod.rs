@@ -65,7 +65,7 @@ pub use reference_toml::as_toml;
 pub use reserved_file::ReservedFile;
 pub use row::{COLUMNS, Row};
 pub use scan::is_recording;
-pub use target::Target;
+pub use target::RecordingTarget;
 pub(crate) use whole_file::WholeFile;
 pub use whole_file::write_file;
 pub use write_error::{WriteError, WriteFault};

@@ -3,7 +3,7 @@
 use super::header::Header;
 use super::read_error::{ReadError, ReadFault};
 use super::row::{MOST_SAMPLES, Row};
-use super::scan::{Damage, End, Scan, scan};
+use super::scan::{Damage, LastLineFound, Scan, scan};
 use crate::data::input_file;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::ops::Range;
@@ -82,12 +82,14 @@ impl Recording {
 pub(super) fn judge(scanned: &Scan) -> Result<(Completeness, Vec<Range<u64>>), &'static str> {
     let partial = |why: &str| Ok((Completeness::Partial(why.to_owned()), Vec::new()));
     let end = match &scanned.end {
-        End::Read(end) => end,
-        End::Damaged => return partial("its last line is damaged"),
-        End::Missing if scanned.rows_seen == 0 => return partial("it has no rows"),
-        End::Missing if scanned.cut_rows > 0 => return partial("its last frame was cut off"),
-        End::Missing if scanned.cut => return partial("the last line was cut off"),
-        End::Missing => return partial("it has no last line"),
+        LastLineFound::Read(end) => end,
+        LastLineFound::Damaged => return partial("its last line is damaged"),
+        LastLineFound::Missing if scanned.rows_seen == 0 => return partial("it has no rows"),
+        LastLineFound::Missing if scanned.cut_rows > 0 => {
+            return partial("its last frame was cut off");
+        }
+        LastLineFound::Missing if scanned.cut => return partial("the last line was cut off"),
+        LastLineFound::Missing => return partial("it has no last line"),
     };
     if end.rows != scanned.rows_seen {
         return Err("the number of rows differs");

@@ -1,6 +1,6 @@
 //! The file that a recording goes to, reserved before the servo moves.
 
-use super::target::{Target, require_reader, require_unlocked};
+use super::target::{RecordingTarget, require_reader, require_unlocked};
 use super::write_error::WriteError;
 use std::fs::{File, OpenOptions};
 use std::io::{Error, ErrorKind, Result as IoResult, Seek, Write};
@@ -89,7 +89,7 @@ impl Write for ReservedFile {
     }
 }
 
-impl Target for ReservedFile {
+impl RecordingTarget for ReservedFile {
     fn cut_to(&mut self, length: u64) -> IoResult<()> {
         if self.plain {
             self.file.cut_to(length)

@@ -6,7 +6,7 @@ use std::io::{Error, Seek, SeekFrom, Sink, Write};
 use std::path::{Path, PathBuf};
 
 /// Where a recording is written to: a file, as a rule.
-pub trait Target: Write {
+pub trait RecordingTarget: Write {
     /// Takes back everything beyond the first `length` bytes.
     fn cut_to(&mut self, length: u64) -> std::io::Result<()>;
 
@@ -21,7 +21,7 @@ pub trait Target: Write {
 }
 
 /// Rows that nobody wants to keep.
-impl Target for Sink {
+impl RecordingTarget for Sink {
     fn cut_to(&mut self, _length: u64) -> std::io::Result<()> {
         Ok(())
     }
@@ -31,7 +31,7 @@ impl Target for Sink {
     }
 }
 
-impl Target for File {
+impl RecordingTarget for File {
     fn cut_to(&mut self, length: u64) -> std::io::Result<()> {
         self.set_len(length)?;
         self.seek(SeekFrom::End(0)).map(|_| ())

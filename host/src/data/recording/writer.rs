@@ -5,7 +5,7 @@ use super::last_line::Ending;
 use super::reserved_file::ReservedFile;
 use super::row::{COLUMNS, Row};
 use super::row_text::write_row;
-use super::target::Target;
+use super::target::RecordingTarget;
 use super::write_error::{WriteError, WriteFault};
 use crate::data::degrees::DegreeScale;
 use servoid_protocol::Frame;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// A recording that is being written.
 pub struct RecordingWriter {
-    target: Box<dyn Target>,
+    target: Box<dyn RecordingTarget>,
     path: PathBuf,
     /// The lines above the rows, until they are written.
     header: Option<String>,
@@ -39,14 +39,18 @@ impl RecordingWriter {
     }
 
     /// Writes the header to `target`; `path` is what error texts call it.
-    pub fn on(target: Box<dyn Target>, path: &Path, header: &Header) -> Result<Self, WriteError> {
+    pub fn on(
+        target: Box<dyn RecordingTarget>,
+        path: &Path,
+        header: &Header,
+    ) -> Result<Self, WriteError> {
         let mut writer = Self::waiting(target, path, header);
         writer.begin_file()?;
         Ok(writer)
     }
 
     /// A writer that leaves `target` as it is until the first frame or the end.
-    fn waiting(target: Box<dyn Target>, path: &Path, header: &Header) -> Self {
+    fn waiting(target: Box<dyn RecordingTarget>, path: &Path, header: &Header) -> Self {
         Self {
             target,
             path: path.to_owned(),
@@ -181,7 +185,7 @@ mod tests {
         }
     }
 
-    impl Target for SmallDisk {
+    impl RecordingTarget for SmallDisk {
         fn cut_to(&mut self, length: u64) -> IoResult<()> {
             if !self.can_cut {
                 return Err(Error::other("no"));

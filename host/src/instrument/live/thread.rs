@@ -19,12 +19,12 @@ enum Order {
 
 /// The newest estimate, for anybody to look at.
 #[derive(Default)]
-struct Found {
+struct LatestEstimate {
     latest: Mutex<Option<Arc<LiveStep>>>,
     busy: AtomicBool,
 }
 
-impl Found {
+impl LatestEstimate {
     /// An estimate that fails leaves the one before.
     fn keep(&self, step: Result<LiveStep, Error>) {
         if let Ok(step) = step {
@@ -39,7 +39,7 @@ impl Found {
 /// The thread ends when this is dropped and all requests are done.
 pub struct LiveIdentification {
     orders: Sender<Order>,
-    found: Arc<Found>,
+    found: Arc<LatestEstimate>,
     until_percent: Option<f64>,
 }
 
@@ -48,7 +48,7 @@ impl LiveIdentification {
     /// `until_percent`, an estimate that seems to be is made anew from all samples before it is believed.
     pub fn new(period_s: f64, options: Options, until_percent: Option<f64>) -> Self {
         let (orders, queue) = channel();
-        let found = Arc::new(Found::default());
+        let found = Arc::new(LatestEstimate::default());
         let theirs = Arc::clone(&found);
         let estimator = Estimator::new(period_s, options);
         std::thread::spawn(move || work(&queue, estimator, &theirs));
@@ -112,7 +112,7 @@ impl LiveIdentification {
     }
 }
 
-fn work(queue: &Receiver<Order>, mut estimator: Estimator, found: &Found) {
+fn work(queue: &Receiver<Order>, mut estimator: Estimator, found: &LatestEstimate) {
     for order in queue {
         match order {
             Order::BeginRun => estimator.begin_run(),

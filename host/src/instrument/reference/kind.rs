@@ -57,14 +57,14 @@ impl fmt::Display for Kind {
 
 /// Two frequencies (Hz), written LOW:HIGH.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Band {
+pub struct FrequencyBand {
     /// Where it begins.
     pub first: f64,
     /// Where it ends.
     pub last: f64,
 }
 
-impl FromStr for Band {
+impl FromStr for FrequencyBand {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {

@@ -10,7 +10,7 @@ mod whole_frames;
 
 pub use description::describe;
 pub use error::ReferenceError;
-pub use kind::{Band, Kind};
+pub use kind::{FrequencyBand, Kind};
 pub use resolve::{AMPLITUDE_DEG, ReferenceSpec, ResolvedReference};
 pub use steps_file::COLUMNS;
 pub use whole_frames::seconds;

@@ -1,7 +1,7 @@
 //! From degrees, seconds and Hertz to a reference of whole frames and microseconds.
 
 use super::error::ReferenceError;
-use super::kind::{Band, Kind};
+use super::kind::{FrequencyBand, Kind};
 use super::steps_file;
 use super::whole_frames::{LARGEST_AMPLITUDE_US, LONGEST_S, frames, repetitions, seconds};
 use servoid_protocol::reference::{
@@ -24,7 +24,7 @@ pub struct ReferenceSpec {
     /// Where `prbs` begins in its sequence.
     pub seed: Option<u16>,
     /// Lowest and highest frequency of `sweep` and `multisine` (Hz).
-    pub frequencies_hz: Option<Band>,
+    pub frequencies_hz: Option<FrequencyBand>,
 }
 
 /// A reference, and remarks on how it differs from the specification.
@@ -58,7 +58,7 @@ const CYCLES: u32 = 2;
 /// just so.
 const LENGTH_FRAMES: u32 = 512;
 /// From a stroke a second or so up to where frames still make a good sine (three a turn).
-const FREQUENCIES_HZ: Band = Band {
+const FREQUENCIES_HZ: FrequencyBand = FrequencyBand {
     first: 0.2,
     last: 15.0,
 };
@@ -242,7 +242,7 @@ impl ReferenceSpec {
     }
 
     fn sweep(&self, amplitude_us: u16) -> Result<Sweep, ReferenceError> {
-        let Band { first, last } = self.frequencies_hz.unwrap_or(FREQUENCIES_HZ);
+        let FrequencyBand { first, last } = self.frequencies_hz.unwrap_or(FREQUENCIES_HZ);
         let millihertz = |hz: f64| (hz * 1e3).round() as u16;
         Ok(Sweep {
             amplitude_us,
@@ -253,7 +253,7 @@ impl ReferenceSpec {
     }
 
     fn multisine(&self, amplitude_us: u16) -> Result<Multisine, ReferenceError> {
-        let Band { first, last } = self.frequencies_hz.unwrap_or(FREQUENCIES_HZ);
+        let FrequencyBand { first, last } = self.frequencies_hz.unwrap_or(FREQUENCIES_HZ);
         let (low, high) = (first.min(last), first.max(last));
         let period_frames = self.length_frames()? / PERIODS;
         let period_s = seconds(period_frames.into());

@@ -179,7 +179,7 @@ fn what_does_not_apply_or_cannot_be_is_refused_with_advice() {
     }
     assert!("sine".parse::<Kind>().is_err());
     for bad in ["", "5", "1:x", "-1:5", "1:26", "nan:1"] {
-        assert!(bad.parse::<Band>().is_err(), "{bad}");
+        assert!(bad.parse::<FrequencyBand>().is_err(), "{bad}");
     }
 }
 

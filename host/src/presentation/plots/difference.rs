@@ -2,7 +2,7 @@
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Panel};
 use crate::presentation::summary::percent;
-use servoid_identification::comparison::{Comparison, CurveBounds, Stroke};
+use servoid_identification::comparison::{Comparison, CurveBounds, Direction};
 
 /// The difference curves of a comparison of `a` with `b`, within bounds that hold for all of them at
 /// once. The verdict is "different" where a band lies outside the margin somewhere, "same" where all
@@ -14,9 +14,9 @@ pub fn difference(name: &str, title: &str, a: &str, b: &str, found: &Comparison)
     let mut panel = Panel::new(x_label, y_label, Legend::Above);
     for curve in &found.curves {
         let (stroke, ink) = match curve.stroke {
-            Stroke::Both => ("difference", Ink::Model),
-            Stroke::Up => ("up strokes", Ink::Model),
-            Stroke::Down => ("down strokes", Ink::SecondModel),
+            Direction::Both => ("difference", Ink::Model),
+            Direction::Up => ("up strokes", Ink::Model),
+            Direction::Down => ("down strokes", Ink::SecondModel),
         };
         let times = || curve.time_s.iter().copied();
         let band = |(level, bounds): (f64, &CurveBounds)| {

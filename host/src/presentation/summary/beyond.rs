@@ -3,7 +3,7 @@
 use super::numbers::{head_of_bounds, probability};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::nonlinear::{DirectionModel, Limits, Symmetry};
-use servoid_identification::results::Interval;
+use servoid_identification::results::{Bounds, Interval};
 
 /// A low-order model for a flight simulation.
 #[must_use]
@@ -66,7 +66,13 @@ pub fn of_limits(
     );
     let strokes = directions.map_or_else(
         || "Up and down strokes cannot be compared in this recording.".to_owned(),
-        |directions| of_symmetry(&directions.symmetry),
+        |directions| match &directions.symmetry {
+            Bounds::Valid(symmetry) => of_symmetry(symmetry),
+            Bounds::Withdrawn(reason) => format!(
+                "Up and down strokes are not compared, because {}.",
+                reason.because()
+            ),
+        },
     );
     let statements = limits.statements();
     let lines = statements

@@ -4,7 +4,7 @@ use super::layout::{findings, wrapped};
 use super::metrics::difference_rows;
 use super::numbers::{percent, probability, with_bounds};
 use servoid_identification::comparison::{
-    Comparison, ComparisonBounds, DifferenceCurve, Stroke, Verdict,
+    Comparison, ComparisonBounds, DifferenceCurve, Direction, Verdict,
 };
 use servoid_identification::results::{Bounds, Interval};
 
@@ -136,9 +136,9 @@ pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(
 fn largest_difference(bounds: &ComparisonBounds) -> String {
     let difference = &bounds.difference_percent;
     let stroke = match difference.stroke {
-        Stroke::Both => "",
-        Stroke::Up => " of an up stroke",
-        Stroke::Down => " of a down stroke",
+        Direction::Both => "",
+        Direction::Up => " of an up stroke",
+        Direction::Down => " of a down stroke",
     };
     format!(
         "at least {:.2} %, at most {:.2} % of the step ({} %), surest {:.0} ms after the edge{stroke}",

@@ -6,7 +6,7 @@ use servoid_identification::comparison::Comparison;
 use servoid_identification::results::{Interval, Metrics, Model};
 
 /// One line of a table of metrics.
-struct Row {
+struct MetricEntry {
     /// As the model's document calls it.
     key: &'static str,
     name: &'static str,
@@ -14,7 +14,7 @@ struct Row {
     of: fn(&Metrics) -> Interval,
 }
 
-const ROWS: [Row; 8] = [
+const ROWS: [MetricEntry; 8] = [
     row("dc_gain", "DC gain", ("", 1.0, 4), |m| m.dc_gain),
     row("delay_s", "delay (5 %)", MS, |m| m.delay_s),
     row("t50_s", "time to 50 %", MS, |m| m.t50_s),
@@ -47,8 +47,8 @@ const fn row(
     name: &'static str,
     unit: Unit,
     of: fn(&Metrics) -> Interval,
-) -> Row {
-    Row {
+) -> MetricEntry {
+    MetricEntry {
         key,
         name,
         unit,
@@ -56,7 +56,7 @@ const fn row(
     }
 }
 
-impl Row {
+impl MetricEntry {
     /// A number with the digits that `like` has.
     fn number(&self, value: f64, like: f64) -> String {
         let (_, scale, digits) = self.unit;
@@ -142,7 +142,7 @@ pub(crate) struct MetricRow {
 
 /// Metrics side by side. The gain has the unit `gain`, empty where there is none.
 pub(crate) fn metric_rows(metrics: &[&Metrics], gain: &str) -> Vec<MetricRow> {
-    let row = |row: &Row| MetricRow {
+    let row = |row: &MetricEntry| MetricRow {
         label: row.label(gain),
         cells: metrics
             .iter()
@@ -155,7 +155,7 @@ pub(crate) fn metric_rows(metrics: &[&Metrics], gain: &str) -> Vec<MetricRow> {
 /// The metrics of both sides of a comparison and the second less the first. The gain has the unit `gain`, empty
 /// where there is none.
 pub(crate) fn difference_rows(found: &Comparison, gain: &str) -> Vec<MetricRow> {
-    let of = |row: &Row| {
+    let of = |row: &MetricEntry| {
         let difference = found.differences.iter().find(|d| d.metric == row.key)?;
         let side = |bounds: Option<[f64; 2]>| {
             bounds.map_or_else(String::new, |[lower, upper]| {

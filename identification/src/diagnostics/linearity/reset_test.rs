@@ -234,7 +234,7 @@ impl RunColumns {
         let before = run.input_at_rest().map_or(0.0, |u| u - centre);
         let mut input = vec![before; history];
         input.extend(run.input().iter().map(|u| present(u - centre)));
-        let motion = Motion::new(simulated, scale);
+        let motion = SimulatedMotion::new(simulated, scale);
         let mut functions = motion.bent();
         let mut columns: Vec<usize> = (0..FUNCTIONS).collect();
         if let Some(of_run) = of_run {
@@ -267,9 +267,9 @@ fn only(rows: &[Range<usize>], mut values: Vec<f64>) -> Vec<f64> {
 }
 
 /// Position s and speed v of a simulated run, of a size of one.
-struct Motion(Vec<(f64, f64)>);
+struct SimulatedMotion(Vec<(f64, f64)>);
 
-impl Motion {
+impl SimulatedMotion {
     fn new(simulated: &Simulated<'_>, scale: &Scale) -> Self {
         let speed = simulated.speed();
         let scaled = |(s, v): (&f64, f64)| (s / scale.position, v / scale.speed);

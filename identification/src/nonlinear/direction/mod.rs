@@ -70,8 +70,8 @@ pub struct DirectionModel {
     pub up: StepResponse,
     /// Response to a unit step downwards, inverted.
     pub down: StepResponse,
-    /// Whether the two differ.
-    pub symmetry: Symmetry,
+    /// Whether the two differ, where bounds hold: the test takes the errors for noise.
+    pub symmetry: Bounds<Symmetry>,
     /// 100 (1 - |y - ŷ| / |y - mean y|), ŷ simulated from the input alone.
     pub simulation_percent: f64,
     /// Confidence level of the bands, where they hold.
@@ -132,7 +132,7 @@ impl SplitFit {
 /// let record = Record::from_slices(0.002, &u, &y)?;
 /// let options = Options { settling: Settling::Samples(81), ..Options::default() };
 /// let both = split_by_direction(&record, &identify(&record, &options)?)?;
-/// assert!(both.symmetry.asymmetric && both.up.value[5] > both.down.value[5] + 0.2);
+/// assert!(both.asymmetric() && both.up.value[5] > both.down.value[5] + 0.2);
 /// assert!((both.level_at(5.0).value.unwrap() - 5.0).abs() < 0.02);
 /// # Ok::<(), servoid_identification::Error>(())
 /// ```
@@ -219,7 +219,7 @@ fn build(
         let bounds = level.map(|level| StepBounds::new(&value, &spread, level, Biases::default()));
         StepResponse::new(timing.sample_period_s, value, bounds)
     };
-    let symmetry = symmetry(&split, n..n + n2, timing);
+    let symmetry = level.map(|_| symmetry(&split, n..n + n2, timing));
     DirectionModel {
         settling_samples: settling,
         noise_order: fit.ar.len(),
@@ -283,6 +283,11 @@ pub(crate) fn wald(x: &[f64], covariance: &Mat<f64>) -> (f64, usize) {
 }
 
 impl DirectionModel {
+    /// Whether up and down strokes differ by enough to matter. Without bounds nothing is known of that.
+    pub fn asymmetric(&self) -> bool {
+        self.symmetry.valid().is_some_and(|found| found.asymmetric)
+    }
+
     /// The output at rest at a constant command, on the static line of the model. It is valid for a record
     /// with two levels. With more levels, a servo whose gain depends on the level is not on one line.
     pub fn level_at(&self, command: f64) -> Interval {

@@ -8,7 +8,7 @@ mod rows;
 
 pub(super) use damage::Damage;
 pub use head::is_recording;
-pub(super) use rows::End;
+pub(super) use rows::LastLineFound;
 
 use super::header::Header;
 use super::read_error::ReadFault;
@@ -29,7 +29,7 @@ pub(super) struct Scan {
     pub(super) rows: Vec<Row>,
     /// Rows that are there, sound or not.
     pub(super) rows_seen: usize,
-    pub(super) end: End,
+    pub(super) end: LastLineFound,
     /// The file does not end with a line end.
     pub(super) cut: bool,
     /// Rows of the last frame that were passed over, because the rest of it is missing.

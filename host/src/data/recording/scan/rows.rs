@@ -10,7 +10,7 @@ use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
 /// The end of a file, where the last line belongs.
 #[derive(Debug)]
-pub(in crate::data::recording) enum End {
+pub(in crate::data::recording) enum LastLineFound {
     /// Nothing, or only a part of one.
     Missing,
     /// Something else.
@@ -34,7 +34,7 @@ pub(super) struct Rows {
     pub(super) seen: usize,
     newest_sample: Option<u64>,
     pub(super) digest: crc32fast::Hasher,
-    pub(super) end: End,
+    pub(super) end: LastLineFound,
     last_line_number: usize,
     strange_comment: Option<(usize, &'static str)>,
     pub(super) cut_rows: usize,
@@ -57,7 +57,7 @@ impl Rows {
             seen: 0,
             newest_sample: None,
             digest: crc32fast::Hasher::new(),
-            end: End::Missing,
+            end: LastLineFound::Missing,
             last_line_number: 0,
             strange_comment: None,
             cut_rows: 0,
@@ -71,7 +71,7 @@ impl Rows {
         if let Some((number, reason)) = self.strange_comment.take() {
             // In its last place a comment that cannot be read is the last line, damaged.
             if number == self.last_line_number {
-                self.end = End::Damaged;
+                self.end = LastLineFound::Damaged;
             } else {
                 self.damaged(self.seen + 1, number, reason);
             }
@@ -92,7 +92,7 @@ impl Rows {
         if let Some((number, reason)) = self.strange_comment.take() {
             self.damaged(self.seen + 1, number, reason);
         }
-        if !matches!(self.end, End::Missing) {
+        if !matches!(self.end, LastLineFound::Missing) {
             self.damaged(self.seen + 1, number, "something follows the last line");
             return;
         }
@@ -115,7 +115,8 @@ impl Rows {
     fn read_comment(&mut self, number: usize, comment: &[u8], text: &[u8]) {
         match comment_table(comment) {
             Ok(end) if end.contains_key("end") => {
-                self.end = LastLine::read(end, text).map_or(End::Damaged, End::Read);
+                self.end =
+                    LastLine::read(end, text).map_or(LastLineFound::Damaged, LastLineFound::Read);
             }
             Ok(_) if !self.frames_are_whole => {}
             Ok(_) => self.strange_comment = Some((number, "no comment belongs here")),
@@ -169,7 +170,8 @@ impl Rows {
             && (first..)
                 .zip(&rows)
                 .all(|(sample, row)| row.sample == sample);
-        let ends_the_file = matches!(self.end, End::Missing) && line == self.last_line_number;
+        let ends_the_file =
+            matches!(self.end, LastLineFound::Missing) && line == self.last_line_number;
         if begins_a_frame && rows.len() == SAMPLES_PER_FRAME {
             self.sound.extend(rows);
         } else if begins_a_frame && ends_the_file {
