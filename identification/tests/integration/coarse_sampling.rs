@@ -163,5 +163,5 @@ fn where_parts_cannot_stand_for_one_another_nothing_is_chosen_by_predicting_them
         "{simulated} % at a longer N, {errors:?}"
     );
     let said = |part: &str| found.model.advice.iter().any(|a| a.finding.contains(part));
-    assert!(said("no part of it tells of another"));
+    assert!(said("no part of it predicts another"));
 }
