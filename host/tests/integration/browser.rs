@@ -14,26 +14,26 @@ use std::time::{Duration, Instant};
 const LIMIT: Duration = Duration::from_secs(90);
 
 /// A page around the page, as wide as is asked for: a browser's window is never as narrow as a telephone.
-/// It asks what only a running page knows, once all is drawn, and tells it in its own attributes.
+/// It asks what only a running page knows, once all is drawn, and writes it to its own attributes.
 const PROBE: &str = r#"<!DOCTYPE html><html><body><script>
 "use strict";
-const told = document.documentElement.dataset, frame = document.querySelector("iframe");
+const seen = document.documentElement.dataset, frame = document.querySelector("iframe");
 (async () => {
   const inner = () => frame.contentDocument.documentElement;
   while (!inner()?.dataset.drawn) await new Promise((done) => setTimeout(done, 20));
   const page = frame.contentWindow, root = inner();
-  told.drawn = root.dataset.drawn;
-  told.overflow = root.scrollWidth - page.innerWidth;
-  told.dark = page.matchMedia("(prefers-color-scheme: dark)").matches;
+  seen.drawn = root.dataset.drawn;
+  seen.overflow = root.scrollWidth - page.innerWidth;
+  seen.dark = page.matchMedia("(prefers-color-scheme: dark)").matches;
   const plots = [...frame.contentDocument.querySelectorAll(".figure")];
-  told.traces = plots.map((plot) => plot.id + ":" + plot.dataset.traces).join(" ");
-  told.wide = plots.filter((plot) => plot.querySelector(".main-svg").getBoundingClientRect().right > page.innerWidth).map((plot) => plot.id).join(" ");
-  told.buttons = [...plots[0].querySelectorAll(".modebar-btn")].map((button) => button.dataset.title).join();
+  seen.traces = plots.map((plot) => plot.id + ":" + plot.dataset.traces).join(" ");
+  seen.wide = plots.filter((plot) => plot.querySelector(".main-svg").getBoundingClientRect().right > page.innerWidth).map((plot) => plot.id).join(" ");
+  seen.buttons = [...plots[0].querySelectorAll(".modebar-btn")].map((button) => button.dataset.title).join();
   for (const format of ["svg", "png"]) {
     const image = await page.Plotly.toImage(plots[0], { format, width: 600, height: 400 });
-    told[format] = image.slice(0, 20) + " " + image.length;
+    seen[format] = image.slice(0, 20) + " " + image.length;
   }
-  told.probed = "yes";
+  seen.probed = "yes";
 })();
 </script></body></html>"#;
 

@@ -108,7 +108,7 @@ fn angles_that_are_assumed_are_labelled() {
 }
 
 #[test]
-fn a_rig_that_cannot_be_calibrated_is_told_in_a_sentence() {
+fn a_rig_that_cannot_be_calibrated_is_refused_in_a_sentence() {
     for (options, word) in [
         (&["--port", "sim:bench"][..], "--angles"),
         (&["--by-servo"], "--port"),

@@ -241,11 +241,16 @@ fn every_real_recording_gives_a_sensible_model() {
             let inside = least <= lower && upper <= most;
             assert!(inside, "{}: gain {lower} to {upper}", real.file);
         }
-        let told = found["advice"].as_array().unwrap();
-        let is_told = |check: &str| told.iter().any(|advice| advice["check"] == check);
+        let reported = found["advice"].as_array().unwrap();
+        let is_reported = |check: &str| reported.iter().any(|advice| advice["check"] == check);
         for check in real.advice {
-            assert!(is_told(check), "{}: no {check}", real.file);
+            assert!(is_reported(check), "{}: no {check}", real.file);
         }
-        assert_eq!(is_told("model_error"), real.gain.is_none(), "{}", real.file);
+        assert_eq!(
+            is_reported("model_error"),
+            real.gain.is_none(),
+            "{}",
+            real.file
+        );
     }
 }

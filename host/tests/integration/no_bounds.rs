@@ -420,7 +420,7 @@ fn identify_compare_and_export_show_no_bounds() {
     let dir = tempfile::tempdir().unwrap();
     let [a, b] = [1, 2].map(|seed| limited(dir.path(), seed));
     let model = dir.path().join("a.json");
-    let told = run(&[
+    let reported = run(&[
         &[
             "identify",
             "-q",
@@ -432,11 +432,14 @@ fn identify_compare_and_export_show_no_bounds() {
         &NAMED[..],
     ]
     .concat());
-    assert!(told.contains("NO BOUNDS CAN BE GIVEN"), "{told}");
-    let (table, _) = told.split_once("\n\n  ! ").unwrap();
-    assert!(!table.contains(" .. ") && !table.contains("99 %"), "{told}");
+    assert!(reported.contains("NO BOUNDS CAN BE GIVEN"), "{reported}");
+    let (table, _) = reported.split_once("\n\n  ! ").unwrap();
+    assert!(
+        !table.contains(" .. ") && !table.contains("99 %"),
+        "{reported}"
+    );
     for gone in ["bounds of the gain", "bands contain", "bounds hold"] {
-        assert!(!told.contains(gone), "{told}");
+        assert!(!reported.contains(gone), "{reported}");
     }
     // The gain has the unit of its columns.
     let gain = table.lines().find(|line| line.contains("DC gain")).unwrap();
@@ -444,12 +447,12 @@ fn identify_compare_and_export_show_no_bounds() {
 
     let file = dir.path().join("compared.json");
     let args = ["compare", "-q", arg(&a), arg(&b), "-o", arg(&file)];
-    let told = run(&[&args[..], &NAMED[..]].concat());
-    let (facts, _) = told.split_once("\n\n  ! ").unwrap();
-    assert!(facts.contains("Not decided"), "{told}");
+    let reported = run(&[&args[..], &NAMED[..]].concat());
+    let (facts, _) = reported.split_once("\n\n  ! ").unwrap();
+    assert!(facts.contains("Not decided"), "{reported}");
     assert!(
         !facts.contains(" .. ") && !facts.contains("interval"),
-        "{told}"
+        "{reported}"
     );
 
     let compared = json(&file);

@@ -85,7 +85,7 @@ fn a_model_is_what_is_assumed() {
 }
 
 #[test]
-fn the_table_of_references_tells_what_they_give_on_a_servo_that_is_not_linear() {
+fn the_table_of_references_shows_what_they_give_on_a_servo_that_is_not_linear() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("plan.json");
     let reference = ["--reference", "prbs", "--hold", "0.04"];
@@ -120,7 +120,7 @@ fn the_table_of_references_tells_what_they_give_on_a_servo_that_is_not_linear() 
 
 /// Plan and capture agree on how many runs a band takes, and on when more runs are no advice.
 #[test]
-fn nobody_is_told_to_record_thousands_of_runs() {
+fn nobody_is_asked_to_record_thousands_of_runs() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("x.csv");
     let captured = |band: &str| {
@@ -128,12 +128,12 @@ fn nobody_is_told_to_record_thousands_of_runs() {
         run(&[&args[..], &["-q", "--force", "-o", arg(&file)]].concat())
     };
     let planned = |band: &str| run(&["plan", "--servo", "linear", "--band", band]);
-    for told in [captured("0.01"), planned("0.01")] {
-        assert!(told.contains("more than 100 such runs"), "{told}");
-        assert!(told.contains("--amplitude"), "{told}");
+    for reported in [captured("0.01"), planned("0.01")] {
+        assert!(reported.contains("more than 100 such runs"), "{reported}");
+        assert!(reported.contains("--amplitude"), "{reported}");
     }
-    let runs = |told: &str, before: &str, after: &str| -> f64 {
-        let (_, rest) = told.split_once(before).expect(before);
+    let runs = |reported: &str, before: &str, after: &str| -> f64 {
+        let (_, rest) = reported.split_once(before).expect(before);
         rest.split_once(after)
             .expect(after)
             .0

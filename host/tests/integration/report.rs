@@ -115,17 +115,17 @@ fn a_stranger_gets_to_the_report_by_what_the_program_says() {
     let dir = tempfile::tempdir().unwrap();
     let mine = dir.path().join("mine.csv");
     std::fs::copy(data("dcmotor_speed_prbs.csv"), &mine).unwrap();
-    let told = refusal(&["identify", arg(&mine)]);
-    let (_, options) = told.split_once("add: ").expect("it says what to add");
-    assert!(options.starts_with("--input u --output y"), "{told}");
+    let reported = refusal(&["identify", arg(&mine)]);
+    let (_, options) = reported.split_once("add: ").expect("it says what to add");
+    assert!(options.starts_with("--input u --output y"), "{reported}");
     let options = options.trim().replace("SECONDS", "0.02");
     let words: Vec<&str> = options.split(' ').collect();
     let output = servoid(&[&["identify", arg(&mine)], &words[..]].concat())
         .output()
         .unwrap();
     assert!(output.status.success());
-    let told = String::from_utf8(output.stderr).unwrap();
-    let (_, command) = told
+    let reported = String::from_utf8(output.stderr).unwrap();
+    let (_, command) = reported
         .split_once("servoid report ")
         .expect("it says how to go on");
     let words: Vec<&str> = command.lines().next().unwrap().split(' ').collect();

@@ -70,7 +70,7 @@ fn a_signal_stops_the_run_and_gives_the_terminal_back() {
     require_stopped_safely(session, &file);
 }
 
-/// The run goes on, ends when it is told to, and a second signal ends the program at once.
+/// The run goes on, ends on a signal, and a second signal ends the program at once.
 #[test]
 fn a_terminal_that_takes_nothing_any_more_holds_nothing_up() {
     let dir = tempfile::tempdir().unwrap();

@@ -41,10 +41,11 @@ fn a_recording_and_a_table_are_held_against_each_other_in_one_call() {
     for [a, b] in [[&own, &table], [&table, &own]] {
         let args = [&["compare", arg(a), arg(b)], &NAMED[..]].concat();
         let output = servoid(&args).output().unwrap();
-        let [told, remarks] = [output.stdout, output.stderr].map(|t| String::from_utf8(t).unwrap());
+        let [reported, remarks] =
+            [output.stdout, output.stderr].map(|t| String::from_utf8(t).unwrap());
         assert!(
-            told.contains("verdict                        same"),
-            "{told}{remarks}"
+            reported.contains("verdict                        same"),
+            "{reported}{remarks}"
         );
         assert!(
             remarks.contains("own.csv is read as the recording that it is"),
@@ -114,9 +115,9 @@ fn nothing_is_over_predicted_at_a_command_of_nought() {
         file
     });
     let args = ["compare", "-q", arg(&files[1]), arg(&files[0])];
-    let told: serde_json::Value =
+    let reported: serde_json::Value =
         serde_json::from_str(&run(&[&args[..], &["--json"]].concat())).unwrap();
-    let over = &told["over_prediction"];
+    let over = &reported["over_prediction"];
     for (side, known) in [
         ("plus_percent", true),
         ("minus_percent", false),

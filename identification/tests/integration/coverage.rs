@@ -94,7 +94,7 @@ fn an_end_of_the_response_below_the_noise_is_said_in_every_run() {
 }
 
 #[test]
-fn a_reference_that_repeats_itself_is_told_as_far_as_it_goes() {
+fn a_reference_that_repeats_itself_is_identified_as_far_as_it_goes() {
     for noise in [Noise::White, Noise::Ar1] {
         let case = Case {
             reference: Reference::Square,

@@ -122,7 +122,7 @@ fn play_is_found_with_its_size_and_stops_with_their_level() {
 }
 
 #[test]
-fn two_levels_cannot_tell_and_say_what_to_record() {
+fn two_levels_do_not_determine_limits_and_say_what_to_record() {
     let input = staircase();
     let limits = limits_of(
         &input,

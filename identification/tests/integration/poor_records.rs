@@ -36,7 +36,7 @@ fn assert_always_said(line: &Line, check: &str) {
 }
 
 #[test]
-fn a_smooth_reference_that_tells_all_has_wide_bounds_that_hold() {
+fn a_smooth_reference_that_determines_all_has_wide_bounds_that_hold() {
     let line = line(Reference::Smooth(2), Sensor::White(0.01));
     assert_held(&line);
     assert_always_said(&line, "smooth_reference");
@@ -52,7 +52,7 @@ fn what_a_smooth_reference_leaves_out_has_no_level_and_no_figures() {
 }
 
 #[test]
-fn a_few_sines_tell_no_figure() {
+fn a_few_sines_determine_no_metric() {
     let sines = [(3.0, 1.0), (2.0, 3.0), (1.0, 7.0)];
     for count in [2, 3] {
         let reference = Reference::Sines(sines[..count].to_vec());

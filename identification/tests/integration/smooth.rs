@@ -34,7 +34,7 @@ fn two_sines_get_bounds_without_a_level() {
 }
 
 #[test]
-fn a_bank_of_the_gain_alone_tells_no_bandwidth() {
+fn a_bank_of_the_gain_alone_determines_no_bandwidth() {
     let options = Options {
         settling: Settling::Samples(31),
         frequencies: Frequencies::Count(1),

@@ -91,7 +91,7 @@ fn a_servo_without_ends_has_none_and_its_gain_is_in_its_scale() {
 }
 
 #[test]
-fn a_servo_that_stands_still_is_told_from_one_that_ends() {
+fn a_servo_that_stands_still_is_distinguished_from_one_that_ends() {
     let error = measure("sim:linear?gain=0", &exact(1.0)).unwrap_err();
     assert!(error.to_string().contains("does not follow"), "{error}");
 }
