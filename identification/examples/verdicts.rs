@@ -76,8 +76,7 @@ fn row(name: &str, servo: &Servo, levels: &[f64], runs: u64) {
         let (record, model) = identified(&paper, &paper_output, seed);
         split_by_direction(&record, &model)
             .expect("both directions")
-            .symmetry
-            .asymmetric
+            .asymmetric()
     });
     let strokes = sizes(1.0, 150);
     let stroke_output = servo(&strokes, 0.0);
