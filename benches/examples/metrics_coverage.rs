@@ -1,6 +1,6 @@
 //! Prints how often the 99 % intervals of the metrics hold the exact figures of linear servos.
 //!
-//! `cargo run --release -p servoid-identification --example metrics_coverage -- RUNS`
+//! `cargo run --release -p servoid-benches --example metrics_coverage -- RUNS`
 
 use servoid_identification::Settling;
 use servoid_test_support::metrics_coverage::{Case, NAMES, run};

@@ -1,7 +1,7 @@
 //! Prints how often what a model says of a linear servo is true where the reference is smooth or the
 //! sensor rounds, as the table of the documentation.
 //!
-//! `cargo run --release -p servoid-identification --example figures_coverage -- [RUNS] [FILTER]`
+//! `cargo run --release -p servoid-benches --example figures_coverage -- [RUNS] [FILTER]`
 
 use servoid_test_support::figures_coverage::{Case, Line, NAMES, Reference, Sensor, measure};
 use servoid_test_support::servos::Linear;

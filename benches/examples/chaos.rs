@@ -1,7 +1,7 @@
 //! Captures over bad lines, by the thousand; prints what came of them.
 //!
 //! ```text
-//! cargo run --release -p servoid --example chaos [SEEDS [FIRST]]
+//! cargo run --release -p servoid-benches --example chaos [SEEDS [FIRST]]
 //! ```
 //!
 //! Each seed is one capture of a short run, on a simulated rig, through a line that loses, corrupts,

@@ -1,7 +1,7 @@
 //! Prints the findings of identification in the simulated servos under references of every kind and size, as the
 //! documentation's table on servos that are not linear.
 //!
-//! `cargo run --release -p servoid --example linearity -- [SEEDS]`
+//! `cargo run --release -p servoid-benches --example linearity -- [SEEDS]`
 
 use servoid_test_support::trials::linearity::{Findings, Motion, findings, motions};
 

@@ -1,7 +1,7 @@
 //! Kills captures at random moments; prints how much of each was missing in its file.
 //!
 //! ```text
-//! cargo build --release && cargo run --release -p servoid --example kill [KILLS]
+//! cargo build --release && cargo run --release -p servoid-benches --example kill [KILLS]
 //! ```
 //!
 //! The exit code is 1 if a file could not be read, or if more than the last 40 ms of rows were missing

@@ -1,7 +1,7 @@
 //! Prints how often the detectors and the comparison speak up, on servos that have nothing to show and on
 //! servos that do.
 //!
-//! `cargo run --release -p servoid-identification --example verdicts -- RUNS`
+//! `cargo run --release -p servoid-benches --example verdicts -- RUNS`
 
 use rayon::prelude::*;
 use servoid_identification::comparison::{ComparisonOptions, Verdict, compare};

@@ -1,7 +1,7 @@
 //! Prints what the comparison says of many pairs of recordings of simulated servos: of one servo
 //! twice, with and without what scatters from run to run, and of servos that do differ.
 //!
-//! `cargo run --release -p servoid --example verdict_pairs -- PAIRS`
+//! `cargo run --release -p servoid-benches --example verdict_pairs -- PAIRS`
 
 use servoid_identification::comparison::{Comparison, DifferencePercent, Verdict};
 use servoid_test_support::trials::verdicts::{compare_pairs, count};

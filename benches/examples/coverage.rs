@@ -1,7 +1,7 @@
 //! Measures by simulation how often the bands hold what they should, and prints the table of the
 //! documentation as markdown.
 //!
-//! `cargo run --release -p servoid-identification --example coverage -- [RUNS] [FILTER] [narrow]`
+//! `cargo run --release -p servoid-benches --example coverage -- [RUNS] [FILTER] [narrow]`
 //! with 300 runs a case by default; FILTER keeps the lines that contain it, such as `Staircase | A`;
 //! `narrow` takes the narrow number of frequencies. The last sentence is the overall rate of false alarms of the
 //! lines shown.

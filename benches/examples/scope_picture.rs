@@ -1,5 +1,5 @@
 //! Draws the live scope of a simulated capture into an SVG:
-//! `cargo run --example scope_picture -p servoid -- docs/scope.svg`
+//! `cargo run --example scope_picture -p servoid-benches -- docs/scope.svg`
 //!
 //! The run is `sim:bench?seed=1`, half of the paper's staircase; equal programs give equal pictures.
 
