@@ -21,7 +21,7 @@ pub(super) struct ReferenceArgs {
     amplitude: Option<f64>,
     /// Hold of each level of stairs, or of each chip of prbs (s) [default: 1.2 and 0.16]. Shorter holds give wider
     /// bands: most servos are not linear, and respond differently when a hold ends before they have settled.
-    /// With chips of 0.02 s the band of the simulated bench servo is at least thirty times as wide
+    /// With chips of 0.02 s the simulated bench servo has no bounds at all
     #[arg(long, value_name = "SECONDS")]
     hold: Option<f64>,
     /// Length of the reference (s), rounded to whole cycles [default: about 10, stairs 48; a table once]
