@@ -4,16 +4,30 @@ use servoid_identification::results::{Advice, Check};
 use servoid_identification::{Record, Run};
 use std::collections::HashSet;
 
+/// Samples whose bytes are gathered for one step of the CRC, so that those of a long run are not in memory twice.
+const GATHERED: usize = 512;
+
 /// The fingerprint of a run: the CRC-32 of its inputs and outputs, eight bytes each, the lowest first.
 fn of_run(run: &Run) -> String {
-    // One NaN is as missing as another, and 0 is -0.
-    let bytes = |value: &f64| match value.is_nan() {
-        true => f64::NAN.to_le_bytes(),
-        false => (value + 0.0).to_le_bytes(),
-    };
-    let values = run.input().iter().chain(run.output());
-    let bytes: Vec<u8> = values.flat_map(bytes).collect();
-    format!("{:08x}", crc32fast::hash(&bytes))
+    let mut digest = crc32fast::Hasher::new();
+    let mut bytes = Vec::new();
+    for values in [run.input(), run.output()]
+        .into_iter()
+        .flat_map(|column| column.chunks(GATHERED))
+    {
+        bytes.clear();
+        for value in values {
+            // One NaN is as missing as another, and 0 is -0.
+            let value = if value.is_nan() {
+                f64::NAN
+            } else {
+                value + 0.0
+            };
+            bytes.extend_from_slice(&value.to_le_bytes());
+        }
+        digest.update(&bytes);
+    }
+    format!("{:08x}", digest.finalize())
 }
 
 /// The fingerprints of all runs of a record.
