@@ -20,7 +20,7 @@ pub struct ModelDocument<'a> {
     /// Units, and the pulse frame.
     #[serde(flatten)]
     pub metadata: ModelMetadata,
-    /// The record that it is of, where that is at hand: written as its [`fingerprint::of`].
+    /// The record that it is of, where that is at hand: written as its fingerprint.
     #[serde(
         rename = "runs_crc32",
         serialize_with = "as_fingerprints",

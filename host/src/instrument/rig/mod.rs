@@ -1,8 +1,8 @@
 //! Talking to a rig.
 //!
 //! The conversation itself is `servoid_client`, which knows no port and no clock. `driver` connects the
-//! two; [`client`] asks and waits for answers; [`capture`] records a run, with `run_rows` for its rows and
-//! `recording_ending` for the last line of its file; [`capture_outcome`] is what comes of it.
+//! two; `client` asks and waits for answers; `capture` records a run, with `run_rows` for its rows and
+//! `recording_ending` for the last line of its file; `capture_outcome` is what comes of it.
 
 mod capture;
 mod capture_outcome;
