@@ -190,6 +190,31 @@ fn sentences(document: &Value) -> String {
         .collect()
 }
 
+/// Compares two recordings, in their folder.
+fn require_comparison_without_bounds(a: &Path, b: &Path, withdrawn: Withdrawn) {
+    let compared = a.with_file_name("compared.json");
+    let args = [
+        "compare",
+        "-q",
+        arg(a),
+        arg(b),
+        "--force",
+        "-o",
+        arg(&compared),
+    ];
+    let text = run(&[&args[..], &NAMED].concat());
+    let document = json(&compared);
+    assert_eq!(
+        document["withdrawn"]["reason"],
+        withdrawn.reason(),
+        "{text}"
+    );
+    require_no_bound(&document, "comparison");
+    require_no_claim(&sentences(&document), "the advice of a comparison");
+    require_no_claim(&text, "a comparison");
+    assert!(!text.contains(" .. "), "{text}");
+}
+
 #[test]
 fn no_reason_leaves_a_bound_in_an_identification() {
     let dir = tempfile::tempdir().unwrap();
@@ -352,27 +377,7 @@ fn no_reason_leaves_a_bound_in_an_export_a_plan_a_validation_or_a_comparison() {
             "{fields:?}"
         );
 
-        let compared = dir.path().join("compared.json");
-        let args = [
-            "compare",
-            "-q",
-            arg(&a),
-            arg(&b),
-            "--force",
-            "-o",
-            arg(&compared),
-        ];
-        let text = run(&[&args[..], &NAMED].concat());
-        let document = json(&compared);
-        assert_eq!(
-            document["withdrawn"]["reason"],
-            withdrawn.reason(),
-            "{text}"
-        );
-        require_no_bound(&document, "comparison");
-        require_no_claim(&sentences(&document), "the advice of a comparison");
-        require_no_claim(&text, "a comparison");
-        assert!(!text.contains(" .. "), "{text}");
+        require_comparison_without_bounds(&a, &b, withdrawn);
     }
 }
 
@@ -392,26 +397,7 @@ fn a_comparison_has_no_bounds_where_either_side_has_none() {
     }
     std::fs::write(&sound, rows).unwrap();
     for (a, b) in [(&without, &sound), (&sound, &without)] {
-        let compared = dir.path().join("compared.json");
-        let args = [
-            "compare",
-            "-q",
-            arg(a),
-            arg(b),
-            "--force",
-            "-o",
-            arg(&compared),
-        ];
-        let text = run(&[&args[..], &NAMED].concat());
-        let document = json(&compared);
-        assert_eq!(
-            document["withdrawn"]["reason"], "errors_not_noise",
-            "{text}"
-        );
-        require_no_bound(&document, "comparison");
-        require_no_claim(&sentences(&document), "the advice of a comparison");
-        require_no_claim(&text, "a comparison");
-        assert!(!text.contains(" .. "), "{text}");
+        require_comparison_without_bounds(a, b, Withdrawn::ErrorsNotNoise);
     }
 }
 

@@ -18,9 +18,10 @@ use super::search::Search;
 use super::{complete_bank, repetition, shorter_history, smooth_input};
 use crate::error::Error;
 
+/// A way to a candidate; `None` where the input does not determine one.
 type Proposal = fn(&Search<'_>) -> Option<Choice>;
 
-/// The candidates in their order: the first one that the input determines is taken.
+/// The ways to a candidate in their order: the first that comes to one is taken.
 const PROPOSALS: [Proposal; 4] = [
     // All frequencies, any N up to the longest that the record supports.
     complete_bank::choose,
@@ -39,6 +40,6 @@ const PROPOSALS: [Proposal; 4] = [
 pub(crate) fn choose_settling(search: &Search<'_>) -> Result<Choice, Error> {
     PROPOSALS
         .iter()
-        .find_map(|candidate| candidate(search))
+        .find_map(|proposal| proposal(search))
         .ok_or(Error::nothing_excited(search.longest))
 }

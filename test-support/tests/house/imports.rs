@@ -66,6 +66,13 @@ impl Sources {
         Self::of(files)
     }
 
+    /// The words of each file.
+    pub fn words(&self) -> impl Iterator<Item = (&ModulePath, &[String])> {
+        self.0
+            .iter()
+            .map(|(path, file)| (path, file.words.as_slice()))
+    }
+
     fn of(texts: BTreeMap<ModulePath, String>) -> Self {
         let mut sources = Self::default();
         for (path, text) in texts {
