@@ -30,6 +30,7 @@ mod selection;
 pub mod diagnostics;
 pub mod flight_model;
 pub mod nonlinear;
+pub mod servo_model;
 
 pub mod comparison;
 mod identify;

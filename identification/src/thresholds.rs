@@ -383,3 +383,6 @@ pub const EQUALLY_LONG: f64 = 1.25;
 ///
 /// Protects: readers from shifts of no consequence. Evidence: the snapshot of a comparison.
 pub const NOTABLE_SHIFT_S: f64 = 0.25e-3;
+
+/// x
+pub const SERVO_TERM_ADVANTAGE: f64 = 3.0;

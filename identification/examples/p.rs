@@ -1,0 +1,11 @@
+//! x
+use servoid_identification::*;
+fn read(f:&str)->Vec<(String,String,Vec<f64>,Vec<f64>)>{ let t=std::fs::read_to_string(f).unwrap(); let mut l=t.lines(); let h:Vec<&str>=l.next().unwrap().split(',').collect(); let c=|n:&str|h.iter().position(|x|*x==n); let (cu,cy,cr,cg)=(c("u").unwrap(),c("y").unwrap(),c("run"),c("kp")); let mut v:Vec<(String,String,Vec<f64>,Vec<f64>)>=vec![];
+ for x in l{let q:Vec<&str>=x.split(',').collect(); let id=cr.map(|i|q[i].to_string()).unwrap_or("1".into()); let g=cg.map(|i|q[i].to_string()).unwrap_or_default(); if v.last().is_none_or(|r|r.0!=id){v.push((id,g,vec![],vec![]));} let r=v.last_mut().unwrap(); r.2.push(q[cu].parse().unwrap()); r.3.push(q[cy].parse().unwrap());} v}
+fn main(){ let a:Vec<String>=std::env::args().collect(); let runs=read(&a[1]); let t:f64=a[2].parse().unwrap();
+ let mut gs:Vec<String>=vec![];
+ let mut pick=|s:&str|->(Record,Vec<usize>){ let mut rs=vec![]; let mut g=vec![]; if let Some(h)=s.strip_prefix("half"){ let r=&runs[0]; let n=r.2.len()/2; let (i,j)=if h=="1"{(0,n)}else{(n,r.2.len())}; rs.push(Run::new(r.2[i..j].to_vec(),r.3[i..j].to_vec()).unwrap()); g.push(0); } else { for r in &runs{ let id:usize=r.0.parse().unwrap(); if match s{"odd"=>id%2==1,"even"=>id%2==0,"all"=>true,_=>s.split('+').any(|x|x==r.0)}{ rs.push(Run::new(r.2.clone(),r.3.clone()).unwrap()); let k=gs.iter().position(|x|*x==r.1).unwrap_or_else(||{gs.push(r.1.clone());gs.len()-1}); g.push(k);} } } (Record::new(t,rs).unwrap(),g)};
+ let (tr,g)=pick(&a[3]); let (te,g2)=pick(&a[4]); let t0=std::time::Instant::now(); let m=servo_model::fit(&tr,&servo_model::ServoModelOptions{controllers:g,..Default::default()}).unwrap(); let dt=t0.elapsed().as_secs_f64();
+ if a.len()>5 { for r in &m.ladder { println!("{:?} {:.2} {:.2} {}",r.terms,r.held_out_percent,r.fit_percent,r.chosen); } }
+ println!("{:?}\n fit {:.2} held {:.2} test {:.2} {:.2}s noise {} {:.4}",m.terms,m.fit.simulation_percent,m.fit.held_out_percent,m.predict_percent(&te,&g2).unwrap(),dt,m.noise.ar.len(),m.noise.sigma);
+ for q in &m.quantities { let i=q.interval.valid().unwrap(); println!("   {} {:.4} [{:.4} {:.4}] {:?} {}",q.name,q.value,i.lower.unwrap_or(f64::NAN),i.upper.unwrap_or(f64::NAN),q.unit,q.determined); } }

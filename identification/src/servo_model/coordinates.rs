@@ -1,0 +1,259 @@
+//! The numbers that the fit moves, and the servo that they stand for.
+//!
+//! Quantities that are positive and range over decades are logarithms. Load and friction are divided by the
+//! stiffness, so they are errors at rest in units of the command, which a record shows directly.
+
+use super::physics::{AtRest, Friction, Limit, Load, Physics};
+use crate::numerics::Scalar;
+use serde::{Deserialize, Serialize};
+
+/// One number that the fit moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Coordinate {
+    /// d \[s\].
+    Delay,
+    /// ln k (k in 1/s²).
+    LnStiffness,
+    /// ln c (c in 1/s).
+    LnDamping,
+    /// Output for each unit of the command.
+    Gain,
+    /// Output at command 0.
+    Offset,
+    /// ln(A+/B), the top speed upwards without friction (units of the command for each second).
+    LnTopSpeed,
+    /// B/c, the motor's own share of the damping.
+    MotorShare,
+    /// ln(A-/A+).
+    LnDownToUp,
+    /// w \[units of the command\].
+    DeadBand,
+    /// C/k \[units of the command\].
+    Friction,
+    /// s: friction at rest is 1 + s times that at speed.
+    FrictionAtRest,
+    /// ln ωs, the speed at which half of the excess is gone (units of the command for each second).
+    LnFrictionSpeed,
+    /// Constant load over k \[units of the command\].
+    ConstantLoad,
+    /// Acceleration of a weight on a level arm, over k \[units of the command\].
+    Gravity,
+    /// Angle of that arm from the vertical at θ = 0 \[units of the command\].
+    GravityFrom,
+    /// Stiffening of the load of the air, over k \[1/unit of the command\].
+    AirStiffening,
+    /// θ from which the load of the air stiffens \[units of the command\].
+    AirFrom,
+    /// ln(k_j/k) of the second and further controllers on the same mechanism.
+    LnOwnStiffness(usize),
+}
+
+use Coordinate::{
+    AirFrom, AirStiffening, ConstantLoad, DeadBand, Delay, FrictionAtRest, Gain, Gravity,
+    GravityFrom, LnDamping, LnDownToUp, LnFrictionSpeed, LnOwnStiffness, LnStiffness, LnTopSpeed,
+    MotorShare, Offset,
+};
+
+impl Coordinate {
+    /// Whether a step of the fit may move it by one at the most: a factor of e.
+    pub(super) fn is_logarithm(self) -> bool {
+        matches!(
+            self,
+            LnStiffness | LnDamping | LnTopSpeed | LnDownToUp | LnFrictionSpeed | LnOwnStiffness(_)
+        )
+    }
+
+    /// The values that make a servo. Logarithms are held within what `f64` and the step of the integration can do.
+    pub(super) fn range(self, longest_delay_s: f64) -> (f64, f64) {
+        match self {
+            Delay => (0.0, longest_delay_s),
+            LnStiffness => (-6.0, 12.5),
+            LnDamping => (-5.0, 9.0),
+            LnTopSpeed => (-12.0, 25.0),
+            MotorShare => (0.002, 1.0),
+            LnDownToUp | LnOwnStiffness(_) => (-4.0, 4.0),
+            DeadBand | Coordinate::Friction | FrictionAtRest => (0.0, f64::INFINITY),
+            LnFrictionSpeed => (-12.0, 12.0),
+            Gain | Offset | ConstantLoad | Gravity | GravityFrom | AirStiffening | AirFrom => {
+                (f64::NEG_INFINITY, f64::INFINITY)
+            }
+        }
+    }
+}
+
+/// Which terms of the equation a servo has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Terms {
+    /// The drive is limited.
+    pub limit: bool,
+    /// The drive is stronger in one direction.
+    pub two_speeds: bool,
+    /// The controller has a dead band.
+    pub dead_band: bool,
+    /// There is friction.
+    pub friction: bool,
+    /// The kind of load.
+    pub load: LoadKind,
+}
+
+/// The load on the shaft.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LoadKind {
+    /// None.
+    #[default]
+    None,
+    /// A constant torque.
+    Constant,
+    /// A weight on an arm that hangs at θ = 0: G sin θ.
+    Pendulum,
+    /// A weight on an arm that hangs at another angle: G sin(θ + θ0).
+    TiltedPendulum,
+    /// A surface in the air, whose load stiffens beyond an angle.
+    Air,
+}
+
+impl LoadKind {
+    /// All kinds, those with fewer coordinates first.
+    pub(super) const BY_COORDINATES: [Self; 5] = [
+        Self::None,
+        Self::Constant,
+        Self::Pendulum,
+        Self::TiltedPendulum,
+        Self::Air,
+    ];
+
+    /// The kinds before this one.
+    pub(super) fn simpler(self) -> &'static [Self] {
+        let own = Self::BY_COORDINATES.iter().position(|kind| *kind == self);
+        &Self::BY_COORDINATES[..own.unwrap_or(0)]
+    }
+}
+
+impl Terms {
+    /// The coordinates of a servo with these terms and `controllers` controllers.
+    pub(super) fn coordinates(self, controllers: usize) -> Vec<Coordinate> {
+        let mut all = vec![Delay, LnStiffness, LnDamping, Gain, Offset];
+        let mut with = |wanted: bool, coordinates: &[Coordinate]| {
+            if wanted {
+                all.extend_from_slice(coordinates);
+            }
+        };
+        with(self.limit, &[LnTopSpeed, MotorShare]);
+        with(self.two_speeds, &[LnDownToUp]);
+        with(self.dead_band, &[DeadBand]);
+        with(self.friction, &[Coordinate::Friction, FrictionAtRest, LnFrictionSpeed]);
+        match self.load {
+            LoadKind::None => {}
+            LoadKind::Constant => with(true, &[ConstantLoad]),
+            LoadKind::Pendulum => with(true, &[Gravity]),
+            LoadKind::TiltedPendulum => with(true, &[Gravity, GravityFrom]),
+            LoadKind::Air => with(true, &[ConstantLoad, AirStiffening, AirFrom]),
+        }
+        all.extend((1..controllers).map(LnOwnStiffness));
+        all
+    }
+}
+
+/// A point of the search: terms, their coordinates, and the values of these.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Point {
+    pub(super) terms: Terms,
+    pub(super) coordinates: Vec<Coordinate>,
+    pub(super) values: Vec<f64>,
+    /// Radians for each unit of the command.
+    pub(super) radians: f64,
+}
+
+impl Point {
+    /// The value of one coordinate.
+    pub(super) fn get(&self, coordinate: Coordinate) -> Option<f64> {
+        let index = self.coordinates.iter().position(|at| *at == coordinate)?;
+        Some(self.values[index])
+    }
+
+    /// Sets one coordinate, if the point has it.
+    pub(super) fn set(&mut self, coordinate: Coordinate, value: f64) {
+        if let Some(index) = self.coordinates.iter().position(|at| *at == coordinate) {
+            self.values[index] = value;
+        }
+    }
+
+    /// The same servo with other terms: shared coordinates keep their values, new ones get that of `fresh`.
+    pub(super) fn with_terms(
+        &self,
+        terms: Terms,
+        controllers: usize,
+        fresh: impl Fn(Coordinate) -> f64,
+    ) -> Self {
+        let coordinates = terms.coordinates(controllers);
+        let value = |at: &Coordinate| self.get(*at).unwrap_or_else(|| fresh(*at));
+        Self {
+            terms,
+            values: coordinates.iter().map(value).collect(),
+            coordinates,
+            radians: self.radians,
+        }
+    }
+
+    /// The servo with the controller number `controller`, where `number` makes a number of a coordinate's index and
+    /// value: the value itself, or a variable.
+    pub(super) fn physics<S: Scalar>(
+        &self,
+        controller: usize,
+        number: impl Fn(usize, f64) -> S,
+    ) -> Physics<S> {
+        let find = |wanted: Coordinate| {
+            let index = self.coordinates.iter().position(|at| *at == wanted)?;
+            Some(number(index, self.values[index]))
+        };
+        let get = |wanted| find(wanted).unwrap_or(S::constant(0.0));
+        let shared = get(LnStiffness).exp();
+        let stiffness = match find(LnOwnStiffness(controller)) {
+            Some(own) => shared * own.exp(),
+            None => shared,
+        };
+        let damping = get(LnDamping).exp();
+        let limit = find(LnTopSpeed).map(|top_speed| {
+            let motor_damping = damping * get(MotorShare);
+            Limit {
+                up: top_speed.exp() * motor_damping,
+                down_to_up: get(LnDownToUp).exp(),
+                motor_damping,
+            }
+        });
+        let at_rest = find(FrictionAtRest).map(|excess| AtRest {
+            excess,
+            speed: get(LnFrictionSpeed).exp(),
+        });
+        let constant = get(ConstantLoad) * shared;
+        Physics {
+            delay_s: get(Delay),
+            stiffness,
+            damping,
+            gain: get(Gain),
+            offset: get(Offset),
+            limit,
+            dead_band: find(DeadBand),
+            friction: find(Coordinate::Friction).map(|width| Friction {
+                coulomb: width * shared,
+                at_rest,
+            }),
+            load: match self.terms.load {
+                LoadKind::None => Load::None,
+                LoadKind::Constant => Load::Constant(constant),
+                LoadKind::Pendulum | LoadKind::TiltedPendulum => Load::Pendulum {
+                    gravity: get(Gravity) * shared,
+                    from: get(GravityFrom),
+                    radians: self.radians,
+                },
+                LoadKind::Air => Load::Air {
+                    constant,
+                    stiffening: get(AirStiffening) * shared,
+                    from: get(AirFrom),
+                },
+            },
+        }
+    }
+}

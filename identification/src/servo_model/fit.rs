@@ -1,0 +1,260 @@
+//! Parameters by simulation error: Levenberg-Marquardt with derivatives from dual numbers.
+//!
+//! The errors are those of the whole simulation, not of one step ahead, since prediction is what the model is for.
+//! An error beyond a clip counts in proportion to its size (Huber), so that a lost run does not decide.
+
+use super::coordinates::Point;
+use super::simulation::{Grid, simulate};
+use super::stretches::Stretch;
+use crate::numerics::{Dual, backward_solve, cholesky, forward_solve};
+use faer::Mat;
+
+/// What is fitted.
+#[derive(Clone, Copy)]
+pub(super) struct Problem<'a> {
+    pub(super) stretches: &'a [Stretch],
+    pub(super) grid: Grid,
+    /// Blocks that count.
+    pub(super) used: &'a dyn Fn(usize) -> bool,
+    /// Errors beyond this are clipped \[units of the output\].
+    pub(super) clip: f64,
+    /// \[s\].
+    pub(super) longest_delay_s: f64,
+    /// A relative gain below this ends the descent.
+    pub(super) converged: f64,
+}
+
+/// Sums at one point of the search.
+pub(super) struct Sums {
+    /// Sum of the clipped squares of the errors.
+    pub(super) cost: f64,
+    /// J'WJ.
+    pub(super) normal: Mat<f64>,
+    /// J'We.
+    pub(super) gradient: Vec<f64>,
+}
+
+impl Sums {
+    /// The sums over all groups.
+    pub(super) fn total(groups: &[Self]) -> Self {
+        let count = groups[0].gradient.len();
+        Self {
+            cost: groups.iter().map(|sums| sums.cost).sum(),
+            normal: Mat::from_fn(count, count, |i, j| {
+                groups.iter().map(|sums| sums.normal[(i, j)]).sum()
+            }),
+            gradient: (0..count)
+                .map(|i| groups.iter().map(|sums| sums.gradient[i]).sum())
+                .collect(),
+        }
+    }
+
+    /// The sums without those of one group.
+    pub(super) fn without(&self, group: &Self) -> Self {
+        let pairs = self.gradient.iter().zip(&group.gradient);
+        Self {
+            cost: self.cost - group.cost,
+            normal: &self.normal - &group.normal,
+            gradient: pairs.map(|(all, own)| all - own).collect(),
+        }
+    }
+}
+
+impl Problem<'_> {
+    /// Sum of the clipped squares of the errors.
+    pub(super) fn cost(&self, point: &Point) -> f64 {
+        let mut cost = 0.0;
+        self.each_error(point, |_, _, error| cost += clipped_square(error, self.clip));
+        if cost.is_nan() { f64::INFINITY } else { cost }
+    }
+
+    /// Hands stretch, block and error of each sample that counts to `each`.
+    pub(super) fn each_error(&self, point: &Point, mut each: impl FnMut(usize, usize, f64)) {
+        for (s, stretch) in self.stretches.iter().enumerate() {
+            let physics = point.physics(stretch.controller, |_, value| value);
+            simulate(&physics, &self.grid, &stretch.start, &stretch.input, |k, y| {
+                let measured = stretch.output[k];
+                let block = stretch.block(k);
+                if !measured.is_nan() && (self.used)(block) {
+                    each(s, block, measured - y);
+                }
+            });
+        }
+    }
+
+    /// The sums at `point`.
+    pub(super) fn sums(&self, point: &Point) -> Sums {
+        let mut all = self.sums_by(point, 1, &|_| 0);
+        all.swap_remove(0)
+    }
+
+    /// The sums at `point` for each of `groups` groups of blocks, in numbers that carry as many derivatives as it has
+    /// coordinates.
+    pub(super) fn sums_by(
+        &self,
+        point: &Point,
+        groups: usize,
+        group_of: &dyn Fn(usize) -> usize,
+    ) -> Vec<Sums> {
+        match point.values.len() {
+            0..=8 => self.sums_of::<8>(point, groups, group_of),
+            9..=12 => self.sums_of::<12>(point, groups, group_of),
+            13..=16 => self.sums_of::<16>(point, groups, group_of),
+            _ => self.sums_of::<MOST>(point, groups, group_of),
+        }
+    }
+
+    fn sums_of<const W: usize>(
+        &self,
+        point: &Point,
+        groups: usize,
+        group_of: &dyn Fn(usize) -> usize,
+    ) -> Vec<Sums> {
+        let count = point.values.len();
+        let mut normal = vec![[[0.0; W]; W]; groups];
+        let mut gradient = vec![[0.0; W]; groups];
+        let mut cost = vec![0.0; groups];
+        self.each_slope::<W>(point, |s, k, error, slope| {
+            let group = group_of(self.stretches[s].block(k));
+            let weight = huber_weight(error, self.clip);
+            cost[group] += clipped_square(error, self.clip);
+            let (normal, gradient) = (&mut normal[group], &mut gradient[group]);
+            for i in 0..W {
+                let weighted = weight * slope[i];
+                gradient[i] += weighted * error;
+                for j in 0..W {
+                    normal[i][j] += weighted * slope[j];
+                }
+            }
+        });
+        let sums = |group: usize| Sums {
+            cost: cost[group],
+            normal: Mat::from_fn(count, count, |i, j| normal[group][i][j]),
+            gradient: gradient[group][..count].to_vec(),
+        };
+        (0..groups).map(sums).collect()
+    }
+
+    /// Hands stretch, sample, error and the derivatives of the output to `each`.
+    pub(super) fn each_slope<const W: usize>(
+        &self,
+        point: &Point,
+        mut each: impl FnMut(usize, usize, f64, &[f64; W]),
+    ) {
+        for (s, stretch) in self.stretches.iter().enumerate() {
+            let physics = point.physics(stretch.controller, |i, value| Dual::<W>::variable(value, i));
+            let start = stretch.start.lifted();
+            simulate(&physics, &self.grid, &start, &stretch.input, |k, y| {
+                let measured = stretch.output[k];
+                if !measured.is_nan() && (self.used)(stretch.block(k)) {
+                    each(s, k, measured - y.value, &y.slope);
+                }
+            });
+        }
+    }
+
+    /// Moves `point` downhill, `iterations` times at the most. Returns its cost.
+    pub(super) fn descend(&self, point: &mut Point, iterations: usize) -> f64 {
+        let mut cost = f64::INFINITY;
+        let mut damping = 1e-2;
+        for _ in 0..iterations {
+            let sums = self.sums(point);
+            cost = if sums.cost.is_nan() { f64::INFINITY } else { sums.cost };
+            let Some((next, lower)) = self.step(point, &sums, cost, &mut damping) else {
+                break;
+            };
+            let gained = cost - lower;
+            (*point, cost) = (next, lower);
+            if gained < self.converged * cost {
+                break;
+            }
+        }
+        cost
+    }
+
+    /// The minimum of the quadratic that `sums` is, from `point`.
+    pub(super) fn newton_step(&self, point: &Point, sums: &Sums) -> Option<Point> {
+        let free = self.free(point, &sums.gradient);
+        solve(sums, &free, NEWTON_DAMPING).map(|step| self.moved(point, &free, &step))
+    }
+
+    /// The next point, and its cost, if one is lower.
+    fn step(&self, point: &Point, sums: &Sums, cost: f64, damping: &mut f64) -> Option<(Point, f64)> {
+        let free = self.free(point, &sums.gradient);
+        for _ in 0..ATTEMPTS {
+            let moved = solve(sums, &free, *damping).map(|step| self.moved(point, &free, &step));
+            if let Some(next) = moved {
+                let lower = self.cost(&next);
+                if lower < cost {
+                    *damping = (*damping * 0.2).max(1e-10);
+                    return Some((next, lower));
+                }
+            }
+            *damping *= 5.0;
+        }
+        None
+    }
+
+    /// Coordinates that the gradient does not push beyond their range.
+    fn free(&self, point: &Point, gradient: &[f64]) -> Vec<usize> {
+        let inside = |i: &usize| {
+            let (low, high) = point.coordinates[*i].range(self.longest_delay_s);
+            let (value, downhill) = (point.values[*i], gradient[*i]);
+            !(value <= low && downhill < 0.0 || value >= high && downhill > 0.0)
+        };
+        (0..point.values.len()).filter(inside).collect()
+    }
+
+    fn moved(&self, point: &Point, free: &[usize], step: &[f64]) -> Point {
+        let mut next = point.clone();
+        for (&i, change) in free.iter().zip(step) {
+            let coordinate = point.coordinates[i];
+            let change = match coordinate.is_logarithm() {
+                true => change.clamp(-1.0, 1.0),
+                false => *change,
+            };
+            let (low, high) = coordinate.range(self.longest_delay_s);
+            next.values[i] = (next.values[i] + change).clamp(low, high);
+        }
+        next
+    }
+}
+
+/// Coordinates that a servo has at the most, those of further controllers among them.
+pub(super) const MOST: usize = 28;
+
+/// Keeps a single step from following directions that hardly matter.
+const NEWTON_DAMPING: f64 = 1e-3;
+
+/// Dampings that are tried for one step.
+const ATTEMPTS: usize = 8;
+
+/// Solves (J'WJ + damping) step = J'We for the free coordinates.
+fn solve(sums: &Sums, free: &[usize], damping: f64) -> Option<Vec<f64>> {
+    let largest = free.iter().map(|&i| sums.normal[(i, i)]).fold(0.0, f64::max);
+    let normal = Mat::from_fn(free.len(), free.len(), |i, j| {
+        let entry = sums.normal[(free[i], free[j])];
+        match i == j {
+            true => entry * (1.0 + damping) + 1e-14 * largest,
+            false => entry,
+        }
+    });
+    let gradient: Vec<f64> = free.iter().map(|&i| sums.gradient[i]).collect();
+    let lower = cholesky(&normal)?;
+    Some(backward_solve(&lower, &forward_solve(&lower, &gradient)))
+}
+
+/// The square of an error, beyond the clip in proportion to its size.
+pub(super) fn clipped_square(error: f64, clip: f64) -> f64 {
+    let size = error.abs();
+    if size < clip {
+        size * size
+    } else {
+        2.0 * clip * size - clip * clip
+    }
+}
+
+fn huber_weight(error: f64, clip: f64) -> f64 {
+    let size = error.abs();
+    if size < clip { 1.0 } else { clip / size }
+}

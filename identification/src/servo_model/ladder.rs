@@ -1,0 +1,280 @@
+//! Which terms the servo has: those that predict parts of the record that the fit has not seen.
+//!
+//! The blocks of the record are dealt to a few folds. A servo is fitted without one fold and predicts it, for each fold
+//! in turn; its errors in the blocks that it has not seen are compared, block by block, with those of another. A
+//! term is taken out where its advantage is not larger than its scatter over the blocks.
+
+use super::coordinates::{Coordinate, LoadKind, Point, Terms};
+use super::fit::{Problem, Sums, clipped_square};
+use super::search::{Shown, search};
+use super::simulation::Grid;
+use super::start::find_starts;
+use super::stretches::{FOLDS, Stretch};
+use crate::thresholds::SERVO_TERM_ADVANTAGE;
+
+/// Steps of a descent from the servo with one term fewer.
+const STEPS: usize = 25;
+
+/// Share of the held-out errors that a term must take away for another one to be tried after it.
+const WORTH_ANOTHER: f64 = 0.01;
+
+/// A servo with certain terms, and how it predicts what it has not seen.
+#[derive(Clone, Debug)]
+pub(super) struct Rung {
+    pub(super) terms: Terms,
+    /// Fitted to the whole record.
+    pub(super) fit: Point,
+    /// The cost of that fit.
+    pub(super) cost: f64,
+    /// Clipped sum of squared errors in each block, by the fit that has not seen it.
+    pub(super) held_out: Vec<f64>,
+}
+
+impl Rung {
+    pub(super) fn total(&self) -> f64 {
+        self.held_out.iter().sum()
+    }
+
+    /// Whether `self` predicts better than `other` by more than the scatter of its advantage. The advantage in a block is
+    /// the logarithm of the ratio of the errors, so that no block decides by its size.
+    fn beats(&self, other: &Self) -> bool {
+        let advantage = |(mine, theirs): (&f64, &f64)| (theirs / mine).ln();
+        let blocks = self.held_out.iter().zip(&other.held_out);
+        let gains: Vec<f64> = blocks.map(advantage).filter(|gain| gain.is_finite()).collect();
+        let count = gains.len() as f64;
+        let mean = gains.iter().sum::<f64>() / count;
+        let squares: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
+        let scatter = (squares / (count - 1.0) / count).sqrt();
+        self.total() < other.total() && mean > SERVO_TERM_ADVANTAGE * scatter
+    }
+}
+
+/// The choice among terms.
+pub(super) struct Ladder<'a> {
+    pub(super) stretches: &'a mut Vec<Stretch>,
+    /// The fold that each block belongs to.
+    pub(super) fold_of: &'a [usize],
+    pub(super) grid: Grid,
+    /// A coarser one for the search from far away.
+    pub(super) search_grid: Grid,
+    pub(super) shown: Shown,
+    pub(super) clip: f64,
+    pub(super) longest_delay_s: f64,
+    pub(super) controllers: usize,
+    pub(super) radians: f64,
+    /// Every rung that was tried, in order.
+    pub(super) tried: Vec<Rung>,
+}
+
+impl Ladder<'_> {
+    /// Climbs: returns the index of the chosen rung among those tried.
+    pub(super) fn climb(&mut self) -> usize {
+        let linear = self.searched(Terms::default());
+        let limited = Terms { limit: true, ..Terms::default() };
+        // A limit by itself predicts little where strokes up and down differ, so its companions are tried with it.
+        let two_speeds = self.searched(Terms { two_speeds: true, ..limited });
+        let mut best = two_speeds;
+        for companion in [
+            limited,
+            Terms { friction: true, ..limited },
+            Terms { load: LoadKind::Constant, ..limited },
+            Terms { load: LoadKind::Pendulum, ..limited },
+            Terms { load: LoadKind::TiltedPendulum, ..limited },
+            Terms { load: LoadKind::Air, ..limited },
+        ] {
+            let rung = self.extended(two_speeds, companion);
+            best = self.better(best, rung);
+        }
+        best = self.add_terms(best);
+        best = self.drop_terms(best);
+        if self.tried[best].beats(&self.tried[linear]) { best } else { linear }
+    }
+
+    /// Adds the term that helps most, as long as one helps: with or without significance, because some help only
+    /// together.
+    fn add_terms(&mut self, mut best: usize) -> usize {
+        loop {
+            self.try_other_delays(best);
+            let before = self.tried[best].total();
+            let from = best;
+            for terms in richer(self.tried[from].terms) {
+                let rung = self.extended(from, terms);
+                best = self.better(best, rung);
+            }
+            if self.tried[best].total() > (1.0 - WORTH_ANOTHER) * before {
+                return best;
+            }
+        }
+    }
+
+    /// Takes out terms that prediction does not miss, the least missed first: the result is the poorest servo that the
+    /// best one does not beat.
+    fn drop_terms(&mut self, best: usize) -> usize {
+        let mut kept = best;
+        loop {
+            let mut least = None;
+            for terms in poorer(self.tried[kept].terms) {
+                let rung = self.extended(kept, terms);
+                least = Some(least.map_or(rung, |other| self.better(other, rung)));
+            }
+            match least {
+                Some(poorer) if !self.tried[best].beats(&self.tried[poorer]) => kept = poorer,
+                _ => return kept,
+            }
+        }
+    }
+
+    fn better(&self, a: usize, b: usize) -> usize {
+        if self.tried[b].total() < self.tried[a].total() { b } else { a }
+    }
+
+    /// Descends again from shorter and longer delays: a delay in place of a slow drive is the commonest poor minimum.
+    fn try_other_delays(&mut self, rung: usize) {
+        let Rung { terms, ref fit, mut cost, .. } = self.tried[rung];
+        let mut best = fit.clone();
+        for (factor, more_s) in [(0.5, 0.0), (0.75, 0.0), (1.25, 0.003), (1.5, 0.006)] {
+            let mut from = self.tried[rung].fit.clone();
+            let delay_s = from.get(Coordinate::Delay).unwrap_or(0.0);
+            from.set(Coordinate::Delay, (factor * delay_s + more_s).min(self.longest_delay_s));
+            let (other_cost, other) = self.fit(terms, &from);
+            if other_cost < cost {
+                (cost, best) = (other_cost, other);
+            }
+        }
+        self.tried[rung] = self.rung(terms, (cost, best));
+    }
+
+    /// A rung found from the grid.
+    fn searched(&mut self, terms: Terms) -> usize {
+        let all = |_: usize| true;
+        let problem = Problem { grid: self.search_grid, ..self.problem(&all) };
+        let from = search(&problem, &self.shown, terms, self.controllers, self.radians);
+        find_starts(self.stretches, &from, &self.grid);
+        self.add(terms, &from)
+    }
+
+    /// A rung found from another one.
+    fn extended(&mut self, from: usize, terms: Terms) -> usize {
+        if let Some(known) = self.tried.iter().position(|rung| rung.terms == terms) {
+            return known;
+        }
+        let from = self.tried[from].fit.clone();
+        self.add(terms, &from)
+    }
+
+    fn add(&mut self, terms: Terms, from: &Point) -> usize {
+        let fit = self.fit(terms, from);
+        self.tried.push(self.rung(terms, fit));
+        self.tried.len() - 1
+    }
+
+    /// The best fit to the whole record, and its cost.
+    fn fit(&self, terms: Terms, from: &Point) -> (f64, Point) {
+        let all = |_: usize| true;
+        let problem = self.problem(&all);
+        let starts = self.variants(from, terms).into_iter();
+        let fits = starts.map(|mut point| (problem.descend(&mut point, STEPS), point));
+        let best = fits.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.expect("there is a variant")
+    }
+
+    /// The fits without a fold are one Gauss-Newton step from the fit to the whole record, which is near.
+    fn rung(&self, terms: Terms, (cost, fit): (f64, Point)) -> Rung {
+        let all = |_: usize| true;
+        let problem = self.problem(&all);
+        let by_fold = problem.sums_by(&fit, FOLDS, &|block| self.fold_of[block]);
+        let total = Sums::total(&by_fold);
+        let mut held_out = vec![0.0; self.fold_of.len()];
+        for (fold, own) in by_fold.iter().enumerate() {
+            let rest = total.without(own);
+            let stepped = problem.newton_step(&fit, &rest).map(|point| self.by_block(&point));
+            let seen = |costs: &[f64]| -> f64 {
+                let blocks = costs.iter().zip(self.fold_of);
+                blocks.filter(|(_, of)| **of != fold).map(|(cost, _)| cost).sum()
+            };
+            // A step that leads uphill is not taken.
+            let costs = stepped
+                .filter(|costs| seen(costs) <= rest.cost)
+                .unwrap_or_else(|| self.by_block(&fit));
+            for (block, cost) in costs.iter().enumerate().filter(|(block, _)| self.fold_of[*block] == fold) {
+                held_out[block] = *cost;
+            }
+        }
+        Rung { terms, fit, cost, held_out }
+    }
+
+    /// Clipped sum of squared errors in each block.
+    fn by_block(&self, point: &Point) -> Vec<f64> {
+        let all = |_: usize| true;
+        let mut costs = vec![0.0; self.fold_of.len()];
+        self.problem(&all).each_error(point, |_, block, error| {
+            let square = clipped_square(error, self.clip);
+            costs[block] += if square.is_nan() { f64::INFINITY } else { square };
+        });
+        costs
+    }
+
+    /// The servo `from` with other terms. Those with more than one valley are tried from more than one side.
+    fn variants(&self, from: &Point, terms: Terms) -> Vec<Point> {
+        let fresh = |at: Coordinate| self.shown.fresh(at, self.radians);
+        let plain = from.with_terms(terms, self.controllers, fresh);
+        let varied = |coordinate: Coordinate, value: f64| {
+            let mut point = plain.clone();
+            point.set(coordinate, value);
+            point
+        };
+        if from.terms.load == terms.load {
+            return vec![plain];
+        }
+        match terms.load {
+            LoadKind::None | LoadKind::Constant | LoadKind::Pendulum => vec![plain],
+            LoadKind::TiltedPendulum => {
+                let level = std::f64::consts::FRAC_PI_2 / self.radians;
+                vec![varied(Coordinate::GravityFrom, level), plain]
+            }
+            LoadKind::Air => {
+                let mut below = varied(
+                    Coordinate::AirStiffening,
+                    -fresh(Coordinate::AirStiffening),
+                );
+                below.set(Coordinate::AirFrom, self.shown.middle + 0.5 * self.shown.spread);
+                vec![plain, below]
+            }
+        }
+    }
+
+    fn problem<'b>(&'b self, used: &'b dyn Fn(usize) -> bool) -> Problem<'b> {
+        Problem {
+            stretches: self.stretches,
+            grid: self.grid,
+            used,
+            clip: self.clip,
+            longest_delay_s: self.longest_delay_s,
+            converged: 1e-5,
+        }
+    }
+}
+
+/// The same terms and one more, or another load.
+fn richer(terms: Terms) -> Vec<Terms> {
+    let simpler = terms.load.simpler();
+    let more_load = |load: &LoadKind| !simpler.contains(load) && *load != terms.load;
+    let with = [
+        (!terms.two_speeds, Terms { two_speeds: true, ..terms }),
+        (!terms.dead_band, Terms { dead_band: true, ..terms }),
+        (!terms.friction, Terms { friction: true, ..terms }),
+    ];
+    let with = with.into_iter().filter(|(possible, _)| *possible).map(|(_, terms)| terms);
+    with.chain(LoadKind::BY_COORDINATES.into_iter().filter(more_load).map(|load| Terms { load, ..terms })).collect()
+}
+
+/// The same terms and one fewer, or a simpler load.
+fn poorer(terms: Terms) -> Vec<Terms> {
+    let without = [
+        (terms.two_speeds, Terms { two_speeds: false, ..terms }),
+        (terms.dead_band, Terms { dead_band: false, ..terms }),
+        (terms.friction, Terms { friction: false, ..terms }),
+    ];
+    let without = without.into_iter().filter(|(possible, _)| *possible).map(|(_, terms)| terms);
+    without.chain(terms.load.simpler().iter().map(|&load| Terms { load, ..terms })).collect()
+}

@@ -1,0 +1,158 @@
+//! Where the descent begins: values that the record shows, and a coarse grid of those that it does not.
+//!
+//! The surface has poor minima, such as a long delay in place of a slow drive. From a few dozen points of a coarse grid,
+//! with a few steps each, the good valley is found.
+
+use super::coordinates::{Coordinate, Point, Terms};
+use super::fit::Problem;
+use super::stretches::Stretch;
+
+/// Descents that are continued after the grid.
+const CONTINUED: usize = 3;
+
+/// Steps of each descent on the grid, and of those that are continued.
+const STEPS: (usize, usize) = (6, 25);
+
+/// Time over which a stroke's speed is measured \[s\].
+const STROKE_S: f64 = 0.04;
+
+/// What a record shows before any fit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shown {
+    /// Standard deviation of the output.
+    pub(super) output_sd: f64,
+    /// The same in units of the command.
+    pub(super) spread: f64,
+    /// Mean of the output, in units of the command.
+    pub(super) middle: f64,
+    /// Output for each unit of the command, with its sign.
+    gain: f64,
+    /// Output at command 0.
+    offset: f64,
+    /// Speed of the steepest strokes \[units of the command for each second\].
+    pub(super) top_speed: f64,
+    /// Sample period \[s\].
+    period_s: f64,
+}
+
+impl Shown {
+    pub(super) fn by(stretches: &[Stretch], period_s: f64) -> Self {
+        let pairs = || stretches.iter().flat_map(|s| s.input.iter().zip(&s.output)).filter(|(_, y)| !y.is_nan());
+        let count = pairs().count() as f64;
+        let mean = |of: &dyn Fn((&f64, &f64)) -> f64| pairs().map(of).sum::<f64>() / count;
+        let (u, y) = (mean(&|(u, _)| *u), mean(&|(_, y)| *y));
+        let output_sd = mean(&|(_, b)| (b - y).powi(2)).sqrt();
+        let gain = strongest_slope(stretches, u, y);
+        let lag = ((STROKE_S / period_s).ceil() as usize).max(1);
+        let stroke = |y: &[f64]| (y[lag] - y[0]).abs() / (lag as f64 * period_s);
+        let windows = stretches.iter().flat_map(|s| s.output.windows(lag + 1));
+        let mut speeds: Vec<f64> = windows.map(stroke).filter(|v| v.is_finite()).collect();
+        speeds.sort_by(f64::total_cmp);
+        // One in 200: the fastest of all may be a glitch.
+        let fastest = speeds.get(speeds.len().saturating_sub(1 + speeds.len() / 200));
+        let speed = fastest.copied().filter(|v| *v > 0.0).unwrap_or(output_sd / period_s);
+        Self {
+            output_sd,
+            spread: output_sd / gain.abs(),
+            middle: u,
+            gain,
+            offset: y - gain * u,
+            top_speed: speed / gain.abs(),
+            period_s,
+        }
+    }
+
+    /// A value for a coordinate that a servo did not have before.
+    pub(super) fn fresh(&self, coordinate: Coordinate, radians: f64) -> f64 {
+        match coordinate {
+            Coordinate::DeadBand => 0.005 * self.spread,
+            Coordinate::Friction => 0.01 * self.spread,
+            Coordinate::FrictionAtRest => 0.3,
+            Coordinate::LnFrictionSpeed => (0.05 * self.top_speed).ln(),
+            Coordinate::LnTopSpeed => self.top_speed.ln(),
+            Coordinate::MotorShare => 0.5,
+            Coordinate::Gravity => 0.01 * self.spread / (self.spread * radians).min(1.0).sin(),
+            Coordinate::AirStiffening => 0.01 / self.spread,
+            Coordinate::AirFrom => self.middle - 0.5 * self.spread,
+            _ => 0.0,
+        }
+    }
+
+    /// A linear servo of the bandwidth `bandwidth` (rad/s).
+    fn servo(&self, terms: Terms, controllers: usize, bandwidth: f64, delay_s: f64, radians: f64) -> Point {
+        let coordinates = terms.coordinates(controllers);
+        let value = |at: &Coordinate| match at {
+            Coordinate::Delay => delay_s,
+            Coordinate::LnStiffness => 2.0 * bandwidth.ln(),
+            Coordinate::LnDamping => (1.5 * bandwidth).ln(),
+            Coordinate::Gain => self.gain,
+            Coordinate::Offset => self.offset,
+            other => self.fresh(*other, radians),
+        };
+        Point {
+            terms,
+            values: coordinates.iter().map(value).collect(),
+            coordinates,
+            radians,
+        }
+    }
+}
+
+/// The slope of the output over the input, at the lag at which it explains most.
+fn strongest_slope(stretches: &[Stretch], mean_u: f64, mean_y: f64) -> f64 {
+    let mut best = (0.0, 1.0);
+    // Lags of 1, 2, 4, .. samples: the command leads by the delay and about a rise time.
+    for lag in (0..10).map(|power| (1usize << power) - 1) {
+        let (mut product, mut inputs, mut outputs) = (0.0, 0.0, 0.0);
+        for stretch in stretches.iter().filter(|s| s.input.len() > lag) {
+            let pairs = stretch.input.iter().zip(&stretch.output[lag..]);
+            for (u, y) in pairs.filter(|(_, y)| !y.is_nan()) {
+                product += (u - mean_u) * (y - mean_y);
+                inputs += (u - mean_u).powi(2);
+                outputs += (y - mean_y).powi(2);
+            }
+        }
+        let explained = product * product / (inputs * outputs);
+        if explained > best.0 {
+            best = (explained, product / inputs);
+        }
+    }
+    best.1
+}
+
+/// The best servo with these terms that is found from the grid. `terms` has no more than a limit and two speeds.
+pub(super) fn search(problem: &Problem<'_>, shown: &Shown, terms: Terms, controllers: usize, radians: f64) -> Point {
+    let mut found: Vec<(f64, Point)> = grid(shown, terms, controllers, radians)
+        .into_iter()
+        .map(|mut point| (problem.descend(&mut point, STEPS.0), point))
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.truncate(CONTINUED);
+    for (cost, point) in &mut found {
+        *cost = problem.descend(point, STEPS.1);
+    }
+    let best = found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    best.expect("the grid has points").1
+}
+
+/// Bandwidths from slow to fast, short and long delays, and for a limited drive the top speed below and above the
+/// steepest stroke, with more or less of the damping in the motor.
+fn grid(shown: &Shown, terms: Terms, controllers: usize, radians: f64) -> Vec<Point> {
+    let mut points = Vec::new();
+    for bandwidth in [2.0, 6.0, 16.0, 40.0, 90.0] {
+        for delay_s in [0.5 * shown.period_s, 0.03] {
+            let servo = shown.servo(terms, controllers, bandwidth, delay_s, radians);
+            if !terms.limit {
+                points.push(servo);
+                continue;
+            }
+            for (factor, share) in [(0.6, 0.9), (1.2, 0.3), (1.2, 0.9)] {
+                let mut limited = servo.clone();
+                limited.set(Coordinate::LnTopSpeed, (factor * shown.top_speed).ln());
+                limited.set(Coordinate::MotorShare, share);
+                points.push(limited);
+            }
+        }
+    }
+    points
+}

@@ -1,0 +1,107 @@
+//! The motion of the servo under a sampled command.
+
+use super::physics::{Physics, State, Stepper};
+use crate::numerics::Scalar;
+
+/// When the output is sampled, and how finely the motion between samples is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grid {
+    /// Sample period \[s\].
+    pub(super) period_s: f64,
+    /// Time from the edge of the input to the sample of the output that belongs to it \[s\].
+    pub(super) phase_s: f64,
+    /// Steps of the integration in a sample period.
+    pub(super) steps: usize,
+}
+
+impl Grid {
+    /// A grid with steps of at most `longest_step_s`.
+    pub(super) fn new(period_s: f64, phase_s: f64, longest_step_s: f64) -> Self {
+        // A period that is a whole number of steps but for rounding does not get one more.
+        let steps = (period_s / longest_step_s - 1e-9).ceil().max(1.0) as usize;
+        Self {
+            period_s,
+            phase_s,
+            steps,
+        }
+    }
+}
+
+/// The state of the servo at its first sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Start<S> {
+    /// The output.
+    pub(super) output: S,
+    /// Its rate of change (1/s).
+    pub(super) rate: S,
+    /// The command before the first sample; `None` for the one that holds the servo where it is.
+    pub(super) command_before: Option<S>,
+}
+
+impl Start<f64> {
+    /// At rest at `output`, under the command `command_before`.
+    pub(super) fn at_rest(output: f64, command_before: Option<f64>) -> Self {
+        Self {
+            output,
+            rate: 0.0,
+            command_before,
+        }
+    }
+
+    /// The same without derivatives.
+    pub(super) fn lifted<S: Scalar>(&self) -> Start<S> {
+        Start {
+            output: S::constant(self.output),
+            rate: S::constant(self.rate),
+            command_before: self.command_before.map(S::constant),
+        }
+    }
+}
+
+/// Simulates the output under `input`, and hands each of its samples to `each`.
+///
+/// The input is held between samples. A step of the integration ends where the delayed input changes, so the output
+/// is a smooth function of the delay, also where the drive is full at once.
+pub(super) fn simulate<S: Scalar>(
+    physics: &Physics<S>,
+    grid: &Grid,
+    start: &Start<S>,
+    input: &[f64],
+    mut each: impl FnMut(usize, S),
+) {
+    let step_s = grid.period_s / grid.steps as f64;
+    let stepper = Stepper::new(physics, S::constant(step_s));
+    let per_output = S::constant(1.0) / physics.gain;
+    let mut state = State {
+        angle: (start.output - physics.offset) * per_output,
+        speed: start.rate * per_output,
+    };
+    let before = start
+        .command_before
+        .unwrap_or_else(|| physics.holding_command(state.angle));
+    let sample = |k: f64| {
+        if k < 0.0 {
+            before
+        } else {
+            S::constant(input[(k as usize).min(input.len() - 1)])
+        }
+    };
+    let delay_s = physics.delay_s - S::constant(grid.phase_s);
+    for k in 0..input.len() {
+        each(k, state.angle * physics.gain + physics.offset);
+        for step in 0..grid.steps {
+            let at_s = k as f64 * grid.period_s + step as f64 * step_s;
+            let from = (at_s - delay_s.value()) / grid.period_s;
+            let (old, new) = (from.floor(), (from + step_s / grid.period_s).floor());
+            if old == new {
+                stepper.advance(&mut state, sample(new));
+                continue;
+            }
+            // The delayed edge falls into this step: its time is a variable like the others.
+            let until_edge_s = delay_s + S::constant(new * grid.period_s - at_s);
+            let after_edge_s = S::constant(step_s) - until_edge_s;
+            Stepper::new(physics, until_edge_s).advance(&mut state, sample(new - 1.0));
+            Stepper::new(physics, after_edge_s).advance(&mut state, sample(new));
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! The state in which a stretch begins.
+//!
+//! Most runs begin at rest, and their first output is all that is needed. A stretch that begins in motion has a
+//! speed, and a command that was given before its first sample and still acts during the delay. Both are found from its
+//! first samples, for given parameters of the servo.
+
+use super::coordinates::Point;
+use super::simulation::{Grid, Start, simulate};
+use super::stretches::Stretch;
+use crate::numerics::{Dual, Scalar, backward_solve, cholesky, forward_solve};
+use faer::Mat;
+
+/// Time in which the motion must show itself \[s\]: shorter than the delay of any R/C servo, whose answer to the first
+/// commands of the stretch must not pass for a motion before them.
+const LEAD_S: f64 = 0.01;
+
+/// Standard deviations of the noise that count as motion.
+const MOTION: f64 = 4.0;
+
+/// Samples from which a start is found, at the most.
+const WINDOW: usize = 200;
+
+/// Finds the start of every stretch anew for the servo `point`.
+pub(super) fn find_starts(stretches: &mut [Stretch], point: &Point, grid: &Grid) {
+    for stretch in stretches {
+        if stretch.at_rest.is_none() && in_motion(stretch, grid.period_s) {
+            stretch.start = in_motion_start(stretch, point, grid);
+        }
+    }
+}
+
+/// Whether the first samples rise or fall by more than their noise.
+fn in_motion(stretch: &Stretch, period_s: f64) -> bool {
+    let lead = ((LEAD_S / period_s).round() as usize).max(2);
+    let Some(first) = stretch.output.get(..lead) else {
+        return false;
+    };
+    let noise = noise_sd(&stretch.output);
+    let middle = (lead - 1) as f64 / 2.0;
+    let (mut moments, mut squares) = (0.0, 0.0);
+    for (k, y) in first.iter().enumerate().filter(|(_, y)| !y.is_nan()) {
+        let from_middle = k as f64 - middle;
+        moments += from_middle * y;
+        squares += from_middle * from_middle;
+    }
+    // The rise over the lead, and the standard deviation of the slope times the lead.
+    squares > 0.0 && (moments / squares).abs() * lead as f64 > MOTION * noise * (lead as f64 / squares.sqrt()).max(1.0)
+}
+
+/// Standard deviation of what changes from sample to sample without a trend, from third differences: robust against
+/// strokes, whose share of the samples is small.
+fn noise_sd(output: &[f64]) -> f64 {
+    let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
+    let mut differences: Vec<f64> = output.windows(4).map(third).filter(|d| !d.is_nan()).collect();
+    if differences.is_empty() {
+        return 0.0;
+    }
+    differences.sort_by(f64::total_cmp);
+    // The median of |x| is 0.6745 sd; a third difference of white noise has sqrt(20) times its sd.
+    differences[differences.len() / 2] / 0.6745 / 20f64.sqrt()
+}
+
+/// The start that lets the servo follow the first samples best (Gauss-Newton from two guesses of the command before).
+fn in_motion_start(stretch: &Stretch, point: &Point, grid: &Grid) -> Start<f64> {
+    let physics = point.physics(stretch.controller, |_, value| value);
+    let time_constant_s = physics.stiffness.sqrt().recip().max(1.0 / physics.damping);
+    let samples = ((physics.delay_s + 5.0 * time_constant_s) / grid.period_s) as usize;
+    let window = samples.clamp(6, WINDOW).min(stretch.input.len());
+    let rate = (stretch.output[1] - stretch.output[0]) / grid.period_s;
+    let rate = if rate.is_nan() { 0.0 } else { rate };
+    let angle = (stretch.output[0] - physics.offset) / physics.gain;
+    let fits = [stretch.input[0], physics.holding_command(angle)].map(|command_before| {
+        let mut start = [stretch.output[0], rate, command_before];
+        let mut cost = f64::INFINITY;
+        for _ in 0..8 {
+            let (at, step) = gauss_newton(stretch, point, grid, window, start);
+            if !(at < cost) {
+                break;
+            }
+            cost = at;
+            let Some(step) = step else { break };
+            for (value, change) in start.iter_mut().zip(step) {
+                *value += change;
+            }
+        }
+        (cost, start)
+    });
+    let best = if fits[1].0 < fits[0].0 { fits[1].1 } else { fits[0].1 };
+    if best.iter().all(|value| value.is_finite()) {
+        Start {
+            output: best[0],
+            rate: best[1],
+            command_before: Some(best[2]),
+        }
+    } else {
+        Start::at_rest(stretch.output[0], None)
+    }
+}
+
+/// Sum of squared errors over the window, and the step that lowers it.
+fn gauss_newton(
+    stretch: &Stretch,
+    point: &Point,
+    grid: &Grid,
+    window: usize,
+    start: [f64; 3],
+) -> (f64, Option<Vec<f64>>) {
+    let physics = point.physics(stretch.controller, |_, value| Dual::<3>::constant(value));
+    let [output, rate, command] = [0, 1, 2].map(|i| Dual::<3>::variable(start[i], i));
+    let start = Start {
+        output,
+        rate,
+        command_before: Some(command),
+    };
+    let mut normal = Mat::<f64>::zeros(3, 3);
+    let (mut gradient, mut cost) = (vec![0.0; 3], 0.0);
+    simulate(&physics, grid, &start, &stretch.input[..window], |k, y| {
+        let error = stretch.output[k] - y.value;
+        if error.is_nan() {
+            return;
+        }
+        cost += error * error;
+        for i in 0..3 {
+            gradient[i] += y.slope[i] * error;
+            for j in 0..3 {
+                normal[(i, j)] += y.slope[i] * y.slope[j];
+            }
+        }
+    });
+    for i in 0..3 {
+        // What the window does not show stays where it is.
+        normal[(i, i)] = normal[(i, i)] * 1.001 + 1e-9;
+    }
+    let step = cholesky(&normal).map(|lower| backward_solve(&lower, &forward_solve(&lower, &gradient)));
+    (cost, step)
+}

@@ -1,0 +1,193 @@
+//! How sure the estimate is.
+//!
+//! The errors of the simulation are taken as autoregressive noise. The estimate is that of least squares, so its
+//! covariance is H⁻¹ M H⁻¹ with H = J'J and M the covariance of J'e, where J are the derivatives of the outputs.
+//! M follows from the noise model; and from the products J'e of the blocks, which allow for noise that changes
+//! with the motion (P. J. Huber 1967; a sandwich by blocks). The larger of the two holds in every direction.
+
+use super::coordinates::Point;
+use super::fit::{MOST, Problem};
+use crate::estimation::{NoiseFit, best_order, noise_filter};
+use crate::numerics::{cholesky, inverse_of_square};
+use faer::{Mat, Side};
+
+/// Highest order of the noise model.
+const HIGHEST_ORDER: usize = 20;
+
+/// A coordinate whose slopes are below this share of what they would be at the scale of the output is not seen in it.
+const UNSEEN: f64 = 1e-9;
+
+/// The uncertainty of a fit.
+pub(super) struct Uncertainty {
+    /// Covariance of the coordinates; 0 for those that the record does not show.
+    pub(super) covariance: Mat<f64>,
+    /// Whether the record shows each coordinate.
+    pub(super) seen: Vec<bool>,
+    /// d_1..d_d of the noise.
+    pub(super) ar: Vec<f64>,
+    /// Standard deviation of the white noise behind it.
+    pub(super) sigma: f64,
+    /// Errors of the simulation, by stretch, NaN where missing.
+    pub(super) errors: Vec<Vec<f64>>,
+}
+
+/// One sample: its error and derivatives.
+#[derive(Clone)]
+struct Row {
+    error: f64,
+    slope: [f64; MOST],
+}
+
+/// The uncertainty of `point`.
+pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -> Uncertainty {
+    let missing = Row {
+        error: f64::NAN,
+        slope: [0.0; MOST],
+    };
+    let empty = |stretch: &super::stretches::Stretch| vec![missing.clone(); stretch.input.len()];
+    let mut rows: Vec<Vec<Row>> = problem.stretches.iter().map(empty).collect();
+    problem.each_slope::<MOST>(point, |s, k, error, slope| {
+        rows[s][k] = Row {
+            error,
+            slope: *slope,
+        };
+    });
+    let error = |row: &Row| row.error;
+    let errors: Vec<Vec<f64>> = rows.iter().map(|s| s.iter().map(error).collect()).collect();
+    let (ar, sigma) = noise(&errors);
+    let known = rows.iter().flatten().filter(|row| !row.error.is_nan());
+    let normal = sum_of_products(point.values.len(), known.map(|row| &row.slope));
+    let seen = seen(&normal);
+    let kept: Vec<usize> = (0..seen.len()).filter(|&i| seen[i]).collect();
+    let part = |whole: &Mat<f64>| Mat::from_fn(kept.len(), kept.len(), |i, j| whole[(kept[i], kept[j])]);
+    let modelled = by_noise_model(&rows, &ar, sigma, point.values.len());
+    let blockwise = by_blocks(problem, &rows, blocks, point.values.len());
+    let middle = larger(&part(&modelled), &part(&blockwise));
+    let mut covariance = Mat::zeros(seen.len(), seen.len());
+    if let Some(lower) = cholesky(&part(&normal)) {
+        let inverse = inverse_of_square(&lower);
+        let of_kept = &inverse * middle * &inverse;
+        for (a, &i) in kept.iter().enumerate() {
+            for (b, &j) in kept.iter().enumerate() {
+                covariance[(i, j)] = of_kept[(a, b)];
+            }
+        }
+    }
+    Uncertainty {
+        covariance,
+        seen,
+        ar,
+        sigma,
+        errors,
+    }
+}
+
+/// An autoregressive model of the errors, its order by Bayes' criterion.
+fn noise(errors: &[Vec<f64>]) -> (Vec<f64>, f64) {
+    let count = errors.iter().flatten().filter(|e| !e.is_nan()).count();
+    let highest = HIGHEST_ORDER.min(count / 10);
+    let present = |e: &f64| if e.is_nan() { 0.0 } else { *e };
+    let at_lag = |lag: usize| -> f64 {
+        let of_stretch = |e: &Vec<f64>| -> f64 {
+            let late = e.iter().skip(lag);
+            late.zip(e).map(|(a, b)| present(a) * present(b)).sum()
+        };
+        errors.iter().map(of_stretch).sum()
+    };
+    let products: Vec<f64> = (0..=highest).map(at_lag).collect();
+    let moments = Mat::from_fn(highest + 1, highest + 1, |i, j| products[i.abs_diff(j)]);
+    let Some(fit) = NoiseFit::new(&moments, 0.0) else {
+        return (Vec::new(), (products[0] / count.max(1) as f64).sqrt());
+    };
+    let order = best_order(&fit.candidates(count));
+    let ar = fit.coefficients(order);
+    let left = products[0] + ar.iter().zip(&products[1..]).map(|(d, r)| d * r).sum::<f64>();
+    (ar, (left / count as f64).max(0.0).sqrt())
+}
+
+/// Covariance of J'e for errors ε/D: σ² times the products of D⁻¹ run backwards over J.
+fn by_noise_model(rows: &[Vec<Row>], ar: &[f64], sigma: f64, count: usize) -> Mat<f64> {
+    let d = noise_filter(ar);
+    let mut filtered: Vec<[f64; MOST]> = Vec::new();
+    for stretch in rows {
+        let from = filtered.len();
+        filtered.extend(stretch.iter().map(|row| row.slope));
+        let late = &mut filtered[from..];
+        for k in (0..late.len()).rev() {
+            for (i, d) in d.iter().enumerate().skip(1) {
+                if let Some(next) = late.get(k + i).copied() {
+                    for (value, next) in late[k].iter_mut().zip(next) {
+                        *value -= d * next;
+                    }
+                }
+            }
+        }
+    }
+    let products = sum_of_products(count, filtered.iter());
+    Mat::from_fn(count, count, |i, j| sigma * sigma * products[(i, j)])
+}
+
+/// Covariance of J'e from its parts in the blocks.
+fn by_blocks(problem: &Problem<'_>, rows: &[Vec<Row>], blocks: usize, count: usize) -> Mat<f64> {
+    let mut parts = vec![[0.0; MOST]; blocks];
+    for (stretch, rows) in problem.stretches.iter().zip(rows) {
+        for (k, row) in rows.iter().enumerate().filter(|(_, row)| !row.error.is_nan()) {
+            let part = &mut parts[stretch.block(k)];
+            for (sum, slope) in part.iter_mut().zip(row.slope) {
+                *sum += slope * row.error;
+            }
+        }
+    }
+    sum_of_products(count, parts.iter())
+}
+
+/// Sum of the outer products of vectors.
+fn sum_of_products<'a>(count: usize, vectors: impl Iterator<Item = &'a [f64; MOST]>) -> Mat<f64> {
+    let mut sums = [[0.0; MOST]; MOST];
+    for vector in vectors {
+        for i in 0..count {
+            for j in 0..=i {
+                sums[i][j] += vector[i] * vector[j];
+            }
+        }
+    }
+    Mat::from_fn(count, count, |i, j| sums[i.max(j)][i.min(j)])
+}
+
+/// Coordinates whose derivatives are not combinations of the others' but for rounding.
+fn seen(normal: &Mat<f64>) -> Vec<bool> {
+    let count = normal.nrows();
+    let mut seen: Vec<bool> = Vec::new();
+    for i in 0..count {
+        let mut with: Vec<usize> = (0..i).filter(|&j| seen[j]).collect();
+        with.push(i);
+        let scale = |a: usize, b: usize| (normal[(a, a)] * normal[(b, b)]).sqrt();
+        let correlation = Mat::from_fn(with.len(), with.len(), |a, b| {
+            normal[(with[a], with[b])] / scale(with[a], with[b])
+        });
+        // The last pivot is the share of its slopes that the others do not have.
+        let last = with.len() - 1;
+        let own = cholesky(&correlation).map(|lower| lower[(last, last)]);
+        seen.push(own.is_some_and(|own| own * own > UNSEEN));
+    }
+    seen
+}
+
+/// The smallest covariance, up to rounding, that is at least as large as both in every direction: where `other` has more
+/// than `base`, that of `other`.
+fn larger(base: &Mat<f64>, other: &Mat<f64>) -> Mat<f64> {
+    let Some(lower) = cholesky(base) else {
+        return other.clone();
+    };
+    let whitener = crate::numerics::inverse_of_lower(&lower);
+    let relative = &whitener * other * whitener.transpose();
+    let Ok(decomposition) = relative.self_adjoint_eigen(Side::Lower) else {
+        return base.clone();
+    };
+    let vectors = &lower * decomposition.U();
+    let values = decomposition.S();
+    Mat::from_fn(base.nrows(), base.nrows(), |i, j| {
+        let term = |k: usize| vectors[(i, k)] * values[k].max(1.0) * vectors[(j, k)];
+        (0..base.nrows()).map(term).sum::<f64>()
+    })
+}
