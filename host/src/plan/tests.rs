@@ -171,7 +171,7 @@ fn where_identification_gives_bounds_the_plan_has_them_too_and_else_neither() {
     );
     let (planned, found) = both(0.16);
     let (planned, found) = (
-        planned.unwrap(),
+        planned.into_valid().unwrap(),
         BandWidths::of(found.step.bounds.valid().unwrap()),
     );
     let ratio = planned.widest_percent / found.widest_percent;

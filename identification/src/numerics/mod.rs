@@ -3,7 +3,6 @@
 mod chebyshev;
 mod convolution;
 mod critical_values;
-mod fft;
 mod lagged_sums;
 mod linear_algebra;
 pub(crate) mod matrix_rows;
