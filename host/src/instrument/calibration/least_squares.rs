@@ -1,8 +1,5 @@
-//! Least squares with four columns, by QR.
-
-use faer::linalg::solvers::{Qr, SolveLstsq};
-use faer::linalg::triangular_inverse::invert_upper_triangular;
-use faer::{Mat, Par};
+//! Least squares with four columns, by orthogonal columns (Gram and Schmidt, each twice, which is as accurate as
+//! reflections).
 
 /// A least-squares fit.
 #[derive(Clone, Copy, Debug)]
@@ -23,55 +20,86 @@ const ROUNDING: f64 = 1e-9;
 
 /// Fits `values` by the columns; `None` where the first two, zero and slope, depend on each other.
 pub(super) fn least_squares(columns: &[Vec<f64>; 4], values: &[f64]) -> Option<Solution> {
-    let mut kept: Vec<&Vec<f64>> = Vec::new();
-    let mut places = [None; 4];
-    for (place, column) in places.iter_mut().zip(columns) {
-        kept.push(column);
-        if adds_something(&kept) {
-            *place = Some(kept.len() - 1);
-        } else {
-            kept.pop();
-        }
-    }
+    let mut basis = Basis::default();
+    let places = columns.each_ref().map(|column| basis.add(column));
     let [Some(_), Some(_), ..] = places else {
         return None;
     };
-    let design = matrix(&kept);
-    let values = matrix(&[&values.to_vec()]);
-    let qr = design.qr();
-    let solution = qr.solve_lstsq(&values);
-    let residuals = &values - &design * &solution;
-    let mut inverse = Mat::zeros(kept.len(), kept.len());
-    invert_upper_triangular(inverse.as_mut(), qr.thin_R(), Par::Seq);
+    let (along, residuals) = basis.split(values);
+    let solution = basis.back(&along);
+    // (X'X)^-1 = R^-1 R^-T: the squares of the rows of R^-1, column by column.
+    let mut variances = [0.0; 4];
+    for k in 0..basis.directions.len() {
+        let mut unit = [0.0; 4];
+        unit[k] = 1.0;
+        for (variance, x) in variances.iter_mut().zip(basis.back(&unit)) {
+            *variance += x * x;
+        }
+    }
     Some(Solution {
-        coefficients: places.map(|place| place.map_or(0.0, |j| solution[(j, 0)])),
-        variances: places.map(|place| {
-            // (X'X)^-1 = R^-1 R^-T
-            place.map_or(f64::INFINITY, |j| inverse.row(j).squared_norm_l2())
-        }),
-        squares: residuals.squared_norm_l2(),
-        largest_residual: residuals.norm_max(),
+        coefficients: places.map(|place| place.map_or(0.0, |j| solution[j])),
+        variances: places.map(|place| place.map_or(f64::INFINITY, |j| variances[j])),
+        squares: dot(&residuals, &residuals),
+        largest_residual: residuals.iter().fold(0.0, |a, x| x.abs().max(a)),
     })
 }
 
-/// Whether the last column is no combination of those before it.
-fn adds_something(columns: &[&Vec<f64>]) -> bool {
-    let design = matrix(columns);
-    let last = columns.len() - 1;
-    let length = design.col(last).norm_l2();
-    design.nrows() > last && {
-        let qr: Qr<f64> = design.qr();
-        let rest = qr.thin_R()[(last, last)].abs();
-        rest > ROUNDING * length && rest > 0.0
+/// Columns as combinations of orthogonal directions of length 1: X = QR.
+#[derive(Default)]
+struct Basis {
+    /// The columns of Q.
+    directions: Vec<Vec<f64>>,
+    /// The columns of R.
+    triangle: Vec<[f64; 4]>,
+}
+
+impl Basis {
+    /// Adds a column and gives its place, unless it is a combination of those before it.
+    fn add(&mut self, column: &[f64]) -> Option<usize> {
+        let place = self.directions.len();
+        let (mut along, rest) = self.split(column);
+        let (length, rest_length) = (dot(column, column).sqrt(), dot(&rest, &rest).sqrt());
+        let is_new = rest_length > 0.0 && rest_length > ROUNDING * length;
+        if column.len() <= place || !is_new {
+            return None;
+        }
+        along[place] = rest_length;
+        self.triangle.push(along);
+        self.directions
+            .push(rest.iter().map(|x| x / rest_length).collect());
+        Some(place)
+    }
+
+    /// The part of a vector along each direction, and the rest.
+    fn split(&self, vector: &[f64]) -> ([f64; 4], Vec<f64>) {
+        let (mut along, mut rest) = ([0.0; 4], vector.to_vec());
+        for _ in 0..2 {
+            for (along, direction) in along.iter_mut().zip(&self.directions) {
+                let part = dot(direction, &rest);
+                *along += part;
+                for (x, q) in rest.iter_mut().zip(direction) {
+                    *x -= part * q;
+                }
+            }
+        }
+        (along, rest)
+    }
+
+    /// R^-1 b.
+    fn back(&self, b: &[f64; 4]) -> [f64; 4] {
+        let mut x = *b;
+        for (k, column) in self.triangle.iter().enumerate().rev() {
+            x[k] /= column[k];
+            for i in 0..k {
+                x[i] -= column[i] * x[k];
+            }
+        }
+        x
     }
 }
 
-fn matrix(columns: &[&Vec<f64>]) -> Mat<f64> {
-    let rows = columns.first().map_or(0, |column| column.len());
-    let cell = |i: usize, j: usize| columns.get(j).and_then(|column| column.get(i));
-    Mat::from_fn(rows, columns.len(), |i, j| {
-        cell(i, j).copied().unwrap_or(f64::NAN)
-    })
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]
