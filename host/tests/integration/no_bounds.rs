@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 enum Withdrawn {
     /// A smooth reference that leaves frequencies without power.
     InputUnexcited,
-    /// Random steps, and fewer frequencies asked for than the response needs.
+    /// Steps that are held, and fewer frequencies asked for than the response needs.
     FrequenciesLeftOut,
     /// A servo whose speed is limited, under random steps that do not let it rest.
     ErrorsNotNoise,
@@ -61,7 +61,8 @@ impl Withdrawn {
             f64::from(*state >> 8) / f64::from(1 << 24)
         };
         let (lags, fastest, loudness, step) = self.settings();
-        let frames = if lags > 0 { 12 } else { 1 };
+        // Only the servo whose speed is limited must not come to rest.
+        let frames = if fastest.is_finite() { 1 } else { 12 };
         let keep = (-std::f64::consts::TAU * 20.0 * PERIOD).exp();
         let mut level = 5.0;
         let mut lagged = vec![level; lags];
@@ -145,7 +146,9 @@ pub fn require_no_bound(value: &Value, place: &str) {
                 let place = format!("{place}/{key}");
                 // Limits have bounds of their own evidence, the scatter of strokes and rests. How much runs differ
                 // from each other is a result; how well each of them is known would be a bound.
+                // Models of older versions have a test of fit: its degrees of freedom are no bound.
                 let own_evidence = place.ends_with("/limits")
+                    || place.ends_with("/flight_model/tried")
                     || ["gain_percent", "delay_s", "offset"]
                         .iter()
                         .any(|quantity| {

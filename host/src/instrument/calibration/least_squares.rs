@@ -21,80 +21,80 @@ const ROUNDING: f64 = 1e-9;
 /// Fits `values` by the columns; `None` where the first two, zero and slope, depend on each other.
 pub(super) fn least_squares(columns: &[Vec<f64>; 4], values: &[f64]) -> Option<Solution> {
     let mut basis = Basis::default();
-    let places = columns.each_ref().map(|column| basis.add(column));
-    let [Some(_), Some(_), ..] = places else {
+    let mut units = (0..4).map(|place| std::array::from_fn(|k| f64::from(u8::from(k == place))));
+    let kept = columns
+        .each_ref()
+        .map(|column| basis.add(column, units.next().unwrap_or_default()));
+    let [true, true, ..] = kept else {
         return None;
     };
     let (along, residuals) = basis.split(values);
-    let solution = basis.back(&along);
-    // (X'X)^-1 = R^-1 R^-T: the squares of the rows of R^-1, column by column.
-    let mut variances = [0.0; 4];
-    for k in 0..basis.directions.len() {
-        let mut unit = [0.0; 4];
-        unit[k] = 1.0;
-        for (variance, x) in variances.iter_mut().zip(basis.back(&unit)) {
-            *variance += x * x;
+    let (mut coefficients, mut variances) = (
+        [0.0; 4],
+        kept.map(|kept| if kept { 0.0 } else { f64::INFINITY }),
+    );
+    for (part, direction) in along.iter().zip(&basis.0) {
+        let sums = coefficients.iter_mut().zip(&mut variances);
+        for ((coefficient, variance), weight) in sums.zip(direction.weights) {
+            *coefficient += part * weight;
+            *variance += weight * weight;
         }
     }
     Some(Solution {
-        coefficients: places.map(|place| place.map_or(0.0, |j| solution[j])),
-        variances: places.map(|place| place.map_or(f64::INFINITY, |j| variances[j])),
+        coefficients,
+        variances,
         squares: dot(&residuals, &residuals),
         largest_residual: residuals.iter().fold(0.0, |a, x| x.abs().max(a)),
     })
 }
 
-/// Columns as combinations of orthogonal directions of length 1: X = QR.
-#[derive(Default)]
-struct Basis {
-    /// The columns of Q.
-    directions: Vec<Vec<f64>>,
-    /// The columns of R.
-    triangle: Vec<[f64; 4]>,
+/// A vector of length 1, orthogonal to the others.
+struct Direction {
+    vector: Vec<f64>,
+    /// It is the sum of the columns with these weights: a column of R^-1, X = QR.
+    weights: [f64; 4],
 }
 
+/// Orthogonal directions that span the columns.
+#[derive(Default)]
+struct Basis(Vec<Direction>);
+
 impl Basis {
-    /// Adds a column and gives its place, unless it is a combination of those before it.
-    fn add(&mut self, column: &[f64]) -> Option<usize> {
-        let place = self.directions.len();
-        let (mut along, rest) = self.split(column);
+    /// Adds a column, unless it is a combination of those before it, and says whether it did. `unit` is the column
+    /// as weights.
+    fn add(&mut self, column: &[f64], unit: [f64; 4]) -> bool {
+        let (along, rest) = self.split(column);
         let (length, rest_length) = (dot(column, column).sqrt(), dot(&rest, &rest).sqrt());
         let is_new = rest_length > 0.0 && rest_length > ROUNDING * length;
-        if column.len() <= place || !is_new {
-            return None;
+        if !is_new || column.len() <= self.0.len() {
+            return false;
         }
-        along[place] = rest_length;
-        self.triangle.push(along);
-        self.directions
-            .push(rest.iter().map(|x| x / rest_length).collect());
-        Some(place)
+        let mut weights = unit;
+        for (part, direction) in along.iter().zip(&self.0) {
+            for (weight, of_direction) in weights.iter_mut().zip(direction.weights) {
+                *weight -= part * of_direction;
+            }
+        }
+        self.0.push(Direction {
+            vector: rest.iter().map(|x| x / rest_length).collect(),
+            weights: weights.map(|weight| weight / rest_length),
+        });
+        true
     }
 
     /// The part of a vector along each direction, and the rest.
-    fn split(&self, vector: &[f64]) -> ([f64; 4], Vec<f64>) {
-        let (mut along, mut rest) = ([0.0; 4], vector.to_vec());
+    fn split(&self, vector: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (mut along, mut rest) = (vec![0.0; self.0.len()], vector.to_vec());
         for _ in 0..2 {
-            for (along, direction) in along.iter_mut().zip(&self.directions) {
-                let part = dot(direction, &rest);
+            for (along, direction) in along.iter_mut().zip(&self.0) {
+                let part = dot(&direction.vector, &rest);
                 *along += part;
-                for (x, q) in rest.iter_mut().zip(direction) {
+                for (x, q) in rest.iter_mut().zip(&direction.vector) {
                     *x -= part * q;
                 }
             }
         }
         (along, rest)
-    }
-
-    /// R^-1 b.
-    fn back(&self, b: &[f64; 4]) -> [f64; 4] {
-        let mut x = *b;
-        for (k, column) in self.triangle.iter().enumerate().rev() {
-            x[k] /= column[k];
-            for i in 0..k {
-                x[i] -= column[i] * x[k];
-            }
-        }
-        x
     }
 }
 
