@@ -7,14 +7,13 @@
 //! lines shown.
 
 use servoid_identification::{Frequencies, Options};
+use servoid_test_support::arguments;
 use servoid_test_support::coverage::{Case, Line, Reference, measure};
 use servoid_test_support::plants::{Noise, Plant};
 
 fn main() {
-    let mut arguments = std::env::args().skip(1);
-    let runs = arguments
-        .next()
-        .map_or(300, |runs| runs.parse().expect("RUNS is a number"));
+    let runs = arguments::count(300);
+    let mut arguments = std::env::args().skip(2);
     let filter = arguments.next().unwrap_or_default();
     let options = Options {
         frequencies: arguments.next().map_or(Frequencies::Auto, |word| {

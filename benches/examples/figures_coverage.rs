@@ -3,14 +3,13 @@
 //!
 //! `cargo run --release -p servoid-benches --example figures_coverage -- [RUNS] [FILTER]`
 
+use servoid_test_support::arguments;
 use servoid_test_support::figures_coverage::{Case, Line, NAMES, Reference, Sensor, measure};
 use servoid_test_support::servos::Linear;
 
 fn main() {
-    let mut arguments = std::env::args().skip(1);
-    let runs = arguments
-        .next()
-        .map_or(300, |runs| runs.parse().expect("RUNS is a number"));
+    let runs = arguments::count(300);
+    let mut arguments = std::env::args().skip(2);
     let filter = arguments.next().unwrap_or_default();
     println!(
         "| reference | servo | sensor | level |{} stated | half width | advice in every run |",

@@ -8,15 +8,13 @@
 //! in one, the time by which the machine itself was late not counted.
 
 use rand::{RngExt, SeedableRng};
+use servoid_test_support::arguments;
 use servoid_test_support::trials::kill;
 use std::process::ExitCode;
 use std::time::Duration;
 
 fn main() -> ExitCode {
-    let kills: u32 = std::env::args()
-        .nth(1)
-        .and_then(|n| n.parse().ok())
-        .unwrap_or(100);
+    let kills: u32 = arguments::count(100);
     // The program lies beside the folder of the examples.
     let example = std::env::current_exe().unwrap_or_default();
     let servoid = example.with_file_name("").join("../servoid");

@@ -3,6 +3,7 @@
 //!
 //! `cargo run --release -p servoid-benches --example linearity -- [SEEDS]`
 
+use servoid_test_support::arguments;
 use servoid_test_support::trials::linearity::{Findings, Motion, findings, motions};
 
 /// Degrees to each side.
@@ -59,9 +60,7 @@ fn apart(found: &Findings, held: &Findings) -> Option<[f64; 2]> {
 }
 
 fn main() {
-    let seeds = std::env::args()
-        .nth(1)
-        .map_or(2, |seeds| seeds.parse().expect("SEEDS is a number"));
+    let seeds = arguments::count(2);
     let motions = motions();
     println!("{SIZES_DEG:?} degrees, {seeds} seeds each\n");
     println!(

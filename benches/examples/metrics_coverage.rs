@@ -3,14 +3,12 @@
 //! `cargo run --release -p servoid-benches --example metrics_coverage -- RUNS`
 
 use servoid_identification::Settling;
+use servoid_test_support::arguments;
 use servoid_test_support::metrics_coverage::{Case, NAMES, run};
 use servoid_test_support::servos::Linear;
 
 fn main() {
-    let runs = std::env::args()
-        .nth(1)
-        .and_then(|count| count.parse().ok())
-        .unwrap_or(300);
+    let runs = arguments::count(300);
     println!(
         "| servo | noise | N |{}",
         NAMES.map(|name| format!(" {name} |")).concat()

@@ -4,6 +4,7 @@
 //! `cargo run --release -p servoid-benches --example verdict_pairs -- PAIRS`
 
 use servoid_identification::comparison::{Comparison, DifferencePercent, Verdict};
+use servoid_test_support::arguments;
 use servoid_test_support::trials::verdicts::{compare_pairs, count};
 
 /// What is compared with what.
@@ -33,10 +34,7 @@ fn mean(found: &[Comparison], of: fn(&DifferencePercent) -> f64) -> f64 {
 }
 
 fn main() {
-    let pairs = std::env::args()
-        .nth(1)
-        .and_then(|count| count.parse().ok())
-        .unwrap_or(100);
+    let pairs = arguments::count(100);
     println!("{pairs} pairs a line, seeds 2k and 2k + 1, margin 5 %\n");
     println!(
         "| pairs | different | undecided | same | mean at least % | mean at most % | largest at most % |"

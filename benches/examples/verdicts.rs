@@ -8,6 +8,7 @@ use servoid_identification::comparison::{ComparisonOptions, Verdict, compare};
 use servoid_identification::nonlinear::{Limits, RateVerdict, split_by_direction};
 use servoid_identification::results::Model;
 use servoid_identification::{Options, Record, identify};
+use servoid_test_support::arguments;
 use servoid_test_support::servos::{
     Limit, Linear, PERIOD, exact_shift, limited, measured, sizes, staircase, stairs,
 };
@@ -181,10 +182,7 @@ fn comparisons(pairs: u64) {
 }
 
 fn main() {
-    let runs = std::env::args()
-        .nth(1)
-        .and_then(|count| count.parse().ok())
-        .unwrap_or(100);
+    let runs = arguments::count(100);
     println!("Shares in % of {runs} seeds\n");
     comparisons(runs);
     detectors(runs);

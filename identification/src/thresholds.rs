@@ -101,6 +101,13 @@ pub const SMOOTH_SHARE: f64 = 0.1;
 /// tests of truncation; "Poor references and coarse sensors", Smooth(4).
 pub const LEAKED_SHARE: f64 = 0.75;
 
+/// Estimated relative error of an estimate through moments above which the rows themselves are factorised.
+///
+/// Protects: estimates from rounding, which must stay far below the noise of the best record; the rows cost several
+/// times as long. Evidence: the tests that an ill-conditioned input goes through QR, and that counts far from zero
+/// do not.
+pub const MOMENT_ACCURACY: f64 = 1e-8;
+
 // The steps of the sensor.
 
 /// Share of samples equal to the one before, above which the output may have steps.
@@ -186,6 +193,13 @@ pub const HELD_WITHIN: f64 = 0.02;
 /// Protects: the choice by prediction from accidents. Evidence: the real recordings in the tests of the host.
 pub const PREDICTION_TIE: f64 = 0.5;
 
+/// Condition number beyond which parts of a record do not determine a bank. Far below it rounding is already
+/// visible, but small beside what the noise leaves open.
+///
+/// Protects: the ranking by prediction from records whose parts cannot stand for one another, such as one step in
+/// each. Evidence: the real recordings in the tests of the host.
+pub const DETERMINED_BY_PARTS: f64 = 1e9;
+
 /// Difference between two estimates of a step response, or bound of what may be missing in one, as a share of
 /// its largest value or gain, beyond which the figures read from it are withheld.
 ///
@@ -225,8 +239,9 @@ pub const LOUDEST_LEFT_OUT: usize = 5;
 
 /// Probability of calling a symmetric servo asymmetric.
 ///
-/// Protects: linear servos from separate responses for up and down strokes. It is lower than that of the bounds,
-/// because a real asymmetry exceeds tens of standard deviations. Evidence: the tests of the direction-split model.
+/// Protects: linear servos from separate responses for up and down strokes, and from the sentence that their
+/// differences are together more than noise. It is lower than that of the bounds, because a real asymmetry exceeds
+/// tens of standard deviations. Evidence: the tests of the direction-split model.
 pub const ASYMMETRY_FALSE_ALARM: f64 = 0.001;
 
 /// Smallest difference between up and down strokes that counts, as a share of the stroke.
@@ -361,6 +376,12 @@ pub const RISING: f64 = 4.0;
 /// Protects: crossings of rough estimates, whose draws are rougher still and miss. Evidence: table of the metrics'
 /// intervals, strong noise.
 pub const ROUGH_SAMPLE: f64 = 0.05;
+
+/// Standard deviations by which the power at the upper frequencies may be larger, or smaller, than it seems.
+///
+/// Protects: the bandwidth and the bounds above it from what sampling folds down from beyond half its rate, where
+/// noise hides how much that is. Evidence: the tests of aliasing; the tests of coarse sampling.
+pub const FOLDED_POWER_DOUBT: f64 = 3.0;
 
 // Validation and comparison.
 

@@ -4,11 +4,13 @@
 //!   know nothing of the crates under test.
 //! - [`coverage`], [`figures_coverage`], [`metrics_coverage`]: how often bounds hold the exact answer. The
 //!   tests run few seeds, the examples of the same names run hundreds and print the documentation's tables.
+//! - [`arguments`]: the arguments of these examples.
 //! - `bad_line` (feature `rig`): a port that loses, damages and delays frames by chance.
 //! - `trials` (feature `rig`): captures over bad lines, killed captures, recordings of simulated rigs and
 //!   whether they are what the board sampled.
 //! - `virtual_board` (feature `board`): the flash image on the virtual board, as a port.
 
+pub mod arguments;
 #[cfg(feature = "rig")]
 pub mod bad_line;
 pub mod coverage;

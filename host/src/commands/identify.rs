@@ -92,25 +92,6 @@ impl Identify {
             Some(Err(reason)) => (None, Some(reason)),
             None => (None, None),
         };
-        let mut result = Identified {
-            model: ModelDocument {
-                model,
-                metadata: ModelMetadata::from(&data.about),
-                record: Some(&data.record),
-            },
-            explanation: None,
-            flight_model: fitted.as_ref(),
-            no_flight_model: None,
-            limits: None,
-            directions: None,
-        };
-        if let Some(out) = &self.out {
-            output.write_json(Some(out), &result)?;
-            talk.say(format_args!("model: {}", out.display()));
-        }
-        if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
-            self.draw(folder, &stem(first), &data, model, explanation)?;
-        }
         let mut text = summary::of_model(&listed(&self.files), model, units);
         text.extend(explanation.map(|e| explanation::as_text(e, model)));
         text.extend(fitted.as_ref().map(summary::of_flight_model));
@@ -119,13 +100,31 @@ impl Identify {
                 .as_ref()
                 .map(|reason| format!("\nno low-order model: {reason}\n")),
         );
-        (result.explanation, result.no_flight_model) = (explanation, reason.as_ref());
+        let mut result = Identified {
+            model: ModelDocument {
+                model,
+                metadata: ModelMetadata::from(&data.about),
+                record: Some(&data.record),
+            },
+            explanation,
+            flight_model: fitted.as_ref(),
+            no_flight_model: reason.as_ref(),
+            limits: None,
+            directions: None,
+        };
         if self.limits {
             let limits = Limits::of(&data.record, model, self.level);
             // A recording with strokes of one direction only has no split; the summary mentions it.
             let split = split_by_direction(&data.record, model).ok();
             text += &summary::of_limits(&limits, split.as_ref(), units.common());
             (result.limits, result.directions) = (Some(limits), split.map(Directions::from));
+        }
+        if let Some(out) = &self.out {
+            output.write_json(Some(out), &result)?;
+            talk.say(format_args!("model: {}", out.display()));
+        }
+        if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
+            self.draw(folder, &stem(first), &data, model, explanation)?;
         }
         talk.say(self.next());
         talk.result(text, &result)
@@ -174,7 +173,7 @@ fn fit_flight_model(data: &Dataset, model: &Model) -> Result<FlightModel, String
     flight_model::fit(&data.record, model, &options).map_err(|error| error.to_string())
 }
 
-/// The model as `--json` prints it, with the further results that were asked for.
+/// The model as `--json` prints it and `-o` writes it, with the further results that were asked for.
 #[derive(Serialize)]
 struct Identified<'a> {
     #[serde(flatten)]

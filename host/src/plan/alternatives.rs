@@ -83,7 +83,7 @@ pub(super) fn alternatives(request: &PlanRequest, expected: &Expectation) -> Vec
 fn alternative(request: &PlanRequest, expected: Option<&Expectation>) -> Alternative {
     const MINUTE_S: f64 = 60.0;
     let run_s = request.run_s();
-    let band = expected.and_then(|e| e.band);
+    let band = expected.and_then(|e| e.band.into_valid());
     let answers = expected.map(|e| answerable_questions::of(&e.example, &e.record));
     let answered = answers
         .into_iter()

@@ -31,18 +31,8 @@ impl Answer {
 /// The smallest number of levels that distinguishes a curve from a straight line.
 const LEVELS: usize = 3;
 
-/// The second half of a detector's sentence: what to record instead. The first half is about a recording, and here
-/// there is none.
-fn advice_of(statement: &str) -> String {
-    let advice = statement
-        .split_once(": ")
-        .map_or(statement, |(_, advice)| advice);
-    let mut letters = advice.chars();
-    let first = letters.next().into_iter().flat_map(char::to_uppercase);
-    first.chain(letters).collect()
-}
-
-/// All questions; `example` is identified from `record`.
+/// All questions. Of a detector's finding only the remedy is taken: the finding is about a recording, and here there is
+/// none. `example` is identified from `record`.
 pub(super) fn of(example: &Model, record: &Record) -> Vec<Answer> {
     // Verdicts alone are read, which have thresholds of their own.
     let limits = Limits::of(record, example, Options::default().level);
@@ -59,25 +49,25 @@ pub(super) fn of(example: &Model, record: &Record) -> Vec<Answer> {
     let silent_end = ends.and_then(|ends| ends.iter().find(|end| end.softens.is_none()));
     let mut levels: Vec<f64> = limits.levels.iter().map(|cell| cell.command).collect();
     levels.dedup();
-    let why_not = |statement: Option<&str>| advice_of(statement.unwrap_or_default());
+    let remedy = |remedy: Option<&String>| remedy.cloned().unwrap_or_default();
     vec![
         Answer::new("do strokes up and down differ", split.is_ok(), no_split),
         Answer::new(
             "is the speed limited",
             silent.is_none(),
-            why_not(silent.map(|rate| rate.statement.as_str())),
+            remedy(silent.and_then(|rate| rate.remedy.as_ref())),
         ),
         Answer::new(
             "does the rest position depend on the direction of approach (hysteresis)",
             limits.hysteresis.found.is_some(),
-            advice_of(&limits.hysteresis.statement),
+            remedy(limits.hysteresis.remedy.as_ref()),
         ),
         Answer::new(
             "does the travel end within the range",
             ends.is_some() && silent_end.is_none(),
             silent_end.map_or_else(
                 || "No level is held long enough to see where the servo rests.".to_owned(),
-                |end| advice_of(&end.statement),
+                |end| remedy(end.remedy.as_ref()),
             ),
         ),
         Answer::new(

@@ -3,7 +3,7 @@
 use super::band_width::BandWidths;
 use super::request::PlanRequest;
 use super::simulated_runs::simulated;
-use servoid_identification::results::Model;
+use servoid_identification::results::{Bounds, Model};
 use servoid_identification::{Error, Options, Record, expected_model, identify};
 
 /// Simulated identifications. Each may choose another N: the widths are their mean, and the model shown is the
@@ -12,8 +12,8 @@ const SIMULATIONS: u64 = 5;
 
 /// The expected result of identification.
 pub(super) struct Expectation {
-    /// The widths of the bands; `None` where most simulated identifications gave no bounds.
-    pub band: Option<BandWidths>,
+    /// The widths of the bands; withdrawn where most simulated identifications gave no bounds.
+    pub band: Bounds<BandWidths>,
     /// The expected model. Of a servo that is known by its model alone, it has that model's response, and the
     /// covariance of generalised least squares at the assumed noise. Of a simulated servo it is the example.
     pub model: Model,
@@ -55,19 +55,17 @@ impl Expectation {
         }
         let is_bounded = |(model, ..): &(Model, Model, Record)| model.bounds.valid().is_some();
         let bounded = 2 * all.iter().filter(|one| is_bounded(one)).count() > all.len();
-        if bounded {
-            all.retain(is_bounded);
-        }
+        all.retain(|one| is_bounded(one) == bounded);
         all.sort_by_key(|(model, ..)| model.structure.settling_samples);
         let widths = |model: &Model| model.step.bounds.valid().map(BandWidths::of);
         let linear: Vec<_> = all.iter().filter_map(|(m, ..)| widths(m)).collect();
         let found: Vec<_> = all.iter().filter_map(|(_, e, _)| widths(e)).collect();
         let (model, example, record) = all.swap_remove(all.len() / 2);
+        let level = model.level();
         let linear = BandWidths::mean(&linear);
         if request.assumed.simulation.is_none() {
-            let band = bounded.then_some(linear);
             return Ok(Self {
-                band,
+                band: level.map(|_| linear),
                 model,
                 example,
                 record,
@@ -78,7 +76,7 @@ impl Expectation {
         let exceeds_noise = found.widest_percent > SCATTER * noise;
         let beyond = found.widest_percent - noise;
         Ok(Self {
-            band: bounded.then_some(BandWidths {
+            band: level.map(|_| BandWidths {
                 beyond_noise_percent: if exceeds_noise { beyond } else { 0.0 },
                 ..found
             }),

@@ -9,9 +9,10 @@ use super::request::PlanRequest;
 use super::spectrum::Spectrum;
 use crate::data::recording::as_toml;
 use crate::instrument::reference::{describe, seconds};
-use serde::Serialize;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 use servoid_identification::Error;
-use servoid_identification::results::{Metrics, Model, StepResponse};
+use servoid_identification::results::{Bounds, Metrics, Model, StepResponse, Withdrawn};
 
 /// The forecast of a run.
 #[derive(Clone, Debug, Serialize)]
@@ -36,9 +37,9 @@ pub struct Plan {
     pub settling_samples: usize,
     /// Number n of frequencies that identification will probably choose.
     pub frequencies: usize,
-    /// The band of the step response; `None` where identification will find that the residuals are not noise,
-    /// and so give no bounds.
-    pub band: Option<BandWidths>,
+    /// The band of the step response, withdrawn where identification will give no bounds.
+    #[serde(flatten, serialize_with = "as_band")]
+    pub band: Bounds<BandWidths>,
     /// The metrics of the assumed servo with their expected intervals; `None` without a band.
     pub metrics: Option<Metrics>,
     /// The power of the reference by frequency.
@@ -56,6 +57,14 @@ pub struct Plan {
     /// The assumed servo's response with the bounds that are to be expected.
     #[serde(skip)]
     pub step: StepResponse,
+}
+
+/// The bounds of a plan are called by their name, the band.
+fn as_band<S: Serializer>(band: &Bounds<BandWidths>, serializer: S) -> Result<S::Ok, S::Error> {
+    let mut fields = serializer.serialize_struct("Band", 2)?;
+    fields.serialize_field("band", &band.valid())?;
+    fields.serialize_field("withdrawn", &band.withdrawn().map(Withdrawn))?;
+    fields.end()
 }
 
 impl Plan {
@@ -80,7 +89,7 @@ impl Plan {
             settling_samples: expected.model.structure.settling_samples,
             frequencies: expected.model.structure.frequencies,
             band,
-            metrics: match band {
+            metrics: match band.valid() {
                 Some(_) => expected.model.metrics_anew()?.into_valid(),
                 None => None,
             },
@@ -88,7 +97,7 @@ impl Plan {
             answers: answerable_questions::of(&expected.example, &expected.record),
             only_if_linear: request.relies_on_linearity(),
             wanted_percent: request.wanted_percent,
-            needed: band.and_then(|band| runs_needed(request, &band)),
+            needed: band.valid().and_then(|band| runs_needed(request, band)),
             alternatives: alternatives(request, &expected),
             step: expected.model.step,
         })

@@ -32,7 +32,7 @@ pub fn figure(plan: &Plan, name: &str) -> Figure {
     };
     let step = &plan.step;
     let times = || step.time_s.iter().copied();
-    let band = |(widths, bounds): (BandWidths, &StepBounds)| {
+    let band = |(widths, bounds): (&BandWidths, &StepBounds)| {
         let whole = &bounds.simultaneous;
         let name = format!(
             "expected, the whole curve, {} %",
@@ -40,7 +40,7 @@ pub fn figure(plan: &Plan, name: &str) -> Figure {
         );
         Band::between(name, Ink::Model, times(), &whole.lower, &whole.upper)
     };
-    let expected = plan.band.zip(step.bounds.valid());
+    let expected = plan.band.valid().zip(step.bounds.valid());
     let value = times().zip(step.value.iter().copied());
     let x_label = "time since the edge of the command (s)";
     let response = Panel {

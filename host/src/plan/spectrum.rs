@@ -2,7 +2,6 @@
 
 use super::request::PlanRequest;
 use super::simulated_runs;
-use realfft::RealFftPlanner;
 use serde::Serialize;
 use servoid_identification::results::Model;
 use servoid_protocol::Reference;
@@ -113,7 +112,7 @@ impl Spectrum {
 /// Mean squares of every line but the mean, of one run without a window.
 fn periodogram(input: &[f64], mean: f64, model: &Model) -> Vec<Power> {
     let mut signal: Vec<f64> = input.iter().map(|u| u - mean).collect();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(signal.len());
+    let transform = servoid_fft::forward(signal.len());
     let mut spectrum = transform.make_output_vec();
     // The buffers were made for it.
     if transform.process(&mut signal, &mut spectrum).is_err() {

@@ -64,7 +64,7 @@ fn the_expected_width_is_the_mean_of_simulated_runs() {
     ] {
         let question = question(kind, noise);
         let expected = Expectation::of(&question).unwrap();
-        let planned = expected.band.unwrap();
+        let planned = expected.band.into_valid().unwrap();
         let mean: f64 = (100..100 + RUNS)
             .map(|seed| {
                 let record = simulated(&question, seed).unwrap();
@@ -88,12 +88,18 @@ fn four_runs_halve_the_band_as_the_figures_of_what_is_needed_say() {
         wanted_percent: Some(0.1),
         ..question("prbs", white())
     };
-    let band = Expectation::of(&one).unwrap().band.unwrap();
+    let band = Expectation::of(&one).unwrap().band.into_valid().unwrap();
     let four = PlanRequest {
         runs: 4,
         ..one.clone()
     };
-    let ratio = Expectation::of(&four).unwrap().band.unwrap().widest_percent / band.widest_percent;
+    let ratio = Expectation::of(&four)
+        .unwrap()
+        .band
+        .into_valid()
+        .unwrap()
+        .widest_percent
+        / band.widest_percent;
     // N is chosen anew: with more data more of the response is seen, and a longer N costs some of the
     // half.
     assert!((0.45..0.62).contains(&ratio), "{ratio}");
@@ -160,12 +166,12 @@ fn where_identification_gives_bounds_the_plan_has_them_too_and_else_neither() {
     };
     let (planned, found) = both(0.06);
     assert!(
-        planned.is_none() && found.bounds.valid().is_none(),
+        planned.withdrawn().is_some() && found.bounds.valid().is_none(),
         "{planned:?}"
     );
     let (planned, found) = both(0.16);
     let (planned, found) = (
-        planned.unwrap(),
+        planned.into_valid().unwrap(),
         BandWidths::of(found.step.bounds.valid().unwrap()),
     );
     let ratio = planned.widest_percent / found.widest_percent;
@@ -307,7 +313,7 @@ fn the_line_of_the_table_is_that_of_the_plan() {
         .alternatives
         .iter()
         .find(|a| a.reference == "staircase");
-    let width = plan.band.map(|band| band.widest_percent);
+    let width = plan.band.valid().map(|band| band.widest_percent);
     assert_eq!(line.unwrap().widest_percent, width);
     assert!(width.is_some());
 }

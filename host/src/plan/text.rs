@@ -4,6 +4,7 @@ use super::alternatives::Alternative;
 use super::band_width::{BandWidths, MOST_RUNS, RunsNeeded};
 use super::forecast::Plan;
 use crate::presentation::summary;
+use servoid_identification::results::{Bounds, Reason};
 
 /// A plan for a terminal.
 #[must_use]
@@ -17,17 +18,25 @@ pub fn of_plan(plan: &Plan) -> String {
     let (settling, frequencies) = (plan.settling_samples, plan.frequencies);
     let all_s = run_s * plan.runs as f64;
     let rows = [
-        ("assumed", format!("{servo}, noise {noise:.4} deg rms, {colour}")),
-        ("takes", format!("{runs} of {run_s:.1} s, {rest_s:.1} s of rest included: {all_s:.1} s")),
+        (
+            "assumed",
+            format!("{servo}, noise {noise:.4} deg rms, {colour}"),
+        ),
+        (
+            "takes",
+            format!("{runs} of {run_s:.1} s, {rest_s:.1} s of rest included: {all_s:.1} s"),
+        ),
         (
             "structure",
-            format!("settling time N = {settling} samples, n = {frequencies} frequencies, as chosen on a simulated run"),
+            format!(
+                "settling time N = {settling} samples, n = {frequencies} frequencies, as chosen on a simulated run"
+            ),
         ),
         (
             "step band",
             match &plan.band {
-                Some(band) => step_band(plan, band),
-                None => "none: the residuals of such a run are not noise, or the model that is planned with has no bounds, so\n              'servoid identify' will give none and may withhold metrics; take holds in which the servo comes to rest\n".to_owned(),
+                Bounds::Valid(band) => step_band(plan, band),
+                Bounds::Withdrawn(reason) => none_because(*reason),
             },
         ),
     ];
@@ -37,7 +46,7 @@ pub fn of_plan(plan: &Plan) -> String {
     }
     text.extend(
         plan.band
-            .as_ref()
+            .valid()
             .map(|band| more_runs_and_metrics(plan, band)),
     );
     text += &spectrum(plan);
@@ -52,6 +61,22 @@ pub fn of_plan(plan: &Plan) -> String {
         text += "\nThe servo's response is below the noise at all frequencies: raise --amplitude, or record many runs\n";
     }
     text
+}
+
+/// Why there is no band, of such a run or of the model that is planned with, and what to take instead.
+fn none_because(reason: Reason) -> String {
+    let remedy = match reason {
+        Reason::InputUnexcited => "take a reference with sharp edges",
+        Reason::FrequenciesLeftOut => "identify the model again with more frequencies",
+        Reason::ErrorsNotNoise => "take holds in which the servo comes to rest",
+        Reason::QuantisationAboveNoise => {
+            "take a reference with sharp edges, or a sensor with finer steps"
+        }
+    };
+    let because = reason.because();
+    format!(
+        "none, as {because}: 'servoid identify' will give no bounds either\n              and may withhold metrics; {remedy}\n"
+    )
 }
 
 /// The width of the band, and the part of it that is not noise.

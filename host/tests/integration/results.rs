@@ -102,3 +102,24 @@ fn every_field_is_documented() {
         }
     }
 }
+
+#[test]
+fn a_model_file_is_what_is_printed() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| arg(&dir.path().join(name)).to_owned();
+    let (recording, model) = (at("run.csv"), at("model.json"));
+    run(&["simulate", "--servo", "linear", "-o", &recording]);
+    let printed = run(&[
+        "identify",
+        &recording,
+        "--explain",
+        "--flight-model",
+        "--limits",
+        "--json",
+        "-o",
+        &model,
+    ]);
+    assert_eq!(std::fs::read_to_string(&model).unwrap(), printed);
+    // Other commands pass over what they do not need.
+    run(&["validate", &model, &recording]);
+}

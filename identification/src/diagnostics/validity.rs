@@ -33,6 +33,8 @@ pub(crate) struct Validity {
     /// The lowest frequency at which the input does not determine the response \[Hz\]; `None` where it determines
     /// all, or frequencies were left out by the caller's choice alone.
     pub(crate) unexcited_above_hz: Option<f64>,
+    /// The lowest frequency that was left out by the caller's choice \[Hz\], where nothing bounds what that does.
+    pub(crate) left_out_above_hz: Option<f64>,
     /// Why metrics are left out, where they are.
     pub(crate) withheld: Option<Withheld>,
     /// Whether the final value is supported all the same.
@@ -46,8 +48,13 @@ impl Validity {
     /// comes first. Under a smooth input the effect of rounding grows with everything else, and nothing bounds it.
     pub(crate) fn new(evidence: &ValidityEvidence<'_>, level: f64) -> Self {
         let unexcited_above_hz = evidence.unexcited_above_hz();
+        let left_out_above_hz = evidence
+            .left_out_above_hz()
+            .filter(|_| unexcited_above_hz.is_none());
         let reason = if unexcited_above_hz.is_some() {
             Some(Reason::InputUnexcited)
+        } else if left_out_above_hz.is_some() {
+            Some(Reason::FrequenciesLeftOut)
         } else if evidence.misfit.is_some() {
             Some(Reason::ErrorsNotNoise)
         } else if evidence.quantised && evidence.excitation.is_smooth() {
@@ -55,15 +62,18 @@ impl Validity {
         } else {
             None
         };
-        // The share of its final value by which frequencies without excitation may change the step response.
-        let unexcited = evidence.truncation_bias / evidence.gain.abs();
+        // The share of its final value by which the missing frequencies may change the step response.
+        let missing = evidence.truncation_bias / evidence.gain.abs();
         let disagreeing = evidence
             .misfit
             .filter(|misfit| misfit.disagreement(evidence.step) > DISAGREEMENT);
         let (withheld, gain_is_supported) = match disagreeing {
             // The final value is no exception: a bank that is short of frequencies takes others for it.
-            _ if unexcited_above_hz.is_some() && unexcited > DISAGREEMENT => {
+            _ if unexcited_above_hz.is_some() && missing > DISAGREEMENT => {
                 (Some(Withheld::InputUnexcited), false)
+            }
+            _ if left_out_above_hz.is_some() && missing > DISAGREEMENT => {
+                (Some(Withheld::FrequenciesLeftOut), false)
             }
             // Where estimators disagree, neither's times are findings. The final value may be one all the same.
             Some(misfit) => {
@@ -76,6 +86,7 @@ impl Validity {
         Self {
             level: reason.map_or(Bounds::Valid(level), Bounds::Withdrawn),
             unexcited_above_hz,
+            left_out_above_hz,
             withheld,
             gain_is_supported,
         }
@@ -102,12 +113,23 @@ impl ValidityEvidence<'_> {
         let lacking = match self.misfit {
             // The choice for prediction leaves out what does not help it, whether the input has it or not.
             Some(_) => unbounded && self.excitation.is_smooth(),
-            None => {
-                let chosen = self.selected_by == SelectedBy::Auto;
-                unbounded || chosen && !self.basis.has_all_frequencies()
+            None if self.selected_by == SelectedBy::Auto => {
+                unbounded || !self.basis.has_all_frequencies()
             }
+            // Of an input with edges, the caller's number is all that leaves them out.
+            None => unbounded && self.excitation.is_smooth(),
         };
+        lacking.then(|| self.next_hz())
+    }
+
+    fn left_out_above_hz(&self) -> Option<f64> {
+        let by_caller = self.selected_by != SelectedBy::Auto && self.misfit.is_none();
+        (by_caller && !self.excitation.bounded).then(|| self.next_hz())
+    }
+
+    /// The first frequency that the bank does not have.
+    fn next_hz(&self) -> f64 {
         let next = (self.basis.highest() + 1) as f64;
-        lacking.then(|| next / (self.basis.settling() as f64 * self.sample_period_s))
+        next / (self.basis.settling() as f64 * self.sample_period_s)
     }
 }

@@ -142,7 +142,7 @@ pub fn fit(
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
-    choose(Projection::of_record(record, model)?, true, model, options)
+    choose(Projection::of_record(record, model)?, model, options)
 }
 
 /// [`fit`] without the record, from θ and its covariance alone.
@@ -170,15 +170,14 @@ pub fn fit(
 /// # Errors
 /// The model has no response, no supported gain, or no covariance.
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
-    let is_tested = model.bounds.valid().is_some();
-    choose(Projection::of_model(model)?, is_tested, model, options)
+    choose(Projection::of_model(model)?, model, options)
 }
 
 /// Fits every order and takes the one that the rule above says.
-/// Lack of fit `is_tested` where the noise is known; else an order is good by its largest error alone.
+/// Lack of fit is tested where the bounds of the model hold, so that its noise is known; else an order is good by
+/// its largest error alone.
 fn choose(
     projection: Projection,
-    is_tested: bool,
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
@@ -186,6 +185,7 @@ fn choose(
         projection,
         timing: model.timing(),
     };
+    let is_tested = model.bounds.valid().is_some();
     // A withheld gain must not return as a parameter.
     if model.metrics.dc_gain.value.is_none() {
         return Err(Error::Unexcited);

@@ -1,7 +1,5 @@
 //! Causal filtering with a finite impulse response.
 
-use crate::numerics::fft;
-
 /// Below this many products the direct sum is faster than setting up transforms.
 const DIRECT_PRODUCTS: usize = 1 << 16;
 
@@ -45,7 +43,7 @@ pub fn causal_filter(impulse: &[f64], input: &[f64], at_rest: Option<f64>) -> Ve
 fn overlap_save(impulse: &[f64], padded: &[f64]) -> Vec<f64> {
     let history = impulse.len() - 1;
     let size = (8 * impulse.len()).next_power_of_two().max(1024);
-    let (forward, inverse) = (fft::forward(size), fft::inverse(size));
+    let (forward, inverse) = (servoid_fft::forward(size), servoid_fft::inverse(size));
     let mut block = forward.make_input_vec();
     let mut response = forward.make_output_vec();
     block[..impulse.len()].copy_from_slice(impulse);

@@ -6,10 +6,7 @@
 
 use std::sync::Arc;
 
-use realfft::RealToComplex;
-use realfft::num_complex::Complex;
-
-use crate::numerics::fft;
+use servoid_fft::{Complex, RealToComplex};
 
 /// Stretches of fewer rows are summed directly: their transforms would cost more.
 const DIRECT_ROWS: usize = 64;
@@ -114,7 +111,7 @@ impl LaggedSums {
 
 impl Spectra {
     fn new(size: usize, sequences: usize) -> Self {
-        let forward = fft::forward(size);
+        let forward = servoid_fft::forward(size);
         let zeros = forward.make_output_vec();
         Self {
             sums: vec![zeros.clone(); sequences],
@@ -133,7 +130,7 @@ fn transform(forward: &Arc<dyn RealToComplex<f64>>, block: &mut [f64], out: &mut
 }
 
 fn add_inverse(spectrum: &[Complex<f64>], size: usize, sums: &mut [f64]) {
-    let inverse = fft::inverse(size);
+    let inverse = servoid_fft::inverse(size);
     let mut spectrum = spectrum.to_vec();
     let mut lags = inverse.make_output_vec();
     inverse

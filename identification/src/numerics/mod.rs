@@ -4,7 +4,6 @@ mod chebyshev;
 mod convolution;
 mod critical_values;
 mod dual;
-mod fft;
 mod lagged_sums;
 mod linear_algebra;
 pub(crate) mod matrix_rows;

@@ -13,6 +13,8 @@ pub enum Check {
     Linearity,
     /// Whether the input excites all of the response.
     Excitation,
+    /// Whether frequencies that the caller left out have an effect without bound.
+    LeftOut,
     /// Whether the input is smooth.
     SmoothReference,
     /// Whether two estimators agree on the metrics.
@@ -91,7 +93,12 @@ impl Check {
     pub fn bears_on_comparison(&self) -> bool {
         matches!(
             self,
-            Self::ModelError | Self::Linearity | Self::Excitation | Self::Repeats | Self::Settled
+            Self::ModelError
+                | Self::Linearity
+                | Self::Excitation
+                | Self::LeftOut
+                | Self::Repeats
+                | Self::Settled
         )
     }
 }

@@ -1,8 +1,8 @@
 //! Whether bounds hold: they are valid at their level, or withdrawn for a reason.
 //!
 //! Bounds of this crate are those of noise. They hold if the input excites all of the response, the
-//! errors are noise, and the steps of the sensor are smaller than that noise. Identification decides
-//! that once; bounds that do not hold are not there at all, neither here nor in any document.
+//! frequencies kept describe it, the errors are noise, and the steps of the sensor are smaller than that noise.
+//! Identification decides that once; bounds that do not hold are not there at all, neither here nor in any document.
 
 use serde::de::DeserializeOwned;
 use serde::ser::SerializeStruct;
@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize, Serializer};
 pub enum Reason {
     /// The input lacks the frequencies that part of the response consists of.
     InputUnexcited,
+    /// The number of frequencies that was asked for leaves out more than can be bounded, though the input has it.
+    FrequenciesLeftOut,
     /// The errors follow the motion, or generalised least squares fits worse for taking them for noise.
     ErrorsNotNoise,
     /// The steps of the sensor are larger than the noise, and the input does not average them out.
@@ -26,6 +28,9 @@ impl Reason {
     pub fn because(self) -> &'static str {
         match self {
             Self::InputUnexcited => "the reference does not excite all of the response",
+            Self::FrequenciesLeftOut => {
+                "the number of frequencies asked for leaves part of the response out"
+            }
             Self::ErrorsNotNoise => "the errors are not noise",
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
         }
@@ -95,8 +100,9 @@ impl<T> Bounds<T> {
     }
 }
 
-/// The words go with the reason wherever it is written.
-struct Withdrawn(Reason);
+/// A reason as documents have it: the words go with it wherever it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Withdrawn(pub Reason);
 
 impl Serialize for Withdrawn {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -5,16 +5,18 @@ use std::fs;
 use toml::{Table, Value};
 
 /// The crates and those that each may use, the lowest first.
-const CRATES: [(&str, &[&str]); 7] = [
+const CRATES: [(&str, &[&str]); 8] = [
+    ("fft", &[]),
     ("protocol", &[]),
     ("firmware", &["servoid-protocol"]),
     ("simulator", &["servoid-firmware", "servoid-protocol"]),
-    ("identification", &[]),
+    ("identification", &["servoid-fft"]),
     ("client", &["servoid-protocol"]),
     (
         "host",
         &[
             "servoid-client",
+            "servoid-fft",
             "servoid-firmware",
             "servoid-identification",
             "servoid-protocol",

@@ -3,6 +3,7 @@
 use crate::instrument::live::LiveStep;
 use crate::plan::NarrowingBand;
 use serde::Serialize;
+use servoid_identification::results::{Bounds, Reason, Withdrawn};
 
 /// The band that was asked for, and the band of all runs together.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -11,6 +12,8 @@ pub(super) struct BandReached {
     /// Half of the band's width at its widest; `None` without a step response, or without bounds.
     reached_percent: Option<f64>,
     reached: bool,
+    /// Why a step response has no bounds; `None` where it has, or there is none.
+    withdrawn: Option<Withdrawn>,
     #[serde(skip)]
     estimate: BandEstimate,
 }
@@ -21,7 +24,7 @@ enum BandEstimate {
     /// No step response.
     None,
     /// A step response without valid bounds.
-    NoBounds,
+    NoBounds(Reason),
     /// A step response with a band.
     Band(NarrowingBand),
 }
@@ -29,10 +32,10 @@ enum BandEstimate {
 impl BandReached {
     /// Compares the last estimate, if there is one, with the band that was asked for.
     pub(super) fn of(asked_percent: f64, step: Option<&LiveStep>) -> Self {
-        let estimate = match step.map(|live| live.step.bounds.valid()) {
+        let estimate = match step.map(|live| &live.step.bounds) {
             None => BandEstimate::None,
-            Some(None) => BandEstimate::NoBounds,
-            Some(Some(bounds)) => BandEstimate::Band(NarrowingBand {
+            Some(Bounds::Withdrawn(reason)) => BandEstimate::NoBounds(*reason),
+            Some(Bounds::Valid(bounds)) => BandEstimate::Band(NarrowingBand {
                 widest_percent: 100.0 * bounds.widest_half_width(),
                 floor_percent: 100.0 * bounds.bias(),
             }),
@@ -41,7 +44,11 @@ impl BandReached {
             asked_percent,
             reached_percent: match estimate {
                 BandEstimate::Band(band) => Some(band.widest_percent),
-                BandEstimate::None | BandEstimate::NoBounds => None,
+                BandEstimate::None | BandEstimate::NoBounds(_) => None,
+            },
+            withdrawn: match estimate {
+                BandEstimate::NoBounds(reason) => Some(Withdrawn(reason)),
+                BandEstimate::None | BandEstimate::Band(_) => None,
             },
             reached: step.is_some_and(|step| step.is_within(asked_percent)),
             estimate,
@@ -60,12 +67,13 @@ impl BandReached {
                 band.widest_percent,
                 band.advice(asked, runs)
             ),
-            BandEstimate::NoBounds => {
-                "no band can be given: the model's bounds are withdrawn, and 'servoid identify' gives the reason"
-                    .to_owned()
-            }
+            BandEstimate::NoBounds(reason) => format!(
+                "no band can be given, as {}; 'servoid identify' says what to do",
+                reason.because()
+            ),
             BandEstimate::None => {
-                "no step response could be found: the run was too short; record a longer one".to_owned()
+                "no step response could be found: the run was too short; record a longer one"
+                    .to_owned()
             }
         })
     }

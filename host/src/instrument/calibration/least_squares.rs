@@ -1,8 +1,5 @@
-//! Least squares with four columns, by QR.
-
-use faer::linalg::solvers::{Qr, SolveLstsq};
-use faer::linalg::triangular_inverse::invert_upper_triangular;
-use faer::{Mat, Par};
+//! Least squares with four columns, by orthogonal columns (Gram and Schmidt, each twice, which is as accurate as
+//! reflections).
 
 /// A least-squares fit.
 #[derive(Clone, Copy, Debug)]
@@ -23,55 +20,86 @@ const ROUNDING: f64 = 1e-9;
 
 /// Fits `values` by the columns; `None` where the first two, zero and slope, depend on each other.
 pub(super) fn least_squares(columns: &[Vec<f64>; 4], values: &[f64]) -> Option<Solution> {
-    let mut kept: Vec<&Vec<f64>> = Vec::new();
-    let mut places = [None; 4];
-    for (place, column) in places.iter_mut().zip(columns) {
-        kept.push(column);
-        if adds_something(&kept) {
-            *place = Some(kept.len() - 1);
-        } else {
-            kept.pop();
-        }
-    }
-    let [Some(_), Some(_), ..] = places else {
+    let mut basis = Basis::default();
+    let mut units = (0..4).map(|place| std::array::from_fn(|k| f64::from(u8::from(k == place))));
+    let kept = columns
+        .each_ref()
+        .map(|column| basis.add(column, units.next().unwrap_or_default()));
+    let [true, true, ..] = kept else {
         return None;
     };
-    let design = matrix(&kept);
-    let values = matrix(&[&values.to_vec()]);
-    let qr = design.qr();
-    let solution = qr.solve_lstsq(&values);
-    let residuals = &values - &design * &solution;
-    let mut inverse = Mat::zeros(kept.len(), kept.len());
-    invert_upper_triangular(inverse.as_mut(), qr.thin_R(), Par::Seq);
+    let (along, residuals) = basis.split(values);
+    let (mut coefficients, mut variances) = (
+        [0.0; 4],
+        kept.map(|kept| if kept { 0.0 } else { f64::INFINITY }),
+    );
+    for (part, direction) in along.iter().zip(&basis.0) {
+        let sums = coefficients.iter_mut().zip(&mut variances);
+        for ((coefficient, variance), weight) in sums.zip(direction.weights) {
+            *coefficient += part * weight;
+            *variance += weight * weight;
+        }
+    }
     Some(Solution {
-        coefficients: places.map(|place| place.map_or(0.0, |j| solution[(j, 0)])),
-        variances: places.map(|place| {
-            // (X'X)^-1 = R^-1 R^-T
-            place.map_or(f64::INFINITY, |j| inverse.row(j).squared_norm_l2())
-        }),
-        squares: residuals.squared_norm_l2(),
-        largest_residual: residuals.norm_max(),
+        coefficients,
+        variances,
+        squares: dot(&residuals, &residuals),
+        largest_residual: residuals.iter().fold(0.0, |a, x| x.abs().max(a)),
     })
 }
 
-/// Whether the last column is no combination of those before it.
-fn adds_something(columns: &[&Vec<f64>]) -> bool {
-    let design = matrix(columns);
-    let last = columns.len() - 1;
-    let length = design.col(last).norm_l2();
-    design.nrows() > last && {
-        let qr: Qr<f64> = design.qr();
-        let rest = qr.thin_R()[(last, last)].abs();
-        rest > ROUNDING * length && rest > 0.0
+/// A vector of length 1, orthogonal to the others.
+struct Direction {
+    vector: Vec<f64>,
+    /// It is the sum of the columns with these weights: a column of R^-1, X = QR.
+    weights: [f64; 4],
+}
+
+/// Orthogonal directions that span the columns.
+#[derive(Default)]
+struct Basis(Vec<Direction>);
+
+impl Basis {
+    /// Adds a column, unless it is a combination of those before it, and says whether it did. `unit` is the column
+    /// as weights.
+    fn add(&mut self, column: &[f64], unit: [f64; 4]) -> bool {
+        let (along, rest) = self.split(column);
+        let (length, rest_length) = (dot(column, column).sqrt(), dot(&rest, &rest).sqrt());
+        let is_new = rest_length > 0.0 && rest_length > ROUNDING * length;
+        if !is_new || column.len() <= self.0.len() {
+            return false;
+        }
+        let mut weights = unit;
+        for (part, direction) in along.iter().zip(&self.0) {
+            for (weight, of_direction) in weights.iter_mut().zip(direction.weights) {
+                *weight -= part * of_direction;
+            }
+        }
+        self.0.push(Direction {
+            vector: rest.iter().map(|x| x / rest_length).collect(),
+            weights: weights.map(|weight| weight / rest_length),
+        });
+        true
+    }
+
+    /// The part of a vector along each direction, and the rest.
+    fn split(&self, vector: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (mut along, mut rest) = (vec![0.0; self.0.len()], vector.to_vec());
+        for _ in 0..2 {
+            for (along, direction) in along.iter_mut().zip(&self.0) {
+                let part = dot(&direction.vector, &rest);
+                *along += part;
+                for (x, q) in rest.iter_mut().zip(&direction.vector) {
+                    *x -= part * q;
+                }
+            }
+        }
+        (along, rest)
     }
 }
 
-fn matrix(columns: &[&Vec<f64>]) -> Mat<f64> {
-    let rows = columns.first().map_or(0, |column| column.len());
-    let cell = |i: usize, j: usize| columns.get(j).and_then(|column| column.get(i));
-    Mat::from_fn(rows, columns.len(), |i, j| {
-        cell(i, j).copied().unwrap_or(f64::NAN)
-    })
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

@@ -124,8 +124,12 @@ fn band(state: &ScopeState) -> Vec<Line<'static>> {
             end.unwrap_or_default()
         ))];
     };
-    let Bounds::Valid(bounds) = &step.step.bounds else {
-        return vec![Line::from("no band: see 'servoid identify'").red().bold()];
+    let bounds = match &step.step.bounds {
+        Bounds::Valid(bounds) => bounds,
+        Bounds::Withdrawn(reason) => {
+            let because = reason.because();
+            return vec![Line::from(format!("no band: {because}")).red().bold()];
+        }
     };
     let width = 100.0 * bounds.widest_half_width();
     let first = if state.enough() {

@@ -4,6 +4,7 @@ use super::numbers::{head_of_bounds, probability};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::nonlinear::{DirectionModel, Limits, Symmetry};
 use servoid_identification::results::{Bounds, Interval};
+use servoid_identification::thresholds::ASYMMETRY_FALSE_ALARM;
 
 /// A low-order model for a flight simulation.
 #[must_use]
@@ -84,9 +85,6 @@ pub fn of_limits(
     )
 }
 
-/// Probability below which noise does not explain differences.
-const CHANCE: f64 = 0.001;
-
 /// Whether up and down strokes differ, and whether by enough to matter.
 fn of_symmetry(symmetry: &Symmetry) -> String {
     let p = probability(Some(symmetry.p));
@@ -110,7 +108,7 @@ fn of_symmetry(symmetry: &Symmetry) -> String {
     }
     let beginning =
         format!("Up and down strokes show no clear difference: up to {largest}, but {clearest}.");
-    if symmetry.p < CHANCE {
+    if symmetry.p < ASYMMETRY_FALSE_ALARM {
         // Many small differences can be more than noise where no single one is.
         return format!(
             "{beginning} Taken together the differences are more than noise ({p}); other errors of a linear model cause such differences too."

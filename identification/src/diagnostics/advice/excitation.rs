@@ -1,4 +1,4 @@
-//! Findings on the input: whether it determines the response.
+//! Findings on the input and the frequencies taken from it: whether they determine the response.
 
 use super::evidence::Evidence;
 use crate::results::{Advice, Check, Withheld};
@@ -24,6 +24,27 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
         unexcited,
         evidence.nyquist_hz(),
         sharper(evidence),
+    ))
+}
+
+/// Frequencies that the input has and the caller left out.
+pub(super) fn left_out(evidence: &Evidence<'_>) -> Option<Advice> {
+    let left_out = evidence.validity.left_out_above_hz?;
+    let metrics = match evidence.validity.withheld {
+        Some(Withheld::FrequenciesLeftOut) => " Metrics are left out, too.",
+        _ => "",
+    };
+    let structure = &evidence.model.structure;
+    Some(Advice::new(
+        Check::LeftOut,
+        format!(
+            "No bounds can be given, because the {} frequencies that were asked for leave out the response from \
+             {left_out:.1} Hz upwards, and what that changes in the rest has no bound.{metrics}",
+            structure.frequencies
+        ),
+        structure.frequencies as f64,
+        structure.settling_samples as f64,
+        "Take more frequencies, or leave their number to the automatic choice.",
     ))
 }
 

@@ -19,6 +19,7 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
         errors::model_error(evidence),
         errors::not_linear(evidence),
         excitation::excitation(evidence),
+        excitation::left_out(evidence),
         excitation::smooth(evidence),
         errors::metrics(evidence),
         excitation::metrics(evidence),

@@ -119,7 +119,8 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     let model = evidence.model;
     let structure = &model.structure;
     let basis = model.basis().ok()?;
-    if basis.has_all_frequencies() {
+    // What was left out beyond any bound has been said.
+    if basis.has_all_frequencies() || evidence.validity.left_out_above_hz.is_some() {
         return None;
     }
     let highest = basis.highest_hz(model.sample_period_s);

@@ -9,16 +9,12 @@ use crate::estimation::{
 };
 use crate::options::NoiseOrder;
 use crate::results::fit_percent;
-use crate::thresholds::PREDICTION_TIE;
+use crate::thresholds::{DETERMINED_BY_PARTS, PREDICTION_TIE};
 
 /// Fit of a prediction that is no better than the mean of what it predicts \[%\]. Where that is all
 /// that can be had, parts of the record cannot stand for one another (one step in each, say), and
 /// their ranking would be one of accidents.
 const NO_PREDICTION: f64 = 0.0;
-
-/// Condition number beyond which a bank is not determined by the parts at hand. Far below it
-/// rounding is already visible, but small beside what the noise leaves open.
-const DETERMINED: f64 = 1e9;
 
 /// Steps in which the settling time is lengthened.
 const LENGTHENINGS: usize = 3;
@@ -125,7 +121,7 @@ fn parts_determine(total: &Moments, parts: &[Moments], basis: FsfBasis) -> bool 
             &coordinates,
             &plain(),
         )
-        .is_some_and(|fit| fit.solution.condition <= DETERMINED)
+        .is_some_and(|fit| fit.solution.condition <= DETERMINED_BY_PARTS)
     };
     let mut present = parts.iter().filter(|part| part.rows() > 0);
     !determined(total.clone()) || present.all(|part| determined(total.without(part)))
@@ -142,7 +138,7 @@ fn cross_validate(
     for part in parts.iter().filter(|part| part.rows() > 0) {
         let others = RowInformation::from_moments(total.without(part));
         let fit = GlsFit::of(&others, coordinates, options)?;
-        if fit.solution.condition > DETERMINED {
+        if fit.solution.condition > DETERMINED_BY_PARTS {
             return None; // Not determined by the parts that are left.
         }
         error += square(&RowInformation::from_moments(part.clone()), &fit);

@@ -14,6 +14,7 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::open_question::OpenQuestion;
 use crate::data::{EXACTLY, Run, holds, last_quarter, mean_output};
 use crate::results::Interval;
 use crate::thresholds::{
@@ -52,6 +53,9 @@ pub struct Hysteresis {
     pub size: Interval,
     /// The finding as a sentence.
     pub statement: String,
+    /// What to record where this recording does not show it, as a sentence; `None` where it does.
+    #[serde(default)]
+    pub remedy: Option<String>,
 }
 
 /// One end of the commanded range.
@@ -67,6 +71,9 @@ pub struct RangeEnd {
     pub gain_ratio: Interval,
     /// The finding as a sentence.
     pub statement: String,
+    /// What to record where this recording does not show it, as a sentence; `None` where it does.
+    #[serde(default)]
+    pub remedy: Option<String>,
 }
 
 /// The level table of a record.
@@ -208,15 +215,22 @@ impl Table {
             pairs += 1;
         }
         if pairs == 0 || self.degrees < 2 {
+            let open = OpenQuestion {
+                finding:
+                    "This recording does not determine whether the rest position depends on the \
+                          direction of approach"
+                        .to_owned(),
+                remedy: format!(
+                    "Record stairs that reach each level from both sides, at least twice, each held for at \
+                     least {:.2} s.",
+                    self.needed_s
+                ),
+            };
             return Hysteresis {
                 found: None,
                 size: Interval::default(),
-                statement: format!(
-                    "This recording does not determine whether the rest position depends on the \
-                     direction of approach: record stairs that reach each level from both sides, \
-                     at least twice, each held for at least {:.2} s.",
-                    self.needed_s
-                ),
+                statement: open.statement(),
+                remedy: Some(open.remedy),
             };
         }
         let difference = sum / weights;
@@ -244,6 +258,7 @@ impl Table {
                         .to_owned(),
                 }
             },
+            remedy: None,
         }
     }
 
@@ -254,17 +269,25 @@ impl Table {
     }
 
     fn end(&self, name: &str, level: &LevelMean, high: bool) -> RangeEnd {
+        let open = OpenQuestion {
+            finding: format!(
+                "This recording does not determine whether the servo softens or stops at a command of \
+                 {:.3}, where it reaches {:.3}",
+                level.command, level.mean
+            ),
+            remedy: format!(
+                "Record stairs of at least {LEVELS_FOR_ENDS} levels, both ends included, each visited at \
+                 least twice and held for at least {:.2} s.",
+                self.needed_s
+            ),
+        };
         let mut end = RangeEnd {
             softens: None,
             command: level.command,
             reached: self.around(level.mean, 1.0 / level.visits as f64),
             gain_ratio: Interval::default(),
-            statement: format!(
-                "This recording does not determine whether the servo softens or stops at a command of \
-                 {:.3}, where it reaches {:.3}: record stairs of at least {LEVELS_FOR_ENDS} levels, both ends \
-                 included, each visited at least twice and held for at least {:.2} s.",
-                level.command, level.mean, self.needed_s
-            ),
+            statement: open.statement(),
+            remedy: Some(open.remedy),
         };
         if self.levels.len() < LEVELS_FOR_ENDS || self.degrees < 2 {
             return end;
@@ -290,7 +313,7 @@ impl Table {
         let ratio = gain / others;
         end.gain_ratio = self.within(ratio, sd / others.abs());
         let softens = SOFT_END - ratio > self.critical(RANGE_END_FALSE_ALARM) * sd / others.abs();
-        end.softens = Some(softens);
+        (end.softens, end.remedy) = (Some(softens), None);
         end.statement = match (softens, ratio < HARD_STOP) {
             (false, _) => format!(
                 "No stop at the {name} end: {:.3} is reached at a command of {:.3}, with {:.0} % of \

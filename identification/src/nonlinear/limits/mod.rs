@@ -8,6 +8,7 @@
 //! references do not show these limits.
 
 mod hysteresis_and_ends;
+mod open_question;
 mod rate;
 
 use serde::{Deserialize, Serialize};

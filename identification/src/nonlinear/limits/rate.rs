@@ -17,6 +17,7 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
+use super::open_question::OpenQuestion;
 use crate::data::Stroke;
 use crate::numerics::pointwise_critical;
 use crate::results::Interval;
@@ -58,6 +59,9 @@ pub struct Rate {
     pub sizes: (f64, f64),
     /// The finding as a sentence.
     pub statement: String,
+    /// What to record where this recording does not show it, as a sentence; `None` where it does.
+    #[serde(default)]
+    pub remedy: Option<String>,
 }
 
 impl Rate {
@@ -80,6 +84,7 @@ impl Rate {
             stopped,
             sizes,
             statement: String::new(),
+            remedy: None,
         };
         if strokes.len() < STROKES_FOR_RATE || sizes.1 < SIZES_FOR_RATE * sizes.0 {
             let seen = match strokes.len() {
@@ -96,11 +101,17 @@ impl Rate {
                     " and within the free travel",
                 ),
             };
-            rate.statement = format!(
-                "This recording does not determine whether the speed {direction} is limited, because it has \
-                 {seen}{stopped}: record at least {STROKES_FOR_RATE} strokes in each direction, the largest at \
-                 least {SIZES_FOR_RATE} times the smallest, each held until it has settled{within}."
-            );
+            let open = OpenQuestion {
+                finding: format!(
+                    "This recording does not determine whether the speed {direction} is limited, because it has \
+                     {seen}{stopped}"
+                ),
+                remedy: format!(
+                    "Record at least {STROKES_FOR_RATE} strokes in each direction, the largest at least \
+                     {SIZES_FOR_RATE} times the smallest, each held until it has settled{within}."
+                ),
+            };
+            (rate.statement, rate.remedy) = (open.statement(), Some(open.remedy));
             return rate;
         }
         let logs: Vec<(f64, f64)> = strokes
@@ -299,7 +310,10 @@ mod tests {
         let one_size = &strokes(|a| 30.0 * a)[..1].repeat(9);
         let cannot = Rate::new("up", one_size, 0.99);
         assert_eq!(cannot.verdict, RateVerdict::CannotTell);
-        assert!(cannot.statement.contains("record at least"));
+        let remedy = cannot.remedy.unwrap();
+        assert!(remedy.starts_with("Record at least 6 strokes"), "{remedy}");
+        assert!(cannot.statement.ends_with(&remedy[1..]), "{remedy}");
+        assert_eq!(limited.remedy, None);
     }
 
     #[test]

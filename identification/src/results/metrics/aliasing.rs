@@ -19,9 +19,7 @@
 //! of the servo, unless the upper half of the frequencies shows it to be less, or more.
 
 use super::measured::Measured;
-
-/// Standard deviations by which the power at the upper frequencies may be larger than it seems.
-const CAUTION: f64 = 3.0;
+use crate::thresholds::FOLDED_POWER_DOUBT;
 
 /// The part of a response that is folded from beyond half the rate of sampling.
 pub(super) struct Folding {
@@ -76,7 +74,7 @@ fn upper(measured: &Measured<'_>) -> (f64, f64) {
     }
     let count = count as f64;
     // Each power has the distribution of a sum of two squares.
-    let (seen, doubt) = (power - noise, CAUTION * noise / count.sqrt());
+    let (seen, doubt) = (power - noise, FOLDED_POWER_DOUBT * noise / count.sqrt());
     let mean = |power: f64| (power.max(0.0) / count).sqrt();
     (mean(seen - doubt), mean(seen.max(0.0) + doubt))
 }
@@ -163,8 +161,10 @@ mod tests {
             });
             let (re, im) = (parts[0].0 + parts[1].0, parts[0].1 + parts[1].1);
             let exact = im.atan2(re).to_degrees();
-            let phase = model.phase_at(&[omega]).unwrap()[0].phase_deg;
-            assert!(phase.contains(exact), "{omega}: {exact} {phase:?}");
+            let bounds = model.servo_response(&[omega]).unwrap().bounds;
+            let known = bounds.valid().unwrap();
+            let phase = known.phase_deg_lower[0]..=known.phase_deg_upper[0];
+            assert!(phase.contains(&exact), "{omega}: {exact} {phase:?}");
         }
     }
 }

@@ -62,6 +62,8 @@ pub use interval::Interval;
 pub enum Withheld {
     /// All of them: they rest on frequencies that the input does not excite.
     InputUnexcited,
+    /// All of them: they rest on frequencies that were left out because the caller asked for so few.
+    FrequenciesLeftOut,
     /// All but the gain, if that: plain and generalised least squares give different ones.
     EstimatorsDisagree,
     /// All but the gain: they are relative to it, and it may be zero.
@@ -74,6 +76,7 @@ impl Withheld {
     pub fn because(self) -> &'static str {
         match self {
             Self::InputUnexcited => "the reference does not excite what they rest on",
+            Self::FrequenciesLeftOut => "they rest on frequencies that were left out",
             Self::EstimatorsDisagree => "two ways to estimate them disagree",
             Self::GainMayBeZero => "the gain may be zero",
         }
