@@ -6,6 +6,7 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use servoid_identification::servo_model::{ServoModelOptions, fit};
 use servoid_identification::{
     Frequencies, MomentStream, Moments, NoiseOrder, Options, Record, Settling, identify,
     identify_moments,
@@ -183,5 +184,24 @@ fn automatic(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(identification, whole, linear, independent, live, automatic);
+/// The servo as a machine, from one run of 3600 samples every 2 ms.
+fn servo_model(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("servo model, all automatic");
+    group.sample_size(10);
+    let record = record(3_600);
+    group.bench_function("3600 samples, in at most 1 s", |bencher| {
+        bencher.iter(|| fit(black_box(&record), &ServoModelOptions::default()).unwrap());
+    });
+    group.finish();
+}
+
+criterion_group!(
+    identification,
+    whole,
+    linear,
+    independent,
+    live,
+    automatic,
+    servo_model
+);
 criterion_main!(identification);

@@ -181,6 +181,16 @@ pub enum Error {
          reference with steps that are held until the servo rests"
     )]
     Unexcited,
+    /// More controllers than a servo model can have.
+    #[error(
+        "the runs have {controllers} controllers, and a servo model takes {most}: fit the runs of fewer at a time"
+    )]
+    TooManyControllers {
+        /// Controllers of the runs.
+        controllers: usize,
+        /// Controllers that a model takes.
+        most: usize,
+    },
     /// Moments lack lags for the settling time and noise order that are asked for.
     #[error(
         "the moments have {lags} lags of the input and need {needed}: collect them with more lags, or state a \

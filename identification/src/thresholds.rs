@@ -405,5 +405,20 @@ pub const EQUALLY_LONG: f64 = 1.25;
 /// Protects: readers from shifts of no consequence. Evidence: the snapshot of a comparison.
 pub const NOTABLE_SHIFT_S: f64 = 0.25e-3;
 
-/// x
+// The servo model.
+
+/// Advantage of a term in predicting blocks that the fit has not seen, in standard errors of its mean over the blocks, from
+/// which on the term is taken. One in a thousand advantages of nothing is larger, and about ten terms are tried.
+///
+/// Protects: linear servos from terms that they do not have. Evidence: the test that linear servos stay linear.
 pub const SERVO_TERM_ADVANTAGE: f64 = 3.0;
+
+/// Ratio of the mean squares of errors one step ahead in motion and at rest, up to which they are the same noise.
+///
+/// Protects: the intervals of servo models that are wrong in motion. Evidence: the coverage table of servo models.
+pub const MOTION_NOISE_RATIO: f64 = 1.25;
+
+/// Standard errors by which the logarithm of that ratio must exceed zero; chance does so once in 30 000.
+///
+/// Protects: right servo models from being refused. Evidence: as for [`MOTION_NOISE_RATIO`].
+pub const MOTION_NOISE_CHANCE: f64 = 4.0;

@@ -4,7 +4,7 @@ use super::input::{TableArgs, identified};
 use super::output::{Output, stem, wrong_usage};
 use crate::data::dataset::suggestion::quoted;
 use crate::data::dataset::{Dataset, listed};
-use crate::data::model_file::ModelDocument;
+use crate::data::model_file::{ModelDocument, ServoModelDocument};
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::explanation;
 use crate::presentation::{plots, summary};
@@ -15,6 +15,7 @@ use servoid_identification::diagnostics::Explanation;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
 use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
 use servoid_identification::results::{Model, StepResponse};
+use servoid_identification::servo_model::{self, ServoModelOptions};
 use servoid_identification::{Frequencies, NoiseOrder, Options, Settling, flight_model};
 use std::path::{Path, PathBuf};
 
@@ -27,7 +28,8 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Examples:
   servoid identify bench.csv -o bench.json --plots plots
   servoid identify mine.csv --input u --output y --period 0.02
-  servoid identify bench.csv --limits --level 95")]
+  servoid identify bench.csv --limits --level 95
+  servoid identify mine.csv --input u --output y --period 0.02 --servo-model")]
 pub(super) struct Identify {
     /// Recordings, or CSV files
     #[arg(required = true, value_name = "FILE.csv")]
@@ -52,6 +54,10 @@ pub(super) struct Identify {
     /// it for 'servoid export'
     #[arg(long)]
     flight_model: bool,
+    /// Also find the servo as a machine: delay, stiffness, limit of the drive, two speeds, dead band, friction and load, as
+    /// far as prediction needs them. It is found by itself where the linear model has no bounds
+    #[arg(long)]
+    servo_model: bool,
     /// Also test for motion that is not linear: up and down strokes that differ, rate limits, hysteresis of the
     /// rest position, ends of the travel
     #[arg(long)]
@@ -92,7 +98,31 @@ impl Identify {
             Some(Err(reason)) => (None, Some(reason)),
             None => (None, None),
         };
-        let mut text = summary::of_model(&listed(&self.files), model, units);
+        let servo = self
+            .wants_servo_model(model)
+            .then(|| fit_servo_model(&data, self.level));
+        let (servo, no_servo) = match servo {
+            Some(Ok(servo)) => (Some(servo), None),
+            Some(Err(reason)) => (None, Some(reason)),
+            None => (None, None),
+        };
+        let mut text = String::new();
+        text.extend(
+            servo
+                .as_ref()
+                .map(|servo| summary::servo_sentence(&servo.model, units) + "\n\n"),
+        );
+        text += &summary::of_model(&listed(&self.files), model, units);
+        text.extend(
+            servo
+                .as_ref()
+                .map(|servo| summary::of_servo_model(&servo.model, units, self.explain)),
+        );
+        text.extend(
+            no_servo
+                .as_ref()
+                .map(|reason| format!("\nno servo model: {reason}\n")),
+        );
         text.extend(explanation.map(|e| explanation::as_text(e, model)));
         text.extend(fitted.as_ref().map(summary::of_flight_model));
         text.extend(
@@ -109,6 +139,8 @@ impl Identify {
             explanation,
             flight_model: fitted.as_ref(),
             no_flight_model: reason.as_ref(),
+            servo_model: servo.as_ref(),
+            no_servo_model: no_servo.as_ref(),
             limits: None,
             directions: None,
         };
@@ -128,6 +160,11 @@ impl Identify {
         }
         talk.say(self.next());
         talk.result(text, &result)
+    }
+
+    /// Without bounds, the linear model leaves its user with little.
+    fn wants_servo_model(&self, model: &Model) -> bool {
+        self.servo_model || model.level().withdrawn().is_some()
     }
 
     fn draw(
@@ -173,6 +210,29 @@ fn fit_flight_model(data: &Dataset, model: &Model) -> Result<FlightModel, String
     flight_model::fit(&data.record, model, &options).map_err(|error| error.to_string())
 }
 
+/// The servo as a machine, or the reason why it is not found.
+fn fit_servo_model(data: &Dataset, level: f64) -> Result<ServoModelDocument, String> {
+    let names = data.controllers.names();
+    let radians = match data.about.units().input {
+        Some("deg") => Some(1f64.to_radians()),
+        Some("rad") => Some(1.0),
+        _ => None,
+    };
+    let options = ServoModelOptions {
+        controllers: data
+            .controllers
+            .among(&names)
+            .map_err(|error| error.to_string())?,
+        level,
+        radians_per_command: radians,
+    };
+    let model = servo_model::fit(&data.record, &options).map_err(|error| error.to_string())?;
+    Ok(ServoModelDocument {
+        model,
+        controller_names: names,
+    })
+}
+
 /// The model as `--json` prints it and `-o` writes it, with the further results that were asked for.
 #[derive(Serialize)]
 struct Identified<'a> {
@@ -185,6 +245,11 @@ struct Identified<'a> {
     /// The reason why there is none though one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     no_flight_model: Option<&'a String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    servo_model: Option<&'a ServoModelDocument>,
+    /// The reason why there is none though one was looked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    no_servo_model: Option<&'a String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     limits: Option<Limits>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -34,6 +34,10 @@ pub(super) struct TableArgs {
     /// Column whose value changes where a new run begins
     #[arg(long, value_name = "COLUMN")]
     run: Option<String>,
+    /// Column with the name or gain of the controller that drove the run, where several drove the same mechanism: the
+    /// servo model fits them together
+    #[arg(long, value_name = "COLUMN")]
+    controller: Option<String>,
     /// The input's value during at least the settling time before each run; then no row is left out. Give it
     /// only if it is true: a wrong value is far worse than none
     #[arg(long, value_name = "INPUT", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
@@ -58,6 +62,7 @@ impl TableArgs {
                 self.time_unit.map(|unit| unit.names().0.to_owned()),
             ),
             ("--run", self.run.clone()),
+            ("--controller", self.controller.clone()),
             ("--at-rest", self.at_rest.map(number)),
         ];
         let typed = given.into_iter().filter_map(|(option, value)| {
@@ -77,6 +82,7 @@ impl TableArgs {
             time: args.time,
             time_unit: args.time_unit,
             run: args.run,
+            controller: args.controller,
             at_rest: args.at_rest,
             with_rest: args.with_rest,
         }

@@ -45,21 +45,29 @@ pub(super) struct Validate {
 impl Validate {
     pub(super) fn run(self) -> Result<String> {
         self.output.check(&self.out)?;
+        let file = ModelFile::read(&self.model)?;
+        let servo = file.servo_model()?;
         let ModelFile {
             model,
             metadata,
             fingerprints,
             ..
-        } = ModelFile::read(&self.model)?;
+        } = file;
         let data = self.table.load(&self.files, self.output.talk)?;
         let (model_name, files) = (self.model.display().to_string(), listed(&self.files));
         metadata.same_units(&model_name, &ModelMetadata::from(&data.about), &files)?;
         let own = fingerprint::advice_on_validation(&fingerprints, &fingerprint::of(&data.record));
         let validation = model.validate(&data.record).context(files)?;
+        let servo = servo.map(|servo| -> Result<Validation> {
+            let controllers = data.controllers.among(&servo.controller_names)?;
+            Ok(servo.model.validate(&data.record, &controllers)?)
+        });
+        let servo = servo.transpose()?;
         let unit = data.about.output_unit.as_deref();
         let advice: Vec<Advice> = own.into_iter().chain(data.about.advice).collect();
         let validated = Validated {
             validation: &validation,
+            servo_model: servo.as_ref(),
             advice: &advice,
         };
         self.output.write_json(self.out.as_ref(), &validated)?;
@@ -76,7 +84,7 @@ impl Validate {
             let figures: Vec<_> = data.record.runs().iter().zip(1..).map(of_run).collect();
             self.output.draw(folder, &figures)?;
         }
-        let text = summary::of_validation(&validation, unit, &advice);
+        let text = summary::of_validation(&validation, servo.as_ref(), unit, &advice);
         self.output.talk.result(text, &validated)
     }
 }
@@ -86,6 +94,9 @@ impl Validate {
 struct Validated<'a> {
     #[serde(flatten)]
     validation: &'a Validation,
+    /// The same of the servo model, where the file has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    servo_model: Option<&'a Validation>,
     #[serde(skip_serializing_if = "<[Advice]>::is_empty")]
     advice: &'a [Advice],
 }

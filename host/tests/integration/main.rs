@@ -26,6 +26,7 @@ mod safekeeping;
 mod same_data;
 #[cfg(target_os = "linux")]
 mod scope;
+mod servo_model;
 mod sessions;
 mod sides;
 mod support;

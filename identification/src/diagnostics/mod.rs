@@ -29,4 +29,4 @@ pub use run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatt
 pub(crate) use simulation_error::{beginnings, simulated, square};
 pub use standstill_noise::StandstillNoise;
 pub(crate) use standstill_noise::against_standstill;
-pub(crate) use validity::{Validity, ValidityEvidence};
+pub(crate) use validity::{Validity, ValidityEvidence, level_unless};

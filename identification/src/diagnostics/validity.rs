@@ -104,6 +104,11 @@ impl Validity {
     }
 }
 
+/// The level of the intervals of a servo model: they hold unless something speaks against it.
+pub(crate) fn level_unless(against: Option<Reason>, level: f64) -> Bounds<f64> {
+    against.map_or(Bounds::Valid(level), Bounds::Withdrawn)
+}
+
 impl ValidityEvidence<'_> {
     fn unexcited_above_hz(&self) -> Option<f64> {
         if let Some(found) = self.misfit.and_then(|misfit| misfit.unexcited_above_hz) {

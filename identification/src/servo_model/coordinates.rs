@@ -3,7 +3,7 @@
 //! Quantities that are positive and range over decades are logarithms. Load and friction are divided by the
 //! stiffness, so they are errors at rest in units of the command, which a record shows directly.
 
-use super::physics::{AtRest, Friction, Limit, Load, Physics};
+use super::equation::{AtRest, DriveLimit, Friction, Load, ServoParameters};
 use crate::numerics::Scalar;
 use serde::{Deserialize, Serialize};
 
@@ -143,7 +143,10 @@ impl Terms {
         with(self.limit, &[LnTopSpeed, MotorShare]);
         with(self.two_speeds, &[LnDownToUp]);
         with(self.dead_band, &[DeadBand]);
-        with(self.friction, &[Coordinate::Friction, FrictionAtRest, LnFrictionSpeed]);
+        with(
+            self.friction,
+            &[Coordinate::Friction, FrictionAtRest, LnFrictionSpeed],
+        );
         match self.load {
             LoadKind::None => {}
             LoadKind::Constant => with(true, &[ConstantLoad]),
@@ -203,7 +206,7 @@ impl Point {
         &self,
         controller: usize,
         number: impl Fn(usize, f64) -> S,
-    ) -> Physics<S> {
+    ) -> ServoParameters<S> {
         let find = |wanted: Coordinate| {
             let index = self.coordinates.iter().position(|at| *at == wanted)?;
             Some(number(index, self.values[index]))
@@ -217,7 +220,7 @@ impl Point {
         let damping = get(LnDamping).exp();
         let limit = find(LnTopSpeed).map(|top_speed| {
             let motor_damping = damping * get(MotorShare);
-            Limit {
+            DriveLimit {
                 up: top_speed.exp() * motor_damping,
                 down_to_up: get(LnDownToUp).exp(),
                 motor_damping,
@@ -228,7 +231,7 @@ impl Point {
             speed: get(LnFrictionSpeed).exp(),
         });
         let constant = get(ConstantLoad) * shared;
-        Physics {
+        ServoParameters {
             delay_s: get(Delay),
             stiffness,
             damping,

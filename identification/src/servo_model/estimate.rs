@@ -3,19 +3,25 @@
 //! The terms are chosen by the [ladder](super::ladder) on a coarse grid, the parameters fitted on a fine one, and the
 //! evidence decides whether bounds hold.
 
+use super::candidate::Candidate;
 use super::coordinates::{Coordinate, Point, Terms};
 use super::fit::Problem;
 use super::ladder::{Ladder, Rung};
-use super::model::{Covariance, LONGEST_STEP_S, LadderRung, ServoFit, ServoModel};
+use super::model::{
+    Alternative, Covariance, LONGEST_STEP_S, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel,
+};
 use super::quantities::quantities;
 use super::search::Shown;
 use super::simulation::Grid;
 use super::start::find_starts;
 use super::stretches::{Stretch, stretches};
 use super::uncertainty::{Uncertainty, uncertainty};
+use super::validity::against;
 use crate::data::Record;
+use crate::diagnostics::level_unless;
 use crate::error::Error;
-use crate::results::{Noise, fit_percent, pointwise_critical};
+use crate::results::{Bounds, Noise, fit_percent, pointwise_critical};
+use faer::Mat;
 
 /// Longest step of the integration while terms are chosen \[s\].
 const CHOICE_STEP_S: f64 = 1.5e-3;
@@ -27,7 +33,10 @@ const SEARCH_STEP_S: f64 = 3e-3;
 const CLIP: f64 = 0.5;
 
 /// Steps of the last descent.
-const STEPS: usize = 60;
+const STEPS: usize = 30;
+
+/// Steps of each descent from another delay.
+const DELAY_STEPS: usize = 12;
 
 /// Longest delay that is looked for \[s\], and in samples: the larger of the two.
 const LONGEST_DELAY: (f64, f64) = (0.2, 4.0);
@@ -44,7 +53,7 @@ pub struct ServoModelOptions {
     pub controllers: Vec<usize>,
     /// Confidence level of the bounds.
     pub level: f64,
-    /// Radians for each unit of the command; `None` to tell degrees from radians by their size.
+    /// Radians for each unit of the command; `None` to take them for degrees or radians by their size.
     pub radians_per_command: Option<f64>,
 }
 
@@ -60,9 +69,30 @@ impl Default for ServoModelOptions {
 
 /// Finds the servo behind a record.
 ///
+/// ```
+/// use servoid_identification::servo_model::{ServoModelOptions, fit};
+/// use servoid_identification::Record;
+/// // Follows at 0.3 a sample at the most.
+/// let u: Vec<f64> = (0..900).map(|k| [0.0, 5.0, -3.0, 1.0][k / 60 % 4]).collect();
+/// let y: Vec<f64> = u.iter().scan(0.0, |y, u| {
+///     *y += (0.2 * (u - *y)).clamp(-0.3, 0.3);
+///     Some(*y)
+/// }).collect();
+/// let record = Record::from_slices(0.01, &u, &y)?;
+/// let servo = fit(&record, &ServoModelOptions::default())?;
+/// assert!(servo.terms.limit && servo.fit.simulation_percent > 95.0);
+/// # Ok::<(), servoid_identification::Error>(())
+/// ```
+///
 /// # Errors
-/// The record has too few samples in one piece.
+/// The record has too few samples, or too many controllers.
 pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, Error> {
+    if controllers(options) > MOST_CONTROLLERS {
+        return Err(Error::TooManyControllers {
+            controllers: controllers(options),
+            most: MOST_CONTROLLERS,
+        });
+    }
     let (mut parts, fold_of) = stretches(record, &options.controllers);
     let samples: usize = parts.iter().map(|part| part.input.len()).sum();
     if samples < FEWEST {
@@ -73,7 +103,6 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
     }
     let period_s = record.sample_period_s();
     let shown = Shown::by(&parts, period_s);
-    let controllers = options.controllers.iter().max().map_or(1, |last| last + 1);
     let mut ladder = Ladder {
         stretches: &mut parts,
         fold_of: &fold_of,
@@ -81,34 +110,61 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
         search_grid: Grid::new(period_s, record.sample_phase_s(), SEARCH_STEP_S),
         shown,
         clip: CLIP * shown.output_sd,
-        longest_delay_s: LONGEST_DELAY.0.max(LONGEST_DELAY.1 * period_s),
-        controllers,
-        radians: options.radians_per_command.unwrap_or_else(|| radians(record)),
+        longest_delay_s: longest_delay_s(period_s),
+        controllers: controllers(options),
+        radians: options
+            .radians_per_command
+            .unwrap_or_else(|| radians(record)),
         tried: Vec::new(),
     };
     let chosen = ladder.climb();
-    let (tried, radians) = (std::mem::take(&mut ladder.tried), ladder.radians);
-    let fine = Fine {
-        grid: Grid::new(period_s, record.sample_phase_s(), LONGEST_STEP_S),
-        clip: ladder.clip,
-        longest_delay_s: ladder.longest_delay_s,
+    let members = ladder.not_beaten(chosen);
+    let tried = std::mem::take(&mut ladder.tried);
+    let fit_on = |longest_step_s: f64, converged: f64| Fit {
+        grid: Grid::new(period_s, record.sample_phase_s(), longest_step_s),
+        clip: CLIP * shown.output_sd,
+        longest_delay_s: longest_delay_s(period_s),
+        converged,
     };
-    let point = fine.descend(&mut parts, tried[chosen].fit.clone());
+    let (coarse, fine) = (fit_on(CHOICE_STEP_S, 1e-5), fit_on(LONGEST_STEP_S, 1e-7));
+    let from = coarse.best_of_delays(&parts, &tried[chosen].fit);
+    let point = fine.polished(&mut parts, from);
     let found = uncertainty(&fine.problem(&parts), &point, fold_of.len());
-    Ok(describe(record, options, &parts, &tried, chosen, radians, controllers, point, found))
+    let mut candidates = vec![found.candidate(point)];
+    for &member in &members[1..] {
+        let point = tried[member].fit.clone();
+        candidates
+            .push(uncertainty(&coarse.problem(&parts), &point, fold_of.len()).candidate(point));
+    }
+    let ladder = Choice { tried, chosen };
+    Ok(describe(
+        record,
+        options,
+        &parts,
+        &ladder,
+        &candidates,
+        found,
+    ))
+}
+
+/// The rungs that were tried, and the chosen one.
+struct Choice {
+    tried: Vec<Rung>,
+    chosen: usize,
 }
 
 /// Samples that are needed: a few for each of the blocks.
 const FEWEST: usize = 64;
 
-/// The last, fine fit.
-struct Fine {
+/// How the parameters of given terms are fitted.
+struct Fit {
     grid: Grid,
     clip: f64,
     longest_delay_s: f64,
+    converged: f64,
 }
 
-impl Fine {
+impl Fit {
     fn problem<'a>(&self, stretches: &'a [Stretch]) -> Problem<'a> {
         Problem {
             stretches,
@@ -116,37 +172,50 @@ impl Fine {
             used: &|_| true,
             clip: self.clip,
             longest_delay_s: self.longest_delay_s,
-            converged: 1e-8,
+            converged: self.converged,
         }
     }
 
-    /// The best of descents from several delays, with the starts found anew for each.
-    fn descend(&self, parts: &mut Vec<Stretch>, from: Point) -> Point {
+    /// The best of short descents from several delays.
+    fn best_of_delays(&self, parts: &[Stretch], from: &Point) -> Point {
         let delay_s = from.get(Coordinate::Delay).unwrap_or(0.0);
-        let mut best: Option<(f64, Point, Vec<Stretch>)> = None;
-        for delay_s in [delay_s, 0.8 * delay_s, 1.2 * delay_s] {
+        let descents = [1.0, 0.8, 1.2].map(|factor| {
             let mut point = from.clone();
-            point.set(Coordinate::Delay, delay_s.min(self.longest_delay_s));
-            let mut own = parts.clone();
-            let mut cost = f64::INFINITY;
-            for _ in 0..2 {
-                find_starts(&mut own, &point, &self.grid);
-                cost = self.problem(&own).descend(&mut point, STEPS);
-            }
-            if best.as_ref().is_none_or(|(lowest, ..)| cost < *lowest) {
-                best = Some((cost, point, own));
-            }
+            point.set(
+                Coordinate::Delay,
+                (factor * delay_s).min(self.longest_delay_s),
+            );
+            (self.problem(parts).descend(&mut point, DELAY_STEPS), point)
+        });
+        let best = descents.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map_or_else(|| from.clone(), |best| best.1)
+    }
+
+    /// The minimum, with the starts of the stretches found anew.
+    fn polished(&self, parts: &mut [Stretch], mut point: Point) -> Point {
+        for _ in 0..2 {
+            find_starts(parts, &point, &self.grid);
+            self.problem(parts).descend(&mut point, STEPS);
         }
-        let (_, point, own) = best.expect("three delays were tried");
-        *parts = own;
         point
     }
 }
 
+fn longest_delay_s(period_s: f64) -> f64 {
+    LONGEST_DELAY.0.max(LONGEST_DELAY.1 * period_s)
+}
+
 /// Radians for each unit of the command, by the range of the command.
 fn radians(record: &Record) -> f64 {
-    let inputs = || record.runs().iter().flat_map(|run| run.input()).filter(|u| !u.is_nan());
-    let range = inputs().fold(f64::MIN, |a, b| a.max(*b)) - inputs().fold(f64::MAX, |a, b| a.min(*b));
+    let inputs = || {
+        record
+            .runs()
+            .iter()
+            .flat_map(|run| run.input())
+            .filter(|u| !u.is_nan())
+    };
+    let range =
+        inputs().fold(f64::MIN, |a, b| a.max(*b)) - inputs().fold(f64::MAX, |a, b| a.min(*b));
     if range > RADIANS_UP_TO {
         1f64.to_radians()
     } else {
@@ -154,58 +223,71 @@ fn radians(record: &Record) -> f64 {
     }
 }
 
-#[expect(clippy::too_many_arguments)]
+/// The result in people's terms.
 fn describe(
     record: &Record,
     options: &ServoModelOptions,
     parts: &[Stretch],
-    tried: &[Rung],
-    chosen: usize,
-    radians: f64,
-    controllers: usize,
-    point: Point,
+    choice: &Choice,
+    candidates: &[Candidate],
     found: Uncertainty,
 ) -> ServoModel {
-    let known: Vec<f64> = found.errors.iter().flatten().copied().filter(|e| !e.is_nan()).collect();
+    let point = &candidates[0].point;
+    let known: Vec<f64> = found
+        .errors
+        .iter()
+        .flatten()
+        .copied()
+        .filter(|e| !e.is_nan())
+        .collect();
     let count = known.len() as f64;
     let error: f64 = known.iter().map(|e| e * e).sum();
-    let outputs = || parts.iter().flat_map(|part| &part.output).filter(|y| !y.is_nan());
+    let outputs = || {
+        parts
+            .iter()
+            .flat_map(|part| &part.output)
+            .filter(|y| !y.is_nan())
+    };
     let mean = outputs().sum::<f64>() / count;
     let spread: f64 = outputs().map(|y| (y - mean).powi(2)).sum();
-    let linear = tried.iter().find(|rung| rung.terms == Terms::default());
     let held_out = |rung: &Rung| fit_percent(rung.total(), spread);
-    let level = super::validity::level(options.level, record, parts, &point, &found);
-    let rows = |of: f64| Covariance {
-        level: of,
-        rows: (0..point.values.len())
-            .map(|i| (0..point.values.len()).map(|j| found.covariance[(i, j)]).collect())
-            .collect(),
-    };
+    let linear = choice
+        .tried
+        .iter()
+        .find(|rung| rung.terms == Terms::default());
+    let level = level_unless(against(parts, point.terms, &found), options.level);
     let rung = |(index, rung): (usize, &Rung)| LadderRung {
         terms: rung.terms,
         held_out_percent: held_out(rung),
         fit_percent: fit_percent(rung.cost, spread),
-        chosen: index == chosen,
+        chosen: index == choice.chosen,
+    };
+    let alternative = |other: &Candidate| Alternative {
+        terms: other.point.terms,
+        coordinates: other.point.coordinates.clone(),
+        values: other.point.values.clone(),
+        covariance: rows(&other.covariance),
     };
     ServoModel {
         sample_period_s: record.sample_period_s(),
         sample_phase_s: record.sample_phase_s(),
         terms: point.terms,
-        controllers,
-        radians_per_command: radians,
-        covariance: level.as_ref().map(|level| rows(*level)),
-        quantities: quantities(
-            &point,
-            &found.covariance,
-            &found.seen,
-            pointwise_critical(options.level),
-            &level,
-        ),
+        controllers: controllers(options),
+        radians_per_command: point.radians,
+        covariance: level.as_ref().map(|level| Covariance {
+            level: *level,
+            rows: rows(&candidates[0].covariance),
+        }),
+        alternatives: match &level {
+            Bounds::Withdrawn(_) => Vec::new(),
+            _ => candidates[1..].iter().map(alternative).collect(),
+        },
+        quantities: quantities(candidates, pointwise_critical(options.level), &level),
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
         fit: ServoFit {
             simulation_percent: fit_percent(error, spread),
-            held_out_percent: held_out(&tried[chosen]),
+            held_out_percent: held_out(&choice.tried[choice.chosen]),
             linear_held_out_percent: linear.map_or(f64::NAN, held_out),
             rmse: (error / count).sqrt(),
             samples_used: known.len(),
@@ -215,6 +297,16 @@ fn describe(
             ar: found.ar,
             sigma: found.sigma,
         },
-        ladder: tried.iter().enumerate().map(rung).collect(),
+        ladder: choice.tried.iter().enumerate().map(rung).collect(),
     }
+}
+
+fn rows(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
+    let row = |i: usize| (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect();
+    (0..matrix.nrows()).map(row).collect()
+}
+
+/// Number of controllers.
+fn controllers(options: &ServoModelOptions) -> usize {
+    options.controllers.iter().max().map_or(1, |last| last + 1)
 }

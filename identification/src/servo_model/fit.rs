@@ -64,7 +64,9 @@ impl Problem<'_> {
     /// Sum of the clipped squares of the errors.
     pub(super) fn cost(&self, point: &Point) -> f64 {
         let mut cost = 0.0;
-        self.each_error(point, |_, _, error| cost += clipped_square(error, self.clip));
+        self.each_error(point, |_, _, error| {
+            cost += clipped_square(error, self.clip)
+        });
         if cost.is_nan() { f64::INFINITY } else { cost }
     }
 
@@ -72,13 +74,19 @@ impl Problem<'_> {
     pub(super) fn each_error(&self, point: &Point, mut each: impl FnMut(usize, usize, f64)) {
         for (s, stretch) in self.stretches.iter().enumerate() {
             let physics = point.physics(stretch.controller, |_, value| value);
-            simulate(&physics, &self.grid, &stretch.start, &stretch.input, |k, y| {
-                let measured = stretch.output[k];
-                let block = stretch.block(k);
-                if !measured.is_nan() && (self.used)(block) {
-                    each(s, block, measured - y);
-                }
-            });
+            simulate(
+                &physics,
+                &self.grid,
+                &stretch.start,
+                &stretch.input,
+                |k, y| {
+                    let measured = stretch.output[k];
+                    let block = stretch.block(k);
+                    if !measured.is_nan() && (self.used)(block) {
+                        each(s, block, measured - y);
+                    }
+                },
+            );
         }
     }
 
@@ -142,7 +150,8 @@ impl Problem<'_> {
         mut each: impl FnMut(usize, usize, f64, &[f64; W]),
     ) {
         for (s, stretch) in self.stretches.iter().enumerate() {
-            let physics = point.physics(stretch.controller, |i, value| Dual::<W>::variable(value, i));
+            let physics =
+                point.physics(stretch.controller, |i, value| Dual::<W>::variable(value, i));
             let start = stretch.start.lifted();
             simulate(&physics, &self.grid, &start, &stretch.input, |k, y| {
                 let measured = stretch.output[k];
@@ -159,7 +168,11 @@ impl Problem<'_> {
         let mut damping = 1e-2;
         for _ in 0..iterations {
             let sums = self.sums(point);
-            cost = if sums.cost.is_nan() { f64::INFINITY } else { sums.cost };
+            cost = if sums.cost.is_nan() {
+                f64::INFINITY
+            } else {
+                sums.cost
+            };
             let Some((next, lower)) = self.step(point, &sums, cost, &mut damping) else {
                 break;
             };
@@ -179,7 +192,13 @@ impl Problem<'_> {
     }
 
     /// The next point, and its cost, if one is lower.
-    fn step(&self, point: &Point, sums: &Sums, cost: f64, damping: &mut f64) -> Option<(Point, f64)> {
+    fn step(
+        &self,
+        point: &Point,
+        sums: &Sums,
+        cost: f64,
+        damping: &mut f64,
+    ) -> Option<(Point, f64)> {
         let free = self.free(point, &sums.gradient);
         for _ in 0..ATTEMPTS {
             let moved = solve(sums, &free, *damping).map(|step| self.moved(point, &free, &step));
@@ -231,7 +250,10 @@ const ATTEMPTS: usize = 8;
 
 /// Solves (J'WJ + damping) step = J'We for the free coordinates.
 fn solve(sums: &Sums, free: &[usize], damping: f64) -> Option<Vec<f64>> {
-    let largest = free.iter().map(|&i| sums.normal[(i, i)]).fold(0.0, f64::max);
+    let largest = free
+        .iter()
+        .map(|&i| sums.normal[(i, i)])
+        .fold(0.0, f64::max);
     let normal = Mat::from_fn(free.len(), free.len(), |i, j| {
         let entry = sums.normal[(free[i], free[j])];
         match i == j {

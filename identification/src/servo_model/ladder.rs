@@ -13,7 +13,7 @@ use super::stretches::{FOLDS, Stretch};
 use crate::thresholds::SERVO_TERM_ADVANTAGE;
 
 /// Steps of a descent from the servo with one term fewer.
-const STEPS: usize = 25;
+const STEPS: usize = 20;
 
 /// Share of the held-out errors that a term must take away for another one to be tried after it.
 const WORTH_ANOTHER: f64 = 0.01;
@@ -40,7 +40,10 @@ impl Rung {
     fn beats(&self, other: &Self) -> bool {
         let advantage = |(mine, theirs): (&f64, &f64)| (theirs / mine).ln();
         let blocks = self.held_out.iter().zip(&other.held_out);
-        let gains: Vec<f64> = blocks.map(advantage).filter(|gain| gain.is_finite()).collect();
+        let gains: Vec<f64> = blocks
+            .map(advantage)
+            .filter(|gain| gain.is_finite())
+            .collect();
         let count = gains.len() as f64;
         let mean = gains.iter().sum::<f64>() / count;
         let squares: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
@@ -70,24 +73,60 @@ impl Ladder<'_> {
     /// Climbs: returns the index of the chosen rung among those tried.
     pub(super) fn climb(&mut self) -> usize {
         let linear = self.searched(Terms::default());
-        let limited = Terms { limit: true, ..Terms::default() };
+        let limited = Terms {
+            limit: true,
+            ..Terms::default()
+        };
         // A limit by itself predicts little where strokes up and down differ, so its companions are tried with it.
-        let two_speeds = self.searched(Terms { two_speeds: true, ..limited });
+        let two_speeds = self.searched(Terms {
+            two_speeds: true,
+            ..limited
+        });
         let mut best = two_speeds;
         for companion in [
             limited,
-            Terms { friction: true, ..limited },
-            Terms { load: LoadKind::Constant, ..limited },
-            Terms { load: LoadKind::Pendulum, ..limited },
-            Terms { load: LoadKind::TiltedPendulum, ..limited },
-            Terms { load: LoadKind::Air, ..limited },
+            Terms {
+                friction: true,
+                ..limited
+            },
+            Terms {
+                load: LoadKind::Constant,
+                ..limited
+            },
+            Terms {
+                load: LoadKind::Pendulum,
+                ..limited
+            },
+            Terms {
+                load: LoadKind::TiltedPendulum,
+                ..limited
+            },
+            Terms {
+                load: LoadKind::Air,
+                ..limited
+            },
         ] {
             let rung = self.extended(two_speeds, companion);
             best = self.better(best, rung);
         }
         best = self.add_terms(best);
+        best = self.seed_all_from(best);
         best = self.drop_terms(best);
-        if self.tried[best].beats(&self.tried[linear]) { best } else { linear }
+        if self.tried[best].beats(&self.tried[linear]) {
+            best
+        } else {
+            linear
+        }
+    }
+
+    /// The rungs that the best one does not beat, the best first, and `chosen` before them all.
+    pub(super) fn not_beaten(&self, chosen: usize) -> Vec<usize> {
+        let mut all: Vec<usize> = (0..self.tried.len()).collect();
+        all.sort_by(|&a, &b| self.tried[a].total().total_cmp(&self.tried[b].total()));
+        let best = all[0];
+        all.retain(|&rung| rung != chosen && !self.tried[best].beats(&self.tried[rung]));
+        all.insert(0, chosen);
+        all
     }
 
     /// Adds the term that helps most, as long as one helps: with or without significance, because some help only
@@ -105,6 +144,20 @@ impl Ladder<'_> {
                 return best;
             }
         }
+    }
+
+    /// Descends to every rung from the best one too, so that none loses by the valley that it was found in. Returns the
+    /// best rung after that.
+    fn seed_all_from(&mut self, best: usize) -> usize {
+        let from = self.tried[best].fit.clone();
+        for rung in 0..self.tried.len() {
+            let terms = self.tried[rung].terms;
+            let (cost, fit) = self.fit(terms, &from);
+            if cost < self.tried[rung].cost {
+                self.tried[rung] = self.rung(terms, (cost, fit));
+            }
+        }
+        (0..self.tried.len()).fold(best, |best, rung| self.better(best, rung))
     }
 
     /// Takes out terms that prediction does not miss, the least missed first: the result is the poorest servo that the
@@ -125,17 +178,29 @@ impl Ladder<'_> {
     }
 
     fn better(&self, a: usize, b: usize) -> usize {
-        if self.tried[b].total() < self.tried[a].total() { b } else { a }
+        if self.tried[b].total() < self.tried[a].total() {
+            b
+        } else {
+            a
+        }
     }
 
     /// Descends again from shorter and longer delays: a delay in place of a slow drive is the commonest poor minimum.
     fn try_other_delays(&mut self, rung: usize) {
-        let Rung { terms, ref fit, mut cost, .. } = self.tried[rung];
+        let Rung {
+            terms,
+            ref fit,
+            mut cost,
+            ..
+        } = self.tried[rung];
         let mut best = fit.clone();
         for (factor, more_s) in [(0.5, 0.0), (0.75, 0.0), (1.25, 0.003), (1.5, 0.006)] {
             let mut from = self.tried[rung].fit.clone();
             let delay_s = from.get(Coordinate::Delay).unwrap_or(0.0);
-            from.set(Coordinate::Delay, (factor * delay_s + more_s).min(self.longest_delay_s));
+            from.set(
+                Coordinate::Delay,
+                (factor * delay_s + more_s).min(self.longest_delay_s),
+            );
             let (other_cost, other) = self.fit(terms, &from);
             if other_cost < cost {
                 (cost, best) = (other_cost, other);
@@ -147,7 +212,10 @@ impl Ladder<'_> {
     /// A rung found from the grid.
     fn searched(&mut self, terms: Terms) -> usize {
         let all = |_: usize| true;
-        let problem = Problem { grid: self.search_grid, ..self.problem(&all) };
+        let problem = Problem {
+            grid: self.search_grid,
+            ..self.problem(&all)
+        };
         let from = search(&problem, &self.shown, terms, self.controllers, self.radians);
         find_starts(self.stretches, &from, &self.grid);
         self.add(terms, &from)
@@ -187,20 +255,34 @@ impl Ladder<'_> {
         let mut held_out = vec![0.0; self.fold_of.len()];
         for (fold, own) in by_fold.iter().enumerate() {
             let rest = total.without(own);
-            let stepped = problem.newton_step(&fit, &rest).map(|point| self.by_block(&point));
+            let stepped = problem
+                .newton_step(&fit, &rest)
+                .map(|point| self.by_block(&point));
             let seen = |costs: &[f64]| -> f64 {
                 let blocks = costs.iter().zip(self.fold_of);
-                blocks.filter(|(_, of)| **of != fold).map(|(cost, _)| cost).sum()
+                blocks
+                    .filter(|(_, of)| **of != fold)
+                    .map(|(cost, _)| cost)
+                    .sum()
             };
             // A step that leads uphill is not taken.
             let costs = stepped
                 .filter(|costs| seen(costs) <= rest.cost)
                 .unwrap_or_else(|| self.by_block(&fit));
-            for (block, cost) in costs.iter().enumerate().filter(|(block, _)| self.fold_of[*block] == fold) {
+            for (block, cost) in costs
+                .iter()
+                .enumerate()
+                .filter(|(block, _)| self.fold_of[*block] == fold)
+            {
                 held_out[block] = *cost;
             }
         }
-        Rung { terms, fit, cost, held_out }
+        Rung {
+            terms,
+            fit,
+            cost,
+            held_out,
+        }
     }
 
     /// Clipped sum of squared errors in each block.
@@ -209,7 +291,11 @@ impl Ladder<'_> {
         let mut costs = vec![0.0; self.fold_of.len()];
         self.problem(&all).each_error(point, |_, block, error| {
             let square = clipped_square(error, self.clip);
-            costs[block] += if square.is_nan() { f64::INFINITY } else { square };
+            costs[block] += if square.is_nan() {
+                f64::INFINITY
+            } else {
+                square
+            };
         });
         costs
     }
@@ -223,6 +309,14 @@ impl Ladder<'_> {
             point.set(coordinate, value);
             point
         };
+        if terms.friction && !from.terms.friction {
+            let mut sticking = varied(Coordinate::FrictionAtRest, 1.0);
+            sticking.set(
+                Coordinate::LnFrictionSpeed,
+                fresh(Coordinate::LnFrictionSpeed) + 4f64.ln(),
+            );
+            return vec![plain, sticking];
+        }
         if from.terms.load == terms.load {
             return vec![plain];
         }
@@ -233,11 +327,12 @@ impl Ladder<'_> {
                 vec![varied(Coordinate::GravityFrom, level), plain]
             }
             LoadKind::Air => {
-                let mut below = varied(
-                    Coordinate::AirStiffening,
-                    -fresh(Coordinate::AirStiffening),
+                let mut below =
+                    varied(Coordinate::AirStiffening, -fresh(Coordinate::AirStiffening));
+                below.set(
+                    Coordinate::AirFrom,
+                    self.shown.middle + 0.5 * self.shown.spread,
                 );
-                below.set(Coordinate::AirFrom, self.shown.middle + 0.5 * self.shown.spread);
                 vec![plain, below]
             }
         }
@@ -260,21 +355,77 @@ fn richer(terms: Terms) -> Vec<Terms> {
     let simpler = terms.load.simpler();
     let more_load = |load: &LoadKind| !simpler.contains(load) && *load != terms.load;
     let with = [
-        (!terms.two_speeds, Terms { two_speeds: true, ..terms }),
-        (!terms.dead_band, Terms { dead_band: true, ..terms }),
-        (!terms.friction, Terms { friction: true, ..terms }),
+        (
+            !terms.two_speeds,
+            Terms {
+                two_speeds: true,
+                ..terms
+            },
+        ),
+        (
+            !terms.dead_band,
+            Terms {
+                dead_band: true,
+                ..terms
+            },
+        ),
+        (
+            !terms.friction,
+            Terms {
+                friction: true,
+                ..terms
+            },
+        ),
     ];
-    let with = with.into_iter().filter(|(possible, _)| *possible).map(|(_, terms)| terms);
-    with.chain(LoadKind::BY_COORDINATES.into_iter().filter(more_load).map(|load| Terms { load, ..terms })).collect()
+    let with = with
+        .into_iter()
+        .filter(|(possible, _)| *possible)
+        .map(|(_, terms)| terms);
+    with.chain(
+        LoadKind::BY_COORDINATES
+            .into_iter()
+            .filter(more_load)
+            .map(|load| Terms { load, ..terms }),
+    )
+    .collect()
 }
 
 /// The same terms and one fewer, or a simpler load.
 fn poorer(terms: Terms) -> Vec<Terms> {
     let without = [
-        (terms.two_speeds, Terms { two_speeds: false, ..terms }),
-        (terms.dead_band, Terms { dead_band: false, ..terms }),
-        (terms.friction, Terms { friction: false, ..terms }),
+        (
+            terms.two_speeds,
+            Terms {
+                two_speeds: false,
+                ..terms
+            },
+        ),
+        (
+            terms.dead_band,
+            Terms {
+                dead_band: false,
+                ..terms
+            },
+        ),
+        (
+            terms.friction,
+            Terms {
+                friction: false,
+                ..terms
+            },
+        ),
     ];
-    let without = without.into_iter().filter(|(possible, _)| *possible).map(|(_, terms)| terms);
-    without.chain(terms.load.simpler().iter().map(|&load| Terms { load, ..terms })).collect()
+    let without = without
+        .into_iter()
+        .filter(|(possible, _)| *possible)
+        .map(|(_, terms)| terms);
+    without
+        .chain(
+            terms
+                .load
+                .simpler()
+                .iter()
+                .map(|&load| Terms { load, ..terms }),
+        )
+        .collect()
 }

@@ -1,13 +1,18 @@
-//! The servo as a machine: one nonlinear model that predicts real servos.
+//! The servo as a machine: one nonlinear model that predicts servos which are not linear.
+//!
+//! A motor behind a position controller, with delay, limited drive, two speeds, dead band, friction and load, as far as
+//! prediction needs them. The [equation](ServoParameters) has one integrator. The fit is by simulation error:
+//! the record becomes stretches with a start each, a coarse search finds the valley, a ladder of terms is climbed by
+//! prediction of parts that the fit has not seen, and the covariance and the servos that predict as well give intervals and
+//! bands. `docs/servo-model.md` has measured tables.
 
+mod candidate;
 mod coordinates;
-#[cfg(test)]
-mod coverage;
+mod equation;
 mod estimate;
 mod fit;
 mod ladder;
 mod model;
-mod physics;
 mod quantities;
 mod search;
 mod simulation;
@@ -16,7 +21,13 @@ mod stretches;
 mod uncertainty;
 mod validity;
 
+#[cfg(test)]
+mod coverage;
+#[cfg(test)]
+mod tests;
+
 pub use coordinates::{Coordinate, LoadKind, Terms};
+pub use equation::{AtRest, DriveLimit, Friction, Load, ServoParameters};
 pub use estimate::{ServoModelOptions, fit};
-pub use model::{Covariance, LadderRung, ServoFit, ServoModel, ServoResponse};
+pub use model::{Alternative, Covariance, LadderRung, ServoFit, ServoModel, ServoResponse};
 pub use quantities::{Quantity, Unit};

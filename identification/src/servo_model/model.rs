@@ -1,6 +1,7 @@
 //! The result: a servo, how sure it is, and how it was chosen.
 
 use super::coordinates::{Coordinate, Point, Terms};
+use super::equation::ServoParameters;
 use super::fit::MOST;
 use super::quantities::Quantity;
 use super::simulation::{Grid, Start, simulate};
@@ -9,8 +10,11 @@ use super::stretches::stretches;
 use crate::data::{Record, Run};
 use crate::error::Error;
 use crate::numerics::{Dual, Scalar};
-use crate::results::{Bounds, Noise, fit_percent, pointwise_critical};
+use crate::results::{Bounds, Noise, Validation, pointwise_critical};
 use serde::{Deserialize, Serialize};
+
+/// Controllers on one mechanism, at the most.
+pub(super) const MOST_CONTROLLERS: usize = MOST - 15;
 
 /// Longest step of the integration \[s\].
 pub(super) const LONGEST_STEP_S: f64 = 1e-3;
@@ -33,7 +37,10 @@ pub struct ServoModel {
     /// Their values.
     pub values: Vec<f64>,
     /// Covariance of the coordinates, where bounds hold.
+    #[serde(flatten)]
     pub covariance: Bounds<Covariance>,
+    /// Other servos that the record does not distinguish from this one, each with its covariance: what is said holds for all.
+    pub alternatives: Vec<Alternative>,
     /// Parameters and what follows from them, in people's terms.
     pub quantities: Vec<Quantity>,
     /// How well it follows the record.
@@ -51,6 +58,19 @@ pub struct Covariance {
     pub level: f64,
     /// Rows of the covariance.
     pub rows: Vec<Vec<f64>>,
+}
+
+/// A servo with other terms that predicts the record as well.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Alternative {
+    /// Its terms.
+    pub terms: Terms,
+    /// The coordinates of the fit.
+    pub coordinates: Vec<Coordinate>,
+    /// Their values.
+    pub values: Vec<f64>,
+    /// Rows of their covariance.
+    pub covariance: Vec<Vec<f64>>,
 }
 
 /// How well a servo follows a record.
@@ -105,41 +125,66 @@ impl ServoModel {
         }
     }
 
+    /// The parameters of the equation, with the controller number `controller` (from 0).
+    #[must_use]
+    pub fn parameters(&self, controller: usize) -> ServoParameters {
+        self.point().physics(controller, |_, value| value)
+    }
+
     fn grid(&self) -> Grid {
         Grid::new(self.sample_period_s, self.sample_phase_s, LONGEST_STEP_S)
     }
 
     /// The response of the servo with the controller number `controller` (from 0) to `input`, from rest at the first
-    /// command.
+    /// command. The band holds the responses of all servos that the record does not distinguish.
     #[must_use]
     pub fn respond(&self, input: &[f64], controller: usize) -> ServoResponse {
-        let Some(first) = input.first() else {
-            return ServoResponse {
-                value: Vec::new(),
-                half_width: self.covariance.as_ref().map(|_| Vec::new()),
+        let own = self.covariance.valid();
+        let rows = own.map_or(&[][..], |found| &found.rows);
+        let (value, spread) = self.response_of(&self.point(), rows, input, controller);
+        let critical = own.map_or(f64::NAN, |found| pointwise_critical(found.level));
+        let mut half: Vec<f64> = spread.iter().map(|sd| critical * sd).collect();
+        for other in self.alternatives.iter().filter(|_| own.is_some()) {
+            let point = Point {
+                terms: other.terms,
+                coordinates: other.coordinates.clone(),
+                values: other.values.clone(),
+                radians: self.radians_per_command,
             };
-        };
-        let point = self.point();
-        let physics = point.physics(controller, |i, value| Dual::<MOST>::variable(value, i));
-        let start = Start {
-            output: physics.resting_output(Dual::constant(*first)),
-            rate: Dual::constant(0.0),
-            command_before: Some(Dual::constant(*first)),
-        };
-        let mut value = Vec::with_capacity(input.len());
-        let mut half = Vec::with_capacity(input.len());
-        let covariance = self.covariance.valid();
-        let critical = covariance.map_or(f64::NAN, |found| pointwise_critical(found.level));
-        simulate(&physics, &self.grid(), &start, input, |_, y| {
-            value.push(y.value);
-            if let Some(found) = covariance {
-                half.push(critical * quadratic(&found.rows, &y.slope).max(0.0).sqrt());
+            let (theirs, spread) = self.response_of(&point, &other.covariance, input, controller);
+            for (k, half) in half.iter_mut().enumerate() {
+                *half = half.max((theirs[k] - value[k]).abs() + critical * spread[k]);
             }
-        });
+        }
         ServoResponse {
             value,
             half_width: self.covariance.as_ref().map(|_| half),
         }
+    }
+
+    /// Response and its standard deviation.
+    fn response_of(
+        &self,
+        point: &Point,
+        covariance: &[Vec<f64>],
+        input: &[f64],
+        controller: usize,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let physics = point.physics(controller, |i, value| Dual::<MOST>::variable(value, i));
+        let (mut value, mut spread) = (Vec::new(), Vec::new());
+        let Some(first) = input.first().copied().map(Dual::constant) else {
+            return (value, spread);
+        };
+        let start = Start {
+            output: physics.resting_output(first),
+            rate: Dual::constant(0.0),
+            command_before: Some(first),
+        };
+        simulate(&physics, &self.grid(), &start, input, |_, y| {
+            value.push(y.value);
+            spread.push(quadratic(covariance, &y.slope).max(0.0).sqrt());
+        });
+        (value, spread)
     }
 
     /// The output of each run of a record, simulated from its input and its first samples. NaN where an input is missing,
@@ -161,25 +206,52 @@ impl ServoModel {
         for part in &parts {
             let physics = point.physics(part.controller, |_, value| value);
             let output = &mut outputs[part.run][part.first..];
-            simulate(&physics, &grid, &part.start, &part.input, |k, y| output[k] = y);
+            simulate(&physics, &grid, &part.start, &part.input, |k, y| {
+                output[k] = y
+            });
         }
         Ok(outputs)
     }
 
-    /// How well the model predicts a record that it has not seen \[%\].
+    /// Simulates every run of a record that the model has not seen, from its input and its first samples, and compares.
     ///
     /// # Errors
-    /// As [`ServoModel::simulate`].
-    pub fn predict_percent(&self, record: &Record, controllers: &[usize]) -> Result<f64, Error> {
+    /// As [`ServoModel::simulate`]; or the record has no sample that can be compared.
+    pub fn validate(&self, record: &Record, controllers: &[usize]) -> Result<Validation, Error> {
         let simulated = self.simulate(record, controllers)?;
-        let measured = record.runs().iter().map(Run::output);
-        let pairs = || measured.clone().flatten().zip(simulated.iter().flatten());
-        let known = || pairs().filter(|(y, predicted)| !(*y - *predicted).is_nan());
-        let count = known().count() as f64;
-        let mean = known().map(|(y, _)| y).sum::<f64>() / count;
-        let error = known().map(|(y, predicted)| (y - predicted).powi(2)).sum();
-        let spread = known().map(|(y, _)| (y - mean).powi(2)).sum();
-        Ok(fit_percent(error, spread))
+        let measured = record.runs().iter().flat_map(Run::output).copied();
+        let pairs = measured.zip(simulated.into_iter().flatten());
+        Validation::of_pairs(pairs).ok_or(Error::NoHistory { history: 1 })
+    }
+
+    /// Whether its parts fit together: a document may say anything.
+    #[must_use]
+    pub fn is_consistent(&self) -> bool {
+        let square = |rows: &[Vec<f64>], size: usize| {
+            rows.len() == size
+                && rows
+                    .iter()
+                    .all(|row| row.len() == size && row.iter().all(|x| x.is_finite()))
+        };
+        let sized = |terms: Terms, coordinates: &[Coordinate], values: &[f64]| {
+            coordinates == terms.coordinates(self.controllers)
+                && values.len() == coordinates.len()
+                && values.iter().all(|value| value.is_finite())
+        };
+        let own = self
+            .covariance
+            .valid()
+            .is_none_or(|own| square(&own.rows, self.values.len()));
+        let other = |other: &Alternative| {
+            sized(other.terms, &other.coordinates, &other.values)
+                && square(&other.covariance, other.values.len())
+        };
+        self.sample_period_s > 0.0
+            && (1..=MOST_CONTROLLERS).contains(&self.controllers)
+            && self.radians_per_command.is_finite()
+            && sized(self.terms, &self.coordinates, &self.values)
+            && own
+            && self.alternatives.iter().all(other)
     }
 
     /// Whether the servo is linear: no term but delay, stiffness and damping helps prediction.
@@ -191,6 +263,7 @@ impl ServoModel {
 
 /// s'Cs.
 fn quadratic(rows: &[Vec<f64>], slopes: &[f64]) -> f64 {
-    let row = |(row, a): (&Vec<f64>, &f64)| a * row.iter().zip(slopes).map(|(c, b)| c * b).sum::<f64>();
+    let row =
+        |(row, a): (&Vec<f64>, &f64)| a * row.iter().zip(slopes).map(|(c, b)| c * b).sum::<f64>();
     rows.iter().zip(slopes).map(row).sum()
 }

@@ -1,9 +1,9 @@
 //! What people ask of a servo, with intervals.
 
+use super::candidate::Candidate;
 use super::coordinates::Point;
-use super::physics::{Load, Physics};
+use super::equation::{Load, ServoParameters};
 use crate::results::{Bounds, Interval};
-use faer::Mat;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -27,10 +27,6 @@ pub enum Unit {
     OutputPerSecond,
     /// The unit of the output for each second, squared.
     OutputPerSecondSquared,
-    /// 1/s².
-    PerSecondSquared,
-    /// 1/s.
-    PerSecond,
 }
 
 /// A number about the servo.
@@ -71,128 +67,232 @@ struct Definition {
     unit: Unit,
     /// Which values are possible.
     range: Range,
-    of: fn(&Physics<f64>) -> Option<f64>,
+    of: fn(&ServoParameters<f64>) -> Option<f64>,
 }
 
 /// All quantities, in the order in which they are shown.
 const DEFINITIONS: &[Definition] = &[
-    Definition { name: "delay", unit: Unit::Seconds, range: Range::NotNegative, of: |p| Some(p.delay_s) },
-    Definition { name: "gain", unit: Unit::OutputPerCommand, range: Range::Any, of: |p| Some(p.gain) },
-    Definition { name: "offset", unit: Unit::Output, range: Range::Any, of: |p| Some(p.offset) },
-    Definition { name: "bandwidth at small signals", unit: Unit::Hertz, range: Range::Positive, of: |p| Some(bandwidth_hz(p)) },
-    Definition { name: "damping ratio", unit: Unit::One, range: Range::Positive, of: |p| Some(p.damping / (2.0 * p.stiffness.sqrt())) },
-    Definition { name: "top speed upwards", unit: Unit::OutputPerSecond, range: Range::Positive, of: |p| top_speed(p, true) },
-    Definition { name: "top speed downwards", unit: Unit::OutputPerSecond, range: Range::Positive, of: |p| top_speed(p, false) },
-    Definition { name: "acceleration upwards", unit: Unit::OutputPerSecondSquared, range: Range::Positive, of: |p| p.limit.map(|l| l.up * p.gain.abs()) },
-    Definition { name: "acceleration downwards", unit: Unit::OutputPerSecondSquared, range: Range::Positive, of: |p| p.limit.map(|l| l.up * l.down_to_up * p.gain.abs()) },
-    Definition { name: "error of full drive", unit: Unit::Command, range: Range::Positive, of: |p| p.limit.map(|l| l.up / p.stiffness) },
-    Definition { name: "dead band, to each side", unit: Unit::Command, range: Range::NotNegative, of: |p| p.dead_band },
-    Definition { name: "resting error by friction", unit: Unit::Command, range: Range::NotNegative, of: resting_error },
-    Definition { name: "friction at rest to that in motion", unit: Unit::One, range: Range::NotNegative, of: |p| Some(1.0 + p.friction?.at_rest?.excess) },
-    Definition { name: "load at the middle", unit: Unit::Command, range: Range::Any, of: load_at_zero },
-    Definition { name: "load of a level arm", unit: Unit::Command, range: Range::Any, of: |p| match p.load { Load::Pendulum { gravity, .. } => Some(gravity / p.stiffness), _ => None } },
+    Definition {
+        name: "delay",
+        unit: Unit::Seconds,
+        range: Range::NotNegative,
+        of: |p| Some(p.delay_s),
+    },
+    Definition {
+        name: "gain",
+        unit: Unit::OutputPerCommand,
+        range: Range::Any,
+        of: |p| Some(p.gain),
+    },
+    Definition {
+        name: "offset",
+        unit: Unit::Output,
+        range: Range::Any,
+        of: |p| Some(p.offset),
+    },
+    Definition {
+        name: "bandwidth at small signals",
+        unit: Unit::Hertz,
+        range: Range::Positive,
+        of: |p| Some(bandwidth_hz(p)),
+    },
+    Definition {
+        name: "damping ratio",
+        unit: Unit::One,
+        range: Range::Positive,
+        of: |p| Some(p.damping / (2.0 * p.stiffness.sqrt())),
+    },
+    Definition {
+        name: "top speed upwards",
+        unit: Unit::OutputPerSecond,
+        range: Range::Positive,
+        of: |p| top_speed(p, true),
+    },
+    Definition {
+        name: "top speed downwards",
+        unit: Unit::OutputPerSecond,
+        range: Range::Positive,
+        of: |p| top_speed(p, false),
+    },
+    Definition {
+        name: "acceleration upwards",
+        unit: Unit::OutputPerSecondSquared,
+        range: Range::Positive,
+        of: |p| p.limit.map(|l| l.up * p.gain.abs()),
+    },
+    Definition {
+        name: "acceleration downwards",
+        unit: Unit::OutputPerSecondSquared,
+        range: Range::Positive,
+        of: |p| p.limit.map(|l| l.up * l.down_to_up * p.gain.abs()),
+    },
+    Definition {
+        name: "error of full drive",
+        unit: Unit::Command,
+        range: Range::Positive,
+        of: |p| p.limit.map(|l| l.up / p.stiffness),
+    },
+    Definition {
+        name: "dead band, to each side",
+        unit: Unit::Command,
+        range: Range::NotNegative,
+        of: |p| p.dead_band,
+    },
+    Definition {
+        name: "resting error by friction",
+        unit: Unit::Command,
+        range: Range::NotNegative,
+        of: resting_error,
+    },
+    Definition {
+        name: "friction at rest to that in motion",
+        unit: Unit::One,
+        range: Range::NotNegative,
+        of: |p| Some(1.0 + p.friction?.at_rest?.excess),
+    },
+    Definition {
+        name: "load at the middle",
+        unit: Unit::Command,
+        range: Range::Any,
+        of: load_at_zero,
+    },
+    Definition {
+        name: "load of a level arm",
+        unit: Unit::Command,
+        range: Range::Any,
+        of: |p| match p.load {
+            Load::Pendulum { gravity, .. } => Some(gravity / p.stiffness),
+            _ => None,
+        },
+    },
 ];
 
 /// Frequency at which the response to small commands has fallen by 3 dB \[Hz\], without load and friction.
-fn bandwidth_hz(p: &Physics<f64>) -> f64 {
+fn bandwidth_hz(p: &ServoParameters<f64>) -> f64 {
     // |k/(k - ω² + jcω)|² = 1/2, a quadratic in ω².
     let half = p.stiffness - 0.5 * p.damping * p.damping;
     ((half + (half * half + p.stiffness * p.stiffness).sqrt()).sqrt()) / TAU
 }
 
 /// Speed at which full drive, damping and friction balance without load.
-fn top_speed(p: &Physics<f64>, command_upwards: bool) -> Option<f64> {
+fn top_speed(p: &ServoParameters<f64>, command_upwards: bool) -> Option<f64> {
     let limit = p.limit?;
-    let drive = limit.up * if command_upwards { 1.0 } else { limit.down_to_up };
+    let drive = limit.up
+        * if command_upwards {
+            1.0
+        } else {
+            limit.down_to_up
+        };
     let friction = p.friction.map_or(0.0, |friction| friction.coulomb);
     Some((drive - friction).max(0.0) / limit.motor_damping * p.gain.abs())
 }
 
 /// Error at which friction holds the shaft at rest.
-fn resting_error(p: &Physics<f64>) -> Option<f64> {
+fn resting_error(p: &ServoParameters<f64>) -> Option<f64> {
     let friction = p.friction?;
     let excess = friction.at_rest.map_or(0.0, |at_rest| at_rest.excess);
     Some(friction.coulomb * (1.0 + excess) / p.stiffness)
 }
 
 /// Error at rest by which the load is held at θ = 0.
-fn load_at_zero(p: &Physics<f64>) -> Option<f64> {
+fn load_at_zero(p: &ServoParameters<f64>) -> Option<f64> {
     (p.load != Load::None).then(|| p.holding_command(0.0))
 }
 
-/// The quantities of a servo, with intervals from the covariance of its coordinates where bounds hold.
-/// `seen` tells which of the coordinates the record shows.
+/// The quantities of the first of `candidates`, with intervals that hold those of all, where bounds hold.
 pub(super) fn quantities(
-    point: &Point,
-    covariance: &Mat<f64>,
-    seen: &[bool],
+    candidates: &[Candidate],
     critical: f64,
     level: &Bounds<f64>,
 ) -> Vec<Quantity> {
     let of = |definition: &Definition| {
-        let value = (definition.of)(&point.physics(0, |_, value| value))?;
-        let slopes = slopes(point, definition)?;
-        let shown = slopes.iter().zip(seen).all(|(slope, seen)| *seen || *slope == 0.0);
-        let interval = if shown {
-            around(definition, value, &slopes, covariance, critical)
-        } else {
-            Interval::new(value, f64::NAN, f64::NAN)
-        };
+        let value = definition.value(&candidates[0].point)?;
+        let hull = candidates
+            .iter()
+            .filter_map(|candidate| definition.interval(candidate, critical))
+            .reduce(hull)?;
         Some(Quantity {
             name: definition.name.to_owned(),
             unit: definition.unit,
-            determined: is_determined(definition, &interval),
+            determined: definition.is_determined(&hull),
             value,
-            interval: level.as_ref().map(|_| interval),
+            interval: level.as_ref().map(|_| hull),
         })
     };
     DEFINITIONS.iter().filter_map(of).collect()
+}
+
+/// The smallest interval that holds both; the value is that of the first.
+fn hull(a: Interval, b: Interval) -> Interval {
+    let both = |x: Option<f64>, y: Option<f64>, of: fn(f64, f64) -> f64| Some(of(x?, y?));
+    Interval {
+        value: a.value,
+        lower: both(a.lower, b.lower, f64::min),
+        upper: both(a.upper, b.upper, f64::max),
+    }
+}
+
+impl Definition {
+    fn value(&self, point: &Point) -> Option<f64> {
+        (self.of)(&point.physics(0, |_, value| value))
+    }
+
+    /// The interval by one candidate. One without the term says zero where that is what being without it means, and
+    /// else nothing.
+    fn interval(&self, candidate: &Candidate, critical: f64) -> Option<Interval> {
+        let Some(value) = self.value(&candidate.point) else {
+            return (self.range == Range::NotNegative).then(|| Interval::new(0.0, 0.0, 0.0));
+        };
+        let slopes = self.slopes(&candidate.point)?;
+        let seen = |(slope, seen): (&f64, &bool)| *seen || *slope == 0.0;
+        if !slopes.iter().zip(&candidate.seen).all(seen) {
+            return Some(Interval::new(value, f64::NAN, f64::NAN));
+        }
+        let mut variance = 0.0;
+        for (i, a) in slopes.iter().enumerate() {
+            for (j, b) in slopes.iter().enumerate() {
+                variance += a * candidate.covariance[(i, j)] * b;
+            }
+        }
+        let half = critical * variance.max(0.0).sqrt();
+        Some(match self.range {
+            Range::Any => Interval::new(value, value - half, value + half),
+            Range::NotNegative => Interval::new(value, (value - half).max(0.0), value + half),
+            Range::Positive => {
+                let factor = (half / value).exp();
+                Interval::new(value, value / factor, value * factor)
+            }
+        })
+    }
+
+    /// Derivatives by the coordinates, by central differences: they are smooth, and few.
+    fn slopes(&self, point: &Point) -> Option<Vec<f64>> {
+        let at = |i: usize, change: f64| {
+            let mut moved = point.clone();
+            moved.values[i] += change;
+            self.value(&moved)
+        };
+        (0..point.values.len())
+            .map(|i| {
+                let step = 1e-5 * point.values[i].abs().max(1e-3);
+                Some((at(i, step)? - at(i, -step)?) / (2.0 * step))
+            })
+            .collect()
+    }
+
+    fn is_determined(&self, interval: &Interval) -> bool {
+        match (interval.lower, interval.upper) {
+            (Some(lower), Some(upper)) => {
+                self.range != Range::Positive || upper < UNDETERMINED_RATIO * lower
+            }
+            _ => false,
+        }
+    }
 }
 
 /// The quantities of a servo by name, without intervals.
 #[cfg(test)]
 pub(super) fn values(point: &Point) -> Vec<(&'static str, f64)> {
-    let physics = point.physics(0, |_, value| value);
-    let of = |definition: &Definition| Some((definition.name, (definition.of)(&physics)?));
+    let of = |definition: &Definition| Some((definition.name, definition.value(point)?));
     DEFINITIONS.iter().filter_map(of).collect()
-}
-
-fn is_determined(definition: &Definition, interval: &Interval) -> bool {
-    match (interval.lower, interval.upper) {
-        (Some(lower), Some(upper)) => definition.range != Range::Positive || upper < UNDETERMINED_RATIO * lower,
-        _ => false,
-    }
-}
-
-/// Derivatives of a quantity by the coordinates, by central differences: they are smooth, and few.
-fn slopes(point: &Point, definition: &Definition) -> Option<Vec<f64>> {
-    let at = |i: usize, change: f64| {
-        let mut moved = point.clone();
-        moved.values[i] += change;
-        (definition.of)(&moved.physics(0, |_, value| value))
-    };
-    (0..point.values.len())
-        .map(|i| {
-            let step = 1e-5 * point.values[i].abs().max(1e-3);
-            Some((at(i, step)? - at(i, -step)?) / (2.0 * step))
-        })
-        .collect()
-}
-
-fn around(definition: &Definition, value: f64, slopes: &[f64], covariance: &Mat<f64>, critical: f64) -> Interval {
-    let mut variance = 0.0;
-    for (i, a) in slopes.iter().enumerate() {
-        for (j, b) in slopes.iter().enumerate() {
-            variance += a * covariance[(i, j)] * b;
-        }
-    }
-    let half = critical * variance.max(0.0).sqrt();
-    match definition.range {
-        Range::Any => Interval::new(value, value - half, value + half),
-        Range::NotNegative => Interval::new(value, (value - half).max(0.0), value + half),
-        Range::Positive => {
-            let factor = (half / value).exp();
-            Interval::new(value, value / factor, value * factor)
-        }
-    }
 }

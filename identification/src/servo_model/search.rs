@@ -37,7 +37,12 @@ pub(super) struct Shown {
 
 impl Shown {
     pub(super) fn by(stretches: &[Stretch], period_s: f64) -> Self {
-        let pairs = || stretches.iter().flat_map(|s| s.input.iter().zip(&s.output)).filter(|(_, y)| !y.is_nan());
+        let pairs = || {
+            stretches
+                .iter()
+                .flat_map(|s| s.input.iter().zip(&s.output))
+                .filter(|(_, y)| !y.is_nan())
+        };
         let count = pairs().count() as f64;
         let mean = |of: &dyn Fn((&f64, &f64)) -> f64| pairs().map(of).sum::<f64>() / count;
         let (u, y) = (mean(&|(u, _)| *u), mean(&|(_, y)| *y));
@@ -50,7 +55,10 @@ impl Shown {
         speeds.sort_by(f64::total_cmp);
         // One in 200: the fastest of all may be a glitch.
         let fastest = speeds.get(speeds.len().saturating_sub(1 + speeds.len() / 200));
-        let speed = fastest.copied().filter(|v| *v > 0.0).unwrap_or(output_sd / period_s);
+        let speed = fastest
+            .copied()
+            .filter(|v| *v > 0.0)
+            .unwrap_or(output_sd / period_s);
         Self {
             output_sd,
             spread: output_sd / gain.abs(),
@@ -79,7 +87,14 @@ impl Shown {
     }
 
     /// A linear servo of the bandwidth `bandwidth` (rad/s).
-    fn servo(&self, terms: Terms, controllers: usize, bandwidth: f64, delay_s: f64, radians: f64) -> Point {
+    fn servo(
+        &self,
+        terms: Terms,
+        controllers: usize,
+        bandwidth: f64,
+        delay_s: f64,
+        radians: f64,
+    ) -> Point {
         let coordinates = terms.coordinates(controllers);
         let value = |at: &Coordinate| match at {
             Coordinate::Delay => delay_s,
@@ -121,7 +136,13 @@ fn strongest_slope(stretches: &[Stretch], mean_u: f64, mean_y: f64) -> f64 {
 }
 
 /// The best servo with these terms that is found from the grid. `terms` has no more than a limit and two speeds.
-pub(super) fn search(problem: &Problem<'_>, shown: &Shown, terms: Terms, controllers: usize, radians: f64) -> Point {
+pub(super) fn search(
+    problem: &Problem<'_>,
+    shown: &Shown,
+    terms: Terms,
+    controllers: usize,
+    radians: f64,
+) -> Point {
     let mut found: Vec<(f64, Point)> = grid(shown, terms, controllers, radians)
         .into_iter()
         .map(|mut point| (problem.descend(&mut point, STEPS.0), point))

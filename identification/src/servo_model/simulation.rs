@@ -1,6 +1,6 @@
 //! The motion of the servo under a sampled command.
 
-use super::physics::{Physics, State, Stepper};
+use super::equation::{ServoParameters, State, Stepper};
 use crate::numerics::Scalar;
 
 /// When the output is sampled, and how finely the motion between samples is computed.
@@ -63,7 +63,7 @@ impl Start<f64> {
 /// The input is held between samples. A step of the integration ends where the delayed input changes, so the output
 /// is a smooth function of the delay, also where the drive is full at once.
 pub(super) fn simulate<S: Scalar>(
-    physics: &Physics<S>,
+    physics: &ServoParameters<S>,
     grid: &Grid,
     start: &Start<S>,
     input: &[f64],

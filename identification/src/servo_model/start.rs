@@ -44,14 +44,20 @@ fn in_motion(stretch: &Stretch, period_s: f64) -> bool {
         squares += from_middle * from_middle;
     }
     // The rise over the lead, and the standard deviation of the slope times the lead.
-    squares > 0.0 && (moments / squares).abs() * lead as f64 > MOTION * noise * (lead as f64 / squares.sqrt()).max(1.0)
+    squares > 0.0
+        && (moments / squares).abs() * lead as f64
+            > MOTION * noise * (lead as f64 / squares.sqrt()).max(1.0)
 }
 
 /// Standard deviation of what changes from sample to sample without a trend, from third differences: robust against
 /// strokes, whose share of the samples is small.
 fn noise_sd(output: &[f64]) -> f64 {
     let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
-    let mut differences: Vec<f64> = output.windows(4).map(third).filter(|d| !d.is_nan()).collect();
+    let mut differences: Vec<f64> = output
+        .windows(4)
+        .map(third)
+        .filter(|d| !d.is_nan())
+        .collect();
     if differences.is_empty() {
         return 0.0;
     }
@@ -74,7 +80,7 @@ fn in_motion_start(stretch: &Stretch, point: &Point, grid: &Grid) -> Start<f64> 
         let mut cost = f64::INFINITY;
         for _ in 0..8 {
             let (at, step) = gauss_newton(stretch, point, grid, window, start);
-            if !(at < cost) {
+            if at.is_nan() || at >= cost {
                 break;
             }
             cost = at;
@@ -85,7 +91,11 @@ fn in_motion_start(stretch: &Stretch, point: &Point, grid: &Grid) -> Start<f64> 
         }
         (cost, start)
     });
-    let best = if fits[1].0 < fits[0].0 { fits[1].1 } else { fits[0].1 };
+    let best = if fits[1].0 < fits[0].0 {
+        fits[1].1
+    } else {
+        fits[0].1
+    };
     if best.iter().all(|value| value.is_finite()) {
         Start {
             output: best[0],
@@ -131,6 +141,7 @@ fn gauss_newton(
         // What the window does not show stays where it is.
         normal[(i, i)] = normal[(i, i)] * 1.001 + 1e-9;
     }
-    let step = cholesky(&normal).map(|lower| backward_solve(&lower, &forward_solve(&lower, &gradient)));
+    let step =
+        cholesky(&normal).map(|lower| backward_solve(&lower, &forward_solve(&lower, &gradient)));
     (cost, step)
 }

@@ -7,7 +7,7 @@
 use super::simulation::Start;
 use crate::data::Record;
 
-/// Blocks of a record, at least: enough to tell an advantage from its scatter.
+/// Blocks of a record, at least: enough to show whether an advantage exceeds its scatter.
 const BLOCKS: usize = 32;
 
 /// Samples of a stretch, at least: a shorter one shows its start and little else.
@@ -101,14 +101,21 @@ pub(super) const FOLDS: usize = 4;
 fn folds(stretches: &[Stretch], blocks: usize, runs: usize) -> Vec<usize> {
     let mut folds = vec![0; blocks];
     for stretch in stretches {
-        for block in stretch.first_block..stretch.first_block + stretch.blocks() {
-            let mut dealt = if runs >= FOLDS { stretch.run } else { block };
-            while dealt > 0 {
-                folds[block] += dealt % FOLDS;
-                dealt /= FOLDS;
-            }
-            folds[block] %= FOLDS;
+        let own = stretch.first_block..stretch.first_block + stretch.blocks();
+        for (block, fold) in own.clone().zip(&mut folds[own]) {
+            let dealt = if runs >= FOLDS { stretch.run } else { block };
+            *fold = digit_sum(dealt) % FOLDS;
         }
     }
     folds
+}
+
+/// Sum of the digits of a number in base [`FOLDS`].
+fn digit_sum(mut number: usize) -> usize {
+    let mut sum = 0;
+    while number > 0 {
+        sum += number % FOLDS;
+        number /= FOLDS;
+    }
+    sum
 }

@@ -5,6 +5,7 @@
 //! M follows from the noise model; and from the products J'e of the blocks, which allow for noise that changes
 //! with the motion (P. J. Huber 1967; a sandwich by blocks). The larger of the two holds in every direction.
 
+use super::candidate::Candidate;
 use super::coordinates::Point;
 use super::fit::{MOST, Problem};
 use crate::estimation::{NoiseFit, best_order, noise_filter};
@@ -29,6 +30,17 @@ pub(super) struct Uncertainty {
     pub(super) sigma: f64,
     /// Errors of the simulation, by stretch, NaN where missing.
     pub(super) errors: Vec<Vec<f64>>,
+}
+
+impl Uncertainty {
+    /// The servo `point`, which this is the uncertainty of.
+    pub(super) fn candidate(&self, point: Point) -> Candidate {
+        Candidate {
+            point,
+            covariance: self.covariance.clone(),
+            seen: self.seen.clone(),
+        }
+    }
 }
 
 /// One sample: its error and derivatives.
@@ -59,7 +71,8 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     let normal = sum_of_products(point.values.len(), known.map(|row| &row.slope));
     let seen = seen(&normal);
     let kept: Vec<usize> = (0..seen.len()).filter(|&i| seen[i]).collect();
-    let part = |whole: &Mat<f64>| Mat::from_fn(kept.len(), kept.len(), |i, j| whole[(kept[i], kept[j])]);
+    let part =
+        |whole: &Mat<f64>| Mat::from_fn(kept.len(), kept.len(), |i, j| whole[(kept[i], kept[j])]);
     let modelled = by_noise_model(&rows, &ar, sigma, point.values.len());
     let blockwise = by_blocks(problem, &rows, blocks, point.values.len());
     let middle = larger(&part(&modelled), &part(&blockwise));
@@ -101,7 +114,11 @@ fn noise(errors: &[Vec<f64>]) -> (Vec<f64>, f64) {
     };
     let order = best_order(&fit.candidates(count));
     let ar = fit.coefficients(order);
-    let left = products[0] + ar.iter().zip(&products[1..]).map(|(d, r)| d * r).sum::<f64>();
+    let left = products[0]
+        + ar.iter()
+            .zip(&products[1..])
+            .map(|(d, r)| d * r)
+            .sum::<f64>();
     (ar, (left / count as f64).max(0.0).sqrt())
 }
 
@@ -131,7 +148,11 @@ fn by_noise_model(rows: &[Vec<Row>], ar: &[f64], sigma: f64, count: usize) -> Ma
 fn by_blocks(problem: &Problem<'_>, rows: &[Vec<Row>], blocks: usize, count: usize) -> Mat<f64> {
     let mut parts = vec![[0.0; MOST]; blocks];
     for (stretch, rows) in problem.stretches.iter().zip(rows) {
-        for (k, row) in rows.iter().enumerate().filter(|(_, row)| !row.error.is_nan()) {
+        for (k, row) in rows
+            .iter()
+            .enumerate()
+            .filter(|(_, row)| !row.error.is_nan())
+        {
             let part = &mut parts[stretch.block(k)];
             for (sum, slope) in part.iter_mut().zip(row.slope) {
                 *sum += slope * row.error;

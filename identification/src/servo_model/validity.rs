@@ -1,12 +1,99 @@
 //! Evidence on whether the errors of a servo model are noise.
+//!
+//! Noise is there at rest as well as in motion. Where the errors one step ahead are larger in motion, the model is
+//! wrong there, or its fit lies in a poor minimum; where nothing of the record is at rest, nothing shows that they are
+//! noise.
 
-use super::coordinates::Point;
+use super::coordinates::{LoadKind, Terms};
 use super::stretches::Stretch;
 use super::uncertainty::Uncertainty;
-use crate::data::Record;
-use crate::results::Bounds;
+use crate::estimation::noise_filter;
+use crate::results::Reason;
+use crate::thresholds::{MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO};
 
-/// x
-pub(super) fn level(level: f64, _record: &Record, _parts: &[Stretch], _point: &Point, _found: &Uncertainty) -> Bounds<f64> {
-    Bounds::Valid(level)
+/// Speed that counts as motion, as a share of the largest.
+const MOVING: f64 = 0.02;
+
+/// Samples at rest that show the noise.
+const SAMPLES_AT_REST: usize = 100;
+
+/// Levels of the command from which on a record distinguishes gain, friction, dead band and load: each is a line through the
+/// positions of rest, and two points lie on many.
+const LEVELS: usize = 3;
+
+/// What speaks against intervals.
+pub(super) fn against(stretches: &[Stretch], terms: Terms, found: &Uncertainty) -> Option<Reason> {
+    let statics = terms.friction || terms.dead_band || terms.load != LoadKind::None;
+    if statics && levels(stretches) < LEVELS {
+        return Some(Reason::InputUnexcited);
+    }
+    grows_with_motion(stretches, found).then_some(Reason::ErrorsNotNoise)
+}
+
+/// Different commands, up to three.
+fn levels(stretches: &[Stretch]) -> usize {
+    let mut found: Vec<f64> = Vec::new();
+    for command in stretches.iter().flat_map(|stretch| &stretch.input) {
+        if !found.contains(command) {
+            found.push(*command);
+            if found.len() == LEVELS {
+                break;
+            }
+        }
+    }
+    found.len()
+}
+
+/// Whether the errors one step ahead are larger in motion than at rest, beyond chance and by more than a little.
+fn grows_with_motion(stretches: &[Stretch], found: &Uncertainty) -> bool {
+    let d = noise_filter(&found.ar);
+    let steps = |simulated: &[f64]| -> Vec<f64> {
+        simulated
+            .windows(2)
+            .map(|w| (w[1] - w[0]).abs())
+            .filter(|step| !step.is_nan())
+            .collect()
+    };
+    // The motion is that of the simulation: measured output less error.
+    let simulated: Vec<Vec<f64>> = stretches
+        .iter()
+        .zip(&found.errors)
+        .map(|(stretch, errors)| {
+            stretch
+                .output
+                .iter()
+                .zip(errors)
+                .map(|(y, e)| y - e)
+                .collect()
+        })
+        .collect();
+    let fastest = simulated
+        .iter()
+        .flat_map(|run| steps(run))
+        .fold(0.0, f64::max);
+    let (mut at_rest, mut moving) = ((0usize, 0.0), (0usize, 0.0));
+    for (simulated, errors) in simulated.iter().zip(&found.errors) {
+        for k in d.len()..errors.len() {
+            let ahead: f64 = d.iter().enumerate().map(|(i, d)| d * errors[k - i]).sum();
+            let step = (simulated[k] - simulated[k - 1]).abs();
+            if ahead.is_nan() || step.is_nan() {
+                continue;
+            }
+            let side = if step > MOVING * fastest {
+                &mut moving
+            } else {
+                &mut at_rest
+            };
+            side.0 += 1;
+            side.1 += ahead * ahead;
+        }
+    }
+    if at_rest.0 < SAMPLES_AT_REST || moving.0 == 0 {
+        return true;
+    }
+    let (rest_count, moving_count) = (at_rest.0 as f64, moving.0 as f64);
+    let ratio = (moving.1 / moving_count) / (at_rest.1 / rest_count);
+    // The logarithm of a mean of n squares of Gaussian noise has the variance 2/n.
+    let chance = MOTION_NOISE_CHANCE * (2.0 / rest_count + 2.0 / moving_count).sqrt();
+    ratio.is_nan() || ratio > MOTION_NOISE_RATIO && ratio.ln() > chance
 }

@@ -83,6 +83,7 @@ const ROOMS: [(&str, &[&str]); 7] = [
             "diagnostics",
             "nonlinear",
             "flight_model",
+            "servo_model",
             "identify",
             "comparison",
         ],

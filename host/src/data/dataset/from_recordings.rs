@@ -45,6 +45,7 @@ pub(super) fn from_recording(
         }
     }
     Ok(Loaded {
+        controllers: Vec::new(),
         runs: vec![run(input, output, options.at_rest)?],
         rest,
         period_s: header.sample_period_s,

@@ -32,6 +32,7 @@ pub(super) fn from_table(
         u,
         y,
         labels,
+        drivers,
         clock,
     } = Columns::read(table, names, options)?;
     if u.len() < 2 {
@@ -49,6 +50,8 @@ pub(super) fn from_table(
     if let (Some(column), Some(_)) = (clock_name, &time) {
         remarks.extend(remarks_on_time(column, &found, labels.is_some()));
     }
+    let driver = |stretch: &Stretch| drivers.as_ref()?.get(stretch.rows.start).copied();
+    let controllers = found.iter().filter_map(driver).collect();
     let runs = found.iter().map(|stretch| {
         let at_rest = options.at_rest.filter(|_| !stretch.continues);
         run(stretch.place(&u), stretch.place(&y), at_rest)
@@ -77,6 +80,7 @@ pub(super) fn from_table(
     }
     Ok(Loaded {
         runs,
+        controllers,
         rest: Vec::new(),
         period_s,
         phase_s: 0.0,
@@ -115,6 +119,8 @@ struct Columns<'a> {
     y: Vec<f64>,
     /// Names of runs.
     labels: Option<Vec<f64>>,
+    /// Names of controllers.
+    drivers: Option<Vec<f64>>,
     clock: Option<Clock<'a>>,
 }
 
@@ -142,7 +148,8 @@ impl<'a> Columns<'a> {
             }
             None => time_column::column(table.columns()),
         };
-        let wanted: Vec<&str> = names.into_iter().chain(run).collect();
+        let driver = options.controller.as_deref();
+        let wanted: Vec<&str> = names.into_iter().chain(run).chain(driver).collect();
         let (numbers, times) = table.numbers_beside(&wanted, clock.map(|(name, _)| name))?;
         let mut numbers = numbers.into_iter();
         let mut next = || numbers.next().unwrap_or_default();
@@ -150,6 +157,7 @@ impl<'a> Columns<'a> {
             u: next(),
             y: next(),
             labels: run.map(|_| next()),
+            drivers: driver.map(|_| next()),
             clock: clock.map(|(name, unit)| Clock { name, unit, times }),
         })
     }

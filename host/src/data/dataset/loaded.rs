@@ -15,6 +15,8 @@ const PERIOD_TOLERANCE: f64 = 1e-3;
 #[derive(Default)]
 pub(super) struct Loaded {
     pub(super) runs: Vec<Run>,
+    /// What the controller of each run is called; empty where no column says it.
+    pub(super) controllers: Vec<f64>,
     /// What was recorded around them while the input stood still.
     pub(super) rest: Vec<Run>,
     pub(super) period_s: f64,
@@ -47,6 +49,7 @@ impl Loaded {
         let [own, another] = [&self.about, &next.about].map(ModelMetadata::from);
         own.same_units(&listed(earlier), &another, &path.display().to_string())?;
         self.runs.extend(next.runs);
+        self.controllers.extend(next.controllers);
         self.rest.extend(next.rest);
         self.about.merge(next.about);
         Ok(())

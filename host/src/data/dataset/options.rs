@@ -17,6 +17,8 @@ pub struct DatasetOptions {
     pub time_unit: Option<TimeUnit>,
     /// The column whose value changes where a new run begins.
     pub run: Option<String>,
+    /// The column that says which controller drove a run.
+    pub controller: Option<String>,
     /// The input before the first row of each run.
     pub at_rest: Option<f64>,
     /// Use the rest around the reference too.

@@ -9,6 +9,7 @@ use serde_json::Value;
 use servoid_identification::Record;
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{MODEL_SCHEMA, Model};
+use servoid_identification::servo_model::ServoModel;
 use std::path::{Path, PathBuf};
 
 /// A model as its file has it, to be written.
@@ -85,6 +86,12 @@ pub enum ModelFileError {
     /// The parts of the model of low order do not fit together.
     #[error("the low-order model in {0:?} contradicts itself: identify again")]
     InconsistentFlightModel(PathBuf),
+    /// The servo model cannot be read.
+    #[error("the servo model in {0:?} cannot be read: {1}")]
+    MalformedServoModel(PathBuf, serde_json::Error),
+    /// The parts of the servo model do not fit together.
+    #[error("the servo model in {0:?} contradicts itself: identify again")]
+    InconsistentServoModel(PathBuf),
 }
 
 /// A model file that was read.
@@ -97,6 +104,7 @@ pub struct ModelFile {
     /// The fingerprints of its runs; none in a file that has none.
     pub fingerprints: Vec<String>,
     flight_model: Value,
+    servo_model: Value,
     path: PathBuf,
 }
 
@@ -135,6 +143,7 @@ impl ModelFile {
             metadata: ModelMetadata::in_document(&document),
             fingerprints: beside.map_or_else(|_| Vec::new(), |beside| beside.runs_crc32),
             flight_model: document.get("flight_model").cloned().unwrap_or_default(),
+            servo_model: document.get("servo_model").cloned().unwrap_or_default(),
             path: path.to_owned(),
         })
     }
@@ -160,6 +169,45 @@ impl ModelFile {
             _ => Ok(found),
         }
     }
+}
+
+impl ModelFile {
+    /// The servo model that the file may carry beside the linear one.
+    ///
+    /// # Errors
+    /// It cannot be read, or it contradicts itself.
+    pub fn servo_model(&self) -> Result<Option<ServoModelDocument>, ModelFileError> {
+        if self.servo_model.is_null() {
+            return Ok(None);
+        }
+        let malformed = |reason| ModelFileError::MalformedServoModel(self.path.clone(), reason);
+        let model = ServoModel::deserialize(&self.servo_model).map_err(malformed)?;
+        let beside = BesideServoModel::deserialize(&self.servo_model).map_err(malformed)?;
+        match model.is_consistent() {
+            true => Ok(Some(ServoModelDocument {
+                model,
+                controller_names: beside.controller_names,
+            })),
+            false => Err(ModelFileError::InconsistentServoModel(self.path.clone())),
+        }
+    }
+}
+
+/// A servo model as a file has it.
+#[derive(Clone, Debug, Serialize)]
+pub struct ServoModelDocument {
+    /// The model.
+    #[serde(flatten)]
+    pub model: ServoModel,
+    /// What its controllers are called, in order; empty where it has one.
+    pub controller_names: Vec<f64>,
+}
+
+/// The field beside a servo model.
+#[derive(Deserialize)]
+struct BesideServoModel {
+    #[serde(default)]
+    controller_names: Vec<f64>,
 }
 
 /// The document as this version would have written it.

@@ -5,9 +5,11 @@ mod comparison;
 mod layout;
 mod metrics;
 mod numbers;
+mod servo_model;
 
 pub use beyond::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
+pub use servo_model::{of_servo_model, servo_sentence};
 
 pub(crate) use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,
@@ -123,7 +125,24 @@ fn step_band(model: &Model) -> String {
 
 /// How well a model predicted a recording that it was not identified from.
 #[must_use]
-pub fn of_validation(validation: &Validation, unit: Option<&str>, advice: &[Advice]) -> String {
+pub fn of_validation(
+    validation: &Validation,
+    servo_model: Option<&Validation>,
+    unit: Option<&str>,
+    advice: &[Advice],
+) -> String {
+    let linear = validation_line(validation, unit);
+    let text = match servo_model {
+        None => linear,
+        Some(servo) => {
+            let servo = validation_line(servo, unit);
+            format!("servo model:  {servo}linear model: {linear}")
+        }
+    };
+    text + &findings(advice)
+}
+
+fn validation_line(validation: &Validation, unit: Option<&str>) -> String {
     let digits = decimals(validation.rmse, 2);
     let error = number_with_unit(validation.rmse, digits, unit);
     let sign = if validation.bias.is_sign_negative() {
@@ -136,9 +155,8 @@ pub fn of_validation(validation: &Validation, unit: Option<&str>, advice: &[Advi
         0 => "",
         _ => ", the first ones too, because the runs appear to begin at rest",
     };
-    let text = format!(
+    format!(
         "fit {:.2} %, error {error} rms, bias {sign}{bias}, {} samples{from_rest}\n",
         validation.fit_percent, validation.samples_used
-    );
-    text + &findings(advice)
+    )
 }

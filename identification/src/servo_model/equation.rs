@@ -21,13 +21,15 @@
 //! to each side.
 
 use crate::numerics::Scalar;
+use serde::{Deserialize, Serialize};
 
 /// Steps to the angle of rest: each halves the distance, so the rest is below a millionth of it.
 const RESTING_STEPS: usize = 25;
 
 /// Load on the shaft \[acceleration\]; positive turns towards smaller angles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Load<S> {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Load<S> {
     /// None.
     None,
     /// The same everywhere, such as the pull of a spring that hardly gives.
@@ -53,6 +55,7 @@ pub(super) enum Load<S> {
     },
 }
 
+#[expect(private_bounds, reason = "the methods are as private as the trait")]
 impl<S: Scalar> Load<S> {
     /// The acceleration that it takes at the angle `angle`.
     #[inline(always)]
@@ -82,58 +85,59 @@ impl<S: Scalar> Load<S> {
 }
 
 /// Friction that opposes the motion \[acceleration\].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Friction<S> {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Friction<S> {
     /// C, at speed.
-    pub(super) coulomb: S,
+    pub coulomb: S,
     /// What it has more at rest.
-    pub(super) at_rest: Option<AtRest<S>>,
+    pub at_rest: Option<AtRest<S>>,
 }
 
 /// Friction that falls with speed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct AtRest<S> {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AtRest<S> {
     /// s: at rest the friction is C (1 + s).
-    pub(super) excess: S,
+    pub excess: S,
     /// ωs, the speed at which half of the excess is gone.
-    pub(super) speed: S,
+    pub speed: S,
 }
 
 /// The largest drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Limit<S> {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DriveLimit<S> {
     /// A+, the largest acceleration upwards.
-    pub(super) up: S,
+    pub up: S,
     /// A-/A+.
-    pub(super) down_to_up: S,
+    pub down_to_up: S,
     /// B, the motor's own damping (1/s): what slows it while the drive is full.
-    pub(super) motor_damping: S,
+    pub motor_damping: S,
 }
 
 /// A servo, as numbers or with derivatives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Physics<S> {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ServoParameters<S = f64> {
     /// d \[s\].
-    pub(super) delay_s: S,
+    pub delay_s: S,
     /// k (1/s²).
-    pub(super) stiffness: S,
+    pub stiffness: S,
     /// c (1/s).
-    pub(super) damping: S,
+    pub damping: S,
     /// Output for each unit of θ.
-    pub(super) gain: S,
+    pub gain: S,
     /// Output at θ = 0.
-    pub(super) offset: S,
+    pub offset: S,
     /// The limits of the drive, if it has any.
-    pub(super) limit: Option<Limit<S>>,
+    pub limit: Option<DriveLimit<S>>,
     /// w \[units of the command\].
-    pub(super) dead_band: Option<S>,
+    pub dead_band: Option<S>,
     /// Friction, if there is any.
-    pub(super) friction: Option<Friction<S>>,
+    pub friction: Option<Friction<S>>,
     /// The load.
-    pub(super) load: Load<S>,
+    pub load: Load<S>,
 }
 
-impl<S: Scalar> Physics<S> {
+#[expect(private_bounds, reason = "the methods are as private as the trait")]
+impl<S: Scalar> ServoParameters<S> {
     /// The command that holds the shaft at rest at `angle`, without help of friction.
     pub(super) fn holding_command(&self, angle: S) -> S {
         angle + self.load.at(angle) / self.stiffness
@@ -192,7 +196,7 @@ pub(super) struct Stepper<S> {
 }
 
 impl<S: Scalar> Stepper<S> {
-    pub(super) fn new(physics: &Physics<S>, step_s: S) -> Self {
+    pub(super) fn new(physics: &ServoParameters<S>, step_s: S) -> Self {
         let one = S::constant(1.0);
         let motor = physics
             .limit

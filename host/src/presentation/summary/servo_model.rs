@@ -1,0 +1,174 @@
+//! The servo as a machine, as text for a terminal.
+
+use super::numbers::head_of_bounds;
+use crate::data::units::Units;
+use servoid_identification::results::{Bounds, Interval};
+use servoid_identification::servo_model::{
+    LadderRung, LoadKind, Quantity, ServoModel, Terms, Unit,
+};
+
+/// What kind of servo this is, in a sentence or two.
+#[must_use]
+pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
+    let of = |name: &str| {
+        let found = model.quantities.iter().find(|found| found.name == name);
+        found
+            .filter(|found| found.determined)
+            .map(|found| found.value)
+    };
+    let unit = |unit: Option<&str>| unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+    let (command, output) = (unit(units.input), unit(units.output));
+    let speeds = of("top speed upwards").zip(of("top speed downwards"));
+    let kind = match speeds {
+        Some((up, down)) if up == down => format!("limited to {}{output}/s", number(up)),
+        Some((up, down)) => format!(
+            "limited to {}{output}/s upwards and {} downwards",
+            number(up),
+            number(down)
+        ),
+        None if model.terms.limit => "limited in its drive".to_owned(),
+        None => "linear".to_owned(),
+    };
+    let rest = of("resting error by friction")
+        .map(|error| format!("rests within {}{command} of its target", number(error)));
+    let load = match model.terms.load {
+        LoadKind::None => None,
+        LoadKind::Constant => Some("works against a constant load"),
+        LoadKind::Pendulum | LoadKind::TiltedPendulum => Some("carries a weight"),
+        LoadKind::Air => Some("works against a load that stiffens to one side"),
+    };
+    let delay = of("delay").map(|delay_s| format!("answers {} ms late", number(1e3 * delay_s)));
+    let parts = [rest, load.map(str::to_owned), delay].into_iter().flatten();
+    let all: Vec<String> = std::iter::once(format!("This servo is {kind}"))
+        .chain(parts)
+        .collect();
+    format!(
+        "{}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.",
+        all.join(", "),
+        model.fit.held_out_percent
+    )
+}
+
+/// Parameters with their intervals; with `explain`, the terms that were tried.
+#[must_use]
+pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> String {
+    let level = model.covariance.as_ref().map(|covariance| covariance.level);
+    let mut text = format!(
+        "\nservo model: {}\n  fit {:.2} %; of parts that it had not seen {:.2} % (a linear servo of second order: {:.2} %)\n",
+        words(model.terms),
+        model.fit.simulation_percent,
+        model.fit.held_out_percent,
+        model.fit.linear_held_out_percent
+    );
+    if let Bounds::Withdrawn(reason) = &level {
+        text += &format!("  ! NO INTERVALS CAN BE GIVEN: {}\n", reason.because());
+    }
+    if !model.alternatives.is_empty() {
+        text += &format!(
+            "  {} other sets of terms predict as well: the intervals hold for all of them\n",
+            model.alternatives.len()
+        );
+    }
+    text += &format!(
+        "  {:34} {:>12} {:8} {}\n",
+        "",
+        "value",
+        "",
+        head_of_bounds(level)
+    );
+    text.extend(model.quantities.iter().map(|quantity| row(quantity, units)));
+    if explain {
+        text +=
+            "\n  terms that were tried: fit of parts that they had not seen, and of the whole\n";
+        text.extend(model.ladder.iter().map(rung));
+    }
+    text
+}
+
+fn row(quantity: &Quantity, units: Units<'_>) -> String {
+    let (scale, unit) = scale_and_unit(quantity.unit, units);
+    let shown = |value: f64| number(scale * value);
+    let interval = quantity.interval.valid().map(|found: &Interval| {
+        let end = |bound: Option<f64>| bound.map_or("-".to_owned(), shown);
+        let open = match (found.lower, found.upper) {
+            (None, None) => String::new(),
+            (lower, upper) => format!("{} .. {}", end(lower), end(upper)),
+        };
+        match quantity.determined {
+            true => open,
+            false => format!("not determined by this recording {open}"),
+        }
+    });
+    let value = match quantity.determined {
+        true => shown(quantity.value),
+        false => "-".to_owned(),
+    };
+    let line = format!(
+        "  {:34} {value:>12} {unit:8} {}",
+        quantity.name,
+        interval.unwrap_or_default()
+    );
+    format!("{}\n", line.trim_end())
+}
+
+/// Factor to the unit that people use, and its name.
+fn scale_and_unit(unit: Unit, units: Units<'_>) -> (f64, String) {
+    let output = units.output.unwrap_or("");
+    match unit {
+        Unit::Seconds => (1e3, "ms".to_owned()),
+        Unit::Hertz => (1.0, "Hz".to_owned()),
+        Unit::One => (1.0, String::new()),
+        Unit::OutputPerCommand => (1.0, units.gain().unwrap_or_default()),
+        Unit::Command => (1.0, units.input.unwrap_or("").to_owned()),
+        Unit::Output => (1.0, output.to_owned()),
+        Unit::OutputPerSecond => (1.0, format!("{output}/s")),
+        Unit::OutputPerSecondSquared => (1.0, format!("{output}/s2")),
+    }
+}
+
+fn rung(tried: &LadderRung) -> String {
+    format!(
+        "  {:7.2} % {:7.2} %  {}{}\n",
+        tried.held_out_percent,
+        tried.fit_percent,
+        words(tried.terms),
+        if tried.chosen { "  <- chosen" } else { "" }
+    )
+}
+
+/// "limit of the drive, friction, weight on a hanging arm"
+fn words(terms: Terms) -> String {
+    let load = match terms.load {
+        LoadKind::None => "",
+        LoadKind::Constant => "constant load",
+        LoadKind::Pendulum => "weight on a hanging arm",
+        LoadKind::TiltedPendulum => "weight on a tilted arm",
+        LoadKind::Air => "load of the air",
+    };
+    let all = [
+        (terms.limit, "limit of the drive"),
+        (terms.two_speeds, "two speeds"),
+        (terms.dead_band, "dead band"),
+        (terms.friction, "friction"),
+        (terms.load != LoadKind::None, load),
+    ];
+    let present: Vec<&str> = all
+        .into_iter()
+        .filter_map(|(there, word)| there.then_some(word))
+        .collect();
+    match present.is_empty() {
+        true => "linear, of second order".to_owned(),
+        false => present.join(", "),
+    }
+}
+
+/// A number with four digits.
+fn number(value: f64) -> String {
+    let leading = value.abs().log10().floor();
+    let digits = if leading.is_finite() {
+        3 - leading as i32
+    } else {
+        0
+    };
+    format!("{value:.*}", digits.clamp(0, 9) as usize)
+}

@@ -1,0 +1,158 @@
+//! The servo as a machine, found in real recordings by the commands that a user types.
+
+use crate::support::{arg, data, refusal, run};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// The rows of a recording that `keep` wants of (its number, its cells), with the header row.
+fn rows(of: &Path, name: &str, into: &Path, keep: impl Fn(usize, &[&str]) -> bool) -> PathBuf {
+    let text = std::fs::read_to_string(of).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let wanted = |(number, row): &(usize, &str)| keep(*number, &row.split(',').collect::<Vec<_>>());
+    let rows: Vec<&str> = rows
+        .lines()
+        .enumerate()
+        .filter(wanted)
+        .map(|(_, row)| row)
+        .collect();
+    let path = into.join(name);
+    std::fs::write(&path, format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+    path
+}
+
+const COLUMNS: [&str; 4] = ["--input", "u", "--output", "y"];
+
+/// Identifies one file; the fit of the servo model on each of the others (%).
+fn predicted(first: &Path, others: &[PathBuf], options: &[&str]) -> Vec<f64> {
+    let model = first.with_extension("json");
+    let identify = ["identify", arg(first), "-o", arg(&model)];
+    run(&[&identify[..], &COLUMNS, options].concat());
+    let fit = |other: &PathBuf| {
+        let options: Vec<&str> = options
+            .iter()
+            .copied()
+            .filter(|o| *o != "--servo-model")
+            .collect();
+        let validate = ["validate", arg(&model), arg(other), "--json"];
+        let found = run(&[&validate[..], &COLUMNS, &options].concat());
+        let found: Value = serde_json::from_str(&found).unwrap();
+        found["servo_model"]["fit_percent"].as_f64().unwrap()
+    };
+    others.iter().map(fit).collect()
+}
+
+/// A cheap servo that is mostly in its limit of speed: the linear model predicts the same runs to 53 %.
+#[test]
+fn odd_runs_of_a_limited_servo_predict_the_even_ones() {
+    let dir = tempfile::tempdir().unwrap();
+    let all = data("miuzei_rc_servo_large.csv");
+    let parity = |cells: &[&str]| cells[3].parse::<usize>().unwrap() % 2;
+    let odd = rows(&all, "odd.csv", dir.path(), |_, cells| parity(cells) == 1);
+    let even = rows(&all, "even.csv", dir.path(), |_, cells| parity(cells) == 0);
+    // Without --servo-model: the linear model has no bounds.
+    let fits = predicted(&odd, &[even], &["--run", "run"]);
+    assert!(fits[0] >= 85.0, "{fits:?}");
+}
+
+/// A smart servo with a weight on an arm, under two controller gains. In the predicted runs it stands still for most of the
+/// time where full drive cannot lift the weight further: the linear model predicts them to 73 and 50 %.
+#[test]
+fn two_controllers_on_one_mechanism_predict_runs_of_both() {
+    let dir = tempfile::tempdir().unwrap();
+    let all = data("bam_xl330_pendulum.csv");
+    let runs = |name: &str, wanted: &'static str| {
+        rows(&all, name, dir.path(), move |_, cells| {
+            wanted.contains(cells[3])
+        })
+    };
+    let others = [runs("2.csv", "2"), runs("5.csv", "5")];
+    let options = ["--run", "run", "--controller", "kp", "--servo-model"];
+    let fits = predicted(&runs("1346.csv", "1346"), &others, &options);
+    assert!(fits[0] >= 85.0 && fits[1] >= 80.0, "{fits:?}");
+}
+
+#[test]
+fn half_of_a_motor_staircase_predicts_the_other_half() {
+    let dir = tempfile::tempdir().unwrap();
+    let all = data("dcmotor_position_stairs.csv");
+    let first = rows(&all, "first.csv", dir.path(), |number, _| number < 225);
+    let second = rows(&all, "second.csv", dir.path(), |number, _| number >= 225);
+    let fits = predicted(&first, &[second], &["--period", "0.02", "--servo-model"]);
+    assert!(fits[0] >= 90.5, "{fits:?}");
+}
+
+#[test]
+fn the_simulated_aircraft_is_predicted_by_another_run_of_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let files = [1, 2].map(|seed| {
+        let file = dir.path().join(format!("{seed}.csv"));
+        run(&[
+            "simulate",
+            "--servo",
+            "aircraft",
+            "--seed",
+            &seed.to_string(),
+            "-o",
+            arg(&file),
+        ]);
+        file
+    });
+    let model = dir.path().join("model.json");
+    let text = run(&[
+        "identify",
+        arg(&files[0]),
+        "--servo-model",
+        "-o",
+        arg(&model),
+    ]);
+    assert!(text.starts_with("This servo is limited"), "{text}");
+    let found = run(&["validate", arg(&model), arg(&files[1]), "--json"]);
+    let found: Value = serde_json::from_str(&found).unwrap();
+    let fit = found["servo_model"]["fit_percent"].as_f64().unwrap();
+    assert!(fit >= 98.0, "{fit}");
+}
+
+#[test]
+fn a_controller_that_the_model_does_not_know_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let all = data("bam_xl330_pendulum.csv");
+    let slow = rows(&all, "400.csv", dir.path(), |number, cells| {
+        cells[5] == "400" && number % 4 == 0
+    });
+    let fast = rows(&all, "800.csv", dir.path(), |number, cells| {
+        cells[5] == "800" && number % 4 == 0
+    });
+    let model = dir.path().join("model.json");
+    let options = ["--run", "run", "--controller", "kp", "--period", "0.02"];
+    let identify = ["identify", arg(&slow), "--servo-model", "-o", arg(&model)];
+    run(&[&identify[..], &COLUMNS, &options].concat());
+    let validate = ["validate", arg(&model), arg(&fast)];
+    let error = refusal(&[&validate[..], &COLUMNS, &options].concat());
+    assert!(
+        error.contains("the controller 800 is none of those of the model (400)"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_recording_without_enough_samples_gives_a_sentence_and_the_linear_model_all_the_same() {
+    let dir = tempfile::tempdir().unwrap();
+    let all = data("dcmotor_position_stairs.csv");
+    let short = rows(&all, "short.csv", dir.path(), |number, _| number < 60);
+    let identify = [
+        "identify",
+        arg(&short),
+        "--servo-model",
+        "--period",
+        "0.02",
+        "--settling",
+        "12",
+        "--noise-order",
+        "0",
+    ];
+    let text = run(&[&identify[..], &COLUMNS].concat());
+    assert!(
+        text.contains("no servo model: ") && text.contains("DC gain"),
+        "{text}"
+    );
+}

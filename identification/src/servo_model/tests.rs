@@ -1,0 +1,300 @@
+//! The equation against exact answers, and the fit against servos that are known.
+
+use super::coordinates::{Coordinate, LoadKind, Point, Terms};
+use super::simulation::{Grid, Start, simulate};
+use super::{ServoModelOptions, fit};
+use crate::data::{Record, Run};
+use crate::numerics::Dual;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const PERIOD_S: f64 = 0.002;
+
+fn point(terms: Terms, value: impl Fn(Coordinate) -> f64) -> Point {
+    let coordinates = terms.coordinates(1);
+    Point {
+        terms,
+        values: coordinates.iter().map(|at| value(*at)).collect(),
+        coordinates,
+        radians: 1f64.to_radians(),
+    }
+}
+
+/// 50 rad/s, damping ratio 0.7, 21.3 ms late; full drive beyond 2 degrees.
+fn value(at: Coordinate) -> f64 {
+    match at {
+        Coordinate::Delay => 0.0213,
+        Coordinate::LnStiffness => 2500f64.ln(),
+        Coordinate::LnDamping => 70f64.ln(),
+        Coordinate::Gain => 1.1,
+        Coordinate::Offset => 0.3,
+        Coordinate::LnTopSpeed => 178.6f64.ln(),
+        Coordinate::MotorShare => 0.4,
+        Coordinate::LnDownToUp => 0.3,
+        Coordinate::DeadBand => 0.11,
+        Coordinate::Friction => 0.13,
+        Coordinate::FrictionAtRest => 0.7,
+        Coordinate::LnFrictionSpeed => 12f64.ln(),
+        Coordinate::ConstantLoad => 0.2,
+        Coordinate::Gravity => 0.4,
+        Coordinate::GravityFrom => 40.0,
+        Coordinate::AirStiffening => 0.02,
+        Coordinate::AirFrom => -2.0,
+        Coordinate::LnOwnStiffness(_) => 0.0,
+    }
+}
+
+/// Strokes of several sizes, with holds of 80 to 240 ms.
+fn strokes(samples: usize) -> Vec<f64> {
+    let levels = [0.0, 5.0, -5.0, 2.0, -3.0, 4.0, -1.0, 5.0, 1.0, -4.0];
+    let mut input = Vec::new();
+    for number in 0.. {
+        if input.len() >= samples {
+            break;
+        }
+        let hold = 40 + 20 * (number * 7 % 5);
+        input.extend(std::iter::repeat_n(levels[number % levels.len()], hold));
+    }
+    input.truncate(samples);
+    input
+}
+
+fn response(point: &Point, input: &[f64], longest_step_s: f64) -> Vec<f64> {
+    let physics = point.physics(0, |_, value| value);
+    let start = Start::at_rest(physics.resting_output(input[0]), Some(input[0]));
+    let mut output = Vec::new();
+    let grid = Grid::new(PERIOD_S, 0.0, longest_step_s);
+    simulate(&physics, &grid, &start, input, |_, y| output.push(y));
+    output
+}
+
+fn noisy(point: &Point, input: &[f64], seed: u64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let noise = |y: f64| -> f64 {
+        let v: f64 = StandardNormal.sample(&mut random);
+        y + 0.03 * v
+    };
+    response(point, input, 1e-4)
+        .into_iter()
+        .map(noise)
+        .collect()
+}
+
+fn largest(a: &[f64], b: &[f64]) -> f64 {
+    a.iter()
+        .zip(b)
+        .fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+}
+
+/// 1 - e^(-ζωt) (cos ω_d t + ζω/ω_d sin ω_d t), from the delayed edge on.
+#[test]
+fn a_linear_servo_has_the_step_response_of_the_textbook() {
+    let servo = point(Terms::default(), value);
+    let mut input = vec![0.0; 10];
+    input.extend([1.0; 200]);
+    let found = response(&servo, &input, 1e-3);
+    let (decay, damped) = (35f64, (2500f64 - 35.0 * 35.0).sqrt());
+    for (k, y) in found.iter().enumerate() {
+        let t = (k as f64 * PERIOD_S - 0.02 - 0.0213).max(0.0);
+        let rest = (-decay * t).exp() * ((damped * t).cos() + decay / damped * (damped * t).sin());
+        let exact = 1.1 * (1.0 - rest) + 0.3;
+        // The scheme is of second order: about (ωh)² = 0.0025 of the stroke.
+        assert!((y - exact).abs() < 0.0025, "{k}: {y} {exact}");
+    }
+}
+
+#[test]
+fn half_the_step_has_a_quarter_of_the_error() {
+    let terms = Terms {
+        limit: true,
+        two_speeds: true,
+        load: LoadKind::Pendulum,
+        ..Terms::default()
+    };
+    let (servo, input) = (point(terms, value), strokes(1500));
+    let exact = response(&servo, &input, 2e-5);
+    let [coarse, fine] = [1e-3, 5e-4].map(|step| largest(&response(&servo, &input, step), &exact));
+    // A little more than a quarter where the drive leaves its limit within a step.
+    assert!(coarse < 0.02 && fine < 0.35 * coarse, "{coarse} {fine}");
+}
+
+#[test]
+fn derivatives_of_the_motion_are_those_of_differences() {
+    for load in [LoadKind::TiltedPendulum, LoadKind::Air] {
+        let terms = Terms {
+            limit: true,
+            two_speeds: true,
+            dead_band: true,
+            friction: true,
+            load,
+        };
+        let (servo, input) = (point(terms, value), strokes(600));
+        let physics = servo.physics(0, |i, value| Dual::<16>::variable(value, i));
+        let grid = Grid::new(PERIOD_S, 0.0, 1e-3);
+        let mut slopes = Vec::new();
+        let start = Start::at_rest(0.3, Some(0.0));
+        simulate(&physics, &grid, &start.lifted(), &input, |_, y| {
+            slopes.push(y.slope)
+        });
+        for (i, coordinate) in servo.coordinates.iter().enumerate() {
+            let moved = |change: f64| {
+                let mut other = servo.clone();
+                other.values[i] += change;
+                let mut output = Vec::new();
+                let physics = other.physics(0, |_, value| value);
+                simulate(&physics, &grid, &start, &input, |_, y| output.push(y));
+                output
+            };
+            let step = 1e-6 * servo.values[i].abs().max(0.1);
+            let (above, below) = (moved(step), moved(-step));
+            let scale = slopes
+                .iter()
+                .fold(1e-9, |most: f64, s| most.max(s[i].abs()));
+            // Where the shaft comes to rest within the difference, it does so one step of the integration earlier or later.
+            let close = |(k, slope): (usize, &[f64; 16])| {
+                ((above[k] - below[k]) / (2.0 * step) - slope[i]).abs() < 1e-3 * scale
+            };
+            let right = slopes
+                .iter()
+                .enumerate()
+                .filter(|pair| close(*pair))
+                .count();
+            assert!(right > 590, "{coordinate:?}: {right} of 600");
+        }
+    }
+}
+
+#[test]
+fn a_limited_servo_is_found_again() {
+    let terms = Terms {
+        limit: true,
+        two_speeds: true,
+        ..Terms::default()
+    };
+    let (servo, input) = (point(terms, value), strokes(2000));
+    let record = Record::from_slices(PERIOD_S, &input, &noisy(&servo, &input, 1)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert_eq!(found.terms, terms);
+    assert!(found.fit.held_out_percent > 98.5, "{:?}", found.fit);
+    for (name, truth) in super::quantities::values(&servo) {
+        let quantity = found
+            .quantities
+            .iter()
+            .find(|quantity| quantity.name == name)
+            .unwrap();
+        let interval = quantity.interval.valid().unwrap();
+        assert!(interval.contains(truth), "{name}: {truth} {interval:?}");
+    }
+    let new = [vec![0.0; 20], vec![3.0; 200]].concat();
+    let (predicted, truth) = (found.respond(&new, 0), response(&servo, &new, 1e-4));
+    for ((value, half), truth) in predicted
+        .value
+        .iter()
+        .zip(predicted.half_width.valid().unwrap())
+        .zip(truth)
+    {
+        assert!(
+            (value - truth).abs() <= half + 1e-6,
+            "{value} {half} {truth}"
+        );
+    }
+}
+
+#[test]
+fn a_linear_servo_stays_linear() {
+    let (servo, input) = (point(Terms::default(), value), strokes(2000));
+    let record = Record::from_slices(PERIOD_S, &input, &noisy(&servo, &input, 2)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert!(found.is_linear(), "{:?}", found.terms);
+}
+
+/// Two levels of the command leave friction, gain and offset open between them.
+#[test]
+fn statics_of_two_levels_have_no_intervals() {
+    let terms = Terms {
+        limit: true,
+        friction: true,
+        ..Terms::default()
+    };
+    let servo = point(terms, value);
+    let input: Vec<f64> = (0..2000)
+        .map(|k| if k / 150 % 2 == 0 { -5.0 } else { 5.0 })
+        .collect();
+    let record = Record::from_slices(PERIOD_S, &input, &noisy(&servo, &input, 3)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    let statics =
+        found.terms.friction || found.terms.dead_band || found.terms.load != LoadKind::None;
+    assert!(
+        !statics || found.covariance.withdrawn().is_some(),
+        "{:?}",
+        found.terms
+    );
+}
+
+/// Missing samples, a stop in the middle of the travel, a servo that is switched off half-way, a single stroke, a glitch: numbers
+/// stay finite.
+#[test]
+fn recordings_of_poor_quality_give_finite_numbers() {
+    let terms = Terms {
+        limit: true,
+        ..Terms::default()
+    };
+    let (servo, input) = (point(terms, value), strokes(800));
+    let good = noisy(&servo, &input, 4);
+    let changed = |of: &dyn Fn(usize, f64) -> f64| -> Vec<f64> {
+        good.iter().enumerate().map(|(k, y)| of(k, *y)).collect()
+    };
+    let outputs = [
+        changed(&|k, y| {
+            if k % 17 == 3 || (300..340).contains(&k) {
+                f64::NAN
+            } else {
+                y
+            }
+        }),
+        changed(&|_, y| y.min(2.0)),
+        changed(&|k, y| if k > 400 { 0.0 } else { y }),
+        changed(&|k, y| if k == 200 { 1e6 } else { y }),
+    ];
+    let mut records: Vec<Record> = outputs
+        .iter()
+        .map(|output| Record::from_slices(PERIOD_S, &input, output).unwrap())
+        .collect();
+    let gaps: Vec<f64> = input
+        .iter()
+        .enumerate()
+        .map(|(k, u)| if k % 211 == 7 { f64::NAN } else { *u })
+        .collect();
+    records.push(Record::from_slices(PERIOD_S, &gaps, &good).unwrap());
+    let single = [vec![0.0; 40], vec![5.0; 100]].concat();
+    records.push(Record::from_slices(PERIOD_S, &single, &noisy(&servo, &single, 5)).unwrap());
+    for (number, record) in records.iter().enumerate() {
+        let found = fit(record, &ServoModelOptions::default()).unwrap();
+        assert!(
+            found.values.iter().all(|value| value.is_finite()),
+            "{number}: {found:?}"
+        );
+        assert!(
+            found.fit.rmse.is_finite() && found.is_consistent(),
+            "{number}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn what_cannot_be_fitted_is_refused_with_a_sentence() {
+    let short = Record::from_slices(PERIOD_S, &strokes(60), &strokes(60)).unwrap();
+    assert!(fit(&short, &ServoModelOptions::default()).is_err());
+    let input = strokes(400);
+    let runs: Vec<Run> = (0..40)
+        .map(|_| Run::new(input.clone(), input.clone()).unwrap())
+        .collect();
+    let many = Record::new(PERIOD_S, runs).unwrap();
+    let options = ServoModelOptions {
+        controllers: (0..40).collect(),
+        ..ServoModelOptions::default()
+    };
+    let error = fit(&many, &options).unwrap_err().to_string();
+    assert!(error.contains("40 controllers"), "{error}");
+}
