@@ -33,8 +33,8 @@ pub enum Coordinate {
     Friction,
     /// s: friction at rest is 1 + s times that at speed.
     FrictionAtRest,
-    /// ln ωs, the speed at which half of the excess is gone (units of the command for each second).
-    LnFrictionSpeed,
+    /// ln(ωs B/A+), the speed at which half of the excess is gone as a share of the top speed.
+    LnFrictionSpeedShare,
     /// Constant load over k \[units of the command\].
     ConstantLoad,
     /// Acceleration of a weight on a level arm, over k \[units of the command\].
@@ -51,16 +51,25 @@ pub enum Coordinate {
 
 use Coordinate::{
     AirFrom, AirStiffening, ConstantLoad, DeadBand, Delay, FrictionAtRest, Gain, Gravity,
-    GravityFrom, LnDamping, LnDownToUp, LnFrictionSpeed, LnOwnStiffness, LnStiffness, LnTopSpeed,
-    MotorShare, Offset,
+    GravityFrom, LnDamping, LnDownToUp, LnFrictionSpeedShare, LnOwnStiffness, LnStiffness,
+    LnTopSpeed, MotorShare, Offset,
 };
+
+/// Friction at rest that fades only at a third of the top speed or more is that in motion, and one that fades below a two-hundredth
+/// is gone within a step of the integration.
+const FRICTION_SPEED_SHARE: (f64, f64) = (-5.3, -1.1);
 
 impl Coordinate {
     /// Whether a step of the fit may move it by one at the most: a factor of e.
     pub(super) fn is_logarithm(self) -> bool {
         matches!(
             self,
-            LnStiffness | LnDamping | LnTopSpeed | LnDownToUp | LnFrictionSpeed | LnOwnStiffness(_)
+            LnStiffness
+                | LnDamping
+                | LnTopSpeed
+                | LnDownToUp
+                | LnFrictionSpeedShare
+                | LnOwnStiffness(_)
         )
     }
 
@@ -74,7 +83,7 @@ impl Coordinate {
             MotorShare => (0.002, 1.0),
             LnDownToUp | LnOwnStiffness(_) => (-4.0, 4.0),
             DeadBand | Coordinate::Friction | FrictionAtRest => (0.0, f64::INFINITY),
-            LnFrictionSpeed => (-12.0, 12.0),
+            LnFrictionSpeedShare => FRICTION_SPEED_SHARE,
             Gain | Offset | ConstantLoad | Gravity | GravityFrom | AirStiffening | AirFrom => {
                 (f64::NEG_INFINITY, f64::INFINITY)
             }
@@ -145,7 +154,7 @@ impl Terms {
         with(self.dead_band, &[DeadBand]);
         with(
             self.friction,
-            &[Coordinate::Friction, FrictionAtRest, LnFrictionSpeed],
+            &[Coordinate::Friction, FrictionAtRest, LnFrictionSpeedShare],
         );
         match self.load {
             LoadKind::None => {}
@@ -228,7 +237,7 @@ impl Point {
         });
         let at_rest = find(FrictionAtRest).map(|excess| AtRest {
             excess,
-            speed: get(LnFrictionSpeed).exp(),
+            speed: (get(LnFrictionSpeedShare) + get(LnTopSpeed)).exp(),
         });
         let constant = get(ConstantLoad) * shared;
         ServoParameters {

@@ -51,7 +51,7 @@ fn servo(seed: u64) -> Point {
             Coordinate::DeadBand => between(0.1, 0.4),
             Coordinate::Friction => between(0.05, 0.3),
             Coordinate::FrictionAtRest => between(0.0, 1.0),
-            Coordinate::LnFrictionSpeed => (between(0.02, 0.2) * top_speed).ln(),
+            Coordinate::LnFrictionSpeedShare => between(0.02, 0.2).ln(),
             Coordinate::ConstantLoad => between(-0.5, 0.5),
             _ => 0.0,
         })

@@ -35,8 +35,8 @@ const CLIP: f64 = 0.5;
 /// Steps of the last descent.
 const STEPS: usize = 30;
 
-/// Steps of each descent from another delay.
-const DELAY_STEPS: usize = 12;
+/// Steps of each descent from elsewhere.
+const OTHER_STEPS: usize = 20;
 
 /// Longest delay that is looked for \[s\], and in samples: the larger of the two.
 const LONGEST_DELAY: (f64, f64) = (0.2, 4.0);
@@ -127,7 +127,7 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
         converged,
     };
     let (coarse, fine) = (fit_on(CHOICE_STEP_S, 1e-5), fit_on(LONGEST_STEP_S, 1e-7));
-    let from = coarse.best_of_delays(&parts, &tried[chosen].fit);
+    let from = coarse.best_of_others(&parts, &tried[chosen].fit, &shown);
     let point = fine.polished(&mut parts, from);
     let found = uncertainty(&fine.problem(&parts), &point, fold_of.len());
     let mut candidates = vec![found.candidate(point)];
@@ -176,18 +176,31 @@ impl Fit {
         }
     }
 
-    /// The best of short descents from several delays.
-    fn best_of_delays(&self, parts: &[Stretch], from: &Point) -> Point {
+    /// The best of short descents from several delays, and from friction as `shown` would begin with it: the two
+    /// commonest poor minima.
+    fn best_of_others(&self, parts: &[Stretch], from: &Point, shown: &Shown) -> Point {
         let delay_s = from.get(Coordinate::Delay).unwrap_or(0.0);
-        let descents = [1.0, 0.8, 1.2].map(|factor| {
-            let mut point = from.clone();
-            point.set(
-                Coordinate::Delay,
-                (factor * delay_s).min(self.longest_delay_s),
-            );
-            (self.problem(parts).descend(&mut point, DELAY_STEPS), point)
+        let mut starts: Vec<Point> = [1.0, 0.8, 1.2]
+            .iter()
+            .map(|factor| {
+                let mut point = from.clone();
+                point.set(
+                    Coordinate::Delay,
+                    (factor * delay_s).min(self.longest_delay_s),
+                );
+                point
+            })
+            .collect();
+        let mut fresh = from.clone();
+        for coordinate in [Coordinate::FrictionAtRest, Coordinate::LnFrictionSpeedShare] {
+            fresh.set(coordinate, shown.fresh(coordinate, from.radians));
+        }
+        starts.push(fresh);
+        let descents = starts.into_iter().map(|mut point| {
+            let cost = self.problem(parts).descend(&mut point, OTHER_STEPS);
+            (cost, point)
         });
-        let best = descents.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let best = descents.min_by(|a, b| a.0.total_cmp(&b.0));
         best.map_or_else(|| from.clone(), |best| best.1)
     }
 

@@ -309,14 +309,6 @@ impl Ladder<'_> {
             point.set(coordinate, value);
             point
         };
-        if terms.friction && !from.terms.friction {
-            let mut sticking = varied(Coordinate::FrictionAtRest, 1.0);
-            sticking.set(
-                Coordinate::LnFrictionSpeed,
-                fresh(Coordinate::LnFrictionSpeed) + 4f64.ln(),
-            );
-            return vec![plain, sticking];
-        }
         if from.terms.load == terms.load {
             return vec![plain];
         }

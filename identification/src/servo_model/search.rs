@@ -76,7 +76,7 @@ impl Shown {
             Coordinate::DeadBand => 0.005 * self.spread,
             Coordinate::Friction => 0.01 * self.spread,
             Coordinate::FrictionAtRest => 0.3,
-            Coordinate::LnFrictionSpeed => (0.05 * self.top_speed).ln(),
+            Coordinate::LnFrictionSpeedShare => 0.05f64.ln(),
             Coordinate::LnTopSpeed => self.top_speed.ln(),
             Coordinate::MotorShare => 0.5,
             Coordinate::Gravity => 0.01 * self.spread / (self.spread * radians).min(1.0).sin(),

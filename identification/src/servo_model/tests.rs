@@ -35,7 +35,7 @@ fn value(at: Coordinate) -> f64 {
         Coordinate::DeadBand => 0.11,
         Coordinate::Friction => 0.13,
         Coordinate::FrictionAtRest => 0.7,
-        Coordinate::LnFrictionSpeed => 12f64.ln(),
+        Coordinate::LnFrictionSpeedShare => 0.07f64.ln(),
         Coordinate::ConstantLoad => 0.2,
         Coordinate::Gravity => 0.4,
         Coordinate::GravityFrom => 40.0,
