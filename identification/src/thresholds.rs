@@ -422,3 +422,8 @@ pub const MOTION_NOISE_RATIO: f64 = 1.25;
 ///
 /// Protects: right servo models from being refused. Evidence: as for [`MOTION_NOISE_RATIO`].
 pub const MOTION_NOISE_CHANCE: f64 = 4.0;
+
+/// Probability below which errors of a servo model follow the command.
+///
+/// Protects: the intervals of servos outside of the model's class. Evidence: as for [`MOTION_NOISE_RATIO`].
+pub const SERVO_LACK_OF_FIT: f64 = 0.001;

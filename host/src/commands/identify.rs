@@ -98,9 +98,10 @@ impl Identify {
             Some(Err(reason)) => (None, Some(reason)),
             None => (None, None),
         };
-        let servo = self
-            .wants_servo_model(model)
-            .then(|| fit_servo_model(&data, self.level));
+        let servo = self.wants_servo_model(model).then(|| {
+            talk.say("looking for the servo as a machine, which takes some seconds");
+            fit_servo_model(&data, self.level)
+        });
         let (servo, no_servo) = match servo {
             Some(Ok(servo)) => (Some(servo), None),
             Some(Err(reason)) => (None, Some(reason)),

@@ -3,13 +3,13 @@
 //! The terms are chosen by the [ladder](super::ladder) on a coarse grid, the parameters fitted on a fine one, and the
 //! evidence decides whether bounds hold.
 
-use super::candidate::Candidate;
 use super::coordinates::{Coordinate, Point, Terms};
 use super::fit::Problem;
 use super::ladder::{Ladder, Rung};
 use super::model::{
     Alternative, Covariance, LONGEST_STEP_S, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel,
 };
+use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
 use super::search::Shown;
 use super::simulation::Grid;
@@ -120,7 +120,7 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
     let chosen = ladder.climb();
     let members = ladder.not_beaten(chosen);
     let tried = std::mem::take(&mut ladder.tried);
-    let fit_on = |longest_step_s: f64, converged: f64| Fit {
+    let fit_on = |longest_step_s: f64, converged: f64| Descent {
         grid: Grid::new(period_s, record.sample_phase_s(), longest_step_s),
         clip: CLIP * shown.output_sd,
         longest_delay_s: longest_delay_s(period_s),
@@ -130,25 +130,17 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
     let from = coarse.best_of_others(&parts, &tried[chosen].fit, &shown);
     let point = fine.polished(&mut parts, from);
     let found = uncertainty(&fine.problem(&parts), &point, fold_of.len());
-    let mut candidates = vec![found.candidate(point)];
+    let mut possible = vec![found.servo_at(point)];
     for &member in &members[1..] {
         let point = tried[member].fit.clone();
-        candidates
-            .push(uncertainty(&coarse.problem(&parts), &point, fold_of.len()).candidate(point));
+        possible.push(uncertainty(&coarse.problem(&parts), &point, fold_of.len()).servo_at(point));
     }
-    let ladder = Choice { tried, chosen };
-    Ok(describe(
-        record,
-        options,
-        &parts,
-        &ladder,
-        &candidates,
-        found,
-    ))
+    let ladder = Climbed { tried, chosen };
+    Ok(describe(record, options, &parts, &ladder, &possible, found))
 }
 
 /// The rungs that were tried, and the chosen one.
-struct Choice {
+struct Climbed {
     tried: Vec<Rung>,
     chosen: usize,
 }
@@ -157,14 +149,14 @@ struct Choice {
 const FEWEST: usize = 64;
 
 /// How the parameters of given terms are fitted.
-struct Fit {
+struct Descent {
     grid: Grid,
     clip: f64,
     longest_delay_s: f64,
     converged: f64,
 }
 
-impl Fit {
+impl Descent {
     fn problem<'a>(&self, stretches: &'a [Stretch]) -> Problem<'a> {
         Problem {
             stretches,
@@ -241,11 +233,11 @@ fn describe(
     record: &Record,
     options: &ServoModelOptions,
     parts: &[Stretch],
-    choice: &Choice,
-    candidates: &[Candidate],
+    choice: &Climbed,
+    possible: &[PossibleServo],
     found: Uncertainty,
 ) -> ServoModel {
-    let point = &candidates[0].point;
+    let point = &possible[0].point;
     let known: Vec<f64> = found
         .errors
         .iter()
@@ -268,14 +260,14 @@ fn describe(
         .tried
         .iter()
         .find(|rung| rung.terms == Terms::default());
-    let level = level_unless(against(parts, point.terms, &found), options.level);
+    let level = level_unless(against(parts, &found), options.level);
     let rung = |(index, rung): (usize, &Rung)| LadderRung {
         terms: rung.terms,
         held_out_percent: held_out(rung),
         fit_percent: fit_percent(rung.cost, spread),
         chosen: index == choice.chosen,
     };
-    let alternative = |other: &Candidate| Alternative {
+    let alternative = |other: &PossibleServo| Alternative {
         terms: other.point.terms,
         coordinates: other.point.coordinates.clone(),
         values: other.point.values.clone(),
@@ -289,13 +281,13 @@ fn describe(
         radians_per_command: point.radians,
         covariance: level.as_ref().map(|level| Covariance {
             level: *level,
-            rows: rows(&candidates[0].covariance),
+            rows: rows(&possible[0].covariance),
         }),
         alternatives: match &level {
             Bounds::Withdrawn(_) => Vec::new(),
-            _ => candidates[1..].iter().map(alternative).collect(),
+            _ => possible[1..].iter().map(alternative).collect(),
         },
-        quantities: quantities(candidates, pointwise_critical(options.level), &level),
+        quantities: quantities(possible, pointwise_critical(options.level), &level),
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
         fit: ServoFit {

@@ -6,13 +6,14 @@
 //! prediction of parts that the fit has not seen, and the covariance and the servos that predict as well give intervals and
 //! bands. `docs/servo-model.md` has measured tables.
 
-mod candidate;
 mod coordinates;
 mod equation;
 mod estimate;
 mod fit;
+mod lack_of_fit;
 mod ladder;
 mod model;
+mod possible_servo;
 mod quantities;
 mod search;
 mod simulation;

@@ -1,8 +1,8 @@
 //! What people ask of a servo, with intervals.
 
-use super::candidate::Candidate;
 use super::coordinates::Point;
 use super::equation::{Load, ServoParameters};
+use super::possible_servo::PossibleServo;
 use crate::results::{Bounds, Interval};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -52,7 +52,7 @@ const UNDETERMINED_RATIO: f64 = 10.0;
 
 /// Values that a quantity can have.
 #[derive(Clone, Copy, PartialEq)]
-enum Range {
+enum Domain {
     /// All.
     Any,
     /// Zero and more; the interval is cut there.
@@ -66,7 +66,7 @@ struct Definition {
     name: &'static str,
     unit: Unit,
     /// Which values are possible.
-    range: Range,
+    domain: Domain,
     of: fn(&ServoParameters<f64>) -> Option<f64>,
 }
 
@@ -75,91 +75,91 @@ const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "delay",
         unit: Unit::Seconds,
-        range: Range::NotNegative,
+        domain: Domain::NotNegative,
         of: |p| Some(p.delay_s),
     },
     Definition {
         name: "gain",
         unit: Unit::OutputPerCommand,
-        range: Range::Any,
+        domain: Domain::Any,
         of: |p| Some(p.gain),
     },
     Definition {
         name: "offset",
         unit: Unit::Output,
-        range: Range::Any,
+        domain: Domain::Any,
         of: |p| Some(p.offset),
     },
     Definition {
         name: "bandwidth at small signals",
         unit: Unit::Hertz,
-        range: Range::Positive,
+        domain: Domain::Positive,
         of: |p| Some(bandwidth_hz(p)),
     },
     Definition {
         name: "damping ratio",
         unit: Unit::One,
-        range: Range::Positive,
+        domain: Domain::Positive,
         of: |p| Some(p.damping / (2.0 * p.stiffness.sqrt())),
     },
     Definition {
         name: "top speed upwards",
         unit: Unit::OutputPerSecond,
-        range: Range::Positive,
+        domain: Domain::Positive,
         of: |p| top_speed(p, true),
     },
     Definition {
         name: "top speed downwards",
         unit: Unit::OutputPerSecond,
-        range: Range::Positive,
+        domain: Domain::Positive,
         of: |p| top_speed(p, false),
     },
     Definition {
         name: "acceleration upwards",
         unit: Unit::OutputPerSecondSquared,
-        range: Range::Positive,
+        domain: Domain::Positive,
         of: |p| p.limit.map(|l| l.up * p.gain.abs()),
     },
     Definition {
         name: "acceleration downwards",
         unit: Unit::OutputPerSecondSquared,
-        range: Range::Positive,
+        domain: Domain::Positive,
         of: |p| p.limit.map(|l| l.up * l.down_to_up * p.gain.abs()),
     },
     Definition {
         name: "error of full drive",
         unit: Unit::Command,
-        range: Range::Positive,
+        domain: Domain::Positive,
         of: |p| p.limit.map(|l| l.up / p.stiffness),
     },
     Definition {
         name: "dead band, to each side",
         unit: Unit::Command,
-        range: Range::NotNegative,
+        domain: Domain::NotNegative,
         of: |p| p.dead_band,
     },
     Definition {
         name: "resting error by friction",
         unit: Unit::Command,
-        range: Range::NotNegative,
+        domain: Domain::NotNegative,
         of: resting_error,
     },
     Definition {
         name: "friction at rest to that in motion",
         unit: Unit::One,
-        range: Range::NotNegative,
+        domain: Domain::NotNegative,
         of: |p| Some(1.0 + p.friction?.at_rest?.excess),
     },
     Definition {
         name: "load at the middle",
         unit: Unit::Command,
-        range: Range::Any,
+        domain: Domain::Any,
         of: load_at_zero,
     },
     Definition {
         name: "load of a level arm",
         unit: Unit::Command,
-        range: Range::Any,
+        domain: Domain::Any,
         of: |p| match p.load {
             Load::Pendulum { gravity, .. } => Some(gravity / p.stiffness),
             _ => None,
@@ -199,17 +199,17 @@ fn load_at_zero(p: &ServoParameters<f64>) -> Option<f64> {
     (p.load != Load::None).then(|| p.holding_command(0.0))
 }
 
-/// The quantities of the first of `candidates`, with intervals that hold those of all, where bounds hold.
+/// The quantities of the first of `possible`, with intervals that hold those of all, where bounds hold.
 pub(super) fn quantities(
-    candidates: &[Candidate],
+    possible: &[PossibleServo],
     critical: f64,
     level: &Bounds<f64>,
 ) -> Vec<Quantity> {
     let of = |definition: &Definition| {
-        let value = definition.value(&candidates[0].point)?;
-        let hull = candidates
+        let value = definition.value(&possible[0].point)?;
+        let hull = possible
             .iter()
-            .filter_map(|candidate| definition.interval(candidate, critical))
+            .filter_map(|servo| definition.interval(servo, critical))
             .reduce(hull)?;
         Some(Quantity {
             name: definition.name.to_owned(),
@@ -237,28 +237,28 @@ impl Definition {
         (self.of)(&point.physics(0, |_, value| value))
     }
 
-    /// The interval by one candidate. One without the term says zero where that is what being without it means, and
+    /// The interval by one servo. One without the term says zero where that is what being without it means, and
     /// else nothing.
-    fn interval(&self, candidate: &Candidate, critical: f64) -> Option<Interval> {
-        let Some(value) = self.value(&candidate.point) else {
-            return (self.range == Range::NotNegative).then(|| Interval::new(0.0, 0.0, 0.0));
+    fn interval(&self, servo: &PossibleServo, critical: f64) -> Option<Interval> {
+        let Some(value) = self.value(&servo.point) else {
+            return (self.domain == Domain::NotNegative).then(|| Interval::new(0.0, 0.0, 0.0));
         };
-        let slopes = self.slopes(&candidate.point)?;
+        let slopes = self.slopes(&servo.point)?;
         let seen = |(slope, seen): (&f64, &bool)| *seen || *slope == 0.0;
-        if !slopes.iter().zip(&candidate.seen).all(seen) {
+        if !slopes.iter().zip(&servo.seen).all(seen) {
             return Some(Interval::new(value, f64::NAN, f64::NAN));
         }
         let mut variance = 0.0;
         for (i, a) in slopes.iter().enumerate() {
             for (j, b) in slopes.iter().enumerate() {
-                variance += a * candidate.covariance[(i, j)] * b;
+                variance += a * servo.covariance[(i, j)] * b;
             }
         }
         let half = critical * variance.max(0.0).sqrt();
-        Some(match self.range {
-            Range::Any => Interval::new(value, value - half, value + half),
-            Range::NotNegative => Interval::new(value, (value - half).max(0.0), value + half),
-            Range::Positive => {
+        Some(match self.domain {
+            Domain::Any => Interval::new(value, value - half, value + half),
+            Domain::NotNegative => Interval::new(value, (value - half).max(0.0), value + half),
+            Domain::Positive => {
                 let factor = (half / value).exp();
                 Interval::new(value, value / factor, value * factor)
             }
@@ -283,7 +283,7 @@ impl Definition {
     fn is_determined(&self, interval: &Interval) -> bool {
         match (interval.lower, interval.upper) {
             (Some(lower), Some(upper)) => {
-                self.range != Range::Positive || upper < UNDETERMINED_RATIO * lower
+                self.domain != Domain::Positive || upper < UNDETERMINED_RATIO * lower
             }
             _ => false,
         }

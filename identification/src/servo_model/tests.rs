@@ -5,6 +5,7 @@ use super::simulation::{Grid, Start, simulate};
 use super::{ServoModelOptions, fit};
 use crate::data::{Record, Run};
 use crate::numerics::Dual;
+use crate::results::Reason;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -211,7 +212,7 @@ fn a_linear_servo_stays_linear() {
 
 /// Two levels of the command leave friction, gain and offset open between them.
 #[test]
-fn statics_of_two_levels_have_no_intervals() {
+fn two_levels_have_no_intervals() {
     let terms = Terms {
         limit: true,
         friction: true,
@@ -223,12 +224,15 @@ fn statics_of_two_levels_have_no_intervals() {
         .collect();
     let record = Record::from_slices(PERIOD_S, &input, &noisy(&servo, &input, 3)).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
-    let statics =
-        found.terms.friction || found.terms.dead_band || found.terms.load != LoadKind::None;
+    assert_eq!(found.covariance.withdrawn(), Some(Reason::InputUnexcited));
     assert!(
-        !statics || found.covariance.withdrawn().is_some(),
-        "{:?}",
-        found.terms
+        found
+            .quantities
+            .iter()
+            .all(|quantity| quantity.interval.withdrawn().is_some())
+    );
+    assert!(
+        found.alternatives.is_empty() && found.respond(&[0.0, 1.0], 0).half_width.valid().is_none()
     );
 }
 

@@ -5,12 +5,16 @@
 //! M follows from the noise model; and from the products J'e of the blocks, which allow for noise that changes
 //! with the motion (P. J. Huber 1967; a sandwich by blocks). The larger of the two holds in every direction.
 
-use super::candidate::Candidate;
 use super::coordinates::Point;
 use super::fit::{MOST, Problem};
+use super::lack_of_fit;
+use super::possible_servo::PossibleServo;
 use crate::estimation::{NoiseFit, best_order, noise_filter};
 use crate::numerics::{cholesky, inverse_of_square};
 use faer::{Mat, Side};
+
+/// Time in which a servo settles at small signals \[1/ω\].
+const SETTLING: f64 = 8.0;
 
 /// Highest order of the noise model.
 const HIGHEST_ORDER: usize = 20;
@@ -30,12 +34,14 @@ pub(super) struct Uncertainty {
     pub(super) sigma: f64,
     /// Errors of the simulation, by stretch, NaN where missing.
     pub(super) errors: Vec<Vec<f64>>,
+    /// Probability of errors that follow the command as much as these, if the equation is right.
+    pub(super) lack_of_fit_p: Option<f64>,
 }
 
 impl Uncertainty {
     /// The servo `point`, which this is the uncertainty of.
-    pub(super) fn candidate(&self, point: Point) -> Candidate {
-        Candidate {
+    pub(super) fn servo_at(&self, point: Point) -> PossibleServo {
+        PossibleServo {
             point,
             covariance: self.covariance.clone(),
             seen: self.seen.clone(),
@@ -45,9 +51,9 @@ impl Uncertainty {
 
 /// One sample: its error and derivatives.
 #[derive(Clone)]
-struct Row {
-    error: f64,
-    slope: [f64; MOST],
+pub(super) struct Row {
+    pub(super) error: f64,
+    pub(super) slope: [f64; MOST],
 }
 
 /// The uncertainty of `point`.
@@ -86,7 +92,20 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
             }
         }
     }
+    let servo = point.physics(0, |_, value| value);
+    let settling_s = servo.delay_s + SETTLING / servo.stiffness.sqrt();
+    let settling = (settling_s / problem.grid.period_s).ceil() as usize;
+    let d = noise_filter(&ar);
+    let lack_of_fit_p = lack_of_fit::p_value(
+        problem.stretches,
+        &rows,
+        &d,
+        sigma,
+        point.values.len(),
+        settling,
+    );
     Uncertainty {
+        lack_of_fit_p,
         covariance,
         seen,
         ar,

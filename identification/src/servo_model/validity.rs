@@ -1,15 +1,15 @@
 //! Evidence on whether the errors of a servo model are noise.
 //!
 //! Noise is there at rest as well as in motion. Where the errors one step ahead are larger in motion, the model is
-//! wrong there, or its fit lies in a poor minimum; where nothing of the record is at rest, nothing shows that they are
+//! wrong there, or its fit lies in a poor minimum. Noise does not follow the command either; a score test shows where errors do.
+//! Where nothing of the record is at rest, nothing shows that they are
 //! noise.
 
-use super::coordinates::{LoadKind, Terms};
 use super::stretches::Stretch;
 use super::uncertainty::Uncertainty;
 use crate::estimation::noise_filter;
 use crate::results::Reason;
-use crate::thresholds::{MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO};
+use crate::thresholds::{MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO, SERVO_LACK_OF_FIT};
 
 /// Speed that counts as motion, as a share of the largest.
 const MOVING: f64 = 0.02;
@@ -17,17 +17,18 @@ const MOVING: f64 = 0.02;
 /// Samples at rest that show the noise.
 const SAMPLES_AT_REST: usize = 100;
 
-/// Levels of the command from which on a record distinguishes gain, friction, dead band and load: each is a line through the
-/// positions of rest, and two points lie on many.
+/// Levels of the command from which on a record distinguishes gain, offset, friction, dead band and load: each shapes the line
+/// through the positions of rest, and between two of these any fits. A servo that seems to have none of them may have
+/// them all the same, and not follow a third level as the model does.
 const LEVELS: usize = 3;
 
 /// What speaks against intervals.
-pub(super) fn against(stretches: &[Stretch], terms: Terms, found: &Uncertainty) -> Option<Reason> {
-    let statics = terms.friction || terms.dead_band || terms.load != LoadKind::None;
-    if statics && levels(stretches) < LEVELS {
+pub(super) fn against(stretches: &[Stretch], found: &Uncertainty) -> Option<Reason> {
+    if levels(stretches) < LEVELS {
         return Some(Reason::InputUnexcited);
     }
-    grows_with_motion(stretches, found).then_some(Reason::ErrorsNotNoise)
+    let follow = found.lack_of_fit_p.is_some_and(|p| p < SERVO_LACK_OF_FIT);
+    (follow || grows_with_motion(stretches, found)).then_some(Reason::ErrorsNotNoise)
 }
 
 /// Different commands, up to three.

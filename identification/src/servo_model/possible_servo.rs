@@ -1,14 +1,14 @@
 //! Servos that the record does not distinguish.
 //!
 //! The terms are chosen by prediction, and often a record predicts as well with others. What is said of the servo then has
-//! to hold for all of them: intervals and bands are those of every candidate together.
+//! to hold for all of them: intervals and bands are those of every servo together.
 
 use super::coordinates::Point;
 use faer::Mat;
 
 /// A servo that the record may come from.
 #[derive(Clone, Debug)]
-pub(super) struct Candidate {
+pub(super) struct PossibleServo {
     pub(super) point: Point,
     /// Covariance of its coordinates.
     pub(super) covariance: Mat<f64>,
