@@ -413,6 +413,12 @@ pub const NOTABLE_SHIFT_S: f64 = 0.25e-3;
 /// Protects: linear servos from terms that they do not have. Evidence: the test that linear servos stay linear.
 pub const SERVO_TERM_ADVANTAGE: f64 = 3.0;
 
+/// Share of the squared errors in parts not seen that terms beyond a linear servo must take away: less is within what the
+/// integration in steps and chance do, and matters to no prediction.
+///
+/// Protects: linear servos from terms that they do not have. Evidence: the test that linear servos stay linear.
+pub const SERVO_MATERIAL_ADVANTAGE: f64 = 0.05;
+
 /// Ratio of the mean squares of errors one step ahead in motion and at rest, up to which they are the same noise.
 ///
 /// Protects: the intervals of servo models that are wrong in motion. Evidence: the coverage table of servo models.

@@ -6,9 +6,7 @@
 use super::coordinates::{Coordinate, Point, Terms};
 use super::fit::Problem;
 use super::ladder::{Ladder, Rung};
-use super::model::{
-    Alternative, Covariance, LONGEST_STEP_S, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel,
-};
+use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
 use super::search::Shown;
@@ -22,9 +20,6 @@ use crate::diagnostics::level_unless;
 use crate::error::Error;
 use crate::results::{Bounds, Noise, fit_percent, pointwise_critical};
 use faer::Mat;
-
-/// Longest step of the integration while terms are chosen \[s\].
-const CHOICE_STEP_S: f64 = 1.5e-3;
 
 /// Longest step of the integration in the search from far away \[s\].
 const SEARCH_STEP_S: f64 = 3e-3;
@@ -106,8 +101,7 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
     let mut ladder = Ladder {
         stretches: &mut parts,
         fold_of: &fold_of,
-        grid: Grid::new(period_s, record.sample_phase_s(), CHOICE_STEP_S),
-        search_grid: Grid::new(period_s, record.sample_phase_s(), SEARCH_STEP_S),
+        grid: Grid::new(period_s, record.sample_phase_s(), SEARCH_STEP_S),
         shown,
         clip: CLIP * shown.output_sd,
         longest_delay_s: longest_delay_s(period_s),
@@ -120,13 +114,14 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
     let chosen = ladder.climb();
     let members = ladder.not_beaten(chosen);
     let tried = std::mem::take(&mut ladder.tried);
-    let fit_on = |longest_step_s: f64, converged: f64| Descent {
-        grid: Grid::new(period_s, record.sample_phase_s(), longest_step_s),
+    let grid = ladder.grid;
+    let fit_to = |converged: f64| Descent {
+        grid,
         clip: CLIP * shown.output_sd,
         longest_delay_s: longest_delay_s(period_s),
         converged,
     };
-    let (coarse, fine) = (fit_on(CHOICE_STEP_S, 1e-5), fit_on(LONGEST_STEP_S, 1e-7));
+    let (coarse, fine) = (fit_to(1e-5), fit_to(1e-7));
     let from = coarse.best_of_others(&parts, &tried[chosen].fit, &shown);
     let point = fine.polished(&mut parts, from);
     let found = uncertainty(&fine.problem(&parts), &point, fold_of.len());

@@ -10,7 +10,7 @@ use super::search::{Shown, search};
 use super::simulation::Grid;
 use super::start::find_starts;
 use super::stretches::{FOLDS, Stretch};
-use crate::thresholds::SERVO_TERM_ADVANTAGE;
+use crate::thresholds::{SERVO_MATERIAL_ADVANTAGE, SERVO_TERM_ADVANTAGE};
 
 /// Steps of a descent from the servo with one term fewer.
 const STEPS: usize = 20;
@@ -57,9 +57,8 @@ pub(super) struct Ladder<'a> {
     pub(super) stretches: &'a mut Vec<Stretch>,
     /// The fold that each block belongs to.
     pub(super) fold_of: &'a [usize],
+    /// A coarse one for the search, and then that of the servo that it finds.
     pub(super) grid: Grid,
-    /// A coarser one for the search from far away.
-    pub(super) search_grid: Grid,
     pub(super) shown: Shown,
     pub(super) clip: f64,
     pub(super) longest_delay_s: f64,
@@ -72,16 +71,22 @@ pub(super) struct Ladder<'a> {
 impl Ladder<'_> {
     /// Climbs: returns the index of the chosen rung among those tried.
     pub(super) fn climb(&mut self) -> usize {
-        let linear = self.searched(Terms::default());
         let limited = Terms {
             limit: true,
             ..Terms::default()
         };
         // A limit by itself predicts little where strokes up and down differ, so its companions are tried with it.
-        let two_speeds = self.searched(Terms {
+        let both = Terms {
             two_speeds: true,
             ..limited
-        });
+        };
+        let from = [Terms::default(), both].map(|terms| self.searched(terms));
+        let stiffness = |point: &Point| point.physics(0, |_, value| value).stiffness;
+        let stiffest = stiffness(&from[0]).max(stiffness(&from[1]));
+        self.grid = Grid::for_stiffness(self.grid.period_s, self.grid.phase_s, stiffest);
+        find_starts(self.stretches, &from[1], &self.grid);
+        let linear = self.add(Terms::default(), &from[0]);
+        let two_speeds = self.add(both, &from[1]);
         let mut best = two_speeds;
         for companion in [
             limited,
@@ -112,7 +117,9 @@ impl Ladder<'_> {
         best = self.add_terms(best);
         best = self.seed_all_from(best);
         best = self.drop_terms(best);
-        if self.tried[best].beats(&self.tried[linear]) {
+        let needed = self.tried[best].total()
+            < (1.0 - SERVO_MATERIAL_ADVANTAGE) * self.tried[linear].total();
+        if needed && self.tried[best].beats(&self.tried[linear]) {
             best
         } else {
             linear
@@ -209,16 +216,11 @@ impl Ladder<'_> {
         self.tried[rung] = self.rung(terms, (cost, best));
     }
 
-    /// A rung found from the grid.
-    fn searched(&mut self, terms: Terms) -> usize {
+    /// A servo found from far away.
+    fn searched(&self, terms: Terms) -> Point {
         let all = |_: usize| true;
-        let problem = Problem {
-            grid: self.search_grid,
-            ..self.problem(&all)
-        };
-        let from = search(&problem, &self.shown, terms, self.controllers, self.radians);
-        find_starts(self.stretches, &from, &self.grid);
-        self.add(terms, &from)
+        let (problem, controllers) = (self.problem(&all), self.controllers);
+        search(&problem, &self.shown, terms, controllers, self.radians)
     }
 
     /// A rung found from another one.

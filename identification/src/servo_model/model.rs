@@ -16,9 +16,6 @@ use serde::{Deserialize, Serialize};
 /// Controllers on one mechanism, at the most.
 pub(super) const MOST_CONTROLLERS: usize = MOST - 15;
 
-/// Longest step of the integration \[s\].
-pub(super) const LONGEST_STEP_S: f64 = 1e-3;
-
 /// The servo as a machine: see the [module](super).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ServoModel {
@@ -132,7 +129,8 @@ impl ServoModel {
     }
 
     fn grid(&self) -> Grid {
-        Grid::new(self.sample_period_s, self.sample_phase_s, LONGEST_STEP_S)
+        let stiffness = self.parameters(0).stiffness;
+        Grid::for_stiffness(self.sample_period_s, self.sample_phase_s, stiffness)
     }
 
     /// The response of the servo with the controller number `controller` (from 0) to `input`, from rest at the first
@@ -198,7 +196,8 @@ impl ServoModel {
             return Err(Error::PeriodMismatch { expected, found });
         }
         let point = self.point();
-        let grid = Grid::new(found, record.sample_phase_s(), LONGEST_STEP_S);
+        let stiffness = self.parameters(0).stiffness;
+        let grid = Grid::for_stiffness(found, record.sample_phase_s(), stiffness);
         let (mut parts, _) = stretches(record, controllers);
         find_starts(&mut parts, &point, &grid);
         let unknown = |run: &Run| vec![f64::NAN; run.len()];
