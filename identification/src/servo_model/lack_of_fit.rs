@@ -86,7 +86,7 @@ fn sums(input: &[f64], width: usize) -> Vec<[f64; COLUMNS]> {
 fn reduction(normal: &Mat<f64>, products: &[f64], count: usize) -> Option<f64> {
     let size = normal.nrows();
     let scale: Vec<f64> = (0..size).map(|i| normal[(i, i)].sqrt()).collect();
-    if scale[count..].iter().any(|scale| *scale == 0.0) {
+    if scale[count..].contains(&0.0) {
         return None;
     }
     let safe = |i: usize| if scale[i] > 0.0 { scale[i] } else { 1.0 };
