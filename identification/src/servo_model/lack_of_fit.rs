@@ -6,8 +6,8 @@
 //! equation is right, the reduction of the sum of squares over σ² follows χ² with as many degrees of freedom
 //! as there are sums (C. R. Rao 1948).
 
+use super::error_row::Row;
 use super::stretches::Stretch;
-use super::uncertainty::Row;
 use crate::numerics::{chi_square_upper_tail, cholesky, forward_solve};
 use faer::Mat;
 

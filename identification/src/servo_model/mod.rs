@@ -8,6 +8,7 @@
 
 mod coordinates;
 mod equation;
+mod error_row;
 mod estimate;
 mod fit;
 mod lack_of_fit;

@@ -6,6 +6,7 @@
 //! with the motion (P. J. Huber 1967; a sandwich by blocks). The larger of the two holds in every direction.
 
 use super::coordinates::Point;
+use super::error_row::Row;
 use super::fit::{MOST, Problem};
 use super::lack_of_fit;
 use super::possible_servo::PossibleServo;
@@ -47,13 +48,6 @@ impl Uncertainty {
             seen: self.seen.clone(),
         }
     }
-}
-
-/// One sample: its error and derivatives.
-#[derive(Clone)]
-pub(super) struct Row {
-    pub(super) error: f64,
-    pub(super) slope: [f64; MOST],
 }
 
 /// The uncertainty of `point`.
