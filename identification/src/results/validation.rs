@@ -31,10 +31,7 @@ pub struct Validation {
 impl Validation {
     /// See [`Model::validate`].
     fn of(model: &Model, record: &Record) -> Result<Self, Error> {
-        let (expected, found) = (model.sample_period_s, record.sample_period_s());
-        if ((found - expected) / expected).abs() > PERIOD_TOLERANCE {
-            return Err(Error::PeriodMismatch { expected, found });
-        }
+        require_period(record, model.sample_period_s)?;
         let mut with_history = Vec::new();
         let mut from_rest = Vec::new();
         let mut runs_from_rest = 0;
@@ -84,6 +81,15 @@ impl Validation {
             runs_from_rest: 0,
         })
     }
+}
+
+/// Requires that a record has the sample period `expected` \[s\].
+pub(crate) fn require_period(record: &Record, expected: f64) -> Result<(), Error> {
+    let found = record.sample_period_s();
+    if ((found - expected) / expected).abs() > PERIOD_TOLERANCE {
+        return Err(Error::PeriodMismatch { expected, found });
+    }
+    Ok(())
 }
 
 impl Model {

@@ -21,14 +21,12 @@
 //! to each side.
 
 use crate::numerics::Scalar;
-use serde::{Deserialize, Serialize};
 
 /// Steps to the angle of rest: each halves the distance, so the rest is below a millionth of it.
 const RESTING_STEPS: usize = 25;
 
 /// Load on the shaft \[acceleration\]; positive turns towards smaller angles.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Load<S> {
     /// None.
     None,
@@ -85,7 +83,7 @@ impl<S: Scalar> Load<S> {
 }
 
 /// Friction that opposes the motion \[acceleration\].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction<S> {
     /// C, at speed.
     pub coulomb: S,
@@ -94,7 +92,7 @@ pub struct Friction<S> {
 }
 
 /// Friction that falls with speed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtRest<S> {
     /// s: at rest the friction is C (1 + s).
     pub excess: S,
@@ -103,7 +101,7 @@ pub struct AtRest<S> {
 }
 
 /// The largest drive.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveLimit<S> {
     /// A+, the largest acceleration upwards.
     pub up: S,
@@ -114,7 +112,7 @@ pub struct DriveLimit<S> {
 }
 
 /// A servo, as numbers or with derivatives.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ServoParameters<S = f64> {
     /// d \[s\].
     pub delay_s: S,
@@ -246,15 +244,9 @@ impl<S: Scalar> Stepper<S> {
     /// The error as the controller sees it.
     #[inline(always)]
     fn beyond_dead_band(&self, error: S) -> S {
-        let Some(width) = self.dead_band else {
-            return error;
-        };
-        if error.value() > width.value() {
-            error - width
-        } else if error.value() < -width.value() {
-            error + width
-        } else {
-            S::constant(0.0)
+        match self.dead_band {
+            None => error,
+            Some(width) => nearer_zero(error, width),
         }
     }
 
@@ -285,13 +277,19 @@ impl<S: Scalar> Stepper<S> {
             let one = S::constant(1.0);
             most = most * (one + at_rest.excess / (one + relative * relative));
         }
-        if free.value() > most.value() {
-            free - most
-        } else if free.value() < -most.value() {
-            free + most
-        } else {
-            S::constant(0.0)
-        }
+        nearer_zero(free, most)
+    }
+}
+
+/// `value` moved towards zero by `width`, and zero where it would pass it.
+#[inline(always)]
+fn nearer_zero<S: Scalar>(value: S, width: S) -> S {
+    if value.value() > width.value() {
+        value - width
+    } else if value.value() < -width.value() {
+        value + width
+    } else {
+        S::constant(0.0)
     }
 }
 

@@ -1,7 +1,7 @@
 //! From a record to a servo.
 //!
-//! The terms are chosen by the [ladder](super::ladder) on a coarse grid, the parameters fitted on a fine one, and the
-//! evidence decides whether bounds hold.
+//! The terms are chosen by the [ladder](super::ladder), the parameters of the chosen ones are polished, and the evidence decides
+//! whether bounds hold.
 
 use super::coordinates::{Coordinate, Point, Terms};
 use super::fit::Problem;
@@ -125,13 +125,16 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
     let from = coarse.best_of_others(&parts, &tried[chosen].fit, &shown);
     let point = fine.polished(&mut parts, from);
     let found = uncertainty(&fine.problem(&parts), &point, fold_of.len());
+    let level = level_unless(against(&parts, &grid, &point, &found), options.level);
     let mut possible = vec![found.servo_at(point)];
     for &member in &members[1..] {
         let point = tried[member].fit.clone();
         possible.push(uncertainty(&coarse.problem(&parts), &point, fold_of.len()).servo_at(point));
     }
     let ladder = Climbed { tried, chosen };
-    Ok(describe(record, options, &parts, &ladder, &possible, found))
+    Ok(describe(
+        record, options, level, &parts, &ladder, &possible, found,
+    ))
 }
 
 /// The rungs that were tried, and the chosen one.
@@ -227,6 +230,7 @@ fn radians(record: &Record) -> f64 {
 fn describe(
     record: &Record,
     options: &ServoModelOptions,
+    level: Bounds<f64>,
     parts: &[Stretch],
     choice: &Climbed,
     possible: &[PossibleServo],
@@ -234,10 +238,9 @@ fn describe(
 ) -> ServoModel {
     let point = &possible[0].point;
     let known: Vec<f64> = found
-        .errors
-        .iter()
+        .errors()
+        .into_iter()
         .flatten()
-        .copied()
         .filter(|e| !e.is_nan())
         .collect();
     let count = known.len() as f64;
@@ -255,7 +258,6 @@ fn describe(
         .tried
         .iter()
         .find(|rung| rung.terms == Terms::default());
-    let level = level_unless(against(parts, &found), options.level);
     let rung = |(index, rung): (usize, &Rung)| LadderRung {
         terms: rung.terms,
         held_out_percent: held_out(rung),

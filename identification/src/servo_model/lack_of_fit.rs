@@ -6,8 +6,11 @@
 //! equation is right, the reduction of the sum of squares over σ² follows χ² with as many degrees of freedom
 //! as there are sums (C. R. Rao 1948).
 
-use super::error_row::Row;
+use super::coordinates::Point;
+use super::simulation::Grid;
 use super::stretches::Stretch;
+use super::uncertainty::Uncertainty;
+use crate::estimation::noise_filter;
 use crate::numerics::{chi_square_upper_tail, cholesky, forward_solve};
 use faer::Mat;
 
@@ -17,17 +20,21 @@ const BINS: usize = 8;
 /// Columns: each stretch of time with the change, its size, and its square with the sign.
 const COLUMNS: usize = 3 * BINS;
 
-/// The probability of errors that follow the command as much as these, if the equation is right. `settling` is how
-/// many samples after a change the servo rests; `d` the noise filter, `sigma` the deviation behind it, and `count` the
-/// number of coordinates. `None` where the sums are combinations of the derivatives.
+/// Time in which a servo settles at small signals \[1/ω\].
+const SETTLING: f64 = 8.0;
+
+/// The probability of errors that follow the command as much as these, if the equation is right. `None` where the
+/// sums are combinations of the derivatives.
 pub(super) fn p_value(
     stretches: &[Stretch],
-    rows: &[Vec<Row>],
-    d: &[f64],
-    sigma: f64,
-    count: usize,
-    settling: usize,
+    grid: &Grid,
+    point: &Point,
+    found: &Uncertainty,
 ) -> Option<f64> {
+    let servo = point.physics(0, |_, value| value);
+    let settling_s = servo.delay_s + SETTLING / servo.stiffness.sqrt();
+    let settling = (settling_s / grid.period_s).ceil() as usize;
+    let (d, rows, count) = (noise_filter(&found.ar), &found.rows, point.values.len());
     let width = settling.div_ceil(BINS).max(1);
     let all = count + COLUMNS;
     let mut normal = Mat::<f64>::zeros(all, all);
@@ -59,7 +66,7 @@ pub(super) fn p_value(
         }
     }
     reduction(&normal, &products, count)
-        .map(|reduction| chi_square_upper_tail(reduction / (sigma * sigma), COLUMNS))
+        .map(|reduction| chi_square_upper_tail(reduction / (found.sigma * found.sigma), COLUMNS))
 }
 
 /// For each sample the sums of earlier changes of the command.

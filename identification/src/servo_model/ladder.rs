@@ -371,17 +371,8 @@ fn richer(terms: Terms) -> Vec<Terms> {
             },
         ),
     ];
-    let with = with
-        .into_iter()
-        .filter(|(possible, _)| *possible)
-        .map(|(_, terms)| terms);
-    with.chain(
-        LoadKind::BY_COORDINATES
-            .into_iter()
-            .filter(more_load)
-            .map(|load| Terms { load, ..terms }),
-    )
-    .collect()
+    let loads = LoadKind::BY_COORDINATES.into_iter().filter(more_load);
+    with_loads(with, loads, terms)
 }
 
 /// The same terms and one fewer, or a simpler load.
@@ -409,17 +400,17 @@ fn poorer(terms: Terms) -> Vec<Terms> {
             },
         ),
     ];
-    let without = without
-        .into_iter()
-        .filter(|(possible, _)| *possible)
-        .map(|(_, terms)| terms);
-    without
-        .chain(
-            terms
-                .load
-                .simpler()
-                .iter()
-                .map(|&load| Terms { load, ..terms }),
-        )
-        .collect()
+    with_loads(without, terms.load.simpler().iter().copied(), terms)
+}
+
+/// The terms that are possible, and `terms` with each of the loads.
+fn with_loads(
+    terms_if_possible: [(bool, Terms); 3],
+    loads: impl Iterator<Item = LoadKind>,
+    terms: Terms,
+) -> Vec<Terms> {
+    let possible = |(possible, terms): (bool, Terms)| possible.then_some(terms);
+    let with_load = |load| Terms { load, ..terms };
+    let others = terms_if_possible.into_iter().filter_map(possible);
+    others.chain(loads.map(with_load)).collect()
 }

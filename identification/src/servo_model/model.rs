@@ -7,10 +7,10 @@ use super::quantities::Quantity;
 use super::simulation::{Grid, Start, simulate};
 use super::start::find_starts;
 use super::stretches::stretches;
-use crate::data::{Record, Run};
+use crate::data::{Record, Run, Timing};
 use crate::error::Error;
 use crate::numerics::{Dual, Scalar};
-use crate::results::{Bounds, Noise, Validation, pointwise_critical};
+use crate::results::{Bounds, Noise, Validation, pointwise_critical, require_period};
 use serde::{Deserialize, Serialize};
 
 /// Controllers on one mechanism, at the most.
@@ -113,11 +113,15 @@ pub struct ServoResponse {
 
 impl ServoModel {
     /// The point of the search that it stands for.
-    pub(super) fn point(&self) -> Point {
+    fn point(&self) -> Point {
+        self.point_of(self.terms, &self.coordinates, &self.values)
+    }
+
+    fn point_of(&self, terms: Terms, coordinates: &[Coordinate], values: &[f64]) -> Point {
         Point {
-            terms: self.terms,
-            coordinates: self.coordinates.clone(),
-            values: self.values.clone(),
+            terms,
+            coordinates: coordinates.to_vec(),
+            values: values.to_vec(),
             radians: self.radians_per_command,
         }
     }
@@ -128,9 +132,9 @@ impl ServoModel {
         self.point().physics(controller, |_, value| value)
     }
 
-    fn grid(&self) -> Grid {
+    fn grid(&self, timing: Timing) -> Grid {
         let stiffness = self.parameters(0).stiffness;
-        Grid::for_stiffness(self.sample_period_s, self.sample_phase_s, stiffness)
+        Grid::for_stiffness(timing.sample_period_s, timing.sample_phase_s, stiffness)
     }
 
     /// The response of the servo with the controller number `controller` (from 0) to `input`, from rest at the first
@@ -143,12 +147,7 @@ impl ServoModel {
         let critical = own.map_or(f64::NAN, |found| pointwise_critical(found.level));
         let mut half: Vec<f64> = spread.iter().map(|sd| critical * sd).collect();
         for other in self.alternatives.iter().filter(|_| own.is_some()) {
-            let point = Point {
-                terms: other.terms,
-                coordinates: other.coordinates.clone(),
-                values: other.values.clone(),
-                radians: self.radians_per_command,
-            };
+            let point = self.point_of(other.terms, &other.coordinates, &other.values);
             let (theirs, spread) = self.response_of(&point, &other.covariance, input, controller);
             for (k, half) in half.iter_mut().enumerate() {
                 *half = half.max((theirs[k] - value[k]).abs() + critical * spread[k]);
@@ -178,7 +177,11 @@ impl ServoModel {
             rate: Dual::constant(0.0),
             command_before: Some(first),
         };
-        simulate(&physics, &self.grid(), &start, input, |_, y| {
+        let grid = self.grid(Timing {
+            sample_period_s: self.sample_period_s,
+            sample_phase_s: self.sample_phase_s,
+        });
+        simulate(&physics, &grid, &start, input, |_, y| {
             value.push(y.value);
             spread.push(quadratic(covariance, &y.slope).max(0.0).sqrt());
         });
@@ -191,13 +194,9 @@ impl ServoModel {
     /// # Errors
     /// The record has another sample period.
     pub fn simulate(&self, record: &Record, controllers: &[usize]) -> Result<Vec<Vec<f64>>, Error> {
-        let (expected, found) = (self.sample_period_s, record.sample_period_s());
-        if ((found - expected) / expected).abs() > 1e-6 {
-            return Err(Error::PeriodMismatch { expected, found });
-        }
+        require_period(record, self.sample_period_s)?;
         let point = self.point();
-        let stiffness = self.parameters(0).stiffness;
-        let grid = Grid::for_stiffness(found, record.sample_phase_s(), stiffness);
+        let grid = self.grid(record.timing());
         let (mut parts, _) = stretches(record, controllers);
         find_starts(&mut parts, &point, &grid);
         let unknown = |run: &Run| vec![f64::NAN; run.len()];

@@ -23,7 +23,7 @@ pub(super) struct Shown {
     pub(super) output_sd: f64,
     /// The same in units of the command.
     pub(super) spread: f64,
-    /// Mean of the output, in units of the command.
+    /// Mean of the command.
     pub(super) middle: f64,
     /// Output for each unit of the command, with its sign.
     gain: f64,

@@ -8,14 +8,10 @@
 use super::coordinates::Point;
 use super::error_row::Row;
 use super::fit::{MOST, Problem};
-use super::lack_of_fit;
 use super::possible_servo::PossibleServo;
 use crate::estimation::{NoiseFit, best_order, noise_filter};
 use crate::numerics::{cholesky, inverse_of_square};
 use faer::{Mat, Side};
-
-/// Time in which a servo settles at small signals \[1/ω\].
-const SETTLING: f64 = 8.0;
 
 /// Highest order of the noise model.
 const HIGHEST_ORDER: usize = 20;
@@ -33,13 +29,22 @@ pub(super) struct Uncertainty {
     pub(super) ar: Vec<f64>,
     /// Standard deviation of the white noise behind it.
     pub(super) sigma: f64,
-    /// Errors of the simulation, by stretch, NaN where missing.
-    pub(super) errors: Vec<Vec<f64>>,
-    /// Probability of errors that follow the command as much as these, if the equation is right.
-    pub(super) lack_of_fit_p: Option<f64>,
+    /// Errors of the simulation and their derivatives, by stretch.
+    pub(super) rows: Vec<Vec<Row>>,
+}
+
+/// The errors of rows, NaN where missing.
+fn errors(rows: &[Vec<Row>]) -> Vec<Vec<f64>> {
+    let of_stretch = |rows: &Vec<Row>| rows.iter().map(|row| row.error).collect();
+    rows.iter().map(of_stretch).collect()
 }
 
 impl Uncertainty {
+    /// Errors of the simulation, by stretch, NaN where missing.
+    pub(super) fn errors(&self) -> Vec<Vec<f64>> {
+        errors(&self.rows)
+    }
+
     /// The servo `point`, which this is the uncertainty of.
     pub(super) fn servo_at(&self, point: Point) -> PossibleServo {
         PossibleServo {
@@ -64,9 +69,7 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
             slope: *slope,
         };
     });
-    let error = |row: &Row| row.error;
-    let errors: Vec<Vec<f64>> = rows.iter().map(|s| s.iter().map(error).collect()).collect();
-    let (ar, sigma) = noise(&errors);
+    let (ar, sigma) = noise(&errors(&rows));
     let known = rows.iter().flatten().filter(|row| !row.error.is_nan());
     let normal = sum_of_products(point.values.len(), known.map(|row| &row.slope));
     let seen = seen(&normal);
@@ -86,25 +89,12 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
             }
         }
     }
-    let servo = point.physics(0, |_, value| value);
-    let settling_s = servo.delay_s + SETTLING / servo.stiffness.sqrt();
-    let settling = (settling_s / problem.grid.period_s).ceil() as usize;
-    let d = noise_filter(&ar);
-    let lack_of_fit_p = lack_of_fit::p_value(
-        problem.stretches,
-        &rows,
-        &d,
-        sigma,
-        point.values.len(),
-        settling,
-    );
     Uncertainty {
-        lack_of_fit_p,
         covariance,
         seen,
         ar,
         sigma,
-        errors,
+        rows,
     }
 }
 

@@ -1,10 +1,12 @@
 //! Evidence on whether the errors of a servo model are noise.
 //!
-//! Noise is there at rest as well as in motion. Where the errors one step ahead are larger in motion, the model is
-//! wrong there, or its fit lies in a poor minimum. Noise does not follow the command either; a score test shows where errors do.
-//! Where nothing of the record is at rest, nothing shows that they are
-//! noise.
+//! Noise does not follow the command; a score test shows where errors do. And it is there at rest as well as in motion: where
+//! the errors one step ahead are larger in motion, the model is wrong there, or its fit lies in a poor minimum. Where
+//! nothing of the record is at rest, nothing shows that they are noise.
 
+use super::coordinates::Point;
+use super::lack_of_fit;
+use super::simulation::Grid;
 use super::stretches::Stretch;
 use super::uncertainty::Uncertainty;
 use crate::estimation::noise_filter;
@@ -22,12 +24,18 @@ const SAMPLES_AT_REST: usize = 100;
 /// them all the same, and not follow a third level as the model does.
 const LEVELS: usize = 3;
 
-/// What speaks against intervals.
-pub(super) fn against(stretches: &[Stretch], found: &Uncertainty) -> Option<Reason> {
+/// What speaks against intervals of `point`.
+pub(super) fn against(
+    stretches: &[Stretch],
+    grid: &Grid,
+    point: &Point,
+    found: &Uncertainty,
+) -> Option<Reason> {
     if levels(stretches) < LEVELS {
         return Some(Reason::InputUnexcited);
     }
-    let follow = found.lack_of_fit_p.is_some_and(|p| p < SERVO_LACK_OF_FIT);
+    let p = lack_of_fit::p_value(stretches, grid, point, found);
+    let follow = p.is_some_and(|p| p < SERVO_LACK_OF_FIT);
     (follow || grows_with_motion(stretches, found)).then_some(Reason::ErrorsNotNoise)
 }
 
@@ -48,17 +56,11 @@ fn levels(stretches: &[Stretch]) -> usize {
 /// Whether the errors one step ahead are larger in motion than at rest, beyond chance and by more than a little.
 fn grows_with_motion(stretches: &[Stretch], found: &Uncertainty) -> bool {
     let d = noise_filter(&found.ar);
-    let steps = |simulated: &[f64]| -> Vec<f64> {
-        simulated
-            .windows(2)
-            .map(|w| (w[1] - w[0]).abs())
-            .filter(|step| !step.is_nan())
-            .collect()
-    };
+    let errors = found.errors();
     // The motion is that of the simulation: measured output less error.
     let simulated: Vec<Vec<f64>> = stretches
         .iter()
-        .zip(&found.errors)
+        .zip(&errors)
         .map(|(stretch, errors)| {
             stretch
                 .output
@@ -68,15 +70,15 @@ fn grows_with_motion(stretches: &[Stretch], found: &Uncertainty) -> bool {
                 .collect()
         })
         .collect();
-    let fastest = simulated
-        .iter()
-        .flat_map(|run| steps(run))
-        .fold(0.0, f64::max);
+    let step = |pair: &[f64]| (pair[1] - pair[0]).abs();
+    // `f64::max` passes over what is missing.
+    let steps = simulated.iter().flat_map(|run| run.windows(2).map(step));
+    let fastest = steps.fold(0.0, f64::max);
     let (mut at_rest, mut moving) = ((0usize, 0.0), (0usize, 0.0));
-    for (simulated, errors) in simulated.iter().zip(&found.errors) {
+    for (simulated, errors) in simulated.iter().zip(&errors) {
         for k in d.len()..errors.len() {
             let ahead: f64 = d.iter().enumerate().map(|(i, d)| d * errors[k - i]).sum();
-            let step = (simulated[k] - simulated[k - 1]).abs();
+            let step = step(&simulated[k - 1..=k]);
             if ahead.is_nan() || step.is_nan() {
                 continue;
             }
