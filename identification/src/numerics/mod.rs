@@ -3,7 +3,6 @@
 mod chebyshev;
 mod convolution;
 mod critical_values;
-mod dual;
 mod lagged_sums;
 mod linear_algebra;
 pub(crate) mod matrix_rows;
@@ -14,7 +13,6 @@ pub(crate) use critical_values::{
     chi_square_upper_tail, normal_upper_quantile, simultaneous_critical,
 };
 pub use critical_values::{pointwise_critical, student_critical};
-pub(crate) use dual::{Dual, Scalar};
 pub(crate) use lagged_sums::LaggedSums;
 pub(crate) use linear_algebra::{
     add_outer_product, backward_solve, cholesky, condition, forward_solve, inverse_of_lower,

@@ -3,9 +3,8 @@
 //! Quantities that are positive and range over decades are logarithms. Load and friction are divided by the
 //! stiffness, so they are errors at rest in units of the command, which a record shows directly.
 
-use super::equation::{AtRest, DriveLimit, Friction, Load, ServoParameters};
-use crate::numerics::Scalar;
 use serde::{Deserialize, Serialize};
+use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, Scalar, ServoParameters};
 
 /// One number that the fit moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

@@ -1,13 +1,13 @@
 //! Whether the intervals hold, on servos of the model's class drawn at random: the table of docs/servo-model.md.
 
 use super::coordinates::{Coordinate, LoadKind, Point, Terms};
-use super::simulation::{Grid, Start, simulate};
 use super::{ServoModel, ServoModelOptions, fit};
 use crate::data::{Record, Run};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
+use servoid_dynamics::{Grid, Start, simulate};
 
 const PERIOD_S: f64 = 0.002;
 

@@ -10,7 +10,6 @@ use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoF
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
 use super::search::Shown;
-use super::simulation::Grid;
 use super::start::find_starts;
 use super::stretches::{Stretch, stretches};
 use super::uncertainty::{Uncertainty, uncertainty};
@@ -20,6 +19,7 @@ use crate::diagnostics::level_unless;
 use crate::error::Error;
 use crate::results::{Bounds, Noise, fit_percent, pointwise_critical};
 use faer::Mat;
+use servoid_dynamics::Grid;
 
 /// Longest step of the integration in the search from far away \[s\].
 const SEARCH_STEP_S: f64 = 3e-3;

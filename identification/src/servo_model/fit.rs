@@ -4,10 +4,10 @@
 //! An error beyond a clip counts in proportion to its size (Huber), so that a lost run does not decide.
 
 use super::coordinates::Point;
-use super::simulation::{Grid, simulate};
 use super::stretches::Stretch;
-use crate::numerics::{Dual, backward_solve, cholesky, forward_solve};
+use crate::numerics::{backward_solve, cholesky, forward_solve};
 use faer::Mat;
+use servoid_dynamics::{Dual, Grid, simulate};
 
 /// What is fitted.
 #[derive(Clone, Copy)]

@@ -7,12 +7,12 @@
 //! as there are sums (C. R. Rao 1948).
 
 use super::coordinates::Point;
-use super::simulation::Grid;
 use super::stretches::Stretch;
 use super::uncertainty::Uncertainty;
 use crate::estimation::noise_filter;
 use crate::numerics::{chi_square_upper_tail, cholesky, forward_solve};
 use faer::Mat;
+use servoid_dynamics::Grid;
 
 /// Stretches of time after a change.
 const BINS: usize = 8;

@@ -7,10 +7,10 @@
 use super::coordinates::{Coordinate, LoadKind, Point, Terms};
 use super::fit::{Problem, Sums, clipped_square};
 use super::search::{Shown, search};
-use super::simulation::Grid;
 use super::start::find_starts;
 use super::stretches::{FOLDS, Stretch};
 use crate::thresholds::{SERVO_MATERIAL_ADVANTAGE, SERVO_TERM_ADVANTAGE};
+use servoid_dynamics::Grid;
 
 /// Steps of a descent from the servo with one term fewer.
 const STEPS: usize = 20;

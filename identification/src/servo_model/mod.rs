@@ -7,7 +7,6 @@
 //! bands. `docs/servo-model.md` has measured tables.
 
 mod coordinates;
-mod equation;
 mod error_row;
 mod estimate;
 mod fit;
@@ -17,7 +16,6 @@ mod model;
 mod possible_servo;
 mod quantities;
 mod search;
-mod simulation;
 mod start;
 mod stretches;
 mod uncertainty;
@@ -29,7 +27,7 @@ mod coverage;
 mod tests;
 
 pub use coordinates::{Coordinate, LoadKind, Terms};
-pub use equation::{AtRest, DriveLimit, Friction, Load, ServoParameters};
 pub use estimate::{ServoModelOptions, fit};
 pub use model::{Alternative, Covariance, LadderRung, ServoFit, ServoModel, ServoResponse};
 pub use quantities::{Quantity, Unit};
+pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters};

@@ -1,17 +1,15 @@
 //! The result: a servo, how sure it is, and how it was chosen.
 
 use super::coordinates::{Coordinate, Point, Terms};
-use super::equation::ServoParameters;
 use super::fit::MOST;
 use super::quantities::Quantity;
-use super::simulation::{Grid, Start, simulate};
 use super::start::find_starts;
 use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
-use crate::numerics::{Dual, Scalar};
 use crate::results::{Bounds, Noise, Validation, pointwise_critical, require_period};
 use serde::{Deserialize, Serialize};
+use servoid_dynamics::{Dual, Grid, Scalar, ServoParameters, Start, simulate};
 
 /// Controllers on one mechanism, at the most.
 pub(super) const MOST_CONTROLLERS: usize = MOST - 15;

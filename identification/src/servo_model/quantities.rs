@@ -1,10 +1,10 @@
 //! What people ask of a servo, with intervals.
 
 use super::coordinates::Point;
-use super::equation::{Load, ServoParameters};
 use super::possible_servo::PossibleServo;
 use crate::results::{Bounds, Interval};
 use serde::{Deserialize, Serialize};
+use servoid_dynamics::{Load, ServoParameters};
 use std::f64::consts::TAU;
 
 /// The unit of a quantity, in terms of the units of command and output of the record.

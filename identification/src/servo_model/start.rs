@@ -5,10 +5,10 @@
 //! first samples, for given parameters of the servo.
 
 use super::coordinates::Point;
-use super::simulation::{Grid, Start, simulate};
 use super::stretches::Stretch;
-use crate::numerics::{Dual, Scalar, backward_solve, cholesky, forward_solve};
+use crate::numerics::{backward_solve, cholesky, forward_solve};
 use faer::Mat;
+use servoid_dynamics::{Dual, Grid, Scalar, Start, simulate};
 
 /// Time in which the motion must show itself \[s\]: shorter than the delay of any R/C servo, whose answer to the first
 /// commands of the stretch must not pass for a motion before them.

@@ -4,8 +4,8 @@
 //! start of its own. Missing outputs are not compared. A stretch is divided into blocks, which the choice of terms
 //! leaves out in turn.
 
-use super::simulation::Start;
 use crate::data::Record;
+use servoid_dynamics::Start;
 
 /// Blocks of a record, at least: enough to show whether an advantage exceeds its scatter.
 const BLOCKS: usize = 32;

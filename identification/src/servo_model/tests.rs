@@ -1,14 +1,13 @@
 //! The equation against exact answers, and the fit against servos that are known.
 
 use super::coordinates::{Coordinate, LoadKind, Point, Terms};
-use super::simulation::{Grid, Start, simulate};
 use super::{ServoModelOptions, fit};
 use crate::data::{Record, Run};
-use crate::numerics::Dual;
 use crate::results::Reason;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use servoid_dynamics::{Dual, Grid, Start, simulate};
 
 const PERIOD_S: f64 = 0.002;
 

@@ -6,12 +6,12 @@
 
 use super::coordinates::Point;
 use super::lack_of_fit;
-use super::simulation::Grid;
 use super::stretches::Stretch;
 use super::uncertainty::Uncertainty;
 use crate::estimation::noise_filter;
 use crate::results::Reason;
 use crate::thresholds::{MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO, SERVO_LACK_OF_FIT};
+use servoid_dynamics::Grid;
 
 /// Speed that counts as motion, as a share of the largest.
 const MOVING: f64 = 0.02;

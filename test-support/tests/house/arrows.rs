@@ -6,7 +6,7 @@ use crate::workspace;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The folders and single files of each crate, the lowest first: each imports only those before it.
-const ROOMS: [(&str, &[&str]); 7] = [
+const ROOMS: [(&str, &[&str]); 8] = [
     (
         "protocol",
         &[
@@ -46,6 +46,7 @@ const ROOMS: [(&str, &[&str]); 7] = [
             "board", "limits", "history", "outbox", "run", "session", "rig", "serve",
         ],
     ),
+    ("dynamics", &["dual", "equation", "stepper", "simulation"]),
     (
         "simulator",
         &[

@@ -5,12 +5,16 @@ use std::fs;
 use toml::{Table, Value};
 
 /// The crates and those that each may use, the lowest first.
-const CRATES: [(&str, &[&str]); 8] = [
+const CRATES: [(&str, &[&str]); 9] = [
     ("fft", &[]),
+    ("dynamics", &[]),
     ("protocol", &[]),
     ("firmware", &["servoid-protocol"]),
-    ("simulator", &["servoid-firmware", "servoid-protocol"]),
-    ("identification", &["servoid-fft"]),
+    (
+        "simulator",
+        &["servoid-dynamics", "servoid-firmware", "servoid-protocol"],
+    ),
+    ("identification", &["servoid-dynamics", "servoid-fft"]),
     ("client", &["servoid-protocol"]),
     (
         "host",

@@ -6,7 +6,7 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// What code needs of a number to be differentiated.
-pub(crate) trait Scalar:
+pub trait Scalar:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -52,16 +52,16 @@ impl Scalar for f64 {
 
 /// A value and its derivatives by `W` variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Dual<const W: usize> {
+pub struct Dual<const W: usize> {
     /// The value.
-    pub(crate) value: f64,
+    pub value: f64,
     /// The derivatives, in the order of the variables.
-    pub(crate) slope: [f64; W],
+    pub slope: [f64; W],
 }
 
 impl<const W: usize> Dual<W> {
     /// The variable number `index`: its derivative by itself is 1.
-    pub(crate) fn variable(value: f64, index: usize) -> Self {
+    pub fn variable(value: f64, index: usize) -> Self {
         let mut slope = [0.0; W];
         slope[index] = 1.0;
         Self { value, slope }

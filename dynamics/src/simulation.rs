@@ -1,17 +1,18 @@
 //! The motion of the servo under a sampled command.
 
-use super::equation::{ServoParameters, State, Stepper};
-use crate::numerics::Scalar;
+use crate::dual::Scalar;
+use crate::equation::ServoParameters;
+use crate::stepper::{State, Stepper};
 
 /// When the output is sampled, and how finely the motion between samples is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Grid {
+pub struct Grid {
     /// Sample period \[s\].
-    pub(super) period_s: f64,
+    pub period_s: f64,
     /// Time from the edge of the input to the sample of the output that belongs to it \[s\].
-    pub(super) phase_s: f64,
+    pub phase_s: f64,
     /// Steps of the integration in a sample period.
-    pub(super) steps: usize,
+    pub steps: usize,
 }
 
 /// Length of a step times the bandwidth ω at small signals: the scheme is of second order, so the motion is right to about a
@@ -23,13 +24,13 @@ const STEP_S: (f64, f64) = (0.2e-3, 2e-3);
 
 impl Grid {
     /// The grid for a servo of the stiffness `stiffness` (1/s²).
-    pub(super) fn for_stiffness(period_s: f64, phase_s: f64, stiffness: f64) -> Self {
+    pub fn for_stiffness(period_s: f64, phase_s: f64, stiffness: f64) -> Self {
         let step_s = FINENESS / stiffness.sqrt();
         Self::new(period_s, phase_s, step_s.clamp(STEP_S.0, STEP_S.1))
     }
 
     /// A grid with steps of at most `longest_step_s`.
-    pub(super) fn new(period_s: f64, phase_s: f64, longest_step_s: f64) -> Self {
+    pub fn new(period_s: f64, phase_s: f64, longest_step_s: f64) -> Self {
         // A period that is a whole number of steps but for rounding does not get one more.
         let steps = (period_s / longest_step_s - 1e-9).ceil().max(1.0) as usize;
         Self {
@@ -42,18 +43,18 @@ impl Grid {
 
 /// The state of the servo at its first sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Start<S> {
+pub struct Start<S> {
     /// The output.
-    pub(super) output: S,
+    pub output: S,
     /// Its rate of change (1/s).
-    pub(super) rate: S,
+    pub rate: S,
     /// The command before the first sample; `None` for the one that holds the servo where it is.
-    pub(super) command_before: Option<S>,
+    pub command_before: Option<S>,
 }
 
 impl Start<f64> {
     /// At rest at `output`, under the command `command_before`.
-    pub(super) fn at_rest(output: f64, command_before: Option<f64>) -> Self {
+    pub fn at_rest(output: f64, command_before: Option<f64>) -> Self {
         Self {
             output,
             rate: 0.0,
@@ -62,7 +63,7 @@ impl Start<f64> {
     }
 
     /// The same without derivatives.
-    pub(super) fn lifted<S: Scalar>(&self) -> Start<S> {
+    pub fn lifted<S: Scalar>(&self) -> Start<S> {
         Start {
             output: S::constant(self.output),
             rate: S::constant(self.rate),
@@ -75,7 +76,7 @@ impl Start<f64> {
 ///
 /// The input is held between samples. A step of the integration ends where the delayed input changes, so the output
 /// is a smooth function of the delay, also where the drive is full at once.
-pub(super) fn simulate<S: Scalar>(
+pub fn simulate<S: Scalar>(
     physics: &ServoParameters<S>,
     grid: &Grid,
     start: &Start<S>,
@@ -92,12 +93,13 @@ pub(super) fn simulate<S: Scalar>(
     let before = start
         .command_before
         .unwrap_or_else(|| physics.holding_command(state.angle));
-    let sample = |k: f64| {
-        if k < 0.0 {
-            before
-        } else {
-            S::constant(input[(k as usize).min(input.len() - 1)])
-        }
+    let sample = |k: f64| match k < 0.0 {
+        true => before,
+        false => S::constant(input[(k as usize).min(input.len() - 1)]),
+    };
+    let changes = |k: f64| {
+        let k = k as usize;
+        k == 0 || k < input.len() && input[k] != input[k - 1]
     };
     let delay_s = physics.delay_s - S::constant(grid.phase_s);
     for k in 0..input.len() {
@@ -106,7 +108,7 @@ pub(super) fn simulate<S: Scalar>(
             let at_s = k as f64 * grid.period_s + step as f64 * step_s;
             let from = (at_s - delay_s.value()) / grid.period_s;
             let (old, new) = (from.floor(), (from + step_s / grid.period_s).floor());
-            if old == new {
+            if old == new || new < 0.0 || !changes(new) {
                 stepper.advance(&mut state, sample(new));
                 continue;
             }

@@ -1,0 +1,154 @@
+//! The equation of the servo as a machine.
+//!
+//! A motor behind a position controller, with r the command, u the input of the record, d the delay and y the
+//! measured output. θ (in units of the command) is the angle of the shaft and ω its speed:
+//!
+//! ```text
+//! r(t)  = u(t - d)
+//! e     = r - θ beyond a dead band of ±w, and counts from its edge
+//! drive = k e - (c - B) ω, between -A- and A+            acceleration; k for k A-/A+ where the drive is negative
+//! ω'    = drive - B ω - friction - load(θ)
+//! θ'    = ω,     y = gain θ + offset
+//! ```
+//!
+//! At small signals this is a second-order system with the stiffness k (1/s²) and the damping c (1/s), of which the
+//! motor's own part is B. Where the error exceeds E = A+/k the drive is full. Top speed upwards is then
+//! (A+ - friction)/B.
+//!
+//! Friction is Coulomb's, C, and more at rest: C (1 + s/(1 + (ω/ωs)²)) (D. P. Hess and A. Soom, "Friction at a
+//! lubricated line contact operating at oscillating sliding velocities", Journal of Tribology, 1990). It holds the
+//! shaft at rest while less than that acts on it, so the resting error depends on the direction of approach, by C/k
+//! to each side.
+
+use crate::dual::Scalar;
+
+/// Steps to the angle of rest: each halves the distance, so the rest is below a millionth of it.
+const RESTING_STEPS: usize = 25;
+
+/// Load on the shaft \[acceleration\]; positive turns towards smaller angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Load<S> {
+    /// None.
+    None,
+    /// The same everywhere, such as the pull of a spring that hardly gives.
+    Constant(S),
+    /// A weight on an arm: `gravity` sin(θ + `from`).
+    Pendulum {
+        /// Acceleration with the arm level.
+        gravity: S,
+        /// θ + `from` is the angle from the vertical \[units of the command\].
+        from: S,
+        /// Radians for each unit of the command.
+        radians: f64,
+    },
+    /// The hinge moment of a surface in the air: `constant` + `stiffening` (θ - `from`)² beyond `from`. Where
+    /// `stiffening` is negative, beyond means below.
+    Air {
+        /// Acceleration before it stiffens.
+        constant: S,
+        /// Its growth \[acceleration for each unit of the command, squared\].
+        stiffening: S,
+        /// θ where it begins to stiffen.
+        from: S,
+    },
+}
+
+impl<S: Scalar> Load<S> {
+    /// The acceleration that it takes at the angle `angle`.
+    #[inline(always)]
+    #[must_use]
+    pub fn at(&self, angle: S) -> S {
+        match *self {
+            Self::None => S::constant(0.0),
+            Self::Constant(constant) => constant,
+            Self::Pendulum {
+                gravity,
+                from,
+                radians,
+            } => gravity * ((angle + from) * radians).sin(),
+            Self::Air {
+                constant,
+                stiffening,
+                from,
+            } => {
+                let beyond = angle - from;
+                if beyond.value() * stiffening.value() > 0.0 {
+                    constant + stiffening * beyond * beyond
+                } else {
+                    constant
+                }
+            }
+        }
+    }
+}
+
+/// Friction that opposes the motion \[acceleration\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction<S> {
+    /// C, at speed.
+    pub coulomb: S,
+    /// What it has more at rest.
+    pub at_rest: Option<AtRest<S>>,
+}
+
+/// Friction that falls with speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtRest<S> {
+    /// s: at rest the friction is C (1 + s).
+    pub excess: S,
+    /// ωs, the speed at which half of the excess is gone.
+    pub speed: S,
+}
+
+/// The largest drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriveLimit<S> {
+    /// A+, the largest acceleration upwards.
+    pub up: S,
+    /// A-/A+.
+    pub down_to_up: S,
+    /// B, the motor's own damping (1/s): what slows it while the drive is full.
+    pub motor_damping: S,
+}
+
+/// A servo, as numbers or with derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ServoParameters<S = f64> {
+    /// d \[s\].
+    pub delay_s: S,
+    /// k (1/s²).
+    pub stiffness: S,
+    /// c (1/s).
+    pub damping: S,
+    /// Output for each unit of θ.
+    pub gain: S,
+    /// Output at θ = 0.
+    pub offset: S,
+    /// The limits of the drive, if it has any.
+    pub limit: Option<DriveLimit<S>>,
+    /// w \[units of the command\].
+    pub dead_band: Option<S>,
+    /// Friction, if there is any.
+    pub friction: Option<Friction<S>>,
+    /// The load.
+    pub load: Load<S>,
+}
+
+impl<S: Scalar> ServoParameters<S> {
+    /// The command that holds the shaft at rest at `angle`, without help of friction.
+    #[must_use]
+    pub fn holding_command(&self, angle: S) -> S {
+        angle + self.load.at(angle) / self.stiffness
+    }
+
+    /// The output at rest under `command`, without help of friction: the holding command turned round, by steps that
+    /// each take the load at the last angle.
+    #[must_use]
+    pub fn resting_output(&self, command: S) -> S {
+        let mut angle = command;
+        for _ in 0..RESTING_STEPS {
+            angle = (angle + command - self.load.at(angle) / self.stiffness) * 0.5;
+        }
+        angle * self.gain + self.offset
+    }
+}

@@ -1,0 +1,37 @@
+//! The servo as a machine: its [equation](ServoParameters), and the one integrator for it.
+//!
+//! Everything that moves a servo on paper uses this crate: identification fits it, prediction and exports are tested against it,
+//! simulated rigs run on it. It is generic over the [number](Scalar): `f64`, or [`Dual`] for exact derivatives by the
+//! parameters.
+//!
+//! ```
+//! use servoid_dynamics::{Grid, Load, ServoParameters, Start, simulate};
+//! // 30 rad/s, well damped, 10 ms late, linear.
+//! let servo = ServoParameters {
+//!     delay_s: 0.01,
+//!     stiffness: 900.0,
+//!     damping: 60.0,
+//!     gain: 1.0,
+//!     offset: 0.0,
+//!     limit: None,
+//!     dead_band: None,
+//!     friction: None,
+//!     load: Load::None,
+//! };
+//! let grid = Grid::for_stiffness(0.002, 0.0, servo.stiffness);
+//! let mut output = Vec::new();
+//! simulate(&servo, &grid, &Start::at_rest(0.0, Some(0.0)), &[5.0; 500], |_, y| output.push(y));
+//! assert_eq!(output[5], 0.0); // within the delay
+//! // A second later it has settled: (1 + 30 t) e^(-30 t) of the stroke is left.
+//! assert!((output[499] - 5.0).abs() < 1e-9);
+//! ```
+
+mod dual;
+mod equation;
+mod simulation;
+mod stepper;
+
+pub use dual::{Dual, Scalar};
+pub use equation::{AtRest, DriveLimit, Friction, Load, ServoParameters};
+pub use simulation::{Grid, Start, simulate};
+pub use stepper::{State, Stepper};

@@ -1,0 +1,156 @@
+//! A step of the integration through the [equation](crate::ServoParameters).
+
+use crate::dual::Scalar;
+use crate::equation::{Friction, Load, ServoParameters};
+
+/// Angle and speed of the shaft.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State<S> {
+    /// θ \[units of the command\].
+    pub angle: S,
+    /// ω \[the same for each second\].
+    pub speed: S,
+}
+
+/// One side of the drive: what a step of the integration needs of it.
+#[derive(Clone, Copy, Debug)]
+struct DriveSide<S> {
+    /// Change of speed for each unit of error, h k.
+    stiffness: S,
+    /// What the loop's part of the damping takes of the speed at each end of the step, h (c - B)/2.
+    braking: S,
+    /// 1/(1 + h B/2 + the loop's part).
+    proportional: S,
+    /// The largest change of speed, h A; `None` without a limit.
+    largest: Option<S>,
+}
+
+/// A step of a certain length through the equation.
+///
+/// The angle moves by half a step, the speed by a whole one under the forces at that angle, and the angle by the other half
+/// (leapfrog); damping acts on the mean of the speeds before and after (Crank-Nicolson). The error is of second order in
+/// the length of the step, and a servo whose damping ratio is above ωh/4 stays stable.
+#[derive(Clone, Copy, Debug)]
+pub struct Stepper<S> {
+    step_s: S,
+    up: DriveSide<S>,
+    down: DriveSide<S>,
+    /// 1 - h B/2.
+    coasting: S,
+    /// 1/(1 + h B/2).
+    saturated: S,
+    dead_band: Option<S>,
+    friction: Option<Friction<S>>,
+    load: Load<S>,
+}
+
+impl<S: Scalar> Stepper<S> {
+    /// For the servo `physics`, and a step of `step_s` seconds.
+    #[must_use]
+    pub fn new(physics: &ServoParameters<S>, step_s: S) -> Self {
+        let one = S::constant(1.0);
+        let motor = physics
+            .limit
+            .map_or(S::constant(0.0), |limit| limit.motor_damping);
+        let half_motor = motor * step_s * 0.5;
+        let side = |ratio: S, sign: f64| {
+            let braking = (physics.damping - motor) * ratio * step_s * 0.5;
+            DriveSide {
+                stiffness: physics.stiffness * ratio * step_s,
+                braking,
+                proportional: one / (one + half_motor + braking),
+                largest: physics.limit.map(|limit| limit.up * ratio * step_s * sign),
+            }
+        };
+        Self {
+            step_s,
+            up: side(one, 1.0),
+            down: side(physics.limit.map_or(one, |limit| limit.down_to_up), -1.0),
+            coasting: one - half_motor,
+            saturated: one / (one + half_motor),
+            dead_band: physics.dead_band,
+            friction: physics.friction,
+            load: physics.load,
+        }
+    }
+
+    /// One step under the command `command`.
+    #[inline(always)]
+    pub fn advance(&self, state: &mut State<S>, command: S) {
+        let half_s = self.step_s * 0.5;
+        let middle = state.angle + state.speed * half_s;
+        let error = self.beyond_dead_band(command - middle);
+        let coasting = state.speed * self.coasting;
+        let loaded = match self.load {
+            Load::None => coasting,
+            load => coasting - load.at(middle) * self.step_s,
+        };
+        let (push, damped) = self.drive(error, state.speed, loaded);
+        let free = (loaded + push) * damped;
+        state.speed = match self.friction {
+            None => free,
+            Some(friction) => self.held_back(friction, state.speed, free, damped),
+        };
+        state.angle = middle + state.speed * half_s;
+    }
+
+    /// The error as the controller sees it.
+    #[inline(always)]
+    fn beyond_dead_band(&self, error: S) -> S {
+        match self.dead_band {
+            None => error,
+            Some(width) => nearer_zero(error, width),
+        }
+    }
+
+    /// What the drive adds to the speed in a step, and the factor by which damping leaves the sum.
+    #[inline(always)]
+    fn drive(&self, error: S, speed: S, loaded: S) -> (S, S) {
+        let up = self.up.unlimited(error, speed, loaded);
+        let (drive, side) = if up.value() >= 0.0 {
+            (up, &self.up)
+        } else {
+            (self.down.unlimited(error, speed, loaded), &self.down)
+        };
+        match side.largest {
+            Some(most) if drive.value().abs() > most.value().abs() => (most, self.saturated),
+            _ => (
+                error * side.stiffness - speed * side.braking,
+                side.proportional,
+            ),
+        }
+    }
+
+    /// Friction takes speed, and all of it where it holds the shaft.
+    #[inline(always)]
+    fn held_back(&self, friction: Friction<S>, speed: S, free: S, damped: S) -> S {
+        let mut most = friction.coulomb * self.step_s * damped;
+        if let Some(at_rest) = friction.at_rest {
+            let relative = speed / at_rest.speed;
+            let one = S::constant(1.0);
+            most = most * (one + at_rest.excess / (one + relative * relative));
+        }
+        nearer_zero(free, most)
+    }
+}
+
+/// `value` moved towards zero by `width`, and zero where it would pass it.
+#[inline(always)]
+fn nearer_zero<S: Scalar>(value: S, width: S) -> S {
+    if value.value() > width.value() {
+        value - width
+    } else if value.value() < -width.value() {
+        value + width
+    } else {
+        S::constant(0.0)
+    }
+}
+
+impl<S: Scalar> DriveSide<S> {
+    /// What an unlimited drive adds to the speed in a step; the loop brakes with the mean of the speeds at its ends.
+    #[inline(always)]
+    fn unlimited(&self, error: S, speed: S, loaded: S) -> S {
+        let push = error * self.stiffness - speed * self.braking;
+        push - (loaded + push) * self.proportional * self.braking
+    }
+}
