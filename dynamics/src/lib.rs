@@ -21,7 +21,7 @@
 //! let grid = Grid::for_stiffness(0.002, 0.0, servo.stiffness);
 //! let mut output = Vec::new();
 //! simulate(&servo, &grid, &Start::at_rest(0.0, Some(0.0)), &[5.0; 500], |_, y| output.push(y));
-//! assert_eq!(output[5], 0.0); // within the delay
+//! assert!(output[5] < 1e-30); // within the delay, but for the rounding of times
 //! // A second later it has settled: (1 + 30 t) e^(-30 t) of the stroke is left.
 //! assert!((output[499] - 5.0).abs() < 1e-9);
 //! ```
