@@ -29,6 +29,11 @@ impl Grid {
         Self::new(period_s, phase_s, step_s.clamp(STEP_S.0, STEP_S.1))
     }
 
+    /// Length of a step \[s\].
+    fn step_s(&self) -> f64 {
+        self.period_s / self.steps as f64
+    }
+
     /// A grid with steps of at most `longest_step_s`.
     pub fn new(period_s: f64, phase_s: f64, longest_step_s: f64) -> Self {
         // A period that is a whole number of steps but for rounding does not get one more.
@@ -83,40 +88,69 @@ pub fn simulate<S: Scalar>(
     input: &[f64],
     mut each: impl FnMut(usize, S),
 ) {
-    let step_s = grid.period_s / grid.steps as f64;
-    let stepper = Stepper::new(physics, S::constant(step_s));
+    let step = Stepper::new(physics, S::constant(grid.step_s()));
+    let edge = DelayedEdge::new(physics, grid);
     let per_output = S::constant(1.0) / physics.gain;
     let mut state = State {
         angle: (start.output - physics.offset) * per_output,
         speed: start.rate * per_output,
     };
-    let before = start
-        .command_before
-        .unwrap_or_else(|| physics.holding_command(state.angle));
-    let sample = |k: f64| match k < 0.0 {
-        true => before,
-        false => S::constant(input[(k as usize).min(input.len() - 1)]),
+    // The sample of the input that acts after the edge in sample period `k`; none before the first one.
+    let acting = |k: isize| -> Option<f64> {
+        let index = usize::try_from(k - edge.periods).ok()?;
+        input.get(index).or(input.last()).copied()
     };
-    let changes = |k: f64| {
-        let k = k as usize;
-        k == 0 || k < input.len() && input[k] != input[k - 1]
+    let mut held = acting(-1);
+    let mut command = match (held, start.command_before) {
+        (Some(first), _) => S::constant(first),
+        (None, Some(before)) => before,
+        (None, None) => physics.holding_command(state.angle),
     };
-    let delay_s = physics.delay_s - S::constant(grid.phase_s);
     for k in 0..input.len() {
         each(k, state.angle * physics.gain + physics.offset);
-        for step in 0..grid.steps {
-            let at_s = k as f64 * grid.period_s + step as f64 * step_s;
-            let from = (at_s - delay_s.value()) / grid.period_s;
-            let (old, new) = (from.floor(), (from + step_s / grid.period_s).floor());
-            if old == new || new < 0.0 || !changes(new) {
-                stepper.advance(&mut state, sample(new));
-                continue;
+        for _ in 0..edge.step {
+            step.advance(&mut state, command);
+        }
+        match acting(k as isize) {
+            Some(new) if held != Some(new) => {
+                edge.until.advance(&mut state, command);
+                (held, command) = (Some(new), S::constant(new));
+                edge.after.advance(&mut state, command);
             }
-            // The delayed edge falls into this step: its time is a variable like the others.
-            let until_edge_s = delay_s + S::constant(new * grid.period_s - at_s);
-            let after_edge_s = S::constant(step_s) - until_edge_s;
-            Stepper::new(physics, until_edge_s).advance(&mut state, sample(new - 1.0));
-            Stepper::new(physics, after_edge_s).advance(&mut state, sample(new));
+            _ => step.advance(&mut state, command),
+        }
+        for _ in edge.step + 1..grid.steps {
+            step.advance(&mut state, command);
+        }
+    }
+}
+
+/// Where the delayed edge of the input falls: in every sample period at the same time.
+struct DelayedEdge<S> {
+    /// Whole sample periods between a sample of the input and the period in which it acts. Negative where the output is sampled
+    /// after the edge, and the delay is shorter than that.
+    periods: isize,
+    /// The step of the integration that it falls into.
+    step: usize,
+    /// The part of that step before it. Its length is a variable like the others.
+    until: Stepper<S>,
+    /// The part after it.
+    after: Stepper<S>,
+}
+
+impl<S: Scalar> DelayedEdge<S> {
+    fn new(physics: &ServoParameters<S>, grid: &Grid) -> Self {
+        let delay_s = physics.delay_s - S::constant(grid.phase_s);
+        let periods = (delay_s.value() / grid.period_s).floor();
+        let in_period_s = delay_s - S::constant(periods * grid.period_s);
+        let step = (in_period_s.value() / grid.step_s()).floor();
+        let step = step.min(grid.steps as f64 - 1.0);
+        let until_s = in_period_s - S::constant(step * grid.step_s());
+        Self {
+            periods: periods as isize,
+            step: step as usize,
+            until: Stepper::new(physics, until_s),
+            after: Stepper::new(physics, S::constant(grid.step_s()) - until_s),
         }
     }
 }
