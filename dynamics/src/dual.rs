@@ -26,6 +26,13 @@ pub trait Scalar:
 
     /// e to its power.
     fn exp(self) -> Self;
+
+    /// Its size.
+    #[must_use]
+    #[inline(always)]
+    fn abs(self) -> Self {
+        if self.value() < 0.0 { -self } else { self }
+    }
 }
 
 impl Scalar for f64 {

@@ -15,10 +15,11 @@
 //! motor's own part is B. Where the error exceeds E = A+/k the drive is full. Top speed upwards is then
 //! (A+ - friction)/B.
 //!
-//! Friction is Coulomb's, C, and more at rest: C (1 + s/(1 + (ω/ωs)²)) (D. P. Hess and A. Soom, "Friction at a
+//! Friction is Coulomb's, C, and a share μ of the torque through the gears, drive + load, which presses their teeth together;
+//! both are larger at rest: (C + μ |drive + load|) (1 + s/(1 + (ω/ωs)²)) (D. P. Hess and A. Soom, "Friction at a
 //! lubricated line contact operating at oscillating sliding velocities", Journal of Tribology, 1990). It holds the
-//! shaft at rest while less than that acts on it, so the resting error depends on the direction of approach, by C/k
-//! to each side.
+//! shaft at rest while less than that acts on it, so the resting error depends on the direction of approach, without load by
+//! C/k to each side.
 
 use crate::dual::Scalar;
 
@@ -87,6 +88,8 @@ impl<S: Scalar> Load<S> {
 pub struct Friction<S> {
     /// C, at speed.
     pub coulomb: S,
+    /// μ, the share of drive and load that the gears take.
+    pub of_gears: S,
     /// What it has more at rest.
     pub at_rest: Option<AtRest<S>>,
 }
@@ -94,7 +97,7 @@ pub struct Friction<S> {
 /// Friction that falls with speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtRest<S> {
-    /// s: at rest the friction is C (1 + s).
+    /// s: at rest the friction is 1 + s times that at speed.
     pub excess: S,
     /// ωs, the speed at which half of the excess is gone.
     pub speed: S,

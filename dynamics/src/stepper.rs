@@ -81,15 +81,19 @@ impl<S: Scalar> Stepper<S> {
         let middle = state.angle + state.speed * half_s;
         let error = self.beyond_dead_band(command - middle);
         let coasting = state.speed * self.coasting;
-        let loaded = match self.load {
-            Load::None => coasting,
-            load => coasting - load.at(middle) * self.step_s,
+        let load = match self.load {
+            Load::None => S::constant(0.0),
+            load => load.at(middle) * self.step_s,
         };
+        let loaded = coasting - load;
         let (push, damped) = self.drive(error, state.speed, loaded);
         let free = (loaded + push) * damped;
         state.speed = match self.friction {
             None => free,
-            Some(friction) => self.held_back(friction, state.speed, free, damped),
+            Some(friction) => {
+                let most = self.friction_at(friction, state.speed, push + load) * damped;
+                nearer_zero(free, most)
+            }
         };
         state.angle = middle + state.speed * half_s;
     }
@@ -121,16 +125,16 @@ impl<S: Scalar> Stepper<S> {
         }
     }
 
-    /// Friction takes speed, and all of it where it holds the shaft.
+    /// Change of speed in a step that friction takes at the most, where drive and load together change it by `through_gears`.
     #[inline(always)]
-    fn held_back(&self, friction: Friction<S>, speed: S, free: S, damped: S) -> S {
-        let mut most = friction.coulomb * self.step_s * damped;
-        if let Some(at_rest) = friction.at_rest {
-            let relative = speed / at_rest.speed;
-            let one = S::constant(1.0);
-            most = most * (one + at_rest.excess / (one + relative * relative));
-        }
-        nearer_zero(free, most)
+    fn friction_at(&self, friction: Friction<S>, speed: S, through_gears: S) -> S {
+        let most = friction.coulomb * self.step_s + through_gears.abs() * friction.of_gears;
+        let Some(at_rest) = friction.at_rest else {
+            return most;
+        };
+        let relative = speed / at_rest.speed;
+        let one = S::constant(1.0);
+        most * (one + at_rest.excess / (one + relative * relative))
     }
 }
 

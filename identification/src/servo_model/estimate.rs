@@ -182,9 +182,8 @@ impl Descent {
             })
             .collect();
         let mut fresh = from.clone();
-        for coordinate in [Coordinate::FrictionAtRest, Coordinate::LnFrictionSpeedShare] {
-            fresh.set(coordinate, shown.fresh(coordinate, from.radians));
-        }
+        let at_rest = Coordinate::FrictionAtRest;
+        fresh.set(at_rest, shown.fresh(at_rest, from.radians));
         starts.push(fresh);
         let descents = starts.into_iter().map(|mut point| {
             let cost = self.problem(parts).descend(&mut point, OTHER_STEPS);

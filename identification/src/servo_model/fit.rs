@@ -37,25 +37,28 @@ pub(super) struct Sums {
 impl Sums {
     /// The sums over all groups.
     pub(super) fn total(groups: &[Self]) -> Self {
-        let count = groups[0].gradient.len();
-        Self {
-            cost: groups.iter().map(|sums| sums.cost).sum(),
-            normal: Mat::from_fn(count, count, |i, j| {
-                groups.iter().map(|sums| sums.normal[(i, j)]).sum()
-            }),
-            gradient: (0..count)
-                .map(|i| groups.iter().map(|sums| sums.gradient[i]).sum())
-                .collect(),
+        let size = groups[0].gradient.len();
+        let mut total = Self {
+            cost: 0.0,
+            normal: Mat::zeros(size, size),
+            gradient: vec![0.0; size],
+        };
+        for group in groups {
+            total.cost += group.cost;
+            total.normal += &group.normal;
+            for (sum, own) in total.gradient.iter_mut().zip(&group.gradient) {
+                *sum += own;
+            }
         }
+        total
     }
 
-    /// The sums without those of one group.
-    pub(super) fn without(&self, group: &Self) -> Self {
-        let pairs = self.gradient.iter().zip(&group.gradient);
-        Self {
-            cost: self.cost - group.cost,
-            normal: &self.normal - &group.normal,
-            gradient: pairs.map(|(all, own)| all - own).collect(),
+    /// The cost, infinite where the simulation failed.
+    fn finite_cost(&self) -> f64 {
+        if self.cost.is_nan() {
+            f64::INFINITY
+        } else {
+            self.cost
         }
     }
 }
@@ -168,11 +171,7 @@ impl Problem<'_> {
         let mut damping = 1e-2;
         for _ in 0..iterations {
             let sums = self.sums(point);
-            cost = if sums.cost.is_nan() {
-                f64::INFINITY
-            } else {
-                sums.cost
-            };
+            cost = sums.finite_cost();
             let Some((next, lower)) = self.step(point, &sums, cost, &mut damping) else {
                 break;
             };
@@ -185,10 +184,21 @@ impl Problem<'_> {
         cost
     }
 
-    /// The minimum of the quadratic that `sums` is, from `point`.
-    pub(super) fn newton_step(&self, point: &Point, sums: &Sums) -> Option<Point> {
-        let free = self.free(point, &sums.gradient);
-        solve(sums, &free, NEWTON_DAMPING).map(|step| self.moved(point, &free, &step))
+    /// The minimum `point` of the sums `total` without the part `own` of them: a share of a Gauss-Newton step away.
+    pub(super) fn without(
+        &self,
+        point: &Point,
+        total: &Sums,
+        own: &Sums,
+        share: f64,
+    ) -> Option<Point> {
+        let free = self.free(point, &total.gradient);
+        let rest = Sums {
+            cost: total.cost - own.cost,
+            normal: &total.normal - &own.normal,
+            gradient: own.gradient.iter().map(|own| -share * own).collect(),
+        };
+        solve(&rest, &free, NEWTON_DAMPING).map(|step| self.moved(point, &free, &step))
     }
 
     /// The next point, and its cost, if one is lower.

@@ -18,6 +18,9 @@ const STEPS: usize = 20;
 /// Share of the held-out errors that a term must take away for another one to be tried after it.
 const WORTH_ANOTHER: f64 = 0.01;
 
+/// Shares of a Gauss-Newton step that are tried.
+const SHARES_OF_STEP: [f64; 4] = [1.0, 0.3, 0.1, 0.03];
+
 /// A servo with certain terms, and how it predicts what it has not seen.
 #[derive(Clone, Debug)]
 pub(super) struct Rung {
@@ -178,10 +181,16 @@ impl Ladder<'_> {
                 least = Some(least.map_or(rung, |other| self.better(other, rung)));
             }
             match least {
-                Some(poorer) if !self.tried[best].beats(&self.tried[poorer]) => kept = poorer,
+                Some(poorer) if !self.misses(poorer, best) => kept = poorer,
                 _ => return kept,
             }
         }
+    }
+
+    /// Whether the rung `poorer` predicts worse than `best` by more than scatter, or by as much as matters.
+    fn misses(&self, poorer: usize, best: usize) -> bool {
+        let (poorer, best) = (&self.tried[poorer], &self.tried[best]);
+        best.beats(poorer) || best.total() < (1.0 - SERVO_MATERIAL_ADVANTAGE) * poorer.total()
     }
 
     fn better(&self, a: usize, b: usize) -> usize {
@@ -248,35 +257,27 @@ impl Ladder<'_> {
         best.expect("there is a variant")
     }
 
-    /// The fits without a fold are one Gauss-Newton step from the fit to the whole record, which is near.
+    /// How the fit predicts blocks that it has not seen: the fits without their folds are near, one Gauss-Newton step
+    /// from the fit to the whole record, or part of one where the whole leads uphill.
     fn rung(&self, terms: Terms, (cost, fit): (f64, Point)) -> Rung {
         let all = |_: usize| true;
         let problem = self.problem(&all);
         let by_fold = problem.sums_by(&fit, FOLDS, &|block| self.fold_of[block]);
         let total = Sums::total(&by_fold);
-        let mut held_out = vec![0.0; self.fold_of.len()];
+        let at_fit = self.by_block(&fit);
+        let mut held_out = at_fit.clone();
         for (fold, own) in by_fold.iter().enumerate() {
-            let rest = total.without(own);
-            let stepped = problem
-                .newton_step(&fit, &rest)
-                .map(|point| self.by_block(&point));
-            let seen = |costs: &[f64]| -> f64 {
-                let blocks = costs.iter().zip(self.fold_of);
-                blocks
-                    .filter(|(_, of)| **of != fold)
-                    .map(|(cost, _)| cost)
-                    .sum()
-            };
-            // A step that leads uphill is not taken.
-            let costs = stepped
-                .filter(|costs| seen(costs) <= rest.cost)
-                .unwrap_or_else(|| self.by_block(&fit));
-            for (block, cost) in costs
+            let seen = |costs: &[f64]| self.total_of(costs, |of| of != fold);
+            let stepped = SHARES_OF_STEP
                 .iter()
-                .enumerate()
-                .filter(|(block, _)| self.fold_of[*block] == fold)
-            {
-                held_out[block] = *cost;
+                .filter_map(|share| problem.without(&fit, &total, own, *share))
+                .map(|point| self.by_block(&point))
+                .find(|costs| seen(costs) <= seen(&at_fit));
+            let Some(costs) = stepped else { continue };
+            for (block, of) in self.fold_of.iter().enumerate() {
+                if *of == fold {
+                    held_out[block] = costs[block];
+                }
             }
         }
         Rung {
@@ -285,6 +286,13 @@ impl Ladder<'_> {
             cost,
             held_out,
         }
+    }
+
+    /// The sum over blocks, by their fold.
+    fn total_of(&self, costs: &[f64], counts: impl Fn(usize) -> bool) -> f64 {
+        let blocks = costs.iter().zip(self.fold_of);
+        let counted = blocks.filter(|(_, fold)| counts(**fold));
+        counted.map(|(cost, _)| cost).sum()
     }
 
     /// Clipped sum of squared errors in each block.
@@ -370,6 +378,14 @@ fn richer(terms: Terms) -> Vec<Terms> {
                 ..terms
             },
         ),
+        (
+            !terms.friction_of_gears,
+            Terms {
+                friction: true,
+                friction_of_gears: true,
+                ..terms
+            },
+        ),
     ];
     let loads = LoadKind::BY_COORDINATES.into_iter().filter(more_load);
     with_loads(with, loads, terms)
@@ -396,6 +412,14 @@ fn poorer(terms: Terms) -> Vec<Terms> {
             terms.friction,
             Terms {
                 friction: false,
+                friction_of_gears: false,
+                ..terms
+            },
+        ),
+        (
+            terms.friction_of_gears,
+            Terms {
+                friction_of_gears: false,
                 ..terms
             },
         ),
@@ -405,7 +429,7 @@ fn poorer(terms: Terms) -> Vec<Terms> {
 
 /// The terms that are possible, and `terms` with each of the loads.
 fn with_loads(
-    terms_if_possible: [(bool, Terms); 3],
+    terms_if_possible: [(bool, Terms); 4],
     loads: impl Iterator<Item = LoadKind>,
     terms: Terms,
 ) -> Vec<Terms> {

@@ -76,7 +76,7 @@ impl Shown {
             Coordinate::DeadBand => 0.005 * self.spread,
             Coordinate::Friction => 0.01 * self.spread,
             Coordinate::FrictionAtRest => 0.3,
-            Coordinate::LnFrictionSpeedShare => 0.05f64.ln(),
+            Coordinate::FrictionOfGears => 0.1,
             Coordinate::LnTopSpeed => self.top_speed.ln(),
             Coordinate::MotorShare => 0.5,
             Coordinate::Gravity => 0.01 * self.spread / (self.spread * radians).min(1.0).sin(),
