@@ -1,0 +1,159 @@
+//! A joint with a position actuator in MuJoCo's MJCF.
+//!
+//! The actuator's force kp (ctrl - q) - kv q' within its range is the drive of the equation; the joint has the motor's damping and the
+//! friction. Its inertia is one, since accelerations are known per unit of inertia.
+
+use super::ExportedServo;
+use super::fixed_step::{DelayInSteps, step_s};
+use super::statement::Comparison;
+use super::subject::ServoExport;
+use super::terms::Term;
+use super::trial::Trial;
+use crate::presentation::export::error::ExportError;
+use crate::presentation::export::text::{XML_STYLE, identifier, number};
+use crate::presentation::template::fill;
+
+/// Impedance of the constraint that holds the joint by friction: the largest that MuJoCo takes, so that it hardly creeps.
+const IMPEDANCE: f64 = 0.9999;
+
+/// Time constant of that constraint in steps: the shortest that MuJoCo takes.
+const TIME_CONSTANT: f64 = 2.0;
+
+/// What position actuator and joint have not.
+const LEFT_OUT: [Term; 7] = [
+    Term::WeakerLoopDownwards,
+    Term::DeadBand,
+    Term::FrictionAtRest,
+    Term::Weight,
+    Term::StiffeningLoad,
+    Term::Gain,
+    Term::Offset,
+];
+
+/// The numbers of joint and actuator, in units of the command.
+struct Joint {
+    /// Of the position actuator.
+    kp: f64,
+    kv: f64,
+    /// Largest drive upwards and downwards.
+    range: Option<(f64, f64)>,
+    /// Of the joint.
+    damping: f64,
+    frictionloss: f64,
+    /// Force of the second actuator.
+    load: f64,
+    delay: DelayInSteps,
+    step_s: f64,
+}
+
+impl Joint {
+    fn of(export: &ServoExport<'_>, step_s: f64) -> Self {
+        let p = &export.parameters;
+        let damping = p.limit.map_or(0.0, |limit| limit.motor_damping);
+        Self {
+            kp: p.stiffness,
+            kv: p.damping - damping,
+            range: p.limit.map(|limit| (limit.up, limit.up * limit.down_to_up)),
+            damping,
+            frictionloss: p.friction.map_or(0.0, |friction| friction.coulomb),
+            load: export.constant_load(),
+            delay: DelayInSteps::new(p.delay_s.max(0.0), step_s),
+            step_s,
+        }
+    }
+
+    /// The angle at the beginning of each step, as MuJoCo's integrator `implicitfast` computes it, from rest under the first
+    /// command.
+    fn respond(&self, command: &[f64]) -> Vec<f64> {
+        let first = command.first().copied().unwrap_or(0.0);
+        let (mut angle, mut speed) = (first - self.load / self.kp, 0.0);
+        let mut angles = Vec::with_capacity(command.len());
+        for k in 0..command.len() {
+            angles.push(angle);
+            let wanted = self.kp * (self.delay.mean(command, k) - angle) - self.kv * speed;
+            let drive = match self.range {
+                Some((up, down)) => wanted.clamp(-down, up),
+                None => wanted,
+            };
+            let free = drive - self.damping * speed - self.load;
+            let acceleration = self.with_friction(free, speed);
+            // A drive at its limit does not depend on the speed.
+            let by_speed = self.damping + if drive == wanted { self.kv } else { 0.0 };
+            speed += self.step_s * acceleration / (1.0 + self.step_s * by_speed);
+            angle += self.step_s * speed;
+        }
+        angles
+    }
+
+    /// The acceleration with a soft constraint that opposes the motion by at most `frictionloss`: it would end the motion within
+    /// its time constant.
+    fn with_friction(&self, free: f64, speed: f64) -> f64 {
+        let rate = 2.0 / (IMPEDANCE * TIME_CONSTANT * self.step_s);
+        let wanted = -IMPEDANCE * (free + rate * speed);
+        free + wanted.clamp(-self.frictionloss, self.frictionloss)
+    }
+}
+
+/// The model.
+pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
+    let radians = export.radians_per_unit()?;
+    let step_s = step_s(export)?;
+    let joint = Joint::of(export, step_s);
+    let servo = &export.parameters;
+    let trial = Trial::of(export, step_s, f64::INFINITY);
+    let positions: Vec<f64> = joint
+        .respond(&trial.command())
+        .iter()
+        .map(|angle| servo.gain * angle + servo.offset)
+        .collect();
+    let largest = trial.largest_difference(&positions, &trial.exact(servo));
+    let id = identifier(export.name);
+    let mut about = export.statement();
+    about.extend([
+        export.hold(false),
+        format!(
+            "In MuJoCo: angles are in rad, {} for each unit of the command and of theta: ctrl is that times the command, and the position is (joint angle / that) times the gain, plus the offset. The actuator is the drive, with kp = k, kv = c - B and the range -A- .. A+; the joint has the damping B and the frictionloss C.",
+            number(radians)
+        ),
+        "The joint's armature of 1 stands for the unknown inertia of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J; a weight or a spring that your mechanism has is part of it, and not of this file.".to_owned(),
+        "delay and nsample, the delay of the command, are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.".to_owned(),
+        export.left_out("MuJoCo's position actuator", &LEFT_OUT),
+        export.difference(&trial, largest, Comparison::Emulation("MuJoCo")),
+    ]);
+    let range = joint.range.map(|(up, down)| {
+        format!(
+            " forcerange=\"{} {}\"",
+            number(-down * radians),
+            number(up * radians)
+        )
+    });
+    let friction = (joint.frictionloss > 0.0).then(|| {
+        format!(
+            " frictionloss=\"{}\" solreffriction=\"{} 1\" solimpfriction=\"{IMPEDANCE} {IMPEDANCE} 0.001 0.5 2\"",
+            number(joint.frictionloss * radians),
+            number(TIME_CONSTANT * step_s)
+        )
+    });
+    let load = (joint.load != 0.0).then(|| {
+        let values = [("id", id.clone()), ("load", number(-joint.load * radians))];
+        fill(include_str!("../templates/servo_model/load.mjcf"), &values)
+    });
+    let values = [
+        ("about", XML_STYLE.comment(&about)),
+        ("step", number(step_s)),
+        ("damping", number(joint.damping)),
+        ("friction", friction.unwrap_or_default()),
+        ("kp", number(joint.kp)),
+        ("kv", number(joint.kv)),
+        ("range", range.unwrap_or_default()),
+        ("delay", number(servo.delay_s.max(0.0))),
+        ("samples", (joint.delay.whole + 2).to_string()),
+        ("load", load.unwrap_or_default()),
+        ("id", id),
+    ];
+    Ok(ExportedServo {
+        text: fill(include_str!("../templates/servo_model/servo.mjcf"), &values),
+        trial,
+        largest_difference: largest,
+    })
+}

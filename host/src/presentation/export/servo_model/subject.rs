@@ -1,0 +1,110 @@
+//! A servo model with the facts that its exports state.
+
+use crate::data::model_file::ServoModelDocument;
+use crate::data::model_metadata::ModelMetadata;
+use crate::presentation::export::error::ExportError;
+use servoid_identification::servo_model::{Load, ServoModel, ServoParameters};
+
+/// What may be chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ServoExportOptions {
+    /// The controller, as the recordings call it; needed where the model has several.
+    pub controller: Option<f64>,
+    /// The step of the exported servo \[s\]; without it, one that suits servo and target.
+    pub step_s: Option<f64>,
+}
+
+/// A servo model with one controller, ready to be written.
+#[derive(Clone, Debug)]
+pub struct ServoExport<'a> {
+    /// Name of the servo; any text.
+    pub name: &'a str,
+    /// Origin of the model; any text.
+    pub source: &'a str,
+    /// The model.
+    pub model: &'a ServoModel,
+    /// Units, and the pulse frame, where they are known.
+    pub metadata: &'a ModelMetadata,
+    /// The parameters with the chosen controller.
+    pub(super) parameters: ServoParameters,
+    pub(super) options: ServoExportOptions,
+}
+
+impl<'a> ServoExport<'a> {
+    /// Chooses the controller.
+    ///
+    /// # Errors
+    /// There are several controllers and none is chosen, or the model does not have the chosen one.
+    pub fn new(
+        name: &'a str,
+        source: &'a str,
+        document: &'a ServoModelDocument,
+        metadata: &'a ModelMetadata,
+        options: ServoExportOptions,
+    ) -> Result<Self, ExportError> {
+        let names = &document.controller_names;
+        let controller = match options.controller {
+            Some(wanted) => {
+                let found = names.iter().position(|name| *name == wanted);
+                found.ok_or_else(|| ExportError::UnknownController {
+                    wanted,
+                    known: names.clone(),
+                })?
+            }
+            None if document.model.controllers > 1 => {
+                return Err(ExportError::ControllerNotChosen {
+                    known: names.clone(),
+                });
+            }
+            None => 0,
+        };
+        Ok(Self {
+            name,
+            source,
+            model: &document.model,
+            metadata,
+            parameters: document.model.parameters(controller),
+            options,
+        })
+    }
+
+    /// The frame that holds a command \[s\]: 0 where there is none, or none is known.
+    pub(super) fn frame_s(&self) -> f64 {
+        self.metadata.pulse_frame_s.unwrap_or(0.0)
+    }
+
+    /// Radians of the output for each unit of θ, for programs whose servos turn by angles.
+    ///
+    /// # Errors
+    /// The output is not an angle.
+    pub(super) fn radians_per_unit(&self) -> Result<f64, ExportError> {
+        let gain = self.parameters.gain.abs();
+        match self.metadata.units().output {
+            Some("deg") => Ok(gain.to_radians()),
+            Some("rad") => Ok(gain),
+            None => Ok(gain * self.model.radians_per_command),
+            Some(unit) => Err(ExportError::NotAnAngle(unit.to_owned())),
+        }
+    }
+
+    /// The load that is the same at all angles \[acceleration\].
+    pub(super) fn constant_load(&self) -> f64 {
+        match self.parameters.load {
+            Load::None | Load::Pendulum { .. } => 0.0,
+            Load::Constant(constant) | Load::Air { constant, .. } => constant,
+        }
+    }
+
+    /// The speeds upwards and downwards at which full drive, damping, friction and the constant load balance
+    /// \[units of the command/s\]; `None` where the drive has no limit.
+    pub(super) fn top_speeds(&self) -> Option<(f64, f64)> {
+        let limit = self.parameters.limit?;
+        let friction = self.parameters.friction.map_or(0.0, |f| f.coulomb);
+        let speed = |drive: f64| (drive - friction).max(0.0) / limit.motor_damping;
+        let load = self.constant_load();
+        Some((
+            speed(limit.up - load),
+            speed(limit.up * limit.down_to_up + load),
+        ))
+    }
+}
