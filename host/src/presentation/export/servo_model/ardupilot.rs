@@ -3,16 +3,17 @@
 //! Such a servo delays the command by whole steps of the simulation, limits its rate, and filters it by a Butterworth filter of second
 //! order. The filter is the one that lags as far behind a ramp as the servo does.
 
-use super::ExportedServo;
 use super::emulation::{DelayLine, SecondOrder};
+use super::exported::ExportedServo;
 use super::statement::Comparison;
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial::Trial;
+use super::trial::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{SCRIPT_STYLE, number};
 use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
+use servoid_identification::servo_model::Load;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// Steps of SITL in a second, unless SIM_RATE_HZ says otherwise.
@@ -117,8 +118,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         .iter()
         .map(|deflection| servo.gain * (middle + deflection / degrees) + servo.offset)
         .collect();
-    let largest = trial.largest_difference(&positions, &trial.exact(servo));
-    let rate = number(parameters.rate_hz);
+    let difference = Difference::of(export, trial, &positions, Load::None);
+    let rate = format!("{:.0}", parameters.rate_hz);
     let mut about = export.statement();
     about.extend([
         export.hold(false),
@@ -130,7 +131,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
             "SITL takes a full command for {FULL_DEG} degrees. For a servo that turns by D degrees then, multiply SIM_SERVO_SPEED by D/{FULL_DEG}. These parameters are those of all servos of the aircraft."
         ),
         export.left_out("ArduPilot's SITL", &LEFT_OUT),
-        export.difference(&trial, largest, Comparison::Emulation("ArduPilot's SITL")),
+        export.difference(&difference, Comparison::Emulation("ArduPilot's SITL")),
     ]);
     let values = [
         ("about", SCRIPT_STYLE.comment(&about)),
@@ -139,9 +140,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ("filter", number(parameters.filter_hz)),
         ("rate", rate),
     ];
-    Ok(ExportedServo {
-        text: fill(include_str!("../templates/servo_model/servo.parm"), &values),
-        trial,
-        largest_difference: largest,
-    })
+    Ok(ExportedServo::new(
+        fill(include_str!("../templates/servo_model/servo.parm"), &values),
+        difference,
+    ))
 }

@@ -3,12 +3,12 @@
 //! The command is limited in its rate before the filter, so that the filter's lag behind a ramp, c/k times the speed, is the distance
 //! at which a servo of full drive begins to brake.
 
-use super::ExportedServo;
 use super::emulation::{DelayLine, SecondOrder};
+use super::exported::ExportedServo;
 use super::statement::Comparison;
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial::Trial;
+use super::trial::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::template::fill;
@@ -114,8 +114,9 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         export.options.step_s.unwrap_or(STEP_S),
         f64::INFINITY,
     );
-    let exact = trial.exact(&export.parameters);
-    let largest = trial.largest_difference(&actuator.respond(&trial), &exact);
+    let positions = actuator.respond(&trial);
+    let first = trial.levels.first().copied().unwrap_or(0.0);
+    let difference = Difference::of(export, trial, &positions, export.only_constant_load());
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
     let mut about = export.statement();
@@ -124,7 +125,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         "In JSBSim: rate_limit is the top speed, without the weight and without what stiffens; hysteresis_width is twice the dead band and the error that friction leaves; bias is the error of the constant load at rest; the filter is the servo at small signals.".to_owned(),
         "Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),
-        export.difference(&trial, largest, Comparison::Emulation("JSBSim")),
+        export.difference(&difference, Comparison::Emulation("JSBSim")),
     ]);
     let frame = [("id", id.clone()), ("frame", number(export.frame_s()))];
     let hold = held.then(|| fill(include_str!("../templates/hold.xml"), &frame));
@@ -137,10 +138,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     ];
     let values = [
         ("about", XML_STYLE.comment(&about)),
-        (
-            "first",
-            number(trial.levels.first().copied().unwrap_or(0.0)),
-        ),
+        ("first", number(first)),
         ("hold", hold.unwrap_or_default()),
         ("input", format!("fcs/{id}-{input}")),
         ("elements", actuator.elements()),
@@ -152,9 +150,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ("offset", number(actuator.offset)),
         ("id", id),
     ];
-    Ok(ExportedServo {
-        text: fill(include_str!("../templates/servo_model/servo.xml"), &values),
-        trial,
-        largest_difference: largest,
-    })
+    Ok(ExportedServo::new(
+        fill(include_str!("../templates/servo_model/servo.xml"), &values),
+        difference,
+    ))
 }

@@ -1,10 +1,10 @@
 //! The equation as a module, a function or a header: the steps that servoid itself takes, in steps of one length.
 
-use super::ExportedServo;
+use super::exported::ExportedServo;
 use super::fixed_step::{DelayInSteps, respond, step_s};
 use super::statement::Comparison;
 use super::subject::ServoExport;
-use super::trial::Trial;
+use super::trial::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{
     C_STYLE, MATLAB_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted,
@@ -100,8 +100,8 @@ impl ServoExport<'_> {
     fn in_language(&self, language: &Language) -> Result<ExportedServo, ExportError> {
         let step_s = step_s(self)?;
         let trial = Trial::of(self, step_s, f64::INFINITY);
-        let exact = trial.exact(&self.parameters);
-        let largest = trial.largest_difference(&respond(self, &trial), &exact);
+        let positions = respond(self, &trial);
+        let difference = Difference::of(self, trial, &positions, self.parameters.load);
         let delay = DelayInSteps::new(self.parameters.delay_s, step_s);
         let id = identifier(self.name);
         let mut about = self.statement();
@@ -110,8 +110,8 @@ impl ServoExport<'_> {
             "Steps: {} ms each, by the scheme of servoid's own integrator: half a step of the angle, a step of the speed, half a step of the angle. The command of a step is the mean of the delayed command over it.",
             number(1e3 * step_s)
         ));
-        about.push(self.left_out("a program", &[]));
-        about.push(self.difference(&trial, largest, Comparison::SameSteps));
+        about.push("Left out: nothing; the equation is here with all of its terms.".to_owned());
+        about.push(self.difference(&difference, Comparison::SameSteps));
         let name = |name: &str| (language.name)(&id, name);
         let sine = matches!(self.parameters.load, Load::Pendulum { .. });
         let values = [
@@ -128,11 +128,10 @@ impl ServoExport<'_> {
             ("ID", id.to_ascii_uppercase()),
             ("id", id),
         ];
-        Ok(ExportedServo {
-            text: fill(language.template, &values),
-            trial,
-            largest_difference: largest,
-        })
+        Ok(ExportedServo::new(
+            fill(language.template, &values),
+            difference,
+        ))
     }
 
     /// The parameters of the equation, a line each; terms that the servo does not have get values without effect.

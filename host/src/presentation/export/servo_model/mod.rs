@@ -7,6 +7,7 @@
 
 mod ardupilot;
 mod emulation;
+mod exported;
 mod fixed_step;
 mod jsbsim;
 mod languages;
@@ -16,22 +17,12 @@ mod subject;
 mod terms;
 mod trial;
 
+pub use exported::ExportedServo;
 pub use subject::{ServoExport, ServoExportOptions};
 pub use trial::Trial;
 
 use super::error::ExportError;
 use super::target::Target;
-
-/// A file, and how far it is from the servo model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ExportedServo {
-    /// The file.
-    pub text: String,
-    /// The command under which the difference was computed.
-    pub trial: Trial,
-    /// The largest difference of the position under that command \[unit of the position\].
-    pub largest_difference: f64,
-}
 
 impl ServoExport<'_> {
     /// The file for a target.

@@ -3,12 +3,12 @@
 //! The actuator's force kp (ctrl - q) - kv q' within its range is the drive of the equation; the joint has the motor's damping and the
 //! friction. Its inertia is one, since accelerations are known per unit of inertia.
 
-use super::ExportedServo;
+use super::exported::ExportedServo;
 use super::fixed_step::{DelayInSteps, step_s};
 use super::statement::Comparison;
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial::Trial;
+use super::trial::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::template::fill;
@@ -106,7 +106,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         .iter()
         .map(|angle| servo.gain * angle + servo.offset)
         .collect();
-    let largest = trial.largest_difference(&positions, &trial.exact(servo));
+    let difference = Difference::of(export, trial, &positions, export.only_constant_load());
     let id = identifier(export.name);
     let mut about = export.statement();
     about.extend([
@@ -118,7 +118,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         "The joint's armature of 1 stands for the unknown inertia of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J; a weight or a spring that your mechanism has is part of it, and not of this file.".to_owned(),
         "delay and nsample, the delay of the command, are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.".to_owned(),
         export.left_out("MuJoCo's position actuator", &LEFT_OUT),
-        export.difference(&trial, largest, Comparison::Emulation("MuJoCo")),
+        export.difference(&difference, Comparison::Emulation("MuJoCo")),
     ]);
     let range = joint.range.map(|(up, down)| {
         format!(
@@ -151,9 +151,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ("load", load.unwrap_or_default()),
         ("id", id),
     ];
-    Ok(ExportedServo {
-        text: fill(include_str!("../templates/servo_model/servo.mjcf"), &values),
-        trial,
-        largest_difference: largest,
-    })
+    Ok(ExportedServo::new(
+        fill(include_str!("../templates/servo_model/servo.mjcf"), &values),
+        difference,
+    ))
 }

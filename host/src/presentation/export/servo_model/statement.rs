@@ -1,9 +1,10 @@
 //! The comment at the top of every export of a servo model.
 
 use super::subject::ServoExport;
-use super::trial::{FINER, Trial};
+use super::trial::{Difference, FINER};
 use crate::presentation::export::text::number;
 use crate::presentation::summary;
+use crate::presentation::summary::four_digits;
 use servoid_identification::results::Bounds;
 
 /// How the difference of an export from the servo model was found.
@@ -111,25 +112,48 @@ impl ServoExport<'_> {
     }
 
     /// The largest difference, and the command under which it was found.
-    pub(super) fn difference(&self, trial: &Trial, largest: f64, by: Comparison) -> String {
+    pub(super) fn difference(&self, found: &Difference, by: Comparison) -> String {
+        let trial = &found.trial;
         let unit = self.metadata.units().output;
         let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
         let stroke = trial.largest_stroke() * self.parameters.gain.abs();
-        let levels: Vec<String> = trial.levels.iter().copied().map(number).collect();
-        let steps = match by {
-            Comparison::SameSteps => format!("of {} ms", number(1e3 * trial.step_s)),
-            Comparison::Emulation(program) => format!(
-                "of {} ms, by an emulation of what {program} does",
-                summary::four_digits(1e3 * trial.step_s)
-            ),
+        let shown = |difference: f64| {
+            let percent = four_digits(100.0 * difference / stroke);
+            format!(
+                "{}{unit}, {percent} % of the largest stroke",
+                difference_text(difference)
+            )
         };
+        let without = found.without_other_loads.map(|difference| {
+            format!(
+                " From the same servo without the load that is left out it is {}.",
+                shown(difference)
+            )
+        });
+        let emulation = match by {
+            Comparison::SameSteps => String::new(),
+            Comparison::Emulation(program) => {
+                format!(", by an emulation of what {program} does")
+            }
+        };
+        let levels: Vec<String> = trial.levels.iter().copied().map(number).collect();
         format!(
-            "Largest difference from servoid's own integrator with steps a {FINER}th of its usual ones: {largest:.3e}{unit}, {} % of the largest stroke, with steps {steps}. The command: {}, each for {} s ({} steps); the first level is not compared.",
-            summary::four_digits(100.0 * largest / stroke),
+            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual: {}, with steps of {} ms{emulation}.{} The command: {}, each for {} s ({} steps); the first level is not compared.",
+            shown(found.largest),
+            four_digits(1e3 * trial.step_s),
+            without.unwrap_or_default(),
             levels.join(", "),
-            summary::four_digits(trial.steps_per_level as f64 * trial.step_s),
+            four_digits(trial.steps_per_level as f64 * trial.step_s),
             trial.steps_per_level,
         )
+    }
+}
+
+/// Four digits, with an exponent where they would be behind many zeros.
+fn difference_text(difference: f64) -> String {
+    match difference < 1e-5 {
+        true => format!("{difference:.3e}"),
+        false => four_digits(difference),
     }
 }
 

@@ -95,6 +95,14 @@ impl<'a> ServoExport<'a> {
         }
     }
 
+    /// The same as the whole load.
+    pub(super) fn only_constant_load(&self) -> Load<f64> {
+        match self.constant_load() {
+            0.0 => Load::None,
+            constant => Load::Constant(constant),
+        }
+    }
+
     /// The speeds upwards and downwards at which full drive, damping, friction and the constant load balance
     /// \[units of the command/s\]; `None` where the drive has no limit.
     pub(super) fn top_speeds(&self) -> Option<(f64, f64)> {

@@ -2,7 +2,7 @@
 
 use super::subject::ServoExport;
 use serde::Serialize;
-use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
+use servoid_dynamics::{Grid, Load, ServoParameters, Start, simulate};
 
 /// A staircase of small and large strokes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -13,6 +13,31 @@ pub struct Trial {
     pub levels: Vec<f64>,
     /// For how many steps each level is held.
     pub steps_per_level: usize,
+}
+
+/// How far an exported servo is from the servo model.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Difference {
+    /// The command.
+    pub trial: Trial,
+    /// The largest difference of the position \[unit of the position\].
+    pub largest: f64,
+    /// The same from a servo that has the loads that the export has, where it leaves some out.
+    pub without_other_loads: Option<f64>,
+}
+
+impl Difference {
+    /// Of the positions `found` at the beginning of each step, which have the load `load`.
+    pub fn of(export: &ServoExport<'_>, trial: Trial, found: &[f64], load: Load<f64>) -> Self {
+        let servo = export.parameters;
+        let from = |servo: &ServoParameters| trial.largest_difference(found, &trial.exact(servo));
+        Self {
+            largest: from(&servo),
+            without_other_loads: (load != servo.load)
+                .then(|| from(&ServoParameters { load, ..servo })),
+            trial,
+        }
+    }
 }
 
 /// The levels as parts of the amplitude: strokes of a tenth and less, and of twice the amplitude.

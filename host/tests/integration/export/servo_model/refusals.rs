@@ -1,0 +1,71 @@
+//! What is refused, and with which remedy.
+
+use super::super::SUBJECT;
+use super::subjects::{AIRCRAFT, SERVOS};
+use crate::support::{arg, refusal};
+use serde_json::json;
+use std::path::Path;
+
+fn refused(file: &Path, args: &[&str]) -> String {
+    refusal(&[&["export", arg(file)], args].concat())
+}
+
+#[test]
+fn a_file_without_a_servo_model_says_how_to_get_one() {
+    for args in [&["--to", "c", "--servo-model"][..], &["--to", "mujoco"]] {
+        let sentence = refused(&SUBJECT.file, args);
+        assert!(sentence.contains("has no servo model"), "{sentence}");
+        assert!(sentence.contains("--servo-model -o"), "{sentence}");
+    }
+}
+
+#[test]
+fn a_table_of_a_servo_model_is_refused() {
+    let sentence = refused(&AIRCRAFT.file, &["--to", "csv", "--servo-model"]);
+    assert!(sentence.contains("leave --servo-model out"), "{sentence}");
+}
+
+#[test]
+fn a_controller_must_be_one_of_the_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let second = SERVOS.into_iter().find(|servo| servo.name == "second");
+    let file = second.unwrap().file(folder.path());
+    let c = ["--to", "c", "--servo-model"];
+    let sentence = refused(&file, &c);
+    assert!(sentence.contains("400, 800: choose one"), "{sentence}");
+    let sentence = refused(&file, &[&c[..], &["--controller", "600"]].concat());
+    assert!(sentence.contains("600 is none of those"), "{sentence}");
+    let sentence = refused(&AIRCRAFT.file, &[&c[..], &["--controller", "600"]].concat());
+    assert!(sentence.contains("leave --controller out"), "{sentence}");
+}
+
+#[test]
+fn a_step_that_is_too_long_names_the_longest() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = SERVOS[1].file(folder.path());
+    let args = ["--to", "mujoco", "--step-ms", "20"];
+    let sentence = refused(&file, &args);
+    // 0.5 of 1/ω = 1/38.73 s.
+    assert!(sentence.contains("can be 12.909 at the most"), "{sentence}");
+}
+
+#[test]
+fn options_of_the_servo_model_are_not_ignored_without_it() {
+    for option in [["--step-ms", "1"], ["--controller", "1"]] {
+        let sentence = refused(&AIRCRAFT.file, &[&["--to", "c"], &option[..]].concat());
+        assert!(sentence.contains("add --servo-model"), "{sentence}");
+    }
+}
+
+#[test]
+fn a_position_that_is_no_angle_cannot_turn_a_joint() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    document["units"]["output"] = json!("counts");
+    let file = folder.path().join("counts.json");
+    std::fs::write(&file, document.to_string()).unwrap();
+    for target in ["mujoco", "ardupilot"] {
+        let sentence = refused(&file, &["--to", target]);
+        assert!(sentence.contains("the position is in counts"), "{sentence}");
+    }
+}
