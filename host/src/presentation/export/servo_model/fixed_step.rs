@@ -31,13 +31,14 @@ impl DelayInSteps {
         }
     }
 
-    /// The mean of the delayed command over the step `k`: commands before the first are equal to it.
-    pub fn mean(&self, command: &[f64], k: usize) -> f64 {
+    /// The delayed commands of the step `k`, before and after the one changes to the other; commands before the first are
+    /// equal to it.
+    fn late(&self, command: &[f64], k: usize) -> (f64, f64) {
         let at = |back: usize| {
             let place = k.saturating_sub(back);
             command.get(place).copied().unwrap_or(f64::NAN)
         };
-        self.fraction * at(self.whole + 1) + (1.0 - self.fraction) * at(self.whole)
+        (at(self.whole + 1), at(self.whole))
     }
 }
 
@@ -67,7 +68,12 @@ pub(super) fn step_s(export: &ServoExport<'_>) -> Result<f64, ExportError> {
 pub(super) fn respond(export: &ServoExport<'_>, trial: &Trial) -> Vec<f64> {
     let servo = &export.parameters;
     let delay = DelayInSteps::new(servo.delay_s, trial.step_s);
-    let stepper = Stepper::new(servo, trial.step_s);
+    let stepper = |part: f64| Stepper::new(servo, part * trial.step_s);
+    let (whole, before, after) = (
+        stepper(1.0),
+        stepper(delay.fraction),
+        stepper(1.0 - delay.fraction),
+    );
     let command = trial.command();
     let first = command.first().copied().unwrap_or(0.0);
     let mut state = State {
@@ -77,7 +83,13 @@ pub(super) fn respond(export: &ServoExport<'_>, trial: &Trial) -> Vec<f64> {
     let mut position = Vec::with_capacity(command.len());
     for k in 0..command.len() {
         position.push(servo.gain * state.angle + servo.offset);
-        stepper.advance(&mut state, delay.mean(&command, k));
+        let (older, newer) = delay.late(&command, k);
+        if older == newer {
+            whole.advance(&mut state, newer);
+        } else {
+            before.advance(&mut state, older);
+            after.advance(&mut state, newer);
+        }
     }
     position
 }

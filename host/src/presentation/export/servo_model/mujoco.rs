@@ -3,8 +3,9 @@
 //! The actuator's force kp (ctrl - q) - kv q' within its range is the drive of the equation; the joint has the motor's damping and the
 //! friction. Its inertia is one, since accelerations are known per unit of inertia.
 
+use super::emulation::DelayLine;
 use super::exported::ExportedServo;
-use super::fixed_step::{DelayInSteps, step_s};
+use super::fixed_step::step_s;
 use super::statement::Comparison;
 use super::subject::ServoExport;
 use super::terms::Term;
@@ -42,7 +43,7 @@ struct Joint {
     frictionloss: f64,
     /// Force of the second actuator.
     load: f64,
-    delay: DelayInSteps,
+    delay_steps: usize,
     step_s: f64,
 }
 
@@ -57,7 +58,8 @@ impl Joint {
             damping,
             frictionloss: p.friction.map_or(0.0, |friction| friction.coulomb),
             load: export.constant_load(),
-            delay: DelayInSteps::new(p.delay_s.max(0.0), step_s),
+            // The angle after a step has the speed at the end of the step: it is early by half a step.
+            delay_steps: (p.delay_s.max(0.0) / step_s + 1.0).floor() as usize,
             step_s,
         }
     }
@@ -67,10 +69,11 @@ impl Joint {
     fn respond(&self, command: &[f64]) -> Vec<f64> {
         let first = command.first().copied().unwrap_or(0.0);
         let (mut angle, mut speed) = (first - self.load / self.kp, 0.0);
+        let mut late = DelayLine::new(self.delay_steps, first);
         let mut angles = Vec::with_capacity(command.len());
-        for k in 0..command.len() {
+        for command in command {
             angles.push(angle);
-            let wanted = self.kp * (self.delay.mean(command, k) - angle) - self.kv * speed;
+            let wanted = self.kp * (late.pass(*command) - angle) - self.kv * speed;
             let drive = match self.range {
                 Some((up, down)) => wanted.clamp(-down, up),
                 None => wanted,
@@ -112,11 +115,11 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     about.extend([
         export.hold(false),
         format!(
-            "In MuJoCo: angles are in rad, {} for each unit of the command and of theta: ctrl is that times the command, and the position is (joint angle / that) times the gain, plus the offset. The actuator is the drive, with kp = k, kv = c - B and the range -A- .. A+; the joint has the damping B and the frictionloss C.",
+            "In MuJoCo: angles are in rad, {} for each unit of the command and of theta: ctrl is that times the command, and the position is (joint angle / that) times the gain, plus the offset. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C.",
             number(radians)
         ),
         "The joint's armature of 1 stands for the unknown inertia of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J; a weight or a spring that your mechanism has is part of it, and not of this file.".to_owned(),
-        "delay and nsample, the delay of the command, are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.".to_owned(),
+        "delay and nsample are the delay, and half a step by which MuJoCo is early; they are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.".to_owned(),
         export.left_out("MuJoCo's position actuator", &LEFT_OUT),
         export.difference(&difference, Comparison::Emulation("MuJoCo")),
     ]);
@@ -146,8 +149,9 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ("kp", number(joint.kp)),
         ("kv", number(joint.kv)),
         ("range", range.unwrap_or_default()),
-        ("delay", number(servo.delay_s.max(0.0))),
-        ("samples", (joint.delay.whole + 2).to_string()),
+        // MuJoCo rounds a delay up to whole steps.
+        ("delay", number((joint.delay_steps as f64 - 0.5) * step_s)),
+        ("samples", (joint.delay_steps + 1).to_string()),
         ("load", load.unwrap_or_default()),
         ("id", id),
     ];

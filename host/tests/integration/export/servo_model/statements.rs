@@ -146,10 +146,13 @@ fn a_hostile_name_stays_a_name() {
         {
             let named = line.contains("NAME") || line.contains("p.name = ");
             assert!(named || line.starts_with(comment), "{target}: {line}");
-            assert!(
-                !line.contains("*/") && !line.contains("-->") || named,
-                "{target}: {line}"
-            );
+            let ended = match target {
+                "c" => line.contains("*/"),
+                "jsbsim" | "mujoco" => line.contains("-->"),
+                _ => line.contains('\u{202e}'),
+            };
+            // Within a string it ends nothing.
+            assert!(named || !ended, "{target}: {line}");
         }
     }
 }

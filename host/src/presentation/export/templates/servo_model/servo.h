@@ -45,38 +45,39 @@ static inline {{id}}_real {{id}}_size({{id}}_real value)
     return value < 0 ? -value : value;
 }
 
-/* Half a step of the motor's damping. */
-static inline {{id}}_real {{id}}_half_motor(void)
+/* The loop as if the drive had no limit, with `ratio` times its constants, over h seconds. */
+
+/* Half of what the motor's damping takes of the speed. */
+static inline {{id}}_real {{id}}_half_motor({{id}}_real h)
 {
-    return {{id}}_step_s * {{id}}_motor_damping / 2;
+    return h * {{id}}_motor_damping / 2;
 }
 
-/* The loop as if the drive had no limit, with `ratio` times its constants. */
-
-/* What the loop's damping takes of the speed at each end of a step. */
-static inline {{id}}_real {{id}}_braking({{id}}_real ratio)
+/* What the loop's damping takes of the speed at each end. */
+static inline {{id}}_real {{id}}_braking({{id}}_real h, {{id}}_real ratio)
 {
-    return {{id}}_step_s * ({{id}}_damping - {{id}}_motor_damping) * ratio / 2;
+    return h * ({{id}}_damping - {{id}}_motor_damping) * ratio / 2;
 }
 
 /* The factor by which damping leaves the speed. */
-static inline {{id}}_real {{id}}_damped({{id}}_real ratio)
+static inline {{id}}_real {{id}}_damped({{id}}_real h, {{id}}_real ratio)
 {
-    return 1 / (1 + {{id}}_half_motor() + {{id}}_braking(ratio));
+    return 1 / (1 + {{id}}_half_motor(h) + {{id}}_braking(h, ratio));
 }
 
-/* Change of speed in a step by the error, and by the speed at its beginning. */
-static inline {{id}}_real {{id}}_push({{id}}_real error, {{id}}_real speed, {{id}}_real ratio)
+/* Change of speed by the error, and by the speed at the beginning. */
+static inline {{id}}_real {{id}}_push(
+    {{id}}_real h, {{id}}_real error, {{id}}_real speed, {{id}}_real ratio)
 {
-    return error * {{id}}_step_s * {{id}}_stiffness * ratio - speed * {{id}}_braking(ratio);
+    return error * h * {{id}}_stiffness * ratio - speed * {{id}}_braking(h, ratio);
 }
 
-/* Change of speed in a step by the drive; `loaded` is the speed after load and the motor's damping. */
+/* Change of speed by the drive; `loaded` is the speed after load and the motor's damping. */
 static inline {{id}}_real {{id}}_unlimited_drive(
-    {{id}}_real error, {{id}}_real speed, {{id}}_real loaded, {{id}}_real ratio)
+    {{id}}_real h, {{id}}_real error, {{id}}_real speed, {{id}}_real loaded, {{id}}_real ratio)
 {
-    {{id}}_real pushed = {{id}}_push(error, speed, ratio);
-    return pushed - (loaded + pushed) * {{id}}_damped(ratio) * {{id}}_braking(ratio);
+    {{id}}_real pushed = {{id}}_push(h, error, speed, ratio);
+    return pushed - (loaded + pushed) * {{id}}_damped(h, ratio) * {{id}}_braking(h, ratio);
 }
 
 /* The position now. */
@@ -99,42 +100,46 @@ static inline void {{id}}_reset({{id}}_servo *servo, {{id}}_real command)
     servo->newest = 0;
 }
 
-/* The mean of the delayed command over a step that begins with `command`. */
-static inline {{id}}_real {{id}}_delayed({{id}}_servo *servo, {{id}}_real command)
+/* The motion of h seconds under a command, without delay. */
+static inline void {{id}}_advance({{id}}_servo *servo, {{id}}_real h, {{id}}_real command)
 {
-    unsigned oldest = servo->newest + 1 < {{ID}}_LATE ? servo->newest + 1 : 0;
-    unsigned after = oldest + 1 < {{ID}}_LATE ? oldest + 1 : 0;
-    servo->late[servo->newest] = command;
-    servo->newest = oldest;
-    return {{id}}_delay_fraction * servo->late[oldest]
-        + (1 - {{id}}_delay_fraction) * servo->late[after];
-}
-
-/* Call once in {{ID}}_STEP_S with the command that is held from now on; returns the position at the end
- * of the step. */
-static inline {{id}}_real {{id}}_step({{id}}_servo *servo, {{id}}_real command)
-{
-    const {{id}}_real h = {{id}}_step_s, speed = servo->speed;
-    {{id}}_real late = {{id}}_delayed(servo, command);
-    {{id}}_real middle = servo->angle + h * speed / 2;
-    {{id}}_real error = {{id}}_nearer_zero(late - middle, {{id}}_dead_band);
-    {{id}}_real loaded = speed * (1 - {{id}}_half_motor()) - h * {{id}}_load(middle);
+    {{id}}_real speed = servo->speed, middle = servo->angle + h * speed / 2;
+    {{id}}_real error = {{id}}_nearer_zero(command - middle, {{id}}_dead_band);
+    {{id}}_real loaded = speed * (1 - {{id}}_half_motor(h)) - h * {{id}}_load(middle);
 
     {{id}}_real ratio = 1, largest = h * {{id}}_full_drive;
-    if ({{id}}_unlimited_drive(error, speed, loaded, 1) < 0) {
+    if ({{id}}_unlimited_drive(h, error, speed, loaded, 1) < 0) {
         ratio = {{id}}_down_to_up;
         largest = -largest * {{id}}_down_to_up;
     }
-    {{id}}_real pushed = {{id}}_push(error, speed, ratio), left = {{id}}_damped(ratio);
-    if ({{id}}_size({{id}}_unlimited_drive(error, speed, loaded, ratio)) > {{id}}_size(largest)) {
+    {{id}}_real pushed = {{id}}_push(h, error, speed, ratio), left = {{id}}_damped(h, ratio);
+    if ({{id}}_size({{id}}_unlimited_drive(h, error, speed, loaded, ratio)) > {{id}}_size(largest)) {
         pushed = largest;
-        left = 1 / (1 + {{id}}_half_motor());
+        left = 1 / (1 + {{id}}_half_motor(h));
     }
 
     {{id}}_real relative = speed / {{id}}_friction_speed;
     {{id}}_real held = {{id}}_friction * (1 + {{id}}_friction_at_rest / (1 + relative * relative));
     servo->speed = {{id}}_nearer_zero((loaded + pushed) * left, h * left * held);
     servo->angle = middle + h * servo->speed / 2;
+}
+
+/* Call once in {{ID}}_STEP_S with the command that is held from now on; returns the position at the end
+ * of the step. */
+static inline {{id}}_real {{id}}_step({{id}}_servo *servo, {{id}}_real command)
+{
+    unsigned oldest = servo->newest + 1 < {{ID}}_LATE ? servo->newest + 1 : 0;
+    unsigned next = oldest + 1 < {{ID}}_LATE ? oldest + 1 : 0;
+    servo->late[servo->newest] = command;
+    servo->newest = oldest;
+    {{id}}_real older = servo->late[oldest], newer = servo->late[next];
+    /* The delayed command changes within the step: the motion is computed to there, and from there. */
+    if (older < newer || older > newer) {
+        {{id}}_advance(servo, {{id}}_delay_fraction * {{id}}_step_s, older);
+        {{id}}_advance(servo, (1 - {{id}}_delay_fraction) * {{id}}_step_s, newer);
+    } else {
+        {{id}}_advance(servo, {{id}}_step_s, newer);
+    }
     return {{id}}_position(servo);
 }
 

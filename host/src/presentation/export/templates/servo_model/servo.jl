@@ -10,29 +10,30 @@ const STEP_S = {{step}}
 const DELAY_STEPS = {{delay_steps}} # whole steps
 {{parameters}}
 
-const HALF_MOTOR = 0.5 * STEP_S * MOTOR_DAMPING
-
 "Acceleration that the load takes at an angle."
 load(angle) = {{load}}
 
 "`value` moved towards zero by `width`, and zero where it would pass it."
 nearer_zero(value, width) = value > width ? value - width : (value < -width ? value + width : 0.0)
 
-# The loop as if the drive had no limit, with `ratio` times its constants.
+# The loop as if the drive had no limit, with `ratio` times its constants, over h seconds.
 
-"What the loop's damping takes of the speed at each end of a step."
-braking(ratio) = 0.5 * STEP_S * (DAMPING - MOTOR_DAMPING) * ratio
+"Half of what the motor's damping takes of the speed."
+half_motor(h) = 0.5 * h * MOTOR_DAMPING
+
+"What the loop's damping takes of the speed at each end."
+braking(h, ratio) = 0.5 * h * (DAMPING - MOTOR_DAMPING) * ratio
 
 "The factor by which damping leaves the speed."
-damped(ratio) = 1.0 / (1.0 + HALF_MOTOR + braking(ratio))
+damped(h, ratio) = 1.0 / (1.0 + half_motor(h) + braking(h, ratio))
 
-"Change of speed in a step by the error, and by the speed at its beginning."
-push(error, speed, ratio) = error * STEP_S * STIFFNESS * ratio - speed * braking(ratio)
+"Change of speed by the error, and by the speed at the beginning."
+push(h, error, speed, ratio) = error * h * STIFFNESS * ratio - speed * braking(h, ratio)
 
-"Change of speed in a step by the drive; `loaded` is the speed after load and the motor's damping."
-function unlimited_drive(error, speed, loaded, ratio)
-    pushed = push(error, speed, ratio)
-    return pushed - (loaded + pushed) * damped(ratio) * braking(ratio)
+"Change of speed by the drive; `loaded` is the speed after load and the motor's damping."
+function unlimited_drive(h, error, speed, loaded, ratio)
+    pushed = push(h, error, speed, ratio)
+    return pushed - (loaded + pushed) * damped(h, ratio) * braking(h, ratio)
 end
 
 "The servo: theta, its speed, and the commands that are on their way."
@@ -55,37 +56,43 @@ end
 "The position now."
 position(servo::Servo) = GAIN * servo.angle + OFFSET
 
-"The mean of the delayed command over a step that begins with `command`."
-function delayed!(servo::Servo, command)
+"The position after STEP_S in which `command` was held."
+function step!(servo::Servo, command)
     count = length(servo.late)
     servo.late[servo.newest+1] = command
     servo.newest = (servo.newest + 1) % count
     older, newer = servo.late[servo.newest+1], servo.late[(servo.newest+1)%count+1]
-    return DELAY_FRACTION * older + (1.0 - DELAY_FRACTION) * newer
+    # The delayed command changes within the step: the motion is computed to there, and from there.
+    if older == newer
+        advance!(servo, STEP_S, newer)
+    else
+        advance!(servo, DELAY_FRACTION * STEP_S, older)
+        advance!(servo, (1.0 - DELAY_FRACTION) * STEP_S, newer)
+    end
+    return position(servo)
 end
 
-"The position after STEP_S in which `command` was held."
-function step!(servo::Servo, command)
-    delayed = delayed!(servo, command)
-    middle = servo.angle + 0.5 * STEP_S * servo.speed
-    error = nearer_zero(delayed - middle, DEAD_BAND)
-    loaded = servo.speed * (1.0 - HALF_MOTOR) - STEP_S * load(middle)
+"The motion of h seconds under a command, without delay."
+function advance!(servo::Servo, h, command)
+    middle = servo.angle + 0.5 * h * servo.speed
+    error = nearer_zero(command - middle, DEAD_BAND)
+    loaded = servo.speed * (1.0 - half_motor(h)) - h * load(middle)
 
-    ratio, largest = 1.0, STEP_S * FULL_DRIVE
-    if unlimited_drive(error, servo.speed, loaded, 1.0) < 0.0
+    ratio, largest = 1.0, h * FULL_DRIVE
+    if unlimited_drive(h, error, servo.speed, loaded, 1.0) < 0.0
         ratio, largest = DOWN_TO_UP, -largest * DOWN_TO_UP
     end
-    if abs(unlimited_drive(error, servo.speed, loaded, ratio)) > abs(largest)
-        pushed, left = largest, 1.0 / (1.0 + HALF_MOTOR)
+    if abs(unlimited_drive(h, error, servo.speed, loaded, ratio)) > abs(largest)
+        pushed, left = largest, 1.0 / (1.0 + half_motor(h))
     else
-        pushed, left = push(error, servo.speed, ratio), damped(ratio)
+        pushed, left = push(h, error, servo.speed, ratio), damped(h, ratio)
     end
 
     relative = servo.speed / FRICTION_SPEED
     held = FRICTION * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
-    servo.speed = nearer_zero((loaded + pushed) * left, STEP_S * left * held)
-    servo.angle = middle + 0.5 * STEP_S * servo.speed
-    return position(servo)
+    servo.speed = nearer_zero((loaded + pushed) * left, h * left * held)
+    servo.angle = middle + 0.5 * h * servo.speed
+    return servo
 end
 
 "The positions at the ends of steps with these commands, from rest under the first of them."

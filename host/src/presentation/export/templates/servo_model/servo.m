@@ -21,7 +21,6 @@ p.name = '{{name}}';
 p.step_s = {{step}};
 p.delay_steps = {{delay_steps}}; % whole steps
 {{parameters}}
-p.half_motor = 0.5 * p.step_s * p.motor_damping;
 end
 
 function servo = at_rest(command, p)
@@ -35,39 +34,44 @@ end
 
 function servo = step(servo, command, p)
 % Goes on by step_s, in which the command was held.
-[delayed, servo] = delay(servo, command, p);
-middle = servo.angle + 0.5 * p.step_s * servo.speed;
-error = nearer_zero(delayed - middle, p.dead_band);
-loaded = servo.speed * (1.0 - p.half_motor) - p.step_s * load_at(middle, p);
-
-ratio = 1.0;
-largest = p.step_s * p.full_drive;
-if unlimited_drive(error, servo.speed, loaded, 1.0, p) < 0.0
-    ratio = p.down_to_up;
-    largest = -largest * p.down_to_up;
-end
-if abs(unlimited_drive(error, servo.speed, loaded, ratio, p)) > abs(largest)
-    pushed = largest;
-    left = 1.0 / (1.0 + p.half_motor);
-else
-    pushed = push(error, servo.speed, ratio, p);
-    left = damped(ratio, p);
-end
-
-relative = servo.speed / p.friction_speed;
-held = p.friction * (1.0 + p.friction_at_rest / (1.0 + relative * relative));
-servo.speed = nearer_zero((loaded + pushed) * left, p.step_s * left * held);
-servo.angle = middle + 0.5 * p.step_s * servo.speed;
-end
-
-function [delayed, servo] = delay(servo, command, p)
-% The mean of the delayed command over a step that begins with the command.
 count = numel(servo.late);
 servo.late(servo.newest + 1) = command;
 servo.newest = mod(servo.newest + 1, count);
 older = servo.late(servo.newest + 1);
 newer = servo.late(mod(servo.newest + 1, count) + 1);
-delayed = p.delay_fraction * older + (1.0 - p.delay_fraction) * newer;
+% The delayed command changes within the step: the motion is computed to there, and from there.
+if older == newer
+    servo = advance(servo, p.step_s, newer, p);
+else
+    servo = advance(servo, p.delay_fraction * p.step_s, older, p);
+    servo = advance(servo, (1.0 - p.delay_fraction) * p.step_s, newer, p);
+end
+end
+
+function servo = advance(servo, h, command, p)
+% The motion of h seconds under a command, without delay.
+middle = servo.angle + 0.5 * h * servo.speed;
+error = nearer_zero(command - middle, p.dead_band);
+loaded = servo.speed * (1.0 - half_motor(h, p)) - h * load_at(middle, p);
+
+ratio = 1.0;
+largest = h * p.full_drive;
+if unlimited_drive(h, error, servo.speed, loaded, 1.0, p) < 0.0
+    ratio = p.down_to_up;
+    largest = -largest * p.down_to_up;
+end
+if abs(unlimited_drive(h, error, servo.speed, loaded, ratio, p)) > abs(largest)
+    pushed = largest;
+    left = 1.0 / (1.0 + half_motor(h, p));
+else
+    pushed = push(h, error, servo.speed, ratio, p);
+    left = damped(h, ratio, p);
+end
+
+relative = servo.speed / p.friction_speed;
+held = p.friction * (1.0 + p.friction_at_rest / (1.0 + relative * relative));
+servo.speed = nearer_zero((loaded + pushed) * left, h * left * held);
+servo.angle = middle + 0.5 * h * servo.speed;
 end
 
 function acceleration = load_at(angle, p)
@@ -86,25 +90,30 @@ else
 end
 end
 
-% The loop as if the drive had no limit, with ratio times its constants.
+% The loop as if the drive had no limit, with ratio times its constants, over h seconds.
 
-function taken = braking(ratio, p)
-% What the loop's damping takes of the speed at each end of a step.
-taken = 0.5 * p.step_s * (p.damping - p.motor_damping) * ratio;
+function taken = half_motor(h, p)
+% Half of what the motor's damping takes of the speed.
+taken = 0.5 * h * p.motor_damping;
 end
 
-function factor = damped(ratio, p)
+function taken = braking(h, ratio, p)
+% What the loop's damping takes of the speed at each end.
+taken = 0.5 * h * (p.damping - p.motor_damping) * ratio;
+end
+
+function factor = damped(h, ratio, p)
 % The factor by which damping leaves the speed.
-factor = 1.0 / (1.0 + p.half_motor + braking(ratio, p));
+factor = 1.0 / (1.0 + half_motor(h, p) + braking(h, ratio, p));
 end
 
-function change = push(error, speed, ratio, p)
-% Change of speed in a step by the error, and by the speed at its beginning.
-change = error * p.step_s * p.stiffness * ratio - speed * braking(ratio, p);
+function change = push(h, error, speed, ratio, p)
+% Change of speed by the error, and by the speed at the beginning.
+change = error * h * p.stiffness * ratio - speed * braking(h, ratio, p);
 end
 
-function change = unlimited_drive(error, speed, loaded, ratio, p)
-% Change of speed in a step by the drive; loaded is the speed after load and the motor's damping.
-pushed = push(error, speed, ratio, p);
-change = pushed - (loaded + pushed) * damped(ratio, p) * braking(ratio, p);
+function change = unlimited_drive(h, error, speed, loaded, ratio, p)
+% Change of speed by the drive; loaded is the speed after load and the motor's damping.
+pushed = push(h, error, speed, ratio, p);
+change = pushed - (loaded + pushed) * damped(h, ratio, p) * braking(h, ratio, p);
 end

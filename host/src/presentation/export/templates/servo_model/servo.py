@@ -8,8 +8,6 @@ STEP_S = {{step}}
 DELAY_STEPS = {{delay_steps}}  # whole steps
 {{parameters}}
 
-HALF_MOTOR = 0.5 * STEP_S * MOTOR_DAMPING
-
 
 def load(angle):
     """Acceleration that the load takes at an angle."""
@@ -25,28 +23,33 @@ def nearer_zero(value, width):
     return 0.0
 
 
-# The loop as if the drive had no limit, with `ratio` times its constants.
+# The loop as if the drive had no limit, with `ratio` times its constants, over h seconds.
 
 
-def braking(ratio):
-    """What the loop's damping takes of the speed at each end of a step."""
-    return 0.5 * STEP_S * (DAMPING - MOTOR_DAMPING) * ratio
+def half_motor(h):
+    """Half of what the motor's damping takes of the speed."""
+    return 0.5 * h * MOTOR_DAMPING
 
 
-def damped(ratio):
+def braking(h, ratio):
+    """What the loop's damping takes of the speed at each end."""
+    return 0.5 * h * (DAMPING - MOTOR_DAMPING) * ratio
+
+
+def damped(h, ratio):
     """The factor by which damping leaves the speed."""
-    return 1.0 / (1.0 + HALF_MOTOR + braking(ratio))
+    return 1.0 / (1.0 + half_motor(h) + braking(h, ratio))
 
 
-def push(error, speed, ratio):
-    """Change of speed in a step by the error, and by the speed at its beginning."""
-    return error * STEP_S * STIFFNESS * ratio - speed * braking(ratio)
+def push(h, error, speed, ratio):
+    """Change of speed by the error, and by the speed at the beginning."""
+    return error * h * STIFFNESS * ratio - speed * braking(h, ratio)
 
 
-def unlimited_drive(error, speed, loaded, ratio):
-    """Change of speed in a step by the drive; `loaded` is the speed after load and the motor's damping."""
-    pushed = push(error, speed, ratio)
-    return pushed - (loaded + pushed) * damped(ratio) * braking(ratio)
+def unlimited_drive(h, error, speed, loaded, ratio):
+    """Change of speed by the drive; `loaded` is the speed after load and the motor's damping."""
+    pushed = push(h, error, speed, ratio)
+    return pushed - (loaded + pushed) * damped(h, ratio) * braking(h, ratio)
 
 
 class Servo:
@@ -67,32 +70,36 @@ class Servo:
 
     def step(self, command):
         """The position after STEP_S in which `command` was held."""
-        delayed = self.delayed(command)
-        middle = self.angle + 0.5 * STEP_S * self.speed
-        error = nearer_zero(delayed - middle, DEAD_BAND)
-        loaded = self.speed * (1.0 - HALF_MOTOR) - STEP_S * load(middle)
-
-        ratio, largest = 1.0, STEP_S * FULL_DRIVE
-        if unlimited_drive(error, self.speed, loaded, 1.0) < 0.0:
-            ratio, largest = DOWN_TO_UP, -largest * DOWN_TO_UP
-        if abs(unlimited_drive(error, self.speed, loaded, ratio)) > abs(largest):
-            pushed, left = largest, 1.0 / (1.0 + HALF_MOTOR)
-        else:
-            pushed, left = push(error, self.speed, ratio), damped(ratio)
-
-        relative = self.speed / FRICTION_SPEED
-        held = FRICTION * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
-        self.speed = nearer_zero((loaded + pushed) * left, STEP_S * left * held)
-        self.angle = middle + 0.5 * STEP_S * self.speed
-        return self.position()
-
-    def delayed(self, command):
-        """The mean of the delayed command over a step that begins with `command`."""
         count = len(self.late)
         self.late[self.newest] = command
         self.newest = (self.newest + 1) % count
         older, newer = self.late[self.newest], self.late[(self.newest + 1) % count]
-        return DELAY_FRACTION * older + (1.0 - DELAY_FRACTION) * newer
+        # The delayed command changes within the step: the motion is computed to there, and from there.
+        if older == newer:
+            self.advance(STEP_S, newer)
+        else:
+            self.advance(DELAY_FRACTION * STEP_S, older)
+            self.advance((1.0 - DELAY_FRACTION) * STEP_S, newer)
+        return self.position()
+
+    def advance(self, h, command):
+        """The motion of h seconds under a command, without delay."""
+        middle = self.angle + 0.5 * h * self.speed
+        error = nearer_zero(command - middle, DEAD_BAND)
+        loaded = self.speed * (1.0 - half_motor(h)) - h * load(middle)
+
+        ratio, largest = 1.0, h * FULL_DRIVE
+        if unlimited_drive(h, error, self.speed, loaded, 1.0) < 0.0:
+            ratio, largest = DOWN_TO_UP, -largest * DOWN_TO_UP
+        if abs(unlimited_drive(h, error, self.speed, loaded, ratio)) > abs(largest):
+            pushed, left = largest, 1.0 / (1.0 + half_motor(h))
+        else:
+            pushed, left = push(h, error, self.speed, ratio), damped(h, ratio)
+
+        relative = self.speed / FRICTION_SPEED
+        held = FRICTION * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
+        self.speed = nearer_zero((loaded + pushed) * left, h * left * held)
+        self.angle = middle + 0.5 * h * self.speed
 
 
 def simulate(command):
