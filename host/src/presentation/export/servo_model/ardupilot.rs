@@ -5,6 +5,7 @@
 
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
+use super::rate::best_share;
 use super::statement::Comparison;
 use super::subject::ServoExport;
 use super::terms::Term;
@@ -44,6 +45,7 @@ const LEFT_OUT: [Term; 11] = [
 ];
 
 /// The values of the parameters.
+#[derive(Clone, Copy)]
 struct Parameters {
     /// SIM_SERVO_SPEED \[s\]; 0 for no limit.
     speed_s: f64,
@@ -78,6 +80,14 @@ impl Parameters {
         }
     }
 
+    /// With this share of its speed.
+    fn slower(&self, share: f64) -> Self {
+        Self {
+            speed_s: self.speed_s / share,
+            ..*self
+        }
+    }
+
     /// The deflection at the beginning of each step \[deg\], for such a command.
     fn respond(&self, command_deg: &[f64]) -> Vec<f64> {
         let first = command_deg.first().copied().unwrap_or(0.0);
@@ -104,8 +114,8 @@ impl Parameters {
 /// A file of parameters.
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
     let degrees = export.radians_per_unit()?.to_degrees();
-    let parameters = Parameters::of(export, degrees);
-    let trial = Trial::of(export, 1.0 / parameters.rate_hz, FULL_DEG / degrees);
+    let full_speed = Parameters::of(export, degrees);
+    let trial = Trial::of(export, 1.0 / full_speed.rate_hz, FULL_DEG / degrees);
     let middle = trial.levels.first().copied().unwrap_or(0.0);
     let servo = &export.parameters;
     let turned: Vec<f64> = trial
@@ -113,20 +123,26 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         .iter()
         .map(|u| degrees * (u - middle))
         .collect();
-    let positions: Vec<f64> = parameters
-        .respond(&turned)
-        .iter()
-        .map(|deflection| servo.gain * (middle + deflection / degrees) + servo.offset)
-        .collect();
+    let positions = |parameters: &Parameters| -> Vec<f64> {
+        let deflections = parameters.respond(&turned);
+        let position =
+            |deflection: &f64| servo.gain * (middle + deflection / degrees) + servo.offset;
+        deflections.iter().map(position).collect()
+    };
+    let exact = trial.exact(&export.parameters_with(Load::None));
+    let share = best_share(&trial, &exact, |share| positions(&full_speed.slower(share)));
+    let parameters = full_speed.slower(share);
+    let positions = positions(&parameters);
     let difference = Difference::of(export, trial, &positions, Load::None);
     let rate = format!("{:.0}", parameters.rate_hz);
     let mut about = export.statement();
     about.extend([
         export.hold(false),
         format!(
-            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees at top speed, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter that lags behind a ramp as this servo does, by {} ms.",
+            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter that lags behind a ramp as this servo does, by {} ms.",
             four_digits(1e3 * servo.damping / servo.stiffness)
         ),
+        export.rate(share),
         format!(
             "SITL takes a full command for {FULL_DEG} degrees. For a servo that turns by D degrees then, multiply SIM_SERVO_SPEED by D/{FULL_DEG}. These parameters are those of all servos of the aircraft."
         ),

@@ -5,6 +5,7 @@
 
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
+use super::rate::best_share;
 use super::statement::Comparison;
 use super::subject::ServoExport;
 use super::terms::Term;
@@ -25,6 +26,7 @@ const LEFT_OUT: [Term; 4] = [
 ];
 
 /// The numbers of the actuator and of the filter, in units of the command.
+#[derive(Clone, Copy)]
 struct Actuator {
     delay_s: f64,
     /// Upwards and downwards \[1/s\].
@@ -50,6 +52,14 @@ impl Actuator {
             damping: p.damping,
             gain: p.gain,
             offset: p.offset,
+        }
+    }
+
+    /// With this share of its rates.
+    fn slower(&self, share: f64) -> Self {
+        Self {
+            rates: self.rates.map(|(up, down)| (share * up, share * down)),
+            ..*self
         }
     }
 
@@ -108,21 +118,28 @@ impl Actuator {
 
 /// The system.
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
-    let actuator = Actuator::of(export);
+    let full_speed = Actuator::of(export);
     let trial = Trial::of(
         export,
         export.options.step_s.unwrap_or(STEP_S),
         f64::INFINITY,
     );
+    let load = export.only_constant_load();
+    let exact = trial.exact(&export.parameters_with(load));
+    let share = best_share(&trial, &exact, |share| {
+        full_speed.slower(share).respond(&trial)
+    });
+    let actuator = full_speed.slower(share);
     let positions = actuator.respond(&trial);
     let first = trial.levels.first().copied().unwrap_or(0.0);
-    let difference = Difference::of(export, trial, &positions, export.only_constant_load());
+    let difference = Difference::of(export, trial, &positions, load);
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
     let mut about = export.statement();
     about.extend([
         export.hold(held),
-        "In JSBSim: rate_limit is the top speed, without the weight and without what stiffens; hysteresis_width is twice the dead band and the error that friction leaves; bias is the error of the constant load at rest; the filter is the servo at small signals.".to_owned(),
+        "In JSBSim: hysteresis_width is twice the dead band and the error that friction leaves; bias is the error of the constant load at rest; the filter is the servo at small signals.".to_owned(),
+        export.rate(share),
         "Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),
         export.difference(&difference, Comparison::Emulation("JSBSim")),

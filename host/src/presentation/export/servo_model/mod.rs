@@ -12,6 +12,7 @@ mod fixed_step;
 mod jsbsim;
 mod languages;
 mod mujoco;
+mod rate;
 mod statement;
 mod subject;
 mod terms;

@@ -111,6 +111,17 @@ impl ServoExport<'_> {
         }
     }
 
+    /// How a rate limit of this share of the top speed was found.
+    pub(super) fn rate(&self, share: f64) -> String {
+        match self.top_speeds() {
+            None => "Rate: the drive has no limit, and there is none.".to_owned(),
+            Some(_) => format!(
+                "Rate: the limit is {} % of the top speed, which comes closest to the servo under the command below, in the mean of squares. In short strokes a servo does not reach its top speed.",
+                four_digits(100.0 * share)
+            ),
+        }
+    }
+
     /// The largest difference, and the command under which it was found.
     pub(super) fn difference(&self, found: &Difference, by: Comparison) -> String {
         let trial = &found.trial;

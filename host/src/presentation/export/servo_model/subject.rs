@@ -103,6 +103,14 @@ impl<'a> ServoExport<'a> {
         }
     }
 
+    /// The parameters with this load in place of their own.
+    pub(super) fn parameters_with(&self, load: Load<f64>) -> ServoParameters {
+        ServoParameters {
+            load,
+            ..self.parameters
+        }
+    }
+
     /// The speeds upwards and downwards at which full drive, damping, friction and the constant load balance
     /// \[units of the command/s\]; `None` where the drive has no limit.
     pub(super) fn top_speeds(&self) -> Option<(f64, f64)> {

@@ -29,12 +29,11 @@ pub(super) struct Difference {
 impl Difference {
     /// Of the positions `found` at the beginning of each step, which have the load `load`.
     pub fn of(export: &ServoExport<'_>, trial: Trial, found: &[f64], load: Load<f64>) -> Self {
-        let servo = export.parameters;
+        let servo = &export.parameters;
         let from = |servo: &ServoParameters| trial.largest_difference(found, &trial.exact(servo));
         Self {
             largest: from(&servo),
-            without_other_loads: (load != servo.load)
-                .then(|| from(&ServoParameters { load, ..servo })),
+            without_other_loads: (load != servo.load).then(|| from(&export.parameters_with(load))),
             trial,
         }
     }
