@@ -7,11 +7,11 @@ use crate::presentation::export::servo_model::{ServoExport, ServoExportOptions};
 use crate::presentation::export::{Export, ExportError, Target};
 use anyhow::Result;
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
 /// Steps of time that a simulation may have \[ms\]; beyond, it is a slip.
-const STEPS_MS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
+const STEPS_MS: std::ops::RangeInclusive<f64> = 0.05..=100.0;
 
 /// Write a model for another program: MATLAB, Python, Julia, C, a CSV table, JSBSim, ArduPilot, or MuJoCo
 ///
@@ -64,7 +64,7 @@ impl ExportArgs {
             wrong_usage("--frame-ms must be a number of milliseconds from 0 to 1000");
         }
         if self.step_ms.is_some_and(|step| !STEPS_MS.contains(&step)) {
-            wrong_usage("--step-ms must be a number of milliseconds from 0.01 to 100");
+            wrong_usage("--step-ms must be a number of milliseconds from 0.05 to 100");
         }
         let servo_model = self.servo_model || self.to.needs_servo_model();
         if !servo_model && (self.controller.is_some() || self.step_ms.is_some()) {
@@ -86,7 +86,7 @@ impl ExportArgs {
         let (name, source) = (self.servo_name(), self.source());
         let export = Export::new(&name, &source, &file.model, fitted, metadata);
         let text = export.write(self.to)?;
-        self.finish(&text, &export.warnings(), json!({}))
+        self.finish(&text, &export.warnings(), Map::new())
     }
 
     fn write_servo_model(&self, file: &ModelFile, metadata: &ModelMetadata) -> Result<String> {
@@ -98,10 +98,13 @@ impl ExportArgs {
         };
         let export = ServoExport::new(&name, &source, &document, metadata, options)?;
         let written = export.write(self.to)?;
-        let comparison = json!({
-            "trial": written.trial,
-            "largest_difference": written.largest_difference,
-        });
+        let comparison = Map::from_iter([
+            ("trial".to_owned(), json!(written.trial)),
+            (
+                "largest_difference".to_owned(),
+                json!(written.largest_difference),
+            ),
+        ]);
         self.finish(&written.text, &export.warnings(), comparison)
     }
 
@@ -116,26 +119,22 @@ impl ExportArgs {
     }
 
     /// Writes or prints the text; `more` are further fields of the result.
-    fn finish(&self, text: &str, warnings: &[String], more: Value) -> Result<String> {
+    fn finish(&self, text: &str, warnings: &[String], more: Map<String, Value>) -> Result<String> {
         let talk = self.output.talk;
         for warning in warnings {
             talk.say(format_args!("warning: {warning}"));
         }
-        let mut result = json!({ "target": self.to, "warnings": warnings });
-        let shown = match &self.out {
-            Some(out) => {
-                self.output.write(out, text)?;
-                result["file"] = json!(out);
-                format!("{}\n", out.display())
-            }
-            None => {
-                result["text"] = json!(text);
-                text.to_owned()
-            }
+        let mut result = Map::from_iter([
+            ("target".to_owned(), json!(self.to)),
+            ("warnings".to_owned(), json!(warnings)),
+        ]);
+        result.extend(more);
+        let Some(out) = &self.out else {
+            result.insert("text".to_owned(), json!(text));
+            return talk.result(text.to_owned(), &result);
         };
-        if let (Some(result), Value::Object(more)) = (result.as_object_mut(), more) {
-            result.extend(more);
-        }
-        talk.result(shown, &result)
+        self.output.write(out, text)?;
+        result.insert("file".to_owned(), json!(out));
+        talk.result(format!("{}\n", out.display()), &result)
     }
 }

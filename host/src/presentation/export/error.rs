@@ -52,9 +52,14 @@ pub enum ExportError {
     },
     /// The servos of the target turn by angles.
     #[error(
-        "this target has servos that turn by angles, and the position is in {0}: record or convert it in deg or rad, or export to c, python, julia, matlab or jsbsim"
+        "this target has servos that turn by angles, and the command is in {0}: record or convert it in deg or rad, or export to c, python, julia, matlab or jsbsim"
     )]
     NotAnAngle(String),
+    /// The document says so, or the motion has no end.
+    #[error(
+        "the servo model has numbers beyond what any servo could have: identify it again, or export it with a shorter --step-ms"
+    )]
+    Impossible,
 }
 
 fn names(known: &[f64]) -> String {

@@ -156,8 +156,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ("filter", number(parameters.filter_hz)),
         ("rate", rate),
     ];
-    Ok(ExportedServo::new(
+    ExportedServo::new(
         fill(include_str!("../templates/servo_model/servo.parm"), &values),
         difference,
-    ))
+    )
 }

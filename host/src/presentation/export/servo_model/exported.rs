@@ -1,6 +1,7 @@
 //! The result of an export.
 
 use super::trial::{Difference, Trial};
+use crate::presentation::export::error::ExportError;
 
 /// A file, and how far it is from the servo model.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,11 +16,17 @@ pub struct ExportedServo {
 
 impl ExportedServo {
     /// Text with its difference.
-    pub(super) fn new(text: String, difference: Difference) -> Self {
-        Self {
-            text,
-            trial: difference.trial,
-            largest_difference: difference.largest,
+    ///
+    /// # Errors
+    /// The motion has no end, so there is no difference.
+    pub(super) fn new(text: String, difference: Difference) -> Result<Self, ExportError> {
+        match difference.largest.is_finite() {
+            true => Ok(Self {
+                text,
+                trial: difference.trial,
+                largest_difference: difference.largest,
+            }),
+            false => Err(ExportError::Impossible),
         }
     }
 }

@@ -167,8 +167,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ("offset", number(actuator.offset)),
         ("id", id),
     ];
-    Ok(ExportedServo::new(
+    ExportedServo::new(
         fill(include_str!("../templates/servo_model/servo.xml"), &values),
         difference,
-    ))
+    )
 }

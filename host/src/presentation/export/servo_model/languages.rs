@@ -128,10 +128,7 @@ impl ServoExport<'_> {
             ("ID", id.to_ascii_uppercase()),
             ("id", id),
         ];
-        Ok(ExportedServo::new(
-            fill(language.template, &values),
-            difference,
-        ))
+        ExportedServo::new(fill(language.template, &values), difference)
     }
 
     /// The parameters of the equation, a line each; terms that the servo does not have get values without effect.

@@ -13,6 +13,8 @@ use super::trial::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::template::fill;
+use servoid_identification::servo_model::Load;
+use std::f64::consts::PI;
 
 /// Impedance of the constraint that holds the joint by friction: the largest that MuJoCo takes, so that it hardly creeps.
 const IMPEDANCE: f64 = 0.9999;
@@ -21,15 +23,23 @@ const IMPEDANCE: f64 = 0.9999;
 const TIME_CONSTANT: f64 = 2.0;
 
 /// What position actuator and joint have not.
-const LEFT_OUT: [Term; 7] = [
+const LEFT_OUT: [Term; 6] = [
     Term::WeakerLoopDownwards,
     Term::DeadBand,
     Term::FrictionAtRest,
-    Term::Weight,
     Term::StiffeningLoad,
     Term::Gain,
     Term::Offset,
 ];
+
+/// Gravity \[m/s²\].
+const GRAVITY: f64 = 9.81;
+
+/// Length of the arm of a weight \[m\]: so short that the weight has a thousandth of the inertia or so.
+const ARM_M: f64 = 0.001;
+
+/// Mass of a joint without a weight \[kg\].
+const NO_MASS: f64 = 1e-9;
 
 /// The numbers of joint and actuator, in units of the command.
 struct Joint {
@@ -45,10 +55,52 @@ struct Joint {
     load: f64,
     delay_steps: usize,
     step_s: f64,
+    weight: Weight,
+}
+
+/// A mass on an arm that hangs downwards where the joint's angle is -`from`.
+#[derive(Clone, Copy)]
+struct Weight {
+    /// For an inertia of 1 kg m² \[kg\].
+    mass: f64,
+    /// \[rad\].
+    from: f64,
+    /// \[rad\] for each unit of the command.
+    radians: f64,
+}
+
+impl Weight {
+    fn of(load: &Load<f64>, radians: f64) -> Self {
+        let (gravity, from) = match *load {
+            // What pulls the other way hangs on the other side.
+            Load::Pendulum { gravity, from, .. } if gravity < 0.0 => {
+                (-gravity, from * radians + PI)
+            }
+            Load::Pendulum { gravity, from, .. } => (gravity, from * radians),
+            Load::None | Load::Constant(_) | Load::Air { .. } => (0.0, 0.0),
+        };
+        Self {
+            mass: (gravity * radians / (GRAVITY * ARM_M)).max(NO_MASS),
+            from,
+            radians,
+        }
+    }
+
+    /// The acceleration that it takes.
+    fn at(self, angle: f64) -> f64 {
+        let torque = self.mass * GRAVITY * ARM_M;
+        torque * (angle * self.radians + self.from).sin() / self.radians
+    }
+
+    /// Its place, with the joint's axis along y.
+    fn place(self) -> String {
+        let (sin, cos) = self.from.sin_cos();
+        format!("{} 0 {}", number(-ARM_M * sin), number(-ARM_M * cos))
+    }
 }
 
 impl Joint {
-    fn of(export: &ServoExport<'_>, step_s: f64) -> Self {
+    fn of(export: &ServoExport<'_>, step_s: f64, radians: f64) -> Self {
         let p = &export.parameters;
         let damping = p.limit.map_or(0.0, |limit| limit.motor_damping);
         Self {
@@ -61,14 +113,15 @@ impl Joint {
             // The angle after a step has the speed at the end of the step: it is early by half a step.
             delay_steps: (p.delay_s.max(0.0) / step_s + 1.0).floor() as usize,
             step_s,
+            weight: Weight::of(&p.load, radians),
         }
     }
 
-    /// The angle at the beginning of each step, as MuJoCo's integrator `implicitfast` computes it, from rest under the first
-    /// command.
-    fn respond(&self, command: &[f64]) -> Vec<f64> {
+    /// The angle at the beginning of each step, as MuJoCo's integrator `implicitfast` computes it, from rest at the angle
+    /// `rest`.
+    fn respond(&self, command: &[f64], rest: f64) -> Vec<f64> {
         let first = command.first().copied().unwrap_or(0.0);
-        let (mut angle, mut speed) = (first - self.load / self.kp, 0.0);
+        let (mut angle, mut speed) = (rest, 0.0);
         let mut late = DelayLine::new(self.delay_steps, first);
         let mut angles = Vec::with_capacity(command.len());
         for command in command {
@@ -78,7 +131,7 @@ impl Joint {
                 Some((up, down)) => wanted.clamp(-down, up),
                 None => wanted,
             };
-            let free = drive - self.damping * speed - self.load;
+            let free = drive - self.damping * speed - self.load - self.weight.at(angle);
             let acceleration = self.with_friction(free, speed);
             // A drive at its limit does not depend on the speed.
             let by_speed = self.damping + if drive == wanted { self.kv } else { 0.0 };
@@ -101,15 +154,22 @@ impl Joint {
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
     let radians = export.radians_per_unit()?;
     let step_s = step_s(export)?;
-    let joint = Joint::of(export, step_s);
+    let joint = Joint::of(export, step_s, radians);
     let servo = &export.parameters;
     let trial = Trial::of(export, step_s, f64::INFINITY);
+    let command = trial.command();
+    let first = command.first().copied().unwrap_or(0.0);
+    let rest = (servo.resting_output(first) - servo.offset) / servo.gain;
     let positions: Vec<f64> = joint
-        .respond(&trial.command())
+        .respond(&command, rest)
         .iter()
         .map(|angle| servo.gain * angle + servo.offset)
         .collect();
-    let difference = Difference::of(export, trial, &positions, export.only_constant_load());
+    let load = match servo.load {
+        Load::Pendulum { .. } => servo.load,
+        _ => export.only_constant_load(),
+    };
+    let difference = Difference::of(export, trial, &positions, load);
     let id = identifier(export.name);
     let mut about = export.statement();
     about.extend([
@@ -118,7 +178,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
             "In MuJoCo: angles are in rad, {} for each unit of the command and of theta: ctrl is that times the command, and the position is (joint angle / that) times the gain, plus the offset. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C.",
             number(radians)
         ),
-        "The joint's armature of 1 stands for the unknown inertia of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J; a weight or a spring that your mechanism has is part of it, and not of this file.".to_owned(),
+        "The joint has an inertia of 1 kg m^2, which stands for the unknown one of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J. The weight, if there is one, is a mass on an arm as short as a millimetre: your mechanism takes its place.".to_owned(),
         "delay and nsample are the delay, and half a step by which MuJoCo is early; they are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.".to_owned(),
         export.left_out("MuJoCo's position actuator", &LEFT_OUT),
         export.difference(&difference, Comparison::Emulation("MuJoCo")),
@@ -144,6 +204,10 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let values = [
         ("about", XML_STYLE.comment(&about)),
         ("step", number(step_s)),
+        ("mass", number(joint.weight.mass)),
+        ("place", joint.weight.place()),
+        ("gravity", number(-GRAVITY)),
+        ("armature", number(1.0 - joint.weight.mass * ARM_M * ARM_M)),
         ("damping", number(joint.damping)),
         ("friction", friction.unwrap_or_default()),
         ("kp", number(joint.kp)),
@@ -155,8 +219,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ("load", load.unwrap_or_default()),
         ("id", id),
     ];
-    Ok(ExportedServo::new(
+    ExportedServo::new(
         fill(include_str!("../templates/servo_model/servo.mjcf"), &values),
         difference,
-    ))
+    )
 }

@@ -5,6 +5,9 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::export::error::ExportError;
 use servoid_identification::servo_model::{Load, ServoModel, ServoParameters};
 
+/// Longest delay that a servo may have \[s\]: files keep the commands of that time.
+const LONGEST_DELAY_S: f64 = 10.0;
+
 /// What may be chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ServoExportOptions {
@@ -58,12 +61,16 @@ impl<'a> ServoExport<'a> {
             }
             None => 0,
         };
+        let parameters = document.model.parameters(controller);
+        if !is_possible(&parameters) {
+            return Err(ExportError::Impossible);
+        }
         Ok(Self {
             name,
             source,
             model: &document.model,
             metadata,
-            parameters: document.model.parameters(controller),
+            parameters,
             options,
         })
     }
@@ -73,17 +80,24 @@ impl<'a> ServoExport<'a> {
         self.metadata.pulse_frame_s.unwrap_or(0.0)
     }
 
-    /// Radians of the output for each unit of θ, for programs whose servos turn by angles.
+    /// Radians for each unit of θ, for programs whose servos turn by angles.
     ///
     /// # Errors
-    /// The output is not an angle.
+    /// Neither command nor position is an angle.
     pub(super) fn radians_per_unit(&self) -> Result<f64, ExportError> {
+        let units = self.metadata.units();
         let gain = self.parameters.gain.abs();
-        match self.metadata.units().output {
-            Some("deg") => Ok(gain.to_radians()),
-            Some("rad") => Ok(gain),
-            None => Ok(gain * self.model.radians_per_command),
-            Some(unit) => Err(ExportError::NotAnAngle(unit.to_owned())),
+        let radians = match (units.input, units.output) {
+            (Some("deg"), _) => 1f64.to_radians(),
+            (Some("rad"), _) => 1.0,
+            (_, Some("deg")) => gain.to_radians(),
+            (_, Some("rad")) => gain,
+            (None, _) => self.model.radians_per_command,
+            (Some(unit), _) => return Err(ExportError::NotAnAngle(unit.to_owned())),
+        };
+        match radians.is_finite() && radians > 0.0 {
+            true => Ok(radians),
+            false => Err(ExportError::Impossible),
         }
     }
 
@@ -123,4 +137,18 @@ impl<'a> ServoExport<'a> {
             speed(limit.up * limit.down_to_up + load),
         ))
     }
+}
+
+/// Whether a servo can be computed: a model file may say anything.
+fn is_possible(servo: &ServoParameters) -> bool {
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    let limit = servo.limit.is_none_or(|limit| {
+        positive(limit.up) && positive(limit.down_to_up) && positive(limit.motor_damping)
+    });
+    (0.0..=LONGEST_DELAY_S).contains(&servo.delay_s)
+        && positive(servo.stiffness)
+        && positive(servo.damping)
+        && positive(servo.gain.abs())
+        && servo.offset.is_finite()
+        && limit
 }

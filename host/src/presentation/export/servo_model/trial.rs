@@ -32,7 +32,7 @@ impl Difference {
         let servo = &export.parameters;
         let from = |servo: &ServoParameters| trial.largest_difference(found, &trial.exact(servo));
         Self {
-            largest: from(&servo),
+            largest: from(servo),
             without_other_loads: (load != servo.load).then(|| from(&export.parameters_with(load))),
             trial,
         }
@@ -82,7 +82,7 @@ impl Trial {
     /// The position at the beginning of each step, by servoid's integrator with steps of a tenth of its usual ones.
     #[must_use]
     pub fn exact(&self, servo: &ServoParameters) -> Vec<f64> {
-        let usual = Grid::for_stiffness(self.step_s, 0.0, servo.stiffness);
+        let usual = Grid::for_stiffness(1.0, 0.0, servo.stiffness);
         let finer = usual.period_s / usual.steps as f64 / FINER;
         let grid = Grid::new(self.step_s, 0.0, finer);
         let first = self.levels.first().copied().unwrap_or(0.0);

@@ -62,8 +62,8 @@ impl Sitl {
 }
 
 fn positions(exported: &Exported) -> Vec<f64> {
-    // The position is in deg, and its gain is that of the servo.
-    let per_unit = exported.servo.gain / 45.0;
+    // The command is in deg.
+    let per_unit = 1.0 / 45.0;
     let middle = exported.trial.levels[0];
     let mut sitl = Sitl::new(&exported.text, 0.0);
     let position = |command: &f64| {

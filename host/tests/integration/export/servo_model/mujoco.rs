@@ -35,8 +35,8 @@ fn joints_are_as_far_from_the_servo_model_as_they_state() {
         let file = format!("{}.xml", servo.name);
         std::fs::write(folder.path().join(&file), &exported.text).unwrap();
         let rest = (exported.exact[0] - exported.servo.offset) / exported.servo.gain;
-        // The position is in deg.
-        let radians = exported.servo.gain.to_radians();
+        // The command is in deg.
+        let radians = 1f64.to_radians();
         let _infallible = writeln!(
             script,
             "run('{file}', {radians:?}, {rest:?}, {})",

@@ -58,14 +58,14 @@ fn options_of_the_servo_model_are_not_ignored_without_it() {
 }
 
 #[test]
-fn a_position_that_is_no_angle_cannot_turn_a_joint() {
+fn a_command_that_is_no_angle_cannot_turn_a_joint() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = crate::support::json(&AIRCRAFT.file);
-    document["units"]["output"] = json!("counts");
+    document["units"] = json!({ "input": "us", "output": "counts" });
     let file = folder.path().join("counts.json");
     std::fs::write(&file, document.to_string()).unwrap();
     for target in ["mujoco", "ardupilot"] {
         let sentence = refused(&file, &["--to", target]);
-        assert!(sentence.contains("the position is in counts"), "{sentence}");
+        assert!(sentence.contains("the command is in us"), "{sentence}");
     }
 }
