@@ -8,6 +8,10 @@ use servoid_identification::servo_model::{Load, ServoModel, ServoParameters};
 /// Longest delay that a servo may have \[s\]: files keep the commands of that time.
 const LONGEST_DELAY_S: f64 = 10.0;
 
+/// The lowest top speed as a share of that without friction and load: where these stop the servo a rate of zero would mean that
+/// there is no limit.
+const SLOWEST: f64 = 0.001;
+
 /// What may be chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ServoExportOptions {
@@ -130,7 +134,8 @@ impl<'a> ServoExport<'a> {
     pub(super) fn top_speeds(&self) -> Option<(f64, f64)> {
         let limit = self.parameters.limit?;
         let friction = self.parameters.friction.map_or(0.0, |f| f.coulomb);
-        let speed = |drive: f64| (drive - friction).max(0.0) / limit.motor_damping;
+        let slowest = SLOWEST * limit.up;
+        let speed = |drive: f64| (drive - friction).max(slowest) / limit.motor_damping;
         let load = self.constant_load();
         Some((
             speed(limit.up - load),
@@ -142,13 +147,23 @@ impl<'a> ServoExport<'a> {
 /// Whether a servo can be computed: a model file may say anything.
 fn is_possible(servo: &ServoParameters) -> bool {
     let positive = |value: f64| value.is_finite() && value > 0.0;
+    let not_negative = |value: f64| value.is_finite() && value >= 0.0;
     let limit = servo.limit.is_none_or(|limit| {
         positive(limit.up) && positive(limit.down_to_up) && positive(limit.motor_damping)
+    });
+    let friction = servo.friction.is_none_or(|friction| {
+        let at_rest = friction
+            .at_rest
+            .is_none_or(|at_rest| not_negative(at_rest.excess) && positive(at_rest.speed));
+        not_negative(friction.coulomb) && at_rest
     });
     (0.0..=LONGEST_DELAY_S).contains(&servo.delay_s)
         && positive(servo.stiffness)
         && positive(servo.damping)
         && positive(servo.gain.abs())
-        && servo.offset.is_finite()
+        && (servo.offset / servo.gain).is_finite()
+        && not_negative(servo.dead_band.unwrap_or(0.0))
         && limit
+        && friction
+        && servo.holding_command(0.0).is_finite()
 }

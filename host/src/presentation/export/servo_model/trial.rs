@@ -45,6 +45,9 @@ const LEVELS: [f64; 8] = [0.0, 0.1, -0.05, 1.0, -1.0, -0.9, 0.5, 0.0];
 /// Shortest and longest time for which a level is held \[s\].
 const HOLD_S: (f64, f64) = (0.2, 5.0);
 
+/// Amplitudes that a servo may have in any unit; a model file may say anything.
+const POSSIBLE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
+
 /// Time constants that a stroke has to settle in.
 const SETTLING: f64 = 5.0;
 
@@ -122,11 +125,15 @@ fn amplitude(export: &ServoExport<'_>) -> f64 {
     let (fit, parameters) = (&export.model.fit, &export.parameters);
     let output = fit.rmse / (1.0 - fit.simulation_percent / 100.0);
     let shown = output / parameters.gain.abs();
-    if shown.is_finite() && shown > 0.0 {
+    if POSSIBLE.contains(&shown) {
         return shown;
     }
-    let limit = parameters.limit;
-    limit.map_or(1.0, |limit| 4.0 * limit.up / parameters.stiffness)
+    let limited = parameters
+        .limit
+        .map(|limit| 4.0 * limit.up / parameters.stiffness);
+    limited
+        .filter(|amplitude| POSSIBLE.contains(amplitude))
+        .unwrap_or(1.0)
 }
 
 /// Long enough for the largest stroke; whole pulse frames where there are any.

@@ -4,6 +4,9 @@ use super::super::SUBJECT;
 use super::subjects::{AIRCRAFT, SERVOS};
 use crate::support::{arg, refusal};
 use serde_json::json;
+use servoid::data::model_file::ModelFile;
+use servoid::presentation::export::Target;
+use servoid::presentation::export::servo_model::{ServoExport, ServoExportOptions};
 use std::path::Path;
 
 fn refused(file: &Path, args: &[&str]) -> String {
@@ -68,4 +71,36 @@ fn a_command_that_is_no_angle_cannot_turn_a_joint() {
         let sentence = refused(&file, &["--to", target]);
         assert!(sentence.contains("the command is in us"), "{sentence}");
     }
+}
+
+/// A model file may say anything: each number in turn is one that no servo has.
+#[test]
+fn numbers_of_no_servo_are_refused_or_written_but_never_a_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let targets = [Target::C, Target::Jsbsim, Target::Ardupilot, Target::Mujoco];
+    let mut refused = 0;
+    let tilted = SERVOS.into_iter().find(|servo| servo.name == "tilted");
+    let document = crate::support::json(&tilted.unwrap().file(folder.path()));
+    let count = document["servo_model"]["values"].as_array().unwrap().len();
+    for (k, value) in (0..count).flat_map(|k| [(k, -1e4), (k, 700.0)]) {
+        let mut changed = document.clone();
+        changed["servo_model"]["values"][k] = value.into();
+        let file = ModelFile::parse(&changed.to_string(), Path::new("m.json")).unwrap();
+        let model = file.servo_model().unwrap().unwrap();
+        let options = ServoExportOptions::default();
+        let export = ServoExport::new("m", "m.json", &model, &file.metadata, options);
+        for target in targets {
+            match export.as_ref().map(|export| export.write(target)) {
+                Ok(Ok(written)) => {
+                    let text = written.text;
+                    assert!(
+                        !text.contains("NaN") && !text.contains("inf"),
+                        "{k} {value}"
+                    );
+                }
+                _ => refused += 1,
+            }
+        }
+    }
+    assert!(refused > 0);
 }
