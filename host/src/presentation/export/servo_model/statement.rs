@@ -69,10 +69,14 @@ impl ServoExport<'_> {
     /// The quantities with their intervals, where bounds hold.
     fn identified(&self) -> String {
         let units = self.metadata.units();
-        let quantities = self.model.quantities.iter();
-        let quantities: Vec<String> = quantities
+        let of = |determined: bool| {
+            let quantities = self.model.quantities.iter();
+            quantities.filter(move |quantity| quantity.determined == determined)
+        };
+        let determined: Vec<String> = of(true)
             .map(|quantity| summary::quantity_text(quantity, units))
             .collect();
+        let open: Vec<&str> = of(false).map(|quantity| quantity.name.as_str()).collect();
         let intervals = match &self.model.covariance {
             Bounds::Valid(covariance) => format!(
                 "with intervals of {} %, which hold for other sets of terms that predict as well",
@@ -80,13 +84,19 @@ impl ServoExport<'_> {
             ),
             Bounds::Withdrawn(_) => "without intervals (see the warning)".to_owned(),
         };
-        let of = match (self.model.controllers, self.options.controller) {
-            (2.., Some(name)) => format!(
-                " They are those of the first controller; this file has the controller {name}, which differs in stiffness alone."
-            ),
-            _ => String::new(),
-        };
-        format!("Identified, {intervals}: {}.{of}", quantities.join(", "))
+        let mut text = format!("Identified, {intervals}: {}.", determined.join(", "));
+        if !open.is_empty() {
+            text += &format!(
+                " Not determined by the recording, so that the parameters below give one value among many: {}.",
+                open.join(", ")
+            );
+        }
+        if let (1.., Some(name)) = (self.controller, self.options.controller) {
+            text += &format!(
+                " All that is for the first controller; this file has the controller {name}, which differs in stiffness alone."
+            );
+        }
+        text
     }
 
     fn quality(&self) -> String {

@@ -32,6 +32,8 @@ pub struct ServoExport<'a> {
     pub model: &'a ServoModel,
     /// Units, and the pulse frame, where they are known.
     pub metadata: &'a ModelMetadata,
+    /// The number of the chosen controller, from 0.
+    pub(super) controller: usize,
     /// The parameters with the chosen controller.
     pub(super) parameters: ServoParameters,
     pub(super) options: ServoExportOptions,
@@ -74,6 +76,7 @@ impl<'a> ServoExport<'a> {
             source,
             model: &document.model,
             metadata,
+            controller,
             parameters,
             options,
         })

@@ -157,6 +157,21 @@ fn a_hostile_name_stays_a_name() {
     }
 }
 
+#[test]
+fn what_the_recording_does_not_determine_is_said_without_a_value() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    document["servo_model"]["quantities"][4]["determined"] = false.into();
+    let file = folder.path().join("open.json");
+    std::fs::write(&file, document.to_string()).unwrap();
+    let said = prose(&export(&file, 0, "c", &[]).text);
+    assert!(
+        said.contains("Not determined by the recording") && said.contains("many: damping ratio."),
+        "{said}"
+    );
+    assert!(!said.contains("damping ratio 0."), "{said}");
+}
+
 /// Two of the formats take nothing else, so the option is not needed.
 #[test]
 fn ardupilot_and_mujoco_mean_the_servo_model() {

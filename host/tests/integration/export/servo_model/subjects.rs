@@ -112,8 +112,10 @@ impl Servo {
 
     fn replace(&self, model: &mut Value) {
         let has = |term: &str| self.terms.contains(&term);
+        // One without a delay, and the others with one of a part of a step.
+        let delay = if self.name == "linear" { 0.0 } else { 0.0213 };
         let mut pairs: Vec<(Value, f64)> = vec![
-            (json!("delay"), 0.0213),
+            (json!("delay"), delay),
             (json!("ln_stiffness"), 1500f64.ln()),
             (json!("ln_damping"), 60f64.ln()),
             (json!("gain"), 1.02),
