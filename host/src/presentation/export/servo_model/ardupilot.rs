@@ -135,20 +135,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let positions = positions(&parameters);
     let difference = Difference::of(export, trial, &positions, Load::None);
     let rate = format!("{:.0}", parameters.rate_hz);
-    let mut about = export.statement();
-    about.extend([
-        export.hold(false),
-        format!(
-            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter that lags behind a ramp as this servo does, by {} ms.",
-            four_digits(1e3 * servo.damping / servo.stiffness)
-        ),
-        export.rate(share),
-        format!(
-            "SITL takes a full command for {FULL_DEG} degrees. For a servo that turns by D degrees then, multiply SIM_SERVO_SPEED by D/{FULL_DEG}. These parameters are those of all servos of the aircraft."
-        ),
-        export.left_out("ArduPilot's SITL", &LEFT_OUT),
-        export.difference(&difference, Comparison::Emulation("ArduPilot's SITL")),
-    ]);
+    let about = about(export, &rate, share, &difference);
     let values = [
         ("about", SCRIPT_STYLE.comment(&about)),
         ("speed", number(parameters.speed_s)),
@@ -160,4 +147,23 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         fill(include_str!("../templates/servo_model/servo.parm"), &values),
         difference,
     )
+}
+
+fn about(export: &ServoExport<'_>, rate: &str, share: f64, difference: &Difference) -> Vec<String> {
+    let lag_s = export.parameters.damping / export.parameters.stiffness;
+    let mut about = export.statement();
+    about.extend([
+        export.hold(false),
+        format!(
+            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter that lags behind a ramp as this servo does, by {} ms.",
+            four_digits(1e3 * lag_s)
+        ),
+        export.rate(share),
+        format!(
+            "SITL takes a full command for {FULL_DEG} degrees. For a servo that turns by D degrees then, multiply SIM_SERVO_SPEED by D/{FULL_DEG}. These parameters are those of all servos of the aircraft."
+        ),
+        export.left_out("ArduPilot's SITL", &LEFT_OUT),
+        export.difference(difference, Comparison::Emulation("ArduPilot's SITL")),
+    ]);
+    about
 }

@@ -135,15 +135,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let difference = Difference::of(export, trial, &positions, load);
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
-    let mut about = export.statement();
-    about.extend([
-        export.hold(held),
-        "In JSBSim: hysteresis_width is twice the dead band and the error that friction leaves; bias is the error of the constant load at rest; the filter is the servo at small signals.".to_owned(),
-        export.rate(share),
-        "Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
-        export.left_out("an actuator of JSBSim", &LEFT_OUT),
-        export.difference(&difference, Comparison::Emulation("JSBSim")),
-    ]);
+    let about = about(export, share, &difference);
     let frame = [("id", id.clone()), ("frame", number(export.frame_s()))];
     let hold = held.then(|| fill(include_str!("../templates/hold.xml"), &frame));
     let input = if held { "held" } else { "cmd" };
@@ -171,4 +163,17 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         fill(include_str!("../templates/servo_model/servo.xml"), &values),
         difference,
     )
+}
+
+fn about(export: &ServoExport<'_>, share: f64, difference: &Difference) -> Vec<String> {
+    let mut about = export.statement();
+    about.extend([
+        export.hold(export.frame_s() > 0.0),
+        "In JSBSim: hysteresis_width is twice the dead band and the error that friction leaves; bias is the error of the constant load at rest; the filter is the servo at small signals.".to_owned(),
+        export.rate(share),
+        "Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
+        export.left_out("an actuator of JSBSim", &LEFT_OUT),
+        export.difference(difference, Comparison::Emulation("JSBSim")),
+    ]);
+    about
 }

@@ -17,6 +17,7 @@ mod statement;
 mod subject;
 mod terms;
 mod trial;
+mod weight;
 
 pub use exported::ExportedServo;
 pub use subject::{ServoExport, ServoExportOptions};

@@ -10,11 +10,11 @@ use super::statement::Comparison;
 use super::subject::ServoExport;
 use super::terms::Term;
 use super::trial::{Difference, Trial};
+use super::weight::{GRAVITY, Weight};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::template::fill;
 use servoid_identification::servo_model::Load;
-use std::f64::consts::PI;
 
 /// Impedance of the constraint that holds the joint by friction: the largest that MuJoCo takes, so that it hardly creeps.
 const IMPEDANCE: f64 = 0.9999;
@@ -32,15 +32,6 @@ const LEFT_OUT: [Term; 6] = [
     Term::Offset,
 ];
 
-/// Gravity \[m/s²\].
-const GRAVITY: f64 = 9.81;
-
-/// Length of the arm of a weight \[m\]: so short that the weight has a thousandth of the inertia or so.
-const ARM_M: f64 = 0.001;
-
-/// Mass of a joint without a weight \[kg\].
-const NO_MASS: f64 = 1e-9;
-
 /// The numbers of joint and actuator, in units of the command.
 struct Joint {
     /// Of the position actuator.
@@ -56,47 +47,6 @@ struct Joint {
     delay_steps: usize,
     step_s: f64,
     weight: Weight,
-}
-
-/// A mass on an arm that hangs downwards where the joint's angle is -`from`.
-#[derive(Clone, Copy)]
-struct Weight {
-    /// For an inertia of 1 kg m² \[kg\].
-    mass: f64,
-    /// \[rad\].
-    from: f64,
-    /// \[rad\] for each unit of the command.
-    radians: f64,
-}
-
-impl Weight {
-    fn of(load: &Load<f64>, radians: f64) -> Self {
-        let (gravity, from) = match *load {
-            // What pulls the other way hangs on the other side.
-            Load::Pendulum { gravity, from, .. } if gravity < 0.0 => {
-                (-gravity, from * radians + PI)
-            }
-            Load::Pendulum { gravity, from, .. } => (gravity, from * radians),
-            Load::None | Load::Constant(_) | Load::Air { .. } => (0.0, 0.0),
-        };
-        Self {
-            mass: (gravity * radians / (GRAVITY * ARM_M)).max(NO_MASS),
-            from,
-            radians,
-        }
-    }
-
-    /// The acceleration that it takes.
-    fn at(self, angle: f64) -> f64 {
-        let torque = self.mass * GRAVITY * ARM_M;
-        torque * (angle * self.radians + self.from).sin() / self.radians
-    }
-
-    /// Its place, with the joint's axis along y.
-    fn place(self) -> String {
-        let (sin, cos) = self.from.sin_cos();
-        format!("{} 0 {}", number(-ARM_M * sin), number(-ARM_M * cos))
-    }
 }
 
 impl Joint {
@@ -141,6 +91,48 @@ impl Joint {
         angles
     }
 
+    /// The values of the template.
+    fn values(&self, id: &str, radians: f64) -> Vec<(&'static str, String)> {
+        let range = self.range.map(|(up, down)| {
+            let (lowest, highest) = (number(-down * radians), number(up * radians));
+            format!(" forcerange=\"{lowest} {highest}\"")
+        });
+        let friction = (self.frictionloss > 0.0).then(|| {
+            format!(
+                " frictionloss=\"{}\" solreffriction=\"{} 1\" solimpfriction=\"{IMPEDANCE} {IMPEDANCE} 0.001 0.5 2\"",
+                number(self.frictionloss * radians),
+                number(TIME_CONSTANT * self.step_s)
+            )
+        });
+        let load = (self.load != 0.0).then(|| {
+            let values = [
+                ("id", id.to_owned()),
+                ("load", number(-self.load * radians)),
+            ];
+            fill(include_str!("../templates/servo_model/load.mjcf"), &values)
+        });
+        vec![
+            ("id", id.to_owned()),
+            ("step", number(self.step_s)),
+            ("mass", number(self.weight.mass)),
+            ("place", self.weight.place()),
+            ("gravity", number(-GRAVITY)),
+            ("armature", number(1.0 - self.weight.inertia())),
+            ("damping", number(self.damping)),
+            ("friction", friction.unwrap_or_default()),
+            ("kp", number(self.kp)),
+            ("kv", number(self.kv)),
+            ("range", range.unwrap_or_default()),
+            // MuJoCo rounds a delay up to whole steps.
+            (
+                "delay",
+                number((self.delay_steps as f64 - 0.5) * self.step_s),
+            ),
+            ("samples", (self.delay_steps + 1).to_string()),
+            ("load", load.unwrap_or_default()),
+        ]
+    }
+
     /// The acceleration with a soft constraint that opposes the motion by at most `frictionloss`: it would end the motion within
     /// its time constant.
     fn with_friction(&self, free: f64, speed: f64) -> f64 {
@@ -170,7 +162,14 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         _ => export.only_constant_load(),
     };
     let difference = Difference::of(export, trial, &positions, load);
-    let id = identifier(export.name);
+    let about = about(export, radians, &difference);
+    let mut values = joint.values(&identifier(export.name), radians);
+    values.push(("about", XML_STYLE.comment(&about)));
+    let template = include_str!("../templates/servo_model/servo.mjcf");
+    ExportedServo::new(fill(template, &values), difference)
+}
+
+fn about(export: &ServoExport<'_>, radians: f64, difference: &Difference) -> Vec<String> {
     let mut about = export.statement();
     about.extend([
         export.hold(false),
@@ -181,46 +180,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         "The joint has an inertia of 1 kg m^2, which stands for the unknown one of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J. The weight, if there is one, is a mass on an arm as short as a millimetre: your mechanism takes its place.".to_owned(),
         "delay and nsample are the delay, and half a step by which MuJoCo is early; they are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.".to_owned(),
         export.left_out("MuJoCo's position actuator", &LEFT_OUT),
-        export.difference(&difference, Comparison::Emulation("MuJoCo")),
+        export.difference(difference, Comparison::Emulation("MuJoCo")),
     ]);
-    let range = joint.range.map(|(up, down)| {
-        format!(
-            " forcerange=\"{} {}\"",
-            number(-down * radians),
-            number(up * radians)
-        )
-    });
-    let friction = (joint.frictionloss > 0.0).then(|| {
-        format!(
-            " frictionloss=\"{}\" solreffriction=\"{} 1\" solimpfriction=\"{IMPEDANCE} {IMPEDANCE} 0.001 0.5 2\"",
-            number(joint.frictionloss * radians),
-            number(TIME_CONSTANT * step_s)
-        )
-    });
-    let load = (joint.load != 0.0).then(|| {
-        let values = [("id", id.clone()), ("load", number(-joint.load * radians))];
-        fill(include_str!("../templates/servo_model/load.mjcf"), &values)
-    });
-    let values = [
-        ("about", XML_STYLE.comment(&about)),
-        ("step", number(step_s)),
-        ("mass", number(joint.weight.mass)),
-        ("place", joint.weight.place()),
-        ("gravity", number(-GRAVITY)),
-        ("armature", number(1.0 - joint.weight.mass * ARM_M * ARM_M)),
-        ("damping", number(joint.damping)),
-        ("friction", friction.unwrap_or_default()),
-        ("kp", number(joint.kp)),
-        ("kv", number(joint.kv)),
-        ("range", range.unwrap_or_default()),
-        // MuJoCo rounds a delay up to whole steps.
-        ("delay", number((joint.delay_steps as f64 - 0.5) * step_s)),
-        ("samples", (joint.delay_steps + 1).to_string()),
-        ("load", load.unwrap_or_default()),
-        ("id", id),
-    ];
-    ExportedServo::new(
-        fill(include_str!("../templates/servo_model/servo.mjcf"), &values),
-        difference,
-    )
+    about
 }

@@ -44,73 +44,116 @@ impl ServoExport<'_> {
     /// A term of this servo with its value; `None` where it does not have the term.
     fn described(&self, term: Term) -> Option<String> {
         let p = &self.parameters;
-        let units = self.metadata.units();
-        let command = units.input.unwrap_or("units of the command");
-        let output = units.output.unwrap_or("units of the position");
-        let of_stiffness = |acceleration: f64| {
-            let error = four_digits(acceleration / p.stiffness);
-            let acceleration = four_digits(acceleration);
-            format!("{acceleration} {command}/s^2, an error of {error} {command} at rest")
-        };
-        let different = p.limit.filter(|limit| limit.down_to_up != 1.0);
+        let (command, output) = (self.command_unit(), self.output_unit());
         match term {
-            Term::FullDrive => p.limit.map(|limit| {
-                let up = four_digits(limit.up);
-                let down = four_digits(limit.up * limit.down_to_up);
-                let per_s = four_digits(limit.motor_damping);
-                format!("full drive as an acceleration, {up} {command}/s^2 upwards and {down} downwards, against the motor's damping of {per_s} 1/s: here speed follows at once")
-            }),
-            Term::TwoSpeeds => different.and(self.top_speeds()).map(|(up, down)| {
-                let (up, down) = (four_digits(up), four_digits(down));
-                format!("two speeds, {up} {command}/s upwards and {down} downwards: their mean is used")
-            }),
-            Term::WeakerLoopDownwards => different.map(|limit| {
-                let ratio = four_digits(limit.down_to_up);
-                format!("stiffness and damping of the loop that are {ratio} times as large where the drive is negative")
-            }),
+            Term::FullDrive | Term::TwoSpeeds | Term::WeakerLoopDownwards => self.drive(term),
             Term::DampingRatio => {
                 let ratio = four_digits(p.damping / (2.0 * p.stiffness.sqrt()));
-                Some(format!("the damping ratio of {ratio}: a Butterworth filter has 0.7071"))
+                Some(format!(
+                    "the damping ratio of {ratio}: a Butterworth filter has 0.7071"
+                ))
             }
-            Term::DeadBand => p.dead_band.map(|width| {
-                format!("dead band, {} {command} to each side", four_digits(width))
-            }),
-            Term::Friction => p.friction.map(|friction| {
-                format!("friction, {}", of_stiffness(friction.coulomb))
-            }),
-            Term::FrictionAtRest => p.friction.and_then(|friction| friction.at_rest).map(|rest| {
+            Term::DeadBand => p
+                .dead_band
+                .map(|width| format!("dead band, {} {command} to each side", four_digits(width))),
+            Term::Friction => p
+                .friction
+                .map(|friction| format!("friction, {}", self.acceleration(friction.coulomb))),
+            Term::FrictionAtRest => {
+                let rest = p.friction?.at_rest?;
                 let factor = four_digits(1.0 + rest.excess);
                 let speed = four_digits(rest.speed);
-                format!("friction at rest, {factor} times that in motion, falling around {speed} {command}/s")
-            }),
-            Term::ConstantLoad => match p.load {
-                Load::Constant(load) => Some(format!("constant load, {}", of_stiffness(load))),
-                Load::Air { constant, .. } => {
-                    Some(format!("the constant part of the load, {}", of_stiffness(constant)))
-                }
-                Load::None | Load::Pendulum { .. } => None,
-            },
-            Term::Weight => match p.load {
-                Load::Pendulum { gravity, from, .. } => Some(format!(
-                    "the weight on the arm, which takes {} with a level arm, and hangs at theta = {} {command}",
-                    of_stiffness(gravity),
-                    four_digits(-from)
-                )),
-                _ => None,
-            },
-            Term::StiffeningLoad => match p.load {
-                Load::Air { stiffening, from, .. } => {
-                    let beyond = if stiffening > 0.0 { "above" } else { "below" };
-                    Some(format!(
-                        "the load of the air that stiffens {beyond} theta = {} {command}, by {} 1/s^2 for each {command} times the square of the distance",
-                        four_digits(from),
-                        four_digits(stiffening)
-                    ))
-                }
-                _ => None,
-            },
-            Term::Gain => Some(format!("the gain of {} {output}/{command}", four_digits(p.gain))),
+                Some(format!(
+                    "friction at rest, {factor} times that in motion, falling around {speed} {command}/s"
+                ))
+            }
+            Term::ConstantLoad | Term::Weight | Term::StiffeningLoad => self.load(term),
+            Term::Gain => Some(format!(
+                "the gain of {} {output}/{command}",
+                four_digits(p.gain)
+            )),
             Term::Offset => Some(format!("the offset of {} {output}", four_digits(p.offset))),
         }
+    }
+
+    fn drive(&self, term: Term) -> Option<String> {
+        let command = self.command_unit();
+        let limit = self.parameters.limit?;
+        if term == Term::FullDrive {
+            let up = four_digits(limit.up);
+            let down = four_digits(limit.up * limit.down_to_up);
+            let per_s = four_digits(limit.motor_damping);
+            return Some(format!(
+                "full drive as an acceleration, {up} {command}/s^2 upwards and {down} downwards, against the motor's damping of {per_s} 1/s: here speed follows at once"
+            ));
+        }
+        if limit.down_to_up == 1.0 {
+            return None;
+        }
+        if term == Term::TwoSpeeds {
+            let (up, down) = self.top_speeds()?;
+            let (up, down) = (four_digits(up), four_digits(down));
+            return Some(format!(
+                "two speeds, {up} {command}/s upwards and {down} downwards: their mean is used"
+            ));
+        }
+        let ratio = four_digits(limit.down_to_up);
+        Some(format!(
+            "stiffness and damping of the loop that are {ratio} times as large where the drive is negative"
+        ))
+    }
+
+    fn load(&self, term: Term) -> Option<String> {
+        let command = self.command_unit();
+        match (term, self.parameters.load) {
+            (Term::ConstantLoad, Load::Constant(load)) => {
+                Some(format!("constant load, {}", self.acceleration(load)))
+            }
+            (Term::ConstantLoad, Load::Air { constant, .. }) => Some(format!(
+                "the constant part of the load, {}",
+                self.acceleration(constant)
+            )),
+            (Term::Weight, Load::Pendulum { gravity, from, .. }) => Some(format!(
+                "the weight on the arm, which takes {} with a level arm, and hangs at theta = {} {command}",
+                self.acceleration(gravity),
+                four_digits(-from)
+            )),
+            (
+                Term::StiffeningLoad,
+                Load::Air {
+                    stiffening, from, ..
+                },
+            ) => {
+                let beyond = if stiffening > 0.0 { "above" } else { "below" };
+                Some(format!(
+                    "the load of the air that stiffens {beyond} theta = {} {command}, by {} 1/s^2 for each {command} times the square of the distance",
+                    four_digits(from),
+                    four_digits(stiffening)
+                ))
+            }
+            _ => None,
+        }
+    }
+
+    /// An acceleration, and the error at rest that it stands for.
+    fn acceleration(&self, acceleration: f64) -> String {
+        let command = self.command_unit();
+        let error = four_digits(acceleration / self.parameters.stiffness);
+        let acceleration = four_digits(acceleration);
+        format!("{acceleration} {command}/s^2, an error of {error} {command} at rest")
+    }
+
+    fn command_unit(&self) -> &str {
+        self.metadata
+            .units()
+            .input
+            .unwrap_or("units of the command")
+    }
+
+    fn output_unit(&self) -> &str {
+        self.metadata
+            .units()
+            .output
+            .unwrap_or("units of the position")
     }
 }
