@@ -2,22 +2,31 @@
 
 use super::output::{Output, stem, wrong_usage};
 use crate::data::model_file::ModelFile;
-use crate::data::model_metadata::PULSE_FRAMES_S;
-use crate::presentation::export::{Export, Target};
+use crate::data::model_metadata::{ModelMetadata, PULSE_FRAMES_S};
+use crate::presentation::export::servo_model::{ServoExport, ServoExportOptions};
+use crate::presentation::export::{Export, ExportError, Target};
 use anyhow::Result;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
-/// Write a model for another program: MATLAB, Python, Julia, C, a CSV table, or JSBSim
+/// Steps of time that a simulation may have \[ms\]; beyond, it is a slip.
+const STEPS_MS: std::ops::RangeInclusive<f64> = 0.05..=100.0;
+
+/// Write a model for another program: MATLAB, Python, Julia, C, a CSV table, JSBSim, ArduPilot, or MuJoCo
 ///
 /// The finite impulse response is the identified model itself. Where a ratio of polynomials is needed, a
 /// low-order model is fitted to it, and the file states the difference between the two. Every file states its
 /// sample times, units and signs, and where its bounds do not hold.
+///
+/// With --servo-model, and for ArduPilot and MuJoCo, it is the servo as a machine, which 'servoid identify
+/// --servo-model' finds. The file then states its largest difference from it, and what it leaves out.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid export bench.json --to c -o servo_bench.h
-  servoid export bench.json --to python --name \"DS610 on the bench\" > servo_bench.py")]
+  servoid export bench.json --to python --name \"DS610 on the bench\" > servo_bench.py
+  servoid export bench.json --to c --servo-model --step-ms 1 -o servo_bench.h
+  servoid export bench.json --to mujoco -o servo_bench.xml")]
 pub(super) struct ExportArgs {
     /// The model, as 'servoid identify -o' writes it
     #[arg(value_name = "MODEL.json")]
@@ -25,6 +34,15 @@ pub(super) struct ExportArgs {
     /// Target program
     #[arg(long, value_enum, value_name = "TARGET")]
     to: Target,
+    /// The servo as a machine, which the model file must have, in place of the linear model
+    #[arg(long)]
+    servo_model: bool,
+    /// The controller of the servo model, as the recordings call it, where it has several
+    #[arg(long, value_name = "CONTROLLER", allow_negative_numbers = true)]
+    controller: Option<f64>,
+    /// Step of time of the servo model in the file (ms); without it, one that suits servo and target
+    #[arg(long, value_name = "MS")]
+    step_ms: Option<f64>,
     /// The file to write; without it, standard output
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -45,25 +63,78 @@ impl ExportArgs {
         if stated_s.is_some_and(|frame| !PULSE_FRAMES_S.contains(&frame)) {
             wrong_usage("--frame-ms must be a number of milliseconds from 0 to 1000");
         }
+        if self.step_ms.is_some_and(|step| !STEPS_MS.contains(&step)) {
+            wrong_usage("--step-ms must be a number of milliseconds from 0.05 to 100");
+        }
+        let servo_model = self.servo_model || self.to.needs_servo_model();
+        if !servo_model && (self.controller.is_some() || self.step_ms.is_some()) {
+            wrong_usage("--controller and --step-ms are for a servo model: add --servo-model");
+        }
         self.output.check(&self.out)?;
         let file = ModelFile::read(&self.model)?;
-        let fitted = file.flight_model()?;
-        let mut metadata = file.metadata;
+        let mut metadata = file.metadata.clone();
         metadata.pulse_frame_s = stated_s.or(metadata.pulse_frame_s);
-        let source = self.model.file_name().unwrap_or_default().to_string_lossy();
-        let name = self.name.clone().unwrap_or_else(|| stem(&self.model));
+        if servo_model {
+            self.write_servo_model(&file, &metadata)
+        } else {
+            self.write_linear_model(&file, metadata)
+        }
+    }
+
+    fn write_linear_model(&self, file: &ModelFile, metadata: ModelMetadata) -> Result<String> {
+        let fitted = file.flight_model()?;
+        let (name, source) = (self.servo_name(), self.source());
         let export = Export::new(&name, &source, &file.model, fitted, metadata);
         let text = export.write(self.to)?;
-        let (talk, warnings) = (self.output.talk, export.warnings());
-        for warning in &warnings {
+        self.finish(&text, &export.warnings(), Map::new())
+    }
+
+    fn write_servo_model(&self, file: &ModelFile, metadata: &ModelMetadata) -> Result<String> {
+        let document = file.servo_model()?.ok_or(ExportError::NoServoModel)?;
+        let (name, source) = (self.servo_name(), self.source());
+        let options = ServoExportOptions {
+            controller: self.controller,
+            step_s: self.step_ms.map(|step| 1e-3 * step),
+        };
+        let export = ServoExport::new(&name, &source, &document, metadata, options)?;
+        let written = export.write(self.to)?;
+        let comparison = Map::from_iter([
+            ("trial".to_owned(), json!(written.trial)),
+            (
+                "largest_difference".to_owned(),
+                json!(written.largest_difference),
+            ),
+        ]);
+        self.finish(&written.text, &export.warnings(), comparison)
+    }
+
+    /// The file that the model came from, without its folder.
+    fn source(&self) -> String {
+        let name = self.model.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    }
+
+    fn servo_name(&self) -> String {
+        self.name.clone().unwrap_or_else(|| stem(&self.model))
+    }
+
+    /// Writes or prints the text; `more` are further fields of the result.
+    fn finish(&self, text: &str, warnings: &[String], more: Map<String, Value>) -> Result<String> {
+        let talk = self.output.talk;
+        for warning in warnings {
             talk.say(format_args!("warning: {warning}"));
         }
+        let mut result = Map::from_iter([
+            ("target".to_owned(), json!(self.to)),
+            ("warnings".to_owned(), json!(warnings)),
+        ]);
+        result.extend(more);
         let Some(out) = &self.out else {
-            let result = json!({ "target": self.to, "warnings": warnings, "text": text });
-            return talk.result(text, &result);
+            result.insert("text".to_owned(), json!(text));
+            return talk.result(text.to_owned(), &result);
         };
-        self.output.write(out, &text)?;
-        let result = json!({ "target": self.to, "warnings": warnings, "file": out });
+        self.output.write(out, text)?;
+        result.insert("file".to_owned(), json!(out));
         talk.result(format!("{}\n", out.display()), &result)
     }
 }

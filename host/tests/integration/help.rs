@@ -73,7 +73,7 @@ fn completions_know_every_command() {
         }
     }
     let fish = run(&["completions", "fish"]);
-    for word in ["jsbsim", "sim:aircraft", "tcp:", "multisine"] {
+    for word in ["jsbsim", "mujoco", "sim:aircraft", "tcp:", "multisine"] {
         assert!(fish.contains(word), "{word}");
     }
 }

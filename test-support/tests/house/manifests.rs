@@ -20,6 +20,7 @@ const CRATES: [(&str, &[&str]); 9] = [
         "host",
         &[
             "servoid-client",
+            "servoid-dynamics",
             "servoid-fft",
             "servoid-firmware",
             "servoid-identification",

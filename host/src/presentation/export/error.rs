@@ -1,11 +1,80 @@
 //! Why a model cannot be written for a target.
 
 /// There is no export. The text names the remedy.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExportError {
     /// The target is a ratio of polynomials.
     #[error(
-        "a JSBSim actuator needs a low-order model, and there is none ({0}): export to c or csv, or record larger steps"
+        "a JSBSim actuator needs a low-order model, and there is none ({0}): export to c or csv, export the servo model with --servo-model, or record larger steps"
     )]
     NoLowOrder(String),
+    /// The target has no place for a linear model.
+    #[error("this target takes a servo model, and not a linear one")]
+    NeedsServoModel,
+    /// The file has a linear model alone.
+    #[error(
+        "this model file has no servo model: identify it with 'servoid identify RECORDING.csv --servo-model -o MODEL.json'"
+    )]
+    NoServoModel,
+    /// A table has responses of linear models.
+    #[error(
+        "a csv table has the responses of the linear model, and a servo model has none that hold for all strokes: leave --servo-model out, or export to c, python, julia or matlab"
+    )]
+    NoTableOfServoModel,
+    /// Several controllers on one mechanism.
+    #[error(
+        "the servo model has the controllers {}: choose one of them with --controller",
+        names(known)
+    )]
+    ControllerNotChosen {
+        /// What they are called.
+        known: Vec<f64>,
+    },
+    /// None of those on the mechanism.
+    #[error("{}", unknown_controller(*.wanted, .known))]
+    UnknownController {
+        /// What was asked for.
+        wanted: f64,
+        /// What they are called.
+        known: Vec<f64>,
+    },
+    /// The motion would be wrong, or grow without end.
+    #[error(
+        "a step of {} ms is too long for this servo: --step-ms can be {} at the most",
+        .step_ms,
+        (.longest_ms * 1e3).floor() / 1e3
+    )]
+    StepTooLong {
+        /// The chosen one \[ms\].
+        step_ms: f64,
+        /// The longest one \[ms\].
+        longest_ms: f64,
+    },
+    /// The servos of the target turn by angles.
+    #[error(
+        "this target has servos that turn by angles, and the command is in {0}: record or convert it in deg or rad, or export to c, python, julia, matlab or jsbsim"
+    )]
+    NotAnAngle(String),
+    /// The document says so, or the motion has no end.
+    #[error(
+        "the servo model has numbers beyond what any servo could have: identify it again, or export it with a shorter --step-ms"
+    )]
+    Impossible,
+}
+
+fn names(known: &[f64]) -> String {
+    let names: Vec<String> = known.iter().map(f64::to_string).collect();
+    names.join(", ")
+}
+
+fn unknown_controller(wanted: f64, known: &[f64]) -> String {
+    match known.is_empty() {
+        true => {
+            "the servo model has one controller without a name: leave --controller out".to_owned()
+        }
+        false => format!(
+            "the controller {wanted} is none of those of the servo model ({}): choose one of them with --controller",
+            names(known)
+        ),
+    }
 }

@@ -3,18 +3,9 @@
 use super::error::ExportError;
 use super::model::Export;
 use super::statement::low_order_covariance;
-use super::text::{Style, identifier, number};
+use super::text::{XML_STYLE, identifier, number};
 use crate::presentation::template::fill;
 use servoid_identification::flight_model::LowOrder;
-
-const STYLE: Style = Style {
-    comment: "  ",
-    // Two hyphens end a comment of XML, and one must not be its last sign.
-    forbidden: &[("--", "- -")],
-    between: ", ",
-    broken: "",
-    row: ("[", "]"),
-};
 
 /// The system.
 pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
@@ -25,7 +16,7 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
     let mut paragraphs = export.statement(held);
-    paragraphs.extend(low_order_covariance(flight, &STYLE));
+    paragraphs.extend(low_order_covariance(flight, &XML_STYLE));
     paragraphs.push(
         "Run it at 500 Hz or more: JSBSim replaces poles by Tustin's rule and has delays of whole steps, so that the position is right to half a step of time. Set the step before the aircraft is loaded: delays are counted out then."
             .to_owned(),
@@ -35,7 +26,7 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     let frame = [("id", id.clone()), ("frame", number(export.frame_s()))];
     let hold = held.then(|| fill(include_str!("templates/hold.xml"), &frame));
     let values = [
-        ("about", STYLE.comment(&paragraphs)),
+        ("about", XML_STYLE.comment(&paragraphs)),
         ("hold", hold.unwrap_or_default()),
         ("input", format!("fcs/{id}-{input}")),
         ("delay", number(flight.transfer.delay_s.max(0.0))),

@@ -2,7 +2,7 @@
 
 use super::model::Export;
 use super::statement::parameters_of;
-use super::text::{Style, identifier, number, plain};
+use super::text::{C_STYLE, MATLAB_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted};
 use crate::presentation::template::fill;
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{FrequencyBounds, ParameterBounds, StepBounds};
@@ -39,31 +39,17 @@ macro_rules! language {
     };
 }
 
-const PLAIN: Style = Style {
-    comment: "# ",
-    forbidden: &[],
-    between: ", ",
-    broken: "",
-    row: ("", ""),
-};
-
 /// A C99 header.
 pub(super) fn c(export: &Export<'_>) -> String {
-    let style = Style {
-        comment: " * ",
-        forbidden: &[("*/", "* /"), ("/*", "/ *")],
-        row: ("{", "},"),
-        ..PLAIN
-    };
     let holds = u8::from(export.model.bounds.valid().is_some());
     let values = vec![
         // A question mark could begin a trigraph.
-        ("name", export.quoted_name(&['"', '?'])),
+        ("name", quoted(export.name, &['"', '?'])),
         ("bounds_hold", holds.to_string()),
         ("theta_count", export.model.theta.len().to_string()),
     ];
     let parameters = vec![("parameters", c_parameters(export))];
-    export.in_language(&language!(style, "h"), values, parameters)
+    export.in_language(&language!(C_STYLE, "h"), values, parameters)
 }
 
 /// The parameters that not every order has.
@@ -91,22 +77,25 @@ pub(super) fn julia(export: &Export<'_>) -> String {
     let holds = export.model.bounds.valid().is_some();
     let values = vec![
         // A dollar would put the value of an expression in.
-        ("name", export.quoted_name(&['"', '$'])),
+        ("name", quoted(export.name, &['"', '$'])),
         ("bounds_hold", holds.to_string()),
     ];
     // Short vectors are literals, and have commas.
     let literals = export.low_order.as_ref().map(|flight| {
         let discrete = flight.transfer.discrete(export.model.timing());
         vec![
-            ("denominator", PLAIN.short(&flight.transfer.denominator())),
-            ("b", PLAIN.short(&discrete.b)),
-            ("c", PLAIN.short(&discrete.c)),
-            ("rest", PLAIN.short(&discrete.rest)),
+            (
+                "denominator",
+                SCRIPT_STYLE.short(&flight.transfer.denominator()),
+            ),
+            ("b", SCRIPT_STYLE.short(&discrete.b)),
+            ("c", SCRIPT_STYLE.short(&discrete.c)),
+            ("rest", SCRIPT_STYLE.short(&discrete.rest)),
         ]
     });
     let style = Style {
         between: " ",
-        ..PLAIN
+        ..SCRIPT_STYLE
     };
     export.in_language(
         &language!(style, "jl"),
@@ -117,11 +106,6 @@ pub(super) fn julia(export: &Export<'_>) -> String {
 
 /// A MATLAB script, which Octave runs too.
 pub(super) fn matlab(export: &Export<'_>) -> String {
-    let style = Style {
-        comment: "% ",
-        broken: " ...",
-        ..PLAIN
-    };
     let holds = export.model.bounds.valid().is_some();
     let warning = match holds {
         true => "",
@@ -134,18 +118,18 @@ pub(super) fn matlab(export: &Export<'_>) -> String {
         ("bounds_hold", holds.to_string()),
         ("warning", warning.to_owned()),
     ];
-    export.in_language(&language!(style, "m"), values, Vec::new())
+    export.in_language(&language!(MATLAB_STYLE, "m"), values, Vec::new())
 }
 
 /// A Python module.
 pub(super) fn python(export: &Export<'_>) -> String {
     let style = Style {
         row: ("[", "],"),
-        ..PLAIN
+        ..SCRIPT_STYLE
     };
     let holds = export.model.bounds.valid().map_or("False", |_| "True");
     let values = vec![
-        ("name", export.quoted_name(&['"'])),
+        ("name", quoted(export.name, &['"'])),
         ("bounds_hold", holds.to_owned()),
     ];
     export.in_language(&language!(style, "py"), values, Vec::new())

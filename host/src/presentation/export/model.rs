@@ -1,6 +1,5 @@
 //! A model together with the facts that an export states.
 
-use super::text::plain;
 use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::flight_model;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
@@ -64,15 +63,5 @@ impl<'a> Export<'a> {
         let pairs = response.iter().zip(step);
         let errors = pairs.map(|(a, b)| 100.0 * (a - b).abs() / gain);
         errors.fold(flight.largest_error_percent, f64::max)
-    }
-
-    /// The name as text within a language, with what has a meaning there escaped: `signs` get a
-    /// backslash before them, as the backslash itself does.
-    pub(super) fn quoted_name(&self, signs: &[char]) -> String {
-        let escaped = |letter: char| match letter == '\\' || signs.contains(&letter) {
-            true => vec!['\\', letter],
-            false => vec![letter],
-        };
-        plain(self.name).chars().flat_map(escaped).collect()
     }
 }

@@ -26,7 +26,18 @@ pub(super) fn plain(text: &str) -> String {
     )
 }
 
+/// A name as text within a language, with what has a meaning there escaped: `signs` get a backslash before them, as the backslash
+/// itself does.
+pub(super) fn quoted(name: &str, signs: &[char]) -> String {
+    let escaped = |letter: char| match letter == '\\' || signs.contains(&letter) {
+        true => vec!['\\', letter],
+        false => vec![letter],
+    };
+    plain(name).chars().flat_map(escaped).collect()
+}
+
 /// How a language writes comments, lists and matrices.
+#[derive(Clone, Copy)]
 pub(super) struct Style {
     /// Begins each line of a comment.
     pub comment: &'static str,
@@ -39,6 +50,39 @@ pub(super) struct Style {
     /// Around each row of a matrix.
     pub row: (&'static str, &'static str),
 }
+
+/// The style of Python, Julia, and of tables and lists of parameters.
+pub(super) const SCRIPT_STYLE: Style = Style {
+    comment: "# ",
+    forbidden: &[],
+    between: ", ",
+    broken: "",
+    row: ("", ""),
+};
+
+/// The style of C.
+pub(super) const C_STYLE: Style = Style {
+    comment: " * ",
+    forbidden: &[("*/", "* /"), ("/*", "/ *")],
+    row: ("{", "},"),
+    ..SCRIPT_STYLE
+};
+
+/// The style of MATLAB.
+pub(super) const MATLAB_STYLE: Style = Style {
+    comment: "% ",
+    broken: " ...",
+    ..SCRIPT_STYLE
+};
+
+/// The style of XML, within the signs that begin and end them.
+pub(super) const XML_STYLE: Style = Style {
+    comment: "  ",
+    // Two hyphens end a comment of XML, and one must not be its last sign.
+    forbidden: &[("--", "- -")],
+    row: ("[", "]"),
+    ..SCRIPT_STYLE
+};
 
 /// Columns of a line, where lines can be broken.
 const WIDTH: usize = 96;

@@ -17,6 +17,7 @@ pub(crate) use comparison::{
 pub(crate) use layout::wrapped;
 pub(crate) use metrics::{difference_rows, metric_rows};
 pub(crate) use numbers::{decimals, percent, probability};
+pub(crate) use servo_model::{four_digits, quantity_text};
 
 use crate::data::units::Units;
 use layout::findings;

@@ -20,24 +20,25 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
     let (command, output) = (unit(units.input), unit(units.output));
     let speeds = of("top speed upwards").zip(of("top speed downwards"));
     let kind = match speeds {
-        Some((up, down)) if up == down => format!("limited to {}{output}/s", number(up)),
+        Some((up, down)) if up == down => format!("limited to {}{output}/s", four_digits(up)),
         Some((up, down)) => format!(
             "limited to {}{output}/s upwards and {} downwards",
-            number(up),
-            number(down)
+            four_digits(up),
+            four_digits(down)
         ),
         None if model.terms.limit => "limited in its drive".to_owned(),
         None => "linear".to_owned(),
     };
     let rest = of("resting error by friction")
-        .map(|error| format!("rests within {}{command} of its target", number(error)));
+        .map(|error| format!("rests within {}{command} of its target", four_digits(error)));
     let load = match model.terms.load {
         LoadKind::None => None,
         LoadKind::Constant => Some("works against a constant load"),
         LoadKind::Pendulum | LoadKind::TiltedPendulum => Some("carries a weight"),
         LoadKind::Air => Some("works against a load that stiffens to one side"),
     };
-    let delay = of("delay").map(|delay_s| format!("answers {} ms late", number(1e3 * delay_s)));
+    let delay =
+        of("delay").map(|delay_s| format!("answers {} ms late", four_digits(1e3 * delay_s)));
     let parts = [rest, load.map(str::to_owned), delay].into_iter().flatten();
     let all: Vec<String> = std::iter::once(format!("This servo is {kind}"))
         .chain(parts)
@@ -85,9 +86,26 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
     text
 }
 
+/// "delay 21.60 ms (21.10 .. 22.04)".
+pub(crate) fn quantity_text(quantity: &Quantity, units: Units<'_>) -> String {
+    let [value, unit, interval] = cells(quantity, units);
+    let value = format!("{} {value} {unit}", quantity.name);
+    match interval.is_empty() {
+        true => value.trim_end().to_owned(),
+        false => format!("{} ({interval})", value.trim_end()),
+    }
+}
+
 fn row(quantity: &Quantity, units: Units<'_>) -> String {
+    let [value, unit, interval] = cells(quantity, units);
+    let line = format!("  {:34} {value:>12} {unit:8} {interval}", quantity.name);
+    format!("{}\n", line.trim_end())
+}
+
+/// Value, unit and interval of a quantity.
+fn cells(quantity: &Quantity, units: Units<'_>) -> [String; 3] {
     let (scale, unit) = scale_and_unit(quantity.unit, units);
-    let shown = |value: f64| number(scale * value);
+    let shown = |value: f64| four_digits(scale * value);
     let interval = quantity.interval.valid().map(|found: &Interval| {
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), shown);
         let open = match (found.lower, found.upper) {
@@ -103,12 +121,7 @@ fn row(quantity: &Quantity, units: Units<'_>) -> String {
         true => shown(quantity.value),
         false => "-".to_owned(),
     };
-    let line = format!(
-        "  {:34} {value:>12} {unit:8} {}",
-        quantity.name,
-        interval.unwrap_or_default()
-    );
-    format!("{}\n", line.trim_end())
+    [value, unit, interval.unwrap_or_default()]
 }
 
 /// Factor to the unit that people use, and its name.
@@ -163,7 +176,7 @@ fn words(terms: Terms) -> String {
 }
 
 /// A number with four digits.
-fn number(value: f64) -> String {
+pub(crate) fn four_digits(value: f64) -> String {
     let leading = value.abs().log10().floor();
     let digits = if leading.is_finite() {
         3 - leading as i32

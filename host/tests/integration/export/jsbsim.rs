@@ -4,7 +4,8 @@ use super::{SUBJECT, export, must, rows, works};
 use crate::support::missing;
 use std::process::Command;
 
-const AIRCRAFT: &str = r#"<?xml version="1.0"?>
+/// An aircraft with the system of a servo.
+pub(super) const AIRCRAFT: &str = r#"<?xml version="1.0"?>
 <fdm_config name="stand" version="2.0" release="ALPHA">
   <fileheader><author>none</author><filecreationdate>2026-01-01</filecreationdate>
     <description>a test stand</description><version>0</version></fileheader>

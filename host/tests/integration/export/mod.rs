@@ -4,6 +4,7 @@
 mod c;
 mod jsbsim;
 mod scripts;
+mod servo_model;
 mod texts;
 
 use crate::support::{arg, run};

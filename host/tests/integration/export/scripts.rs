@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::process::Command;
 
 /// A list that Python, Octave and Julia read.
-fn literal(values: &[f64]) -> String {
+pub(super) fn literal(values: &[f64]) -> String {
     let mut text = String::from("[");
     for value in values {
         let _infallible = write!(text, "{value:?}, ");
@@ -160,7 +160,8 @@ show_row([servo.COVARIANCE[k, k] for k in axes(servo.COVARIANCE, 1)])
 @assert servo.NAME == "bench 1"
 "#;
 
-const JULIA_SYNTAX: &str = r"
+/// Parses a file of Julia.
+pub(super) const JULIA_SYNTAX: &str = r"
 import sys, tree_sitter, tree_sitter_julia
 language = tree_sitter.Language(tree_sitter_julia.language())
 tree = tree_sitter.Parser(language).parse(open(sys.argv[1], 'rb').read())

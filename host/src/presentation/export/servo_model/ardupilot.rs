@@ -1,0 +1,169 @@
+//! The parameters of the servos in ArduPilot's simulation (SITL), as `libraries/SITL/ServoModel.cpp` of ArduPilot reads them.
+//!
+//! Such a servo delays the command by whole steps of the simulation, limits its rate, and filters it by a Butterworth filter of second
+//! order. The filter is the one that lags as far behind a ramp as the servo does.
+
+use super::emulation::{DelayLine, SecondOrder};
+use super::exported::ExportedServo;
+use super::rate::best_share;
+use super::statement::Comparison;
+use super::subject::ServoExport;
+use super::terms::Term;
+use super::trial::{Difference, Trial};
+use crate::presentation::export::error::ExportError;
+use crate::presentation::export::text::{SCRIPT_STYLE, number};
+use crate::presentation::summary::four_digits;
+use crate::presentation::template::fill;
+use servoid_identification::servo_model::Load;
+use std::f64::consts::{PI, SQRT_2, TAU};
+
+/// Steps of SITL in a second, unless SIM_RATE_HZ says otherwise.
+const RATE_HZ: f64 = 1200.0;
+
+/// The deflection that SITL takes for a full command \[deg\].
+const FULL_DEG: f64 = 45.0;
+
+/// The deflection that SIM_SERVO_SPEED is the time for \[deg\].
+const SPEED_DEG: f64 = 60.0;
+
+/// Highest cutoff as a part of the rate: a bilinear filter has none at half of it.
+const HIGHEST_CUTOFF: f64 = 0.45;
+
+/// What SITL has not.
+const LEFT_OUT: [Term; 11] = [
+    Term::FullDrive,
+    Term::TwoSpeeds,
+    Term::DampingRatio,
+    Term::DeadBand,
+    Term::Friction,
+    Term::FrictionAtRest,
+    Term::ConstantLoad,
+    Term::Weight,
+    Term::StiffeningLoad,
+    Term::Gain,
+    Term::Offset,
+];
+
+/// The values of the parameters.
+#[derive(Clone, Copy)]
+struct Parameters {
+    /// SIM_SERVO_SPEED \[s\]; 0 for no limit.
+    speed_s: f64,
+    /// SIM_SERVO_DELAY \[s\].
+    delay_s: f64,
+    /// SIM_SERVO_FILTER \[Hz\].
+    filter_hz: f64,
+    /// SIM_RATE_HZ.
+    rate_hz: f64,
+}
+
+impl Parameters {
+    fn of(export: &ServoExport<'_>, degrees_per_unit: f64) -> Self {
+        let p = &export.parameters;
+        let rate_hz = export
+            .options
+            .step_s
+            .map_or(RATE_HZ, |step_s| (1.0 / step_s).round());
+        // A line of n commands delays by n-1 steps, and a Butterworth filter by Tustin's rule is early by half a step.
+        let line = (p.delay_s.max(0.0) * rate_hz + 2.0).floor();
+        // Both lag by c/k behind a ramp of unit speed.
+        let cutoff = SQRT_2 * p.stiffness / p.damping / TAU;
+        let speed = export
+            .top_speeds()
+            .map(|(up, down)| degrees_per_unit * (up + down) / 2.0);
+        Self {
+            speed_s: speed.map_or(0.0, |speed| SPEED_DEG / speed),
+            // Half a step more, so that rounding does not cut a step off.
+            delay_s: (line + 0.5) / rate_hz,
+            filter_hz: cutoff.min(HIGHEST_CUTOFF * rate_hz),
+            rate_hz,
+        }
+    }
+
+    /// With this share of its speed.
+    fn slower(&self, share: f64) -> Self {
+        Self {
+            speed_s: self.speed_s / share,
+            ..*self
+        }
+    }
+
+    /// The deflection at the beginning of each step \[deg\], for such a command.
+    fn respond(&self, command_deg: &[f64]) -> Vec<f64> {
+        let first = command_deg.first().copied().unwrap_or(0.0);
+        let line = (self.delay_s * self.rate_hz).max(1.0) as usize;
+        let mut late = DelayLine::new(line - 1, first);
+        let most = if self.speed_s > 0.0 {
+            SPEED_DEG / self.speed_s / self.rate_hz
+        } else {
+            f64::INFINITY
+        };
+        // The cutoff is exact: Tustin's rule of a frequency that is bent accordingly.
+        let bent = 2.0 * self.rate_hz * (PI * self.filter_hz / self.rate_hz).tan();
+        let mut filter = SecondOrder::new(bent * bent, SQRT_2 * bent, 1.0 / self.rate_hz, first);
+        let mut limited = first;
+        let deflection = |command: &f64| {
+            let command = late.pass(*command);
+            limited = (limited + (command - limited).clamp(-most, most)).clamp(-FULL_DEG, FULL_DEG);
+            filter.pass(limited)
+        };
+        command_deg.iter().map(deflection).collect()
+    }
+}
+
+/// A file of parameters.
+pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
+    let degrees = export.radians_per_unit()?.to_degrees();
+    let full_speed = Parameters::of(export, degrees);
+    let trial = Trial::of(export, 1.0 / full_speed.rate_hz, FULL_DEG / degrees);
+    let middle = trial.levels.first().copied().unwrap_or(0.0);
+    let servo = &export.parameters;
+    let turned: Vec<f64> = trial
+        .command()
+        .iter()
+        .map(|u| degrees * (u - middle))
+        .collect();
+    let positions = |parameters: &Parameters| -> Vec<f64> {
+        let deflections = parameters.respond(&turned);
+        let position =
+            |deflection: &f64| servo.gain * (middle + deflection / degrees) + servo.offset;
+        deflections.iter().map(position).collect()
+    };
+    let exact = trial.exact(&export.parameters_with(Load::None));
+    let share = best_share(&trial, &exact, |share| positions(&full_speed.slower(share)));
+    let parameters = full_speed.slower(share);
+    let positions = positions(&parameters);
+    let difference = Difference::of(export, trial, &positions, Load::None);
+    let rate = format!("{:.0}", parameters.rate_hz);
+    let about = about(export, &rate, share, &difference);
+    let values = [
+        ("about", SCRIPT_STYLE.comment(&about)),
+        ("speed", number(parameters.speed_s)),
+        ("delay", number(parameters.delay_s)),
+        ("filter", number(parameters.filter_hz)),
+        ("rate", rate),
+    ];
+    ExportedServo::new(
+        fill(include_str!("../templates/servo_model/servo.parm"), &values),
+        difference,
+    )
+}
+
+fn about(export: &ServoExport<'_>, rate: &str, share: f64, difference: &Difference) -> Vec<String> {
+    let lag_s = export.parameters.damping / export.parameters.stiffness;
+    let mut about = export.statement();
+    about.extend([
+        export.hold(false),
+        format!(
+            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter that lags behind a ramp as this servo does, by {} ms.",
+            four_digits(1e3 * lag_s)
+        ),
+        export.rate(share),
+        format!(
+            "SITL takes a full command for {FULL_DEG} degrees. For a servo that turns by D degrees then, multiply SIM_SERVO_SPEED by D/{FULL_DEG}. These parameters are those of all servos of the aircraft."
+        ),
+        export.left_out("ArduPilot's SITL", &LEFT_OUT),
+        export.difference(difference, Comparison::Emulation("ArduPilot's SITL")),
+    ]);
+    about
+}

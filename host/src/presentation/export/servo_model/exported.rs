@@ -1,0 +1,32 @@
+//! The result of an export.
+
+use super::trial::{Difference, Trial};
+use crate::presentation::export::error::ExportError;
+
+/// A file, and how far it is from the servo model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExportedServo {
+    /// The file.
+    pub text: String,
+    /// The command under which the difference was computed.
+    pub trial: Trial,
+    /// The largest difference of the position under that command \[unit of the position\].
+    pub largest_difference: f64,
+}
+
+impl ExportedServo {
+    /// Text with its difference.
+    ///
+    /// # Errors
+    /// The motion has no end, so there is no difference.
+    pub(super) fn new(text: String, difference: Difference) -> Result<Self, ExportError> {
+        match difference.largest.is_finite() {
+            true => Ok(Self {
+                text,
+                trial: difference.trial,
+                largest_difference: difference.largest,
+            }),
+            false => Err(ExportError::Impossible),
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! A JSBSim system: an actuator with speeds, hysteresis and delay, and a filter behind it.
+//!
+//! The command is limited in its rate before the filter, so that the filter's lag behind a ramp, c/k times the speed, is the distance
+//! at which a servo of full drive begins to brake.
+
+use super::emulation::{DelayLine, SecondOrder};
+use super::exported::ExportedServo;
+use super::rate::best_share;
+use super::statement::Comparison;
+use super::subject::ServoExport;
+use super::terms::Term;
+use super::trial::{Difference, Trial};
+use crate::presentation::export::error::ExportError;
+use crate::presentation::export::text::{XML_STYLE, identifier, number};
+use crate::presentation::template::fill;
+
+/// Step of the emulation without a choice \[s\]: the longest that the file advises.
+const STEP_S: f64 = 0.002;
+
+/// What an actuator has not.
+const LEFT_OUT: [Term; 4] = [
+    Term::FullDrive,
+    Term::FrictionAtRest,
+    Term::Weight,
+    Term::StiffeningLoad,
+];
+
+/// The numbers of the actuator and of the filter, in units of the command.
+#[derive(Clone, Copy)]
+struct Actuator {
+    delay_s: f64,
+    /// Upwards and downwards \[1/s\].
+    rates: Option<(f64, f64)>,
+    hysteresis_width: f64,
+    bias: f64,
+    stiffness: f64,
+    damping: f64,
+    gain: f64,
+    offset: f64,
+}
+
+impl Actuator {
+    fn of(export: &ServoExport<'_>) -> Self {
+        let p = &export.parameters;
+        let friction = p.friction.map_or(0.0, |friction| friction.coulomb);
+        Self {
+            delay_s: p.delay_s.max(0.0),
+            rates: export.top_speeds(),
+            hysteresis_width: 2.0 * (p.dead_band.unwrap_or(0.0) + friction / p.stiffness),
+            bias: -export.constant_load() / p.stiffness,
+            stiffness: p.stiffness,
+            damping: p.damping,
+            gain: p.gain,
+            offset: p.offset,
+        }
+    }
+
+    /// With this share of its rates.
+    fn slower(&self, share: f64) -> Self {
+        Self {
+            rates: self.rates.map(|(up, down)| (share * up, share * down)),
+            ..*self
+        }
+    }
+
+    /// The position at the beginning of each step, as JSBSim computes it: an actuator limits the rate, then has its hysteresis, its
+    /// bias and its delay, and filters are discrete by Tustin's rule.
+    fn respond(&self, trial: &Trial) -> Vec<f64> {
+        let step_s = trial.step_s;
+        let command = trial.command();
+        let first = command.first().copied().unwrap_or(0.0);
+        // A delay of n whole steps delays by n-1; the second delay, of three steps, by two.
+        let whole = (self.delay_s / step_s) as usize;
+        let mut late = DelayLine::new(whole.saturating_sub(1) + 2, first + self.bias);
+        let mut filter = SecondOrder::new(self.stiffness, self.damping, step_s, first + self.bias);
+        let (mut limited, mut played) = (first, first);
+        let position = |command: &f64| {
+            limited = match self.rates {
+                None => *command,
+                Some((up, down)) => {
+                    limited + (command - limited).clamp(-down * step_s, up * step_s)
+                }
+            };
+            let half = self.hysteresis_width / 2.0;
+            played = played.clamp(limited - half, limited + half);
+            self.gain * filter.pass(late.pass(played + self.bias)) + self.offset
+        };
+        command.iter().map(position).collect()
+    }
+
+    /// The elements of the actuator.
+    fn elements(&self) -> String {
+        let mut lines = Vec::new();
+        if let Some((up, down)) = self.rates {
+            lines.push(format!(
+                "<rate_limit sense=\"incr\">{}</rate_limit>",
+                number(up)
+            ));
+            lines.push(format!(
+                "<rate_limit sense=\"decr\">{}</rate_limit>",
+                number(down)
+            ));
+        }
+        if self.hysteresis_width > 0.0 {
+            let width = number(self.hysteresis_width);
+            lines.push(format!("<hysteresis_width>{width}</hysteresis_width>"));
+        }
+        if self.bias != 0.0 {
+            lines.push(format!("<bias>{}</bias>", number(self.bias)));
+        }
+        lines.push(format!(
+            "<delay type=\"time\">{}</delay>",
+            number(self.delay_s)
+        ));
+        lines.join("\n      ")
+    }
+}
+
+/// The system.
+pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
+    let full_speed = Actuator::of(export);
+    let trial = Trial::of(
+        export,
+        export.options.step_s.unwrap_or(STEP_S),
+        f64::INFINITY,
+    );
+    let load = export.only_constant_load();
+    let exact = trial.exact(&export.parameters_with(load));
+    let share = best_share(&trial, &exact, |share| {
+        full_speed.slower(share).respond(&trial)
+    });
+    let actuator = full_speed.slower(share);
+    let positions = actuator.respond(&trial);
+    let first = trial.levels.first().copied().unwrap_or(0.0);
+    let difference = Difference::of(export, trial, &positions, load);
+    let id = identifier(export.name);
+    let held = export.frame_s() > 0.0;
+    let about = about(export, share, &difference);
+    let frame = [("id", id.clone()), ("frame", number(export.frame_s()))];
+    let hold = held.then(|| fill(include_str!("../templates/hold.xml"), &frame));
+    let input = if held { "held" } else { "cmd" };
+    let oscillator = [
+        ("id", id.clone()),
+        ("input", format!("fcs/{id}-aligned")),
+        ("square", number(actuator.stiffness)),
+        ("middle", number(actuator.damping)),
+    ];
+    let values = [
+        ("about", XML_STYLE.comment(&about)),
+        ("first", number(first)),
+        ("hold", hold.unwrap_or_default()),
+        ("input", format!("fcs/{id}-{input}")),
+        ("elements", actuator.elements()),
+        (
+            "filter",
+            fill(include_str!("../templates/oscillator.xml"), &oscillator),
+        ),
+        ("gain", number(actuator.gain)),
+        ("offset", number(actuator.offset)),
+        ("id", id),
+    ];
+    ExportedServo::new(
+        fill(include_str!("../templates/servo_model/servo.xml"), &values),
+        difference,
+    )
+}
+
+fn about(export: &ServoExport<'_>, share: f64, difference: &Difference) -> Vec<String> {
+    let mut about = export.statement();
+    about.extend([
+        export.hold(export.frame_s() > 0.0),
+        "In JSBSim: hysteresis_width is twice the dead band and the error that friction leaves; bias is the error of the constant load at rest; the filter is the servo at small signals.".to_owned(),
+        export.rate(share),
+        "Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
+        export.left_out("an actuator of JSBSim", &LEFT_OUT),
+        export.difference(difference, Comparison::Emulation("JSBSim")),
+    ]);
+    about
+}

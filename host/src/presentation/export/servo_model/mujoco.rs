@@ -1,0 +1,186 @@
+//! A joint with a position actuator in MuJoCo's MJCF.
+//!
+//! The actuator's force kp (ctrl - q) - kv q' within its range is the drive of the equation; the joint has the motor's damping and the
+//! friction. Its inertia is one, since accelerations are known per unit of inertia.
+
+use super::emulation::DelayLine;
+use super::exported::ExportedServo;
+use super::fixed_step::step_s;
+use super::statement::Comparison;
+use super::subject::ServoExport;
+use super::terms::Term;
+use super::trial::{Difference, Trial};
+use super::weight::{GRAVITY, Weight};
+use crate::presentation::export::error::ExportError;
+use crate::presentation::export::text::{XML_STYLE, identifier, number};
+use crate::presentation::template::fill;
+use servoid_identification::servo_model::Load;
+
+/// Impedance of the constraint that holds the joint by friction: the largest that MuJoCo takes, so that it hardly creeps.
+const IMPEDANCE: f64 = 0.9999;
+
+/// Time constant of that constraint in steps: the shortest that MuJoCo takes.
+const TIME_CONSTANT: f64 = 2.0;
+
+/// What position actuator and joint have not.
+const LEFT_OUT: [Term; 6] = [
+    Term::WeakerLoopDownwards,
+    Term::DeadBand,
+    Term::FrictionAtRest,
+    Term::StiffeningLoad,
+    Term::Gain,
+    Term::Offset,
+];
+
+/// The numbers of joint and actuator, in units of the command.
+struct Joint {
+    /// Of the position actuator.
+    kp: f64,
+    kv: f64,
+    /// Largest drive upwards and downwards.
+    range: Option<(f64, f64)>,
+    /// Of the joint.
+    damping: f64,
+    frictionloss: f64,
+    /// Force of the second actuator.
+    load: f64,
+    delay_steps: usize,
+    step_s: f64,
+    weight: Weight,
+}
+
+impl Joint {
+    fn of(export: &ServoExport<'_>, step_s: f64, radians: f64) -> Self {
+        let p = &export.parameters;
+        let damping = p.limit.map_or(0.0, |limit| limit.motor_damping);
+        Self {
+            kp: p.stiffness,
+            kv: p.damping - damping,
+            range: p.limit.map(|limit| (limit.up, limit.up * limit.down_to_up)),
+            damping,
+            frictionloss: p.friction.map_or(0.0, |friction| friction.coulomb),
+            load: export.constant_load(),
+            // The angle after a step has the speed at the end of the step: it is early by half a step.
+            delay_steps: (p.delay_s.max(0.0) / step_s + 1.0).floor() as usize,
+            step_s,
+            weight: Weight::of(&p.load, radians),
+        }
+    }
+
+    /// The angle at the beginning of each step, as MuJoCo's integrator `implicitfast` computes it, from rest at the angle
+    /// `rest`.
+    fn respond(&self, command: &[f64], rest: f64) -> Vec<f64> {
+        let first = command.first().copied().unwrap_or(0.0);
+        let (mut angle, mut speed) = (rest, 0.0);
+        let mut late = DelayLine::new(self.delay_steps, first);
+        let mut angles = Vec::with_capacity(command.len());
+        for command in command {
+            angles.push(angle);
+            let wanted = self.kp * (late.pass(*command) - angle) - self.kv * speed;
+            let drive = match self.range {
+                Some((up, down)) => wanted.clamp(-down, up),
+                None => wanted,
+            };
+            let free = drive - self.damping * speed - self.load - self.weight.at(angle);
+            let acceleration = self.with_friction(free, speed);
+            // A drive at its limit does not depend on the speed.
+            let by_speed = self.damping + if drive == wanted { self.kv } else { 0.0 };
+            speed += self.step_s * acceleration / (1.0 + self.step_s * by_speed);
+            angle += self.step_s * speed;
+        }
+        angles
+    }
+
+    /// The values of the template.
+    fn values(&self, id: &str, radians: f64) -> Vec<(&'static str, String)> {
+        let range = self.range.map(|(up, down)| {
+            let (lowest, highest) = (number(-down * radians), number(up * radians));
+            format!(" forcerange=\"{lowest} {highest}\"")
+        });
+        let friction = (self.frictionloss > 0.0).then(|| {
+            format!(
+                " frictionloss=\"{}\" solreffriction=\"{} 1\" solimpfriction=\"{IMPEDANCE} {IMPEDANCE} 0.001 0.5 2\"",
+                number(self.frictionloss * radians),
+                number(TIME_CONSTANT * self.step_s)
+            )
+        });
+        let load = (self.load != 0.0).then(|| {
+            let values = [
+                ("id", id.to_owned()),
+                ("load", number(-self.load * radians)),
+            ];
+            fill(include_str!("../templates/servo_model/load.mjcf"), &values)
+        });
+        vec![
+            ("id", id.to_owned()),
+            ("step", number(self.step_s)),
+            ("mass", number(self.weight.mass)),
+            ("place", self.weight.place()),
+            ("gravity", number(-GRAVITY)),
+            ("armature", number(1.0 - self.weight.inertia())),
+            ("damping", number(self.damping)),
+            ("friction", friction.unwrap_or_default()),
+            ("kp", number(self.kp)),
+            ("kv", number(self.kv)),
+            ("range", range.unwrap_or_default()),
+            // MuJoCo rounds a delay up to whole steps.
+            (
+                "delay",
+                number((self.delay_steps as f64 - 0.5) * self.step_s),
+            ),
+            ("samples", (self.delay_steps + 1).to_string()),
+            ("load", load.unwrap_or_default()),
+        ]
+    }
+
+    /// The acceleration with a soft constraint that opposes the motion by at most `frictionloss`: it would end the motion within
+    /// its time constant.
+    fn with_friction(&self, free: f64, speed: f64) -> f64 {
+        let rate = 2.0 / (IMPEDANCE * TIME_CONSTANT * self.step_s);
+        let wanted = -IMPEDANCE * (free + rate * speed);
+        free + wanted.clamp(-self.frictionloss, self.frictionloss)
+    }
+}
+
+/// The model.
+pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
+    let radians = export.radians_per_unit()?;
+    let step_s = step_s(export)?;
+    let joint = Joint::of(export, step_s, radians);
+    let servo = &export.parameters;
+    let trial = Trial::of(export, step_s, f64::INFINITY);
+    let command = trial.command();
+    let first = command.first().copied().unwrap_or(0.0);
+    let rest = (servo.resting_output(first) - servo.offset) / servo.gain;
+    let positions: Vec<f64> = joint
+        .respond(&command, rest)
+        .iter()
+        .map(|angle| servo.gain * angle + servo.offset)
+        .collect();
+    let load = match servo.load {
+        Load::Pendulum { .. } => servo.load,
+        _ => export.only_constant_load(),
+    };
+    let difference = Difference::of(export, trial, &positions, load);
+    let about = about(export, radians, &difference);
+    let mut values = joint.values(&identifier(export.name), radians);
+    values.push(("about", XML_STYLE.comment(&about)));
+    let template = include_str!("../templates/servo_model/servo.mjcf");
+    ExportedServo::new(fill(template, &values), difference)
+}
+
+fn about(export: &ServoExport<'_>, radians: f64, difference: &Difference) -> Vec<String> {
+    let mut about = export.statement();
+    about.extend([
+        export.hold(false),
+        format!(
+            "In MuJoCo: angles are in rad, {} for each unit of the command and of theta: ctrl is that times the command, and the position is (joint angle / that) times the gain, plus the offset. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C.",
+            number(radians)
+        ),
+        "The joint has an inertia of 1 kg m^2, which stands for the unknown one of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J. The weight, if there is one, is a mass on an arm as short as a millimetre: your mechanism takes its place.".to_owned(),
+        "delay and nsample are the delay, and half a step by which MuJoCo is early; they are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.".to_owned(),
+        export.left_out("MuJoCo's position actuator", &LEFT_OUT),
+        export.difference(difference, Comparison::Emulation("MuJoCo")),
+    ]);
+    about
+}

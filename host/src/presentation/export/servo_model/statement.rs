@@ -1,0 +1,183 @@
+//! The comment at the top of every export of a servo model.
+
+use super::subject::ServoExport;
+use super::trial::{Difference, FINER};
+use crate::presentation::export::text::number;
+use crate::presentation::summary;
+use crate::presentation::summary::four_digits;
+use servoid_identification::results::Bounds;
+
+/// How the difference of an export from the servo model was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Comparison {
+    /// By the same steps as the file takes.
+    SameSteps,
+    /// By an emulation of what the program, named here, does.
+    Emulation(&'static str),
+}
+
+impl ServoExport<'_> {
+    /// The limits of the numbers, a sentence each.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        if let Bounds::Withdrawn(reason) = &self.model.covariance {
+            let because = reason.because();
+            found.push(format!(
+                "no intervals can be given, as {because}: this file has none"
+            ));
+        }
+        if self.metadata.pulse_frame_s.is_none() {
+            found.push("it is not known how the command is held, so no frame hold is assumed; for a servo on pulses, state their frame with --frame-ms".to_owned());
+        }
+        found
+    }
+
+    /// Origin, warnings, equation, units and parameters, a paragraph each.
+    pub(super) fn statement(&self) -> Vec<String> {
+        let mut paragraphs = vec![format!(
+            "{}: the servo as a machine, a nonlinear servo model, exported by servoid {} from {}.",
+            self.name,
+            env!("CARGO_PKG_VERSION"),
+            self.source
+        )];
+        let warnings = self.warnings().into_iter();
+        paragraphs.extend(warnings.map(|warning| format!("WARNING: {warning}.")));
+        paragraphs.extend([
+            EQUATION.to_owned(),
+            self.units_and_signs(),
+            PER_INERTIA.to_owned(),
+            self.identified(),
+            self.quality(),
+        ]);
+        paragraphs
+    }
+
+    fn units_and_signs(&self) -> String {
+        let units = self.metadata.units();
+        let of = |what: &str, unit: Option<&str>| match unit {
+            Some(unit) => format!("the {what} is in {unit}"),
+            None => format!("the unit of the {what} is that of the recording, and not known"),
+        };
+        format!(
+            "Units and signs: {}, {}, theta is in units of the command, times are in seconds. A positive load turns towards smaller angles. The offset is part of the position.",
+            of("command", units.input),
+            of("position", units.output),
+        )
+    }
+
+    /// The quantities with their intervals, where bounds hold.
+    fn identified(&self) -> String {
+        let units = self.metadata.units();
+        let of = |determined: bool| {
+            let quantities = self.model.quantities.iter();
+            quantities.filter(move |quantity| quantity.determined == determined)
+        };
+        let determined: Vec<String> = of(true)
+            .map(|quantity| summary::quantity_text(quantity, units))
+            .collect();
+        let open: Vec<&str> = of(false).map(|quantity| quantity.name.as_str()).collect();
+        let intervals = match &self.model.covariance {
+            Bounds::Valid(covariance) => format!(
+                "with intervals of {} %, which hold for other sets of terms that predict as well",
+                summary::percent(covariance.level)
+            ),
+            Bounds::Withdrawn(_) => "without intervals (see the warning)".to_owned(),
+        };
+        let mut text = format!("Identified, {intervals}: {}.", determined.join(", "));
+        if !open.is_empty() {
+            text += &format!(
+                " Not determined by the recording, so that the parameters below give one value among many: {}.",
+                open.join(", ")
+            );
+        }
+        if let (1.., Some(name)) = (self.controller, self.options.controller) {
+            text += &format!(
+                " All that is for the first controller; this file has the controller {name}, which differs in stiffness alone."
+            );
+        }
+        text
+    }
+
+    fn quality(&self) -> String {
+        let fit = &self.model.fit;
+        format!(
+            "It follows the recording to {:.2} %, and parts that it had not seen to {:.2} %, simulated from the command alone.",
+            fit.simulation_percent, fit.held_out_percent
+        )
+    }
+
+    /// Where the hold of the pulse frame is, in a file that `has_hold` or has not.
+    pub(super) fn hold(&self, has_hold: bool) -> String {
+        let frame = number((self.frame_s() * 1e7).round() / 1e4);
+        match self.frame_s() {
+            0.0 => "Hold: none is assumed, the command may change at any step.".to_owned(),
+            _ if has_hold => format!(
+                "Hold: that of the command for a pulse frame of {frame} ms is part of this file."
+            ),
+            _ => format!(
+                "Hold: a servo gets a new pulse once in {frame} ms only, and that is not part of this file. Put a sample and hold of {frame} ms before it."
+            ),
+        }
+    }
+
+    /// How a rate limit of this share of the top speed was found.
+    pub(super) fn rate(&self, share: f64) -> String {
+        match self.top_speeds() {
+            None => "Rate: the drive has no limit, and there is none.".to_owned(),
+            Some(_) => format!(
+                "Rate: the limit is {} % of the top speed, which comes closest to the servo under the command below, in the mean of squares. In short strokes a servo does not reach its top speed.",
+                four_digits(100.0 * share)
+            ),
+        }
+    }
+
+    /// The largest difference, and the command under which it was found.
+    pub(super) fn difference(&self, found: &Difference, by: Comparison) -> String {
+        let trial = &found.trial;
+        let unit = self.metadata.units().output;
+        let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+        let stroke = trial.largest_stroke() * self.parameters.gain.abs();
+        let shown = |difference: f64| {
+            let percent = four_digits(100.0 * difference / stroke);
+            format!(
+                "{}{unit}, {percent} % of the largest stroke",
+                difference_text(difference)
+            )
+        };
+        let without = found.without_other_loads.map(|difference| {
+            format!(
+                " From the same servo without the load that is left out it is {}.",
+                shown(difference)
+            )
+        });
+        let emulation = match by {
+            Comparison::SameSteps => String::new(),
+            Comparison::Emulation(program) => {
+                format!(", by an emulation of what {program} does")
+            }
+        };
+        let levels: Vec<String> = trial.levels.iter().copied().map(number).collect();
+        format!(
+            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual: {}, with steps of {} ms{emulation}.{} The command: {}, each for {} s ({} steps); the first level is not compared.",
+            shown(found.largest),
+            four_digits(1e3 * trial.step_s),
+            without.unwrap_or_default(),
+            levels.join(", "),
+            four_digits(trial.steps_per_level as f64 * trial.step_s),
+            trial.steps_per_level,
+        )
+    }
+}
+
+/// Four digits, with an exponent where they would be behind many zeros.
+fn difference_text(difference: f64) -> String {
+    match difference < 1e-5 {
+        true => format!("{difference:.3e}"),
+        false => four_digits(difference),
+    }
+}
+
+const EQUATION: &str = "Equation: r(t) = u(t - d) is the command, late by d. The error e is r - theta beyond a dead band of w to each side, counted from its edge. The drive is k e - (c - B) omega, between -A- and A+; where it is negative, k and c - B are A-/A+ times as large. omega' = drive - B omega - friction - load(theta), theta' = omega, position = gain theta + offset. Friction is C (1 + s / (1 + (omega/ws)^2)) against the motion, and holds the shaft at rest while less acts on it.";
+
+const PER_INERTIA: &str = "Inertia: all accelerations are torques per unit of inertia. No torque, mass or current follows from the recording; with a known inertia, multiply by it.";

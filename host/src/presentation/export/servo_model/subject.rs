@@ -1,0 +1,172 @@
+//! A servo model with the facts that its exports state.
+
+use crate::data::model_file::ServoModelDocument;
+use crate::data::model_metadata::ModelMetadata;
+use crate::presentation::export::error::ExportError;
+use servoid_identification::servo_model::{Load, ServoModel, ServoParameters};
+
+/// Longest delay that a servo may have \[s\]: files keep the commands of that time.
+const LONGEST_DELAY_S: f64 = 10.0;
+
+/// The lowest top speed as a share of that without friction and load: where these stop the servo a rate of zero would mean that
+/// there is no limit.
+const SLOWEST: f64 = 0.001;
+
+/// What may be chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ServoExportOptions {
+    /// The controller, as the recordings call it; needed where the model has several.
+    pub controller: Option<f64>,
+    /// The step of the exported servo \[s\]; without it, one that suits servo and target.
+    pub step_s: Option<f64>,
+}
+
+/// A servo model with one controller, ready to be written.
+#[derive(Clone, Debug)]
+pub struct ServoExport<'a> {
+    /// Name of the servo; any text.
+    pub name: &'a str,
+    /// Origin of the model; any text.
+    pub source: &'a str,
+    /// The model.
+    pub model: &'a ServoModel,
+    /// Units, and the pulse frame, where they are known.
+    pub metadata: &'a ModelMetadata,
+    /// The number of the chosen controller, from 0.
+    pub(super) controller: usize,
+    /// The parameters with the chosen controller.
+    pub(super) parameters: ServoParameters,
+    pub(super) options: ServoExportOptions,
+}
+
+impl<'a> ServoExport<'a> {
+    /// Chooses the controller.
+    ///
+    /// # Errors
+    /// There are several controllers and none is chosen, or the model does not have the chosen one.
+    pub fn new(
+        name: &'a str,
+        source: &'a str,
+        document: &'a ServoModelDocument,
+        metadata: &'a ModelMetadata,
+        options: ServoExportOptions,
+    ) -> Result<Self, ExportError> {
+        let names = &document.controller_names;
+        let controller = match options.controller {
+            Some(wanted) => {
+                let found = names.iter().position(|name| *name == wanted);
+                found.ok_or_else(|| ExportError::UnknownController {
+                    wanted,
+                    known: names.clone(),
+                })?
+            }
+            None if document.model.controllers > 1 => {
+                return Err(ExportError::ControllerNotChosen {
+                    known: names.clone(),
+                });
+            }
+            None => 0,
+        };
+        let parameters = document.model.parameters(controller);
+        if !is_possible(&parameters) {
+            return Err(ExportError::Impossible);
+        }
+        Ok(Self {
+            name,
+            source,
+            model: &document.model,
+            metadata,
+            controller,
+            parameters,
+            options,
+        })
+    }
+
+    /// The frame that holds a command \[s\]: 0 where there is none, or none is known.
+    pub(super) fn frame_s(&self) -> f64 {
+        self.metadata.pulse_frame_s.unwrap_or(0.0)
+    }
+
+    /// Radians for each unit of θ, for programs whose servos turn by angles.
+    ///
+    /// # Errors
+    /// Neither command nor position is an angle.
+    pub(super) fn radians_per_unit(&self) -> Result<f64, ExportError> {
+        let units = self.metadata.units();
+        let gain = self.parameters.gain.abs();
+        let radians = match (units.input, units.output) {
+            (Some("deg"), _) => 1f64.to_radians(),
+            (Some("rad"), _) => 1.0,
+            (_, Some("deg")) => gain.to_radians(),
+            (_, Some("rad")) => gain,
+            (None, _) => self.model.radians_per_command,
+            (Some(unit), _) => return Err(ExportError::NotAnAngle(unit.to_owned())),
+        };
+        match radians.is_finite() && radians > 0.0 {
+            true => Ok(radians),
+            false => Err(ExportError::Impossible),
+        }
+    }
+
+    /// The load that is the same at all angles \[acceleration\].
+    pub(super) fn constant_load(&self) -> f64 {
+        match self.parameters.load {
+            Load::None | Load::Pendulum { .. } => 0.0,
+            Load::Constant(constant) | Load::Air { constant, .. } => constant,
+        }
+    }
+
+    /// The same as the whole load.
+    pub(super) fn only_constant_load(&self) -> Load<f64> {
+        match self.constant_load() {
+            0.0 => Load::None,
+            constant => Load::Constant(constant),
+        }
+    }
+
+    /// The parameters with this load in place of their own.
+    pub(super) fn parameters_with(&self, load: Load<f64>) -> ServoParameters {
+        ServoParameters {
+            load,
+            ..self.parameters
+        }
+    }
+
+    /// The speeds upwards and downwards at which full drive, damping, friction and the constant load balance
+    /// \[units of the command/s\]; `None` where the drive has no limit.
+    pub(super) fn top_speeds(&self) -> Option<(f64, f64)> {
+        let limit = self.parameters.limit?;
+        let friction = self.parameters.friction.map_or(0.0, |f| f.coulomb);
+        let slowest = SLOWEST * limit.up;
+        let speed = |drive: f64| (drive - friction).max(slowest) / limit.motor_damping;
+        let load = self.constant_load();
+        Some((
+            speed(limit.up - load),
+            speed(limit.up * limit.down_to_up + load),
+        ))
+    }
+}
+
+/// Whether a servo can be computed: a model file may say anything.
+fn is_possible(servo: &ServoParameters) -> bool {
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    let not_negative = |value: f64| value.is_finite() && value >= 0.0;
+    let limit = servo.limit.is_none_or(|limit| {
+        positive(limit.up) && positive(limit.down_to_up) && positive(limit.motor_damping)
+    });
+    let friction = servo.friction.is_none_or(|friction| {
+        let at_rest = friction
+            .at_rest
+            .is_none_or(|at_rest| not_negative(at_rest.excess) && positive(at_rest.speed));
+        not_negative(friction.coulomb) && at_rest
+    });
+    (0.0..=LONGEST_DELAY_S).contains(&servo.delay_s)
+        && positive(servo.stiffness)
+        && positive(servo.damping)
+        && positive(servo.gain.abs())
+        && (servo.offset / servo.gain).is_finite()
+        && not_negative(servo.dead_band.unwrap_or(0.0))
+        && limit
+        && friction
+        && servo.holding_command(0.0).is_finite()
+}

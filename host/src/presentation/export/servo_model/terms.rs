@@ -1,0 +1,159 @@
+//! Terms of the equation that a target may not have.
+
+use super::subject::ServoExport;
+use crate::presentation::summary::four_digits;
+use servoid_identification::servo_model::Load;
+
+/// What a target leaves out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Term {
+    /// Full drive is an acceleration, and speed builds up.
+    FullDrive,
+    /// Speed in one direction only differs from that in the other.
+    TwoSpeeds,
+    /// The loop is weaker where the drive is negative.
+    WeakerLoopDownwards,
+    /// The ratio of damping to stiffness is free.
+    DampingRatio,
+    DeadBand,
+    Friction,
+    FrictionAtRest,
+    ConstantLoad,
+    Weight,
+    StiffeningLoad,
+    Gain,
+    Offset,
+}
+
+impl ServoExport<'_> {
+    /// Those of `terms` that this servo has, in a sentence with their values.
+    pub(super) fn left_out(&self, target: &str, terms: &[Term]) -> String {
+        let found: Vec<String> = terms
+            .iter()
+            .filter_map(|term| self.described(*term))
+            .collect();
+        match found.is_empty() {
+            true => format!("Left out: nothing; {target} has all terms of this servo."),
+            false => format!(
+                "Left out, as {target} cannot express it: {}.",
+                found.join("; ")
+            ),
+        }
+    }
+
+    /// A term of this servo with its value; `None` where it does not have the term.
+    fn described(&self, term: Term) -> Option<String> {
+        let p = &self.parameters;
+        let (command, output) = (self.command_unit(), self.output_unit());
+        match term {
+            Term::FullDrive | Term::TwoSpeeds | Term::WeakerLoopDownwards => self.drive(term),
+            Term::DampingRatio => {
+                let ratio = four_digits(p.damping / (2.0 * p.stiffness.sqrt()));
+                Some(format!(
+                    "the damping ratio of {ratio}: a Butterworth filter has 0.7071"
+                ))
+            }
+            Term::DeadBand => p
+                .dead_band
+                .map(|width| format!("dead band, {} {command} to each side", four_digits(width))),
+            Term::Friction => p
+                .friction
+                .map(|friction| format!("friction, {}", self.acceleration(friction.coulomb))),
+            Term::FrictionAtRest => {
+                let rest = p.friction?.at_rest?;
+                let factor = four_digits(1.0 + rest.excess);
+                let speed = four_digits(rest.speed);
+                Some(format!(
+                    "friction at rest, {factor} times that in motion, falling around {speed} {command}/s"
+                ))
+            }
+            Term::ConstantLoad | Term::Weight | Term::StiffeningLoad => self.load(term),
+            Term::Gain => Some(format!(
+                "the gain of {} {output}/{command}",
+                four_digits(p.gain)
+            )),
+            Term::Offset => Some(format!("the offset of {} {output}", four_digits(p.offset))),
+        }
+    }
+
+    fn drive(&self, term: Term) -> Option<String> {
+        let command = self.command_unit();
+        let limit = self.parameters.limit?;
+        if term == Term::FullDrive {
+            let up = four_digits(limit.up);
+            let down = four_digits(limit.up * limit.down_to_up);
+            let per_s = four_digits(limit.motor_damping);
+            return Some(format!(
+                "full drive as an acceleration, {up} {command}/s^2 upwards and {down} downwards, against the motor's damping of {per_s} 1/s: here speed follows at once"
+            ));
+        }
+        if limit.down_to_up == 1.0 {
+            return None;
+        }
+        if term == Term::TwoSpeeds {
+            let (up, down) = self.top_speeds()?;
+            let (up, down) = (four_digits(up), four_digits(down));
+            return Some(format!(
+                "two speeds, {up} {command}/s upwards and {down} downwards: their mean is used"
+            ));
+        }
+        let ratio = four_digits(limit.down_to_up);
+        Some(format!(
+            "stiffness and damping of the loop that are {ratio} times as large where the drive is negative"
+        ))
+    }
+
+    fn load(&self, term: Term) -> Option<String> {
+        let command = self.command_unit();
+        match (term, self.parameters.load) {
+            (Term::ConstantLoad, Load::Constant(load)) => {
+                Some(format!("constant load, {}", self.acceleration(load)))
+            }
+            (Term::ConstantLoad, Load::Air { constant, .. }) => Some(format!(
+                "the constant part of the load, {}",
+                self.acceleration(constant)
+            )),
+            (Term::Weight, Load::Pendulum { gravity, from, .. }) => Some(format!(
+                "the weight on the arm, which takes {} with a level arm, and hangs at theta = {} {command}",
+                self.acceleration(gravity),
+                four_digits(-from)
+            )),
+            (
+                Term::StiffeningLoad,
+                Load::Air {
+                    stiffening, from, ..
+                },
+            ) => {
+                let beyond = if stiffening > 0.0 { "above" } else { "below" };
+                Some(format!(
+                    "the load of the air that stiffens {beyond} theta = {} {command}, by {} 1/s^2 for each {command} times the square of the distance",
+                    four_digits(from),
+                    four_digits(stiffening)
+                ))
+            }
+            _ => None,
+        }
+    }
+
+    /// An acceleration, and the error at rest that it stands for.
+    fn acceleration(&self, acceleration: f64) -> String {
+        let command = self.command_unit();
+        let error = four_digits(acceleration / self.parameters.stiffness);
+        let acceleration = four_digits(acceleration);
+        format!("{acceleration} {command}/s^2, an error of {error} {command} at rest")
+    }
+
+    fn command_unit(&self) -> &str {
+        self.metadata
+            .units()
+            .input
+            .unwrap_or("units of the command")
+    }
+
+    fn output_unit(&self) -> &str {
+        self.metadata
+            .units()
+            .output
+            .unwrap_or("units of the position")
+    }
+}

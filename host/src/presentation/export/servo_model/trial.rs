@@ -1,0 +1,166 @@
+//! The command under which an export is compared with servoid's own integrator.
+
+use super::subject::ServoExport;
+use serde::Serialize;
+use servoid_dynamics::{Grid, Load, ServoParameters, Start, simulate};
+
+/// A staircase of small and large strokes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Trial {
+    /// Step of time of the exported servo \[s\].
+    pub step_s: f64,
+    /// The levels of the command \[units of the command\].
+    pub levels: Vec<f64>,
+    /// For how many steps each level is held.
+    pub steps_per_level: usize,
+}
+
+/// How far an exported servo is from the servo model.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Difference {
+    /// The command.
+    pub trial: Trial,
+    /// The largest difference of the position \[unit of the position\].
+    pub largest: f64,
+    /// The same from a servo that has the loads that the export has, where it leaves some out.
+    pub without_other_loads: Option<f64>,
+}
+
+impl Difference {
+    /// Of the positions `found` at the beginning of each step, which have the load `load`.
+    pub fn of(export: &ServoExport<'_>, trial: Trial, found: &[f64], load: Load<f64>) -> Self {
+        let servo = &export.parameters;
+        let from = |servo: &ServoParameters| trial.largest_difference(found, &trial.exact(servo));
+        Self {
+            largest: from(servo),
+            without_other_loads: (load != servo.load).then(|| from(&export.parameters_with(load))),
+            trial,
+        }
+    }
+}
+
+/// The levels as parts of the amplitude: strokes of a tenth and less, and of twice the amplitude.
+const LEVELS: [f64; 8] = [0.0, 0.1, -0.05, 1.0, -1.0, -0.9, 0.5, 0.0];
+
+/// Shortest and longest time for which a level is held \[s\].
+const HOLD_S: (f64, f64) = (0.2, 5.0);
+
+/// Amplitudes that a servo may have in any unit; a model file may say anything.
+const POSSIBLE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
+
+/// Time constants that a stroke has to settle in.
+const SETTLING: f64 = 5.0;
+
+/// How much finer the motion that counts as exact is computed than servoid does elsewhere.
+pub(super) const FINER: f64 = 10.0;
+
+impl Trial {
+    /// A trial with steps of `step_s` seconds, within `farthest` units of the command from its middle.
+    pub(super) fn of(export: &ServoExport<'_>, step_s: f64, farthest: f64) -> Self {
+        let parameters = &export.parameters;
+        let most = amplitude(export).min(farthest);
+        let amplitude = short(most, most, 2, f64::floor);
+        let middle = short(
+            -parameters.offset / parameters.gain,
+            amplitude,
+            1,
+            f64::round,
+        );
+        let hold_s = hold_s(export, amplitude);
+        let level = |part: &f64| short(middle + part * amplitude, amplitude, 3, f64::round);
+        Self {
+            step_s,
+            levels: LEVELS.iter().map(level).collect(),
+            steps_per_level: (hold_s / step_s).round().max(1.0) as usize,
+        }
+    }
+
+    /// The command of each step.
+    #[must_use]
+    pub fn command(&self) -> Vec<f64> {
+        let held = |level: &f64| std::iter::repeat_n(*level, self.steps_per_level);
+        self.levels.iter().flat_map(held).collect()
+    }
+
+    /// The position at the beginning of each step, by servoid's integrator with steps of a tenth of its usual ones.
+    #[must_use]
+    pub fn exact(&self, servo: &ServoParameters) -> Vec<f64> {
+        let usual = Grid::for_stiffness(1.0, 0.0, servo.stiffness);
+        let finer = usual.period_s / usual.steps as f64 / FINER;
+        let grid = Grid::new(self.step_s, 0.0, finer);
+        let first = self.levels.first().copied().unwrap_or(0.0);
+        let start = Start::at_rest(servo.resting_output(first), Some(first));
+        let mut position = Vec::new();
+        simulate(servo, &grid, &start, &self.command(), |_, y| {
+            position.push(y);
+        });
+        position
+    }
+
+    /// The largest difference of two courses of the position after the first level, on which other programs may not begin at
+    /// rest.
+    #[must_use]
+    pub fn largest_difference(&self, a: &[f64], b: &[f64]) -> f64 {
+        let pairs = a.iter().zip(b).skip(self.steps_per_level);
+        // A NaN must not be lost.
+        pairs.fold(0.0, |most: f64, (a, b)| {
+            let apart = (a - b).abs();
+            if apart <= most { most } else { apart }
+        })
+    }
+
+    /// The largest stroke of the command.
+    pub(super) fn largest_stroke(&self) -> f64 {
+        let strokes = self.levels.windows(2).filter_map(|pair| match pair {
+            [from, to] => Some((to - from).abs()),
+            _ => None,
+        });
+        strokes.fold(0.0, f64::max)
+    }
+}
+
+/// The root mean square of the motion in the record, in units of the command: no motion about a middle is farther from it
+/// everywhere. A file without it gets strokes that the drive limits.
+fn amplitude(export: &ServoExport<'_>) -> f64 {
+    let (fit, parameters) = (&export.model.fit, &export.parameters);
+    let output = fit.rmse / (1.0 - fit.simulation_percent / 100.0);
+    let shown = output / parameters.gain.abs();
+    if POSSIBLE.contains(&shown) {
+        return shown;
+    }
+    let limited = parameters
+        .limit
+        .map(|limit| 4.0 * limit.up / parameters.stiffness);
+    limited
+        .filter(|amplitude| POSSIBLE.contains(amplitude))
+        .unwrap_or(1.0)
+}
+
+/// Long enough for the largest stroke; whole pulse frames where there are any.
+fn hold_s(export: &ServoExport<'_>, amplitude: f64) -> f64 {
+    let parameters = &export.parameters;
+    let half = parameters.damping / 2.0;
+    // The real part of the slower pole.
+    let slower = half - (half * half - parameters.stiffness).max(0.0).sqrt();
+    let speed = export
+        .top_speeds()
+        .map_or(f64::INFINITY, |(up, down)| up.min(down));
+    let wanted = parameters.delay_s + 2.0 * amplitude / speed + SETTLING / slower;
+    let held = wanted.clamp(HOLD_S.0, HOLD_S.1);
+    let unit = match export.frame_s() {
+        frame if frame > 0.0 => frame,
+        _ => 0.1,
+    };
+    (held / unit - 1e-9).ceil() * unit
+}
+
+/// A multiple of a power of ten, so that a number is short in a comment: `digits` digits of `size` stay, and the rest is cut
+/// off by `whole`.
+fn short(value: f64, size: f64, digits: i32, whole: fn(f64) -> f64) -> f64 {
+    let exponent = size.log10().floor() as i32 + 1 - digits;
+    // A quotient of two whole numbers is the nearest number to the decimal one.
+    match exponent < 0 {
+        true => whole(value * 10f64.powi(-exponent)) / 10f64.powi(-exponent),
+        false => whole(value / 10f64.powi(exponent)) * 10f64.powi(exponent),
+    }
+}

@@ -1,0 +1,146 @@
+/*
+{{about}}
+ *
+ * C99, no allocation. {{id}}_real is float unless {{ID}}_REAL says otherwise, for example
+ * -D{{ID}}_REAL=double.
+ */
+#ifndef {{ID}}_H
+#define {{ID}}_H
+
+{{sine}}#ifndef {{ID}}_REAL
+#define {{ID}}_REAL float
+#endif
+typedef {{ID}}_REAL {{id}}_real;
+
+#define {{ID}}_NAME "{{name}}"
+#define {{ID}}_STEP_S {{step}}
+#define {{ID}}_DELAY_STEPS {{delay_steps}} /* whole steps */
+#define {{ID}}_LATE ({{ID}}_DELAY_STEPS + 2) /* commands that are on their way */
+
+static const {{id}}_real {{id}}_step_s = {{ID}}_STEP_S;
+{{parameters}}
+
+typedef struct {
+    {{id}}_real angle; /* theta */
+    {{id}}_real speed;
+    {{id}}_real late[{{ID}}_LATE]; /* a ring */
+    unsigned newest;
+} {{id}}_servo;
+
+/* Acceleration that the load takes at an angle. */
+static inline {{id}}_real {{id}}_load({{id}}_real angle)
+{
+    (void)angle; /* for a load that is the same everywhere */
+    return {{load}};
+}
+
+/* `value` moved towards zero by `width`, and zero where it would pass it. */
+static inline {{id}}_real {{id}}_nearer_zero({{id}}_real value, {{id}}_real width)
+{
+    return value > width ? value - width : (value < -width ? value + width : 0);
+}
+
+static inline {{id}}_real {{id}}_size({{id}}_real value)
+{
+    return value < 0 ? -value : value;
+}
+
+/* The loop as if the drive had no limit, with `ratio` times its constants, over h seconds. */
+
+/* Half of what the motor's damping takes of the speed. */
+static inline {{id}}_real {{id}}_half_motor({{id}}_real h)
+{
+    return h * {{id}}_motor_damping / 2;
+}
+
+/* What the loop's damping takes of the speed at each end. */
+static inline {{id}}_real {{id}}_braking({{id}}_real h, {{id}}_real ratio)
+{
+    return h * ({{id}}_damping - {{id}}_motor_damping) * ratio / 2;
+}
+
+/* The factor by which damping leaves the speed. */
+static inline {{id}}_real {{id}}_damped({{id}}_real h, {{id}}_real ratio)
+{
+    return 1 / (1 + {{id}}_half_motor(h) + {{id}}_braking(h, ratio));
+}
+
+/* Change of speed by the error, and by the speed at the beginning. */
+static inline {{id}}_real {{id}}_push(
+    {{id}}_real h, {{id}}_real error, {{id}}_real speed, {{id}}_real ratio)
+{
+    return error * h * {{id}}_stiffness * ratio - speed * {{id}}_braking(h, ratio);
+}
+
+/* Change of speed by the drive; `loaded` is the speed after load and the motor's damping. */
+static inline {{id}}_real {{id}}_unlimited_drive(
+    {{id}}_real h, {{id}}_real error, {{id}}_real speed, {{id}}_real loaded, {{id}}_real ratio)
+{
+    {{id}}_real pushed = {{id}}_push(h, error, speed, ratio);
+    return pushed - (loaded + pushed) * {{id}}_damped(h, ratio) * {{id}}_braking(h, ratio);
+}
+
+/* The position now. */
+static inline {{id}}_real {{id}}_position(const {{id}}_servo *servo)
+{
+    return {{id}}_gain * servo->angle + {{id}}_offset;
+}
+
+/* At rest under this command. */
+static inline void {{id}}_reset({{id}}_servo *servo, {{id}}_real command)
+{
+    servo->angle = command;
+    for (unsigned i = 0; i < 25; i++) {
+        servo->angle = (servo->angle + command - {{id}}_load(servo->angle) / {{id}}_stiffness) / 2;
+    }
+    servo->speed = 0;
+    for (unsigned i = 0; i < {{ID}}_LATE; i++) {
+        servo->late[i] = command;
+    }
+    servo->newest = 0;
+}
+
+/* The motion of h seconds under a command, without delay. */
+static inline void {{id}}_advance({{id}}_servo *servo, {{id}}_real h, {{id}}_real command)
+{
+    {{id}}_real speed = servo->speed, middle = servo->angle + h * speed / 2;
+    {{id}}_real error = {{id}}_nearer_zero(command - middle, {{id}}_dead_band);
+    {{id}}_real loaded = speed * (1 - {{id}}_half_motor(h)) - h * {{id}}_load(middle);
+
+    {{id}}_real ratio = 1, largest = h * {{id}}_full_drive;
+    if ({{id}}_unlimited_drive(h, error, speed, loaded, 1) < 0) {
+        ratio = {{id}}_down_to_up;
+        largest = -largest * {{id}}_down_to_up;
+    }
+    {{id}}_real pushed = {{id}}_push(h, error, speed, ratio), left = {{id}}_damped(h, ratio);
+    if ({{id}}_size({{id}}_unlimited_drive(h, error, speed, loaded, ratio)) > {{id}}_size(largest)) {
+        pushed = largest;
+        left = 1 / (1 + {{id}}_half_motor(h));
+    }
+
+    {{id}}_real relative = speed / {{id}}_friction_speed;
+    {{id}}_real held = {{id}}_friction * (1 + {{id}}_friction_at_rest / (1 + relative * relative));
+    servo->speed = {{id}}_nearer_zero((loaded + pushed) * left, h * left * held);
+    servo->angle = middle + h * servo->speed / 2;
+}
+
+/* Call once in {{ID}}_STEP_S with the command that is held from now on; returns the position at the end
+ * of the step. */
+static inline {{id}}_real {{id}}_step({{id}}_servo *servo, {{id}}_real command)
+{
+    unsigned oldest = servo->newest + 1 < {{ID}}_LATE ? servo->newest + 1 : 0;
+    unsigned next = oldest + 1 < {{ID}}_LATE ? oldest + 1 : 0;
+    servo->late[servo->newest] = command;
+    servo->newest = oldest;
+    {{id}}_real older = servo->late[oldest], newer = servo->late[next];
+    /* The delayed command changes within the step: the motion is computed to there, and from there. */
+    if (older < newer || older > newer) {
+        {{id}}_advance(servo, {{id}}_delay_fraction * {{id}}_step_s, older);
+        {{id}}_advance(servo, (1 - {{id}}_delay_fraction) * {{id}}_step_s, newer);
+    } else {
+        {{id}}_advance(servo, {{id}}_step_s, newer);
+    }
+    return {{id}}_position(servo);
+}
+
+#endif

@@ -1,0 +1,105 @@
+{{about}}
+#
+# Needs no package. Servo(command) is at rest under a command; step!(servo, command) goes on by
+# STEP_S and returns the position.
+
+module {{id}}
+
+const NAME = "{{name}}"
+const STEP_S = {{step}}
+const DELAY_STEPS = {{delay_steps}} # whole steps
+{{parameters}}
+
+"Acceleration that the load takes at an angle."
+load(angle) = {{load}}
+
+"`value` moved towards zero by `width`, and zero where it would pass it."
+nearer_zero(value, width) = value > width ? value - width : (value < -width ? value + width : 0.0)
+
+# The loop as if the drive had no limit, with `ratio` times its constants, over h seconds.
+
+"Half of what the motor's damping takes of the speed."
+half_motor(h) = 0.5 * h * MOTOR_DAMPING
+
+"What the loop's damping takes of the speed at each end."
+braking(h, ratio) = 0.5 * h * (DAMPING - MOTOR_DAMPING) * ratio
+
+"The factor by which damping leaves the speed."
+damped(h, ratio) = 1.0 / (1.0 + half_motor(h) + braking(h, ratio))
+
+"Change of speed by the error, and by the speed at the beginning."
+push(h, error, speed, ratio) = error * h * STIFFNESS * ratio - speed * braking(h, ratio)
+
+"Change of speed by the drive; `loaded` is the speed after load and the motor's damping."
+function unlimited_drive(h, error, speed, loaded, ratio)
+    pushed = push(h, error, speed, ratio)
+    return pushed - (loaded + pushed) * damped(h, ratio) * braking(h, ratio)
+end
+
+"The servo: theta, its speed, and the commands that are on their way."
+mutable struct Servo
+    angle::Float64
+    speed::Float64
+    late::Vector{Float64} # a ring
+    newest::Int # from 0
+end
+
+"At rest under `command`."
+function Servo(command::Real=0.0)
+    angle = Float64(command)
+    for _ in 1:25
+        angle = 0.5 * (angle + command - load(angle) / STIFFNESS)
+    end
+    return Servo(angle, 0.0, fill(Float64(command), DELAY_STEPS + 2), 0)
+end
+
+"The position now."
+position(servo::Servo) = GAIN * servo.angle + OFFSET
+
+"The position after STEP_S in which `command` was held."
+function step!(servo::Servo, command)
+    count = length(servo.late)
+    servo.late[servo.newest+1] = command
+    servo.newest = (servo.newest + 1) % count
+    older, newer = servo.late[servo.newest+1], servo.late[(servo.newest+1)%count+1]
+    # The delayed command changes within the step: the motion is computed to there, and from there.
+    if older == newer
+        advance!(servo, STEP_S, newer)
+    else
+        advance!(servo, DELAY_FRACTION * STEP_S, older)
+        advance!(servo, (1.0 - DELAY_FRACTION) * STEP_S, newer)
+    end
+    return position(servo)
+end
+
+"The motion of h seconds under a command, without delay."
+function advance!(servo::Servo, h, command)
+    middle = servo.angle + 0.5 * h * servo.speed
+    error = nearer_zero(command - middle, DEAD_BAND)
+    loaded = servo.speed * (1.0 - half_motor(h)) - h * load(middle)
+
+    ratio, largest = 1.0, h * FULL_DRIVE
+    if unlimited_drive(h, error, servo.speed, loaded, 1.0) < 0.0
+        ratio, largest = DOWN_TO_UP, -largest * DOWN_TO_UP
+    end
+    if abs(unlimited_drive(h, error, servo.speed, loaded, ratio)) > abs(largest)
+        pushed, left = largest, 1.0 / (1.0 + half_motor(h))
+    else
+        pushed, left = push(h, error, servo.speed, ratio), damped(h, ratio)
+    end
+
+    relative = servo.speed / FRICTION_SPEED
+    held = FRICTION * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
+    servo.speed = nearer_zero((loaded + pushed) * left, h * left * held)
+    servo.angle = middle + 0.5 * h * servo.speed
+    return servo
+end
+
+"The positions at the ends of steps with these commands, from rest under the first of them."
+function simulate(command)
+    isempty(command) && return Float64[]
+    servo = Servo(first(command))
+    return [step!(servo, value) for value in command]
+end
+
+end

@@ -1,0 +1,119 @@
+function [position, servo] = {{id}}(command, servo)
+{{about}}
+%
+% A function, in a file of its name: {{id}}.m. position = {{id}}(command) has the positions at the
+% ends of steps of step_s with these commands, from rest under the first of them. To go on from there,
+% [position, servo] = {{id}}(command, servo) takes and gives the state.
+
+p = parameters();
+if nargin < 2
+    servo = at_rest(command(1), p);
+end
+position = zeros(size(command));
+for k = 1:numel(command)
+    servo = step(servo, command(k), p);
+    position(k) = p.gain * servo.angle + p.offset;
+end
+end
+
+function p = parameters()
+p.name = '{{name}}';
+p.step_s = {{step}};
+p.delay_steps = {{delay_steps}}; % whole steps
+{{parameters}}
+end
+
+function servo = at_rest(command, p)
+% At rest under a command.
+angle = command;
+for k = 1:25
+    angle = 0.5 * (angle + command - load_at(angle, p) / p.stiffness);
+end
+servo = struct('angle', angle, 'speed', 0.0, 'late', command * ones(1, p.delay_steps + 2), 'newest', 0);
+end
+
+function servo = step(servo, command, p)
+% Goes on by step_s, in which the command was held.
+count = numel(servo.late);
+servo.late(servo.newest + 1) = command;
+servo.newest = mod(servo.newest + 1, count);
+older = servo.late(servo.newest + 1);
+newer = servo.late(mod(servo.newest + 1, count) + 1);
+% The delayed command changes within the step: the motion is computed to there, and from there.
+if older == newer
+    servo = advance(servo, p.step_s, newer, p);
+else
+    servo = advance(servo, p.delay_fraction * p.step_s, older, p);
+    servo = advance(servo, (1.0 - p.delay_fraction) * p.step_s, newer, p);
+end
+end
+
+function servo = advance(servo, h, command, p)
+% The motion of h seconds under a command, without delay.
+middle = servo.angle + 0.5 * h * servo.speed;
+error = nearer_zero(command - middle, p.dead_band);
+loaded = servo.speed * (1.0 - half_motor(h, p)) - h * load_at(middle, p);
+
+ratio = 1.0;
+largest = h * p.full_drive;
+if unlimited_drive(h, error, servo.speed, loaded, 1.0, p) < 0.0
+    ratio = p.down_to_up;
+    largest = -largest * p.down_to_up;
+end
+if abs(unlimited_drive(h, error, servo.speed, loaded, ratio, p)) > abs(largest)
+    pushed = largest;
+    left = 1.0 / (1.0 + half_motor(h, p));
+else
+    pushed = push(h, error, servo.speed, ratio, p);
+    left = damped(h, ratio, p);
+end
+
+relative = servo.speed / p.friction_speed;
+held = p.friction * (1.0 + p.friction_at_rest / (1.0 + relative * relative));
+servo.speed = nearer_zero((loaded + pushed) * left, h * left * held);
+servo.angle = middle + 0.5 * h * servo.speed;
+end
+
+function acceleration = load_at(angle, p)
+% What the load takes at an angle.
+acceleration = {{load}};
+end
+
+function value = nearer_zero(value, width)
+% The value moved towards zero by the width, and zero where it would pass it.
+if value > width
+    value = value - width;
+elseif value < -width
+    value = value + width;
+else
+    value = 0.0;
+end
+end
+
+% The loop as if the drive had no limit, with ratio times its constants, over h seconds.
+
+function taken = half_motor(h, p)
+% Half of what the motor's damping takes of the speed.
+taken = 0.5 * h * p.motor_damping;
+end
+
+function taken = braking(h, ratio, p)
+% What the loop's damping takes of the speed at each end.
+taken = 0.5 * h * (p.damping - p.motor_damping) * ratio;
+end
+
+function factor = damped(h, ratio, p)
+% The factor by which damping leaves the speed.
+factor = 1.0 / (1.0 + half_motor(h, p) + braking(h, ratio, p));
+end
+
+function change = push(h, error, speed, ratio, p)
+% Change of speed by the error, and by the speed at the beginning.
+change = error * h * p.stiffness * ratio - speed * braking(h, ratio, p);
+end
+
+function change = unlimited_drive(h, error, speed, loaded, ratio, p)
+% Change of speed by the drive; loaded is the speed after load and the motor's damping.
+pushed = push(h, error, speed, ratio, p);
+change = pushed - (loaded + pushed) * damped(h, ratio, p) * braking(h, ratio, p);
+end

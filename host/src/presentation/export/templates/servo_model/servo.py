@@ -1,0 +1,109 @@
+{{about}}
+#
+# Needs no package. Servo(command) is at rest under a command; its step(command) goes on by STEP_S
+# and returns the position.
+
+{{sine}}NAME = "{{name}}"
+STEP_S = {{step}}
+DELAY_STEPS = {{delay_steps}}  # whole steps
+{{parameters}}
+
+
+def load(angle):
+    """Acceleration that the load takes at an angle."""
+    return {{load}}
+
+
+def nearer_zero(value, width):
+    """`value` moved towards zero by `width`, and zero where it would pass it."""
+    if value > width:
+        return value - width
+    if value < -width:
+        return value + width
+    return 0.0
+
+
+# The loop as if the drive had no limit, with `ratio` times its constants, over h seconds.
+
+
+def half_motor(h):
+    """Half of what the motor's damping takes of the speed."""
+    return 0.5 * h * MOTOR_DAMPING
+
+
+def braking(h, ratio):
+    """What the loop's damping takes of the speed at each end."""
+    return 0.5 * h * (DAMPING - MOTOR_DAMPING) * ratio
+
+
+def damped(h, ratio):
+    """The factor by which damping leaves the speed."""
+    return 1.0 / (1.0 + half_motor(h) + braking(h, ratio))
+
+
+def push(h, error, speed, ratio):
+    """Change of speed by the error, and by the speed at the beginning."""
+    return error * h * STIFFNESS * ratio - speed * braking(h, ratio)
+
+
+def unlimited_drive(h, error, speed, loaded, ratio):
+    """Change of speed by the drive; `loaded` is the speed after load and the motor's damping."""
+    pushed = push(h, error, speed, ratio)
+    return pushed - (loaded + pushed) * damped(h, ratio) * braking(h, ratio)
+
+
+class Servo:
+    """The servo: theta, its speed, and the commands that are on their way."""
+
+    def __init__(self, command=0.0):
+        """At rest under `command`."""
+        self.angle = command
+        for _ in range(25):
+            self.angle = 0.5 * (self.angle + command - load(self.angle) / STIFFNESS)
+        self.speed = 0.0
+        self.late = [command] * (DELAY_STEPS + 2)  # a ring
+        self.newest = 0
+
+    def position(self):
+        """The position now."""
+        return GAIN * self.angle + OFFSET
+
+    def step(self, command):
+        """The position after STEP_S in which `command` was held."""
+        count = len(self.late)
+        self.late[self.newest] = command
+        self.newest = (self.newest + 1) % count
+        older, newer = self.late[self.newest], self.late[(self.newest + 1) % count]
+        # The delayed command changes within the step: the motion is computed to there, and from there.
+        if older == newer:
+            self.advance(STEP_S, newer)
+        else:
+            self.advance(DELAY_FRACTION * STEP_S, older)
+            self.advance((1.0 - DELAY_FRACTION) * STEP_S, newer)
+        return self.position()
+
+    def advance(self, h, command):
+        """The motion of h seconds under a command, without delay."""
+        middle = self.angle + 0.5 * h * self.speed
+        error = nearer_zero(command - middle, DEAD_BAND)
+        loaded = self.speed * (1.0 - half_motor(h)) - h * load(middle)
+
+        ratio, largest = 1.0, h * FULL_DRIVE
+        if unlimited_drive(h, error, self.speed, loaded, 1.0) < 0.0:
+            ratio, largest = DOWN_TO_UP, -largest * DOWN_TO_UP
+        if abs(unlimited_drive(h, error, self.speed, loaded, ratio)) > abs(largest):
+            pushed, left = largest, 1.0 / (1.0 + half_motor(h))
+        else:
+            pushed, left = push(h, error, self.speed, ratio), damped(h, ratio)
+
+        relative = self.speed / FRICTION_SPEED
+        held = FRICTION * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
+        self.speed = nearer_zero((loaded + pushed) * left, h * left * held)
+        self.angle = middle + 0.5 * h * self.speed
+
+
+def simulate(command):
+    """The positions at the ends of steps with these commands, from rest under the first of them."""
+    command = list(command)
+    servo = Servo(command[0]) if command else None
+    return [servo.step(value) for value in command]

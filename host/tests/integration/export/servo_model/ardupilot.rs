@@ -1,0 +1,92 @@
+//! The parameters for ArduPilot, in a servo that is computed as `libraries/SITL/ServoModel.cpp`, `AP_HAL/utility/RingBuffer.h`
+//! and `Filter/LowPassFilter2p.cpp` of ArduPilot do, in single precision: a ring of commands of which the oldest is taken after the
+//! newest is put in, a limit of the change in a step, and a biquad filter.
+
+use super::subjects::{Exported, SERVOS};
+use std::collections::VecDeque;
+
+/// A servo of SITL. Commands and positions are parts of the full deflection.
+struct Sitl {
+    ring: VecDeque<f32>,
+    largest_change: Option<f32>,
+    last: f32,
+    a: [f32; 2],
+    b: [f32; 3],
+    elements: [f32; 2],
+}
+
+impl Sitl {
+    fn new(text: &str, first: f32) -> Self {
+        let value = |name: &str| -> f32 {
+            let rows = text.lines().filter_map(|line| line.split_once(' '));
+            let (_, value) = rows.into_iter().find(|(key, _)| *key == name).unwrap();
+            value.parse().unwrap()
+        };
+        let rate = value("SIM_RATE_HZ");
+        let capacity = (value("SIM_SERVO_DELAY") * rate).max(1.0) as usize;
+        let speed = value("SIM_SERVO_SPEED");
+        // The full deflection is 45 degrees there.
+        let change = |speed: f32| 1.0 / (45.0 * (speed / 60.0)) / rate;
+        let bent = (std::f32::consts::PI / (rate / value("SIM_SERVO_FILTER"))).tan();
+        let quarter = 2.0 * std::f32::consts::FRAC_PI_4.cos() * bent;
+        let c = 1.0 + quarter + bent * bent;
+        let b0 = bent * bent / c;
+        let a = [
+            2.0 * (bent * bent - 1.0) / c,
+            (1.0 - quarter + bent * bent) / c,
+        ];
+        Self {
+            ring: std::iter::repeat_n(first, capacity - 1).collect(),
+            largest_change: (speed > 0.0).then(|| change(speed)),
+            last: first,
+            a,
+            b: [b0, 2.0 * b0, b0],
+            // At rest: the element that gives `first` with a gain of one.
+            elements: [first / (1.0 + a[0] + a[1]); 2],
+        }
+    }
+
+    fn step(&mut self, command: f32) -> f32 {
+        self.ring.push_back(command);
+        let mut value = self.ring.pop_front().unwrap();
+        if let Some(change) = self.largest_change {
+            value = value.clamp(self.last - change, self.last + change);
+            value = value.clamp(-1.0, 1.0);
+            self.last = value;
+        }
+        let ([a1, a2], [b0, b1, b2], [e1, e2]) = (self.a, self.b, self.elements);
+        let newest = value - e1 * a1 - e2 * a2;
+        self.elements = [newest, e1];
+        newest * b0 + e1 * b1 + e2 * b2
+    }
+}
+
+fn positions(exported: &Exported) -> Vec<f64> {
+    // The command is in deg.
+    let per_unit = 1.0 / 45.0;
+    let middle = exported.trial.levels[0];
+    let mut sitl = Sitl::new(&exported.text, 0.0);
+    let position = |command: &f64| {
+        let deflection = f64::from(sitl.step(((command - middle) * per_unit) as f32));
+        exported.servo.gain * (middle + deflection / per_unit) + exported.servo.offset
+    };
+    exported.trial.command().iter().map(position).collect()
+}
+
+#[test]
+fn parameters_are_as_far_from_the_servo_model_as_they_state() {
+    let folder = tempfile::tempdir().unwrap();
+    for servo in SERVOS {
+        let exported = servo.export("ardupilot", folder.path(), &[]);
+        // Single precision in a filter whose poles are close to one: 24 bits less some 10 of them.
+        exported.check(servo.name, &positions(&exported), 1e-3);
+    }
+}
+
+#[test]
+fn another_rate_is_written_and_used() {
+    let folder = tempfile::tempdir().unwrap();
+    let exported = SERVOS[1].export("ardupilot", folder.path(), &["--step-ms", "2.5"]);
+    assert!(exported.text.contains("SIM_RATE_HZ 400\n"));
+    exported.check("400 Hz", &positions(&exported), 1e-3);
+}

@@ -1,0 +1,11 @@
+//! Exports of the servo model: each is run in its program, against servoid's own integrator under the command that the file
+//! states.
+
+mod ardupilot;
+mod c;
+mod jsbsim;
+mod mujoco;
+mod refusals;
+mod scripts;
+mod statements;
+mod subjects;

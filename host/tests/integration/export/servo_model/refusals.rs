@@ -1,0 +1,106 @@
+//! What is refused, and with which remedy.
+
+use super::super::SUBJECT;
+use super::subjects::{AIRCRAFT, SERVOS};
+use crate::support::{arg, refusal};
+use serde_json::json;
+use servoid::data::model_file::ModelFile;
+use servoid::presentation::export::Target;
+use servoid::presentation::export::servo_model::{ServoExport, ServoExportOptions};
+use std::path::Path;
+
+fn refused(file: &Path, args: &[&str]) -> String {
+    refusal(&[&["export", arg(file)], args].concat())
+}
+
+#[test]
+fn a_file_without_a_servo_model_says_how_to_get_one() {
+    for args in [&["--to", "c", "--servo-model"][..], &["--to", "mujoco"]] {
+        let sentence = refused(&SUBJECT.file, args);
+        assert!(sentence.contains("has no servo model"), "{sentence}");
+        assert!(sentence.contains("--servo-model -o"), "{sentence}");
+    }
+}
+
+#[test]
+fn a_table_of_a_servo_model_is_refused() {
+    let sentence = refused(&AIRCRAFT.file, &["--to", "csv", "--servo-model"]);
+    assert!(sentence.contains("leave --servo-model out"), "{sentence}");
+}
+
+#[test]
+fn a_controller_must_be_one_of_the_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let second = SERVOS.into_iter().find(|servo| servo.name == "second");
+    let file = second.unwrap().file(folder.path());
+    let c = ["--to", "c", "--servo-model"];
+    let sentence = refused(&file, &c);
+    assert!(sentence.contains("400, 800: choose one"), "{sentence}");
+    let sentence = refused(&file, &[&c[..], &["--controller", "600"]].concat());
+    assert!(sentence.contains("600 is none of those"), "{sentence}");
+    let sentence = refused(&AIRCRAFT.file, &[&c[..], &["--controller", "600"]].concat());
+    assert!(sentence.contains("leave --controller out"), "{sentence}");
+}
+
+#[test]
+fn a_step_that_is_too_long_names_the_longest() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = SERVOS[1].file(folder.path());
+    let args = ["--to", "mujoco", "--step-ms", "20"];
+    let sentence = refused(&file, &args);
+    // 0.5 of 1/ω = 1/38.73 s.
+    assert!(sentence.contains("can be 12.909 at the most"), "{sentence}");
+}
+
+#[test]
+fn options_of_the_servo_model_are_not_ignored_without_it() {
+    for option in [["--step-ms", "1"], ["--controller", "1"]] {
+        let sentence = refused(&AIRCRAFT.file, &[&["--to", "c"], &option[..]].concat());
+        assert!(sentence.contains("add --servo-model"), "{sentence}");
+    }
+}
+
+#[test]
+fn a_command_that_is_no_angle_cannot_turn_a_joint() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    document["units"] = json!({ "input": "us", "output": "counts" });
+    let file = folder.path().join("counts.json");
+    std::fs::write(&file, document.to_string()).unwrap();
+    for target in ["mujoco", "ardupilot"] {
+        let sentence = refused(&file, &["--to", target]);
+        assert!(sentence.contains("the command is in us"), "{sentence}");
+    }
+}
+
+/// A model file may say anything: each number in turn is one that no servo has.
+#[test]
+fn numbers_of_no_servo_are_refused_or_written_but_never_a_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let targets = [Target::C, Target::Jsbsim, Target::Ardupilot, Target::Mujoco];
+    let mut refused = 0;
+    let tilted = SERVOS.into_iter().find(|servo| servo.name == "tilted");
+    let document = crate::support::json(&tilted.unwrap().file(folder.path()));
+    let count = document["servo_model"]["values"].as_array().unwrap().len();
+    for (k, value) in (0..count).flat_map(|k| [(k, -1e4), (k, 700.0)]) {
+        let mut changed = document.clone();
+        changed["servo_model"]["values"][k] = value.into();
+        let file = ModelFile::parse(&changed.to_string(), Path::new("m.json")).unwrap();
+        let model = file.servo_model().unwrap().unwrap();
+        let options = ServoExportOptions::default();
+        let export = ServoExport::new("m", "m.json", &model, &file.metadata, options);
+        for target in targets {
+            match export.as_ref().map(|export| export.write(target)) {
+                Ok(Ok(written)) => {
+                    let text = written.text;
+                    assert!(
+                        !text.contains("NaN") && !text.contains("inf"),
+                        "{k} {value}"
+                    );
+                }
+                _ => refused += 1,
+            }
+        }
+    }
+    assert!(refused > 0);
+}

@@ -1,0 +1,182 @@
+//! What the files say.
+
+use super::subjects::{AIRCRAFT, SERVOS, export};
+use crate::support::arg;
+use crate::support::run;
+use serde_json::json;
+
+const TARGETS: [&str; 7] = [
+    "c",
+    "python",
+    "julia",
+    "matlab",
+    "jsbsim",
+    "ardupilot",
+    "mujoco",
+];
+
+/// The text of a file as one line, without the signs of comments.
+fn prose(text: &str) -> String {
+    let lines = text
+        .lines()
+        .map(|line| line.trim_start_matches(['#', '%', '*', ' ']));
+    lines.collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn every_file_says_what_it_is_and_how_far_it_is_off() {
+    for target in TARGETS {
+        let exported = export(&AIRCRAFT.file, 0, target, &[]);
+        let prose = prose(&exported.text);
+        for said in [
+            "the servo as a machine",
+            "from a.json",
+            "the command is in deg, the position is in deg",
+            "torques per unit of inertia",
+            "Identified, ",
+            "Left out",
+            "20.0 ms",
+        ] {
+            assert!(prose.contains(said), "{target}: {said}");
+        }
+        let (_, rest) = prose.split_once("times as fine as usual: ").unwrap();
+        let stated: f64 = rest.split(' ').next().unwrap().parse().unwrap();
+        // It is written with four digits.
+        let apart = (stated - exported.stated).abs();
+        assert!(apart <= 1e-3 * exported.stated, "{target}: {stated}");
+        assert!(!exported.text.contains("{{") && !exported.text.contains("NaN"));
+    }
+}
+
+#[test]
+fn what_a_target_lacks_is_named_with_its_value() {
+    let folder = tempfile::tempdir().unwrap();
+    let find = |name: &str| SERVOS.into_iter().find(|servo| servo.name == name).unwrap();
+    for (name, target, said) in [
+        ("full", "mujoco", "dead band, 0.1500 deg to each side"),
+        (
+            "full",
+            "mujoco",
+            "0.7000 times as large where the drive is negative",
+        ),
+        (
+            "full",
+            "mujoco",
+            "friction at rest, 1.600 times that in motion",
+        ),
+        (
+            "full",
+            "ardupilot",
+            "friction, 300.0 deg/s^2, an error of 0.2000 deg",
+        ),
+        (
+            "full",
+            "ardupilot",
+            "two speeds, 233.3 deg/s upwards and 158.3 downwards",
+        ),
+        ("constant", "ardupilot", "constant load, 600.0 deg/s^2"),
+        (
+            "hanging",
+            "jsbsim",
+            "the weight on the arm, which takes 1500 deg/s^2",
+        ),
+        ("airborne", "jsbsim", "stiffens below theta = 2.000 deg"),
+        (
+            "limited",
+            "jsbsim",
+            "full drive as an acceleration, 4500 deg/s^2",
+        ),
+    ] {
+        let text = prose(&find(name).export(target, folder.path(), &[]).text);
+        assert!(text.contains(said), "{name} {target}: {text}");
+    }
+    let linear = find("linear").export("mujoco", folder.path(), &[]);
+    let nothing = prose(&linear.text);
+    assert!(nothing.contains("the gain of 1.020 deg/deg; the offset of"));
+    assert!(!linear.text.contains("forcerange=") && !linear.text.contains("frictionloss="));
+}
+
+#[test]
+fn intervals_are_written_only_where_they_hold() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    let model = &mut document["servo_model"];
+    let size = model["values"].as_array().unwrap().len();
+    model["withdrawn"] = json!(null);
+    model["bounds"] = json!({ "level": 0.99, "rows": vec![vec![0.0; size]; size] });
+    let delay = &mut model["quantities"][0];
+    delay["withdrawn"] = json!(null);
+    delay["bounds"] = json!({ "value": 0.0216, "lower": 0.0211, "upper": 0.0222 });
+    let valid = folder.path().join("valid.json");
+    std::fs::write(&valid, document.to_string()).unwrap();
+    for target in TARGETS {
+        let with = prose(&export(&valid, 0, target, &[]).text);
+        assert!(with.contains("intervals of 99 %"), "{target}");
+        assert!(with.contains("delay 21.60 ms (21.10 .. 22.20)"), "{target}");
+        let without = prose(&export(&AIRCRAFT.file, 0, target, &[]).text);
+        assert!(
+            without.contains("WARNING: no intervals can be given"),
+            "{target}"
+        );
+        assert!(
+            !without.contains(" .. ") && !without.contains("99 %"),
+            "{target}: {without}"
+        );
+    }
+}
+
+#[test]
+fn a_hostile_name_stays_a_name() {
+    const HOSTILE: &str = "x\"; */ --> ' ] ) ??/\n%}\r\u{2028}\u{202e}=# \"\"\" $(y) \\";
+    for target in TARGETS {
+        let lines = |name: &str| -> Vec<String> {
+            let text = export(&AIRCRAFT.file, 0, target, &["--name", name]).text;
+            text.lines().map(str::to_owned).collect()
+        };
+        let harmless = lines("x y");
+        let comment = match target {
+            "matlab" => "% ",
+            "c" => " * ",
+            "jsbsim" | "mujoco" => "  ",
+            _ => "# ",
+        };
+        for line in lines(HOSTILE)
+            .iter()
+            .filter(|line| !harmless.contains(line))
+        {
+            let named = line.contains("NAME") || line.contains("p.name = ");
+            assert!(named || line.starts_with(comment), "{target}: {line}");
+            let ended = match target {
+                "c" => line.contains("*/"),
+                "jsbsim" | "mujoco" => line.contains("-->"),
+                _ => line.contains('\u{202e}'),
+            };
+            // Within a string it ends nothing.
+            assert!(named || !ended, "{target}: {line}");
+        }
+    }
+}
+
+#[test]
+fn what_the_recording_does_not_determine_is_said_without_a_value() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    document["servo_model"]["quantities"][4]["determined"] = false.into();
+    let file = folder.path().join("open.json");
+    std::fs::write(&file, document.to_string()).unwrap();
+    let said = prose(&export(&file, 0, "c", &[]).text);
+    assert!(
+        said.contains("Not determined by the recording") && said.contains("many: damping ratio."),
+        "{said}"
+    );
+    assert!(!said.contains("damping ratio 0."), "{said}");
+}
+
+/// Two of the formats take nothing else, so the option is not needed.
+#[test]
+fn ardupilot_and_mujoco_mean_the_servo_model() {
+    for target in ["ardupilot", "mujoco"] {
+        let args = ["export", arg(&AIRCRAFT.file), "--to", target, "-q"];
+        assert_eq!(run(&args), export(&AIRCRAFT.file, 0, target, &[]).text);
+    }
+}

@@ -1,0 +1,225 @@
+//! Servos with all terms, and their exports.
+
+use crate::support::{arg, run};
+use serde_json::{Value, json};
+use servoid::data::model_file::ModelFile;
+use servoid::presentation::export::servo_model::Trial;
+use servoid_identification::servo_model::ServoParameters;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+/// A model file with a servo model, identified once.
+pub struct Identified {
+    _folder: tempfile::TempDir,
+    pub file: PathBuf,
+}
+
+pub static AIRCRAFT: LazyLock<Identified> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().unwrap();
+    let (record, file) = (folder.path().join("a.csv"), folder.path().join("a.json"));
+    let simulate = ["simulate", "--servo", "aircraft", "--seed", "1"];
+    run(&[&simulate[..], &["-o", arg(&record)]].concat());
+    run(&[
+        "identify",
+        arg(&record),
+        "--servo-model",
+        "-o",
+        arg(&file),
+        "-q",
+    ]);
+    Identified {
+        _folder: folder,
+        file,
+    }
+});
+
+/// A servo that is made of chosen terms.
+#[derive(Clone, Copy)]
+pub struct Servo {
+    /// A word, of which file and identifier are made.
+    pub name: &'static str,
+    pub terms: &'static [&'static str],
+    pub load: &'static str,
+    /// The name of the controller of the export.
+    pub controller: Option<f64>,
+}
+
+const ALL_TERMS: &[&str] = &["limit", "two_speeds", "dead_band", "friction"];
+
+/// One with each term and each load, and one without any.
+pub const SERVOS: [Servo; 8] = [
+    servo("linear", &[], "none"),
+    servo("limited", &["limit"], "none"),
+    servo("full", ALL_TERMS, "none"),
+    servo("constant", ALL_TERMS, "constant"),
+    servo("hanging", ALL_TERMS, "pendulum"),
+    servo("tilted", ALL_TERMS, "tilted_pendulum"),
+    servo("airborne", ALL_TERMS, "air"),
+    Servo {
+        controller: Some(800.0),
+        ..servo("second", ALL_TERMS, "constant")
+    },
+];
+
+const fn servo(name: &'static str, terms: &'static [&'static str], load: &'static str) -> Servo {
+    Servo {
+        name,
+        terms,
+        load,
+        controller: None,
+    }
+}
+
+/// An export, as `--json` describes it.
+pub struct Exported {
+    pub text: String,
+    pub trial: Trial,
+    pub stated: f64,
+    pub servo: ServoParameters,
+    /// The position at the beginning of each step, by servoid's integrator.
+    pub exact: Vec<f64>,
+}
+
+impl Exported {
+    /// Requires that positions are as far from servoid's as the file states, within `tolerance` of the largest stroke.
+    pub fn check(&self, name: &str, positions: &[f64], tolerance: f64) {
+        let stroke = self.largest_stroke();
+        let found = self.trial.largest_difference(positions, &self.exact);
+        assert_eq!(positions.len(), self.exact.len(), "{name}");
+        assert!(
+            (found - self.stated).abs() <= tolerance * stroke,
+            "{name}: {found} for {} of {stroke}",
+            self.stated
+        );
+    }
+
+    /// Of the position.
+    pub fn largest_stroke(&self) -> f64 {
+        let strokes = self.trial.levels.windows(2).map(|w| (w[1] - w[0]).abs());
+        strokes.fold(0.0, f64::max) * self.servo.gain.abs()
+    }
+}
+
+impl Servo {
+    /// Its model file, in a folder.
+    pub fn file(&self, folder: &Path) -> PathBuf {
+        let mut document = crate::support::json(&AIRCRAFT.file);
+        self.replace(&mut document["servo_model"]);
+        let path = folder.join(format!("{}.json", self.name));
+        std::fs::write(&path, document.to_string()).unwrap();
+        path
+    }
+
+    fn replace(&self, model: &mut Value) {
+        let has = |term: &str| self.terms.contains(&term);
+        // One without a delay, and the others with one of a part of a step.
+        let delay = if self.name == "linear" { 0.0 } else { 0.0213 };
+        let mut pairs: Vec<(Value, f64)> = vec![
+            (json!("delay"), delay),
+            (json!("ln_stiffness"), 1500f64.ln()),
+            (json!("ln_damping"), 60f64.ln()),
+            (json!("gain"), 1.02),
+            (json!("offset"), 0.3),
+        ];
+        let mut with = |wanted: bool, names: &[(&str, f64)]| {
+            let named = names.iter().map(|(name, value)| (json!(name), *value));
+            pairs.extend(named.filter(|_| wanted));
+        };
+        with(
+            has("limit"),
+            &[("ln_top_speed", 250f64.ln()), ("motor_share", 0.3)],
+        );
+        with(has("two_speeds"), &[("ln_down_to_up", 0.7f64.ln())]);
+        with(has("dead_band"), &[("dead_band", 0.15)]);
+        with(
+            has("friction"),
+            &[
+                ("friction", 0.2),
+                ("friction_at_rest", 0.6),
+                ("ln_friction_speed_share", 0.05f64.ln()),
+            ],
+        );
+        with(self.load == "constant", &[("constant_load", 0.4)]);
+        with(self.load == "pendulum", &[("gravity", 1.0)]);
+        with(
+            self.load == "tilted_pendulum",
+            &[("gravity", 1.0), ("gravity_from", 20.0)],
+        );
+        with(
+            self.load == "air",
+            &[
+                ("constant_load", 0.2),
+                ("air_stiffening", -0.004),
+                ("air_from", 2.0),
+            ],
+        );
+        let controllers = 1 + usize::from(self.controller.is_some());
+        if self.controller.is_some() {
+            pairs.push((json!({ "ln_own_stiffness": 1 }), 1.5f64.ln()));
+            model["controller_names"] = json!([400.0, 800.0]);
+        }
+        model["terms"] = json!({
+            "limit": has("limit"),
+            "two_speeds": has("two_speeds"),
+            "dead_band": has("dead_band"),
+            "friction": has("friction"),
+            "load": self.load,
+        });
+        model["controllers"] = controllers.into();
+        let (names, values): (Vec<Value>, Vec<f64>) = pairs.into_iter().unzip();
+        model["coordinates"] = names.into();
+        model["values"] = values.into();
+        model["alternatives"] = json!([]);
+    }
+
+    /// Exports it.
+    pub fn export(&self, target: &str, folder: &Path, more: &[&str]) -> Exported {
+        let controller = self.controller.map(|name| name.to_string());
+        let mut options = vec!["--name", self.name];
+        options.extend(controller.iter().flat_map(|name| ["--controller", name]));
+        options.extend(more);
+        let index = usize::from(self.controller.is_some());
+        export(&self.file(folder), index, target, &options)
+    }
+}
+
+/// Exports the servo model of a file with its controller number `controller`.
+pub fn export(file: &Path, controller: usize, target: &str, more: &[&str]) -> Exported {
+    let args = [
+        "export",
+        arg(file),
+        "--servo-model",
+        "--to",
+        target,
+        "--json",
+        "-q",
+    ];
+    let result: Value = serde_json::from_str(&run(&[&args[..], more].concat())).unwrap();
+    let trial = &result["trial"];
+    let numbers = |value: &Value| -> Vec<f64> { serde_json::from_value(value.clone()).unwrap() };
+    let trial = Trial {
+        step_s: trial["step_s"].as_f64().unwrap(),
+        levels: numbers(&trial["levels"]),
+        steps_per_level: serde_json::from_value(trial["steps_per_level"].clone()).unwrap(),
+    };
+    let model = ModelFile::read(file)
+        .unwrap()
+        .servo_model()
+        .unwrap()
+        .unwrap();
+    let servo = model.model.parameters(controller);
+    Exported {
+        text: result["text"].as_str().unwrap().to_owned(),
+        stated: result["largest_difference"].as_f64().unwrap(),
+        exact: trial.exact(&servo),
+        trial,
+        servo,
+    }
+}
+
+/// Positions at the ends of steps as those at their beginnings: the first is that of the integrator.
+pub fn from_ends(exported: &Exported, ends: &[f64]) -> Vec<f64> {
+    let mut positions = vec![exported.exact[0]];
+    positions.extend(&ends[..ends.len() - 1]);
+    positions
+}
