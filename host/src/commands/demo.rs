@@ -155,6 +155,7 @@ impl Demo {
             model: &found.model,
             metadata: ModelMetadata::from(&data.about),
             record: Some(&data.record),
+            servo_model: None,
         };
         let file = self.out.join(format!("{condition}.json"));
         self.replace().write_json(Some(&file), &document)?;

@@ -2,7 +2,8 @@
 
 use super::input::{TableArgs, compared, identified, is_model, name_of};
 use super::output::{Output, Talk, stem, wrong_usage};
-use crate::data::dataset::Dataset;
+use super::servo_fit;
+use crate::data::dataset::{Dataset, listed};
 use crate::data::model_file::ModelFile;
 use crate::presentation::report::{self, Page, Servo};
 use anyhow::{Context, Result};
@@ -39,6 +40,9 @@ pub(super) struct Report {
     /// The largest difference that still counts as the same (percent of the step)
     #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::value_parsers::margin)]
     margin: f64,
+    /// Also find the servo as a machine in every recording. It is found by itself where the linear model has no bounds
+    #[arg(long)]
+    servo_model: bool,
     #[command(flatten)]
     output: Output,
     #[command(flatten)]
@@ -57,7 +61,7 @@ impl Report {
         let mut servos = match sides[..] {
             [a, b] if model_file(a).is_none() && model_file(b).is_none() => {
                 let [data_a, data_b] = self.table.load_sides([a, b], talk)?;
-                vec![servo(a, data_a)?, servo(b, data_b)?]
+                vec![self.servo(a, data_a)?, self.servo(b, data_b)?]
             }
             ref sides => {
                 let servos = sides.iter().map(|side| self.read(side));
@@ -92,12 +96,31 @@ impl Report {
 
     fn read(&self, files: &[PathBuf]) -> Result<Servo> {
         let Some(file) = model_file(files) else {
-            return servo(files, self.table.load(files, self.output.talk)?);
+            return self.servo(files, self.table.load(files, self.output.talk)?);
         };
-        let ModelFile {
-            model, metadata, ..
-        } = ModelFile::read(file)?;
-        Ok(Servo::of_model(stem(file), model, metadata))
+        let found = ModelFile::read(file)?;
+        let servo_model = found.servo_model()?;
+        let mut servo = Servo::of_model(stem(file), found.model, found.metadata);
+        servo.servo_model = servo_model;
+        Ok(servo)
+    }
+
+    fn servo(&self, files: &[PathBuf], data: Dataset) -> Result<Servo> {
+        let (options, talk) = (Options::default(), self.output.talk);
+        let found = identified(&data, files, &options)?;
+        let machine = servo_fit::is_wanted(self.servo_model, &found.model)
+            .then(|| servo_fit::find(&data, &options, true, talk));
+        let mut servo = Servo::of_data(name_of(&data, files), data, found);
+        match machine.map(|found| (found.model, found.held_out)) {
+            Some((Ok(model), held_out)) => {
+                (servo.servo_model, servo.held_out) = (Some(model), held_out);
+            }
+            Some((Err(reason), _)) => {
+                talk.say(format_args!("{}: no servo model: {reason}", listed(files)));
+            }
+            None => {}
+        }
+        Ok(servo)
     }
 }
 
@@ -107,11 +130,6 @@ fn model_file(files: &[PathBuf]) -> Option<&PathBuf> {
         [file] if is_model(file) => Some(file),
         _ => None,
     }
-}
-
-fn servo(files: &[PathBuf], data: Dataset) -> Result<Servo> {
-    let found = identified(&data, files, &Options::default())?;
-    Ok(Servo::of_data(name_of(&data, files), data, found))
 }
 
 /// The comparison of the two; `None` where there is none, as for a recording beside a model.

@@ -1,8 +1,9 @@
 //! The content of a page: one servo, or two and their comparison.
 
+use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::paper_values::Fact;
-use crate::presentation::plots::Subject;
+use crate::presentation::plots::{HeldOutPrediction, Subject};
 use servoid_identification::comparison::Comparison;
 use servoid_identification::diagnostics::Explanation;
 use servoid_identification::results::Model;
@@ -19,6 +20,10 @@ pub struct Part<'a> {
     pub explanation: Option<&'a Explanation>,
     /// Models of its runs, each identified on its own, where there are several.
     pub runs: &'a [Model],
+    /// The servo as a machine, where that was found.
+    pub servo_model: Option<&'a ServoModelDocument>,
+    /// A stretch that the models had not seen, where both were identified without one.
+    pub held_out: Option<&'a HeldOutPrediction>,
     /// Units, and the hold of the command.
     pub metadata: &'a ModelMetadata,
     /// The origin of the data, file by file.

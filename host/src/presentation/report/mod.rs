@@ -8,6 +8,7 @@ mod content;
 mod figures;
 mod interactive;
 mod servo;
+mod servo_model;
 mod text;
 
 pub use super::paper_values::Fact;
@@ -35,8 +36,10 @@ pub fn page(page: &Page<'_>) -> Result<String> {
         .collect();
     let (models, remark) = models_in_page(page)?;
     let body = [
+        servo_model::sentences(page),
         text::verdict(page),
         text::numbers(page),
+        servo_model::tables(page),
         text::advice(page),
         figures::places(&figures),
         text::structure(page),
@@ -70,6 +73,7 @@ fn models_in_page(page: &Page<'_>) -> Result<(String, &'static str)> {
             model: part.subject.model,
             metadata: part.metadata.clone(),
             record: part.subject.record,
+            servo_model: part.servo_model,
         })
         .collect();
     let whole = json_in_page(&models)?;

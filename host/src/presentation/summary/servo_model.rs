@@ -55,7 +55,7 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
     let level = model.covariance.as_ref().map(|covariance| covariance.level);
     let mut text = format!(
         "\nservo model: {}\n  fit {:.2} %; of parts that it had not seen {:.2} % (a linear servo of second order: {:.2} %)\n",
-        words(model.terms),
+        terms_in_words(model.terms),
         model.fit.simulation_percent,
         model.fit.held_out_percent,
         model.fit.linear_held_out_percent
@@ -85,7 +85,20 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
     text
 }
 
-fn row(quantity: &Quantity, units: Units<'_>) -> String {
+/// A quantity as a row of a table.
+pub(crate) struct QuantityRow {
+    /// What it is.
+    pub name: String,
+    /// The number; "-" where the record does not determine it.
+    pub value: String,
+    /// The unit that people use.
+    pub unit: String,
+    /// Its interval, or that the record does not determine it; empty without intervals.
+    pub interval: String,
+}
+
+/// A quantity in the units that people use.
+pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
     let (scale, unit) = scale_and_unit(quantity.unit, units);
     let shown = |value: f64| number(scale * value);
     let interval = quantity.interval.valid().map(|found: &Interval| {
@@ -103,11 +116,22 @@ fn row(quantity: &Quantity, units: Units<'_>) -> String {
         true => shown(quantity.value),
         false => "-".to_owned(),
     };
-    let line = format!(
-        "  {:34} {value:>12} {unit:8} {}",
-        quantity.name,
-        interval.unwrap_or_default()
-    );
+    QuantityRow {
+        name: quantity.name.clone(),
+        value,
+        unit,
+        interval: interval.unwrap_or_default().trim_end().to_owned(),
+    }
+}
+
+fn row(quantity: &Quantity, units: Units<'_>) -> String {
+    let QuantityRow {
+        name,
+        value,
+        unit,
+        interval,
+    } = quantity_row(quantity, units);
+    let line = format!("  {name:34} {value:>12} {unit:8} {interval}");
     format!("{}\n", line.trim_end())
 }
 
@@ -131,13 +155,13 @@ fn rung(tried: &LadderRung) -> String {
         "  {:7.2} % {:7.2} %  {}{}\n",
         tried.held_out_percent,
         tried.fit_percent,
-        words(tried.terms),
+        terms_in_words(tried.terms),
         if tried.chosen { "  <- chosen" } else { "" }
     )
 }
 
 /// "limit of the drive, friction, weight on a hanging arm"
-fn words(terms: Terms) -> String {
+pub(crate) fn terms_in_words(terms: Terms) -> String {
     let load = match terms.load {
         LoadKind::None => "",
         LoadKind::Constant => "constant load",
