@@ -54,8 +54,8 @@ pub mod sensor;
 
 pub use apparatus::SimulatedFrame;
 pub use conditions::{Conditions, Scatter};
-pub use machine::MachineParameters;
 pub use in_process::InProcessRig;
+pub use machine::MachineParameters;
 pub use noise::{Noise, NoiseKind};
 pub use options::{LineSpeed, OptionsError, ServoKind, SimulationOptions};
 pub use parts::Parts;

@@ -99,7 +99,7 @@ impl Identify {
             Some(Err(reason)) => (None, Some(reason)),
             None => (None, None),
         };
-        let servo = servo_fit::is_wanted(self.servo_model, model)
+        let servo = servo_fit::is_wanted(self.servo_model, model.level().withdrawn())
             .then(|| servo_fit::find(&data, &options, self.plots.is_some(), talk));
         let (servo, no_servo, held_out) = match servo {
             Some(found) => match found.model {

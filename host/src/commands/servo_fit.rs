@@ -4,14 +4,14 @@ use super::output::Talk;
 use crate::data::dataset::{Dataset, HeldOut};
 use crate::data::model_file::ServoModelDocument;
 use crate::presentation::plots::HeldOutPrediction;
-use servoid_identification::results::{Model, Validation};
+use servoid_identification::results::{Model, Reason, Validation};
 use servoid_identification::servo_model::{self, ServoModelOptions};
-use servoid_identification::{Options, Record, identify};
+use servoid_identification::{Options, Record, Run, identify};
 
-/// Whether a servo model is looked for: on request, and where the linear model has no bounds, which leaves its user with
+/// Whether a servo model is looked for: on request, and where the linear result has no bounds, which leaves its user with
 /// little.
-pub(super) fn is_wanted(asked: bool, model: &Model) -> bool {
-    asked || model.level().withdrawn().is_some()
+pub(super) fn is_wanted(asked: bool, linear_bounds: Option<Reason>) -> bool {
+    asked || linear_bounds.is_some()
 }
 
 /// What was found of the servo as a machine.
@@ -33,6 +33,21 @@ pub(super) fn find(data: &Dataset, options: &Options, held_out: bool, talk: Talk
             held_out: predicted.filter(|_| model.is_ok()),
             model,
         }
+    })
+}
+
+/// Finds the servos of two sides at the same time, or the reason why one of them is not found.
+pub(super) fn find_both(
+    [a, b]: [&Dataset; 2],
+    level: f64,
+    talk: Talk,
+) -> Result<[ServoModelDocument; 2], String> {
+    talk.say("looking for both servos as machines, which takes some seconds");
+    std::thread::scope(|threads| {
+        let first = threads.spawn(|| fit(a, level));
+        let second = fit(b, level);
+        let stopped = |_| Err("the search was stopped".to_owned());
+        Ok([first.join().unwrap_or_else(stopped)?, second?])
     })
 }
 
@@ -59,6 +74,19 @@ fn fit(data: &Dataset, level: f64) -> Result<ServoModelDocument, String> {
     })
 }
 
+/// The run, with the command before it that would have held the linear servo at the first output, where nothing else is
+/// stated: the servo model begins there too, and a linear model that waits for its history would know nothing of a short run.
+fn from_rest(run: &Run, linear: &Model) -> Run {
+    let held_by = |output: f64, gain: f64| (output - linear.offset) / gain;
+    let before = run.output().first().zip(linear.step.value.last());
+    match before.map(|(output, gain)| held_by(*output, *gain)) {
+        Some(before) if run.input_at_rest().is_none() && before.is_finite() => {
+            run.clone().with_input_at_rest(before)
+        }
+        _ => run.clone(),
+    }
+}
+
 /// Both models of the rest, on the stretch. They are simulated over the whole run from its input, so the stretch begins as
 /// they arrive there.
 fn predict(held_out: &HeldOut, options: &Options) -> Option<HeldOutPrediction> {
@@ -73,11 +101,11 @@ fn predict(held_out: &HeldOut, options: &Options) -> Option<HeldOutPrediction> {
         .and_then(|name| names.iter().position(|known| *known == name));
     let controllers: Vec<usize> = controller.into_iter().collect();
     let by_servo = servo.model.simulate(&whole, &controllers).ok()?.pop()?;
-    let by_linear = linear.simulate(&held_out.run);
+    let by_linear = linear.simulate(&from_rest(&held_out.run, &linear));
     let stretch = |values: &[f64]| values[held_out.samples.clone()].to_vec();
     let measured = stretch(held_out.run.output());
     let (by_servo, by_linear) = (stretch(&by_servo), stretch(&by_linear));
-    // Both are judged on the same samples: the linear model knows nothing until its history is complete.
+    // Both are judged on the same samples: where an input is missing, each knows nothing for a time of its own.
     let fit_percent = |of: &[f64], other: &[f64]| {
         let both = of.iter().zip(other);
         let both = both.map(|(of, other)| if other.is_nan() { f64::NAN } else { *of });

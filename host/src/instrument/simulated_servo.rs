@@ -79,17 +79,15 @@ pub fn options(text: &str) -> Result<SimulationOptions, SimulatedServoError> {
     if path.extension().is_none_or(|ending| ending != "json") {
         return Ok(text.parse()?);
     }
-    let (chosen, others): (Vec<&str>, Vec<&str>) = keys
-        .split('&')
-        .partition(|key| key.starts_with(CONTROLLER));
+    let (chosen, others): (Vec<&str>, Vec<&str>) =
+        keys.split('&').partition(|key| key.starts_with(CONTROLLER));
     let controller = chosen.first().and_then(|key| key.strip_prefix(CONTROLLER));
     let parameters = machine(path, controller)?;
     let options = SimulationOptions::with_keys(ServoKind::Machine(parameters), &others.join("&"));
     options.map_err(|error| match error {
-        OptionsError::OutOfRange(what, expected) => SimulatedServoError::NotSimulated(
-            path.to_owned(),
-            format!("{what} must be {expected}"),
-        ),
+        OptionsError::OutOfRange(what, expected) => {
+            SimulatedServoError::NotSimulated(path.to_owned(), format!("{what} must be {expected}"))
+        }
         other => other.into(),
     })
 }
@@ -150,11 +148,7 @@ struct Scale {
 }
 
 impl Scale {
-    fn of(
-        path: &Path,
-        units: Units<'_>,
-        model: &ServoModel,
-    ) -> Result<Self, SimulatedServoError> {
+    fn of(path: &Path, units: Units<'_>, model: &ServoModel) -> Result<Self, SimulatedServoError> {
         let no_angle = |what, unit: &str| SimulatedServoError::NotAnAngle {
             path: path.to_owned(),
             what,
@@ -163,10 +157,9 @@ impl Scale {
         let taken_for = model.radians_per_command.to_degrees();
         let (neutral_command, command_per_degree) = match units.input.and_then(unit_meant) {
             None => (0.0, taken_for.recip()),
-            Some(unit) if unit == "us" => (
-                f64::from(PulseWidth::NEUTRAL.0),
-                SERVO_SCALE.us_per_degree,
-            ),
+            Some(unit) if unit == "us" => {
+                (f64::from(PulseWidth::NEUTRAL.0), SERVO_SCALE.us_per_degree)
+            }
             Some(unit) => match degrees(&unit) {
                 Some(degrees) => (0.0, degrees.recip()),
                 None => return Err(no_angle("command", &unit)),

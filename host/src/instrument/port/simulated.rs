@@ -8,8 +8,8 @@ use std::time::Duration;
 
 /// `description` is what follows `sim:`.
 pub(super) fn open(description: &str) -> Result<InProcessRig, OpenError> {
-    let options = simulated_servo::options(description)
-        .map_err(|e| OpenError::BadAddress(format!("{e}")))?;
+    let options =
+        simulated_servo::options(description).map_err(|e| OpenError::BadAddress(format!("{e}")))?;
     InProcessRig::new(&options).map_err(|e| OpenError::BadAddress(format!("{e}")))
 }
 

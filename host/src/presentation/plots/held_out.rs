@@ -25,7 +25,7 @@ impl HeldOutPrediction {
     #[must_use]
     pub fn caption(&self) -> String {
         format!(
-            "This is {} of the recording. Both models in this figure were identified without it, and simulate it from the reference alone; below, the residuals.",
+            "This is {} of the recording. Both models in this figure were identified without it, and simulate it from the reference and the first sample of its run; below, the residuals.",
             self.stretch
         )
     }
@@ -33,12 +33,7 @@ impl HeldOutPrediction {
 
 /// Measurement and predictions, and the residuals below; `unit` is that of the output.
 #[must_use]
-pub fn held_out(
-    name: &str,
-    title: &str,
-    found: &HeldOutPrediction,
-    unit: Option<&str>,
-) -> Figure {
+pub fn held_out(name: &str, title: &str, found: &HeldOutPrediction, unit: Option<&str>) -> Figure {
     let drawn = |name: &str, ink: Ink, values: &[f64]| signal(name, ink, found.period_s, values);
     let [linear_fit, servo_fit] = found.fits_percent;
     let models = [

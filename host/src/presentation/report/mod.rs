@@ -47,7 +47,7 @@ pub fn page(page: &Page<'_>) -> Result<String> {
         format!("<p class=\"faint\">{remark}</p>\n"),
     ];
     let made_by = format!(
-        "servoid {}. Bounds are those of a linear servo: they cover noise, not a servo that changes from run to run or saturates.",
+        "servoid {}. Bounds of the responses are those of a linear servo: they cover noise, not a servo that changes from run to run or saturates.",
         env!("CARGO_PKG_VERSION")
     );
     let values: [(&str, &str); 6] = [

@@ -5,10 +5,12 @@ mod comparison;
 mod layout;
 mod metrics;
 mod numbers;
+mod servo_comparison;
 mod servo_model;
 
 pub use beyond::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
+pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use servo_model::{of_servo_model, servo_sentence};
 
 pub(crate) use comparison::{

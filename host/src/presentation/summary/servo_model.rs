@@ -136,7 +136,7 @@ fn row(quantity: &Quantity, units: Units<'_>) -> String {
 }
 
 /// Factor to the unit that people use, and its name.
-fn scale_and_unit(unit: Unit, units: Units<'_>) -> (f64, String) {
+pub(super) fn scale_and_unit(unit: Unit, units: Units<'_>) -> (f64, String) {
     let output = units.output.unwrap_or("");
     match unit {
         Unit::Seconds => (1e3, "ms".to_owned()),
@@ -187,7 +187,7 @@ pub(crate) fn terms_in_words(terms: Terms) -> String {
 }
 
 /// A number with four digits.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let leading = value.abs().log10().floor();
     let digits = if leading.is_finite() {
         3 - leading as i32
