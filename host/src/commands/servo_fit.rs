@@ -1,7 +1,8 @@
 //! The servo model beside the linear one: when it is wanted, its fit, and its prediction of a stretch that it has not seen.
 
 use super::output::Talk;
-use crate::data::dataset::{Dataset, HeldOut};
+use crate::data::dataset::Dataset;
+use crate::data::held_out::HeldOut;
 use crate::data::model_file::ServoModelDocument;
 use crate::presentation::plots::HeldOutPrediction;
 use servoid_identification::results::{Model, Reason, Validation};
@@ -26,7 +27,7 @@ pub(super) struct Found {
 pub(super) fn find(data: &Dataset, options: &Options, held_out: bool, talk: Talk) -> Found {
     talk.say("looking for the servo as a machine, which takes some seconds");
     std::thread::scope(|threads| {
-        let predicting = held_out.then(|| threads.spawn(|| predict(&data.held_out()?, options)));
+        let predicting = held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options)));
         let model = fit(data, options.level);
         let predicted = predicting.and_then(|thread| thread.join().ok().flatten());
         Found {

@@ -2,6 +2,7 @@
 
 use super::capture::{CaptureJob, Monitor, capture};
 use super::completion_values::simulated_servo;
+use super::input;
 use super::output::{Output, stem};
 use super::reference_args::ReferenceArgs;
 use crate::data::rig_file::RigFile;
@@ -44,13 +45,17 @@ impl Simulate {
         let controller = self
             .controller
             .map_or_else(String::new, |name| format!("&controller={name}"));
+        let name = self.servo.split('?').next().unwrap_or_default();
         let keys = if self.servo.contains('?') { '&' } else { '?' };
+        let servo = format!("{}{keys}seed={}{controller}", self.servo, self.seed);
+        // Before a file is reserved: a servo that there is not is wrong usage.
+        input::simulated_servo(&servo)?;
         let (rig, talk) = (RigFile::default(), self.output.talk);
         let job = CaptureJob {
-            address: &format!("sim:{}{keys}seed={}{controller}", self.servo, self.seed),
+            address: &format!("sim:{servo}"),
             reference: self.reference.resolve(rig.servo.us_per_degree, talk)?,
             rig,
-            condition: &stem(Path::new(&self.servo)),
+            condition: &stem(Path::new(name)),
             notes: "",
             release: false,
             files: std::slice::from_ref(&self.out),

@@ -17,9 +17,19 @@ use std::path::{Path, PathBuf};
 /// Why there is no such simulated servo. The text names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulatedServoError {
+    /// It is neither a name nor a model file.
+    #[error(
+        "there is no simulated servo `{0}`: choose bench, aircraft or linear, or the file of a servo model, which ends in .json"
+    )]
+    Unknown(String),
     /// The options are wrong.
     #[error(transparent)]
     Options(#[from] OptionsError),
+    /// A controller was named of a servo that is no model.
+    #[error(
+        "the servo `{0}` has no controllers to choose from: only a servo model may have several"
+    )]
+    NoControllers(String),
     /// The model cannot be read.
     #[error(transparent)]
     Model(#[from] ModelFileError),
@@ -76,11 +86,17 @@ const CONTROLLER: &str = "controller=";
 pub fn options(text: &str) -> Result<SimulationOptions, SimulatedServoError> {
     let (servo, keys) = text.split_once('?').unwrap_or((text, ""));
     let path = Path::new(servo);
-    if path.extension().is_none_or(|ending| ending != "json") {
-        return Ok(text.parse()?);
-    }
     let (chosen, others): (Vec<&str>, Vec<&str>) =
         keys.split('&').partition(|key| key.starts_with(CONTROLLER));
+    if path.extension().is_none_or(|ending| ending != "json") {
+        if !chosen.is_empty() {
+            return Err(SimulatedServoError::NoControllers(servo.to_owned()));
+        }
+        return text.parse().map_err(|error| match error {
+            OptionsError::UnknownServo(name) => SimulatedServoError::Unknown(name),
+            other => other.into(),
+        });
+    }
     let controller = chosen.first().and_then(|key| key.strip_prefix(CONTROLLER));
     let parameters = machine(path, controller)?;
     let options = SimulationOptions::with_keys(ServoKind::Machine(parameters), &others.join("&"));

@@ -10,7 +10,6 @@ mod controllers;
 mod error;
 mod from_recordings;
 mod from_tables;
-mod held_out;
 mod loaded;
 mod options;
 mod sentinel_values;
@@ -19,7 +18,6 @@ mod time_column;
 
 pub use about::About;
 pub use error::{DatasetError, DatasetFault};
-pub use held_out::HeldOut;
 pub(crate) use loaded::listed;
 pub use options::DatasetOptions;
 pub use time_column::TimeUnit;

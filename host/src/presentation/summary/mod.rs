@@ -19,7 +19,7 @@ pub(crate) use comparison::{
 pub(crate) use layout::wrapped;
 pub(crate) use metrics::{difference_rows, metric_rows};
 pub(crate) use numbers::{decimals, head_of_bounds, percent, probability};
-pub(crate) use servo_model::{QuantityRow, quantity_row, terms_in_words};
+pub(crate) use servo_model::{QuantityRow, quantities, quantity_row, terms_in_words};
 
 use crate::data::units::Units;
 use layout::findings;

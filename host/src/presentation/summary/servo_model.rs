@@ -69,19 +69,20 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
             model.alternatives.len()
         );
     }
-    text += &format!(
-        "  {:34} {:>12} {:8} {}\n",
-        "",
-        "value",
-        "",
-        head_of_bounds(level)
-    );
-    text.extend(model.quantities.iter().map(|quantity| row(quantity, units)));
+    text += &quantities(&model.quantities, level, units);
     if explain {
         text +=
             "\n  terms that were tried: fit of parts that they had not seen, and of the whole\n";
         text.extend(model.ladder.iter().map(rung));
     }
+    text
+}
+
+/// The table of quantities with its head.
+pub(crate) fn quantities(all: &[Quantity], level: Bounds<f64>, units: Units<'_>) -> String {
+    let head = head_of_bounds(level);
+    let mut text = format!("  {:34} {:>12} {:8} {head}\n", "", "value", "");
+    text.extend(all.iter().map(|quantity| row(quantity, units)));
     text
 }
 
@@ -186,9 +187,15 @@ pub(crate) fn terms_in_words(terms: Terms) -> String {
     }
 }
 
-/// A number with four digits.
+/// Powers of ten that are written out.
+const POWERS: std::ops::Range<f64> = -7.0..9.0;
+
+/// A number with four digits; one that nobody reads as digits, as a power of ten.
 pub(super) fn number(value: f64) -> String {
     let leading = value.abs().log10().floor();
+    if leading.is_finite() && !POWERS.contains(&leading) {
+        return format!("{value:.3e}");
+    }
     let digits = if leading.is_finite() {
         3 - leading as i32
     } else {
