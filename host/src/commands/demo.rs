@@ -97,6 +97,7 @@ impl Demo {
             first,
             second: Some(second),
             comparison: Some(&comparison),
+            servo_models: None,
             paper: &summary.paper,
         })?;
         replace.write(&self.out.join(REPORT), &page)?;

@@ -9,7 +9,9 @@ use crate::presentation::report::{self, Page, Servo};
 use anyhow::{Context, Result};
 use clap::Args;
 use servoid_identification::Options;
-use servoid_identification::comparison::{Comparison, ComparisonOptions, compare_models};
+use servoid_identification::comparison::{
+    Comparison, ComparisonOptions, ServoModelComparison, compare_models, compare_servo_models,
+};
 use std::path::PathBuf;
 
 /// Write a page on one servo, or on the comparison of two, with figures to zoom in
@@ -79,6 +81,10 @@ impl Report {
             [a, b] => comparison(a, b, self.margin, talk)?,
             _ => None,
         };
+        let servo_models = match &servos[..] {
+            [a, b] => servo_models(a, b),
+            _ => None,
+        };
         let [first, others @ ..] = &servos[..] else {
             wrong_usage("name a recording or a model to report on");
         };
@@ -87,6 +93,7 @@ impl Report {
             first: first.part(),
             second: others.first().map(Servo::part),
             comparison: comparison.as_ref(),
+            servo_models: servo_models.as_ref(),
             paper: &[],
         })?;
         self.output.write(&self.out, &page)?;
@@ -130,6 +137,13 @@ fn model_file(files: &[PathBuf]) -> Option<&PathBuf> {
         [file] if is_model(file) => Some(file),
         _ => None,
     }
+}
+
+/// The two servos as machines beside each other, where both were found and have the same units.
+fn servo_models(a: &Servo, b: &Servo) -> Option<ServoModelComparison> {
+    a.metadata.same_units(&a.name, &b.metadata, &b.name).ok()?;
+    let both = a.servo_model.as_ref().zip(b.servo_model.as_ref())?;
+    Some(compare_servo_models(&both.0.model, &both.1.model))
 }
 
 /// The comparison of the two; `None` where there is none, as for a recording beside a model.

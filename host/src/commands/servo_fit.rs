@@ -103,9 +103,9 @@ fn predict(held_out: &HeldOut, options: &Options) -> Option<HeldOutPrediction> {
     let controllers: Vec<usize> = controller.into_iter().collect();
     let by_servo = servo.model.simulate(&whole, &controllers).ok()?.pop()?;
     let by_linear = linear.simulate(&from_rest(&held_out.run, &linear));
-    let stretch = |values: &[f64]| values[held_out.samples.clone()].to_vec();
-    let measured = stretch(held_out.run.output());
-    let (by_servo, by_linear) = (stretch(&by_servo), stretch(&by_linear));
+    let stretch = |values: &[f64]| Some(values.get(held_out.samples.clone())?.to_vec());
+    let measured = stretch(held_out.run.output())?;
+    let (by_servo, by_linear) = (stretch(&by_servo)?, stretch(&by_linear)?);
     // Both are judged on the same samples: where an input is missing, each knows nothing for a time of its own.
     let fit_percent = |of: &[f64], other: &[f64]| {
         let both = of.iter().zip(other);

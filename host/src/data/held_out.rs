@@ -31,25 +31,19 @@ impl HeldOut {
         let spared = (0..runs.len())
             .rev()
             .find(|&run| runs.len() >= RUNS && data.controllers.drives_another_than(run));
-        let (number, first, words) = match spared {
-            Some(run) if run + 1 == runs.len() => (run, 0, "the last run"),
-            Some(run) => (run, 0, "one run"),
-            None => {
-                let last = runs.len().checked_sub(1)?;
-                let first = runs[last].len() * 4 / 5;
-                (last, first, "the last fifth of the last run")
-            }
+        let number = spared.or(runs.len().checked_sub(1))?;
+        let run = runs.get(number)?.clone();
+        let (first, words) = match spared {
+            Some(run) if run + 1 == runs.len() => (0, "the last run"),
+            Some(_) => (0, "one run"),
+            None => (run.len() * 4 / 5, "the last fifth of the last run"),
         };
-        if first == 0 && spared.is_none() {
+        let mut others = runs.to_vec();
+        let kept = (first > 0).then(|| run.part(0..first));
+        if spared.is_none() && kept.is_none() {
             return None;
         }
-        let run = runs[number].clone();
-        let mut others = runs.to_vec();
-        if first == 0 {
-            others.remove(number);
-        } else {
-            others[number] = run.part(0..first);
-        }
+        others.splice(number..=number, kept);
         let record = Record::new(data.record.sample_period_s(), others).ok()?;
         Some(Self {
             rest: Dataset {

@@ -233,7 +233,7 @@ fn servo_models_are_compared_where_both_have_one() {
     );
 
     // Two levels only: no intervals, and nothing about the difference.
-    let withdrawn = modelled(dir.path(), "two-levels", "linear", &["--length", "6"]);
+    let withdrawn = modelled(dir.path(), "two-levels", "linear", &[]);
     let found = run(&["compare", arg(&early), arg(&withdrawn), "--json"]);
     let found: Value = serde_json::from_str(&found).unwrap();
     let servos = &found["servo_model"];

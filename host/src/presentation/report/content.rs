@@ -4,7 +4,7 @@ use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::paper_values::Fact;
 use crate::presentation::plots::{HeldOutPrediction, Subject};
-use servoid_identification::comparison::Comparison;
+use servoid_identification::comparison::{Comparison, ServoModelComparison};
 use servoid_identification::diagnostics::Explanation;
 use servoid_identification::results::Model;
 
@@ -41,6 +41,8 @@ pub struct Page<'a> {
     pub second: Option<Part<'a>>,
     /// The comparison of the two.
     pub comparison: Option<&'a Comparison>,
+    /// The two servos as machines beside each other, where both were found.
+    pub servo_models: Option<&'a ServoModelComparison>,
     /// The paper's values beside those found here, where the servos are those of the paper.
     pub paper: &'a [Fact],
 }

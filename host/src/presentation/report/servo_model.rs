@@ -1,7 +1,7 @@
 //! The servo as a machine in the page: what kind of servo it is, and its quantities with their intervals.
 
 use super::content::{Page, Part};
-use super::text::escape;
+use super::text::{escape, rows_of};
 use crate::presentation::summary;
 use servoid_identification::results::Bounds;
 
@@ -20,9 +20,28 @@ pub(super) fn sentences(page: &Page<'_>) -> String {
     page.parts().filter_map(sentence).collect()
 }
 
-/// The quantities of each servo.
+/// The quantities of each servo, and of two beside each other.
 pub(super) fn tables(page: &Page<'_>) -> String {
-    page.parts().filter_map(table).collect()
+    let of_each: String = page.parts().filter_map(table).collect();
+    of_each + &beside_each_other(page).unwrap_or_default()
+}
+
+fn beside_each_other(page: &Page<'_>) -> Option<String> {
+    let (found, second) = (page.servo_models?, page.second.as_ref()?);
+    let units = page.first.subject.units;
+    let names = [page.first.subject.name, second.subject.name];
+    let sentence = summary::sentence_on_servo_models(names[0], names[1], found, units);
+    let heads: String = names
+        .iter()
+        .chain(found.bounds.valid().map(|_| &"difference"))
+        .map(|name| format!("<th>{}</th>", escape(name)))
+        .collect();
+    let rows = rows_of(&summary::servo_model_rows(found, units));
+    Some(format!(
+        "<h2>The two as machines</h2>\n<p>{}</p>\n<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th>{heads}</tr>\n{rows}</table></div>\n<p class=\"faint\">{}</p>\n",
+        escape(&sentence),
+        summary::how_servo_models_are_compared(found)
+    ))
 }
 
 fn table(part: &Part<'_>) -> Option<String> {

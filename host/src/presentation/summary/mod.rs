@@ -10,6 +10,8 @@ mod servo_model;
 
 pub use beyond::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
+pub(crate) use metrics::TableRow;
+pub(crate) use servo_comparison::{how_servo_models_are_compared, servo_model_rows};
 pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use servo_model::{of_servo_model, servo_sentence};
 

@@ -1,10 +1,11 @@
 //! Two servo models beside each other, as text.
 
 use super::layout::wrapped;
+use super::metrics::TableRow;
 use super::numbers::percent;
 use super::servo_model::{number, scale_and_unit};
 use crate::data::units::Units;
-use servoid_identification::comparison::{QuantityDifference, QuantityPair, ServoModelComparison};
+use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Bounds, Interval};
 
 /// Quantities that a sentence names at the most; the table has them all.
@@ -76,9 +77,20 @@ pub fn of_servo_models(a: &str, b: &str, found: &ServoModelComparison, units: Un
     };
     let head = format!("  {below:34} {a:>21} {b:>21} {difference:>21}");
     let mut text = format!("\n{}\n", head.trim_end());
-    for (index, pair) in found.quantities.iter().enumerate() {
-        let difference = bounds.and_then(|bounds| bounds.differences.get(index));
-        text += &rows(pair, difference, units);
+    for row in servo_model_rows(found, units) {
+        let line = |label: &str, cells: Vec<&str>| {
+            let cells: String = cells.iter().map(|cell| format!(" {cell:>21}")).collect();
+            format!("{}\n", format!("  {label:34}{cells}").trim_end())
+        };
+        let (values, intervals) = row
+            .cells
+            .iter()
+            .map(|(v, i)| (v.as_str(), i.as_str()))
+            .unzip();
+        text += &line(&row.label, values);
+        if bounds.is_some() {
+            text += &line("", intervals);
+        }
     }
     text + &format!("\n  {}\n", wrapped(how_servo_models_are_compared(found), 2))
 }
@@ -96,31 +108,39 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> &'s
     }
 }
 
-/// The values, and their intervals below them where there are any.
-fn rows(pair: &QuantityPair, difference: Option<&QuantityDifference>, units: Units<'_>) -> String {
-    let (scale, unit) = scale_and_unit(pair.unit, units);
-    let shown = |value: Option<f64>| value.map_or("-".to_owned(), |v| number(scale * v));
-    let with_unit = |value: Option<f64>| match value {
-        Some(_) => format!("{} {unit}", shown(value)).trim_end().to_owned(),
-        None => shown(value),
+/// Each quantity: value and interval of both, and of the difference where both have intervals.
+pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -> Vec<TableRow> {
+    let bounds = found.bounds.valid();
+    let row = |(index, pair): (usize, &QuantityPair)| {
+        let (scale, unit) = scale_and_unit(pair.unit, units);
+        let shown = |value: Option<f64>| value.map_or("-".to_owned(), |v| number(scale * v));
+        let with_unit = |value: Option<f64>| match value {
+            Some(_) => format!("{} {unit}", shown(value)).trim_end().to_owned(),
+            None => shown(value),
+        };
+        let ends = |interval: Option<Interval>| match interval {
+            Some(found) if found.lower.or(found.upper).is_some() => {
+                format!("{} .. {}", shown(found.lower), shown(found.upper))
+            }
+            _ => String::new(),
+        };
+        let sure = bounds.and_then(|bounds| bounds.differences.get(index));
+        let [of_a, of_b, apart] = match sure {
+            Some(found) => [found.a, found.b, found.difference],
+            None => [None; 3],
+        };
+        let mut cells = vec![
+            (with_unit(pair.a), ends(of_a)),
+            (with_unit(pair.b), ends(of_b)),
+        ];
+        if bounds.is_some() {
+            let less = apart.map_or_else(String::new, |found| with_unit(found.value));
+            cells.push((less, ends(apart)));
+        }
+        TableRow {
+            label: pair.name.clone(),
+            cells,
+        }
     };
-    let [a, b] = [pair.a, pair.b].map(with_unit);
-    let apart = difference.and_then(|found| found.difference);
-    let less = apart.map_or_else(String::new, |found| with_unit(found.value));
-    let first = format!("  {:34} {a:>21} {b:>21} {less:>21}", pair.name);
-    let Some(found) = difference else {
-        return format!("{}\n", first.trim_end());
-    };
-    let ends = |interval: Option<Interval>| match interval {
-        Some(Interval {
-            lower: None,
-            upper: None,
-            ..
-        })
-        | None => String::new(),
-        Some(found) => format!("{} .. {}", shown(found.lower), shown(found.upper)),
-    };
-    let [a, b, less] = [found.a, found.b, apart].map(ends);
-    let second = format!("  {:34} {a:>21} {b:>21} {less:>21}", "");
-    format!("{}\n{}\n", first.trim_end(), second.trim_end())
+    found.quantities.iter().enumerate().map(row).collect()
 }
