@@ -12,7 +12,7 @@ pub(super) fn sentences(page: &Page<'_>) -> String {
         let found = part.servo_model?;
         let text = escape(&summary::servo_sentence(&found.model, part.subject.units));
         let name = match several {
-            true => format!("<b>{}</b>: ", escape(part.subject.name)),
+            true => format!("{}: ", escape(part.subject.name)),
             false => String::new(),
         };
         Some(format!("<p class=\"verdict servo\">{name}{text}</p>\n"))
