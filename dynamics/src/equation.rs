@@ -144,14 +144,20 @@ impl<S: Scalar> ServoParameters<S> {
         angle + self.load.at(angle) / self.stiffness
     }
 
-    /// The output at rest under `command`, without help of friction: the holding command turned round, by steps that
+    /// The angle at rest under `command`, without help of friction: the holding command turned round, by steps that
     /// each take the load at the last angle.
     #[must_use]
-    pub fn resting_output(&self, command: S) -> S {
+    pub fn resting_angle(&self, command: S) -> S {
         let mut angle = command;
         for _ in 0..RESTING_STEPS {
             angle = (angle + command - self.load.at(angle) / self.stiffness) * 0.5;
         }
-        angle * self.gain + self.offset
+        angle
+    }
+
+    /// The output at rest under `command`, without help of friction.
+    #[must_use]
+    pub fn resting_output(&self, command: S) -> S {
+        self.resting_angle(command) * self.gain + self.offset
     }
 }

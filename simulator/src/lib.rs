@@ -10,8 +10,8 @@
 //!                          InProcessRig: read, write, simulated time
 //! ```
 //!
-//! A servo is one of three: the motor of the bench, the same motor in an aircraft, or a [`linear`] one
-//! whose step response is known exactly. [`SimulationOptions`] choose it, with noise, faults of the sensor
+//! A servo is one of four: the motor of the bench, the same motor in an aircraft, a [`linear`] one
+//! whose step response is known exactly, or one of [parameters](MachineParameters) that were identified. [`SimulationOptions`] choose it, with noise, faults of the sensor
 //! and differences from run to run; they are also the text after `sim:`.
 //!
 //! [`simulate`] leaves out the rig and the wire. Everything is deterministic: equal options and equal
@@ -39,6 +39,7 @@ mod conditions;
 mod delay_line;
 mod in_process;
 mod load;
+mod machine;
 mod motor;
 mod noise;
 mod options;
@@ -54,6 +55,7 @@ pub mod sensor;
 pub use apparatus::SimulatedFrame;
 pub use conditions::{Conditions, Scatter};
 pub use in_process::InProcessRig;
+pub use machine::MachineParameters;
 pub use noise::{Noise, NoiseKind};
 pub use options::{LineSpeed, OptionsError, ServoKind, SimulationOptions};
 pub use parts::Parts;

@@ -4,6 +4,7 @@ mod text;
 
 use crate::conditions::{Conditions, Scatter};
 use crate::linear::LinearParameters;
+use crate::machine::MachineParameters;
 use crate::noise::NoiseKind;
 use crate::sensor::SensorFault;
 use servoid_protocol::timing::SAMPLE_US;
@@ -19,15 +20,18 @@ pub enum ServoKind {
     Aircraft,
     /// [Linear](crate::linear), with a known step response.
     Linear(LinearParameters),
+    /// Of parameters that were identified. It has no name after `sim:`.
+    Machine(MachineParameters),
 }
 
 impl ServoKind {
-    /// Its name after `sim:`.
+    /// Its name.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Bench => "bench",
             Self::Aircraft => "aircraft",
             Self::Linear(_) => "linear",
+            Self::Machine(_) => "model",
         }
     }
 }
@@ -151,12 +155,24 @@ impl SimulationOptions {
             require(positive(p.natural_frequency), "omega", POSITIVE)?;
             require(p.delay <= LONGEST, "delay-ms", MILLISECONDS)?;
         }
+        if let ServoKind::Machine(p) = &self.servo {
+            let servo = &p.servo;
+            require(positive(servo.stiffness), "stiffness", POSITIVE)?;
+            require(positive(servo.damping), "damping", POSITIVE)?;
+            let delays = 0.0..=LONGEST.as_secs_f64();
+            require(delays.contains(&servo.delay_s), "delay", MILLISECONDS)?;
+            let seen = p.rest_deg().abs() <= RANGE_DEG;
+            require(seen, "position of rest at neutral", SEEN)?;
+        }
         Ok(())
     }
 }
 
 /// The longest delay: beyond it, times could overflow.
 const LONGEST: Duration = Duration::from_secs(1000);
+/// Angles to each side of 0 that the sensor shows.
+const RANGE_DEG: f64 = 60.0;
+const SEEN: &str = "within the 60 degrees to each side of 0 that the sensor shows";
 const NUMBER: &str = "a number";
 const POSITIVE: &str = "a number above 0";
 const NOT_NEGATIVE: &str = "a number, 0 or above";

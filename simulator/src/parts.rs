@@ -4,6 +4,7 @@ use crate::aircraft::{AIRCRAFT, LOAD};
 use crate::bench::BENCH;
 use crate::linear::LinearServo;
 use crate::load::AerodynamicLoad;
+use crate::machine::MachineServo;
 use crate::motor::MotorServo;
 use crate::noise::Noise;
 use crate::options::{OptionsError, ServoKind, SimulationOptions};
@@ -38,6 +39,9 @@ impl Parts {
             ServoKind::Linear(mut parameters) => {
                 parameters.delay += conditions.clock_phase;
                 Box::new(LinearServo::new(parameters))
+            }
+            ServoKind::Machine(parameters) => {
+                Box::new(MachineServo::new(parameters, conditions.clock_phase))
             }
         };
         Ok(Self {

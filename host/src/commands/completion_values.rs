@@ -48,6 +48,11 @@ pub(super) fn port() -> impl TypedValueParser<Value = String> {
     suggesting(StringValueParser::new(), words)
 }
 
+/// Simulated servos.
+pub(super) fn simulated_servo() -> impl TypedValueParser<Value = String> {
+    suggesting(StringValueParser::new(), &["bench", "aircraft", "linear"])
+}
+
 /// Kinds of references.
 pub(super) fn reference() -> impl TypedValueParser<Value = Kind> {
     let parser = StringValueParser::new().try_map(|text| text.parse::<Kind>());

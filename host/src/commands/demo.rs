@@ -97,6 +97,7 @@ impl Demo {
             first,
             second: Some(second),
             comparison: Some(&comparison),
+            servo_models: None,
             paper: &summary.paper,
         })?;
         replace.write(&self.out.join(REPORT), &page)?;
@@ -155,6 +156,7 @@ impl Demo {
             model: &found.model,
             metadata: ModelMetadata::from(&data.about),
             record: Some(&data.record),
+            servo_model: None,
         };
         let file = self.out.join(format!("{condition}.json"));
         self.replace().write_json(Some(&file), &document)?;

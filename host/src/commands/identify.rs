@@ -2,12 +2,14 @@
 
 use super::input::{TableArgs, identified};
 use super::output::{Output, stem, wrong_usage};
+use super::servo_fit;
 use crate::data::dataset::suggestion::quoted;
 use crate::data::dataset::{Dataset, listed};
-use crate::data::model_file::{ModelDocument, ServoModelDocument};
+use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::explanation;
-use crate::presentation::{plots, summary};
+use crate::presentation::plots::{self, Figure};
+use crate::presentation::summary;
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
@@ -15,9 +17,8 @@ use servoid_identification::diagnostics::Explanation;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
 use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
 use servoid_identification::results::{Model, StepResponse};
-use servoid_identification::servo_model::{self, ServoModelOptions};
 use servoid_identification::{Frequencies, NoiseOrder, Options, Settling, flight_model};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Identify the servo's step and frequency response, with bounds
 ///
@@ -98,14 +99,14 @@ impl Identify {
             Some(Err(reason)) => (None, Some(reason)),
             None => (None, None),
         };
-        let servo = self.wants_servo_model(model).then(|| {
-            talk.say("looking for the servo as a machine, which takes some seconds");
-            fit_servo_model(&data, self.level)
-        });
-        let (servo, no_servo) = match servo {
-            Some(Ok(servo)) => (Some(servo), None),
-            Some(Err(reason)) => (None, Some(reason)),
-            None => (None, None),
+        let servo = servo_fit::is_wanted(self.servo_model, model.level().withdrawn())
+            .then(|| servo_fit::find(&data, &options, self.plots.is_some(), talk));
+        let (servo, no_servo, held_out) = match servo {
+            Some(found) => match found.model {
+                Ok(servo) => (Some(servo), None, found.held_out),
+                Err(reason) => (None, Some(reason), None),
+            },
+            None => (None, None, None),
         };
         let mut text = String::new();
         text.extend(
@@ -136,11 +137,11 @@ impl Identify {
                 model,
                 metadata: ModelMetadata::from(&data.about),
                 record: Some(&data.record),
+                servo_model: servo.as_ref(),
             },
             explanation,
             flight_model: fitted.as_ref(),
             no_flight_model: reason.as_ref(),
-            servo_model: servo.as_ref(),
             no_servo_model: no_servo.as_ref(),
             limits: None,
             directions: None,
@@ -157,31 +158,16 @@ impl Identify {
             talk.say(format_args!("model: {}", out.display()));
         }
         if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
-            self.draw(folder, &stem(first), &data, model, explanation)?;
+            let mut figures = drawn(&stem(first), &data, model, explanation);
+            figures.extend(held_out.map(|found| {
+                let file = format!("{}-servo-model", stem(first));
+                let title = format!("Servo model, on {} that it has not seen", found.stretch);
+                plots::held_out(&file, &title, &found, units.output)
+            }));
+            self.output.draw(folder, &figures)?;
         }
         talk.say(self.next());
         talk.result(text, &result)
-    }
-
-    /// Without bounds, the linear model leaves its user with little.
-    fn wants_servo_model(&self, model: &Model) -> bool {
-        self.servo_model || model.level().withdrawn().is_some()
-    }
-
-    fn draw(
-        &self,
-        folder: &Path,
-        name: &str,
-        data: &Dataset,
-        model: &Model,
-        explanation: Option<&Explanation>,
-    ) -> Result<()> {
-        let mut figures = plots::identification(name, &data.record, model, data.about.units());
-        figures.extend(explanation.map(|explanation| {
-            let file = format!("{name}-structure");
-            plots::structure(&file, "Choice of structure", explanation, model)
-        }));
-        self.output.draw(folder, &figures)
     }
 
     /// The command that shows all of this.
@@ -202,6 +188,21 @@ impl Identify {
     }
 }
 
+/// The figures of the linear model.
+fn drawn(
+    name: &str,
+    data: &Dataset,
+    model: &Model,
+    explanation: Option<&Explanation>,
+) -> Vec<Figure> {
+    let mut figures = plots::identification(name, &data.record, model, data.about.units());
+    figures.extend(explanation.map(|explanation| {
+        let file = format!("{name}-structure");
+        plots::structure(&file, "Choice of structure", explanation, model)
+    }));
+    figures
+}
+
 /// The low-order model, or the reason why there is none.
 fn fit_flight_model(data: &Dataset, model: &Model) -> Result<FlightModel, String> {
     let options = FlightModelOptions {
@@ -209,29 +210,6 @@ fn fit_flight_model(data: &Dataset, model: &Model) -> Result<FlightModel, String
         ..FlightModelOptions::default()
     };
     flight_model::fit(&data.record, model, &options).map_err(|error| error.to_string())
-}
-
-/// The servo as a machine, or the reason why it is not found.
-fn fit_servo_model(data: &Dataset, level: f64) -> Result<ServoModelDocument, String> {
-    let names = data.controllers.names();
-    let radians = match data.about.units().input {
-        Some("deg") => Some(1f64.to_radians()),
-        Some("rad") => Some(1.0),
-        _ => None,
-    };
-    let options = ServoModelOptions {
-        controllers: data
-            .controllers
-            .among(&names)
-            .map_err(|error| error.to_string())?,
-        level,
-        radians_per_command: radians,
-    };
-    let model = servo_model::fit(&data.record, &options).map_err(|error| error.to_string())?;
-    Ok(ServoModelDocument {
-        model,
-        controller_names: names,
-    })
 }
 
 /// The model as `--json` prints it and `-o` writes it, with the further results that were asked for.
@@ -246,9 +224,7 @@ struct Identified<'a> {
     /// The reason why there is none though one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     no_flight_model: Option<&'a String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    servo_model: Option<&'a ServoModelDocument>,
-    /// The reason why there is none though one was looked for.
+    /// The reason why there is no servo model though one was looked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     no_servo_model: Option<&'a String>,
     #[serde(skip_serializing_if = "Option::is_none")]

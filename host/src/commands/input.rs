@@ -1,14 +1,16 @@
 //! The input of commands: recordings, CSV files of other programs, and models.
 
-use super::output::{Talk, stem};
+use super::output::{Talk, stem, wrong_usage};
 use crate::data::dataset::suggestion::quoted;
 use crate::data::dataset::{self, Dataset, DatasetOptions, TimeUnit, listed};
 use crate::data::fingerprint;
 use crate::data::model_metadata::ModelMetadata;
+use crate::instrument::simulated_servo::{self, SimulatedServoError};
 use anyhow::{Context, Result};
 use clap::Args;
 use servoid_identification::comparison::{Comparison, ComparisonOptions, compare};
 use servoid_identification::{Identification, Options, identify_explained};
+use servoid_simulator::SimulationOptions;
 use std::path::{Path, PathBuf};
 
 /// The options that describe CSV files of other programs.
@@ -104,6 +106,15 @@ impl TableArgs {
         let remarks = sides.iter().flat_map(|side| &side.about.remarks);
         remarks.for_each(|remark| talk.say(remark));
         Ok(sides)
+    }
+}
+
+/// The simulated servo with this text, which a port has after `sim:`; one that is none is wrong usage.
+pub(super) fn simulated_servo(text: &str) -> Result<SimulationOptions> {
+    use SimulatedServoError::{NoControllers, Options, Unknown};
+    match simulated_servo::options(text) {
+        Err(error @ (Options(_) | Unknown(_) | NoControllers(_))) => wrong_usage(error),
+        other => Ok(other?),
     }
 }
 

@@ -22,6 +22,7 @@ mod reference_args;
 mod report;
 mod rig_args;
 mod rig_wizard;
+mod servo_fit;
 mod simulate;
 mod validate;
 mod value_parsers;

@@ -1,5 +1,6 @@
 //! `servoid plan`
 
+use super::input::{is_model, simulated_servo};
 use super::output::{Output, wrong_usage};
 use super::reference_args::ReferenceArgs;
 use super::rig_args::rig_file;
@@ -9,8 +10,7 @@ use crate::plan::{AssumedServo, Plan, PlanRequest, figure, of_plan};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use servoid_protocol::timing::SAMPLE_US;
-use servoid_simulator::SimulationOptions;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Forecast a run: the width of its band, and the questions that it cannot answer
 ///
@@ -18,19 +18,24 @@ use std::path::PathBuf;
 /// will be, so its speed limit, dead band and friction count. With --model only the linear part of the servo is
 /// known: the band then comes from the covariance at the model's noise. A servo that is not linear gives a wider
 /// band, most of all with references that change before it has come to rest.
+///
+/// A servo model needs other runs than the band: more than two levels, strokes large enough to reach the top speed beside small
+/// ones, rests at each level, and approaches to it from both sides. Stairs have them all; --servo-model tries it.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid plan                                      the paper's staircase beside the other kinds
   servoid plan --reference prbs --band 0.5          the number of runs for +-0.5 %
   servoid plan --model bench.json --reference stairs --plots plots
+  servoid plan --servo mine.json --reference stairs --amplitude 20
   servoid plan --servo linear --noise 0.05 --json")]
 pub(super) struct PlanArgs {
     /// Take servo and noise from this model of 'servoid identify'
     #[arg(long, value_name = "MODEL.json", conflicts_with = "servo")]
     model: Option<PathBuf>,
-    /// Take servo and noise from a simulated one: bench, aircraft or linear, with options as in --port sim:...
-    #[arg(long, default_value = "bench")]
-    servo: SimulationOptions,
+    /// Take servo and noise from a simulated one: bench, aircraft or linear, with options as in --port sim:..., or
+    /// a model of 'servoid identify --servo-model'
+    #[arg(long, default_value = "bench", value_name = "SERVO|MODEL.json")]
+    servo: String,
     /// Take white noise of this standard deviation instead (degrees)
     #[arg(long, value_name = "DEGREES")]
     noise: Option<f64>,
@@ -44,6 +49,10 @@ pub(super) struct PlanArgs {
     /// Confidence level of every bound, as a fraction (0.99) or in percent (99)
     #[arg(long, default_value_t = 0.99, value_parser = super::value_parsers::level)]
     level: f64,
+    /// Also identify a simulated run as a machine, which takes some seconds: which quantities of the servo model come out
+    /// determined, and what to record for the others. A model as --servo does that by itself
+    #[arg(long, conflicts_with = "model")]
+    servo_model: bool,
     /// The rig file; its microseconds per degree are used
     #[arg(long, value_name = "RIG.toml")]
     rig: Option<PathBuf>,
@@ -68,6 +77,7 @@ impl PlanArgs {
         let (output, talk) = (self.output, self.output.talk);
         output.check(&self.out)?;
         let assumed = self.assumed()?;
+        let servo_model = self.servo_model || self.model.is_none() && self.names_a_model();
         let us_per_degree = rig_file(self.rig.as_deref())?.servo.us_per_degree;
         let request = PlanRequest {
             reference: self.reference.resolve(us_per_degree, talk)?,
@@ -76,6 +86,7 @@ impl PlanArgs {
             assumed,
             level: self.level,
             wanted_percent: self.band,
+            servo_model,
         };
         let plan = Plan::of(&request).with_context(|| {
             let words = reference::describe(&request.reference, us_per_degree);
@@ -105,11 +116,29 @@ impl PlanArgs {
                 }
                 AssumedServo::of_model(format!("the servo of {}", path.display()), model)
             }
-            None => AssumedServo::simulated(&self.servo)?,
+            None => self.simulated()?,
         };
         Ok(match self.noise {
             Some(sigma) => assumed.with_white_noise(sigma),
             None => assumed,
+        })
+    }
+
+    /// Whether --servo is a model file.
+    fn names_a_model(&self) -> bool {
+        let servo = self.servo.split('?').next().unwrap_or_default();
+        is_model(Path::new(servo))
+    }
+
+    fn simulated(&self) -> Result<AssumedServo> {
+        let options = simulated_servo(&self.servo)?;
+        let assumed = AssumedServo::simulated(&options)?;
+        Ok(match self.names_a_model() {
+            true => AssumedServo {
+                name: format!("the servo model of {}", self.servo),
+                ..assumed
+            },
+            false => assumed,
         })
     }
 }

@@ -2,13 +2,16 @@
 
 use super::input::{TableArgs, compared, identified, is_model, name_of};
 use super::output::{Output, Talk, stem, wrong_usage};
-use crate::data::dataset::Dataset;
+use super::servo_fit;
+use crate::data::dataset::{Dataset, listed};
 use crate::data::model_file::ModelFile;
 use crate::presentation::report::{self, Page, Servo};
 use anyhow::{Context, Result};
 use clap::Args;
 use servoid_identification::Options;
-use servoid_identification::comparison::{Comparison, ComparisonOptions, compare_models};
+use servoid_identification::comparison::{
+    Comparison, ComparisonOptions, ServoModelComparison, compare_models, compare_servo_models,
+};
 use std::path::PathBuf;
 
 /// Write a page on one servo, or on the comparison of two, with figures to zoom in
@@ -39,6 +42,9 @@ pub(super) struct Report {
     /// The largest difference that still counts as the same (percent of the step)
     #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::value_parsers::margin)]
     margin: f64,
+    /// Also find the servo as a machine in every recording. It is found by itself where the linear model has no bounds
+    #[arg(long)]
+    servo_model: bool,
     #[command(flatten)]
     output: Output,
     #[command(flatten)]
@@ -57,7 +63,7 @@ impl Report {
         let mut servos = match sides[..] {
             [a, b] if model_file(a).is_none() && model_file(b).is_none() => {
                 let [data_a, data_b] = self.table.load_sides([a, b], talk)?;
-                vec![servo(a, data_a)?, servo(b, data_b)?]
+                vec![self.servo(a, data_a)?, self.servo(b, data_b)?]
             }
             ref sides => {
                 let servos = sides.iter().map(|side| self.read(side));
@@ -75,6 +81,10 @@ impl Report {
             [a, b] => comparison(a, b, self.margin, talk)?,
             _ => None,
         };
+        let servo_models = match &servos[..] {
+            [a, b] => servo_models(a, b),
+            _ => None,
+        };
         let [first, others @ ..] = &servos[..] else {
             wrong_usage("name a recording or a model to report on");
         };
@@ -83,6 +93,7 @@ impl Report {
             first: first.part(),
             second: others.first().map(Servo::part),
             comparison: comparison.as_ref(),
+            servo_models: servo_models.as_ref(),
             paper: &[],
         })?;
         self.output.write(&self.out, &page)?;
@@ -92,12 +103,31 @@ impl Report {
 
     fn read(&self, files: &[PathBuf]) -> Result<Servo> {
         let Some(file) = model_file(files) else {
-            return servo(files, self.table.load(files, self.output.talk)?);
+            return self.servo(files, self.table.load(files, self.output.talk)?);
         };
-        let ModelFile {
-            model, metadata, ..
-        } = ModelFile::read(file)?;
-        Ok(Servo::of_model(stem(file), model, metadata))
+        let found = ModelFile::read(file)?;
+        let servo_model = found.servo_model()?;
+        let mut servo = Servo::of_model(stem(file), found.model, found.metadata);
+        servo.servo_model = servo_model;
+        Ok(servo)
+    }
+
+    fn servo(&self, files: &[PathBuf], data: Dataset) -> Result<Servo> {
+        let (options, talk) = (Options::default(), self.output.talk);
+        let found = identified(&data, files, &options)?;
+        let machine = servo_fit::is_wanted(self.servo_model, found.model.level().withdrawn())
+            .then(|| servo_fit::find(&data, &options, true, talk));
+        let mut servo = Servo::of_data(name_of(&data, files), data, found);
+        match machine.map(|found| (found.model, found.held_out)) {
+            Some((Ok(model), held_out)) => {
+                (servo.servo_model, servo.held_out) = (Some(model), held_out);
+            }
+            Some((Err(reason), _)) => {
+                talk.say(format_args!("{}: no servo model: {reason}", listed(files)));
+            }
+            None => {}
+        }
+        Ok(servo)
     }
 }
 
@@ -109,9 +139,11 @@ fn model_file(files: &[PathBuf]) -> Option<&PathBuf> {
     }
 }
 
-fn servo(files: &[PathBuf], data: Dataset) -> Result<Servo> {
-    let found = identified(&data, files, &Options::default())?;
-    Ok(Servo::of_data(name_of(&data, files), data, found))
+/// The two servos as machines beside each other, where both were found and have the same units.
+fn servo_models(a: &Servo, b: &Servo) -> Option<ServoModelComparison> {
+    a.metadata.same_units(&a.name, &b.metadata, &b.name).ok()?;
+    let both = a.servo_model.as_ref().zip(b.servo_model.as_ref())?;
+    Some(compare_servo_models(&both.0.model, &both.1.model))
 }
 
 /// The comparison of the two; `None` where there is none, as for a recording beside a model.

@@ -1,24 +1,33 @@
 //! `servoid simulate`
 
 use super::capture::{CaptureJob, Monitor, capture};
-use super::output::Output;
+use super::completion_values::simulated_servo;
+use super::input;
+use super::output::{Output, stem};
 use super::reference_args::ReferenceArgs;
 use crate::data::rig_file::RigFile;
 use anyhow::Result;
-use clap::{Args, ValueEnum, ValueHint};
-use std::path::PathBuf;
+use clap::{Args, ValueHint};
+use std::path::{Path, PathBuf};
 
 /// Record a simulated servo, as fast as the computer allows
 ///
-/// The same as 'servoid capture' with --port sim:SERVO?seed=S.
+/// The same as 'servoid capture' with --port sim:SERVO?seed=S. The servo of a model is commanded in degrees like the
+/// others, 10 µs of the pulse for each: a command in radians follows them, and one in µs is the pulse itself. Where
+/// the model's units are not known, its command is the angle that identification took it for, and its position too.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid simulate --servo aircraft --seed 3 -o aircraft.csv
+  servoid simulate --servo mine.json --reference stairs --levels 7 -o again.csv
   servoid simulate --servo bench --reference prbs --length 20 -o prbs.csv")]
 pub(super) struct Simulate {
-    /// The servo: free on the bench, loaded by a rotor, or exactly linear
-    #[arg(long, value_enum)]
-    servo: SimulatedServo,
+    /// The servo: bench (free), aircraft (loaded by a rotor), linear (exactly), or a model of 'servoid identify
+    /// --servo-model'
+    #[arg(long, value_name = "SERVO|MODEL.json", value_parser = simulated_servo(), hide_possible_values = true)]
+    servo: String,
+    /// The controller that drives it, where the model has several
+    #[arg(long, value_name = "NAME")]
+    controller: Option<f64>,
     /// Seed of the noise; equal seeds give equal recordings
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -31,26 +40,22 @@ pub(super) struct Simulate {
     reference: ReferenceArgs,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum SimulatedServo {
-    Bench,
-    Aircraft,
-    Linear,
-}
-
 impl Simulate {
     pub(super) fn run(self) -> Result<String> {
-        let servo = match self.servo {
-            SimulatedServo::Bench => "bench",
-            SimulatedServo::Aircraft => "aircraft",
-            SimulatedServo::Linear => "linear",
-        };
+        let controller = self
+            .controller
+            .map_or_else(String::new, |name| format!("&controller={name}"));
+        let name = self.servo.split('?').next().unwrap_or_default();
+        let keys = if self.servo.contains('?') { '&' } else { '?' };
+        let servo = format!("{}{keys}seed={}{controller}", self.servo, self.seed);
+        // Before a file is reserved: a servo that there is not is wrong usage.
+        input::simulated_servo(&servo)?;
         let (rig, talk) = (RigFile::default(), self.output.talk);
         let job = CaptureJob {
-            address: &format!("sim:{servo}?seed={}", self.seed),
+            address: &format!("sim:{servo}"),
             reference: self.reference.resolve(rig.servo.us_per_degree, talk)?,
             rig,
-            condition: servo,
+            condition: &stem(Path::new(name)),
             notes: "",
             release: false,
             files: std::slice::from_ref(&self.out),

@@ -9,6 +9,7 @@ pub mod table;
 pub(crate) mod degrees;
 mod file_error;
 pub(crate) mod fingerprint;
+pub(crate) mod held_out;
 pub(crate) mod input_file;
 pub(crate) mod model_metadata;
 

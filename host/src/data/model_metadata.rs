@@ -114,7 +114,7 @@ pub struct UnitsDiffer {
 
 /// One spelling for all of a unit; `None` for what may be no unit at all, such as the "bench" of
 /// "angle (bench)", and for "grad", which is a degree in German and 0.9 degrees elsewhere.
-fn unit_meant(unit: &str) -> Option<String> {
+pub(crate) fn unit_meant(unit: &str) -> Option<String> {
     let unit = unit.to_lowercase();
     Some(match unit.as_str() {
         "grad" | "-" => return None,

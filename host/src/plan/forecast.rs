@@ -6,6 +6,7 @@ use super::assumed_servo::noise_rms;
 use super::band_width::{BandWidths, RunsNeeded};
 use super::expectation::Expectation;
 use super::request::PlanRequest;
+use super::servo_quantities::ServoQuantities;
 use super::spectrum::Spectrum;
 use crate::data::recording::as_toml;
 use crate::instrument::reference::{describe, seconds};
@@ -46,6 +47,8 @@ pub struct Plan {
     pub spectrum: Spectrum,
     /// The questions beside the linear response, answered or not.
     pub answers: Vec<Answer>,
+    /// What a run will determine of the servo as a machine; `None` where nobody asked.
+    pub servo_model: Option<ServoQuantities>,
     /// Whether all this holds for a linear servo only.
     pub only_if_linear: bool,
     /// Half width of the band that is wanted (percent of the step).
@@ -95,6 +98,10 @@ impl Plan {
             },
             spectrum: Spectrum::of(request),
             answers: answerable_questions::of(&expected.example, &expected.record),
+            servo_model: match request.servo_model {
+                true => Some(ServoQuantities::of(request)?),
+                false => None,
+            },
             only_if_linear: request.relies_on_linearity(),
             wanted_percent: request.wanted_percent,
             needed: band.valid().and_then(|band| runs_needed(request, band)),

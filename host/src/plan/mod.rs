@@ -18,6 +18,7 @@ mod expectation;
 mod forecast;
 mod plot;
 mod request;
+mod servo_quantities;
 mod simulated_runs;
 mod spectrum;
 mod text;
@@ -29,6 +30,7 @@ pub use band_width::{BandWidths, RunsNeeded};
 pub use forecast::Plan;
 pub use plot::figure;
 pub use request::PlanRequest;
+pub use servo_quantities::ServoQuantities;
 pub use spectrum::{Density, Octave, Spectrum};
 pub use text::of_plan;
 

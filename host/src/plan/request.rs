@@ -21,6 +21,8 @@ pub struct PlanRequest {
     pub level: f64,
     /// Half width of the whole curve's band that is wanted, where it is widest (percent of the step).
     pub wanted_percent: Option<f64>,
+    /// Whether to plan for the servo model too.
+    pub servo_model: bool,
 }
 
 impl PlanRequest {

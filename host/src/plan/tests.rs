@@ -27,6 +27,7 @@ fn question(kind: &str, noise: Noise) -> PlanRequest {
         assumed,
         level: 0.99,
         wanted_percent: None,
+        servo_model: false,
     }
 }
 

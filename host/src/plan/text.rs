@@ -3,6 +3,7 @@
 use super::alternatives::Alternative;
 use super::band_width::{BandWidths, MOST_RUNS, RunsNeeded};
 use super::forecast::Plan;
+use crate::data::units::Units;
 use crate::presentation::summary;
 use servoid_identification::results::{Bounds, Reason};
 
@@ -56,6 +57,7 @@ pub fn of_plan(plan: &Plan) -> String {
         text += &format!("  {sign}  {}?\n", answer.question);
         text.extend(answer.why.as_ref().map(|why| format!("       {why}\n")));
     }
+    text += &servo_model(plan);
     text += &alternatives(plan);
     if plan.spectrum.above_noise_up_to_hz == 0.0 {
         text += "\nThe servo's response is below the noise at all frequencies: raise --amplitude, or record many runs\n";
@@ -145,6 +147,33 @@ fn spectrum(plan: &Plan) -> String {
         let (from, to, rms) = (octave.from_hz, octave.to_hz, octave.rms_deg);
         let (share, ratio) = (octave.share_percent, octave.signal_to_noise_db);
         text += &format!("  {from:>6} - {to:<6} {rms:>9.4} {share:>9.3} {ratio:>16.1}\n");
+    }
+    text
+}
+
+/// What a run will determine of the servo as a machine, and what to record for the rest.
+fn servo_model(plan: &Plan) -> String {
+    let Some(found) = &plan.servo_model else {
+        return String::new();
+    };
+    let samples = match found.every {
+        1 => "all samples".to_owned(),
+        every => format!("every {every}th sample: all of them give narrower intervals"),
+    };
+    let mut text = format!(
+        "\nThe servo as a machine, as identified on a simulated run ({samples})\n  {}\n",
+        summary::terms_in_words(found.terms)
+    );
+    if let Bounds::Withdrawn(reason) = &found.level {
+        text += &format!("  ! NO INTERVALS CAN BE GIVEN: {}\n", reason.because());
+    }
+    let degrees = Units {
+        input: Some("deg"),
+        output: Some("deg"),
+    };
+    text += &summary::quantities(&found.quantities, found.level, degrees);
+    for remedy in &found.remedies {
+        text += &format!("  - {}\n", summary::wrapped(remedy, 4));
     }
     text
 }

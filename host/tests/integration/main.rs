@@ -27,6 +27,7 @@ mod same_data;
 #[cfg(target_os = "linux")]
 mod scope;
 mod servo_model;
+mod servo_model_uses;
 mod sessions;
 mod sides;
 mod support;

@@ -246,6 +246,7 @@ fn use_model(text: &str) {
             first: first.part(),
             second: Some(second.part()),
             comparison: found.as_ref(),
+            servo_models: None,
             paper: &[],
         });
         if let Some(found) = found {

@@ -28,7 +28,7 @@ fn every_field_is_documented() {
     let (model, header) = (at("demo/bench.json"), at("x.h"));
     let (rig, run_file) = (at("rig.toml"), at("run.csv"));
     let results = [
-        vec!["plan", "--band", "0.4"],
+        vec!["plan", "--band", "0.4", "--servo-model"],
         vec!["init", "--yes", "-o", &rig],
         vec!["info", "--port", "sim:bench"],
         vec!["calibrate", "--port", "sim:bench", "--by-servo"],
@@ -63,7 +63,7 @@ fn every_field_is_documented() {
         vec!["identify", &bench],
         vec!["identify", &loaded],
         vec!["validate", &model, &loaded],
-        vec!["compare", &bench, &loaded],
+        vec!["compare", &bench, &loaded, "--servo-model"],
         vec!["compare", &model, &model],
         vec!["export", &model, "--to", "c"],
         vec!["export", &model, "--to", "c", "-o", &header],

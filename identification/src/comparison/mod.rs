@@ -34,6 +34,7 @@ mod outcome;
 mod over_prediction;
 mod pair;
 mod scatter;
+mod servo_models;
 mod shift;
 mod words;
 
@@ -45,3 +46,7 @@ pub use outcome::{
     Direction, Levels, MetricDifference, SCHEMA, Sides, Verdict,
 };
 pub use over_prediction::OverPrediction;
+pub use servo_models::{
+    QuantityDifference, QuantityDifferences, QuantityPair, ServoModelComparison,
+    compare_servo_models,
+};

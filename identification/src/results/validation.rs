@@ -61,7 +61,8 @@ impl Validation {
 
     /// Compares pairs of measured and predicted output; pairs with a NaN do not count. `None` when
     /// no pair is left.
-    pub(crate) fn of_pairs(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
+    #[must_use]
+    pub fn of_pairs(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
         let known = pairs
             .into_iter()
             .filter(|(y, predicted)| !(y - predicted).is_nan());

@@ -27,9 +27,19 @@ impl FromStr for SimulationOptions {
             "linear" => ServoKind::Linear(LinearParameters::default()),
             other => return Err(OptionsError::UnknownServo(other.into())),
         };
+        Self::with_keys(servo, rest)
+    }
+}
+
+impl SimulationOptions {
+    /// The options of `servo` with what the text after `?` sets.
+    ///
+    /// # Errors
+    /// As the text after `sim:`.
+    pub fn with_keys(servo: ServoKind, keys: &str) -> Result<Self, OptionsError> {
         let mut options = Self::new(servo);
         let mut seen = Vec::new();
-        for part in rest.split('&').filter(|part| !part.is_empty()) {
+        for part in keys.split('&').filter(|part| !part.is_empty()) {
             let (key, value) = match part.split_once('=') {
                 Some((key, value)) => (key, Some(value)),
                 None => (part, None),

@@ -59,6 +59,7 @@ const ROOMS: [(&str, &[&str]); 8] = [
             "bench",
             "aircraft",
             "linear",
+            "machine",
             "sensor",
             "noise",
             "options",

@@ -16,6 +16,32 @@ pub struct UnknownController {
 }
 
 impl Controllers {
+    /// The controller of each run, by its name.
+    #[must_use]
+    pub fn of_runs(names: Vec<f64>) -> Self {
+        Self(names)
+    }
+
+    /// The name of what drove the run number `run` (from 0); `None` where all runs have the same.
+    #[must_use]
+    pub fn of_run(&self, run: usize) -> Option<f64> {
+        self.0.get(run).copied()
+    }
+
+    /// Whether what drove the run number `run` drove another one too.
+    #[must_use]
+    pub fn drives_another_than(&self, run: usize) -> bool {
+        let others = |name: &f64| self.0.iter().filter(|other| *other == name).count() > 1;
+        self.0.get(run).is_none_or(others)
+    }
+
+    /// Those of all runs but the run number `run`.
+    #[must_use]
+    pub fn without(&self, run: usize) -> Self {
+        let others = self.0.iter().enumerate().filter(|(other, _)| *other != run);
+        Self(others.map(|(_, name)| *name).collect())
+    }
+
     /// The different ones, in the order in which they appear.
     #[must_use]
     pub fn names(&self) -> Vec<f64> {

@@ -28,6 +28,9 @@ pub struct ModelDocument<'a> {
         skip_serializing_if = "Option::is_none"
     )]
     pub record: Option<&'a Record>,
+    /// The servo model beside the linear one, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_model: Option<&'a ServoModelDocument>,
 }
 
 /// Fingerprints cost a pass over all samples, and most models are printed for people, without them.

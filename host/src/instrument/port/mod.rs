@@ -5,6 +5,7 @@
 //! | `/dev/ttyUSB0`, `COM3`, …   | a board on a serial port, 115200 baud, 8N1                |
 //! | `tcp:HOST:PORT`             | a board behind a serial-to-network bridge                 |
 //! | `sim:bench`, `sim:aircraft`, `sim:linear` | the rig's own program in this process, on a simulated servo |
+//! | `sim:MODEL.json`            | the same, on the servo model of a file                    |
 //!
 //! Code that talks to a rig sees a [`Port`], whichever of them it is.
 

@@ -2,14 +2,14 @@
 
 use super::byte_stream::Port;
 use super::open_error::OpenError;
-use servoid_simulator::{InProcessRig, SimulationOptions};
+use crate::instrument::simulated_servo;
+use servoid_simulator::InProcessRig;
 use std::time::Duration;
 
 /// `description` is what follows `sim:`.
 pub(super) fn open(description: &str) -> Result<InProcessRig, OpenError> {
-    let options: SimulationOptions = description
-        .parse()
-        .map_err(|e| OpenError::BadAddress(format!("{e}")))?;
+    let options =
+        simulated_servo::options(description).map_err(|e| OpenError::BadAddress(format!("{e}")))?;
     InProcessRig::new(&options).map_err(|e| OpenError::BadAddress(format!("{e}")))
 }
 

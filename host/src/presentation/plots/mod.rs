@@ -6,6 +6,7 @@
 
 mod difference;
 mod figure;
+mod held_out;
 mod paper_figures;
 mod residuals;
 mod response;
@@ -16,6 +17,7 @@ mod svg;
 
 pub use difference::difference;
 pub use figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Named, Panel};
+pub use held_out::{HeldOutPrediction, held_out};
 pub use paper_figures::{Subject, identification, paper};
 pub use residuals::residuals;
 pub use response::{bode, step_response};

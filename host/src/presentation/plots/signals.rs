@@ -9,7 +9,7 @@ const MOST_POINTS: usize = 6_000;
 
 /// A signal over time. Of a long one, each stretch of samples is drawn as its smallest and its
 /// largest value: at the width of a page that looks the same, and the file stays small.
-fn signal(name: &str, ink: Ink, period_s: f64, values: &[f64]) -> Curve {
+pub(super) fn signal(name: &str, ink: Ink, period_s: f64, values: &[f64]) -> Curve {
     let time = |k: usize| k as f64 * period_s;
     if values.len() <= MOST_POINTS {
         return Curve::solid(name, ink, (0..).map(time).zip(values.iter().copied()));
@@ -34,7 +34,7 @@ fn signal(name: &str, ink: Ink, period_s: f64, values: &[f64]) -> Curve {
 pub(crate) const MOST_RUNS: usize = 3;
 
 /// Axes over time.
-fn over_time(y_label: String, curves: Vec<Curve>) -> Panel {
+pub(super) fn over_time(y_label: String, curves: Vec<Curve>) -> Panel {
     Panel {
         curves,
         ..Panel::new("time (s)", y_label, Legend::Above)

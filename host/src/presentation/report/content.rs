@@ -1,9 +1,10 @@
 //! The content of a page: one servo, or two and their comparison.
 
+use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::paper_values::Fact;
-use crate::presentation::plots::Subject;
-use servoid_identification::comparison::Comparison;
+use crate::presentation::plots::{HeldOutPrediction, Subject};
+use servoid_identification::comparison::{Comparison, ServoModelComparison};
 use servoid_identification::diagnostics::Explanation;
 use servoid_identification::results::Model;
 
@@ -19,6 +20,10 @@ pub struct Part<'a> {
     pub explanation: Option<&'a Explanation>,
     /// Models of its runs, each identified on its own, where there are several.
     pub runs: &'a [Model],
+    /// The servo as a machine, where that was found.
+    pub servo_model: Option<&'a ServoModelDocument>,
+    /// A stretch that the models had not seen, where both were identified without one.
+    pub held_out: Option<&'a HeldOutPrediction>,
     /// Units, and the hold of the command.
     pub metadata: &'a ModelMetadata,
     /// The origin of the data, file by file.
@@ -36,6 +41,8 @@ pub struct Page<'a> {
     pub second: Option<Part<'a>>,
     /// The comparison of the two.
     pub comparison: Option<&'a Comparison>,
+    /// The two servos as machines beside each other, where both were found.
+    pub servo_models: Option<&'a ServoModelComparison>,
     /// The paper's values beside those found here, where the servos are those of the paper.
     pub paper: &'a [Fact],
 }

@@ -34,6 +34,14 @@ pub(super) fn all(page: &Page<'_>) -> Vec<Shown> {
             "The bands hold everywhere at once. Outside the margin somewhere: different; inside it everywhere: same. Verdict: {verdict}."
         )));
     }
+    for (part, place) in page.parts().zip(["first", "second"]) {
+        all.extend(part.held_out.map(|found| {
+            let name = format!("held-out-{place}");
+            let title = format!("Servo model and linear model, {}", part.subject.name);
+            let unit = part.subject.units.output;
+            Shown::new(plots::held_out(&name, &title, found, unit), found.caption())
+        }));
+    }
     let second = page.second.as_ref().map(|part| &part.subject);
     for figure in plots::paper(&page.first.subject, second) {
         let caption = caption(&figure, page);

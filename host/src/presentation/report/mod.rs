@@ -8,6 +8,7 @@ mod content;
 mod figures;
 mod interactive;
 mod servo;
+mod servo_model;
 mod text;
 
 pub use super::paper_values::Fact;
@@ -35,8 +36,10 @@ pub fn page(page: &Page<'_>) -> Result<String> {
         .collect();
     let (models, remark) = models_in_page(page)?;
     let body = [
+        servo_model::sentences(page),
         text::verdict(page),
         text::numbers(page),
+        servo_model::tables(page),
         text::advice(page),
         figures::places(&figures),
         text::structure(page),
@@ -44,7 +47,7 @@ pub fn page(page: &Page<'_>) -> Result<String> {
         format!("<p class=\"faint\">{remark}</p>\n"),
     ];
     let made_by = format!(
-        "servoid {}. Bounds are those of a linear servo: they cover noise, not a servo that changes from run to run or saturates.",
+        "servoid {}. Bounds of the responses are those of a linear servo: they cover noise, not a servo that changes from run to run or saturates.",
         env!("CARGO_PKG_VERSION")
     );
     let values: [(&str, &str); 6] = [
@@ -70,6 +73,7 @@ fn models_in_page(page: &Page<'_>) -> Result<(String, &'static str)> {
             model: part.subject.model,
             metadata: part.metadata.clone(),
             record: part.subject.record,
+            servo_model: part.servo_model,
         })
         .collect();
     let whole = json_in_page(&models)?;

@@ -2,8 +2,9 @@
 
 use super::content::{Facts, Part};
 use crate::data::dataset::Dataset;
+use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::plots::Subject;
+use crate::presentation::plots::{HeldOutPrediction, Subject};
 use servoid_identification::diagnostics::Explanation;
 use servoid_identification::results::Model;
 use servoid_identification::{Identification, Options, Record, Run, Settling, identify};
@@ -19,6 +20,10 @@ pub struct Servo {
     pub explanation: Option<Explanation>,
     /// The data of its identification; not known of a model from a file.
     pub data: Option<Dataset>,
+    /// The servo as a machine, where that was found.
+    pub servo_model: Option<ServoModelDocument>,
+    /// A stretch that the models had not seen, where both were identified without one.
+    pub held_out: Option<HeldOutPrediction>,
     /// Units, and the hold of the command.
     pub metadata: ModelMetadata,
     runs: Vec<Model>,
@@ -33,6 +38,8 @@ impl Servo {
             model,
             explanation: None,
             data: None,
+            servo_model: None,
+            held_out: None,
             metadata,
             runs: Vec::new(),
         }
@@ -48,6 +55,8 @@ impl Servo {
             explanation: Some(found.explanation),
             metadata: ModelMetadata::from(&data.about),
             data: Some(data),
+            servo_model: None,
+            held_out: None,
         }
     }
 
@@ -64,6 +73,8 @@ impl Servo {
             },
             explanation: self.explanation.as_ref(),
             runs: &self.runs,
+            servo_model: self.servo_model.as_ref(),
+            held_out: self.held_out.as_ref(),
             metadata: &self.metadata,
             provenance: data.map_or(&[][..], |data: &Dataset| -> &[Facts] {
                 &data.about.provenance

@@ -2,7 +2,7 @@
 
 use super::content::{Facts, Page, Part};
 use crate::presentation::paper_values::Fact;
-use crate::presentation::summary;
+use crate::presentation::summary::{self, TableRow};
 use servoid_identification::results::Bounds;
 
 /// Text without the characters that have a meaning in HTML.
@@ -113,19 +113,26 @@ fn metrics(page: &Page<'_>) -> (String, String) {
             )
         }
     };
-    let mut table = format!("<tr><th></th>{heads}</tr>\n");
-    for row in rows {
-        let cell = |(value, bounds): &(String, String)| {
-            let (value, bounds) = (escape(value), escape(bounds));
-            match bounds.as_str() {
-                "" => format!("<td>{value}</td>"),
-                bounds => format!("<td>{value}<br><span class=\"faint\">{bounds}</span></td>"),
-            }
-        };
+    (
+        format!("<tr><th></th>{heads}</tr>\n{}", rows_of(&rows)),
+        remark,
+    )
+}
+
+/// Rows of numbers, with their bounds below them.
+pub(super) fn rows_of(rows: &[TableRow]) -> String {
+    let cell = |(value, bounds): &(String, String)| {
+        let (value, bounds) = (escape(value), escape(bounds));
+        match bounds.as_str() {
+            "" => format!("<td>{value}</td>"),
+            bounds => format!("<td>{value}<br><span class=\"faint\">{bounds}</span></td>"),
+        }
+    };
+    let row = |row: &TableRow| {
         let cells: String = row.cells.iter().map(cell).collect();
-        table += &format!("<tr><th>{}</th>{cells}</tr>\n", escape(&row.label));
-    }
-    (table, remark)
+        format!("<tr><th>{}</th>{cells}</tr>\n", escape(&row.label))
+    };
+    rows.iter().map(row).collect()
 }
 
 /// The unit of the gain, where all parts have the same units.

@@ -132,8 +132,8 @@ pub(super) fn table(model: &Model, units: Units<'_>) -> String {
     text
 }
 
-/// A line of a table of metrics.
-pub(crate) struct MetricRow {
+/// A line of a table of numbers with bounds.
+pub(crate) struct TableRow {
     /// Name and unit.
     pub label: String,
     /// Value and bounds, as text.
@@ -141,8 +141,8 @@ pub(crate) struct MetricRow {
 }
 
 /// Metrics side by side. The gain has the unit `gain`, empty where there is none.
-pub(crate) fn metric_rows(metrics: &[&Metrics], gain: &str) -> Vec<MetricRow> {
-    let row = |row: &MetricEntry| MetricRow {
+pub(crate) fn metric_rows(metrics: &[&Metrics], gain: &str) -> Vec<TableRow> {
+    let row = |row: &MetricEntry| TableRow {
         label: row.label(gain),
         cells: metrics
             .iter()
@@ -154,7 +154,7 @@ pub(crate) fn metric_rows(metrics: &[&Metrics], gain: &str) -> Vec<MetricRow> {
 
 /// The metrics of both sides of a comparison and the second less the first. The gain has the unit `gain`, empty
 /// where there is none.
-pub(crate) fn difference_rows(found: &Comparison, gain: &str) -> Vec<MetricRow> {
+pub(crate) fn difference_rows(found: &Comparison, gain: &str) -> Vec<TableRow> {
     let of = |row: &MetricEntry| {
         let difference = found.differences.iter().find(|d| d.metric == row.key)?;
         let side = |bounds: Option<[f64; 2]>| {
@@ -163,7 +163,7 @@ pub(crate) fn difference_rows(found: &Comparison, gain: &str) -> Vec<MetricRow> 
             })
         };
         let (value, lower, upper) = (difference.difference, difference.lower, difference.upper);
-        Some(MetricRow {
+        Some(TableRow {
             label: row.label(gain),
             cells: vec![
                 (row.value(difference.a), side(difference.a_bounds)),

@@ -5,10 +5,14 @@ mod comparison;
 mod layout;
 mod metrics;
 mod numbers;
+mod servo_comparison;
 mod servo_model;
 
 pub use beyond::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
+pub(crate) use metrics::TableRow;
+pub(crate) use servo_comparison::{how_servo_models_are_compared, servo_model_rows};
+pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use servo_model::{of_servo_model, servo_sentence};
 
 pub(crate) use comparison::{
@@ -16,8 +20,10 @@ pub(crate) use comparison::{
 };
 pub(crate) use layout::wrapped;
 pub(crate) use metrics::{difference_rows, metric_rows};
-pub(crate) use numbers::{decimals, percent, probability};
-pub(crate) use servo_model::{four_digits, quantity_text};
+pub(crate) use numbers::{decimals, head_of_bounds, percent, probability};
+pub(crate) use servo_model::{
+    QuantityRow, four_digits, quantities, quantity_row, quantity_text, terms_in_words,
+};
 
 use crate::data::units::Units;
 use layout::findings;

@@ -27,7 +27,7 @@ pub(crate) fn percent(level: f64) -> f64 {
 }
 
 /// The level of bounds as the head of their column.
-pub(super) fn head_of_bounds(level: Bounds<f64>) -> String {
+pub(crate) fn head_of_bounds(level: Bounds<f64>) -> String {
     match level {
         Bounds::Valid(level) => format!("{} % interval", percent(level)),
         Bounds::Withdrawn(_) => "no bounds".to_owned(),

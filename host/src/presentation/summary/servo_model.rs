@@ -56,7 +56,7 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
     let level = model.covariance.as_ref().map(|covariance| covariance.level);
     let mut text = format!(
         "\nservo model: {}\n  fit {:.2} %; of parts that it had not seen {:.2} % (a linear servo of second order: {:.2} %)\n",
-        words(model.terms),
+        terms_in_words(model.terms),
         model.fit.simulation_percent,
         model.fit.held_out_percent,
         model.fit.linear_held_out_percent
@@ -70,14 +70,7 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
             model.alternatives.len()
         );
     }
-    text += &format!(
-        "  {:34} {:>12} {:8} {}\n",
-        "",
-        "value",
-        "",
-        head_of_bounds(level)
-    );
-    text.extend(model.quantities.iter().map(|quantity| row(quantity, units)));
+    text += &quantities(&model.quantities, level, units);
     if explain {
         text +=
             "\n  terms that were tried: fit of parts that they had not seen, and of the whole\n";
@@ -88,22 +81,36 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
 
 /// "delay 21.60 ms (21.10 .. 22.04)".
 pub(crate) fn quantity_text(quantity: &Quantity, units: Units<'_>) -> String {
-    let [value, unit, interval] = cells(quantity, units);
-    let value = format!("{} {value} {unit}", quantity.name);
-    match interval.is_empty() {
+    let row = quantity_row(quantity, units);
+    let value = format!("{} {} {}", row.name, row.value, row.unit);
+    match row.interval.is_empty() {
         true => value.trim_end().to_owned(),
-        false => format!("{} ({interval})", value.trim_end()),
+        false => format!("{} ({})", value.trim_end(), row.interval),
     }
 }
 
-fn row(quantity: &Quantity, units: Units<'_>) -> String {
-    let [value, unit, interval] = cells(quantity, units);
-    let line = format!("  {:34} {value:>12} {unit:8} {interval}", quantity.name);
-    format!("{}\n", line.trim_end())
+/// The table of quantities with its head.
+pub(crate) fn quantities(all: &[Quantity], level: Bounds<f64>, units: Units<'_>) -> String {
+    let head = head_of_bounds(level);
+    let mut text = format!("  {:34} {:>12} {:8} {head}\n", "", "value", "");
+    text.extend(all.iter().map(|quantity| row(quantity, units)));
+    text
 }
 
-/// Value, unit and interval of a quantity.
-fn cells(quantity: &Quantity, units: Units<'_>) -> [String; 3] {
+/// A quantity as a row of a table.
+pub(crate) struct QuantityRow {
+    /// What it is.
+    pub name: String,
+    /// The number; "-" where the record does not determine it.
+    pub value: String,
+    /// The unit that people use.
+    pub unit: String,
+    /// Its interval, or that the record does not determine it; empty without intervals.
+    pub interval: String,
+}
+
+/// A quantity in the units that people use.
+pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
     let (scale, unit) = scale_and_unit(quantity.unit, units);
     let shown = |value: f64| four_digits(scale * value);
     let interval = quantity.interval.valid().map(|found: &Interval| {
@@ -121,11 +128,27 @@ fn cells(quantity: &Quantity, units: Units<'_>) -> [String; 3] {
         true => shown(quantity.value),
         false => "-".to_owned(),
     };
-    [value, unit, interval.unwrap_or_default()]
+    QuantityRow {
+        name: quantity.name.clone(),
+        value,
+        unit,
+        interval: interval.unwrap_or_default().trim_end().to_owned(),
+    }
+}
+
+fn row(quantity: &Quantity, units: Units<'_>) -> String {
+    let QuantityRow {
+        name,
+        value,
+        unit,
+        interval,
+    } = quantity_row(quantity, units);
+    let line = format!("  {name:34} {value:>12} {unit:8} {interval}");
+    format!("{}\n", line.trim_end())
 }
 
 /// Factor to the unit that people use, and its name.
-fn scale_and_unit(unit: Unit, units: Units<'_>) -> (f64, String) {
+pub(super) fn scale_and_unit(unit: Unit, units: Units<'_>) -> (f64, String) {
     let output = units.output.unwrap_or("");
     match unit {
         Unit::Seconds => (1e3, "ms".to_owned()),
@@ -144,13 +167,13 @@ fn rung(tried: &LadderRung) -> String {
         "  {:7.2} % {:7.2} %  {}{}\n",
         tried.held_out_percent,
         tried.fit_percent,
-        words(tried.terms),
+        terms_in_words(tried.terms),
         if tried.chosen { "  <- chosen" } else { "" }
     )
 }
 
 /// "limit of the drive, friction, weight on a hanging arm"
-fn words(terms: Terms) -> String {
+pub(crate) fn terms_in_words(terms: Terms) -> String {
     let load = match terms.load {
         LoadKind::None => "",
         LoadKind::Constant => "constant load",
@@ -162,7 +185,8 @@ fn words(terms: Terms) -> String {
         (terms.limit, "limit of the drive"),
         (terms.two_speeds, "two speeds"),
         (terms.dead_band, "dead band"),
-        (terms.friction, "friction"),
+        (terms.friction && !terms.friction_of_gears, "friction"),
+        (terms.friction_of_gears, "friction of loaded gears"),
         (terms.load != LoadKind::None, load),
     ];
     let present: Vec<&str> = all
@@ -175,9 +199,15 @@ fn words(terms: Terms) -> String {
     }
 }
 
-/// A number with four digits.
+/// Powers of ten that are written out.
+const POWERS: std::ops::Range<f64> = -7.0..9.0;
+
+/// A number with four digits; one that nobody reads as digits, as a power of ten.
 pub(crate) fn four_digits(value: f64) -> String {
     let leading = value.abs().log10().floor();
+    if leading.is_finite() && !POWERS.contains(&leading) {
+        return format!("{value:.3e}");
+    }
     let digits = if leading.is_finite() {
         3 - leading as i32
     } else {

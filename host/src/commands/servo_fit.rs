@@ -1,0 +1,126 @@
+//! The servo model beside the linear one: when it is wanted, its fit, and its prediction of a stretch that it has not seen.
+
+use super::output::Talk;
+use crate::data::dataset::Dataset;
+use crate::data::held_out::HeldOut;
+use crate::data::model_file::ServoModelDocument;
+use crate::presentation::plots::HeldOutPrediction;
+use servoid_identification::results::{Model, Reason, Validation};
+use servoid_identification::servo_model::{self, ServoModelOptions};
+use servoid_identification::{Options, Record, Run, identify};
+
+/// Whether a servo model is looked for: on request, and where the linear result has no bounds, which leaves its user with
+/// little.
+pub(super) fn is_wanted(asked: bool, linear_bounds: Option<Reason>) -> bool {
+    asked || linear_bounds.is_some()
+}
+
+/// What was found of the servo as a machine.
+pub(super) struct Found {
+    /// The model, or the reason why there is none.
+    pub model: Result<ServoModelDocument, String>,
+    /// How it and the linear model predict a stretch, both identified without it.
+    pub held_out: Option<HeldOutPrediction>,
+}
+
+/// Finds the servo behind `data`; with `held_out`, also its prediction of a stretch, at the same time.
+pub(super) fn find(data: &Dataset, options: &Options, held_out: bool, talk: Talk) -> Found {
+    talk.say("looking for the servo as a machine, which takes some seconds");
+    std::thread::scope(|threads| {
+        let predicting = held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options)));
+        let model = fit(data, options.level);
+        let predicted = predicting.and_then(|thread| thread.join().ok().flatten());
+        Found {
+            held_out: predicted.filter(|_| model.is_ok()),
+            model,
+        }
+    })
+}
+
+/// Finds the servos of two sides at the same time, or the reason why one of them is not found.
+pub(super) fn find_both(
+    [a, b]: [&Dataset; 2],
+    level: f64,
+    talk: Talk,
+) -> Result<[ServoModelDocument; 2], String> {
+    talk.say("looking for both servos as machines, which takes some seconds");
+    std::thread::scope(|threads| {
+        let first = threads.spawn(|| fit(a, level));
+        let second = fit(b, level);
+        let stopped = |_| Err("the search was stopped".to_owned());
+        Ok([first.join().unwrap_or_else(stopped)?, second?])
+    })
+}
+
+/// The servo model, or the reason why there is none.
+fn fit(data: &Dataset, level: f64) -> Result<ServoModelDocument, String> {
+    let names = data.controllers.names();
+    let radians = match data.about.units().input {
+        Some("deg") => Some(1f64.to_radians()),
+        Some("rad") => Some(1.0),
+        _ => None,
+    };
+    let options = ServoModelOptions {
+        controllers: data
+            .controllers
+            .among(&names)
+            .map_err(|error| error.to_string())?,
+        level,
+        radians_per_command: radians,
+    };
+    let model = servo_model::fit(&data.record, &options).map_err(|error| error.to_string())?;
+    Ok(ServoModelDocument {
+        model,
+        controller_names: names,
+    })
+}
+
+/// The run, with the command before it that would have held the linear servo at the first output, where nothing else is
+/// stated: the servo model begins there too, and a linear model that waits for its history would know nothing of a short run.
+fn from_rest(run: &Run, linear: &Model) -> Run {
+    let held_by = |output: f64, gain: f64| (output - linear.offset) / gain;
+    let before = run.output().first().zip(linear.step.value.last());
+    match before.map(|(output, gain)| held_by(*output, *gain)) {
+        Some(before) if run.input_at_rest().is_none() && before.is_finite() => {
+            run.clone().with_input_at_rest(before)
+        }
+        _ => run.clone(),
+    }
+}
+
+/// Both models of the rest, on the stretch. They are simulated over the whole run from its input, so the stretch begins as
+/// they arrive there.
+fn predict(held_out: &HeldOut, options: &Options) -> Option<HeldOutPrediction> {
+    let servo = fit(&held_out.rest, options.level).ok()?;
+    let linear = identify(&held_out.rest.record, options).ok()?;
+    let record = &held_out.rest.record;
+    let whole = Record::new(record.sample_period_s(), vec![held_out.run.clone()]).ok()?;
+    let whole = whole.with_sample_phase(record.sample_phase_s());
+    let names = &servo.controller_names;
+    let controller = held_out
+        .controller
+        .and_then(|name| names.iter().position(|known| *known == name));
+    let controllers: Vec<usize> = controller.into_iter().collect();
+    let by_servo = servo.model.simulate(&whole, &controllers).ok()?.pop()?;
+    let by_linear = linear.simulate(&from_rest(&held_out.run, &linear));
+    let stretch = |values: &[f64]| Some(values.get(held_out.samples.clone())?.to_vec());
+    let measured = stretch(held_out.run.output())?;
+    let (by_servo, by_linear) = (stretch(&by_servo)?, stretch(&by_linear)?);
+    // Both are judged on the same samples: where an input is missing, each knows nothing for a time of its own.
+    let fit_percent = |of: &[f64], other: &[f64]| {
+        let both = of.iter().zip(other);
+        let both = both.map(|(of, other)| if other.is_nan() { f64::NAN } else { *of });
+        Validation::of_pairs(measured.iter().copied().zip(both)).map(|found| found.fit_percent)
+    };
+    Some(HeldOutPrediction {
+        stretch: held_out.words,
+        period_s: record.sample_period_s(),
+        fits_percent: [
+            fit_percent(&by_linear, &by_servo)?,
+            fit_percent(&by_servo, &by_linear)?,
+        ],
+        measured,
+        by_linear,
+        by_servo,
+    })
+}

@@ -1,0 +1,107 @@
+//! A stretch of a record that is held out: models that are identified from the rest can show how they predict it.
+
+use crate::data::dataset::Dataset;
+use servoid_identification::{Record, Run};
+use std::ops::Range;
+
+/// Runs from which on a whole one can be spared.
+const RUNS: usize = 4;
+
+/// A stretch, and the data without it.
+#[derive(Clone, Debug)]
+pub struct HeldOut {
+    /// The data without the stretch.
+    pub rest: Dataset,
+    /// The whole run to which it belongs.
+    pub run: Run,
+    /// The name of what drove that run; `None` where all runs have the same.
+    pub controller: Option<f64>,
+    /// The samples of the run that are held out.
+    pub samples: Range<usize>,
+    /// "the last run", for a caption.
+    pub words: &'static str,
+}
+
+impl HeldOut {
+    /// Holds out the last run of four or more, else the last fifth of the last run. A controller that drives no other run
+    /// is not held out. `None` where nothing can be identified from the rest.
+    #[must_use]
+    pub fn of(data: &Dataset) -> Option<Self> {
+        let runs = data.record.runs();
+        let spared = (0..runs.len())
+            .rev()
+            .find(|&run| runs.len() >= RUNS && data.controllers.drives_another_than(run));
+        let number = spared.or(runs.len().checked_sub(1))?;
+        let run = runs.get(number)?.clone();
+        let (first, words) = match spared {
+            Some(run) if run + 1 == runs.len() => (0, "the last run"),
+            Some(_) => (0, "one run"),
+            None => (run.len() * 4 / 5, "the last fifth of the last run"),
+        };
+        let mut others = runs.to_vec();
+        let kept = (first > 0).then(|| run.part(0..first));
+        if spared.is_none() && kept.is_none() {
+            return None;
+        }
+        others.splice(number..=number, kept);
+        let record = Record::new(data.record.sample_period_s(), others).ok()?;
+        Some(Self {
+            rest: Dataset {
+                record: record
+                    .with_sample_phase(data.record.sample_phase_s())
+                    .with_rest(data.record.rest().to_vec()),
+                controllers: match first {
+                    0 => data.controllers.without(number),
+                    _ => data.controllers.clone(),
+                },
+                about: data.about.clone(),
+            },
+            samples: first..run.len(),
+            controller: data.controllers.of_run(number),
+            run,
+            words,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::dataset::{About, Controllers};
+
+    fn data(runs: usize, controllers: &[f64]) -> Dataset {
+        let run = |k: usize| {
+            let u: Vec<f64> = (0..10).map(|j| ((j + k) % 3) as f64).collect();
+            Run::new(u.clone(), u).unwrap()
+        };
+        Dataset {
+            record: Record::new(0.01, (0..runs).map(run).collect())
+                .unwrap()
+                .with_sample_phase(0.002),
+            controllers: Controllers::of_runs(controllers.to_vec()),
+            about: About::default(),
+        }
+    }
+
+    #[test]
+    fn of_many_runs_one_is_held_out_and_of_few_the_end() {
+        let one = HeldOut::of(&data(1, &[])).unwrap();
+        assert_eq!(one.samples, 8..10);
+        assert_eq!(one.rest.record.samples(), 8);
+        assert_eq!(one.rest.record.sample_phase_s(), 0.002);
+        let many = HeldOut::of(&data(5, &[])).unwrap();
+        assert_eq!((many.samples, many.words), (0..10, "the last run"));
+        assert_eq!(many.rest.record.runs().len(), 4);
+    }
+
+    #[test]
+    fn a_controller_that_drives_no_other_run_stays() {
+        let all = HeldOut::of(&data(4, &[400.0, 400.0, 400.0, 800.0])).unwrap();
+        assert_eq!(all.controller, Some(400.0));
+        assert_eq!(all.rest.controllers.names(), [400.0, 800.0]);
+        let none = HeldOut::of(&data(4, &[1.0, 2.0, 3.0, 4.0])).unwrap();
+        assert_eq!(none.controller, Some(4.0));
+        assert_eq!(none.samples, 8..10);
+        assert_eq!(none.rest.controllers.names(), [1.0, 2.0, 3.0, 4.0]);
+    }
+}

@@ -1,0 +1,204 @@
+//! Simulated servos by name, and those that a model file keeps.
+//!
+//! A rig commands degrees and reads degrees: 10 µs of the pulse are one degree, and the neutral pulse is 0. A servo model has the
+//! units of its record. Degrees and radians become degrees; a command in µs is the pulse itself. Where a record had no
+//! units, its command is the angle that identification took it for, and its output is in the unit of the command.
+
+use crate::data::model_file::{ModelFile, ModelFileError};
+use crate::data::model_metadata::unit_meant;
+use crate::data::units::Units;
+use servoid_identification::servo_model::ServoModel;
+use servoid_protocol::PulseWidth;
+use servoid_simulator::{
+    MachineParameters, OptionsError, SERVO_SCALE, ServoKind, SimulationOptions,
+};
+use std::path::{Path, PathBuf};
+
+/// Why there is no such simulated servo. The text names the remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulatedServoError {
+    /// It is neither a name nor a model file.
+    #[error(
+        "there is no simulated servo `{0}`: choose bench, aircraft or linear, or the file of a servo model, which ends in .json"
+    )]
+    Unknown(String),
+    /// The options are wrong.
+    #[error(transparent)]
+    Options(#[from] OptionsError),
+    /// A controller was named of a servo that is no model.
+    #[error(
+        "the servo `{0}` has no controllers to choose from: only a servo model may have several"
+    )]
+    NoControllers(String),
+    /// The model cannot be read.
+    #[error(transparent)]
+    Model(#[from] ModelFileError),
+    /// The model is linear alone.
+    #[error(
+        "the model {0:?} has no servo model, which alone can be simulated: identify with --servo-model"
+    )]
+    NoServoModel(PathBuf),
+    /// Its units are not those of a rig.
+    #[error(
+        "the {what} of {path:?} is in {unit}, and a rig commands and reads angles: identify a recording with the {what} in degrees"
+    )]
+    NotAnAngle {
+        /// The model.
+        path: PathBuf,
+        /// Command or position.
+        what: &'static str,
+        /// Its unit.
+        unit: String,
+    },
+    /// It has several controllers, and none of them was named.
+    #[error("the servo model in {path:?} has the controllers {known}: choose one with {option}")]
+    WhichController {
+        /// The model.
+        path: PathBuf,
+        /// Their names.
+        known: String,
+        /// How to choose.
+        option: &'static str,
+    },
+    /// A controller was named that it does not have.
+    #[error("the servo model in {path:?} has no controller {controller}{known}")]
+    NoSuchController {
+        /// The model.
+        path: PathBuf,
+        /// The name.
+        controller: String,
+        /// What it has.
+        known: String,
+    },
+    /// It cannot be simulated.
+    #[error("the servo model in {0:?} cannot be simulated: its {1}")]
+    NotSimulated(PathBuf, String),
+}
+
+/// The key that chooses one of several controllers.
+const CONTROLLER: &str = "controller=";
+
+/// The options of the simulated rig that a text after `sim:` describes: `SERVO?KEY=VALUE&...`, where SERVO is the name of a
+/// servo, or a model file that ends in `.json`. The key `controller` chooses one of several controllers of the model.
+///
+/// # Errors
+/// [`SimulatedServoError`].
+pub fn options(text: &str) -> Result<SimulationOptions, SimulatedServoError> {
+    let (servo, keys) = text.split_once('?').unwrap_or((text, ""));
+    let path = Path::new(servo);
+    let (chosen, others): (Vec<&str>, Vec<&str>) =
+        keys.split('&').partition(|key| key.starts_with(CONTROLLER));
+    if path.extension().is_none_or(|ending| ending != "json") {
+        if !chosen.is_empty() {
+            return Err(SimulatedServoError::NoControllers(servo.to_owned()));
+        }
+        return text.parse().map_err(|error| match error {
+            OptionsError::UnknownServo(name) => SimulatedServoError::Unknown(name),
+            other => other.into(),
+        });
+    }
+    let controller = chosen.first().and_then(|key| key.strip_prefix(CONTROLLER));
+    let parameters = machine(path, controller)?;
+    let options = SimulationOptions::with_keys(ServoKind::Machine(parameters), &others.join("&"));
+    options.map_err(|error| match error {
+        OptionsError::OutOfRange(what, expected) => {
+            SimulatedServoError::NotSimulated(path.to_owned(), format!("{what} must be {expected}"))
+        }
+        other => other.into(),
+    })
+}
+
+/// The servo of a model file.
+fn machine(
+    path: &Path,
+    controller: Option<&str>,
+) -> Result<MachineParameters, SimulatedServoError> {
+    let file = ModelFile::read(path)?;
+    let Some(found) = file.servo_model()? else {
+        return Err(SimulatedServoError::NoServoModel(path.to_owned()));
+    };
+    let number = controller_number(path, &found.controller_names, controller)?;
+    let scale = Scale::of(path, file.metadata.units(), &found.model)?;
+    Ok(MachineParameters {
+        servo: found.model.parameters(number),
+        neutral_command: scale.neutral_command,
+        command_per_degree: scale.command_per_degree,
+        degrees_per_output: scale.degrees_per_output,
+    })
+}
+
+fn controller_number(
+    path: &Path,
+    names: &[f64],
+    wanted: Option<&str>,
+) -> Result<usize, SimulatedServoError> {
+    let known: Vec<String> = names.iter().map(f64::to_string).collect();
+    let known = known.join(", ");
+    let path = path.to_owned();
+    match wanted {
+        None if names.len() > 1 => Err(SimulatedServoError::WhichController {
+            path,
+            known,
+            option: "--controller, or controller= after the ? of a port",
+        }),
+        None => Ok(0),
+        Some(wanted) => {
+            let place = names.iter().position(|name| wanted.parse() == Ok(*name));
+            place.ok_or_else(|| SimulatedServoError::NoSuchController {
+                path,
+                controller: wanted.to_owned(),
+                known: match names.is_empty() {
+                    true => ": all of its recording had the same, without a name".to_owned(),
+                    false => format!(": it has {known}"),
+                },
+            })
+        }
+    }
+}
+
+/// The units of a model on a rig.
+struct Scale {
+    neutral_command: f64,
+    command_per_degree: f64,
+    degrees_per_output: f64,
+}
+
+impl Scale {
+    fn of(path: &Path, units: Units<'_>, model: &ServoModel) -> Result<Self, SimulatedServoError> {
+        let no_angle = |what, unit: &str| SimulatedServoError::NotAnAngle {
+            path: path.to_owned(),
+            what,
+            unit: unit.to_owned(),
+        };
+        let taken_for = model.radians_per_command.to_degrees();
+        let (neutral_command, command_per_degree) = match units.input.and_then(unit_meant) {
+            None => (0.0, taken_for.recip()),
+            Some(unit) if unit == "us" => {
+                (f64::from(PulseWidth::NEUTRAL.0), SERVO_SCALE.us_per_degree)
+            }
+            Some(unit) => match degrees(&unit) {
+                Some(degrees) => (0.0, degrees.recip()),
+                None => return Err(no_angle("command", &unit)),
+            },
+        };
+        let degrees_per_output = match units.output.and_then(unit_meant) {
+            None if neutral_command == 0.0 => command_per_degree.recip(),
+            None => 1.0,
+            Some(unit) => degrees(&unit).ok_or_else(|| no_angle("position", &unit))?,
+        };
+        Ok(Self {
+            neutral_command,
+            command_per_degree,
+            degrees_per_output,
+        })
+    }
+}
+
+/// Degrees in an angle's unit; `None` for what is no angle.
+fn degrees(unit: &str) -> Option<f64> {
+    match unit {
+        "deg" => Some(1.0),
+        "rad" => Some(1f64.to_degrees()),
+        _ => None,
+    }
+}

@@ -1,0 +1,119 @@
+//! What a run of the reference will determine of the servo as a machine.
+//!
+//! One simulated run is identified as a real one will be. A long run is thinned to at most [`MOST_SAMPLES`] samples, whose
+//! intervals are wider than those of all samples.
+
+use super::request::PlanRequest;
+use super::simulated_runs::simulated;
+use serde::Serialize;
+use servoid_identification::results::{Bounds, Reason};
+use servoid_identification::servo_model::{Quantity, ServoModelOptions, Terms, fit};
+use servoid_identification::{Error, Record, Run};
+
+/// Samples that are identified: some seconds of computing.
+const MOST_SAMPLES: usize = 8_000;
+
+/// Thinnings that keep the edges of the command, which lie every 10 samples.
+const THINNINGS: [usize; 4] = [1, 2, 5, 10];
+
+/// What a run will determine.
+#[derive(Clone, Debug, Serialize)]
+pub struct ServoQuantities {
+    /// Of the samples of a run, every so many were identified.
+    pub every: usize,
+    /// The terms that were found.
+    pub terms: Terms,
+    /// Level of the intervals; withdrawn where the run will have none.
+    #[serde(flatten)]
+    pub level: Bounds<f64>,
+    /// The quantities, and whether they come out determined.
+    pub quantities: Vec<Quantity>,
+    /// What to record instead, for what is not determined.
+    pub remedies: Vec<&'static str>,
+}
+
+impl ServoQuantities {
+    /// From one simulated run.
+    ///
+    /// # Errors
+    /// The run is too short.
+    pub(super) fn of(request: &PlanRequest) -> Result<Self, Error> {
+        let one = PlanRequest {
+            runs: 1,
+            ..request.clone()
+        };
+        let record = simulated(&one, 1)?;
+        let thinnings = THINNINGS.into_iter();
+        let fits = |every: &usize| record.samples() / every <= MOST_SAMPLES;
+        let every = thinnings.clone().find(fits).or(thinnings.last());
+        let every = every.unwrap_or(1);
+        // As the header of a recording states it.
+        let simulation = request.assumed.simulation.as_ref();
+        let phase_s = simulation.map_or(0.0, |rig| f64::from(rig.first_sample_us) * 1e-6);
+        let record = thinned(&record, every)?.with_sample_phase(phase_s);
+        let options = ServoModelOptions {
+            level: request.level,
+            radians_per_command: Some(1f64.to_radians()),
+            ..ServoModelOptions::default()
+        };
+        let found = fit(&record, &options)?;
+        let level = found.covariance.as_ref().map(|found| found.level);
+        Ok(Self {
+            every,
+            terms: found.terms,
+            remedies: remedies(found.terms, &level, &found.quantities),
+            level,
+            quantities: found.quantities,
+        })
+    }
+}
+
+/// Every so many samples of each run.
+fn thinned(record: &Record, every: usize) -> Result<Record, Error> {
+    let thin = |values: &[f64]| -> Vec<f64> { values.iter().step_by(every).copied().collect() };
+    let runs: Result<Vec<Run>, Error> = record
+        .runs()
+        .iter()
+        .map(|run| Run::new(thin(run.input()), thin(run.output())))
+        .collect();
+    Record::new(record.sample_period_s() * every as f64, runs?)
+}
+
+/// What to record for what is not determined, the most important first.
+fn remedies(terms: Terms, level: &Bounds<f64>, quantities: &[Quantity]) -> Vec<&'static str> {
+    let open = |names: &[&str]| {
+        quantities
+            .iter()
+            .any(|found| !found.determined && names.iter().any(|name| found.name.contains(name)))
+    };
+    let by_reason = match level.withdrawn() {
+        Some(Reason::InputUnexcited) => Some(
+            "take a reference with more than two levels, such as stairs or a table of random steps: two positions of rest do not \
+             distinguish friction, dead band and load from gain and offset",
+        ),
+        Some(_) => Some(
+            "take longer holds, so that noise at rest can be distinguished from errors in motion; if that does not help, the servo has what \
+             the equation lacks, and its values stand without intervals",
+        ),
+        None => None,
+    };
+    let all = [
+        (!terms.limit).then_some(
+            "raise --amplitude, if the servo may turn further: no stroke of this reference shows a limit of the drive or of the speed",
+        ),
+        (terms.limit && open(&["top speed", "acceleration", "full drive"])).then_some(
+            "raise --amplitude and the hold, so that strokes reach the top speed and stay at it",
+        ),
+        open(&["bandwidth", "damping"]).then_some(
+            "add small strokes, within the error of full drive: stairs with more --levels have both kinds",
+        ),
+        open(&["dead band", "resting error", "friction"]).then_some(
+            "approach each level from both sides and rest there: stairs with a longer --hold",
+        ),
+        open(&["load"]).then_some("use more of the travel: a load shows where it changes with the angle"),
+    ];
+    by_reason
+        .into_iter()
+        .chain(all.into_iter().flatten())
+        .collect()
+}

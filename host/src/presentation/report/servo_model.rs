@@ -1,0 +1,82 @@
+//! The servo as a machine in the page: what kind of servo it is, and its quantities with their intervals.
+
+use super::content::{Page, Part};
+use super::text::{escape, rows_of};
+use crate::presentation::summary;
+use servoid_identification::results::Bounds;
+
+/// What kind of servo each is, in a sentence or two.
+pub(super) fn sentences(page: &Page<'_>) -> String {
+    let several = page.second.is_some();
+    let sentence = |part: &Part<'_>| {
+        let found = part.servo_model?;
+        let text = escape(&summary::servo_sentence(&found.model, part.subject.units));
+        let name = match several {
+            true => format!("{}: ", escape(part.subject.name)),
+            false => String::new(),
+        };
+        Some(format!("<p class=\"verdict servo\">{name}{text}</p>\n"))
+    };
+    page.parts().filter_map(sentence).collect()
+}
+
+/// The quantities of each servo, and of two beside each other.
+pub(super) fn tables(page: &Page<'_>) -> String {
+    let of_each: String = page.parts().filter_map(table).collect();
+    of_each + &beside_each_other(page).unwrap_or_default()
+}
+
+fn beside_each_other(page: &Page<'_>) -> Option<String> {
+    let (found, second) = (page.servo_models?, page.second.as_ref()?);
+    let units = page.first.subject.units;
+    let names = [page.first.subject.name, second.subject.name];
+    let sentence = summary::sentence_on_servo_models(names[0], names[1], found, units);
+    let heads: String = names
+        .iter()
+        .chain(found.bounds.valid().map(|_| &"difference"))
+        .map(|name| format!("<th>{}</th>", escape(name)))
+        .collect();
+    let rows = rows_of(&summary::servo_model_rows(found, units));
+    Some(format!(
+        "<h2>The two as machines</h2>\n<p>{}</p>\n<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th>{heads}</tr>\n{rows}</table></div>\n<p class=\"faint\">{}</p>\n",
+        escape(&sentence),
+        summary::how_servo_models_are_compared(found)
+    ))
+}
+
+fn table(part: &Part<'_>) -> Option<String> {
+    let model = &part.servo_model?.model;
+    let units = part.subject.units;
+    let level = model.covariance.as_ref().map(|covariance| covariance.level);
+    let remark = match level {
+        Bounds::Valid(_) if model.alternatives.is_empty() => String::new(),
+        Bounds::Valid(_) => format!(
+            " {} other sets of terms predict as well: the intervals hold for all of them.",
+            model.alternatives.len()
+        ),
+        Bounds::Withdrawn(reason) => {
+            format!(" No intervals can be given, as {}.", reason.because())
+        }
+    };
+    let row = |row: summary::QuantityRow| {
+        let [label, value, unit, interval] =
+            [&row.name, &row.value, &row.unit, &row.interval].map(|text| escape(text));
+        format!("<tr><th>{label}</th><td>{value}</td><td>{unit}</td><td>{interval}</td></tr>\n")
+    };
+    let rows: String = model
+        .quantities
+        .iter()
+        .map(|quantity| row(summary::quantity_row(quantity, units)))
+        .collect();
+    let fit = &model.fit;
+    Some(format!(
+        "<h2>The servo as a machine: {}</h2>\n<p class=\"faint\">{}; fit {:.2} %, {:.2} % of parts that it had not seen (a linear servo of second order: {:.2} %).{}</p>\n<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th><th>value</th><th></th><th>{}</th></tr>\n{rows}</table></div>\n",
+        escape(part.subject.name),
+        summary::terms_in_words(model.terms),
+        fit.simulation_percent,
+        fit.held_out_percent,
+        fit.linear_held_out_percent,
+        escape(&remark),
+        summary::head_of_bounds(level),
+    ))
+}

@@ -1,0 +1,146 @@
+//! Two servo models beside each other, as text.
+
+use super::layout::wrapped;
+use super::metrics::TableRow;
+use super::numbers::percent;
+use super::servo_model::{four_digits, scale_and_unit};
+use crate::data::units::Units;
+use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
+use servoid_identification::results::{Bounds, Interval};
+
+/// Quantities that a sentence names at the most; the table has them all.
+const NAMED: usize = 4;
+
+/// A sentence on what differs for sure; `a` and `b` are the names of the two.
+#[must_use]
+pub fn sentence_on_servo_models(
+    a: &str,
+    b: &str,
+    found: &ServoModelComparison,
+    units: Units<'_>,
+) -> String {
+    let bounds = match &found.bounds {
+        Bounds::Withdrawn(reason) => {
+            return format!(
+                "As machines: no statement about the difference, because for at least one of the two {}; the values stand without intervals.",
+                reason.because()
+            );
+        }
+        Bounds::Valid(bounds) => bounds,
+    };
+    let sure: Vec<String> = found
+        .quantities
+        .iter()
+        .zip(&bounds.differences)
+        .filter(|(_, difference)| difference.is_sure())
+        .filter_map(|(pair, _)| in_words(a, b, pair, units))
+        .collect();
+    let level = percent(bounds.level);
+    let rest = match sure.len() {
+        0 => {
+            return format!(
+                "As machines: no quantity of {a} and {b} is shown to differ ({level} % intervals)."
+            );
+        }
+        count if count > NAMED => format!("; and {} more", count - NAMED),
+        _ => String::new(),
+    };
+    let named: Vec<String> = sure.into_iter().take(NAMED).collect();
+    format!(
+        "As machines they differ, each quantity by itself at {level} %: {}{rest}.",
+        named.join("; ")
+    )
+}
+
+/// "delay 10.3 ms in A, 12.1 ms in B"
+fn in_words(a: &str, b: &str, pair: &QuantityPair, units: Units<'_>) -> Option<String> {
+    let (scale, unit) = scale_and_unit(pair.unit, units);
+    let shown = |value: f64| {
+        format!("{} {unit}", four_digits(scale * value))
+            .trim_end()
+            .to_owned()
+    };
+    let (of_a, of_b) = (shown(pair.a?), shown(pair.b?));
+    Some(format!("{} {of_a} in {a}, {of_b} in {b}", pair.name))
+}
+
+/// Both servos quantity by quantity, with what is sure about their difference.
+#[must_use]
+pub fn of_servo_models(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> String {
+    let bounds = found.bounds.valid();
+    let (difference, below) = match bounds {
+        Some(bounds) => (
+            "difference",
+            format!("{} % intervals below", percent(bounds.level)),
+        ),
+        None => ("", "no intervals".to_owned()),
+    };
+    let head = format!("  {below:34} {a:>21} {b:>21} {difference:>21}");
+    let mut text = format!("\n{}\n", head.trim_end());
+    for row in servo_model_rows(found, units) {
+        let line = |label: &str, cells: Vec<&str>| {
+            let cells: String = cells.iter().map(|cell| format!(" {cell:>21}")).collect();
+            format!("{}\n", format!("  {label:34}{cells}").trim_end())
+        };
+        let (values, intervals) = row
+            .cells
+            .iter()
+            .map(|(v, i)| (v.as_str(), i.as_str()))
+            .unzip();
+        text += &line(&row.label, values);
+        if bounds.is_some() {
+            text += &line("", intervals);
+        }
+    }
+    text + &format!("\n  {}\n", wrapped(how_servo_models_are_compared(found), 2))
+}
+
+/// The way the differences were computed.
+pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> &'static str {
+    match found.bounds {
+        Bounds::Valid(_) => {
+            "Difference: second less first, from the ends of both intervals: it holds wherever both hold, and is wider than independent \
+             recordings would need."
+        }
+        Bounds::Withdrawn(_) => {
+            "Without intervals on both sides nothing is said about the difference."
+        }
+    }
+}
+
+/// Each quantity: value and interval of both, and of the difference where both have intervals.
+pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -> Vec<TableRow> {
+    let bounds = found.bounds.valid();
+    let row = |(index, pair): (usize, &QuantityPair)| {
+        let (scale, unit) = scale_and_unit(pair.unit, units);
+        let shown = |value: Option<f64>| value.map_or("-".to_owned(), |v| four_digits(scale * v));
+        let with_unit = |value: Option<f64>| match value {
+            Some(_) => format!("{} {unit}", shown(value)).trim_end().to_owned(),
+            None => shown(value),
+        };
+        let ends = |interval: Option<Interval>| match interval {
+            Some(found) if found.lower.or(found.upper).is_some() => {
+                format!("{} .. {}", shown(found.lower), shown(found.upper))
+            }
+            _ => String::new(),
+        };
+        let sure = bounds.and_then(|bounds| bounds.differences.get(index));
+        let [of_a, of_b, apart] = match sure {
+            Some(found) => [found.a, found.b, found.difference],
+            None => [None; 3],
+        };
+        let mut cells = vec![
+            (with_unit(pair.a), ends(of_a)),
+            (with_unit(pair.b), ends(of_b)),
+        ];
+        if bounds.is_some() {
+            let less = apart.map_or_else(String::new, |found| with_unit(found.value));
+            cells.push((less, ends(apart)));
+        }
+        TableRow {
+            label: pair.name.clone(),
+            cells,
+        }
+    };
+    found.quantities.iter().enumerate().map(row).collect()
+}

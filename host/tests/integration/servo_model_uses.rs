@@ -1,0 +1,274 @@
+//! What a servo model is used for: to be simulated, reported, compared and planned with.
+
+use crate::report::embedded;
+use crate::support::{arg, data, json, refusal, run};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// A short recording of levels that are held until the servo rests, with strokes of one to four levels.
+const STAIRS: [&str; 10] = [
+    "--reference",
+    "stairs",
+    "--levels",
+    "5",
+    "--amplitude",
+    "8",
+    "--hold",
+    "0.3",
+    "--length",
+    "6",
+];
+
+/// A recording of a simulated servo, and its model with a servo model.
+fn modelled(dir: &Path, name: &str, servo: &str, reference: &[&str]) -> PathBuf {
+    let [file, model] = ["csv", "json"].map(|ending| dir.join(format!("{name}.{ending}")));
+    let simulate = ["simulate", "-q", "--servo", servo, "-o", arg(&file)];
+    run(&[&simulate[..], reference].concat());
+    run(&[
+        "identify",
+        "-q",
+        arg(&file),
+        "--servo-model",
+        "-o",
+        arg(&model),
+    ]);
+    model
+}
+
+fn quantities(model: &Value) -> Vec<(String, f64, Value)> {
+    let all = model["servo_model"]["quantities"].as_array().unwrap();
+    let one = |quantity: &Value| {
+        (
+            quantity["name"].as_str().unwrap().to_owned(),
+            quantity["value"].as_f64().unwrap(),
+            quantity["bounds"].clone(),
+        )
+    };
+    all.iter().map(one).collect()
+}
+
+/// A model is simulated, and the recording identified: the second model must not contradict the first.
+#[test]
+fn a_simulated_model_is_found_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let first = modelled(dir.path(), "first", "bench", &STAIRS);
+    let again = modelled(
+        dir.path(),
+        "again",
+        arg(&first),
+        &[&STAIRS[..], &["--seed", "2"]].concat(),
+    );
+    let (first, again) = (json(&first), json(&again));
+    assert_eq!(
+        first["servo_model"]["terms"]["limit"], true,
+        "the servo must not be linear"
+    );
+    assert!(
+        again["servo_model"]["withdrawn"].is_null(),
+        "{}",
+        again["servo_model"]["withdrawn"]
+    );
+    let truth = quantities(&first);
+    let mut compared = 0;
+    for (name, _, bounds) in quantities(&again) {
+        let Some((_, value, _)) = truth.iter().find(|(known, ..)| *known == name) else {
+            continue;
+        };
+        let [lower, upper] = ["lower", "upper"].map(|end| bounds[end].as_f64());
+        assert!(
+            lower.is_none_or(|lower| lower <= *value) && upper.is_none_or(|upper| *value <= upper),
+            "{name}: {value} is not in {bounds}"
+        );
+        compared += usize::from(lower.is_some() && upper.is_some());
+    }
+    // Delay, gain, offset, bandwidth, damping ratio, two speeds, two accelerations, error of full drive.
+    assert!(compared >= 10, "{compared}");
+}
+
+#[test]
+fn what_cannot_be_simulated_is_refused_in_a_sentence() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    let text = |value: &Value| serde_json::to_string(value).unwrap();
+    let model = at("m.json");
+    let file = data("dcmotor_position_stairs.csv");
+    let columns = ["--input", "u", "--output", "y", "--period", "0.02"];
+    let identify = [
+        "identify",
+        "-q",
+        arg(&file),
+        "--servo-model",
+        "-o",
+        arg(&model),
+    ];
+    run(&[&identify[..], &columns].concat());
+    let good = json(&model);
+    let altered = |name: &str, alter: &dyn Fn(&mut Value)| {
+        let mut document = good.clone();
+        alter(&mut document);
+        std::fs::write(at(name), text(&document)).unwrap();
+        at(name)
+    };
+    let linear = altered("linear.json", &|of| {
+        of.as_object_mut().unwrap().remove("servo_model");
+    });
+    let counts = altered("counts.json", &|of| {
+        of["units"] = serde_json::json!({ "input": "counts", "output": "deg" });
+    });
+    let far = altered("far.json", &|of| {
+        of["servo_model"]["values"][4] = 500.into(); // its offset
+    });
+    let two = altered("two.json", &|of| {
+        let model = &mut of["servo_model"];
+        model["controllers"] = 2.into();
+        model["controller_names"] = serde_json::json!([400, 800]);
+        let own = model["coordinates"].as_array_mut().unwrap();
+        own.push(serde_json::json!({ "ln_own_stiffness": 1 }));
+        model["values"].as_array_mut().unwrap().push(0.5.into());
+        model["bounds"] = Value::Null;
+        model["withdrawn"] = serde_json::json!({ "reason": "errors_not_noise" });
+        model["alternatives"] = serde_json::json!([]);
+    });
+    let out = at("x.csv");
+    let simulate =
+        |model: &Path| ["simulate", "--servo", arg(model), "-o", arg(&out)].map(str::to_owned);
+    for (model, further, words) in [
+        (&linear, &[][..], "has no servo model"),
+        (&counts, &[], "the command of"),
+        (&far, &[], "position of rest at neutral must be within"),
+        (&two, &[], "has the controllers 400, 800: choose one"),
+        (
+            &two,
+            &["--controller", "500"],
+            "no controller 500: it has 400, 800",
+        ),
+        (
+            &model,
+            &["--controller", "500"],
+            "no controller 500: all of its recording",
+        ),
+    ] {
+        let args = simulate(model);
+        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        let said = refusal(&[&args[..], further].concat());
+        assert!(said.contains(words), "{words}: {said}");
+        assert!(!out.exists(), "{words}");
+    }
+    let args = simulate(&two);
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    run(&[&args[..], &["-q", "--controller", "800"]].concat());
+}
+
+#[test]
+fn a_report_begins_with_the_servo_and_shows_a_stretch_that_it_has_not_seen() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("report.html");
+    let file = data("dcmotor_position_stairs.csv");
+    let columns = ["--input", "u", "--output", "y", "--period", "0.02"];
+    let report = ["report", "-q", arg(&file), "--servo-model", "-o", arg(&out)];
+    run(&[&report[..], &columns].concat());
+    let page = std::fs::read_to_string(&out).unwrap();
+    let body = page.split_once("</h1>").unwrap().1;
+    let sentence = body.find("This servo is ").unwrap();
+    let data = body.find("one run").unwrap();
+    assert!(sentence < data, "the servo comes first");
+    assert!(
+        body.contains("The servo as a machine") && body.contains("the last fifth of the last run")
+    );
+    let figures = embedded(&page, "figures");
+    let figures = figures.as_array().unwrap();
+    let drawn = |name: &str| figures.iter().find(|figure| figure["name"] == name);
+    let held_out = drawn("held-out-first").unwrap();
+    let names: Vec<&str> = held_out["data"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|curve| curve["name"].as_str())
+        .collect();
+    for name in ["measured", "linear model, fit", "servo model, fit"] {
+        assert!(
+            names.iter().any(|drawn| drawn.starts_with(name)),
+            "{names:?}"
+        );
+    }
+    let models = embedded(&page, "models");
+    assert!(models[0]["servo_model"]["quantities"].is_array());
+
+    let plots = dir.path().join("plots");
+    let identify = [
+        "identify",
+        "-q",
+        arg(&file),
+        "--servo-model",
+        "--plots",
+        arg(&plots),
+    ];
+    run(&[&identify[..], &columns].concat());
+    let drawing = plots.join("dcmotor_position_stairs-servo-model.svg");
+    let drawing = std::fs::read_to_string(drawing).unwrap();
+    assert!(drawing.contains("servo model, fit") && drawing.contains("measured - model"));
+}
+
+#[test]
+fn servo_models_are_compared_where_both_have_one() {
+    let dir = tempfile::tempdir().unwrap();
+    let model = |name: &str, servo: &str| modelled(dir.path(), name, servo, &STAIRS);
+    let (early, late) = (
+        model("early", "linear?delay-ms=10"),
+        model("late", "linear?delay-ms=20"),
+    );
+    let found = run(&["compare", arg(&early), arg(&late), "--json"]);
+    let found: Value = serde_json::from_str(&found).unwrap();
+    let servos = &found["servo_model"];
+    assert_eq!(servos["bounds"]["level"], 0.99);
+    let differences = servos["bounds"]["differences"].as_array().unwrap();
+    let of = |name: &str| differences.iter().find(|one| one["name"] == name).unwrap();
+    let delay = &of("delay")["difference"];
+    let [lower, upper] = ["lower", "upper"].map(|end| delay[end].as_f64().unwrap());
+    assert!(0.0 < lower && lower < 0.010 && 0.010 < upper, "{delay}");
+    let text = run(&["compare", arg(&early), arg(&late)]);
+    assert!(
+        text.contains("As machines they differ") && text.contains(" ms in A, "),
+        "{text}"
+    );
+
+    // Two levels only: no intervals, and nothing about the difference.
+    let withdrawn = modelled(dir.path(), "two-levels", "linear", &[]);
+    let found = run(&["compare", arg(&early), arg(&withdrawn), "--json"]);
+    let found: Value = serde_json::from_str(&found).unwrap();
+    let servos = &found["servo_model"];
+    assert_eq!(servos["withdrawn"]["reason"], "input_unexcited");
+    assert!(servos["bounds"].is_null() && servos["quantities"][0]["b"].is_f64());
+    let text = run(&["compare", arg(&early), arg(&withdrawn)]);
+    assert!(text.contains("no statement about the difference"), "{text}");
+    let linear = dir.path().join("linear.json");
+    let file = dir.path().join("early.csv");
+    run(&["identify", "-q", arg(&file), "-o", arg(&linear)]);
+    let said = refusal(&["compare", arg(&early), arg(&linear), "--servo-model"]);
+    assert!(said.contains("has no servo model"), "{said}");
+}
+
+#[test]
+fn a_plan_says_what_of_the_servo_model_comes_out_determined() {
+    let dir = tempfile::tempdir().unwrap();
+    let model = modelled(dir.path(), "servo", "bench", &STAIRS);
+    let plan = |further: &[&str]| -> Value {
+        let printed = run(&[&["plan", "--servo", arg(&model), "--json"], further].concat());
+        serde_json::from_str(&printed).unwrap()
+    };
+    let stairs = plan(&STAIRS);
+    let found = &stairs["servo_model"];
+    assert!(stairs["servo"].as_str().unwrap().ends_with("servo.json"));
+    assert_eq!(found["bounds"], 0.99);
+    let determined = found["quantities"].as_array().unwrap();
+    let delay = determined
+        .iter()
+        .find(|one| one["name"] == "delay")
+        .unwrap();
+    assert_eq!(delay["determined"], true);
+    let two_levels = plan(&[]);
+    let found = &two_levels["servo_model"];
+    assert!(found["bounds"].is_null());
+    let remedy = found["remedies"][0].as_str().unwrap();
+    assert!(remedy.contains("more than two levels"), "{remedy}");
+}

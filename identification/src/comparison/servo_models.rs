@@ -1,0 +1,197 @@
+//! The quantities of two servo models beside each other.
+//!
+//! The interval of a quantity holds for every servo that its record does not distinguish, so it is a hull and has no standard
+//! deviation. The interval of a difference b - a is therefore that of the two intervals,
+//!
+//! ```text
+//! from b_low - a_up   to b_up - a_low
+//! ```
+//!
+//! which holds wherever both hold. For independent records it is wider than it would have to be.
+
+use crate::results::{Bounds, Interval};
+use crate::servo_model::{Quantity, ServoModel, Unit};
+use serde::{Deserialize, Serialize};
+
+/// Two servo models beside each other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ServoModelComparison {
+    /// The quantities that one of the two has, in the order in which they are shown.
+    pub quantities: Vec<QuantityPair>,
+    /// Intervals of both sides and of their differences; withdrawn where one side has none.
+    #[serde(flatten)]
+    pub bounds: Bounds<QuantityDifferences>,
+}
+
+/// A quantity of both sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct QuantityPair {
+    /// What it is, in the words of the glossary.
+    pub name: String,
+    /// Its unit.
+    pub unit: Unit,
+    /// Of the first servo; `None` where its record does not determine it, or its model does without.
+    pub a: Option<f64>,
+    /// Of the second servo.
+    pub b: Option<f64>,
+}
+
+/// What is sure about the quantities of both sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct QuantityDifferences {
+    /// Level of each interval: the lower one of the two models.
+    pub level: f64,
+    /// Quantity by quantity, in the same order.
+    pub differences: Vec<QuantityDifference>,
+}
+
+/// Intervals of a quantity.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct QuantityDifference {
+    /// What it is.
+    pub name: String,
+    /// Of the first servo, where its model has it.
+    pub a: Option<Interval>,
+    /// Of the second servo.
+    pub b: Option<Interval>,
+    /// Second less first, where both are determined.
+    pub difference: Option<Interval>,
+}
+
+impl QuantityDifference {
+    /// Whether the two differ for sure.
+    #[must_use]
+    pub fn is_sure(&self) -> bool {
+        self.difference.is_some_and(|found| !found.contains(0.0))
+    }
+}
+
+/// Puts two servo models beside each other. Where they have several controllers, the quantities are those of the first.
+#[must_use]
+pub fn compare_servo_models(a: &ServoModel, b: &ServoModel) -> ServoModelComparison {
+    let pairs = paired(&a.quantities, &b.quantities);
+    let pair = |(a, b): &(Option<&Quantity>, Option<&Quantity>)| {
+        let either = a.or(*b)?;
+        let value = |of: &Option<&Quantity>| of.filter(|of| of.determined).map(|of| of.value);
+        Some(QuantityPair {
+            name: either.name.clone(),
+            unit: either.unit,
+            a: value(a),
+            b: value(b),
+        })
+    };
+    let level = |of: &ServoModel| of.covariance.as_ref().map(|found| found.level);
+    let differences = || {
+        pairs
+            .iter()
+            .filter_map(|(a, b)| difference(*a, *b))
+            .collect()
+    };
+    ServoModelComparison {
+        quantities: pairs.iter().filter_map(pair).collect(),
+        bounds: level(a).zip(level(b)).map(|(a, b)| QuantityDifferences {
+            level: a.min(b),
+            differences: differences(),
+        }),
+    }
+}
+
+/// The quantities of both by name: those of the first, then those that only the second has.
+fn paired<'q>(
+    a: &'q [Quantity],
+    b: &'q [Quantity],
+) -> Vec<(Option<&'q Quantity>, Option<&'q Quantity>)> {
+    let named = |of: &'q [Quantity], name: &str| of.iter().find(|found| found.name == name);
+    let of_a = a.iter().map(|found| (Some(found), named(b, &found.name)));
+    let only_b = b
+        .iter()
+        .filter(|found| named(a, &found.name).is_none())
+        .map(|found| (None, Some(found)));
+    of_a.chain(only_b).collect()
+}
+
+fn difference(a: Option<&Quantity>, b: Option<&Quantity>) -> Option<QuantityDifference> {
+    let interval = |of: Option<&Quantity>| of.and_then(|of| of.interval.valid().copied());
+    let (a_is, b_is) = (interval(a), interval(b));
+    let both = a.zip(b).filter(|(a, b)| a.determined && b.determined);
+    let less = |x: Option<f64>, y: Option<f64>| Some(x? - y?);
+    let difference = both.and(a_is.zip(b_is)).map(|(a, b)| Interval {
+        value: less(b.value, a.value),
+        lower: less(b.lower, a.upper),
+        upper: less(b.upper, a.lower),
+    });
+    Some(QuantityDifference {
+        name: a.or(b)?.name.clone(),
+        a: a_is,
+        b: b_is,
+        difference,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::Reason;
+    use crate::servo_model::{ServoModelOptions, fit};
+    use crate::{Record, Run};
+
+    /// A servo that follows with this top speed, in degrees for each sample.
+    fn model(top_speed: f64) -> ServoModel {
+        let levels = [0.0, 5.0, -3.0, 1.0, 4.0];
+        let u: Vec<f64> = (0..900).map(|k| levels[k / 60 % 5]).collect();
+        let follow = |y: &mut f64, (k, u): (usize, &f64)| {
+            *y += (0.2 * (u - *y)).clamp(-top_speed, top_speed);
+            Some(*y + 0.01 * (0.7 * (k * k) as f64).sin())
+        };
+        let y: Vec<f64> = u.iter().enumerate().scan(0.0, follow).collect();
+        let record = Record::new(0.01, vec![Run::new(u, y).unwrap()]).unwrap();
+        fit(&record, &ServoModelOptions::default()).unwrap()
+    }
+
+    fn with_interval(mut model: ServoModel, half: f64) -> ServoModel {
+        model.covariance = Bounds::Valid(crate::servo_model::Covariance {
+            level: 0.99,
+            rows: Vec::new(),
+        });
+        for quantity in &mut model.quantities {
+            let value = quantity.value;
+            quantity.determined = true;
+            quantity.interval =
+                Bounds::Valid(Interval::new(value, value - half, value + 2.0 * half));
+        }
+        model
+    }
+
+    #[test]
+    fn differences_hold_wherever_both_intervals_hold_and_go_with_them() {
+        let (slow, fast) = (model(0.2), model(0.4));
+        let (a, b) = (
+            with_interval(slow.clone(), 1.0),
+            with_interval(fast.clone(), 1.0),
+        );
+        let found = compare_servo_models(&a, &b);
+        let bounds = found.bounds.valid().unwrap();
+        assert_eq!(bounds.differences.len(), found.quantities.len());
+        let at = |name: &str| bounds.differences.iter().find(|d| d.name == name).unwrap();
+        let speed = at("top speed upwards");
+        let pair = found.quantities.iter().find(|q| q.name == speed.name);
+        let value = pair.and_then(|q| Some(q.b? - q.a?)).unwrap();
+        assert!(value > 10.0, "{value}");
+        let expected = Interval::new(value, value - 3.0, value + 3.0);
+        let difference = speed.difference.unwrap();
+        for (x, y) in [
+            (difference.lower, expected.lower),
+            (difference.upper, expected.upper),
+        ] {
+            // Rounding.
+            assert!((x.unwrap() - y.unwrap()).abs() < 1e-9);
+        }
+        assert!(speed.is_sure() && !at("gain").is_sure());
+        let mut without = b.clone();
+        without.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+        let found = compare_servo_models(&a, &without);
+        assert_eq!(found.bounds.withdrawn(), Some(Reason::ErrorsNotNoise));
+        let text = serde_json::to_string(&found).unwrap();
+        assert!(!text.contains("lower"), "{text}");
+    }
+}
