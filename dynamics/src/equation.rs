@@ -94,6 +94,15 @@ pub struct Friction<S> {
     pub at_rest: Option<AtRest<S>>,
 }
 
+impl<S: Scalar> Friction<S> {
+    /// Friction at speed where drive and load together are `through_gears` \[acceleration\].
+    #[inline(always)]
+    #[must_use]
+    pub fn in_motion(&self, through_gears: S) -> S {
+        self.coulomb + through_gears.abs() * self.of_gears
+    }
+}
+
 /// Friction that falls with speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtRest<S> {

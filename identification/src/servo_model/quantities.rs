@@ -151,6 +151,12 @@ const DEFINITIONS: &[Definition] = &[
         of: |p| Some(1.0 + p.friction?.at_rest?.excess),
     },
     Definition {
+        name: "friction of the gears",
+        unit: Unit::One,
+        domain: Domain::NotNegative,
+        of: |p| p.friction.map(|friction| friction.of_gears),
+    },
+    Definition {
         name: "load at the middle",
         unit: Unit::Command,
         domain: Domain::Any,
@@ -183,15 +189,16 @@ fn top_speed(p: &ServoParameters<f64>, command_upwards: bool) -> Option<f64> {
         } else {
             limit.down_to_up
         };
-    let friction = p.friction.map_or(0.0, |friction| friction.coulomb);
+    let friction = p.friction.map_or(0.0, |friction| friction.in_motion(drive));
     Some((drive - friction).max(0.0) / limit.motor_damping * p.gain.abs())
 }
 
-/// Error at which friction holds the shaft at rest.
+/// Error at which friction holds the shaft at rest without load: that of the gears then takes its share of the drive.
 fn resting_error(p: &ServoParameters<f64>) -> Option<f64> {
     let friction = p.friction?;
-    let excess = friction.at_rest.map_or(0.0, |at_rest| at_rest.excess);
-    Some(friction.coulomb * (1.0 + excess) / p.stiffness)
+    let at_rest = 1.0 + friction.at_rest.map_or(0.0, |at_rest| at_rest.excess);
+    let left_of_drive = 1.0 - friction.of_gears * at_rest;
+    (left_of_drive > 0.0).then(|| friction.coulomb * at_rest / left_of_drive / p.stiffness)
 }
 
 /// Error at rest by which the load is held at θ = 0.

@@ -30,12 +30,13 @@ const SPEED_DEG: f64 = 60.0;
 const HIGHEST_CUTOFF: f64 = 0.45;
 
 /// What SITL has not.
-const LEFT_OUT: [Term; 11] = [
+const LEFT_OUT: [Term; 12] = [
     Term::FullDrive,
     Term::TwoSpeeds,
     Term::DampingRatio,
     Term::DeadBand,
     Term::Friction,
+    Term::FrictionOfGears,
     Term::FrictionAtRest,
     Term::ConstantLoad,
     Term::Weight,

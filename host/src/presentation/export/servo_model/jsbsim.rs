@@ -18,8 +18,9 @@ use crate::presentation::template::fill;
 const STEP_S: f64 = 0.002;
 
 /// What an actuator has not.
-const LEFT_OUT: [Term; 4] = [
+const LEFT_OUT: [Term; 5] = [
     Term::FullDrive,
+    Term::FrictionOfGears,
     Term::FrictionAtRest,
     Term::Weight,
     Term::StiffeningLoad,

@@ -158,6 +158,11 @@ impl ServoExport<'_> {
             ("down_to_up", limit.map_or(1.0, |l| l.down_to_up), "A-/A+"),
             ("dead_band", p.dead_band.unwrap_or(0.0), "w"),
             ("friction", friction.map_or(0.0, |f| f.coulomb), "C"),
+            (
+                "friction_of_gears",
+                friction.map_or(0.0, |f| f.of_gears),
+                "mu",
+            ),
             ("friction_at_rest", at_rest.map_or(0.0, |a| a.excess), "s"),
             ("friction_speed", at_rest.map_or(1.0, |a| a.speed), "ws"),
             ("gain", p.gain, "position for each unit of theta"),

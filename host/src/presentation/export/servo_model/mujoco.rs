@@ -23,9 +23,10 @@ const IMPEDANCE: f64 = 0.9999;
 const TIME_CONSTANT: f64 = 2.0;
 
 /// What position actuator and joint have not.
-const LEFT_OUT: [Term; 6] = [
+const LEFT_OUT: [Term; 7] = [
     Term::WeakerLoopDownwards,
     Term::DeadBand,
+    Term::FrictionOfGears,
     Term::FrictionAtRest,
     Term::StiffeningLoad,
     Term::Gain,

@@ -136,13 +136,18 @@ impl<'a> ServoExport<'a> {
     /// \[units of the command/s\]; `None` where the drive has no limit.
     pub(super) fn top_speeds(&self) -> Option<(f64, f64)> {
         let limit = self.parameters.limit?;
-        let friction = self.parameters.friction.map_or(0.0, |f| f.coulomb);
+        let friction = |through_gears: f64| {
+            let friction = self.parameters.friction;
+            friction.map_or(0.0, |friction| friction.in_motion(through_gears))
+        };
         let slowest = SLOWEST * limit.up;
-        let speed = |drive: f64| (drive - friction).max(slowest) / limit.motor_damping;
+        let speed = |drive: f64, load: f64| {
+            (drive - load - friction(drive + load)).max(slowest) / limit.motor_damping
+        };
         let load = self.constant_load();
         Some((
-            speed(limit.up - load),
-            speed(limit.up * limit.down_to_up + load),
+            speed(limit.up, load),
+            speed(limit.up * limit.down_to_up, -load),
         ))
     }
 }
@@ -158,7 +163,7 @@ fn is_possible(servo: &ServoParameters) -> bool {
         let at_rest = friction
             .at_rest
             .is_none_or(|at_rest| not_negative(at_rest.excess) && positive(at_rest.speed));
-        not_negative(friction.coulomb) && at_rest
+        not_negative(friction.coulomb) && (0.0..1.0).contains(&friction.of_gears) && at_rest
     });
     (0.0..=LONGEST_DELAY_S).contains(&servo.delay_s)
         && positive(servo.stiffness)

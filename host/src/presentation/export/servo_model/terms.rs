@@ -17,6 +17,7 @@ pub(super) enum Term {
     DampingRatio,
     DeadBand,
     Friction,
+    FrictionOfGears,
     FrictionAtRest,
     ConstantLoad,
     Weight,
@@ -59,6 +60,13 @@ impl ServoExport<'_> {
             Term::Friction => p
                 .friction
                 .map(|friction| format!("friction, {}", self.acceleration(friction.coulomb))),
+            Term::FrictionOfGears => {
+                let share = self.parameters.friction?.of_gears;
+                (share > 0.0).then(|| {
+                    let percent = four_digits(100.0 * share);
+                    format!("friction of the gears, {percent} % of drive and load together")
+                })
+            }
             Term::FrictionAtRest => {
                 let rest = p.friction?.at_rest?;
                 let factor = four_digits(1.0 + rest.excess);

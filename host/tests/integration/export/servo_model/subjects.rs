@@ -44,13 +44,17 @@ pub struct Servo {
     pub controller: Option<f64>,
 }
 
-const ALL_TERMS: &[&str] = &["limit", "two_speeds", "dead_band", "friction"];
+const ALL_TERMS: &[&str] = &["limit", "two_speeds", "dead_band", "friction", "gears"];
 
 /// One with each term and each load, and one without any.
 pub const SERVOS: [Servo; 8] = [
     servo("linear", &[], "none"),
     servo("limited", &["limit"], "none"),
-    servo("full", ALL_TERMS, "none"),
+    servo(
+        "full",
+        &["limit", "two_speeds", "dead_band", "friction"],
+        "none",
+    ),
     servo("constant", ALL_TERMS, "constant"),
     servo("hanging", ALL_TERMS, "pendulum"),
     servo("tilted", ALL_TERMS, "tilted_pendulum"),
@@ -133,12 +137,9 @@ impl Servo {
         with(has("dead_band"), &[("dead_band", 0.15)]);
         with(
             has("friction"),
-            &[
-                ("friction", 0.2),
-                ("friction_at_rest", 0.6),
-                ("ln_friction_speed_share", 0.05f64.ln()),
-            ],
+            &[("friction", 0.2), ("friction_at_rest", 0.6)],
         );
+        with(has("gears"), &[("friction_of_gears", 0.2)]);
         with(self.load == "constant", &[("constant_load", 0.4)]);
         with(self.load == "pendulum", &[("gravity", 1.0)]);
         with(
@@ -163,6 +164,7 @@ impl Servo {
             "two_speeds": has("two_speeds"),
             "dead_band": has("dead_band"),
             "friction": has("friction"),
+            "friction_of_gears": has("gears"),
             "load": self.load,
         });
         model["controllers"] = controllers.into();

@@ -105,7 +105,8 @@ static inline void {{id}}_advance({{id}}_servo *servo, {{id}}_real h, {{id}}_rea
 {
     {{id}}_real speed = servo->speed, middle = servo->angle + h * speed / 2;
     {{id}}_real error = {{id}}_nearer_zero(command - middle, {{id}}_dead_band);
-    {{id}}_real loaded = speed * (1 - {{id}}_half_motor(h)) - h * {{id}}_load(middle);
+    {{id}}_real load = h * {{id}}_load(middle);
+    {{id}}_real loaded = speed * (1 - {{id}}_half_motor(h)) - load;
 
     {{id}}_real ratio = 1, largest = h * {{id}}_full_drive;
     if ({{id}}_unlimited_drive(h, error, speed, loaded, 1) < 0) {
@@ -119,8 +120,9 @@ static inline void {{id}}_advance({{id}}_servo *servo, {{id}}_real h, {{id}}_rea
     }
 
     {{id}}_real relative = speed / {{id}}_friction_speed;
-    {{id}}_real held = {{id}}_friction * (1 + {{id}}_friction_at_rest / (1 + relative * relative));
-    servo->speed = {{id}}_nearer_zero((loaded + pushed) * left, h * left * held);
+    {{id}}_real held = h * {{id}}_friction + {{id}}_friction_of_gears * {{id}}_size(pushed + load);
+    held = held * (1 + {{id}}_friction_at_rest / (1 + relative * relative));
+    servo->speed = {{id}}_nearer_zero((loaded + pushed) * left, left * held);
     servo->angle = middle + h * servo->speed / 2;
 }
 

@@ -76,7 +76,8 @@ end
 function advance!(servo::Servo, h, command)
     middle = servo.angle + 0.5 * h * servo.speed
     error = nearer_zero(command - middle, DEAD_BAND)
-    loaded = servo.speed * (1.0 - half_motor(h)) - h * load(middle)
+    loading = h * load(middle)
+    loaded = servo.speed * (1.0 - half_motor(h)) - loading
 
     ratio, largest = 1.0, h * FULL_DRIVE
     if unlimited_drive(h, error, servo.speed, loaded, 1.0) < 0.0
@@ -89,8 +90,9 @@ function advance!(servo::Servo, h, command)
     end
 
     relative = servo.speed / FRICTION_SPEED
-    held = FRICTION * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
-    servo.speed = nearer_zero((loaded + pushed) * left, h * left * held)
+    held = h * FRICTION + FRICTION_OF_GEARS * abs(pushed + loading)
+    held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
+    servo.speed = nearer_zero((loaded + pushed) * left, left * held)
     servo.angle = middle + 0.5 * h * servo.speed
     return servo
 end

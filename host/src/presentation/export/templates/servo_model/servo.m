@@ -52,7 +52,8 @@ function servo = advance(servo, h, command, p)
 % The motion of h seconds under a command, without delay.
 middle = servo.angle + 0.5 * h * servo.speed;
 error = nearer_zero(command - middle, p.dead_band);
-loaded = servo.speed * (1.0 - half_motor(h, p)) - h * load_at(middle, p);
+load = h * load_at(middle, p);
+loaded = servo.speed * (1.0 - half_motor(h, p)) - load;
 
 ratio = 1.0;
 largest = h * p.full_drive;
@@ -69,8 +70,9 @@ else
 end
 
 relative = servo.speed / p.friction_speed;
-held = p.friction * (1.0 + p.friction_at_rest / (1.0 + relative * relative));
-servo.speed = nearer_zero((loaded + pushed) * left, h * left * held);
+held = h * p.friction + p.friction_of_gears * abs(pushed + load);
+held = held * (1.0 + p.friction_at_rest / (1.0 + relative * relative));
+servo.speed = nearer_zero((loaded + pushed) * left, left * held);
 servo.angle = middle + 0.5 * h * servo.speed;
 end
 

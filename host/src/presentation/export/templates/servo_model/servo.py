@@ -86,7 +86,8 @@ class Servo:
         """The motion of h seconds under a command, without delay."""
         middle = self.angle + 0.5 * h * self.speed
         error = nearer_zero(command - middle, DEAD_BAND)
-        loaded = self.speed * (1.0 - half_motor(h)) - h * load(middle)
+        loading = h * load(middle)
+        loaded = self.speed * (1.0 - half_motor(h)) - loading
 
         ratio, largest = 1.0, h * FULL_DRIVE
         if unlimited_drive(h, error, self.speed, loaded, 1.0) < 0.0:
@@ -97,8 +98,9 @@ class Servo:
             pushed, left = push(h, error, self.speed, ratio), damped(h, ratio)
 
         relative = self.speed / FRICTION_SPEED
-        held = FRICTION * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
-        self.speed = nearer_zero((loaded + pushed) * left, h * left * held)
+        held = h * FRICTION + FRICTION_OF_GEARS * abs(pushed + loading)
+        held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
+        self.speed = nearer_zero((loaded + pushed) * left, left * held)
         self.angle = middle + 0.5 * h * self.speed
 
 
