@@ -17,10 +17,10 @@ pub struct Grid {
 
 /// Length of a step times the bandwidth ω at small signals: the scheme is of second order, so the motion is right to about a
 /// ten-thousandth of the stroke, well below the noise of any sensor.
-const FINENESS: f64 = 0.03;
+const FINENESS: f64 = 0.05;
 
 /// Shortest and longest step \[s\].
-const STEP_S: (f64, f64) = (0.2e-3, 2e-3);
+const STEP_S: (f64, f64) = (0.2e-3, 4e-3);
 
 impl Grid {
     /// The grid for a servo of the stiffness `stiffness` (1/s²).

@@ -3,13 +3,13 @@
 //! The terms are chosen by the [ladder](super::ladder), the parameters of the chosen ones are polished, and the evidence decides
 //! whether bounds hold.
 
-use super::coordinates::{Coordinate, Point, Terms};
+use super::coordinates::{Point, Terms};
 use super::fit::Problem;
 use super::ladder::{Ladder, Rung};
 use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
-use super::search::Shown;
+use super::search::{Shown, other_starts};
 use super::start::find_starts;
 use super::stretches::{Stretch, stretches};
 use super::uncertainty::{Uncertainty, uncertainty};
@@ -29,9 +29,6 @@ const CLIP: f64 = 0.5;
 
 /// Steps of the last descent.
 const STEPS: usize = 30;
-
-/// Steps of each descent from elsewhere.
-const OTHER_STEPS: usize = 20;
 
 /// Longest delay that is looked for \[s\], and in samples: the larger of the two.
 const LONGEST_DELAY: (f64, f64) = (0.2, 4.0);
@@ -122,7 +119,9 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
         converged,
     };
     let (coarse, fine) = (fit_to(1e-5), fit_to(1e-7));
-    let from = coarse.best_of_others(&parts, &tried[chosen].fit, &shown);
+    let problem = coarse.problem(&parts);
+    let starts = other_starts(&tried[chosen].fit, &problem, &shown);
+    let (_, from) = problem.best_descent(starts, STEPS);
     let point = fine.polished(&mut parts, from);
     let found = uncertainty(&fine.problem(&parts), &point, fold_of.len());
     let level = level_unless(against(&parts, &grid, &point, &found), options.level);
@@ -164,33 +163,6 @@ impl Descent {
             longest_delay_s: self.longest_delay_s,
             converged: self.converged,
         }
-    }
-
-    /// The best of short descents from several delays, and from friction as `shown` would begin with it: the two
-    /// commonest poor minima.
-    fn best_of_others(&self, parts: &[Stretch], from: &Point, shown: &Shown) -> Point {
-        let delay_s = from.get(Coordinate::Delay).unwrap_or(0.0);
-        let mut starts: Vec<Point> = [1.0, 0.8, 1.2]
-            .iter()
-            .map(|factor| {
-                let mut point = from.clone();
-                point.set(
-                    Coordinate::Delay,
-                    (factor * delay_s).min(self.longest_delay_s),
-                );
-                point
-            })
-            .collect();
-        let mut fresh = from.clone();
-        let at_rest = Coordinate::FrictionAtRest;
-        fresh.set(at_rest, shown.fresh(at_rest, from.radians));
-        starts.push(fresh);
-        let descents = starts.into_iter().map(|mut point| {
-            let cost = self.problem(parts).descend(&mut point, OTHER_STEPS);
-            (cost, point)
-        });
-        let best = descents.min_by(|a, b| a.0.total_cmp(&b.0));
-        best.map_or_else(|| from.clone(), |best| best.1)
     }
 
     /// The minimum, with the starts of the stretches found anew.

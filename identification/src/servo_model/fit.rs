@@ -64,33 +64,42 @@ impl Sums {
 }
 
 impl Problem<'_> {
-    /// Sum of the clipped squares of the errors.
-    pub(super) fn cost(&self, point: &Point) -> f64 {
+    /// Sum of the clipped squares of the errors, or what is above `most` where it exceeds that: the rest does not matter then.
+    fn cost_below(&self, point: &Point, most: f64) -> f64 {
         let mut cost = 0.0;
-        self.each_error(point, |_, _, error| {
-            cost += clipped_square(error, self.clip)
-        });
-        if cost.is_nan() { f64::INFINITY } else { cost }
+        for stretch in self.stretches {
+            self.each_error_of(stretch, point, |_, error| {
+                cost += clipped_square(error, self.clip)
+            });
+            if cost.is_nan() || cost > most {
+                return f64::INFINITY;
+            }
+        }
+        cost
     }
 
-    /// Hands stretch, block and error of each sample that counts to `each`.
-    pub(super) fn each_error(&self, point: &Point, mut each: impl FnMut(usize, usize, f64)) {
-        for (s, stretch) in self.stretches.iter().enumerate() {
-            let physics = point.physics(stretch.controller, |_, value| value);
-            simulate(
-                &physics,
-                &self.grid,
-                &stretch.start,
-                &stretch.input,
-                |k, y| {
-                    let measured = stretch.output[k];
-                    let block = stretch.block(k);
-                    if !measured.is_nan() && (self.used)(block) {
-                        each(s, block, measured - y);
-                    }
-                },
-            );
+    /// Hands block and error of each sample that counts to `each`.
+    pub(super) fn each_error(&self, point: &Point, mut each: impl FnMut(usize, f64)) {
+        for stretch in self.stretches {
+            self.each_error_of(stretch, point, &mut each);
         }
+    }
+
+    fn each_error_of(&self, stretch: &Stretch, point: &Point, mut each: impl FnMut(usize, f64)) {
+        let physics = point.physics(stretch.controller, |_, value| value);
+        simulate(
+            &physics,
+            &self.grid,
+            &stretch.start,
+            &stretch.input,
+            |k, y| {
+                let measured = stretch.output[k];
+                let block = stretch.block(k);
+                if !measured.is_nan() && (self.used)(block) {
+                    each(block, measured - y);
+                }
+            },
+        );
     }
 
     /// The sums at `point`.
@@ -165,6 +174,25 @@ impl Problem<'_> {
         }
     }
 
+    /// The best of the minima below several starts, and its cost: short descents from all, and a long one from the lowest.
+    pub(super) fn best_descent(&self, starts: Vec<Point>, iterations: usize) -> (f64, Point) {
+        let first = match starts.len() {
+            1 => 0,
+            _ => FIRST_STEPS,
+        };
+        let descents = starts.into_iter().map(|mut point| {
+            let cost = match first {
+                0 => f64::INFINITY,
+                steps => self.descend(&mut point, steps),
+            };
+            (cost, point)
+        });
+        let lowest = descents.min_by(|a, b| a.0.total_cmp(&b.0));
+        let (cost, mut point) = lowest.expect("there is a start");
+        let lower = self.descend(&mut point, iterations - first);
+        (cost.min(lower), point)
+    }
+
     /// Moves `point` downhill, `iterations` times at the most. Returns its cost.
     pub(super) fn descend(&self, point: &mut Point, iterations: usize) -> f64 {
         let mut cost = f64::INFINITY;
@@ -211,15 +239,23 @@ impl Problem<'_> {
     ) -> Option<(Point, f64)> {
         let free = self.free(point, &sums.gradient);
         for _ in 0..ATTEMPTS {
-            let moved = solve(sums, &free, *damping).map(|step| self.moved(point, &free, &step));
-            if let Some(next) = moved {
-                let lower = self.cost(&next);
+            if let Some(step) = solve(sums, &free, *damping) {
+                let hoped: f64 = free
+                    .iter()
+                    .zip(&step)
+                    .map(|(&i, s)| sums.gradient[i] * s)
+                    .sum();
+                if hoped < self.converged * cost {
+                    return None;
+                }
+                let next = self.moved(point, &free, &step);
+                let lower = self.cost_below(&next, cost);
                 if lower < cost {
-                    *damping = (*damping * 0.2).max(1e-10);
+                    *damping = (*damping * 0.1).max(1e-10);
                     return Some((next, lower));
                 }
             }
-            *damping *= 5.0;
+            *damping *= 10.0;
         }
         None
     }
@@ -256,7 +292,10 @@ pub(super) const MOST: usize = 28;
 const NEWTON_DAMPING: f64 = 1e-3;
 
 /// Dampings that are tried for one step.
-const ATTEMPTS: usize = 8;
+const ATTEMPTS: usize = 6;
+
+/// Steps of each descent before the lowest of several is continued.
+const FIRST_STEPS: usize = 6;
 
 /// Solves (J'WJ + damping) step = J'We for the free coordinates.
 fn solve(sums: &Sums, free: &[usize], damping: f64) -> Option<Vec<f64>> {

@@ -6,20 +6,24 @@
 
 use super::coordinates::{Coordinate, LoadKind, Point, Terms};
 use super::fit::{Problem, Sums, clipped_square};
-use super::search::{Shown, search};
+use super::search::{Shown, other_starts, search};
 use super::start::find_starts;
 use super::stretches::{FOLDS, Stretch};
-use crate::thresholds::{SERVO_MATERIAL_ADVANTAGE, SERVO_TERM_ADVANTAGE};
+use crate::thresholds::{SERVO_LARGE_ADVANTAGE, SERVO_MATERIAL_ADVANTAGE, SERVO_TERM_ADVANTAGE};
 use servoid_dynamics::Grid;
 
 /// Steps of a descent from the servo with one term fewer.
 const STEPS: usize = 20;
 
+/// Steps of a descent that shows whether it is worth more, and the share of the lowest cost so far that it must come to.
+const SHORT: usize = 5;
+const PROMISING: f64 = 1.2;
+
 /// Share of the held-out errors that a term must take away for another one to be tried after it.
 const WORTH_ANOTHER: f64 = 0.01;
 
-/// Shares of a Gauss-Newton step that are tried.
-const SHARES_OF_STEP: [f64; 4] = [1.0, 0.3, 0.1, 0.03];
+/// Steps of a descent without a fold.
+const FOLD_STEPS: usize = 3;
 
 /// A servo with certain terms, and how it predicts what it has not seen.
 #[derive(Clone, Debug)]
@@ -134,7 +138,7 @@ impl Ladder<'_> {
         let mut all: Vec<usize> = (0..self.tried.len()).collect();
         all.sort_by(|&a, &b| self.tried[a].total().total_cmp(&self.tried[b].total()));
         let best = all[0];
-        all.retain(|&rung| rung != chosen && !self.tried[best].beats(&self.tried[rung]));
+        all.retain(|&rung| rung != chosen && !self.misses(rung, best));
         all.insert(0, chosen);
         all
     }
@@ -143,7 +147,7 @@ impl Ladder<'_> {
     /// together.
     fn add_terms(&mut self, mut best: usize) -> usize {
         loop {
-            self.try_other_delays(best);
+            self.try_other_starts(best);
             let before = self.tried[best].total();
             let from = best;
             for terms in richer(self.tried[from].terms) {
@@ -159,12 +163,19 @@ impl Ladder<'_> {
     /// Descends to every rung from the best one too, so that none loses by the valley that it was found in. Returns the
     /// best rung after that.
     fn seed_all_from(&mut self, best: usize) -> usize {
+        let all = |_: usize| true;
         let from = self.tried[best].fit.clone();
         for rung in 0..self.tried.len() {
             let terms = self.tried[rung].terms;
-            let (cost, fit) = self.fit(terms, &from);
+            let problem = self.problem(&all);
+            let fresh = |at: Coordinate| self.shown.fresh(at, self.radians);
+            let mut point = from.with_terms(terms, self.controllers, fresh);
+            let mut cost = problem.descend(&mut point, SHORT);
+            if cost < PROMISING * self.tried[rung].cost {
+                cost = problem.descend(&mut point, STEPS - SHORT);
+            }
             if cost < self.tried[rung].cost {
-                self.tried[rung] = self.rung(terms, (cost, fit));
+                self.tried[rung] = self.rung(terms, (cost, point));
             }
         }
         (0..self.tried.len()).fold(best, |best, rung| self.better(best, rung))
@@ -187,10 +198,10 @@ impl Ladder<'_> {
         }
     }
 
-    /// Whether the rung `poorer` predicts worse than `best` by more than scatter, or by as much as matters.
+    /// Whether the rung `poorer` predicts worse than `best` by more than scatter, or by very much.
     fn misses(&self, poorer: usize, best: usize) -> bool {
         let (poorer, best) = (&self.tried[poorer], &self.tried[best]);
-        best.beats(poorer) || best.total() < (1.0 - SERVO_MATERIAL_ADVANTAGE) * poorer.total()
+        best.beats(poorer) || best.total() < (1.0 - SERVO_LARGE_ADVANTAGE) * poorer.total()
     }
 
     fn better(&self, a: usize, b: usize) -> usize {
@@ -201,28 +212,20 @@ impl Ladder<'_> {
         }
     }
 
-    /// Descends again from shorter and longer delays: a delay in place of a slow drive is the commonest poor minimum.
-    fn try_other_delays(&mut self, rung: usize) {
+    /// Descends again from elsewhere.
+    fn try_other_starts(&mut self, rung: usize) {
         let Rung {
             terms,
             ref fit,
-            mut cost,
+            cost,
             ..
         } = self.tried[rung];
-        let mut best = fit.clone();
-        for (factor, more_s) in [(0.5, 0.0), (0.75, 0.0), (1.25, 0.003), (1.5, 0.006)] {
-            let mut from = self.tried[rung].fit.clone();
-            let delay_s = from.get(Coordinate::Delay).unwrap_or(0.0);
-            from.set(
-                Coordinate::Delay,
-                (factor * delay_s + more_s).min(self.longest_delay_s),
-            );
-            let (other_cost, other) = self.fit(terms, &from);
-            if other_cost < cost {
-                (cost, best) = (other_cost, other);
-            }
+        let all = |_: usize| true;
+        let problem = self.problem(&all);
+        let found = problem.best_descent(other_starts(fit, &problem, &self.shown), STEPS);
+        if found.0 < cost {
+            self.tried[rung] = self.rung(terms, found);
         }
-        self.tried[rung] = self.rung(terms, (cost, best));
     }
 
     /// A servo found from far away.
@@ -251,29 +254,22 @@ impl Ladder<'_> {
     fn fit(&self, terms: Terms, from: &Point) -> (f64, Point) {
         let all = |_: usize| true;
         let problem = self.problem(&all);
-        let starts = self.variants(from, terms).into_iter();
-        let fits = starts.map(|mut point| (problem.descend(&mut point, STEPS), point));
-        let best = fits.min_by(|a, b| a.0.total_cmp(&b.0));
-        best.expect("there is a variant")
+        problem.best_descent(self.variants(from, terms), STEPS)
     }
 
-    /// How the fit predicts blocks that it has not seen: the fits without their folds are near, one Gauss-Newton step
-    /// from the fit to the whole record, or part of one where the whole leads uphill.
+    /// How the fit predicts blocks that it has not seen: the fits without their folds are near, a few steps from that to the
+    /// whole record.
     fn rung(&self, terms: Terms, (cost, fit): (f64, Point)) -> Rung {
-        let all = |_: usize| true;
-        let problem = self.problem(&all);
-        let by_fold = problem.sums_by(&fit, FOLDS, &|block| self.fold_of[block]);
-        let total = Sums::total(&by_fold);
-        let at_fit = self.by_block(&fit);
-        let mut held_out = at_fit.clone();
-        for (fold, own) in by_fold.iter().enumerate() {
-            let seen = |costs: &[f64]| self.total_of(costs, |of| of != fold);
-            let stepped = SHARES_OF_STEP
-                .iter()
-                .filter_map(|share| problem.without(&fit, &total, own, *share))
-                .map(|point| self.by_block(&point))
-                .find(|costs| seen(costs) <= seen(&at_fit));
-            let Some(costs) = stepped else { continue };
+        let mut held_out = vec![0.0; self.fold_of.len()];
+        for fold in 0..FOLDS {
+            let others = |block: usize| self.fold_of[block] != fold;
+            let problem = Problem {
+                converged: 1e-3,
+                ..self.problem(&others)
+            };
+            let mut without = fit.clone();
+            problem.descend(&mut without, FOLD_STEPS);
+            let costs = self.by_block(&without);
             for (block, of) in self.fold_of.iter().enumerate() {
                 if *of == fold {
                     held_out[block] = costs[block];
@@ -288,18 +284,11 @@ impl Ladder<'_> {
         }
     }
 
-    /// The sum over blocks, by their fold.
-    fn total_of(&self, costs: &[f64], counts: impl Fn(usize) -> bool) -> f64 {
-        let blocks = costs.iter().zip(self.fold_of);
-        let counted = blocks.filter(|(_, fold)| counts(**fold));
-        counted.map(|(cost, _)| cost).sum()
-    }
-
     /// Clipped sum of squared errors in each block.
     fn by_block(&self, point: &Point) -> Vec<f64> {
         let all = |_: usize| true;
         let mut costs = vec![0.0; self.fold_of.len()];
-        self.problem(&all).each_error(point, |_, block, error| {
+        self.problem(&all).each_error(point, |block, error| {
             let square = clipped_square(error, self.clip);
             costs[block] += if square.is_nan() {
                 f64::INFINITY

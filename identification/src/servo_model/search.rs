@@ -11,7 +11,7 @@ use super::stretches::Stretch;
 const CONTINUED: usize = 3;
 
 /// Steps of each descent on the grid, and of those that are continued.
-const STEPS: (usize, usize) = (6, 25);
+const STEPS: (usize, usize) = (4, 20);
 
 /// Time over which a stroke's speed is measured \[s\].
 const STROKE_S: f64 = 0.04;
@@ -154,6 +154,30 @@ pub(super) fn search(
     }
     let best = found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
     best.expect("the grid has points").1
+}
+
+/// The servo `point`, and others of the same terms in which a descent from it may not end: with shorter and longer delays, since
+/// a delay in place of a slow drive is the commonest poor minimum, and with little friction at rest.
+pub(super) fn other_starts(point: &Point, problem: &Problem<'_>, shown: &Shown) -> Vec<Point> {
+    let with = |coordinate: Coordinate, value: f64| {
+        let mut other = point.clone();
+        other.set(coordinate, value);
+        other
+    };
+    let delay_s = point.get(Coordinate::Delay).unwrap_or(0.0);
+    let mut starts = vec![point.clone()];
+    for (factor, more_s) in [(0.5, 0.0), (0.75, 0.0), (1.25, 0.003), (1.5, 0.006)] {
+        let other_s = factor * delay_s + more_s;
+        starts.push(with(
+            Coordinate::Delay,
+            other_s.min(problem.longest_delay_s),
+        ));
+    }
+    if point.terms.friction {
+        let at_rest = Coordinate::FrictionAtRest;
+        starts.push(with(at_rest, shown.fresh(at_rest, point.radians)));
+    }
+    starts
 }
 
 /// Bandwidths from slow to fast, short and long delays, and for a limited drive the top speed below and above the
