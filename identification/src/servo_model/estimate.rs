@@ -128,7 +128,11 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
     let mut possible = vec![found.servo_at(point)];
     for &member in &members[1..] {
         let point = tried[member].fit.clone();
-        possible.push(uncertainty(&coarse.problem(&parts), &point, fold_of.len()).servo_at(point));
+        let found = uncertainty(&coarse.problem(&parts), &point, fold_of.len());
+        let member = found.servo_at(point);
+        if member.counts_beside(&possible[0], pointwise_critical(options.level)) {
+            possible.push(member);
+        }
     }
     let ladder = Climbed { tried, chosen };
     Ok(describe(

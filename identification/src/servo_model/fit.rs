@@ -35,24 +35,6 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// The sums over all groups.
-    pub(super) fn total(groups: &[Self]) -> Self {
-        let size = groups[0].gradient.len();
-        let mut total = Self {
-            cost: 0.0,
-            normal: Mat::zeros(size, size),
-            gradient: vec![0.0; size],
-        };
-        for group in groups {
-            total.cost += group.cost;
-            total.normal += &group.normal;
-            for (sum, own) in total.gradient.iter_mut().zip(&group.gradient) {
-                *sum += own;
-            }
-        }
-        total
-    }
-
     /// The cost, infinite where the simulation failed.
     fn finite_cost(&self) -> f64 {
         if self.cost.is_nan() {
@@ -102,43 +84,23 @@ impl Problem<'_> {
         );
     }
 
-    /// The sums at `point`.
-    pub(super) fn sums(&self, point: &Point) -> Sums {
-        let mut all = self.sums_by(point, 1, &|_| 0);
-        all.swap_remove(0)
-    }
-
-    /// The sums at `point` for each of `groups` groups of blocks, in numbers that carry as many derivatives as it has
-    /// coordinates.
-    pub(super) fn sums_by(
-        &self,
-        point: &Point,
-        groups: usize,
-        group_of: &dyn Fn(usize) -> usize,
-    ) -> Vec<Sums> {
+    /// The sums at `point`, in numbers that carry as many derivatives as it has coordinates.
+    fn sums(&self, point: &Point) -> Sums {
         match point.values.len() {
-            0..=8 => self.sums_of::<8>(point, groups, group_of),
-            9..=12 => self.sums_of::<12>(point, groups, group_of),
-            13..=16 => self.sums_of::<16>(point, groups, group_of),
-            _ => self.sums_of::<MOST>(point, groups, group_of),
+            0..=8 => self.sums_of::<8>(point),
+            9..=12 => self.sums_of::<12>(point),
+            13..=16 => self.sums_of::<16>(point),
+            _ => self.sums_of::<MOST>(point),
         }
     }
 
-    fn sums_of<const W: usize>(
-        &self,
-        point: &Point,
-        groups: usize,
-        group_of: &dyn Fn(usize) -> usize,
-    ) -> Vec<Sums> {
+    fn sums_of<const W: usize>(&self, point: &Point) -> Sums {
         let count = point.values.len();
-        let mut normal = vec![[[0.0; W]; W]; groups];
-        let mut gradient = vec![[0.0; W]; groups];
-        let mut cost = vec![0.0; groups];
-        self.each_slope::<W>(point, |s, k, error, slope| {
-            let group = group_of(self.stretches[s].block(k));
+        let (mut normal, mut gradient) = ([[0.0; W]; W], [0.0; W]);
+        let mut cost = 0.0;
+        self.each_slope::<W>(point, |_, _, error, slope| {
             let weight = huber_weight(error, self.clip);
-            cost[group] += clipped_square(error, self.clip);
-            let (normal, gradient) = (&mut normal[group], &mut gradient[group]);
+            cost += clipped_square(error, self.clip);
             for i in 0..W {
                 let weighted = weight * slope[i];
                 gradient[i] += weighted * error;
@@ -147,12 +109,11 @@ impl Problem<'_> {
                 }
             }
         });
-        let sums = |group: usize| Sums {
-            cost: cost[group],
-            normal: Mat::from_fn(count, count, |i, j| normal[group][i][j]),
-            gradient: gradient[group][..count].to_vec(),
-        };
-        (0..groups).map(sums).collect()
+        Sums {
+            cost,
+            normal: Mat::from_fn(count, count, |i, j| normal[i][j]),
+            gradient: gradient[..count].to_vec(),
+        }
     }
 
     /// Hands stretch, sample, error and the derivatives of the output to `each`.
@@ -210,23 +171,6 @@ impl Problem<'_> {
             }
         }
         cost
-    }
-
-    /// The minimum `point` of the sums `total` without the part `own` of them: a share of a Gauss-Newton step away.
-    pub(super) fn without(
-        &self,
-        point: &Point,
-        total: &Sums,
-        own: &Sums,
-        share: f64,
-    ) -> Option<Point> {
-        let free = self.free(point, &total.gradient);
-        let rest = Sums {
-            cost: total.cost - own.cost,
-            normal: &total.normal - &own.normal,
-            gradient: own.gradient.iter().map(|own| -share * own).collect(),
-        };
-        solve(&rest, &free, NEWTON_DAMPING).map(|step| self.moved(point, &free, &step))
     }
 
     /// The next point, and its cost, if one is lower.
@@ -287,9 +231,6 @@ impl Problem<'_> {
 
 /// Coordinates that a servo has at the most, those of further controllers among them.
 pub(super) const MOST: usize = 28;
-
-/// Keeps a single step from following directions that hardly matter.
-const NEWTON_DAMPING: f64 = 1e-3;
 
 /// Dampings that are tried for one step.
 const ATTEMPTS: usize = 6;

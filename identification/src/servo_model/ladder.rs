@@ -5,7 +5,7 @@
 //! term is taken out where its advantage is not larger than its scatter over the blocks.
 
 use super::coordinates::{Coordinate, LoadKind, Point, Terms};
-use super::fit::{Problem, Sums, clipped_square};
+use super::fit::{Problem, clipped_square};
 use super::search::{Shown, other_starts, search};
 use super::start::find_starts;
 use super::stretches::{FOLDS, Stretch};
