@@ -35,7 +35,7 @@ fn value(at: Coordinate) -> f64 {
         Coordinate::DeadBand => 0.11,
         Coordinate::Friction => 0.13,
         Coordinate::FrictionAtRest => 0.7,
-        Coordinate::LnFrictionSpeedShare => 0.07f64.ln(),
+        Coordinate::FrictionOfGears => 0.1,
         Coordinate::ConstantLoad => 0.2,
         Coordinate::Gravity => 0.4,
         Coordinate::GravityFrom => 40.0,
@@ -127,6 +127,7 @@ fn derivatives_of_the_motion_are_those_of_differences() {
             two_speeds: true,
             dead_band: true,
             friction: true,
+            friction_of_gears: true,
             load,
         };
         let (servo, input) = (point(terms, value), strokes(600));

@@ -1,0 +1,151 @@
+//! Commands of ±5 degrees, and the noise of sensors.
+
+use super::servos::STROKE;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+use std::fmt;
+
+/// Time between samples \[s\].
+pub(super) const PERIOD_S: f64 = 0.002;
+
+/// Samples in a frame of 20 ms.
+const FRAME: usize = 10;
+
+/// Levels of the stairs.
+const LEVELS: usize = 6;
+
+/// Tones of the multisine, at odd multiples of the lowest.
+const TONES: usize = 12;
+
+/// Lowest tone of the multisine \[Hz\]; the highest is 23 times as high.
+const LOWEST_HZ: f64 = 0.2;
+
+/// Samples at rest before and after the multisine.
+const REST: usize = 300;
+
+/// A course of the command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reference {
+    /// Random levels, each for 100 to 400 ms.
+    RandomLevels,
+    /// Up and down over a few levels, each for 240 ms.
+    Stairs,
+    /// Sines of random phases, with rest before and after.
+    Multisine,
+}
+
+impl Reference {
+    pub(super) const ALL: [Self; 3] = [Self::RandomLevels, Self::Stairs, Self::Multisine];
+
+    /// The command, sample by sample.
+    pub(super) fn command(self, random: &mut ChaCha8Rng, samples: usize) -> Vec<f64> {
+        match self {
+            Self::RandomLevels => random_levels(random, samples),
+            Self::Stairs => stairs(samples),
+            Self::Multisine => multisine(random, samples),
+        }
+    }
+}
+
+impl fmt::Display for Reference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::RandomLevels => "random levels",
+            Self::Stairs => "stairs",
+            Self::Multisine => "multisine",
+        })
+    }
+}
+
+fn random_levels(random: &mut ChaCha8Rng, samples: usize) -> Vec<f64> {
+    let mut command = Vec::new();
+    while command.len() < samples {
+        let level = random.random_range(-STROKE / 2.0..STROKE / 2.0);
+        command.extend(std::iter::repeat_n(level, random.random_range(50..200)));
+    }
+    command.truncate(samples);
+    command
+}
+
+fn stairs(samples: usize) -> Vec<f64> {
+    let hold = 12 * FRAME;
+    let level = |k: usize| {
+        let at = k / hold % (2 * (LEVELS - 1));
+        let up = at.min(2 * (LEVELS - 1) - at);
+        STROKE * (up as f64 / (LEVELS - 1) as f64 - 0.5)
+    };
+    (0..samples).map(level).collect()
+}
+
+fn multisine(random: &mut ChaCha8Rng, samples: usize) -> Vec<f64> {
+    let phases: Vec<f64> = (0..TONES).map(|_| random.random_range(0.0..TAU)).collect();
+    let sum = |k: usize| -> f64 {
+        let time_s = (k / FRAME * FRAME) as f64 * PERIOD_S;
+        let tone = |(i, phase): (usize, &f64)| {
+            (TAU * LOWEST_HZ * (2 * i + 1) as f64 * time_s + phase).sin()
+        };
+        phases.iter().enumerate().map(tone).sum()
+    };
+    let moving = samples.saturating_sub(2 * REST);
+    let sums: Vec<f64> = (0..moving).map(sum).collect();
+    let largest = sums.iter().fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
+    let sines = sums.iter().map(|sum| sum * STROKE / 2.0 / largest);
+    let rest = || std::iter::repeat_n(0.0, REST);
+    rest().chain(sines).chain(rest()).take(samples).collect()
+}
+
+/// Standard deviation of the white noise behind all noise \[deg\].
+const WHITE: f64 = 0.03;
+
+/// Noise of 0.03 degrees: white, or each value 0.8 times the one before and a white one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NoiseKind {
+    White,
+    Coloured,
+}
+
+impl NoiseKind {
+    pub(super) const ALL: [Self; 2] = [Self::White, Self::Coloured];
+
+    /// The share of a value that stays in the next one.
+    fn memory(self) -> f64 {
+        match self {
+            Self::White => 0.0,
+            Self::Coloured => 0.8,
+        }
+    }
+
+    pub(super) fn draw(self, random: &mut ChaCha8Rng, samples: usize) -> Vec<f64> {
+        let memory = self.memory();
+        let mut state = 0.0;
+        let mut next = || -> f64 {
+            let white: f64 = StandardNormal.sample(random);
+            state = memory * state + WHITE * white;
+            state
+        };
+        (0..samples).map(|_| next()).collect()
+    }
+
+    /// Sum of the squares of errors, made white and of variance 1 if they are this noise.
+    pub(super) fn white_squares(self, errors: &[f64]) -> f64 {
+        let white = |pair: &[f64]| ((pair[1] - self.memory() * pair[0]) / WHITE).powi(2);
+        errors.windows(2).map(white).sum()
+    }
+}
+
+impl fmt::Display for NoiseKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::White => "white",
+            Self::Coloured => "AR(1), 0.8",
+        })
+    }
+}
+
+/// The new command that bands are judged by: other random levels for each servo.
+pub(super) fn new_command(servo: u64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(1 << 40 | servo);
+    random_levels(&mut random, 1500)
+}

@@ -1,0 +1,112 @@
+//! Servos drawn at random, within the model's class and a little outside of it.
+
+use super::truth::{Beyond, Truth};
+use crate::servo_model::coordinates::{Coordinate, LoadKind, Point, Terms};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::fmt;
+
+/// From the lowest command of the references to the highest \[deg\].
+pub(super) const STROKE: f64 = 10.0;
+
+/// What kind of servo is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    InClass,
+    Stiction,
+    Backlash,
+    CurrentLimit,
+    QuantisedDrive,
+}
+
+impl Kind {
+    pub(super) const ALL: [Self; 5] = [
+        Self::InClass,
+        Self::Stiction,
+        Self::Backlash,
+        Self::CurrentLimit,
+        Self::QuantisedDrive,
+    ];
+
+    /// What servos of this kind have beyond the class.
+    fn beyond(self, top_speed: f64, between: &mut impl FnMut(f64, f64) -> f64) -> Beyond {
+        match self {
+            Self::InClass => Beyond::Nothing,
+            Self::Stiction => Beyond::Stiction {
+                excess: between(0.5, 2.0),
+                until: top_speed * between(0.002, 0.02),
+            },
+            Self::Backlash => Beyond::Backlash {
+                width: STROKE * between(0.005, 0.02),
+            },
+            Self::CurrentLimit => Beyond::CurrentLimit {
+                share: between(0.4, 0.8),
+            },
+            Self::QuantisedDrive => Beyond::QuantisedDrive { step: 0.01 },
+        }
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::InClass => "in class",
+            Self::Stiction => "stiction",
+            Self::Backlash => "backlash",
+            Self::CurrentLimit => "current limit",
+            Self::QuantisedDrive => "quantised drive",
+        })
+    }
+}
+
+/// The servo number `seed` of a kind, within the ranges that docs/servo-model.md states.
+pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut between = |low: f64, high: f64| random.random_range(low..high);
+    let terms = terms(kind, seed);
+    let bandwidth = between(25.0, 70.0);
+    let (damping, full_drive, share) = (
+        2.0 * between(0.6, 1.1) * bandwidth,
+        between(1.0, 4.0),
+        between(0.2, 0.6),
+    );
+    let top_speed = full_drive * bandwidth * bandwidth / (share * damping);
+    let mut value = |at: &Coordinate| match at {
+        Coordinate::Delay => Truth::on_grid(between(0.006, 0.04)),
+        Coordinate::LnStiffness => 2.0 * bandwidth.ln(),
+        Coordinate::LnDamping => damping.ln(),
+        Coordinate::Gain => between(0.8, 1.2),
+        Coordinate::Offset => between(-1.0, 1.0),
+        Coordinate::LnTopSpeed => top_speed.ln(),
+        Coordinate::MotorShare => share,
+        Coordinate::LnDownToUp => between(-0.4, 0.4),
+        Coordinate::DeadBand => between(0.1, 0.4),
+        Coordinate::Friction => between(0.05, 0.3),
+        Coordinate::FrictionAtRest => between(0.0, 1.0),
+        Coordinate::ConstantLoad => between(-0.5, 0.5),
+        _ => 0.0,
+    };
+    let coordinates = terms.coordinates(1);
+    let point = Point {
+        terms,
+        values: coordinates.iter().map(&mut value).collect(),
+        coordinates,
+        radians: 1f64.to_radians(),
+    };
+    let beyond = kind.beyond(top_speed, &mut between);
+    Truth { point, beyond }
+}
+
+/// Half of the servos have two speeds, a third each dead band and friction, and a third a constant load. Stiction needs
+/// friction. Friction of the gears is not drawn.
+fn terms(kind: Kind, seed: u64) -> Terms {
+    let loads = [LoadKind::None, LoadKind::Constant, LoadKind::None];
+    Terms {
+        limit: true,
+        two_speeds: seed % 2 == 1,
+        dead_band: seed % 3 == 1,
+        friction: seed % 3 == 2 || kind == Kind::Stiction,
+        friction_of_gears: false,
+        load: loads[seed as usize / 3 % 3],
+    }
+}

@@ -1,0 +1,128 @@
+//! One recording of a servo: what the fit claims of it, and whether that is so.
+
+use super::references::{NoiseKind, PERIOD_S, Reference, new_command};
+use super::servos::{Kind, servo};
+use super::truth::Truth;
+use crate::data::{Record, Run};
+use crate::servo_model::{ServoModel, ServoModelOptions, fit, quantities};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// Samples of a recording.
+const SAMPLES: usize = 3600;
+
+/// Rounding by which a response may miss a band of no width.
+const ROUNDING: f64 = 1e-9;
+
+/// What is recorded.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Case {
+    pub(super) kind: Kind,
+    /// Number of the servo.
+    pub(super) servo: u64,
+    pub(super) reference: Reference,
+    pub(super) noise: NoiseKind,
+    /// Number of the recording of this servo.
+    pub(super) run: u64,
+}
+
+/// The fit of a recording, and what is true.
+pub(super) struct Trial {
+    pub(super) case: Case,
+    pub(super) truth: Truth,
+    pub(super) found: ServoModel,
+    /// How much worse than the truth it describes the record: difference of the sums of squares of white errors, each of
+    /// variance 1. Least squares with the right terms give minus their number; no test finds a misfit that is small.
+    pub(super) misfit: f64,
+    /// What it says where it gives intervals; `None` where they are withdrawn.
+    pub(super) claim: Option<Claim>,
+}
+
+/// Whether what is claimed holds.
+pub(super) struct Claim {
+    /// Of each determined quantity that has a truth: its name, and whether its interval holds it.
+    pub(super) intervals: Vec<(&'static str, bool)>,
+    /// Share of the samples of the response to a new command whose band holds the truth.
+    pub(super) band_inside: f64,
+    /// Largest distance of the truth from the band \[deg\].
+    pub(super) farthest: f64,
+}
+
+impl Case {
+    /// The servo, its recording and the noise in it.
+    fn recorded(&self) -> (Truth, Record, Vec<f64>) {
+        let truth = servo(self.kind, self.servo);
+        let stream = 10_000 * self.run + 10 * self.reference as u64 + self.noise as u64;
+        let mut random = ChaCha8Rng::seed_from_u64(self.servo);
+        random.set_stream(stream);
+        let input = self.reference.command(&mut random, SAMPLES);
+        let noise = self.noise.draw(&mut random, input.len());
+        let clean = truth.response(&input, PERIOD_S);
+        let output: Vec<f64> = clean.iter().zip(&noise).map(|(y, v)| y + v).collect();
+        let at_rest = input[0];
+        let run = Run::new(input, output).expect("as many outputs as inputs");
+        let run = run.with_input_at_rest(at_rest);
+        let record = Record::new(PERIOD_S, vec![run]).expect("one run");
+        (truth, record, noise)
+    }
+
+    /// Records the servo, and fits it.
+    pub(super) fn trial(self) -> Trial {
+        let (truth, record, noise) = self.recorded();
+        let found = fit(&record, &ServoModelOptions::default()).expect("samples enough");
+        let claim = claim(&truth, &found, self.servo);
+        let simulated = found.simulate(&record, &[]).expect("its own record");
+        let measured = record.runs()[0].output().iter();
+        let errors: Vec<f64> = measured.zip(&simulated[0]).map(|(y, s)| y - s).collect();
+        let misfit = self.noise.white_squares(&errors) - self.noise.white_squares(&noise);
+        Trial {
+            case: self,
+            misfit,
+            truth,
+            found,
+            claim,
+        }
+    }
+}
+
+fn claim(truth: &Truth, found: &ServoModel, servo: u64) -> Option<Claim> {
+    let input = new_command(servo);
+    let response = found.respond(&input, 0);
+    let half_width = response.half_width.valid()?;
+    let truths = truth.response(&input, PERIOD_S);
+    let beyond: Vec<f64> = response
+        .value
+        .iter()
+        .zip(&truths)
+        .zip(half_width)
+        .map(|((value, truth), half)| (value - truth).abs() - half)
+        .collect();
+    let inside = beyond.iter().filter(|beyond| **beyond <= ROUNDING).count();
+    Some(Claim {
+        intervals: intervals(truth, found),
+        band_inside: inside as f64 / input.len() as f64,
+        farthest: beyond.iter().fold(0.0, |a: f64, b| a.max(*b)),
+    })
+}
+
+/// Which intervals hold the truth, where the quantity is determined and its truth known.
+fn intervals(truth: &Truth, found: &ServoModel) -> Vec<(&'static str, bool)> {
+    let truths = truths(truth);
+    let judged = |(name, truth): &(&'static str, f64)| {
+        let mut all = found.quantities.iter();
+        let quantity = all.find(|found| found.name == *name && found.determined)?;
+        Some((*name, quantity.interval.valid()?.contains(*truth)))
+    };
+    truths.iter().filter_map(judged).collect()
+}
+
+/// The true quantities by name: outside of the class only those whose meaning does not depend on it.
+fn truths(truth: &Truth) -> Vec<(&'static str, f64)> {
+    let mut all = quantities::values(&truth.point);
+    all.retain(|(name, _)| truth.is_in_class() || matches!(*name, "delay" | "gain" | "offset"));
+    if !truth.is_in_class() {
+        all.push(("top speed upwards", truth.top_speed(true)));
+        all.push(("top speed downwards", truth.top_speed(false)));
+    }
+    all
+}
