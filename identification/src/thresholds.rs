@@ -419,6 +419,13 @@ pub const SERVO_TERM_ADVANTAGE: f64 = 3.0;
 /// Protects: linear servos from terms that they do not have. Evidence: the test that linear servos stay linear.
 pub const SERVO_MATERIAL_ADVANTAGE: f64 = 0.05;
 
+/// Advantage of the linear model over the servo model in the fit of parts that neither has seen, from which on the linear one is
+/// recommended \[percentage points\].
+///
+/// Protects: users from a servo model that predicts worse than the model beside it. Evidence: the table of linear models in
+/// `docs/servo-model.md`; on a linear servo the two differ by less.
+pub const LINEAR_MODEL_ADVANTAGE: f64 = 0.5;
+
 /// Ratio of the mean squares of errors one step ahead in motion and at rest, up to which they are the same noise.
 ///
 /// Protects: the intervals of servo models that are wrong in motion. Evidence: the coverage table of servo models.
