@@ -425,6 +425,12 @@ pub const SERVO_MATERIAL_ADVANTAGE: f64 = 0.05;
 /// Protects: prediction of servos with friction. Evidence: without it the friction of the gears was taken from a recording of a
 /// smart servo with a weight, which then predicted others to 78 % instead of 85 to 95.
 pub const SERVO_LARGE_ADVANTAGE: f64 = 0.25;
+/// Advantage of the linear model over the servo model in the fit of parts that neither has seen, from which on the linear one is
+/// recommended \[percentage points\].
+///
+/// Protects: users from a servo model that predicts worse than the model beside it. Evidence: the table of linear models in
+/// `docs/servo-model.md`; on a linear servo the two differ by less.
+pub const LINEAR_MODEL_ADVANTAGE: f64 = 0.5;
 
 /// Ratio of the mean squares of errors one step ahead in motion and at rest, up to which they are the same noise.
 ///

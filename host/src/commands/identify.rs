@@ -100,7 +100,7 @@ impl Identify {
             None => (None, None),
         };
         let servo = servo_fit::is_wanted(self.servo_model, model.level().withdrawn())
-            .then(|| servo_fit::find(&data, &options, self.plots.is_some(), talk));
+            .then(|| servo_fit::find(&data, model, &options, self.plots.is_some(), talk));
         let (servo, no_servo, held_out) = match servo {
             Some(found) => match found.model {
                 Ok(servo) => (Some(servo), None, found.held_out),

@@ -116,7 +116,7 @@ impl Report {
         let (options, talk) = (Options::default(), self.output.talk);
         let found = identified(&data, files, &options)?;
         let machine = servo_fit::is_wanted(self.servo_model, found.model.level().withdrawn())
-            .then(|| servo_fit::find(&data, &options, true, talk));
+            .then(|| servo_fit::find(&data, &found.model, &options, true, talk));
         let mut servo = Servo::of_data(name_of(&data, files), data, found);
         match machine.map(|found| (found.model, found.held_out)) {
             Some((Ok(model), held_out)) => {

@@ -23,12 +23,19 @@ pub(super) struct Found {
     pub held_out: Option<HeldOutPrediction>,
 }
 
-/// Finds the servo behind `data`; with `held_out`, also its prediction of a stretch, at the same time.
-pub(super) fn find(data: &Dataset, options: &Options, held_out: bool, talk: Talk) -> Found {
+/// Finds the servo behind `data`, and puts the `linear` model of the same data beside it; with `held_out`, also its prediction of a
+/// stretch, at the same time.
+pub(super) fn find(
+    data: &Dataset,
+    linear: &Model,
+    options: &Options,
+    held_out: bool,
+    talk: Talk,
+) -> Found {
     talk.say("looking for the servo as a machine, which takes some seconds");
     std::thread::scope(|threads| {
         let predicting = held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options)));
-        let model = fit(data, options.level);
+        let model = fit(data, Some(linear), options.level);
         let predicted = predicting.and_then(|thread| thread.join().ok().flatten());
         Found {
             held_out: predicted.filter(|_| model.is_ok()),
@@ -45,15 +52,15 @@ pub(super) fn find_both(
 ) -> Result<[ServoModelDocument; 2], String> {
     talk.say("looking for both servos as machines, which takes some seconds");
     std::thread::scope(|threads| {
-        let first = threads.spawn(|| fit(a, level));
-        let second = fit(b, level);
+        let first = threads.spawn(|| fit(a, None, level));
+        let second = fit(b, None, level);
         let stopped = |_| Err("the search was stopped".to_owned());
         Ok([first.join().unwrap_or_else(stopped)?, second?])
     })
 }
 
-/// The servo model, or the reason why there is none.
-fn fit(data: &Dataset, level: f64) -> Result<ServoModelDocument, String> {
+/// The servo model, beside a linear one if that is wanted, or the reason why there is none.
+fn fit(data: &Dataset, linear: Option<&Model>, level: f64) -> Result<ServoModelDocument, String> {
     let names = data.controllers.names();
     let radians = match data.about.units().input {
         Some("deg") => Some(1f64.to_radians()),
@@ -68,7 +75,11 @@ fn fit(data: &Dataset, level: f64) -> Result<ServoModelDocument, String> {
         level,
         radians_per_command: radians,
     };
-    let model = servo_model::fit(&data.record, &options).map_err(|error| error.to_string())?;
+    let model = match linear {
+        Some(linear) => servo_model::fit_beside(&data.record, linear, &options),
+        None => servo_model::fit(&data.record, &options),
+    };
+    let model = model.map_err(|error| error.to_string())?;
     Ok(ServoModelDocument {
         model,
         controller_names: names,
@@ -91,7 +102,7 @@ fn from_rest(run: &Run, linear: &Model) -> Run {
 /// Both models of the rest, on the stretch. They are simulated over the whole run from its input, so the stretch begins as
 /// they arrive there.
 fn predict(held_out: &HeldOut, options: &Options) -> Option<HeldOutPrediction> {
-    let servo = fit(&held_out.rest, options.level).ok()?;
+    let servo = fit(&held_out.rest, None, options.level).ok()?;
     let linear = identify(&held_out.rest.record, options).ok()?;
     let record = &held_out.rest.record;
     let whole = Record::new(record.sample_period_s(), vec![held_out.run.clone()]).ok()?;

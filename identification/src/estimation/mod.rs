@@ -1,5 +1,6 @@
 //! Parameters and their covariance from moments, for a given structure.
 
+mod accurate_fit;
 mod conditioning;
 mod excitation;
 mod fsf_basis;
@@ -12,7 +13,8 @@ mod qr;
 mod truncation;
 mod variance;
 
-pub(crate) use conditioning::{WELL_CONDITIONED, is_accurate};
+pub(crate) use accurate_fit::accurate_fit;
+pub(crate) use conditioning::WELL_CONDITIONED;
 pub use excitation::Excitation;
 pub(crate) use fsf_basis::FsfBasis;
 pub(crate) use gls::{GlsFit, GlsOptions};
@@ -25,6 +27,7 @@ pub use nested_banks::BankCandidate;
 pub(crate) use nested_banks::NestedBanks;
 pub use noise_model::{Noise, OrderCandidate};
 pub(crate) use noise_model::{NoiseFit, best_order, lagged_filter, largest_root, noise_filter};
+#[cfg(test)]
 pub(crate) use qr::triangular_factor;
 pub(crate) use truncation::{FIRST_ORDER, SECOND_ORDER, Truncation};
 pub(crate) use variance::CurveVariance;

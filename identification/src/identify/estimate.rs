@@ -1,16 +1,11 @@
-//! The fit, through moments if they are accurate enough, else through QR.
+//! The fit by a plan.
 
 use super::plan::Plan;
 use crate::data::{Moments, Record};
 use crate::error::Error;
 use crate::estimation::{
-    Coordinates, FIRST_ORDER, GlsFit, GlsOptions, NestedBanks, RowInformation, is_accurate,
-    triangular_factor,
+    Coordinates, FIRST_ORDER, GlsFit, NestedBanks, RowInformation, accurate_fit,
 };
-
-/// Change of the noise model that counts as rest, in standard deviations that a coefficient has
-/// at least, 1/sqrt(rows).
-const REST: f64 = 1e-3;
 
 /// A fit and what it was made from.
 pub(super) struct Estimate {
@@ -27,38 +22,13 @@ impl Estimate {
         record: Option<&Record>,
     ) -> Result<Self, Error> {
         let coordinates = Coordinates::new(plan.basis);
-        let options = GlsOptions {
-            order: plan.order,
-            start: plan.start.clone(),
-            tolerance: REST / (moments.rows() as f64).sqrt(),
-            ..GlsOptions::default()
-        };
-        let information = RowInformation::from_moments(moments.clone());
-        let fast = GlsFit::of(&information, &coordinates, &options)
-            .filter(|fit| record.is_none() || is_accurate(&information, fit));
-        if let Some(fit) = fast {
-            return Ok(Self {
-                coordinates,
-                information,
-                fit,
-            });
-        }
-        let Some(record) = record else {
-            return Err(not_excited(plan, moments));
-        };
-        let information = RowInformation::from_factor(moments, triangular_factor(record, moments));
-        let options = GlsOptions {
-            start: Vec::new(),
-            ..options
-        };
-        match GlsFit::of(&information, &coordinates, &options) {
-            Some(fit) => Ok(Self {
-                coordinates,
-                information,
-                fit,
-            }),
-            None => Err(not_excited(plan, moments)),
-        }
+        let found = accurate_fit(moments, record, &coordinates, plan.order, &plan.start);
+        let (information, fit) = found.ok_or_else(|| not_excited(plan, moments))?;
+        Ok(Self {
+            coordinates,
+            information,
+            fit,
+        })
     }
 }
 

@@ -125,15 +125,19 @@ impl Model {
 fn beginning_from_rest(model: &Model, run: &Run) -> Option<Vec<(f64, f64)>> {
     let count = (model.structure.settling_samples - 1).min(run.len());
     let beginning = run.part(0..count);
-    let gain = *model.step.value.last()?;
+    let at_rest = command_before(&beginning, &model.step.value, model.offset)?;
+    let simulated = model.simulate_input(beginning.input(), Some(at_rest));
+    Some(beginning.output().iter().copied().zip(simulated).collect())
+}
+
+/// The command at which a linear servo with this step response and offset had stood still before a run whose first sample
+/// it meets. `None` when that sample is missing, or no command does that.
+pub(crate) fn command_before(run: &Run, step: &[f64], offset: f64) -> Option<f64> {
+    let (at_once, gain) = (step.first()?, step.last()?);
     // At the first sample the response is that to one step from rest: y = c + G0 r + g_0 (u - r).
-    let (input, output) = (beginning.input().first()?, beginning.output().first()?);
-    let at_once = *model.step.value.first()?;
-    let at_rest = (output - model.offset - at_once * input) / (gain - at_once);
-    at_rest.is_finite().then(|| {
-        let simulated = model.simulate_input(beginning.input(), Some(at_rest));
-        beginning.output().iter().copied().zip(simulated).collect()
-    })
+    let (input, output) = (run.input().first()?, run.output().first()?);
+    let at_rest = (output - offset - at_once * input) / (gain - at_once);
+    at_rest.is_finite().then_some(at_rest)
 }
 
 /// 100 (1 - sqrt(error/spread)) from two sums of squares. An output that does not move leaves

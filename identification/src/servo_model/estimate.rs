@@ -25,7 +25,7 @@ use servoid_dynamics::Grid;
 const SEARCH_STEP_S: f64 = 3e-3;
 
 /// Errors beyond this many standard deviations of the output are clipped: a servo that is lost counts, but does not decide.
-const CLIP: f64 = 0.5;
+pub(super) const CLIP: f64 = 0.5;
 
 /// Steps of the last descent.
 const STEPS: usize = 30;
@@ -179,7 +179,7 @@ impl Descent {
     }
 }
 
-fn longest_delay_s(period_s: f64) -> f64 {
+pub(super) fn longest_delay_s(period_s: f64) -> f64 {
     LONGEST_DELAY.0.max(LONGEST_DELAY.1 * period_s)
 }
 
@@ -275,6 +275,7 @@ fn describe(
             sigma: found.sigma,
         },
         ladder: choice.tried.iter().enumerate().map(rung).collect(),
+        linear_models: None,
     }
 }
 

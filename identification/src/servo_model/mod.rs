@@ -6,6 +6,7 @@
 //! prediction of parts that the fit has not seen, and the covariance and the servos that predict as well give intervals and
 //! bands. `docs/servo-model.md` has measured tables.
 
+mod beside_linear;
 mod coordinates;
 mod error_row;
 mod estimate;
@@ -26,8 +27,12 @@ mod coverage;
 #[cfg(test)]
 mod tests;
 
+pub use beside_linear::fit_beside;
 pub use coordinates::{Coordinate, LoadKind, Terms};
 pub use estimate::{ServoModelOptions, fit};
-pub use model::{Alternative, Covariance, LadderRung, ServoFit, ServoModel, ServoResponse};
+pub use model::{
+    Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ServoFit,
+    ServoModel, ServoResponse,
+};
 pub use quantities::{Quantity, Unit};
 pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters};

@@ -8,6 +8,7 @@ use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
 use crate::results::{Bounds, Noise, Validation, pointwise_critical, require_period};
+use crate::thresholds::LINEAR_MODEL_ADVANTAGE;
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{Dual, Grid, Scalar, ServoParameters, Start, simulate};
 
@@ -44,6 +45,9 @@ pub struct ServoModel {
     pub noise: Noise,
     /// What was tried, in order.
     pub ladder: Vec<LadderRung>,
+    /// Linear models of the record beside it; `None` where none was compared.
+    #[serde(default)]
+    pub linear_models: Option<LinearModels>,
 }
 
 /// Covariance of the coordinates, and the level of bounds that are made of it.
@@ -98,6 +102,36 @@ pub struct LadderRung {
     pub chosen: bool,
 }
 
+/// The servo model and linear ones on parts of the record that each was identified without: the folds of the ladder.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LinearModels {
+    /// Samples that all of them predict; each is judged by these.
+    pub samples_used: usize,
+    /// Fit of the servo model \[%\].
+    pub servo_model_percent: f64,
+    /// The linear models that every fold determines.
+    pub models: Vec<LinearModelFit>,
+}
+
+/// How well a linear model predicts what it has not seen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LinearModelFit {
+    /// Which model.
+    pub kind: LinearKind,
+    /// Fit of what it had not seen \[%\].
+    pub held_out_percent: f64,
+}
+
+/// A linear model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LinearKind {
+    /// [`Model`](crate::results::Model): one response to all strokes.
+    Linear,
+    /// [`DirectionModel`](crate::nonlinear::DirectionModel): one response to strokes up and another to strokes down.
+    DirectionSplit,
+}
+
 /// A simulated response with its bounds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ServoResponse {
@@ -111,7 +145,7 @@ pub struct ServoResponse {
 
 impl ServoModel {
     /// The point of the search that it stands for.
-    fn point(&self) -> Point {
+    pub(super) fn point(&self) -> Point {
         self.point_of(self.terms, &self.coordinates, &self.values)
     }
 
@@ -130,7 +164,7 @@ impl ServoModel {
         self.point().physics(controller, |_, value| value)
     }
 
-    fn grid(&self, timing: Timing) -> Grid {
+    pub(super) fn grid(&self, timing: Timing) -> Grid {
         let stiffness = self.parameters(0).stiffness;
         Grid::for_stiffness(timing.sample_period_s, timing.sample_phase_s, stiffness)
     }
@@ -248,6 +282,18 @@ impl ServoModel {
             && sized(self.terms, &self.coordinates, &self.values)
             && own
             && self.alternatives.iter().all(other)
+    }
+
+    /// How well the linear model predicts where it predicts better than the servo model, by as much as matters and on most of
+    /// the samples \[%\].
+    #[must_use]
+    pub fn better_linear_percent(&self) -> Option<f64> {
+        let found = self.linear_models.as_ref()?;
+        let linear = |other: &&LinearModelFit| other.kind == LinearKind::Linear;
+        let percent = found.models.iter().find(linear)?.held_out_percent;
+        let better = percent > found.servo_model_percent + LINEAR_MODEL_ADVANTAGE;
+        let most = 2 * found.samples_used > self.fit.samples_used;
+        (better && most).then_some(percent)
     }
 
     /// Whether the servo is linear: no term but delay, stiffness and damping helps prediction.

@@ -10,5 +10,6 @@ mod linearity;
 mod metrics;
 mod poor_records;
 mod real_data;
+mod servo_model;
 mod smooth;
 mod streaming;

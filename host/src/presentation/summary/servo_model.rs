@@ -4,10 +4,11 @@ use super::numbers::head_of_bounds;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::servo_model::{
-    LadderRung, LoadKind, Quantity, ServoModel, Terms, Unit,
+    LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, ServoFit, ServoModel,
+    Terms, Unit,
 };
 
-/// What kind of servo this is, in a sentence or two.
+/// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better.
 #[must_use]
 pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
     let of = |name: &str| {
@@ -44,10 +45,22 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
         .chain(parts)
         .collect();
     format!(
-        "{}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.",
+        "{}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{}",
         all.join(", "),
-        model.fit.held_out_percent
+        model.fit.held_out_percent,
+        better_linear(model).unwrap_or_default()
     )
+}
+
+/// " The linear model predicts better: ..."
+fn better_linear(model: &ServoModel) -> Option<String> {
+    let percent = model.better_linear_percent()?;
+    let found = model.linear_models.as_ref()?;
+    Some(format!(
+        " The linear model predicts better: use it. On the {} samples that both predict, it reaches {percent:.1} %, and the model \
+         as a machine {:.1} %.",
+        found.samples_used, found.servo_model_percent
+    ))
 }
 
 /// Parameters with their intervals; with `explain`, the terms that were tried.
@@ -75,7 +88,33 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
         text +=
             "\n  terms that were tried: fit of parts that they had not seen, and of the whole\n";
         text.extend(model.ladder.iter().map(rung));
+        text.extend(
+            model
+                .linear_models
+                .as_ref()
+                .map(|found| linear_models(found, &model.fit)),
+        );
     }
+    text
+}
+
+/// The table of the linear models beside the servo model.
+fn linear_models(found: &LinearModels, fit: &ServoFit) -> String {
+    let samples = match found.samples_used == fit.samples_used {
+        true => "all".to_owned(),
+        false => format!("the {} of {}", found.samples_used, fit.samples_used),
+    };
+    let mut text = format!(
+        "\n  linear models beside it: fit of parts that they had not seen, on {samples} samples that all predict\n"
+    );
+    let row = |percent: f64, name: &str| format!("  {percent:7.2} %  {name}\n");
+    text += &row(found.servo_model_percent, "this servo model");
+    let name = |kind: LinearKind| match kind {
+        LinearKind::Linear => "linear model",
+        LinearKind::DirectionSplit => "linear model of strokes up, and of strokes down",
+    };
+    let of = |model: &LinearModelFit| row(model.held_out_percent, name(model.kind));
+    text.extend(found.models.iter().map(of));
     text
 }
 

@@ -23,11 +23,12 @@ mod two_inputs;
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
 
-use crate::data::{Record, Timing};
+use crate::data::{Record, Run, Timing};
 use crate::error::Error;
 use crate::estimation::{Coordinates, CurveVariance, FsfBasis};
 use crate::numerics::{
-    chi_square_upper_tail, dot, pointwise_critical, simultaneous_critical, student_critical, times,
+    causal_filter, chi_square_upper_tail, dot, pointwise_critical, simultaneous_critical,
+    student_critical, times,
 };
 use crate::options::NoiseOrder;
 use crate::results::{Biases, Bounds, Interval, Model, StepBounds, StepResponse, fit_percent};
@@ -301,5 +302,38 @@ impl DirectionModel {
             sd * student_critical(normal, &[self.fit.degrees_of_freedom])[0]
         });
         Interval::around(value, half)
+    }
+    /// The output that the model gives for the input of `run`, one value per sample. NaN where the history of N + 1 input
+    /// samples is not complete; with [`Run::with_input_at_rest`] it is complete from the first sample on.
+    #[must_use]
+    pub fn simulate(&self, run: &Run) -> Vec<f64> {
+        let fit = &self.fit;
+        let step = self.mean_step();
+        let before = std::iter::once(&0.0).chain(&step);
+        let impulse: Vec<f64> = step.iter().zip(before).map(|(g, b)| g - b).collect();
+        let (input, at_rest) = (run.input(), run.input_at_rest());
+        let earlier = std::iter::once(at_rest.unwrap_or(f64::NAN)).chain(input.iter().copied());
+        let changes: Vec<f64> = input
+            .iter()
+            .zip(earlier)
+            .map(|(u, before)| (u - before).abs())
+            .collect();
+        let by_level = causal_filter(&impulse, input, at_rest);
+        let split = times(&fit.split_map, &fit.parameters);
+        let by_changes = causal_filter(&split, &changes, at_rest.map(|_| 0.0));
+        let offset = self.offset();
+        let both = by_level.iter().zip(by_changes);
+        both.map(|(a, b)| a + b + offset).collect()
+    }
+
+    /// g, the mean of the responses to strokes up and down.
+    pub(crate) fn mean_step(&self) -> Vec<f64> {
+        times(&self.fit.step_map, &self.fit.parameters)
+    }
+
+    /// The output at rest at the command 0.
+    pub(crate) fn offset(&self) -> f64 {
+        let (weights, constant) = self.fit.level_weights(0.0);
+        constant + dot(&weights, &self.fit.parameters)
     }
 }

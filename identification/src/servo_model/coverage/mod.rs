@@ -58,12 +58,7 @@ fn coverage_table() {
             println!("{}", table::row(&row));
             if each {
                 for trial in &row {
-                    println!(
-                        "{}
-{}",
-                        table::line(trial),
-                        evidence::line(trial)
-                    );
+                    println!("{}", table::line(trial));
                 }
             }
         }
