@@ -70,6 +70,9 @@ pub enum Error {
         /// Rows needed at least.
         needed: usize,
     },
+    /// The caller has ended a search.
+    #[error("the search was ended before it had found anything: let it go on to its end")]
+    SearchEnded,
     /// The record is too short for an automatic choice of the structure.
     #[error(
         "an automatic choice of the settling time needs at least {needed} samples in one piece, and {}: record \

@@ -23,6 +23,7 @@ mod report;
 mod rig_args;
 mod rig_wizard;
 mod servo_fit;
+mod servo_search;
 mod simulate;
 mod validate;
 mod value_parsers;

@@ -1,6 +1,7 @@
 //! The servo model beside the linear one: when it is wanted, its fit, and its prediction of a stretch that it has not seen.
 
 use super::output::Talk;
+use super::servo_search::ServoSearch;
 use crate::data::dataset::Dataset;
 use crate::data::held_out::HeldOut;
 use crate::data::model_file::ServoModelDocument;
@@ -32,10 +33,11 @@ pub(super) fn find(
     held_out: bool,
     talk: Talk,
 ) -> Found {
-    talk.say("looking for the servo as a machine, which takes some seconds");
+    let search = ServoSearch::begin("the servo as a machine", talk);
     std::thread::scope(|threads| {
-        let predicting = held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options)));
-        let model = fit(data, Some(linear), options.level);
+        let predicting =
+            held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options, &search)));
+        let model = fit(data, Some(linear), options.level, &search);
         let predicted = predicting.and_then(|thread| thread.join().ok().flatten());
         Found {
             held_out: predicted.filter(|_| model.is_ok()),
@@ -50,17 +52,22 @@ pub(super) fn find_both(
     level: f64,
     talk: Talk,
 ) -> Result<[ServoModelDocument; 2], String> {
-    talk.say("looking for both servos as machines, which takes some seconds");
+    let search = ServoSearch::begin("both servos as machines", talk);
     std::thread::scope(|threads| {
-        let first = threads.spawn(|| fit(a, None, level));
-        let second = fit(b, None, level);
+        let first = threads.spawn(|| fit(a, None, level, &search));
+        let second = fit(b, None, level, &search);
         let stopped = |_| Err("the search was stopped".to_owned());
         Ok([first.join().unwrap_or_else(stopped)?, second?])
     })
 }
 
 /// The servo model, beside a linear one if that is wanted, or the reason why there is none.
-fn fit(data: &Dataset, linear: Option<&Model>, level: f64) -> Result<ServoModelDocument, String> {
+fn fit(
+    data: &Dataset,
+    linear: Option<&Model>,
+    level: f64,
+    search: &ServoSearch,
+) -> Result<ServoModelDocument, String> {
     let names = data.controllers.names();
     let radians = match data.about.units().input {
         Some("deg") => Some(1f64.to_radians()),
@@ -76,8 +83,8 @@ fn fit(data: &Dataset, linear: Option<&Model>, level: f64) -> Result<ServoModelD
         radians_per_command: radians,
     };
     let model = match linear {
-        Some(linear) => servo_model::fit_beside(&data.record, linear, &options),
-        None => servo_model::fit(&data.record, &options),
+        Some(linear) => servo_model::fit_beside(&data.record, linear, &options, search),
+        None => servo_model::fit_watched(&data.record, &options, search),
     };
     let model = model.map_err(|error| error.to_string())?;
     Ok(ServoModelDocument {
@@ -101,8 +108,12 @@ fn from_rest(run: &Run, linear: &Model) -> Run {
 
 /// Both models of the rest, on the stretch. They are simulated over the whole run from its input, so the stretch begins as
 /// they arrive there.
-fn predict(held_out: &HeldOut, options: &Options) -> Option<HeldOutPrediction> {
-    let servo = fit(&held_out.rest, None, options.level).ok()?;
+fn predict(
+    held_out: &HeldOut,
+    options: &Options,
+    search: &ServoSearch,
+) -> Option<HeldOutPrediction> {
+    let servo = fit(&held_out.rest, None, options.level, search).ok()?;
     let linear = identify(&held_out.rest.record, options).ok()?;
     let record = &held_out.rest.record;
     let whole = Record::new(record.sample_period_s(), vec![held_out.run.clone()]).ok()?;

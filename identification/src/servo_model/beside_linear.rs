@@ -6,12 +6,13 @@
 //! samples that count are those that all models predict: of a run that begins in motion, a linear model knows nothing for N samples.
 
 use super::coordinates::Point;
-use super::estimate::{CLIP, ServoModelOptions, fit, longest_delay_s};
+use super::estimate::{CLIP, ServoModelOptions, fit_watched, longest_delay_s};
 use super::fit::{Problem, clipped_square};
 use super::model::{LinearKind, LinearModelFit, LinearModels, ServoModel};
 use super::search::Shown;
 use super::start::find_starts;
 use super::stretches::{FOLDS, Stretch, stretches};
+use super::watch::Watch;
 use crate::data::{Moments, Record, Run};
 use crate::error::Error;
 use crate::estimation::{Coordinates, accurate_fit};
@@ -24,17 +25,18 @@ use servoid_dynamics::{Grid, simulate};
 /// Steps of the descent without a fold, from the servo of the whole record.
 const STEPS: usize = 20;
 
-/// [`fit`], with linear models beside it: `linear`, which was identified from the same record, and the direction-split
+/// [`fit_watched`], with linear models beside it: `linear`, which was identified from the same record, and the direction-split
 /// model of its structure.
 ///
 /// # Errors
-/// As [`fit`].
+/// As [`fit_watched`].
 pub fn fit_beside(
     record: &Record,
     linear: &Model,
     options: &ServoModelOptions,
+    watch: &dyn Watch,
 ) -> Result<ServoModel, Error> {
-    let servo = fit(record, options)?;
+    let servo = fit_watched(record, options, watch)?;
     let linear_models = Dealt::new(record, &options.controllers, &servo).compare(&servo, linear);
     Ok(ServoModel {
         linear_models,
@@ -195,6 +197,7 @@ impl<'a> Dealt<'a> {
             clip: self.clip,
             longest_delay_s: longest_delay_s(self.record.sample_period_s()),
             converged: 1e-5,
+            watch: &(),
         };
         problem.descend(&mut point, STEPS);
         let runs = self.record.runs().iter();

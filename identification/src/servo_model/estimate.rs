@@ -14,6 +14,7 @@ use super::start::find_starts;
 use super::stretches::{Stretch, stretches};
 use super::uncertainty::{Uncertainty, uncertainty};
 use super::validity::against;
+use super::watch::Watch;
 use crate::data::Record;
 use crate::diagnostics::level_unless;
 use crate::error::Error;
@@ -79,6 +80,18 @@ impl Default for ServoModelOptions {
 /// # Errors
 /// The record has too few samples, or too many controllers.
 pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, Error> {
+    fit_watched(record, options, &())
+}
+
+/// [`fit`] under the eyes of the caller, who may end the search.
+///
+/// # Errors
+/// As [`fit`]; [`Error::SearchEnded`] where the caller has ended the search.
+pub fn fit_watched(
+    record: &Record,
+    options: &ServoModelOptions,
+    watch: &dyn Watch,
+) -> Result<ServoModel, Error> {
     if controllers(options) > MOST_CONTROLLERS {
         return Err(Error::TooManyControllers {
             controllers: controllers(options),
@@ -106,6 +119,7 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
         radians: options
             .radians_per_command
             .unwrap_or_else(|| radians(record)),
+        watch,
         tried: Vec::new(),
     };
     let chosen = ladder.climb();
@@ -117,6 +131,7 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
         clip: CLIP * shown.output_sd,
         longest_delay_s: longest_delay_s(period_s),
         converged,
+        watch,
     };
     let (coarse, fine) = (fit_to(1e-5), fit_to(1e-7));
     let problem = coarse.problem(&parts);
@@ -134,6 +149,9 @@ pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, E
             possible.push(member);
         }
     }
+    if watch.ends() {
+        return Err(Error::SearchEnded);
+    }
     let ladder = Climbed { tried, chosen };
     Ok(describe(
         record, options, level, &parts, &ladder, &possible, found,
@@ -150,15 +168,19 @@ struct Climbed {
 const FEWEST: usize = 64;
 
 /// How the parameters of given terms are fitted.
-struct Descent {
+struct Descent<'w> {
     grid: Grid,
     clip: f64,
     longest_delay_s: f64,
     converged: f64,
+    watch: &'w dyn Watch,
 }
 
-impl Descent {
-    fn problem<'a>(&self, stretches: &'a [Stretch]) -> Problem<'a> {
+impl<'w> Descent<'w> {
+    fn problem<'a>(&self, stretches: &'a [Stretch]) -> Problem<'a>
+    where
+        'w: 'a,
+    {
         Problem {
             stretches,
             grid: self.grid,
@@ -166,6 +188,7 @@ impl Descent {
             clip: self.clip,
             longest_delay_s: self.longest_delay_s,
             converged: self.converged,
+            watch: self.watch,
         }
     }
 

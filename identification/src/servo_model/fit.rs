@@ -5,6 +5,7 @@
 
 use super::coordinates::Point;
 use super::stretches::Stretch;
+use super::watch::Watch;
 use crate::numerics::{backward_solve, cholesky, forward_solve};
 use faer::Mat;
 use servoid_dynamics::{Dual, Grid, simulate};
@@ -22,6 +23,8 @@ pub(super) struct Problem<'a> {
     pub(super) longest_delay_s: f64,
     /// A relative gain below this ends the descent.
     pub(super) converged: f64,
+    /// May end every descent.
+    pub(super) watch: &'a dyn Watch,
 }
 
 /// Sums at one point of the search.
@@ -159,6 +162,9 @@ impl Problem<'_> {
         let mut cost = f64::INFINITY;
         let mut damping = 1e-2;
         for _ in 0..iterations {
+            if self.watch.ends() {
+                break;
+            }
             let sums = self.sums(point);
             cost = sums.finite_cost();
             let Some((next, lower)) = self.step(point, &sums, cost, &mut damping) else {

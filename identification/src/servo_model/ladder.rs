@@ -9,6 +9,8 @@ use super::fit::{Problem, clipped_square};
 use super::search::{Shown, other_starts, search};
 use super::start::find_starts;
 use super::stretches::{FOLDS, Stretch};
+use super::watch::Watch;
+use crate::results::fit_percent;
 use crate::thresholds::{SERVO_LARGE_ADVANTAGE, SERVO_MATERIAL_ADVANTAGE, SERVO_TERM_ADVANTAGE};
 use servoid_dynamics::Grid;
 
@@ -71,6 +73,7 @@ pub(super) struct Ladder<'a> {
     pub(super) longest_delay_s: f64,
     pub(super) controllers: usize,
     pub(super) radians: f64,
+    pub(super) watch: &'a dyn Watch,
     /// Every rung that was tried, in order.
     pub(super) tried: Vec<Rung>,
 }
@@ -247,6 +250,10 @@ impl Ladder<'_> {
     fn add(&mut self, terms: Terms, from: &Point) -> usize {
         let fit = self.fit(terms, from);
         self.tried.push(self.rung(terms, fit));
+        let totals = self.tried.iter().map(Rung::total);
+        let best = totals.fold(f64::INFINITY, f64::min);
+        let percent = fit_percent(best, self.shown.output_square);
+        self.watch.tried(self.tried.len(), percent);
         self.tried.len() - 1
     }
 
@@ -337,6 +344,7 @@ impl Ladder<'_> {
             clip: self.clip,
             longest_delay_s: self.longest_delay_s,
             converged: 1e-5,
+            watch: self.watch,
         }
     }
 }

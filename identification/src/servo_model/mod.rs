@@ -21,6 +21,7 @@ mod start;
 mod stretches;
 mod uncertainty;
 mod validity;
+mod watch;
 
 #[cfg(test)]
 mod coverage;
@@ -29,10 +30,11 @@ mod tests;
 
 pub use beside_linear::fit_beside;
 pub use coordinates::{Coordinate, LoadKind, Terms};
-pub use estimate::{ServoModelOptions, fit};
+pub use estimate::{ServoModelOptions, fit, fit_watched};
 pub use model::{
     Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ServoFit,
     ServoModel, ServoResponse,
 };
 pub use quantities::{Quantity, Unit};
 pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters};
+pub use watch::Watch;

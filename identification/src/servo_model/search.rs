@@ -21,6 +21,8 @@ const STROKE_S: f64 = 0.04;
 pub(super) struct Shown {
     /// Standard deviation of the output.
     pub(super) output_sd: f64,
+    /// Sum of the squares of the output about its mean.
+    pub(super) output_square: f64,
     /// The same in units of the command.
     pub(super) spread: f64,
     /// Mean of the command.
@@ -61,6 +63,7 @@ impl Shown {
             .unwrap_or(output_sd / period_s);
         Self {
             output_sd,
+            output_square: output_sd * output_sd * count,
             spread: output_sd / gain.abs(),
             middle: u,
             gain,

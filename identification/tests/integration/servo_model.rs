@@ -15,7 +15,7 @@ fn command() -> Vec<f64> {
 
 fn both(record: &Record) -> (Model, ServoModel) {
     let linear = identify(record, &Options::default()).unwrap();
-    let servo = fit_beside(record, &linear, &ServoModelOptions::default()).unwrap();
+    let servo = fit_beside(record, &linear, &ServoModelOptions::default(), &()).unwrap();
     (linear, servo)
 }
 
