@@ -203,12 +203,15 @@ impl<'a> Dealt<'a> {
     }
 }
 
+/// The output of a run, from its input.
+type Simulation = dyn Fn(&Run) -> Vec<f64>;
+
 /// A linear model that was identified again.
 struct Refit {
     /// Response to a unit step, the mean of both directions.
     step: Vec<f64>,
     offset: f64,
-    simulate: Box<dyn Fn(&Run) -> Vec<f64>>,
+    simulate: Box<Simulation>,
 }
 
 impl Refit {
