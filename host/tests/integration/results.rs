@@ -61,7 +61,7 @@ fn every_field_is_documented() {
         vec!["simulate", "--servo", "linear", "--force", "-o", &run_file],
         vec!["demo", "--out", &out],
         vec!["identify", &bench],
-        vec!["identify", &loaded],
+        vec!["identify", &loaded, "--servo-model"],
         vec!["validate", &model, &loaded],
         vec!["compare", &bench, &loaded, "--servo-model"],
         vec!["compare", &model, &model],

@@ -2,6 +2,7 @@
 
 use crate::support::{arg, data, refusal, run};
 use serde_json::Value;
+use servoid_test_support::servos::{Linear, measured, sizes};
 use std::path::{Path, PathBuf};
 
 /// The rows of a recording that `keep` wants of (its number, its cells), with the header row.
@@ -158,4 +159,48 @@ fn a_recording_without_enough_samples_gives_a_sentence_and_the_linear_model_all_
         text.contains("no servo model: ") && text.contains("DC gain"),
         "{text}"
     );
+}
+
+/// A lag in series, which the equation of the servo model lacks.
+#[test]
+fn where_the_linear_model_predicts_better_the_first_sentence_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let servo = Linear::second_order(0.97, 0.0213, 0.3, 60.0).with_lag(0.03);
+    let input = sizes(1.0, 120);
+    let output = measured(&servo.respond(&input, 0.0, 0.0), 0.3, 3);
+    let rows: Vec<String> = input
+        .iter()
+        .zip(output)
+        .map(|(u, y)| format!("{u},{y}\n"))
+        .collect();
+    let file = dir.path().join("lag.csv");
+    std::fs::write(&file, format!("u,y\n{}", rows.concat())).unwrap();
+    let model = dir.path().join("model.json");
+    let options = ["--period", "0.002", "--servo-model", "--explain"];
+    let identify = ["identify", arg(&file), "-o", arg(&model)];
+    let text = run(&[&identify[..], &COLUMNS, &options].concat());
+    let first = text.lines().next().unwrap();
+    assert!(
+        first.contains("The linear model predicts better: use it."),
+        "{first}"
+    );
+    assert!(
+        text.contains("without the parts that it predicts: fit on all samples\n"),
+        "{text}"
+    );
+    let document = std::fs::read_to_string(&model).unwrap();
+    let document: Value = serde_json::from_str(&document).unwrap();
+    let beside = &document["servo_model"]["linear_models"];
+    let kinds: Vec<&str> = beside["models"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|found| found["kind"].as_str().unwrap())
+        .collect();
+    assert_eq!(kinds, ["linear", "direction_split"]);
+    // The report of the model file begins with the same sentence.
+    let page = dir.path().join("model.html");
+    run(&["report", arg(&model), "-o", arg(&page)]);
+    let page = std::fs::read_to_string(&page).unwrap();
+    assert!(page.contains("The linear model predicts better: use it."));
 }

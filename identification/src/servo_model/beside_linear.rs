@@ -76,49 +76,42 @@ impl<'a> Dealt<'a> {
     /// All models on the samples that all predict; `None` where there is no linear model, or no such sample.
     fn compare(&self, servo: &ServoModel, linear: &Model) -> Option<LinearModels> {
         let by_servo = self.errors(|fold| Some(self.by_servo(servo.point(), fold)))?;
-        let plain = self.errors(|fold| {
-            let refit = Refit::linear(&self.without(fold)?, linear)?;
-            Some(self.by_refit(&refit))
-        });
-        let split = split_by_direction(self.record, linear).ok();
-        let order = split.map(|split| NoiseOrder::Order(split.noise_order));
-        let split = self.errors(|fold| {
-            let refit = Refit::direction_split(&self.without(fold)?, linear, order?)?;
-            Some(self.by_refit(&refit))
-        });
-        let all = [
-            (LinearKind::Linear, plain),
-            (LinearKind::DirectionSplit, split),
-        ];
-        let others: Vec<(LinearKind, Vec<f64>)> = all
-            .into_iter()
-            .filter_map(|(kind, errors)| Some((kind, errors?)))
-            .collect();
+        let others = self.by_linear_models(linear);
+        let predicted = |k: usize| others.iter().all(|(_, errors)| !errors[k].is_nan());
         let judged: Vec<bool> = (0..by_servo.len())
-            .map(|k| !by_servo[k].is_nan() && others.iter().all(|(_, errors)| !errors[k].is_nan()))
+            .map(|k| !by_servo[k].is_nan() && predicted(k))
             .collect();
         let samples_used = judged.iter().filter(|judged| **judged).count();
-        if samples_used == 0 {
+        if others.is_empty() || samples_used == 0 {
             return None;
         }
-        let judge = |errors: &[f64]| {
-            let percent = self.fit_percent(errors, &judged);
-            percent.is_finite().then_some(percent)
-        };
-        let models: Option<Vec<LinearModelFit>> = others
-            .iter()
-            .map(|(kind, errors)| {
-                Some(LinearModelFit {
-                    kind: *kind,
-                    held_out_percent: judge(errors)?,
-                })
+        let of = |(kind, errors): &(LinearKind, Vec<f64>)| {
+            Some(LinearModelFit {
+                kind: *kind,
+                held_out_percent: self.fit_percent(errors, &judged)?,
             })
-            .collect();
+        };
         Some(LinearModels {
             samples_used,
-            servo_model_percent: judge(&by_servo)?,
-            models: models.filter(|models| !models.is_empty())?,
+            servo_model_percent: self.fit_percent(&by_servo, &judged)?,
+            models: others.iter().map(of).collect::<Option<_>>()?,
         })
+    }
+
+    /// The errors of the linear models that every fold determines.
+    fn by_linear_models(&self, like: &Model) -> Vec<(LinearKind, Vec<f64>)> {
+        let refitted = |refit: &dyn Fn(&Record) -> Option<Refit>| {
+            self.errors(|fold| Some(self.by_refit(&refit(&self.without(fold)?)?)))
+        };
+        let linear = refitted(&|left| Refit::linear(left, like));
+        let split = split_by_direction(self.record, like).ok();
+        let split = split.and_then(|split| {
+            let order = NoiseOrder::Order(split.noise_order);
+            refitted(&|left| Refit::direction_split(left, like, order))
+        });
+        let linear = linear.map(|errors| (LinearKind::Linear, errors));
+        let split = split.map(|errors| (LinearKind::DirectionSplit, errors));
+        linear.into_iter().chain(split).collect()
     }
 
     /// The error of each sample of the stretches by the model that has not seen its fold. NaN where the output is missing or
@@ -135,8 +128,8 @@ impl<'a> Dealt<'a> {
         Some(self.stretches.iter().flat_map(of_stretch).collect())
     }
 
-    /// 100 (1 - |e| / |y - mean y|) over the samples judged, with errors clipped.
-    fn fit_percent(&self, errors: &[f64], judged: &[bool]) -> f64 {
+    /// 100 (1 - |e| / |y - mean y|) over the samples judged, with errors clipped; `None` where a simulation grew without limit.
+    fn fit_percent(&self, errors: &[f64], judged: &[bool]) -> Option<f64> {
         let outputs = self.stretches.iter().flat_map(|part| &part.output);
         let judged_only = |(value, judged): (&f64, &bool)| judged.then_some(*value);
         let outputs: Vec<f64> = outputs.zip(judged).filter_map(judged_only).collect();
@@ -144,7 +137,7 @@ impl<'a> Dealt<'a> {
         let spread = outputs.iter().map(|y| (y - mean).powi(2)).sum();
         let errors = errors.iter().zip(judged).filter_map(judged_only);
         let error = errors.map(|error| clipped_square(error, self.clip)).sum();
-        fit_percent(error, spread)
+        Some(fit_percent(error, spread)).filter(|percent| percent.is_finite())
     }
 
     /// The record without the outputs of a fold; `None` where nothing is left to identify.
@@ -176,10 +169,10 @@ impl<'a> Dealt<'a> {
         let mut runs = self.record.runs().to_vec();
         for part in &self.stretches {
             let run = &mut runs[part.run];
-            let at_rest = part.first == 0 && part.start.rate == 0.0;
-            if let Some(before) = command_before(run, &refit.step, refit.offset)
-                && at_rest
+            let begins_at_rest = part.first == 0 && part.start.rate == 0.0;
+            if begins_at_rest
                 && run.input_at_rest().is_none()
+                && let Some(before) = command_before(run, &refit.step, refit.offset)
             {
                 *run = run.clone().with_input_at_rest(before);
             }
@@ -213,12 +206,15 @@ impl<'a> Dealt<'a> {
     }
 }
 
+/// The output of a run, from its input.
+type Simulation = dyn Fn(&Run) -> Vec<f64>;
+
 /// A linear model that was identified again.
 struct Refit {
     /// Response to a unit step, the mean of both directions.
     step: Vec<f64>,
     offset: f64,
-    simulate: Box<dyn Fn(&Run) -> Vec<f64>>,
+    simulate: Box<Simulation>,
 }
 
 impl Refit {

@@ -101,11 +101,14 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
 /// The table of the linear models beside the servo model.
 fn linear_models(found: &LinearModels, fit: &ServoFit) -> String {
     let samples = match found.samples_used == fit.samples_used {
-        true => "all".to_owned(),
-        false => format!("the {} of {}", found.samples_used, fit.samples_used),
+        true => "all samples".to_owned(),
+        false => format!(
+            "the {} of {} samples that all predict",
+            found.samples_used, fit.samples_used
+        ),
     };
     let mut text = format!(
-        "\n  linear models beside it: fit of parts that they had not seen, on {samples} samples that all predict\n"
+        "\n  linear models beside it, each identified again without the parts that it predicts: fit on {samples}\n"
     );
     let row = |percent: f64, name: &str| format!("  {percent:7.2} %  {name}\n");
     text += &row(found.servo_model_percent, "this servo model");
