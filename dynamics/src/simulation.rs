@@ -20,13 +20,22 @@ pub struct Grid {
 const FINENESS: f64 = 0.05;
 
 /// Shortest and longest step \[s\].
-const STEP_S: (f64, f64) = (0.2e-3, 4e-3);
+const STEP_S: (f64, f64) = (0.2e-3, 5e-3);
 
 impl Grid {
     /// The grid for a servo of the stiffness `stiffness` (1/s²).
     pub fn for_stiffness(period_s: f64, phase_s: f64, stiffness: f64) -> Self {
         let step_s = FINENESS / stiffness.sqrt();
         Self::new(period_s, phase_s, step_s.clamp(STEP_S.0, STEP_S.1))
+    }
+
+    /// With half as many steps, and four times the error.
+    #[must_use]
+    pub fn coarser(self) -> Self {
+        Self {
+            steps: self.steps.div_ceil(2),
+            ..self
+        }
     }
 
     /// Length of a step \[s\].

@@ -125,7 +125,8 @@ pub fn fit_watched(
     let chosen = ladder.climb();
     let members = ladder.not_beaten(chosen);
     let tried = std::mem::take(&mut ladder.tried);
-    let grid = ladder.grid;
+    let stiffness = tried[chosen].fit.physics(0, |_, value| value).stiffness;
+    let grid = Grid::for_stiffness(period_s, record.sample_phase_s(), stiffness);
     let fit_to = |converged: f64| Descent {
         grid,
         clip: CLIP * shown.output_sd,
@@ -142,12 +143,11 @@ pub fn fit_watched(
     let level = level_unless(against(&parts, &grid, &point, &found), options.level);
     let mut possible = vec![found.servo_at(point)];
     for &member in &members[1..] {
-        let point = tried[member].fit.clone();
-        let found = uncertainty(&coarse.problem(&parts), &point, fold_of.len());
-        let member = found.servo_at(point);
-        if member.counts_beside(&possible[0], pointwise_critical(options.level)) {
-            possible.push(member);
-        }
+        let mut point = tried[member].fit.clone();
+        let problem = coarse.problem(&parts);
+        problem.descend(&mut point, STEPS);
+        let found = uncertainty(&problem, &point, fold_of.len());
+        possible.push(found.servo_at(point));
     }
     if watch.ends() {
         return Err(Error::SearchEnded);

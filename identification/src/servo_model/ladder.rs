@@ -18,7 +18,7 @@ use servoid_dynamics::Grid;
 const STEPS: usize = 20;
 
 /// Steps of a descent that shows whether it is worth more, and the share of the lowest cost so far that it must come to.
-const SHORT: usize = 5;
+const SHORT: usize = 3;
 const PROMISING: f64 = 1.2;
 
 /// Share of the held-out errors that a term must take away for another one to be tried after it.
@@ -93,7 +93,8 @@ impl Ladder<'_> {
         let from = [Terms::default(), both].map(|terms| self.searched(terms));
         let stiffness = |point: &Point| point.physics(0, |_, value| value).stiffness;
         let stiffest = stiffness(&from[0]).max(stiffness(&from[1]));
-        self.grid = Grid::for_stiffness(self.grid.period_s, self.grid.phase_s, stiffest);
+        let fine = Grid::for_stiffness(self.grid.period_s, self.grid.phase_s, stiffest);
+        self.grid = fine.coarser();
         find_starts(self.stretches, &from[1], &self.grid);
         let linear = self.add(Terms::default(), &from[0]);
         let two_speeds = self.add(both, &from[1]);
@@ -130,6 +131,10 @@ impl Ladder<'_> {
         let needed = self.tried[best].total()
             < (1.0 - SERVO_MATERIAL_ADVANTAGE) * self.tried[linear].total();
         if needed && self.tried[best].beats(&self.tried[linear]) {
+            // Those that prediction hardly distinguishes from it.
+            for terms in richer(self.tried[best].terms) {
+                self.extended(best, terms);
+            }
             best
         } else {
             linear
@@ -207,6 +212,12 @@ impl Ladder<'_> {
         best.beats(poorer) || best.total() < (1.0 - SERVO_LARGE_ADVANTAGE) * poorer.total()
     }
 
+    /// The lowest total so far.
+    fn lowest(&self) -> f64 {
+        let totals = self.tried.iter().map(Rung::total);
+        totals.fold(f64::INFINITY, f64::min)
+    }
+
     fn better(&self, a: usize, b: usize) -> usize {
         if self.tried[b].total() < self.tried[a].total() {
             b
@@ -250,9 +261,7 @@ impl Ladder<'_> {
     fn add(&mut self, terms: Terms, from: &Point) -> usize {
         let fit = self.fit(terms, from);
         self.tried.push(self.rung(terms, fit));
-        let totals = self.tried.iter().map(Rung::total);
-        let best = totals.fold(f64::INFINITY, f64::min);
-        let percent = fit_percent(best, self.shown.output_square);
+        let percent = fit_percent(self.lowest(), self.shown.output_square);
         self.watch.tried(self.tried.len(), percent);
         self.tried.len() - 1
     }
@@ -265,10 +274,15 @@ impl Ladder<'_> {
     }
 
     /// How the fit predicts blocks that it has not seen: the fits without their folds are near, a few steps from that to the
-    /// whole record.
+    /// whole record. Where another rung is better by far, how it follows all blocks.
     fn rung(&self, terms: Terms, (cost, fit): (f64, Point)) -> Rung {
-        let mut held_out = vec![0.0; self.fold_of.len()];
-        for fold in 0..FOLDS {
+        let mut held_out = self.by_block(&fit);
+        // Worse by far on what it has seen: no fit without a fold is needed to know that it is worse.
+        let folds = match self.lowest() < (1.0 - SERVO_LARGE_ADVANTAGE) * cost {
+            true => 0..0,
+            false => 0..FOLDS,
+        };
+        for fold in folds {
             let others = |block: usize| self.fold_of[block] != fold;
             let problem = Problem {
                 converged: 1e-3,
@@ -343,7 +357,7 @@ impl Ladder<'_> {
             used,
             clip: self.clip,
             longest_delay_s: self.longest_delay_s,
-            converged: 1e-5,
+            converged: 1e-4,
             watch: self.watch,
         }
     }

@@ -94,7 +94,7 @@ pub struct ServoFit {
 pub struct LadderRung {
     /// The terms.
     pub terms: Terms,
-    /// Fit of what it had not seen \[%\].
+    /// Fit of what it had not seen \[%\]; where other terms are better by far, that of the whole record.
     pub held_out_percent: f64,
     /// Fit of the whole record \[%\].
     pub fit_percent: f64,
@@ -118,7 +118,7 @@ pub struct LinearModels {
 pub struct LinearModelFit {
     /// Which model.
     pub kind: LinearKind,
-    /// Fit of what it had not seen \[%\].
+    /// Fit of what it had not seen \[%\]; where other terms are better by far, that of the whole record.
     pub held_out_percent: f64,
 }
 
@@ -177,18 +177,27 @@ impl ServoModel {
         let rows = own.map_or(&[][..], |found| &found.rows);
         let (value, spread) = self.response_of(&self.point(), rows, input, controller);
         let critical = own.map_or(f64::NAN, |found| pointwise_critical(found.level));
-        let mut half: Vec<f64> = spread.iter().map(|sd| critical * sd).collect();
+        let of_model = self.predictable_error();
+        let bound = |sd: f64| critical * sd.hypot(of_model);
+        let mut half: Vec<f64> = spread.iter().map(|sd| bound(*sd)).collect();
         for other in self.alternatives.iter().filter(|_| own.is_some()) {
             let point = self.point_of(other.terms, &other.coordinates, &other.values);
             let (theirs, spread) = self.response_of(&point, &other.covariance, input, controller);
             for (k, half) in half.iter_mut().enumerate() {
-                *half = half.max((theirs[k] - value[k]).abs() + critical * spread[k]);
+                *half = half.max((theirs[k] - value[k]).abs() + bound(spread[k]));
             }
         }
         ServoResponse {
             value,
             half_width: self.covariance.as_ref().map(|_| half),
         }
+    }
+
+    /// Root mean square of the part of the errors that their own past predicts. It may be noise of the sensor, or what this
+    /// equation does not know of the servo; the band takes it for the latter.
+    fn predictable_error(&self) -> f64 {
+        let (rmse, white) = (self.fit.rmse, self.noise.sigma);
+        (rmse * rmse - white * white).max(0.0).sqrt()
     }
 
     /// Response and its standard deviation.

@@ -48,7 +48,7 @@ pub struct Quantity {
 
 /// Ratio of the upper bound to the lower from which on a positive quantity is not determined: neither order of magnitude nor
 /// anything that follows from it is then known.
-pub(super) const UNDETERMINED_RATIO: f64 = 10.0;
+const UNDETERMINED_RATIO: f64 = 10.0;
 
 /// Values that a quantity can have.
 #[derive(Clone, Copy, PartialEq)]
