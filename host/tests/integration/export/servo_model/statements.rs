@@ -106,6 +106,7 @@ fn intervals_are_written_only_where_they_hold() {
     model["bounds"] = json!({ "level": 0.99, "rows": vec![vec![0.0; size]; size] });
     let delay = &mut model["quantities"][0];
     delay["withdrawn"] = json!(null);
+    delay["value"] = json!(0.0216);
     delay["bounds"] = json!({ "value": 0.0216, "lower": 0.0211, "upper": 0.0222 });
     let valid = folder.path().join("valid.json");
     std::fs::write(&valid, document.to_string()).unwrap();
