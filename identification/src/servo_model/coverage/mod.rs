@@ -84,29 +84,25 @@ fn coverage_table() {
     }
 }
 
-/// Bands that are claimed hold most of the truth, within the class and outside of it.
+/// Bands are withdrawn or hold, within the class and outside of it: one servo of the table.
 #[test]
-fn claimed_bands_hold() {
+fn bands_hold_or_are_withdrawn() {
     let case = |kind| Case {
         kind,
-        servo: 100,
+        servo: 106,
         reference: Reference::RandomLevels,
         noise: NoiseKind::White,
         run: 0,
     };
-    let trials: Vec<Trial> = Kind::ALL
-        .into_par_iter()
-        .map(|kind| case(kind).trial())
-        .collect();
-    let [in_class, beyond @ ..] = &trials[..] else {
-        unreachable!("kinds")
-    };
-    assert!(in_class.claim.is_some(), "withdrawn within the class");
-    for trial in std::iter::once(in_class).chain(beyond) {
-        if let Some(claim) = &trial.claim {
-            println!("{}", table::line(trial));
-            // The level is 99 %; 94 % and more were measured of these. A claim that is far off goes below.
-            assert!(claim.alike.inside > 0.9, "{}", table::line(trial));
+    let kinds = Kind::ALL.into_par_iter();
+    let trials: Vec<Trial> = kinds.map(|kind| case(kind).trial()).collect();
+    for trial in &trials {
+        let shown = table::line(trial);
+        println!("{shown}");
+        match &trial.claim {
+            // All of both bands held when this was written. Of the table, recordings below this are those that are wrong.
+            Some(claim) => assert!(claim.alike.inside.min(claim.large.inside) > 0.9, "{shown}"),
+            None => assert!(!trial.truth.is_in_class(), "{shown}"),
         }
     }
 }
