@@ -1,6 +1,7 @@
 //! Whether the intervals hold, on servos drawn at random in the model's class and a little outside of it: the table of
 //! docs/servo-model.md.
 
+mod checks;
 mod references;
 mod servos;
 mod table;
@@ -14,7 +15,6 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use references::{NoiseKind, PERIOD_S, Reference};
-use servoid_dynamics::{Grid, Start, simulate};
 use servos::{Kind, servo};
 use trial::{Case, Trial};
 use truth::{Beyond, Truth};
@@ -25,93 +25,85 @@ fn number(name: &str, otherwise: u64) -> u64 {
     text.and_then(|text| text.parse().ok()).unwrap_or(otherwise)
 }
 
-/// All recordings of a kind of servo, by reference and noise.
-fn cases(kind: Kind, servos: std::ops::Range<u64>, runs: u64) -> Vec<Case> {
-    let mut all = Vec::new();
-    for reference in Reference::ALL {
-        for noise in NoiseKind::ALL {
-            for servo in servos.clone() {
-                all.extend((0..runs).map(|run| Case {
+/// Recordings of servos of a kind under one reference with one noise.
+struct Row {
+    kind: Kind,
+    reference: Reference,
+    noise: NoiseKind,
+}
+
+impl Row {
+    /// All rows of the table, or those of the kind `only`.
+    fn all(only: Option<&str>) -> Vec<Self> {
+        let mut all = Vec::new();
+        for kind in Kind::ALL {
+            if only.is_some_and(|only| only != kind.to_string()) {
+                continue;
+            }
+            for reference in Reference::ALL {
+                all.extend(NoiseKind::ALL.map(|noise| Self {
                     kind,
-                    servo,
                     reference,
                     noise,
-                    run,
                 }));
             }
         }
+        all
     }
-    all
+
+    fn trials(&self, servos: std::ops::Range<u64>, runs: u64) -> Vec<Trial> {
+        let case = |servo, run| Case {
+            kind: self.kind,
+            servo,
+            reference: self.reference,
+            noise: self.noise,
+            run,
+        };
+        let cases: Vec<Case> = servos
+            .flat_map(|servo| (0..runs).map(move |run| case(servo, run)))
+            .collect();
+        cases.into_par_iter().map(Case::trial).collect()
+    }
 }
 
 #[test]
-#[ignore = "an hour; prints the table: cargo test --release -p servoid-identification --lib servo_model::coverage -- --ignored --nocapture"]
+#[ignore = "an hour; prints the table: cargo test --release -p servoid-identification --lib coverage_table -- --ignored --nocapture"]
 fn coverage_table() {
     let (first, servos, runs) = (number("FIRST", 0), number("SERVOS", 4), number("RUNS", 1));
-    let each = std::env::var("EACH").is_ok();
+    let (each, kind) = (std::env::var("EACH").is_ok(), std::env::var("KIND").ok());
     println!("{}", table::HEAD);
-    for kind in Kind::ALL {
-        let cases = cases(kind, first..first + servos, runs);
-        let trials: Vec<Trial> = cases.into_par_iter().map(Case::trial).collect();
-        for row in trials.chunks((servos * runs) as usize) {
-            let row: Vec<&Trial> = row.iter().collect();
-            println!("{}", table::row(&row));
-            if each {
-                for trial in &row {
-                    println!("{}", table::line(trial));
-                }
+    for row in Row::all(kind.as_deref()) {
+        let trials = row.trials(first..first + servos, runs);
+        println!("{}", table::row(&trials));
+        if each {
+            println!("   missed {}", table::misses(&trials));
+            for trial in &trials {
+                println!("   {}", table::line(trial));
             }
         }
-        let all: Vec<&Trial> = trials.iter().collect();
-        println!("   {kind}: missed {:?}", table::misses(&all));
     }
 }
 
-/// Bands that are claimed hold most of the truth, within the class and outside of it.
+/// Bands are withdrawn or hold, within the class and outside of it: one servo of the table.
 #[test]
-fn claimed_bands_hold() {
+fn bands_hold_or_are_withdrawn() {
     let case = |kind| Case {
         kind,
-        servo: 5,
+        servo: 106,
         reference: Reference::RandomLevels,
         noise: NoiseKind::White,
         run: 0,
     };
-    let trials: Vec<Trial> = Kind::ALL
-        .into_par_iter()
-        .map(|kind| case(kind).trial())
-        .collect();
-    let [in_class, beyond @ ..] = &trials[..] else {
-        unreachable!("kinds")
-    };
-    assert!(in_class.claim.is_some(), "withdrawn within the class");
-    for trial in std::iter::once(in_class).chain(beyond) {
-        if let Some(claim) = &trial.claim {
-            println!("{}", table::line(trial));
-            // The level is 99 %; single recordings of the table go down to 88 %.
-            assert!(claim.band_inside > 0.9, "{}", table::line(trial));
+    let kinds = Kind::ALL.into_par_iter();
+    let trials: Vec<Trial> = kinds.map(|kind| case(kind).trial()).collect();
+    for trial in &trials {
+        let shown = table::line(trial);
+        println!("{shown}");
+        match &trial.claim {
+            // All of both bands held when this was written. Of the table, recordings below this are those that are wrong.
+            Some(claim) => assert!(claim.alike.inside.min(claim.large.inside) > 0.9, "{shown}"),
+            None => assert!(!trial.truth.is_in_class(), "{shown}"),
         }
-    }
-}
-
-/// The truth of a servo of the class is that of the model's equation: two schemes give the same motion.
-#[test]
-fn truth_within_the_class_is_the_equation() {
-    for seed in 0..12 {
-        let truth = servo(Kind::InClass, seed);
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let input = Reference::RandomLevels.command(&mut random, 1000);
-        let physics = truth.point.physics(0, |_, value| value);
-        let grid = Grid::new(PERIOD_S, 0.0, 1e-5);
-        let start = Start::at_rest(physics.resting_output(input[0]), Some(input[0]));
-        let mut worst: f64 = 0.0;
-        let theirs = truth.response(&input, PERIOD_S);
-        simulate(&physics, &grid, &start, &input, |k, y| {
-            worst = worst.max((y - theirs[k]).abs());
-        });
-        println!("servo {seed}: {worst:.5} deg");
-        // A tenth of the noise of a sample: no interval of these recordings is that narrow anywhere.
-        assert!(worst < 0.003, "servo {seed}: {worst}");
     }
 }
 

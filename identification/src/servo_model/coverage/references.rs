@@ -1,7 +1,7 @@
 //! Commands of ±5 degrees, and the noise of sensors.
 
 use super::servos::STROKE;
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
@@ -47,6 +47,14 @@ impl Reference {
             Self::Multisine => multisine(random, samples),
         }
     }
+
+    /// Another command of this kind: with the same strokes, in another order and for other times.
+    pub(super) fn another(self, random: &mut ChaCha8Rng, samples: usize) -> Vec<f64> {
+        match self {
+            Self::Stairs => wandering_stairs(random, samples),
+            other => other.command(random, samples),
+        }
+    }
 }
 
 impl fmt::Display for Reference {
@@ -69,14 +77,34 @@ fn random_levels(random: &mut ChaCha8Rng, samples: usize) -> Vec<f64> {
     command
 }
 
+/// The command of a step of the stairs.
+fn level(step: usize) -> f64 {
+    STROKE * (step as f64 / (LEVELS - 1) as f64 - 0.5)
+}
+
 fn stairs(samples: usize) -> Vec<f64> {
     let hold = 12 * FRAME;
-    let level = |k: usize| {
+    let command = |k: usize| {
         let at = k / hold % (2 * (LEVELS - 1));
-        let up = at.min(2 * (LEVELS - 1) - at);
-        STROKE * (up as f64 / (LEVELS - 1) as f64 - 0.5)
+        level(at.min(2 * (LEVELS - 1) - at))
     };
-    (0..samples).map(level).collect()
+    (0..samples).map(command).collect()
+}
+
+/// Up or down by one step at random, each for 100 to 400 ms.
+fn wandering_stairs(random: &mut ChaCha8Rng, samples: usize) -> Vec<f64> {
+    let mut command = Vec::new();
+    let mut step: usize = random.random_range(0..LEVELS);
+    while command.len() < samples {
+        command.extend(std::iter::repeat_n(
+            level(step),
+            random.random_range(50..200),
+        ));
+        let up = step == 0 || step < LEVELS - 1 && random.random_bool(0.5);
+        step = if up { step + 1 } else { step - 1 };
+    }
+    command.truncate(samples);
+    command
 }
 
 fn multisine(random: &mut ChaCha8Rng, samples: usize) -> Vec<f64> {
@@ -142,10 +170,4 @@ impl fmt::Display for NoiseKind {
             Self::Coloured => "AR(1), 0.8",
         })
     }
-}
-
-/// The new command that bands are judged by: other random levels for each servo.
-pub(super) fn new_command(servo: u64) -> Vec<f64> {
-    let mut random = ChaCha8Rng::seed_from_u64(1 << 40 | servo);
-    random_levels(&mut random, 1500)
 }

@@ -1,83 +1,99 @@
 //! The table of docs/servo-model.md.
 
-use super::trial::{Claim, Trial};
+use super::trial::{Band, Claim, Trial};
+use std::collections::BTreeMap;
 
 /// Its head, and the line below it.
 pub(super) const HEAD: &str = "\
-| servo | reference | noise | recordings with intervals | intervals inside | band inside, mean | worst recording |
+| servo | reference | noise | recordings with intervals | intervals inside | band inside, alike: mean, worst | large strokes: mean, worst |
 |---|---|---|---|---|---|---|";
 
 /// One row: recordings of one kind of servo under one reference with one noise.
-pub(super) fn row(trials: &[&Trial]) -> String {
+pub(super) fn row(trials: &[Trial]) -> String {
     let claims: Vec<&Claim> = trials
         .iter()
         .filter_map(|trial| trial.claim.as_ref())
         .collect();
     let case = trials[0].case;
-    let count = format!("{} of {}", claims.len(), trials.len());
     let start = format!(
-        "| {} | {} | {} | {count} |",
-        case.kind, case.reference, case.noise
+        "| {} | {} | {} | {} of {} |",
+        case.kind,
+        case.reference,
+        case.noise,
+        claims.len(),
+        trials.len()
     );
     if claims.is_empty() {
         return format!("{start} - | - | - |");
     }
     let judged = || claims.iter().flat_map(|claim| &claim.intervals);
-    let (all, inside) = (
+    let inside = judged().filter(|(_, inside)| *inside).count();
+    format!(
+        "{start} {inside} of {} | {} | {} |",
         judged().count(),
-        judged().filter(|(_, inside)| *inside).count(),
-    );
-    let bands = || claims.iter().map(|claim| 100.0 * claim.band_inside);
-    let mean = bands().sum::<f64>() / claims.len() as f64;
-    let worst = bands().fold(100.0, f64::min);
-    let share = 100.0 * inside as f64 / all as f64;
-    format!("{start} {share:.1} % of {all} | {mean:.1} % | {worst:.1} % |")
+        mean_and_worst(claims.iter().map(|claim| claim.alike)),
+        mean_and_worst(claims.iter().map(|claim| claim.large))
+    )
 }
 
-/// Quantities whose interval misses the truth somewhere: name, misses, intervals.
-pub(super) fn misses(trials: &[&Trial]) -> Vec<(&'static str, usize, usize)> {
-    let mut counts: Vec<(&'static str, usize, usize)> = Vec::new();
+/// Share inside of several bands \[%\].
+fn mean_and_worst(bands: impl Iterator<Item = Band>) -> String {
+    let shares: Vec<f64> = bands.map(|band| 100.0 * band.inside).collect();
+    let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+    let worst = shares.iter().copied().fold(100.0, f64::min);
+    format!("{mean:.1} %, {worst:.1} %")
+}
+
+/// Of each quantity whose intervals miss the truth somewhere: in how many recordings, and of how many.
+pub(super) fn misses(trials: &[Trial]) -> String {
+    let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     let claims = trials.iter().filter_map(|trial| trial.claim.as_ref());
     for (name, inside) in claims.flat_map(|claim| &claim.intervals) {
-        match counts.iter_mut().find(|(known, ..)| known == name) {
-            Some((_, misses, all)) => {
-                *misses += usize::from(!inside);
-                *all += 1;
-            }
-            None => counts.push((name, usize::from(!inside), 1)),
-        }
+        let (misses, all) = counts.entry(name).or_default();
+        *misses += usize::from(!inside);
+        *all += 1;
     }
-    counts.retain(|(_, misses, _)| *misses > 0);
-    counts
+    counts.retain(|_, (misses, _)| *misses > 0);
+    format!("{counts:?}")
 }
 
 /// One recording, for a look at it.
 pub(super) fn line(trial: &Trial) -> String {
+    let (case, found) = (trial.case, &trial.found);
+    let terms = trial.truth.point.terms;
+    let others = found.alternatives.iter().map(|other| other.terms);
+    let known = match found.terms == terms {
+        true => "right",
+        false if others.into_iter().any(|other| other == terms) => "not the first",
+        false => "not among them",
+    };
     let claim = match &trial.claim {
         None => "withdrawn".to_owned(),
         Some(claim) => {
-            let missed: Vec<&str> = claim
-                .intervals
-                .iter()
-                .filter(|(_, inside)| !inside)
-                .map(|(name, _)| *name)
-                .collect();
+            let missed = claim.intervals.iter().filter(|(_, inside)| !inside);
+            let missed: Vec<&str> = missed.map(|(name, _)| *name).collect();
+            let band = |band: Band| {
+                format!(
+                    "{:.1} %, farthest {:.3} deg",
+                    100.0 * band.inside,
+                    band.farthest
+                )
+            };
             format!(
-                "band inside {:.1} %, farthest {:.3} deg, missed {missed:?}",
-                100.0 * claim.band_inside,
-                claim.farthest
+                "band {}; large strokes {}; missed {missed:?}",
+                band(claim.alike),
+                band(claim.large)
             )
         }
     };
     format!(
-        "   servo {} run {}: {:?} {:?} -> {:?} and {} more, fit {:.2} %, misfit {:.0}: {claim}",
-        trial.case.servo,
-        trial.case.run,
-        trial.truth.point.terms,
+        "servo {} run {}: {terms:?} {:?} -> {:?} and {} more, terms {known}, fit {:.2} %, misfit {:.0}: {claim}",
+        case.servo,
+        case.run,
         trial.truth.beyond,
-        trial.found.terms,
-        trial.found.alternatives.len(),
-        trial.found.fit.simulation_percent,
+        found.terms,
+        found.alternatives.len(),
+        found.fit.simulation_percent,
         trial.misfit,
     )
 }

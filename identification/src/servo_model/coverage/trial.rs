@@ -1,6 +1,6 @@
 //! One recording of a servo: what the fit claims of it, and whether that is so.
 
-use super::references::{NoiseKind, PERIOD_S, Reference, new_command};
+use super::references::{NoiseKind, PERIOD_S, Reference};
 use super::servos::{Kind, servo};
 use super::truth::Truth;
 use crate::data::{Record, Run};
@@ -10,6 +10,9 @@ use rand_chacha::ChaCha8Rng;
 
 /// Samples of a recording.
 const SAMPLES: usize = 3600;
+
+/// Samples of a new command.
+const NEW_SAMPLES: usize = 1500;
 
 /// Rounding by which a response may miss a band of no width.
 const ROUNDING: f64 = 1e-9;
@@ -42,9 +45,18 @@ pub(super) struct Trial {
 pub(super) struct Claim {
     /// Of each determined quantity that has a truth: its name, and whether its interval holds it.
     pub(super) intervals: Vec<(&'static str, bool)>,
-    /// Share of the samples of the response to a new command whose band holds the truth.
-    pub(super) band_inside: f64,
-    /// Largest distance of the truth from the band \[deg\].
+    /// Under another command of the recorded kind.
+    pub(super) alike: Band,
+    /// Under random levels, whose strokes may be larger than any that was recorded.
+    pub(super) large: Band,
+}
+
+/// Whether the band of the response to a new command holds the true response.
+#[derive(Clone, Copy)]
+pub(super) struct Band {
+    /// Share of the samples where it does.
+    pub(super) inside: f64,
+    /// Largest distance of the truth from it \[deg\].
     pub(super) farthest: f64,
 }
 
@@ -66,11 +78,23 @@ impl Case {
         (truth, record, noise)
     }
 
+    fn claim(&self, truth: &Truth, found: &ServoModel) -> Option<Claim> {
+        let mut random = ChaCha8Rng::seed_from_u64(self.servo);
+        random.set_stream(u64::MAX);
+        let alike = self.reference.another(&mut random, NEW_SAMPLES);
+        let large = Reference::RandomLevels.another(&mut random, NEW_SAMPLES);
+        Some(Claim {
+            intervals: intervals(truth, found),
+            alike: band(truth, found, &alike)?,
+            large: band(truth, found, &large)?,
+        })
+    }
+
     /// Records the servo, and fits it.
     pub(super) fn trial(self) -> Trial {
         let (truth, record, noise) = self.recorded();
         let found = fit(&record, &ServoModelOptions::default()).expect("samples enough");
-        let claim = claim(&truth, &found, self.servo);
+        let claim = self.claim(&truth, &found);
         let simulated = found.simulate(&record, &[]).expect("its own record");
         let measured = record.runs()[0].output().iter();
         let errors: Vec<f64> = measured.zip(&simulated[0]).map(|(y, s)| y - s).collect();
@@ -85,22 +109,19 @@ impl Case {
     }
 }
 
-fn claim(truth: &Truth, found: &ServoModel, servo: u64) -> Option<Claim> {
-    let input = new_command(servo);
-    let response = found.respond(&input, 0);
+/// The band of the response to `input`; `None` where it is withdrawn.
+fn band(truth: &Truth, found: &ServoModel, input: &[f64]) -> Option<Band> {
+    let response = found.respond(input, 0);
     let half_width = response.half_width.valid()?;
-    let truths = truth.response(&input, PERIOD_S);
-    let beyond: Vec<f64> = response
-        .value
-        .iter()
-        .zip(&truths)
+    let truths = truth.response(input, PERIOD_S);
+    let middles = response.value.iter().zip(&truths);
+    let beyond: Vec<f64> = middles
         .zip(half_width)
         .map(|((value, truth), half)| (value - truth).abs() - half)
         .collect();
     let inside = beyond.iter().filter(|beyond| **beyond <= ROUNDING).count();
-    Some(Claim {
-        intervals: intervals(truth, found),
-        band_inside: inside as f64 / input.len() as f64,
+    Some(Band {
+        inside: inside as f64 / input.len() as f64,
         farthest: beyond.iter().fold(0.0, |a: f64, b| a.max(*b)),
     })
 }
