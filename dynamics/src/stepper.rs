@@ -25,6 +25,16 @@ struct DriveSide<S> {
     largest: Option<S>,
 }
 
+/// The effect of the drive in a step, as changes of speed.
+struct Driven<S> {
+    /// What it adds, but for the loop's braking with the speed at the end.
+    push: S,
+    /// The factor by which damping, that braking among it, leaves the sum.
+    damped: S,
+    /// The whole.
+    drive: S,
+}
+
 /// A step of a certain length through the equation.
 ///
 /// The angle moves by half a step, the speed by a whole one under the forces at that angle, and the angle by the other half
@@ -86,12 +96,16 @@ impl<S: Scalar> Stepper<S> {
             load => load.at(middle) * self.step_s,
         };
         let loaded = coasting - load;
-        let (push, damped) = self.drive(error, state.speed, loaded);
+        let Driven {
+            push,
+            damped,
+            drive,
+        } = self.drive(error, state.speed, loaded);
         let free = (loaded + push) * damped;
         state.speed = match self.friction {
             None => free,
             Some(friction) => {
-                let most = self.friction_at(friction, state.speed, push + load) * damped;
+                let most = self.friction_at(friction, state.speed, drive + load) * damped;
                 nearer_zero(free, most)
             }
         };
@@ -107,9 +121,9 @@ impl<S: Scalar> Stepper<S> {
         }
     }
 
-    /// What the drive adds to the speed in a step, and the factor by which damping leaves the sum.
+    /// The effect of the drive in a step.
     #[inline(always)]
-    fn drive(&self, error: S, speed: S, loaded: S) -> (S, S) {
+    fn drive(&self, error: S, speed: S, loaded: S) -> Driven<S> {
         let up = self.up.unlimited(error, speed, loaded);
         let (drive, side) = if up.value() >= 0.0 {
             (up, &self.up)
@@ -117,11 +131,16 @@ impl<S: Scalar> Stepper<S> {
             (self.down.unlimited(error, speed, loaded), &self.down)
         };
         match side.largest {
-            Some(most) if drive.value().abs() > most.value().abs() => (most, self.saturated),
-            _ => (
-                error * side.stiffness - speed * side.braking,
-                side.proportional,
-            ),
+            Some(most) if drive.value().abs() > most.value().abs() => Driven {
+                push: most,
+                damped: self.saturated,
+                drive: most,
+            },
+            _ => Driven {
+                push: error * side.stiffness - speed * side.braking,
+                damped: side.proportional,
+                drive,
+            },
         }
     }
 

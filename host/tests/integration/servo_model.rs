@@ -69,8 +69,8 @@ fn two_controllers_on_one_mechanism_predict_runs_of_both() {
     let others = [runs("2.csv", "2"), runs("5.csv", "5")];
     let options = ["--run", "run", "--controller", "kp", "--servo-model"];
     let fits = predicted(&runs("1346.csv", "1346"), &others, &options);
-    // 84.6 and 83.2 %: the valley that the search finds depends on the step of the integration.
-    assert!(fits[0] >= 84.0 && fits[1] >= 80.0, "{fits:?}");
+    // 93.2 and 81.5 %; variants of the search came to 91 to 94 and 81 to 90 %.
+    assert!(fits[0] >= 85.0 && fits[1] >= 80.0, "{fits:?}");
 }
 
 #[test]

@@ -5,7 +5,7 @@
 //! first samples, for given parameters of the servo.
 
 use super::coordinates::Point;
-use super::stretches::Stretch;
+use super::stretches::{Stretch, noise_sd};
 use crate::numerics::{backward_solve, cholesky, forward_solve};
 use faer::Mat;
 use servoid_dynamics::{Dual, Grid, Scalar, Start, simulate};
@@ -47,23 +47,6 @@ fn in_motion(stretch: &Stretch, period_s: f64) -> bool {
     squares > 0.0
         && (moments / squares).abs() * lead as f64
             > MOTION * noise * (lead as f64 / squares.sqrt()).max(1.0)
-}
-
-/// Standard deviation of what changes from sample to sample without a trend, from third differences: robust against
-/// strokes, whose share of the samples is small.
-fn noise_sd(output: &[f64]) -> f64 {
-    let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
-    let mut differences: Vec<f64> = output
-        .windows(4)
-        .map(third)
-        .filter(|d| !d.is_nan())
-        .collect();
-    if differences.is_empty() {
-        return 0.0;
-    }
-    differences.sort_by(f64::total_cmp);
-    // The median of |x| is 0.6745 sd; a third difference of white noise has sqrt(20) times its sd.
-    differences[differences.len() / 2] / 0.6745 / 20f64.sqrt()
 }
 
 /// The start that lets the servo follow the first samples best (Gauss-Newton from two guesses of the command before).

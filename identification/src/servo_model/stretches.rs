@@ -74,7 +74,10 @@ pub(super) fn stretches(record: &Record, controllers: &[usize]) -> (Vec<Stretch>
                 input: samples.input()[first..range.end].to_vec(),
                 controller: controllers.get(run).copied().unwrap_or(0),
                 at_rest,
-                start: Start::at_rest(output[0], at_rest),
+                start: Start::at_rest(
+                    first_rest(&samples.input()[first..range.end], &output, at_rest),
+                    at_rest,
+                ),
                 output,
                 first_block: 0,
                 block_length,
@@ -91,6 +94,52 @@ pub(super) fn stretches(record: &Record, controllers: &[usize]) -> (Vec<Stretch>
     }
     let folds = folds(&all, blocks, record.runs().len());
     (all, folds)
+}
+
+/// Samples whose mean is taken for the output at the start, at the most.
+const FIRST_REST: usize = 200;
+
+/// The output in which a stretch begins, if at rest: the mean of its samples under the first command, as long as those of both
+/// halves agree. The noise of a single one would stay in the simulation for the whole first hold where friction or a dead band
+/// hold the shaft.
+fn first_rest(input: &[f64], output: &[f64], at_rest: Option<f64>) -> f64 {
+    // A command that changes with the first sample moves the servo as soon as its delay is over, which may be at once.
+    let constant = match at_rest.is_none_or(|before| before == input[0]) {
+        true => input.iter().take_while(|u| **u == input[0]).count(),
+        false => 1,
+    };
+    let mut length = constant.min(FIRST_REST).min(output.len());
+    let noise = noise_sd(output);
+    let mean = |part: &[f64]| {
+        let known: Vec<f64> = part.iter().copied().filter(|y| !y.is_nan()).collect();
+        known.iter().sum::<f64>() / known.len() as f64
+    };
+    while length > 1 {
+        let (early, late) = output[..length].split_at(length / 2);
+        let chance = 4.0 * noise * (4.0 / length as f64).sqrt();
+        if (mean(early) - mean(late)).abs() <= chance {
+            return mean(&output[..length]);
+        }
+        length /= 2;
+    }
+    output[0]
+}
+
+/// Standard deviation of what changes from sample to sample without a trend, from third differences: robust against
+/// strokes, whose share of the samples is small.
+pub(super) fn noise_sd(output: &[f64]) -> f64 {
+    let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
+    let mut differences: Vec<f64> = output
+        .windows(4)
+        .map(third)
+        .filter(|d| !d.is_nan())
+        .collect();
+    if differences.is_empty() {
+        return 0.0;
+    }
+    differences.sort_by(f64::total_cmp);
+    // The median of |x| is 0.6745 sd; a third difference of white noise has sqrt(20) times its sd.
+    differences[differences.len() / 2] / 0.6745 / 20f64.sqrt()
 }
 
 /// Parts that the choice of terms leaves out in turn.

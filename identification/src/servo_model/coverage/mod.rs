@@ -67,8 +67,8 @@ impl Row {
 }
 
 #[test]
-#[ignore = "an hour; prints the table: cargo test --release -p servoid-identification --lib coverage_table -- --ignored --nocapture"]
-fn coverage_table() {
+#[ignore = "an hour; prints the table: cargo test --release -p servoid-identification --lib an_hour_of_coverage -- --ignored --nocapture"]
+fn an_hour_of_coverage() {
     let (first, servos, runs) = (number("FIRST", 0), number("SERVOS", 4), number("RUNS", 1));
     let (each, kind) = (std::env::var("EACH").is_ok(), std::env::var("KIND").ok());
     println!("{}", table::HEAD);
@@ -130,9 +130,9 @@ fn linear_servos_stay_linear() {
     };
     let stayed = runs.par_iter().filter(|seed| linear(seed)).count();
     println!("{stayed} of {} stayed linear", runs.len());
-    // 39 of 40 measured, less three standard deviations of twenty runs.
+    // All of 30 measured; a tenth of twenty runs is beyond chance for a rate of one in a hundred.
     assert!(
-        100 * stayed >= 85 * runs.len(),
+        100 * stayed >= 90 * runs.len(),
         "{stayed} of {}",
         runs.len()
     );

@@ -114,13 +114,14 @@ static inline void {{id}}_advance({{id}}_servo *servo, {{id}}_real h, {{id}}_rea
         largest = -largest * {{id}}_down_to_up;
     }
     {{id}}_real pushed = {{id}}_push(h, error, speed, ratio), left = {{id}}_damped(h, ratio);
-    if ({{id}}_size({{id}}_unlimited_drive(h, error, speed, loaded, ratio)) > {{id}}_size(largest)) {
-        pushed = largest;
+    {{id}}_real drive = {{id}}_unlimited_drive(h, error, speed, loaded, ratio);
+    if ({{id}}_size(drive) > {{id}}_size(largest)) {
+        drive = pushed = largest;
         left = 1 / (1 + {{id}}_half_motor(h));
     }
 
     {{id}}_real relative = speed / {{id}}_friction_speed;
-    {{id}}_real held = h * {{id}}_friction + {{id}}_friction_of_gears * {{id}}_size(pushed + load);
+    {{id}}_real held = h * {{id}}_friction + {{id}}_friction_of_gears * {{id}}_size(drive + load);
     held = held * (1 + {{id}}_friction_at_rest / (1 + relative * relative));
     servo->speed = {{id}}_nearer_zero((loaded + pushed) * left, left * held);
     servo->angle = middle + h * servo->speed / 2;

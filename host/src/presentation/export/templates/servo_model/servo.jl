@@ -83,14 +83,16 @@ function advance!(servo::Servo, h, command)
     if unlimited_drive(h, error, servo.speed, loaded, 1.0) < 0.0
         ratio, largest = DOWN_TO_UP, -largest * DOWN_TO_UP
     end
-    if abs(unlimited_drive(h, error, servo.speed, loaded, ratio)) > abs(largest)
-        pushed, left = largest, 1.0 / (1.0 + half_motor(h))
+    drive = unlimited_drive(h, error, servo.speed, loaded, ratio)
+    if abs(drive) > abs(largest)
+        drive = pushed = largest
+        left = 1.0 / (1.0 + half_motor(h))
     else
         pushed, left = push(h, error, servo.speed, ratio), damped(h, ratio)
     end
 
     relative = servo.speed / FRICTION_SPEED
-    held = h * FRICTION + FRICTION_OF_GEARS * abs(pushed + loading)
+    held = h * FRICTION + FRICTION_OF_GEARS * abs(drive + loading)
     held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
     servo.speed = nearer_zero((loaded + pushed) * left, left * held)
     servo.angle = middle + 0.5 * h * servo.speed

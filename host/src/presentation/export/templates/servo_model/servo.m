@@ -61,7 +61,9 @@ if unlimited_drive(h, error, servo.speed, loaded, 1.0, p) < 0.0
     ratio = p.down_to_up;
     largest = -largest * p.down_to_up;
 end
-if abs(unlimited_drive(h, error, servo.speed, loaded, ratio, p)) > abs(largest)
+drive = unlimited_drive(h, error, servo.speed, loaded, ratio, p);
+if abs(drive) > abs(largest)
+    drive = largest;
     pushed = largest;
     left = 1.0 / (1.0 + half_motor(h, p));
 else
@@ -70,7 +72,7 @@ else
 end
 
 relative = servo.speed / p.friction_speed;
-held = h * p.friction + p.friction_of_gears * abs(pushed + load);
+held = h * p.friction + p.friction_of_gears * abs(drive + load);
 held = held * (1.0 + p.friction_at_rest / (1.0 + relative * relative));
 servo.speed = nearer_zero((loaded + pushed) * left, left * held);
 servo.angle = middle + 0.5 * h * servo.speed;

@@ -92,13 +92,15 @@ class Servo:
         ratio, largest = 1.0, h * FULL_DRIVE
         if unlimited_drive(h, error, self.speed, loaded, 1.0) < 0.0:
             ratio, largest = DOWN_TO_UP, -largest * DOWN_TO_UP
-        if abs(unlimited_drive(h, error, self.speed, loaded, ratio)) > abs(largest):
-            pushed, left = largest, 1.0 / (1.0 + half_motor(h))
+        drive = unlimited_drive(h, error, self.speed, loaded, ratio)
+        if abs(drive) > abs(largest):
+            drive = pushed = largest
+            left = 1.0 / (1.0 + half_motor(h))
         else:
             pushed, left = push(h, error, self.speed, ratio), damped(h, ratio)
 
         relative = self.speed / FRICTION_SPEED
-        held = h * FRICTION + FRICTION_OF_GEARS * abs(pushed + loading)
+        held = h * FRICTION + FRICTION_OF_GEARS * abs(drive + loading)
         held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
         self.speed = nearer_zero((loaded + pushed) * left, left * held)
         self.angle = middle + 0.5 * h * self.speed
