@@ -25,7 +25,7 @@ const PROMISING: f64 = 1.2;
 const WORTH_ANOTHER: f64 = 0.01;
 
 /// Steps of a descent without a fold.
-const FOLD_STEPS: usize = 3;
+const FOLD_STEPS: usize = 6;
 
 /// A servo with certain terms, and how it predicts what it has not seen.
 #[derive(Clone, Debug)]
