@@ -174,6 +174,7 @@ mod tests {
             dead_band: Some(0.05),
             friction: Some(Friction {
                 coulomb: 200.0,
+                of_gears: 0.1,
                 at_rest: Some(AtRest {
                     excess: 0.5,
                     speed: 2.0,
