@@ -17,7 +17,7 @@ use servoid_dynamics::Grid;
 /// Steps of a descent from the servo with one term fewer.
 const STEPS: usize = 20;
 
-/// Steps of a descent that shows whether it is worth more, and the share of the lowest cost so far that it must come to.
+/// Steps of a descent that shows whether it is worth more, and the share of the rung's own cost that it must come to.
 const SHORT: usize = 3;
 const PROMISING: f64 = 1.2;
 
@@ -277,8 +277,10 @@ impl Ladder<'_> {
     /// whole record. Where another rung is better by far, how it follows all blocks.
     fn rung(&self, terms: Terms, (cost, fit): (f64, Point)) -> Rung {
         let mut held_out = self.by_block(&fit);
-        // Worse by far on what it has seen: no fit without a fold is needed to know that it is worse.
-        let folds = match self.lowest() < (1.0 - SERVO_LARGE_ADVANTAGE) * cost {
+        // Worse by far on what it has seen: no fit without a fold is needed to know that it is worse. The figure of the linear
+        // servo is what others are held against.
+        let hopeless = self.lowest() < (1.0 - SERVO_LARGE_ADVANTAGE) * cost;
+        let folds = match hopeless && terms != Terms::default() {
             true => 0..0,
             false => 0..FOLDS,
         };
