@@ -18,8 +18,8 @@
 //! Friction is Coulomb's, C, and a share μ of the torque through the gears, drive + load, which presses their teeth together;
 //! both are larger at rest: (C + μ |drive + load|) (1 + s/(1 + (ω/ωs)²)) (D. P. Hess and A. Soom, "Friction at a
 //! lubricated line contact operating at oscillating sliding velocities", Journal of Tribology, 1990). It holds the
-//! shaft at rest while less than that acts on it, so the resting error depends on the direction of approach, without load by
-//! C/k to each side.
+//! shaft at rest while less than that acts on it, so the resting error depends on the direction of approach, without load and
+//! gears by (1 + s) C/k to each side.
 
 use crate::dual::Scalar;
 

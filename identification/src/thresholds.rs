@@ -423,7 +423,7 @@ pub const SERVO_MATERIAL_ADVANTAGE: f64 = 0.05;
 /// of sticking decide the scatter.
 ///
 /// Protects: prediction of servos with friction. Evidence: without it the friction of the gears was taken from a recording of a
-/// smart servo with a weight, which then predicted others to 78 % instead of 85 to 95.
+/// smart servo with a weight, which then predicted others to 82 and 78 % instead of 94 and 89.
 pub const SERVO_LARGE_ADVANTAGE: f64 = 0.25;
 /// Advantage of the linear model over the servo model in the fit of parts that neither has seen, from which on the linear one is
 /// recommended \[percentage points\].
