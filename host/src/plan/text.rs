@@ -74,6 +74,7 @@ fn none_because(reason: Reason) -> String {
         Reason::QuantisationAboveNoise => {
             "take a reference with sharp edges, or a sensor with finer steps"
         }
+        Reason::BeyondRecord => "plan with a model of a recording with strokes as large as these",
     };
     let because = reason.because();
     format!(

@@ -32,6 +32,11 @@ pub(crate) fn chi_square_upper_tail(statistic: f64, degrees: usize) -> f64 {
     ChiSquared::new(degrees as f64).map_or(1.0, |chi| chi.sf(statistic).clamp(0.0, 1.0))
 }
 
+/// x with P(χ² <= x) = `probability`; 0 without degrees of freedom.
+pub(crate) fn chi_square_quantile(probability: f64, degrees: usize) -> f64 {
+    ChiSquared::new(degrees as f64).map_or(0.0, |chi| chi.inverse_cdf(probability))
+}
+
 /// Two-sided critical value of one normal quantity: 2.5758 for 0.99.
 pub fn pointwise_critical(level: f64) -> f64 {
     normal_upper_quantile((1.0 - level) / 2.0)

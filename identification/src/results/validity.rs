@@ -20,6 +20,8 @@ pub enum Reason {
     ErrorsNotNoise,
     /// The steps of the sensor are larger than the noise, and the input does not average them out.
     QuantisationAboveNoise,
+    /// The motion is faster than the recording that the model comes from.
+    BeyondRecord,
 }
 
 impl Reason {
@@ -33,6 +35,7 @@ impl Reason {
             }
             Self::ErrorsNotNoise => "the errors are not noise",
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
+            Self::BeyondRecord => "the command moves the servo faster than the recording did",
         }
     }
 }
@@ -86,6 +89,15 @@ impl<T> Bounds<T> {
         match self {
             Self::Valid(bounds) => Bounds::Valid(of(bounds)),
             Self::Withdrawn(reason) => Bounds::Withdrawn(reason),
+        }
+    }
+
+    /// The same, withdrawn where something more speaks against them.
+    #[must_use]
+    pub fn unless(self, against: Option<Reason>) -> Self {
+        match (self, against) {
+            (Self::Valid(_), Some(reason)) => Self::Withdrawn(reason),
+            (own, _) => own,
         }
     }
 

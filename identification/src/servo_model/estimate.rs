@@ -140,7 +140,7 @@ pub fn fit_watched(
     let (_, from) = problem.best_descent(starts, STEPS);
     let point = fine.polished(&mut parts, from);
     let found = uncertainty(&fine.problem(&parts), &point, fold_of.len());
-    let level = level_unless(against(&parts, &grid, &point, &found), options.level);
+    let level = level_unless(against(&parts, &point, &found), options.level);
     let mut possible = vec![found.servo_at(point)];
     for &member in &members[1..] {
         let mut point = tried[member].fit.clone();
@@ -282,7 +282,12 @@ fn describe(
             Bounds::Withdrawn(_) => Vec::new(),
             _ => possible[1..].iter().map(alternative).collect(),
         },
-        quantities: quantities(possible, pointwise_critical(options.level), &level),
+        quantities: quantities(
+            possible,
+            pointwise_critical(options.level),
+            &level,
+            &found.motion.fastest,
+        ),
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
         fit: ServoFit {
@@ -290,6 +295,8 @@ fn describe(
             held_out_percent: held_out(&choice.tried[choice.chosen]),
             linear_held_out_percent: linear.map_or(f64::NAN, held_out),
             rmse: (error / count).sqrt(),
+            misfit: found.misfit,
+            fastest: found.motion.fastest,
             samples_used: known.len(),
             samples_missing: record.samples() - known.len(),
         },

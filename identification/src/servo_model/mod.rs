@@ -13,7 +13,10 @@ mod estimate;
 mod fit;
 mod lack_of_fit;
 mod ladder;
+mod misfit;
 mod model;
+mod motion;
+mod noise_at_rest;
 mod possible_servo;
 mod quantities;
 mod search;
@@ -35,6 +38,7 @@ pub use model::{
     Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ServoFit,
     ServoModel, ServoResponse,
 };
+pub use motion::Fastest;
 pub use quantities::{Quantity, Unit};
 pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters};
 pub use watch::Watch;

@@ -2,13 +2,14 @@
 
 use super::coordinates::{Coordinate, Point, Terms};
 use super::fit::MOST;
+use super::motion::Fastest;
 use super::quantities::Quantity;
 use super::start::find_starts;
 use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
-use crate::results::{Bounds, Noise, Validation, pointwise_critical, require_period};
-use crate::thresholds::LINEAR_MODEL_ADVANTAGE;
+use crate::results::{Bounds, Noise, Reason, Validation, pointwise_critical, require_period};
+use crate::thresholds::{LINEAR_MODEL_ADVANTAGE, SERVO_SPEED_BEYOND_RECORD};
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{Dual, Grid, Scalar, ServoParameters, Start, simulate};
 
@@ -83,6 +84,11 @@ pub struct ServoFit {
     pub linear_held_out_percent: f64,
     /// Root mean square of the errors.
     pub rmse: f64,
+    /// Upper limit of the root mean square of what the equation lacks: the part of the errors that does not average out as
+    /// the noise at rest does.
+    pub misfit: f64,
+    /// Largest speeds of the simulated output.
+    pub fastest: Fastest,
     /// Samples used.
     pub samples_used: usize,
     /// Samples without an output, or without an input.
@@ -170,15 +176,15 @@ impl ServoModel {
     }
 
     /// The response of the servo with the controller number `controller` (from 0) to `input`, from rest at the first
-    /// command. The band holds the responses of all servos that the record does not distinguish.
+    /// command. The band holds the responses of all servos that the record does not distinguish. It is withdrawn where
+    /// this motion is faster than that of the record by a quarter: what the servo lacks there did not show.
     #[must_use]
     pub fn respond(&self, input: &[f64], controller: usize) -> ServoResponse {
         let own = self.covariance.valid();
         let rows = own.map_or(&[][..], |found| &found.rows);
         let (value, spread) = self.response_of(&self.point(), rows, input, controller);
         let critical = own.map_or(f64::NAN, |found| pointwise_critical(found.level));
-        let of_model = self.predictable_error();
-        let bound = |sd: f64| critical * sd.hypot(of_model);
+        let bound = |sd: f64| critical * sd.hypot(self.fit.misfit);
         let mut half: Vec<f64> = spread.iter().map(|sd| bound(*sd)).collect();
         for other in self.alternatives.iter().filter(|_| own.is_some()) {
             let point = self.point_of(other.terms, &other.coordinates, &other.values);
@@ -187,17 +193,18 @@ impl ServoModel {
                 *half = half.max((theirs[k] - value[k]).abs() + bound(spread[k]));
             }
         }
+        let half_width = self.covariance.as_ref().map(|_| half);
         ServoResponse {
+            half_width: half_width.unless(self.beyond_record(&value)),
             value,
-            half_width: self.covariance.as_ref().map(|_| half),
         }
     }
 
-    /// Root mean square of the part of the errors that their own past predicts. It may be noise of the sensor, or what this
-    /// equation does not know of the servo; the band takes it for the latter.
-    fn predictable_error(&self) -> f64 {
-        let (rmse, white) = (self.fit.rmse, self.noise.sigma);
-        (rmse * rmse - white * white).max(0.0).sqrt()
+    /// Why the record says too little of the motion `value`.
+    fn beyond_record(&self, value: &[f64]) -> Option<Reason> {
+        let fastest = Fastest::of(&[value], self.sample_period_s).of_both();
+        (fastest > SERVO_SPEED_BEYOND_RECORD * self.fit.fastest.of_both())
+            .then_some(Reason::BeyondRecord)
     }
 
     /// Response and its standard deviation.

@@ -1,8 +1,10 @@
 //! What people ask of a servo, with intervals.
 
 use super::coordinates::Point;
+use super::motion::Fastest;
 use super::possible_servo::PossibleServo;
 use crate::results::{Bounds, Interval};
+use crate::thresholds::SERVO_TOP_SPEED_REACHED;
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{Load, ServoParameters};
 use std::f64::consts::TAU;
@@ -68,109 +70,118 @@ struct Definition {
     /// Which values are possible.
     domain: Domain,
     of: fn(&ServoParameters<f64>) -> Option<f64>,
+    /// How much of it the servo did in the record, if what it did not do is an extrapolation.
+    reached: Option<fn(&Fastest) -> f64>,
+}
+
+const fn define(
+    name: &'static str,
+    unit: Unit,
+    domain: Domain,
+    of: fn(&ServoParameters<f64>) -> Option<f64>,
+) -> Definition {
+    Definition {
+        name,
+        unit,
+        domain,
+        of,
+        reached: None,
+    }
 }
 
 /// All quantities, in the order in which they are shown.
 const DEFINITIONS: &[Definition] = &[
+    define("delay", Unit::Seconds, Domain::NotNegative, |p| {
+        Some(p.delay_s)
+    }),
+    define("gain", Unit::OutputPerCommand, Domain::Any, |p| {
+        Some(p.gain)
+    }),
+    define("offset", Unit::Output, Domain::Any, |p| Some(p.offset)),
+    define(
+        "bandwidth at small signals",
+        Unit::Hertz,
+        Domain::Positive,
+        |p| Some(bandwidth_hz(p)),
+    ),
+    define("damping ratio", Unit::One, Domain::Positive, |p| {
+        Some(p.damping / (2.0 * p.stiffness.sqrt()))
+    }),
     Definition {
-        name: "delay",
-        unit: Unit::Seconds,
-        domain: Domain::NotNegative,
-        of: |p| Some(p.delay_s),
+        reached: Some(|fastest| fastest.upwards),
+        ..define(
+            "top speed upwards",
+            Unit::OutputPerSecond,
+            Domain::Positive,
+            |p| top_speed(p, true),
+        )
     },
     Definition {
-        name: "gain",
-        unit: Unit::OutputPerCommand,
-        domain: Domain::Any,
-        of: |p| Some(p.gain),
+        reached: Some(|fastest| fastest.downwards),
+        ..define(
+            "top speed downwards",
+            Unit::OutputPerSecond,
+            Domain::Positive,
+            |p| top_speed(p, false),
+        )
     },
-    Definition {
-        name: "offset",
-        unit: Unit::Output,
-        domain: Domain::Any,
-        of: |p| Some(p.offset),
-    },
-    Definition {
-        name: "bandwidth at small signals",
-        unit: Unit::Hertz,
-        domain: Domain::Positive,
-        of: |p| Some(bandwidth_hz(p)),
-    },
-    Definition {
-        name: "damping ratio",
-        unit: Unit::One,
-        domain: Domain::Positive,
-        of: |p| Some(p.damping / (2.0 * p.stiffness.sqrt())),
-    },
-    Definition {
-        name: "top speed upwards",
-        unit: Unit::OutputPerSecond,
-        domain: Domain::Positive,
-        of: |p| top_speed(p, true),
-    },
-    Definition {
-        name: "top speed downwards",
-        unit: Unit::OutputPerSecond,
-        domain: Domain::Positive,
-        of: |p| top_speed(p, false),
-    },
-    Definition {
-        name: "acceleration upwards",
-        unit: Unit::OutputPerSecondSquared,
-        domain: Domain::Positive,
-        of: |p| p.limit.map(|l| l.up * p.gain.abs()),
-    },
-    Definition {
-        name: "acceleration downwards",
-        unit: Unit::OutputPerSecondSquared,
-        domain: Domain::Positive,
-        of: |p| p.limit.map(|l| l.up * l.down_to_up * p.gain.abs()),
-    },
-    Definition {
-        name: "error of full drive",
-        unit: Unit::Command,
-        domain: Domain::Positive,
-        of: |p| p.limit.map(|l| l.up / p.stiffness),
-    },
-    Definition {
-        name: "dead band, to each side",
-        unit: Unit::Command,
-        domain: Domain::NotNegative,
-        of: |p| p.dead_band,
-    },
-    Definition {
-        name: "resting error by friction",
-        unit: Unit::Command,
-        domain: Domain::NotNegative,
-        of: resting_error,
-    },
-    Definition {
-        name: "friction at rest to that in motion",
-        unit: Unit::One,
-        domain: Domain::NotNegative,
-        of: |p| Some(1.0 + p.friction?.at_rest?.excess),
-    },
-    Definition {
-        name: "friction of the gears",
-        unit: Unit::One,
-        domain: Domain::NotNegative,
-        of: |p| p.friction.map(|friction| friction.of_gears),
-    },
-    Definition {
-        name: "load at the middle",
-        unit: Unit::Command,
-        domain: Domain::Any,
-        of: load_at_zero,
-    },
-    Definition {
-        name: "load of a level arm",
-        unit: Unit::Command,
-        domain: Domain::Any,
-        of: |p| match p.load {
+    define(
+        "acceleration upwards",
+        Unit::OutputPerSecondSquared,
+        Domain::Positive,
+        |p| p.limit.map(|l| l.up * p.gain.abs()),
+    ),
+    define(
+        "acceleration downwards",
+        Unit::OutputPerSecondSquared,
+        Domain::Positive,
+        |p| p.limit.map(|l| l.up * l.down_to_up * p.gain.abs()),
+    ),
+    define(
+        "error of full drive",
+        Unit::Command,
+        Domain::Positive,
+        |p| p.limit.map(|l| l.up / p.stiffness),
+    ),
+    define(
+        "dead band, to each side",
+        Unit::Command,
+        Domain::NotNegative,
+        |p| p.dead_band,
+    ),
+    define(
+        "resting error by friction",
+        Unit::Command,
+        Domain::NotNegative,
+        resting_error,
+    ),
+    define(
+        "friction at rest to that in motion",
+        Unit::One,
+        Domain::NotNegative,
+        |p| Some(1.0 + p.friction?.at_rest?.excess),
+    ),
+    define(
+        "friction of the gears",
+        Unit::One,
+        Domain::NotNegative,
+        |p| p.friction.map(|friction| friction.of_gears),
+    ),
+    define(
+        "load at the middle",
+        Unit::Command,
+        Domain::Any,
+        load_at_zero,
+    ),
+    define(
+        "load of a level arm",
+        Unit::Command,
+        Domain::Any,
+        |p| match p.load {
             Load::Pendulum { gravity, .. } => Some(gravity / p.stiffness),
             _ => None,
         },
-    },
+    ),
 ];
 
 /// Frequency at which the response to small commands has fallen by 3 dB \[Hz\], without load and friction.
@@ -211,6 +222,7 @@ pub(super) fn quantities(
     possible: &[PossibleServo],
     critical: f64,
     level: &Bounds<f64>,
+    fastest: &Fastest,
 ) -> Vec<Quantity> {
     let of = |definition: &Definition| {
         let value = definition.value(&possible[0].point)?;
@@ -218,12 +230,13 @@ pub(super) fn quantities(
             .iter()
             .filter_map(|servo| definition.interval(servo, critical))
             .reduce(hull)?;
+        let interval = definition.as_far_as_reached(hull, fastest);
         Some(Quantity {
             name: definition.name.to_owned(),
             unit: definition.unit,
-            determined: definition.is_determined(&hull),
+            determined: definition.is_determined(&interval),
             value,
-            interval: level.as_ref().map(|_| hull),
+            interval: level.as_ref().map(|_| interval),
         })
     };
     DEFINITIONS.iter().filter_map(of).collect()
@@ -285,6 +298,20 @@ impl Definition {
                 Some((at(i, step)? - at(i, -step)?) / (2.0 * step))
             })
             .collect()
+    }
+
+    /// The interval of what the servo nearly did in the record; of anything else, that it can do as much.
+    fn as_far_as_reached(&self, interval: Interval, fastest: &Fastest) -> Interval {
+        match (self.reached, interval.value) {
+            (Some(reached), Some(value)) if reached(fastest) < SERVO_TOP_SPEED_REACHED * value => {
+                Interval {
+                    lower: interval.lower.map(|lower| lower.min(reached(fastest))),
+                    upper: None,
+                    ..interval
+                }
+            }
+            _ => interval,
+        }
     }
 
     fn is_determined(&self, interval: &Interval) -> bool {

@@ -3,11 +3,15 @@
 //! The errors of the simulation are taken as autoregressive noise. The estimate is that of least squares, so its
 //! covariance is H⁻¹ M H⁻¹ with H = J'J and M the covariance of J'e, where J are the derivatives of the outputs.
 //! M follows from the noise model; and from the products J'e of the blocks, which allow for noise that changes
-//! with the motion (P. J. Huber 1967; a sandwich by blocks). The larger of the two holds in every direction.
+//! with the motion (P. J. Huber 1967; a sandwich by blocks). The larger of the two holds in every direction. What the
+//! equation may lack without the record showing it is added as an error that is constant over windows.
 
 use super::coordinates::Point;
 use super::error_row::Row;
 use super::fit::{MOST, Problem};
+use super::misfit;
+use super::motion::Motion;
+use super::noise_at_rest::NoiseAtRest;
 use super::possible_servo::PossibleServo;
 use crate::estimation::{NoiseFit, best_order, noise_filter};
 use crate::numerics::{cholesky, inverse_of_square};
@@ -31,6 +35,14 @@ pub(super) struct Uncertainty {
     pub(super) sigma: f64,
     /// Errors of the simulation and their derivatives, by stretch.
     pub(super) rows: Vec<Vec<Row>>,
+    /// The motion of the simulation.
+    pub(super) motion: Motion,
+    /// The noise of the sensor; `None` where too little is at rest to show it.
+    pub(super) at_rest: Option<NoiseAtRest>,
+    /// Samples over which errors of the equation are taken as constant.
+    pub(super) window: usize,
+    /// Upper limit of the root mean square of the error of the equation \[output\].
+    pub(super) misfit: f64,
 }
 
 /// The errors of rows, NaN where missing.
@@ -69,7 +81,16 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
             slope: *slope,
         };
     });
-    let (ar, sigma) = noise(&errors(&rows));
+    let all = errors(&rows);
+    let (ar, sigma) = noise(&all);
+    let motion = Motion::new(problem.stretches, &all, problem.grid.period_s);
+    let at_rest = NoiseAtRest::new(&motion, &all);
+    let window = misfit::window(point, &problem.grid);
+    let misfit = match &at_rest {
+        Some(noise) => misfit::upper_limit(&all, &motion, noise, window),
+        // Nothing says what of the errors is noise.
+        None => root_mean_square(&all),
+    };
     let known = rows.iter().flatten().filter(|row| !row.error.is_nan());
     let normal = sum_of_products(point.values.len(), known.map(|row| &row.slope));
     let seen = seen(&normal);
@@ -78,7 +99,8 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
         |whole: &Mat<f64>| Mat::from_fn(kept.len(), kept.len(), |i, j| whole[(kept[i], kept[j])]);
     let modelled = by_noise_model(&rows, &ar, sigma, point.values.len());
     let blockwise = by_blocks(problem, &rows, blocks, point.values.len());
-    let middle = larger(&part(&modelled), &part(&blockwise));
+    let unseen = by_windows(&rows, window, misfit, point.values.len());
+    let middle = larger(&part(&modelled), &part(&blockwise)) + part(&unseen);
     let mut covariance = Mat::zeros(seen.len(), seen.len());
     if let Some(lower) = cholesky(&part(&normal)) {
         let inverse = inverse_of_square(&lower);
@@ -95,7 +117,17 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
         ar,
         sigma,
         rows,
+        motion,
+        at_rest,
+        window,
+        misfit,
     }
+}
+
+/// Root mean square of all that are known.
+fn root_mean_square(errors: &[Vec<f64>]) -> f64 {
+    let known = || errors.iter().flatten().filter(|e| !e.is_nan());
+    (known().map(|e| e * e).sum::<f64>() / known().count() as f64).sqrt()
 }
 
 /// An autoregressive model of the errors, its order by Bayes' criterion.
@@ -163,6 +195,22 @@ fn by_blocks(problem: &Problem<'_>, rows: &[Vec<Row>], blocks: usize, count: usi
         }
     }
     sum_of_products(count, parts.iter())
+}
+
+/// Covariance of J'e for errors of the equation of size `misfit` that are constant over windows.
+fn by_windows(rows: &[Vec<Row>], window: usize, misfit: f64, count: usize) -> Mat<f64> {
+    let windows = rows.iter().flat_map(|rows| rows.chunks(window));
+    let sum = |rows: &[Row]| {
+        let mut sum = [0.0; MOST];
+        for row in rows.iter().filter(|row| !row.error.is_nan()) {
+            for (sum, slope) in sum.iter_mut().zip(row.slope) {
+                *sum += misfit * slope;
+            }
+        }
+        sum
+    };
+    let sums: Vec<[f64; MOST]> = windows.map(sum).collect();
+    sum_of_products(count, sums.iter())
 }
 
 /// Sum of the outer products of vectors.

@@ -31,17 +31,20 @@ pub(super) fn row(trials: &[Trial]) -> String {
     format!(
         "{start} {inside} of {} | {} | {} |",
         judged().count(),
-        mean_and_worst(claims.iter().map(|claim| claim.alike)),
-        mean_and_worst(claims.iter().map(|claim| claim.large))
+        mean_and_worst(claims.iter().filter_map(|claim| claim.alike)),
+        mean_and_worst(claims.iter().filter_map(|claim| claim.large))
     )
 }
 
-/// Share inside of several bands \[%\].
+/// Share inside of several bands \[%\], and their number.
 fn mean_and_worst(bands: impl Iterator<Item = Band>) -> String {
     let shares: Vec<f64> = bands.map(|band| 100.0 * band.inside).collect();
+    if shares.is_empty() {
+        return "none".to_owned();
+    }
     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
     let worst = shares.iter().copied().fold(100.0, f64::min);
-    format!("{mean:.1} %, {worst:.1} %")
+    format!("{mean:.1} %, {worst:.1} % of {}", shares.len())
 }
 
 /// Of each quantity whose intervals miss the truth somewhere: in how many recordings, and of how many.
@@ -72,12 +75,11 @@ pub(super) fn line(trial: &Trial) -> String {
         Some(claim) => {
             let missed = claim.intervals.iter().filter(|(_, inside)| !inside);
             let missed: Vec<&str> = missed.map(|(name, _)| *name).collect();
-            let band = |band: Band| {
-                format!(
-                    "{:.1} %, farthest {:.3} deg",
-                    100.0 * band.inside,
-                    band.farthest
-                )
+            let band = |band: Option<Band>| {
+                band.map_or("withdrawn".to_owned(), |band| {
+                    let percent = 100.0 * band.inside;
+                    format!("{percent:.1} %, farthest {:.3} deg", band.farthest)
+                })
             };
             format!(
                 "band {}; large strokes {}; missed {missed:?}",

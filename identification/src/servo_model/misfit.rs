@@ -1,0 +1,65 @@
+//! What the equation may lack without the record showing it.
+//!
+//! Errors of the equation change as slowly as the servo; noise averages out over such times. The mean squares of
+//! errors averaged over windows, less what the noise at rest leaves there, are those of the misfit. Their upper
+//! limit is taken, since bands and intervals have to hold for any misfit that the record does not exclude.
+
+use super::coordinates::Point;
+use super::motion::Motion;
+use super::noise_at_rest::NoiseAtRest;
+use crate::numerics::chi_square_quantile;
+use servoid_dynamics::Grid;
+
+/// Probability with which the misfit is above its limit.
+const MISSED: f64 = 0.01;
+
+/// Windows in the time in which a servo settles.
+pub(super) const WINDOWS: usize = 8;
+
+/// Time in which a servo settles at small signals \[1/ω\].
+const SETTLING: f64 = 8.0;
+
+/// Samples of a window: the servo settles in [`WINDOWS`] of them.
+pub(super) fn window(point: &Point, grid: &Grid) -> usize {
+    let servo = point.physics(0, |_, value| value);
+    let settling_s = servo.delay_s + SETTLING / servo.stiffness.sqrt();
+    let settling = (settling_s / grid.period_s).ceil() as usize;
+    settling.div_ceil(WINDOWS).max(1)
+}
+
+/// Upper limit of the root mean square of the misfit \[output\], at rest or in motion, whichever is larger.
+pub(super) fn upper_limit(
+    errors: &[Vec<f64>],
+    motion: &Motion,
+    noise: &NoiseAtRest,
+    window: usize,
+) -> f64 {
+    let (mut at_rest, mut moving) = (Vec::new(), Vec::new());
+    for (errors, rest) in errors.iter().zip(&motion.at_rest) {
+        for (errors, rest) in errors.chunks_exact(window).zip(rest.chunks_exact(window)) {
+            let mean = errors.iter().sum::<f64>() / window as f64;
+            let resting = rest.iter().filter(|rest| **rest).count();
+            if mean.is_nan() {
+                continue;
+            }
+            let side = if 2 * resting > window {
+                &mut at_rest
+            } else {
+                &mut moving
+            };
+            side.push(mean * mean);
+        }
+    }
+    let noise = noise.variance_of_mean(window);
+    let limit = |squares: &[f64]| -> f64 {
+        // The sum over what the variance is follows χ²; without windows nothing bounds it but the other side.
+        let least = chi_square_quantile(MISSED, squares.len());
+        let largest = squares.iter().sum::<f64>() / least;
+        if squares.is_empty() {
+            0.0
+        } else {
+            largest - noise
+        }
+    };
+    limit(&at_rest).max(limit(&moving)).max(0.0).sqrt()
+}

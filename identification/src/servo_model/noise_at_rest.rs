@@ -1,0 +1,113 @@
+//! The noise of the sensor, from the samples at rest alone.
+//!
+//! Errors in motion hold what the equation does not know of the servo, and a noise model of all errors takes that for noise. At
+//! rest such errors stand still: the scatter about the mean of each rest is that of the sensor.
+
+use super::motion::Motion;
+use crate::estimation::{NoiseFit, best_order, noise_filter};
+use faer::Mat;
+
+/// Samples at rest that show the noise.
+const FEWEST: usize = 100;
+
+/// Samples of a rest, at least: a shorter one says more of its own mean than of the noise.
+const SHORTEST: usize = 8;
+
+/// Highest order of the noise model: rests are short.
+const HIGHEST_ORDER: usize = 4;
+
+/// Lags up to which the noise is followed.
+const LAGS: usize = 400;
+
+/// Rounds in which the share of the noise that went with the means is found; each brings it closer by a factor of two or more
+/// where rests are twice as long as the noise remembers.
+const ROUNDS: usize = 20;
+
+/// Autoregressive noise.
+pub(super) struct NoiseAtRest {
+    /// 1, d_1..d_d.
+    pub(super) filter: Vec<f64>,
+    /// Standard deviation of the white noise behind it.
+    pub(super) sigma: f64,
+    /// Autocovariance at lags 0, 1, ..
+    covariance: Vec<f64>,
+}
+
+impl NoiseAtRest {
+    /// `None` where too little of the record is at rest to show it.
+    pub(super) fn new(motion: &Motion, errors: &[Vec<f64>]) -> Option<Self> {
+        let rests = rests(motion, errors);
+        if rests.iter().map(Vec::len).sum::<usize>() < FEWEST {
+            return None;
+        }
+        // The means take part of the noise with them: as much as the noise that is found says, which grows by that.
+        let products: Vec<f64> = (0..=HIGHEST_ORDER)
+            .map(|lag| mean_product(&rests, lag))
+            .collect();
+        let samples: usize = rests.iter().map(Vec::len).sum();
+        let mut found = Self::of_covariance(products.clone(), samples);
+        for _ in 0..ROUNDS {
+            let of_mean = |rest: &Vec<f64>| rest.len() as f64 * found.variance_of_mean(rest.len());
+            let lost = rests.iter().map(of_mean).sum::<f64>() / samples as f64;
+            found = Self::of_covariance(products.iter().map(|r| r + lost).collect(), samples);
+        }
+        Some(found)
+    }
+
+    /// The noise whose autocovariance begins with these.
+    fn of_covariance(mut covariance: Vec<f64>, samples: usize) -> Self {
+        let moments = Mat::from_fn(covariance.len(), covariance.len(), |i, j| {
+            covariance[i.abs_diff(j)] * samples as f64
+        });
+        // Without noise, or with rounding alone, there is nothing to model.
+        let ar = NoiseFit::new(&moments, 0.0).map_or(Vec::new(), |fit| {
+            fit.coefficients(best_order(&fit.candidates(samples)))
+        });
+        let (order, filter) = (ar.len(), noise_filter(&ar));
+        let white: f64 = filter.iter().zip(&covariance).map(|(d, r)| d * r).sum();
+        // Yule-Walker: what an autoregressive model of this order says of longer lags.
+        covariance.truncate(order + 1);
+        while covariance.len() < LAGS {
+            let late = filter[1..].iter().zip(covariance.iter().rev());
+            covariance.push(-late.map(|(d, r)| d * r).sum::<f64>());
+        }
+        Self {
+            filter,
+            sigma: white.max(0.0).sqrt(),
+            covariance,
+        }
+    }
+
+    /// Variance of the mean of `count` samples in a row.
+    pub(super) fn variance_of_mean(&self, count: usize) -> f64 {
+        let known = self.covariance.iter().take(count).enumerate();
+        let term = |(lag, r): (usize, &f64)| {
+            let pairs = if lag == 0 { 1.0 } else { 2.0 };
+            pairs * (1.0 - lag as f64 / count as f64) * r
+        };
+        (known.map(term).sum::<f64>() / count as f64).max(0.0)
+    }
+}
+
+/// Errors of each rest less their mean.
+fn rests(motion: &Motion, errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let mut rests = Vec::new();
+    for (at_rest, errors) in motion.at_rest.iter().zip(errors) {
+        let mut at = 0;
+        for part in at_rest.chunk_by(|a, b| a == b) {
+            let own = &errors[at..at + part.len()];
+            at += part.len();
+            if part[0] && part.len() >= SHORTEST {
+                let mean = own.iter().sum::<f64>() / own.len() as f64;
+                rests.push(own.iter().map(|e| e - mean).collect());
+            }
+        }
+    }
+    rests
+}
+
+/// Mean of the products of samples `lag` apart in the same rest.
+fn mean_product(rests: &[Vec<f64>], lag: usize) -> f64 {
+    let pairs = || rests.iter().flat_map(|rest| rest.iter().zip(&rest[lag..]));
+    pairs().map(|(a, b)| a * b).sum::<f64>() / pairs().count() as f64
+}
