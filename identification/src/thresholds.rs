@@ -445,13 +445,13 @@ pub const MOTION_NOISE_CHANCE: f64 = 4.0;
 /// Probability below which errors of a servo model follow the command.
 ///
 /// Protects: the intervals of servos outside of the model's class. Evidence: as for [`MOTION_NOISE_RATIO`].
-pub const SERVO_LACK_OF_FIT: f64 = 0.001;
+pub const SERVO_LACK_OF_FIT: f64 = 0.01;
 
-/// Speed of a simulated response to that of the record, up to which the record says how the servo does it.
+/// Distance of the servo from the command to the largest of the record, up to which the record says what the servo does there.
 ///
 /// Protects: bands under larger strokes than were recorded, where limits act that did not show. Evidence: the coverage table of
 /// servo models; other commands of the recorded kind reach 1.22.
-pub const SERVO_SPEED_BEYOND_RECORD: f64 = 1.25;
+pub const SERVO_ERROR_BEYOND_RECORD: f64 = 1.25;
 
 /// Share of its top speed that a servo must reach in the record for it to be determined.
 ///

@@ -20,7 +20,7 @@ pub enum Reason {
     ErrorsNotNoise,
     /// The steps of the sensor are larger than the noise, and the input does not average them out.
     QuantisationAboveNoise,
-    /// The motion is faster than the recording that the model comes from.
+    /// The command runs further ahead of the servo than in the recording that the model comes from.
     BeyondRecord,
 }
 
@@ -35,7 +35,7 @@ impl Reason {
             }
             Self::ErrorsNotNoise => "the errors are not noise",
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
-            Self::BeyondRecord => "the command moves the servo faster than the recording did",
+            Self::BeyondRecord => "the command has larger strokes than the recording",
         }
     }
 }

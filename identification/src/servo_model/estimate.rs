@@ -7,6 +7,7 @@ use super::coordinates::{Point, Terms};
 use super::fit::Problem;
 use super::ladder::{Ladder, Rung};
 use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
+use super::motion::largest_error;
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
 use super::search::{Shown, other_starts};
@@ -296,7 +297,7 @@ fn describe(
             linear_held_out_percent: linear.map_or(f64::NAN, held_out),
             rmse: (error / count).sqrt(),
             misfit: found.misfit,
-            fastest: found.motion.fastest,
+            largest_error: largest_error_of(parts, point, &found),
             samples_used: known.len(),
             samples_missing: record.samples() - known.len(),
         },
@@ -307,6 +308,16 @@ fn describe(
         ladder: choice.tried.iter().enumerate().map(rung).collect(),
         linear_models: None,
     }
+}
+
+/// Over all of the record.
+fn largest_error_of(parts: &[Stretch], point: &Point, found: &Uncertainty) -> f64 {
+    let simulated = parts.iter().zip(&found.motion.simulated);
+    let of_part = |(part, output): (&Stretch, &Vec<f64>)| {
+        let physics = point.physics(part.controller, |_, value| value);
+        largest_error(&physics, &part.input, output)
+    };
+    simulated.map(of_part).fold(0.0, f64::max)
 }
 
 fn rows(matrix: &Mat<f64>) -> Vec<Vec<f64>> {

@@ -151,3 +151,21 @@ fn reduction(normal: &Mat<f64>, products: &[f64], count: usize) -> Option<f64> {
 
 /// Added to each pivot, so that combinations of other columns take next to nothing.
 const PIVOT: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn play_lags_behind_by_half_its_width_after_a_turn() {
+        let there_and_back = [0.0, 1.0, 2.0, 1.9, 1.0, f64::NAN, 0.0];
+        let lag: Vec<f64> = play(&there_and_back, 0.4)
+            .iter()
+            .map(|[lag]| *lag)
+            .collect();
+        let exact = [0.0, -0.2, -0.2, -0.1, 0.2, 0.0, 0.2];
+        for (lag, exact) in lag.iter().zip(exact) {
+            assert!((lag - exact).abs() < 1e-12, "{lag} {exact}");
+        }
+    }
+}

@@ -38,7 +38,6 @@ pub use model::{
     Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ServoFit,
     ServoModel, ServoResponse,
 };
-pub use motion::Fastest;
 pub use quantities::{Quantity, Unit};
 pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters};
 pub use watch::Watch;

@@ -2,14 +2,14 @@
 
 use super::coordinates::{Coordinate, Point, Terms};
 use super::fit::MOST;
-use super::motion::Fastest;
+use super::motion::largest_error;
 use super::quantities::Quantity;
 use super::start::find_starts;
 use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
 use crate::results::{Bounds, Noise, Reason, Validation, pointwise_critical, require_period};
-use crate::thresholds::{LINEAR_MODEL_ADVANTAGE, SERVO_SPEED_BEYOND_RECORD};
+use crate::thresholds::{LINEAR_MODEL_ADVANTAGE, SERVO_ERROR_BEYOND_RECORD};
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{Dual, Grid, Scalar, ServoParameters, Start, simulate};
 
@@ -87,8 +87,8 @@ pub struct ServoFit {
     /// Upper limit of the root mean square of what the equation lacks: the part of the errors that does not average out as
     /// the noise at rest does.
     pub misfit: f64,
-    /// Largest speeds of the simulated output.
-    pub fastest: Fastest,
+    /// Largest distance of the simulated angle from the command \[command\].
+    pub largest_error: f64,
     /// Samples used.
     pub samples_used: usize,
     /// Samples without an output, or without an input.
@@ -177,7 +177,7 @@ impl ServoModel {
 
     /// The response of the servo with the controller number `controller` (from 0) to `input`, from rest at the first
     /// command. The band holds the responses of all servos that the record does not distinguish. It is withdrawn where
-    /// this motion is faster than that of the record by a quarter: what the servo lacks there did not show.
+    /// the command runs ahead of the servo by a quarter more than in the record: what happens there did not show.
     #[must_use]
     pub fn respond(&self, input: &[f64], controller: usize) -> ServoResponse {
         let own = self.covariance.valid();
@@ -195,16 +195,15 @@ impl ServoModel {
         }
         let half_width = self.covariance.as_ref().map(|_| half);
         ServoResponse {
-            half_width: half_width.unless(self.beyond_record(&value)),
+            half_width: half_width.unless(self.beyond_record(input, &value, controller)),
             value,
         }
     }
 
-    /// Why the record says too little of the motion `value`.
-    fn beyond_record(&self, value: &[f64]) -> Option<Reason> {
-        let fastest = Fastest::of(&[value], self.sample_period_s).of_both();
-        (fastest > SERVO_SPEED_BEYOND_RECORD * self.fit.fastest.of_both())
-            .then_some(Reason::BeyondRecord)
+    /// Why the record says too little of the response `value` to `input`.
+    fn beyond_record(&self, input: &[f64], value: &[f64], controller: usize) -> Option<Reason> {
+        let error = largest_error(&self.parameters(controller), input, value);
+        (error > SERVO_ERROR_BEYOND_RECORD * self.fit.largest_error).then_some(Reason::BeyondRecord)
     }
 
     /// Response and its standard deviation.

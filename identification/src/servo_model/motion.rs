@@ -1,7 +1,7 @@
-//! The motion of the simulated servo over a record: where it is at rest, and how fast it gets.
+//! The motion of the simulated servo: where it is at rest, how fast it gets, and how far behind the command it falls.
 
 use super::stretches::Stretch;
-use serde::{Deserialize, Serialize};
+use servoid_dynamics::ServoParameters;
 
 /// Speed that counts as motion, as a share of the largest.
 const MOVING: f64 = 0.02;
@@ -19,25 +19,24 @@ pub(super) struct Motion {
 }
 
 /// Largest speeds of the simulated output over a record.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Fastest {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fastest {
     /// Towards larger outputs \[output/s\].
-    pub upwards: f64,
+    pub(super) upwards: f64,
     /// Towards smaller outputs, more than zero \[output/s\].
-    pub downwards: f64,
+    pub(super) downwards: f64,
 }
 
 impl Fastest {
     /// In either direction \[output/s\].
-    #[must_use]
-    pub fn of_both(&self) -> f64 {
+    fn of_both(&self) -> f64 {
         self.upwards.max(self.downwards)
     }
 
-    /// Those of an output with samples every `period_s` seconds; NaN is passed over.
-    pub(super) fn of<T: AsRef<[f64]>>(outputs: &[T], period_s: f64) -> Self {
+    /// Those of outputs with samples every `period_s` seconds; NaN is passed over.
+    fn of(outputs: &[Vec<f64>], period_s: f64) -> Self {
         let speeds = || {
-            let pairs = outputs.iter().flat_map(|run| run.as_ref().windows(2));
+            let pairs = outputs.iter().flat_map(|run| run.windows(2));
             pairs.map(|pair| (pair[1] - pair[0]) / period_s)
         };
         Self {
@@ -45,6 +44,13 @@ impl Fastest {
             downwards: speeds().fold(0.0, |most, speed| f64::max(most, -speed)),
         }
     }
+}
+
+/// The largest distance of the angle of the servo `physics` from the command \[command\]; NaN is passed over.
+pub(super) fn largest_error(physics: &ServoParameters, input: &[f64], output: &[f64]) -> f64 {
+    let angle = |y: f64| (y - physics.offset) / physics.gain;
+    let errors = input.iter().zip(output).map(|(u, y)| (u - angle(*y)).abs());
+    errors.fold(0.0, f64::max)
 }
 
 impl Motion {

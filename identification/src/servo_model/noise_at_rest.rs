@@ -111,3 +111,51 @@ fn mean_product(rests: &[Vec<f64>], lag: usize) -> f64 {
     let pairs = || rests.iter().flat_map(|rest| rest.iter().zip(&rest[lag..]));
     pairs().map(|(a, b)| a * b).sum::<f64>() / pairs().count() as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::servo_model::motion::Fastest;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// AR(1) noise, v(k) = 0.8 v(k-1) + white, in rests of 50 samples that stand at levels of their own.
+    #[test]
+    fn noise_in_short_rests_is_that_of_the_sensor() {
+        let mut random = ChaCha8Rng::seed_from_u64(61);
+        let (mut errors, mut at_rest, mut noise) = (Vec::new(), Vec::new(), 0.0);
+        for rest in 0..200 {
+            for k in 0..60 {
+                let white: f64 = StandardNormal.sample(&mut random);
+                noise = 0.8 * noise + white;
+                // Between two rests the errors are ten times as large.
+                let moving = k >= 50;
+                errors.push(if moving {
+                    10.0 * noise
+                } else {
+                    noise + 3.0 * (rest % 7) as f64
+                });
+                at_rest.push(!moving);
+            }
+        }
+        let motion = Motion {
+            simulated: vec![vec![0.0; errors.len()]],
+            moving: vec![at_rest.iter().map(|rest| !rest).collect()],
+            at_rest: vec![at_rest],
+            fastest: Fastest {
+                upwards: 1.0,
+                downwards: 1.0,
+            },
+        };
+        let found = NoiseAtRest::new(&motion, &[errors]).unwrap();
+        // Four standard errors of 10 000 samples: 0.6/100 for the coefficient, 1/141 for sigma. With the means of 50 samples left
+        // in, it is 0.76.
+        assert_eq!(found.filter.len(), 2);
+        assert!((found.filter[1] + 0.8).abs() < 0.024, "{:?}", found.filter);
+        assert!((found.sigma - 1.0).abs() < 0.03, "{}", found.sigma);
+        // σ²/(1 - 0.8)² for each sample of a long mean.
+        let exact = 25.0 / 1000.0;
+        assert!((found.variance_of_mean(1000) / exact - 1.0).abs() < 0.25);
+    }
+}
