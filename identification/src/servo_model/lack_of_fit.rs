@@ -9,7 +9,7 @@
 //! errors that change their sign where the motion turns round; one width stands for all, since small play has one shape.
 
 use super::coordinates::Point;
-use super::misfit::WINDOWS;
+use super::discrepancy::WINDOWS;
 use super::noise_at_rest::NoiseAtRest;
 use super::stretches::Stretch;
 use super::uncertainty::Uncertainty;

@@ -8,12 +8,12 @@
 
 mod beside_linear;
 mod coordinates;
+mod discrepancy;
 mod error_row;
 mod estimate;
 mod fit;
 mod lack_of_fit;
 mod ladder;
-mod misfit;
 mod model;
 mod motion;
 mod noise_at_rest;

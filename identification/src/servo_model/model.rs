@@ -86,7 +86,7 @@ pub struct ServoFit {
     pub rmse: f64,
     /// Upper limit of the root mean square of what the equation lacks: the part of the errors that does not average out as
     /// the noise at rest does.
-    pub misfit: f64,
+    pub discrepancy: f64,
     /// Largest distance of the simulated angle from the command \[command\].
     pub largest_error: f64,
     /// Samples used.
@@ -184,7 +184,7 @@ impl ServoModel {
         let rows = own.map_or(&[][..], |found| &found.rows);
         let (value, spread) = self.response_of(&self.point(), rows, input, controller);
         let critical = own.map_or(f64::NAN, |found| pointwise_critical(found.level));
-        let bound = |sd: f64| critical * sd.hypot(self.fit.misfit);
+        let bound = |sd: f64| critical * sd.hypot(self.fit.discrepancy);
         let mut half: Vec<f64> = spread.iter().map(|sd| bound(*sd)).collect();
         for other in self.alternatives.iter().filter(|_| own.is_some()) {
             let point = self.point_of(other.terms, &other.coordinates, &other.values);

@@ -7,9 +7,9 @@
 //! equation may lack without the record showing it is added as an error that is constant over windows.
 
 use super::coordinates::Point;
+use super::discrepancy;
 use super::error_row::Row;
 use super::fit::{MOST, Problem};
-use super::misfit;
 use super::motion::Motion;
 use super::noise_at_rest::NoiseAtRest;
 use super::possible_servo::PossibleServo;
@@ -42,7 +42,7 @@ pub(super) struct Uncertainty {
     /// Samples over which errors of the equation are taken as constant.
     pub(super) window: usize,
     /// Upper limit of the root mean square of the error of the equation \[output\].
-    pub(super) misfit: f64,
+    pub(super) discrepancy: f64,
 }
 
 /// The errors of rows, NaN where missing.
@@ -85,9 +85,9 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     let (ar, sigma) = noise(&all);
     let motion = Motion::new(problem.stretches, &all, problem.grid.period_s);
     let at_rest = NoiseAtRest::new(&motion, &all);
-    let window = misfit::window(point, &problem.grid);
-    let misfit = match &at_rest {
-        Some(noise) => misfit::upper_limit(&all, &motion, noise, window),
+    let window = discrepancy::window(point, &problem.grid);
+    let discrepancy = match &at_rest {
+        Some(noise) => discrepancy::upper_limit(&all, &motion, noise, window),
         // Nothing says what of the errors is noise.
         None => root_mean_square(&all),
     };
@@ -99,7 +99,7 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
         |whole: &Mat<f64>| Mat::from_fn(kept.len(), kept.len(), |i, j| whole[(kept[i], kept[j])]);
     let modelled = by_noise_model(&rows, &ar, sigma, point.values.len());
     let blockwise = by_blocks(problem, &rows, blocks, point.values.len());
-    let unseen = by_windows(&rows, window, misfit, point.values.len());
+    let unseen = by_windows(&rows, window, discrepancy, point.values.len());
     let middle = larger(&part(&modelled), &part(&blockwise)) + part(&unseen);
     let mut covariance = Mat::zeros(seen.len(), seen.len());
     if let Some(lower) = cholesky(&part(&normal)) {
@@ -120,7 +120,7 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
         motion,
         at_rest,
         window,
-        misfit,
+        discrepancy,
     }
 }
 
@@ -197,14 +197,14 @@ fn by_blocks(problem: &Problem<'_>, rows: &[Vec<Row>], blocks: usize, count: usi
     sum_of_products(count, parts.iter())
 }
 
-/// Covariance of J'e for errors of the equation of size `misfit` that are constant over windows.
-fn by_windows(rows: &[Vec<Row>], window: usize, misfit: f64, count: usize) -> Mat<f64> {
+/// Covariance of J'e for errors of the equation of size `discrepancy` that are constant over windows.
+fn by_windows(rows: &[Vec<Row>], window: usize, discrepancy: f64, count: usize) -> Mat<f64> {
     let windows = rows.iter().flat_map(|rows| rows.chunks(window));
     let sum = |rows: &[Row]| {
         let mut sum = [0.0; MOST];
         for row in rows.iter().filter(|row| !row.error.is_nan()) {
             for (sum, slope) in sum.iter_mut().zip(row.slope) {
-                *sum += misfit * slope;
+                *sum += discrepancy * slope;
             }
         }
         sum

@@ -1,8 +1,8 @@
 //! What the equation may lack without the record showing it.
 //!
 //! Errors of the equation change as slowly as the servo; noise averages out over such times. The mean squares of
-//! errors averaged over windows, less what the noise at rest leaves there, are those of the misfit. Their upper
-//! limit is taken, since bands and intervals have to hold for any misfit that the record does not exclude.
+//! errors averaged over windows, less what the noise at rest leaves there, are those of the discrepancy. Their upper
+//! limit is taken, since bands and intervals have to hold for any discrepancy that the record does not exclude.
 
 use super::coordinates::Point;
 use super::motion::Motion;
@@ -10,7 +10,7 @@ use super::noise_at_rest::NoiseAtRest;
 use crate::numerics::chi_square_quantile;
 use servoid_dynamics::Grid;
 
-/// Probability with which the misfit is above its limit.
+/// Probability with which the discrepancy is above its limit.
 const MISSED: f64 = 0.01;
 
 /// Windows in the time in which a servo settles.
@@ -27,7 +27,7 @@ pub(super) fn window(point: &Point, grid: &Grid) -> usize {
     settling.div_ceil(WINDOWS).max(1)
 }
 
-/// Upper limit of the root mean square of the misfit \[output\], at rest or in motion, whichever is larger.
+/// Upper limit of the root mean square of the discrepancy \[output\], at rest or in motion, whichever is larger.
 pub(super) fn upper_limit(
     errors: &[Vec<f64>],
     motion: &Motion,
@@ -74,7 +74,7 @@ mod tests {
 
     /// Errors with a slow sine in motion below white noise: the limit holds what is there, and does not claim much more.
     #[test]
-    fn the_limit_holds_a_misfit_below_the_noise() {
+    fn the_limit_holds_a_discrepancy_below_the_noise() {
         let (samples, size) = (4000, 0.3);
         let mut within = 0;
         let runs = 200;
