@@ -4,7 +4,7 @@
 //! the errors one step ahead are larger in motion, the model is wrong there, or its fit lies in a poor minimum. Where
 //! nothing of the record is at rest, nothing shows that they are noise.
 
-use super::coordinates::Point;
+use super::coordinates::{Coordinate, Point};
 use super::lack_of_fit;
 use super::stretches::Stretch;
 use super::uncertainty::Uncertainty;
@@ -19,12 +19,18 @@ const LEVELS: usize = 3;
 
 /// What speaks against intervals of `point`.
 pub(super) fn against(stretches: &[Stretch], point: &Point, found: &Uncertainty) -> Option<Reason> {
-    if levels(stretches) < LEVELS {
+    if levels(stretches) < LEVELS || hides_friction(point, found) {
         return Some(Reason::InputUnexcited);
     }
     let follow = lack_of_fit::follows_command(stretches, point, found)
         || lack_of_fit::has_play(point, found);
     (follow || grows_with_motion(found)).then_some(Reason::ErrorsNotNoise)
+}
+
+/// Whether the servo has friction that the record does not show: it hardly moved, and between two strokes any friction fits.
+fn hides_friction(point: &Point, found: &Uncertainty) -> bool {
+    let mut all = point.coordinates.iter().zip(&found.seen);
+    all.any(|(coordinate, seen)| *coordinate == Coordinate::Friction && !seen)
 }
 
 /// Different commands, up to three.
