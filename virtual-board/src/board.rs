@@ -36,7 +36,15 @@ enum Plan {
     Stick,
     SwitchOff,
     SwitchOn,
+    PullReset,
+    Raise(u16),
+    Halt,
 }
+
+/// The exception of a hard fault (Armv7-M ARM, B1.5.2).
+const HARD_FAULT: u16 = 3;
+/// An interrupt that no peripheral here has: that of the real-time clock (RM0008 10.1.2, position 3).
+const STRAY: u16 = 16 + 3;
 
 /// A board that runs an image, behind a serial line.
 ///
@@ -83,12 +91,16 @@ impl<C: Core> VirtualBoard<C> {
                     let back = at + from_duration(BROWN_OUT) + POWER_ON_DELAY;
                     plans.extend([(at, Plan::SwitchOff), (back, Plan::SwitchOn)]);
                 }
+                Fault::ResetPin(at) => plans.push((at, Plan::PullReset)),
+                Fault::HardFault(at) => plans.push((at, Plan::Raise(HARD_FAULT))),
+                Fault::StrayInterrupt(at) => plans.push((at, Plan::Raise(STRAY))),
+                Fault::DebuggerHalts(at) => plans.push((at, Plan::Halt)),
                 // Those of the chip and the line.
                 _ => {}
             }
         }
         plans.sort_by_key(|&(at, _)| at);
-        let ram = Ram::default();
+        let ram = Ram::new(options.ram_bytes);
         let chip = Arc::new(SharedChip::new(Chip::new(options, ram.clone())?));
         let bus: Arc<dyn Bus> = chip.clone();
         Ok(Self {
@@ -255,6 +267,13 @@ impl<C: Core> VirtualBoard<C> {
             match plan {
                 Plan::StopCrystal => self.chip.lock().stop_crystal(self.now),
                 Plan::Stick => self.stuck = true,
+                Plan::PullReset => self.reset(ResetReason::Pin),
+                Plan::Raise(exception) => self.core.raise(exception),
+                // It stands as if it was stuck.
+                Plan::Halt => {
+                    self.stuck = true;
+                    self.chip.lock().halt(self.now);
+                }
                 Plan::SwitchOff => {
                     self.power = false;
                     self.chip.lock().switch_off(self.now);
@@ -267,6 +286,7 @@ impl<C: Core> VirtualBoard<C> {
         }
     }
 
+    /// Resets the chip. A processor that a debugger has halted runs again: the halt is not kept (Armv7-M ARM, C1.6.2).
     fn reset(&mut self, reason: ResetReason) {
         // The last lines of the log, before they are overwritten.
         self.drain_log();

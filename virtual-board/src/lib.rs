@@ -13,7 +13,7 @@
 //! do its pulses, conversions and log.
 //!
 //! A function that is not modelled is reported when the program uses it. Not modelled at all: analog effects, wait
-//! states of the flash, contention on the buses, the few cycles from a trigger to its effect, and a debugger.
+//! states of the flash, contention on the buses, the few cycles from a trigger to its effect.
 
 mod bus;
 mod chip;
@@ -22,6 +22,7 @@ mod options;
 mod peripherals;
 mod plant;
 mod rtt;
+mod supply;
 
 pub mod board;
 pub mod cpu;

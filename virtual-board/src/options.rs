@@ -1,6 +1,8 @@
 //! The options of a board.
 
 use crate::fault::Fault;
+use crate::memory::RAM_BYTES;
+use crate::time::{Ticks, microseconds};
 use servoid_simulator::SimulationOptions;
 
 /// The options of a board.
@@ -13,6 +15,16 @@ pub struct BoardOptions {
     /// Frequency of the low-speed oscillator that the watchdog runs on (Hz): 40 kHz, by the datasheet
     /// anything from 30 to 60.
     pub lsi_hz: u32,
+    /// Error of the internal oscillator's 8 MHz, relative: -0.02 to 0.025 by the datasheet.
+    pub hsi_error: f64,
+    /// Time from a write of SW in RCC_CFGR to the switch of the system clock, for which the manual gives none.
+    pub clock_switching: Ticks,
+    /// Whether a resistor pulls PA1 to ground. Without it, the level of the line while nothing drives it is by chance.
+    pub pull_down: bool,
+    /// Static memory of the chip (bytes): some that are sold as an STM32F103C8 have half of its 20 KiB.
+    pub ram_bytes: u32,
+    /// Whether the unique number can be read at any clock: on some clones it reads as all ones above 24 MHz.
+    pub identity_at_any_clock: bool,
     /// Whether pulses and conversions are recorded.
     pub keeps_signals: bool,
 }
@@ -25,6 +37,11 @@ impl BoardOptions {
             simulation,
             faults: Vec::new(),
             lsi_hz: 40_000,
+            hsi_error: 0.0,
+            clock_switching: microseconds(5),
+            pull_down: true,
+            ram_bytes: RAM_BYTES,
+            identity_at_any_clock: true,
             keeps_signals: true,
         }
     }

@@ -72,6 +72,11 @@ impl RsemuCore {
         }
     }
 
+    /// Sets the stack pointer, as a program does that uses too much of the stack.
+    pub fn set_stack_pointer(&mut self, address: u32) {
+        self.core.set_reg(13, address);
+    }
+
     fn in_it_block(&self) -> bool {
         self.core.regs().xpsr & IT_STATE != 0
     }
@@ -103,6 +108,14 @@ impl Core for RsemuCore {
             Line::Irq(number) => self.core.set_irq(number as u16, level),
             Line::Nmi => self.core.set_nmi(level),
         }
+    }
+
+    fn raise(&mut self, exception: u16) {
+        self.core.with_sys(|sys| {
+            let number = usize::from(exception);
+            sys.enable[number / 32] |= 1 << (number % 32);
+            sys.set_pending(Exception(exception), true);
+        });
     }
 
     fn is_asleep(&self) -> bool {

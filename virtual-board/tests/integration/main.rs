@@ -11,5 +11,7 @@ mod losses;
 mod ports;
 mod references;
 mod soak;
+mod start;
 mod stepped;
+mod stops;
 mod visitors;
