@@ -12,6 +12,7 @@ mod sessions;
 mod walk;
 
 use super::*;
+use crate::board::Supply;
 use servoid_protocol::hello::{ClockSource, ResetCause};
 use servoid_protocol::message::{Frame, RunCheck};
 use servoid_protocol::reference::{Reference, Staircase};
@@ -31,6 +32,8 @@ fn identity() -> Identity {
         aperture_us: 84,
         oversampling: 4,
         full_scale: Counts(16_380),
+        chip: ChipIdentity::default(),
+        last_fault: None,
     }
 }
 
@@ -129,6 +132,7 @@ impl Bench {
             number: self.number,
             pulse: applied,
             samples,
+            supply: Supply::default(),
         });
         self.number = self.number.wrapping_add(1);
         self.flush();
@@ -141,6 +145,7 @@ impl Bench {
                 number: self.number,
                 pulse: self.on_line,
                 samples: HEALTHY,
+                supply: Supply::default(),
             });
             self.number = self.number.wrapping_add(1);
         }

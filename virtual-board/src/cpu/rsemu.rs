@@ -1,7 +1,8 @@
 //! The [`Core`] of the crate `rsemu`.
 //!
 //! It lacks flash wait states, so its cycles are a lower bound. It also lacks an event register that exceptions set,
-//! which matters only to programs that wait for events without sending one (Armv7-M ARM, B1.5.18).
+//! which matters only to programs that wait for events without sending one (Armv7-M ARM, B1.5.18), and the number of the
+//! active exception in ICSR (B3.2.4).
 //!
 //! It has a fault: on entry to an exception it stacks the program status without the state of an IT block (B1.5.6
 //! stacks all of it), so after the return the rest of the block runs with any condition. Therefore a line that rises

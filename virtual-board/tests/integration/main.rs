@@ -5,6 +5,7 @@
 mod chain;
 mod cli;
 mod faults;
+mod health;
 mod identification;
 mod lockstep;
 mod losses;

@@ -14,6 +14,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use servoid::instrument::rig::RigClient;
 use servoid_protocol::PulseWidth;
+use servoid_protocol::health::FaultKind;
 use servoid_protocol::hello::ResetCause;
 use servoid_protocol::message::{Arm, Command};
 use servoid_test_support::virtual_board::{FIRST_SAMPLE, FRAME, SharedBoard, arm, image, options};
@@ -341,7 +342,11 @@ fn a_panic_within_the_log_stops_like_any_other() {
     let from = board.time();
     board.pass(std::time::Duration::from_millis(300));
     assert_stopped_at_once(&board, from);
-    assert_eq!(board.connect().hello().reset_cause, ResetCause::Software);
+    let mut client = board.connect();
+    assert_eq!(client.hello().reset_cause, ResetCause::Software);
+    let fault = client.health().unwrap().last_fault.unwrap();
+    assert_eq!(fault.kind, FaultKind::Panic);
+    assert!(fault.place.as_str().ends_with("src/lib.rs"), "{fault:?}");
 }
 
 /// The stack lies below all variables: beyond its end there is no memory, so the next push is a fault and not a changed
