@@ -52,6 +52,10 @@ pub enum ClockSource {
     Simulated,
 }
 
+/// The error of [`ClockSource::InternalRc`] relative to its frequency: the least and the most over the temperature (data
+/// sheet DS5319).
+pub const INTERNAL_CLOCK_ERROR: [f64; 2] = [-0.02, 0.025];
+
 /// The cause of the rig's last reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum ResetCause {

@@ -257,7 +257,7 @@ fn every_stop_ends_the_pulses_at_any_phase() {
 }
 
 #[test]
-#[ignore = "minutes: cargo test --release -p virtual-board --test integration -- --ignored --nocapture two_hundred"]
+#[ignore = "minutes: cargo test -p virtual-board --test integration -- --ignored --nocapture two_hundred"]
 fn every_stop_on_two_hundred_chips() {
     all_stops(200);
 }
