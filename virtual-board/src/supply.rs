@@ -10,39 +10,46 @@ const SAGGED: u64 = 2_600;
 /// Time that it takes to fall or to rise.
 const RAMP: Ticks = milliseconds(5);
 
-/// The supply, with its sag if there is one.
-#[derive(Clone, Copy, Debug)]
+/// The supply, with its sags.
+#[derive(Clone, Debug)]
 pub struct Supply {
-    from: Ticks,
-    to: Ticks,
+    /// When each begins to fall, and when it begins to rise.
+    sags: Vec<(Ticks, Ticks)>,
 }
 
 impl Supply {
-    /// The supply with the sag among `faults`.
+    /// The supply with the sags among `faults`.
     pub fn new(faults: &[Fault]) -> Self {
-        let sag = faults.iter().find_map(|fault| match *fault {
+        let sags = faults.iter().filter_map(|fault| match *fault {
             Fault::SupplySags { from, to } => Some((from, to)),
             _ => None,
         });
-        let (from, to) = sag.unwrap_or((Ticks::MAX, Ticks::MAX));
-        Self { from, to }
+        Self {
+            sags: sags.collect(),
+        }
     }
 
     /// The voltage at `now` (mV).
     pub fn millivolts(&self, now: Ticks) -> u64 {
-        let fall = now.saturating_sub(self.from).min(RAMP);
-        let rise = now.saturating_sub(self.to).min(RAMP);
-        NOMINAL - ((NOMINAL - SAGGED) * fall.saturating_sub(rise)).div_ceil(RAMP)
+        let fallen = self.sags.iter().map(|(from, to)| {
+            let fall = now.saturating_sub(*from).min(RAMP);
+            let rise = now.saturating_sub(*to).min(RAMP);
+            fall.saturating_sub(rise)
+        });
+        let fallen = fallen.max().unwrap_or(0);
+        NOMINAL - ((NOMINAL - SAGGED) * fallen).div_ceil(RAMP)
     }
 
-    /// The first time from `now` on at which the voltage falls below or rises to `threshold` (mV).
+    /// The first time after `now` at which the voltage falls below or rises to `threshold` (mV).
     pub fn crosses(&self, threshold: u64, now: Ticks) -> Option<Ticks> {
         let part = RAMP * (NOMINAL - threshold) / (NOMINAL - SAGGED) + 1;
-        let crossings = [
-            self.from.checked_add(part),
-            self.to.checked_add(RAMP.saturating_sub(part) + 1),
-        ];
-        crossings.into_iter().flatten().filter(|&at| at > now).min()
+        let crossings = self.sags.iter().flat_map(|(from, to)| {
+            [
+                from.checked_add(part),
+                to.checked_add(RAMP.saturating_sub(part) + 1),
+            ]
+        });
+        crossings.flatten().filter(|&at| at > now).min()
     }
 }
 
