@@ -76,6 +76,8 @@ struct Bench {
     on_line: Option<PulseWidth>,
     id: u16,
     sent: Vec<RigMessage>,
+    /// The board's supply in the next frames.
+    supply: Supply,
 }
 
 impl Bench {
@@ -83,6 +85,7 @@ impl Bench {
         Self {
             rig: Rig::new(&identity()),
             number: 0,
+            supply: Supply::default(),
             on_line: None,
             id: 0,
             sent: Vec::new(),
@@ -132,7 +135,7 @@ impl Bench {
             number: self.number,
             pulse: applied,
             samples,
-            supply: Supply::default(),
+            supply: self.supply,
         });
         self.number = self.number.wrapping_add(1);
         self.flush();
