@@ -54,6 +54,10 @@ pub struct VirtualBoard<C: Core = RsemuCore> {
     chip: Arc<SharedChip>,
     ram: Ram,
     log: Option<Log>,
+    drains_log: bool,
+    /// Cycles that each instruction waits for the flash, beyond those of the core.
+    waits: u64,
+    slow_flash: bool,
     now: Ticks,
     hclk: Ticks,
     next_event: Ticks,
@@ -107,6 +111,9 @@ impl<C: Core> VirtualBoard<C> {
             core: core(&image.flash, &ram, &bus),
             chip,
             log: image.log,
+            drains_log: options.drains_log,
+            waits: 0,
+            slow_flash: options.slow_flash,
             ram,
             now: 0,
             hclk: 1,
@@ -193,8 +200,8 @@ impl<C: Core> VirtualBoard<C> {
         self.steps -= 1;
         self.chip.set_now(self.now);
         let cycles = self.core.step();
-        self.now += cycles * self.hclk;
-        self.awake_cycles += cycles;
+        self.now += (cycles + self.waits) * self.hclk;
+        self.awake_cycles += cycles + self.waits;
         // A sleeping core returns one cycle, and the query costs as much as a step.
         if cycles == 1 && self.core.is_asleep() {
             self.look_around();
@@ -242,6 +249,11 @@ impl<C: Core> VirtualBoard<C> {
     fn update_core(&mut self) {
         let chip = self.chip.lock();
         self.hclk = chip.rcc.clocks().hclk;
+        self.waits = if self.slow_flash {
+            2 * chip.p.flash.wait_states()
+        } else {
+            0
+        };
         let plan = self.plans.first().map(|&(at, _)| at);
         let events = [chip.next_event(), chip.p.iwdg.expires(), plan];
         let next = events.into_iter().flatten().min();
@@ -300,7 +312,9 @@ impl<C: Core> VirtualBoard<C> {
     }
 
     fn drain_log(&mut self) {
-        let Some(log) = &mut self.log else { return };
+        let Some(log) = self.log.as_mut().filter(|_| self.drains_log) else {
+            return;
+        };
         let lines = log.drain(&self.ram);
         if !lines.is_empty() {
             let at = self.now;

@@ -121,6 +121,7 @@ pub struct Chip {
     /// When the level of PA1 last rose, if it is high.
     high_since: Option<Ticks>,
     pull_down: bool,
+    sensor_supply_error: f64,
     /// Level of PA1 while nothing drives it and no resistor pulls it.
     floating: bool,
     chance: ChaCha8Rng,
@@ -163,6 +164,7 @@ impl Chip {
             detector_at: None,
             high_since: None,
             pull_down: options.pull_down,
+            sensor_supply_error: options.sensor_supply_error,
             floating: false,
             chance: ChaCha8Rng::seed_from_u64(simulation.seed),
         })
@@ -411,7 +413,8 @@ impl Chip {
                 let analog = port_a.mode(4) == Mode::Analog;
                 self.moment(now)
                     .against_manual(!analog, "an ADC input that is not analog (9.1.12)");
-                code(self.plant.code(now, index).into())
+                let at_5_v = f64::from(self.plant.code(now, index));
+                code((at_5_v * (1.0 + self.sensor_supply_error)).round() as u64)
             }
             VREFINT => code(BANDGAP * 0xfff / FULL_SCALE),
             _ => {

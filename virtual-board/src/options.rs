@@ -25,6 +25,13 @@ pub struct BoardOptions {
     pub ram_bytes: u32,
     /// Whether the unique number can be read at any clock: on some clones it reads as all ones above 24 MHz.
     pub identity_at_any_clock: bool,
+    /// Whether every access to the flash waits, as if there was no prefetch buffer: two for each instruction, one for
+    /// itself and one for data beside it. A chip is faster than that, and slower than with no wait at all.
+    pub slow_flash: bool,
+    /// Whether somebody reads the program's log.
+    pub drains_log: bool,
+    /// Error of the sensor's 5 V, relative: USB allows -0.05 to 0.05. The sensor's output is proportional to it.
+    pub sensor_supply_error: f64,
     /// Whether pulses and conversions are recorded.
     pub keeps_signals: bool,
 }
@@ -42,6 +49,9 @@ impl BoardOptions {
             pull_down: true,
             ram_bytes: RAM_BYTES,
             identity_at_any_clock: true,
+            slow_flash: false,
+            drains_log: true,
+            sensor_supply_error: 0.0,
             keeps_signals: true,
         }
     }

@@ -308,7 +308,12 @@ impl Rcc {
                 resets = (Domain::Apb1, value & !self.apb1rstr);
                 self.apb1rstr = value;
             }
-            0x14 | 0x18 | 0x1c => self.enr[(offset - 0x14) as usize / 4] = value,
+            0x14 | 0x18 | 0x1c => {
+                let enabled = &mut self.enr[(offset - 0x14) as usize / 4];
+                let stops = *enabled & !value != 0;
+                m.not_modelled(stops, "a unit whose clock is switched off again");
+                *enabled = value;
+            }
             0x20 => m.not_modelled(value != 0, "the backup domain"),
             0x24 => {
                 if bit(value, LSION) && !bit(self.csr, LSION) {

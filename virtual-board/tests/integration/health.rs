@@ -1,6 +1,7 @@
 //! What the board says of its chip, its supply and its last fault.
 
 use crate::faults::{next_run_of_it_works, start};
+use servoid::data::rig_file::RigFile;
 use servoid_protocol::Health;
 use servoid_protocol::health::FaultKind;
 use servoid_protocol::message::{Activity, EndReason};
@@ -55,6 +56,24 @@ fn a_sagging_supply_shows_in_the_reference_voltage() {
     // From 3.3 to 2.6 V, in steps of one in 1500.
     assert!((ratio - 2.6 / 3.3).abs() < 0.002, "{ratio}");
     assert!((20..40).contains(&sagged.low_supply_frames), "{sagged:?}");
+}
+
+/// A USB supply is within 5 %: the sensor's zero is then off by 3.75 degrees. Without a calibration the rig file has to
+/// allow for that.
+#[test]
+fn the_uncertainty_of_an_uncalibrated_sensor_is_that_of_its_supply() {
+    let sensor = RigFile::default().sensor;
+    for error in [-0.05, 0.05] {
+        let mut options = options("linear?noise=none", &[]);
+        options.sensor_supply_error = error;
+        let board = SharedBoard::new(&options);
+        let counts = f64::from(board.connect().status().unwrap().sensor.0);
+        let degrees = (counts - sensor.zero_counts) * sensor.degrees_per_count;
+        assert!((degrees.abs() - 3.75).abs() < 0.05, "{degrees}");
+        // Two standard deviations, of both: what is off is proportional to the supply.
+        assert!(degrees.abs() < 2.0 * sensor.zero_sd_deg, "{degrees}");
+        assert!(100.0 * error.abs() < 2.0 * sensor.scale_sd_percent);
+    }
 }
 
 /// The readings of the sensor would be wrong by the same ratio, and still within their healthy range. The second sag lasts

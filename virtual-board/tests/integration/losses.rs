@@ -117,3 +117,19 @@ fn the_numbers_of_frames_are_exact_however_long_the_processor_was_away() {
     }
     assert!(lost > 15, "{lost}");
 }
+
+/// Where nobody reads the log its memory is full after some fifty lines: it must hold up nothing.
+#[test]
+fn a_log_that_nobody_reads_holds_up_nothing() {
+    let mut options = options("linear?seed=1", &[]);
+    options.drains_log = false;
+    let board = board(&options);
+    let mut client = board.connect();
+    for _ in 0..60 {
+        swoon(&board);
+    }
+    let status = client.status().unwrap();
+    assert!(status.frames_lost_on_board >= 120, "{status:?}");
+    let resets = board.with(|board| board.chip().record.resets.len());
+    assert_eq!((resets, lines(&board)), (1, vec![]));
+}
