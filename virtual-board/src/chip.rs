@@ -9,6 +9,8 @@
 //! Events happen at their exact times, in order. Simultaneous events happen in the order TIM2, TIM3, ADC, USART, line,
 //! so a frame edge comes before the sample that it triggers.
 
+mod pulse_line;
+
 use crate::fault::Fault;
 use crate::line::Line;
 use crate::memory::Ram;
@@ -28,10 +30,10 @@ use crate::peripherals::signature::Signature;
 use crate::peripherals::tim::{Tim, TriggerOutput};
 use crate::peripherals::usart::Usart;
 use crate::plant::Plant;
-use crate::record::{Irregularity, Pulse, Record, ResetReason, Undriven};
+use crate::record::{Irregularity, Record, ResetReason};
 use crate::supply::Supply;
 use crate::time::Ticks;
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use servoid_simulator::OptionsError;
 
@@ -206,11 +208,6 @@ impl Chip {
         }
     }
 
-    /// How long PA1 has been high, if it is.
-    pub fn high_for(&self, now: Ticks) -> Option<Ticks> {
-        self.high_since.map(|rise| now - rise)
-    }
-
     /// The crystal stops for ever.
     pub fn stop_crystal(&mut self, now: Ticks) {
         let record = &mut self.record;
@@ -314,64 +311,6 @@ impl Chip {
 
     pub(crate) fn unmapped(&mut self, address: u32, now: Ticks) {
         self.moment(now).report(Irregularity::Unmapped(address));
-    }
-
-    /// What drives PA1: TIM2's channel 2 where pin and mapping make it so, or the pin's own data; `None` for nothing.
-    fn pulse_line(&mut self, now: Ticks) -> Option<bool> {
-        let [port_a, ..] = &self.p.gpio;
-        match port_a.mode(1) {
-            Mode::AlternatePushPull if self.p.afio.tim2_channel_2_is_on_pa1() => {
-                let level = self.p.tim2.output(2, now);
-                let released = level.is_none() && self.is_driven();
-                // What it then does is nowhere said.
-                self.moment(now)
-                    .against_manual(released, "PA1 as the output of a channel that is off");
-                level
-            }
-            Mode::Output => Some(port_a.level(1)),
-            _ => None,
-        }
-    }
-
-    /// Whether something drove PA1 until now.
-    fn is_driven(&self) -> bool {
-        let last = self.record.undriven.last();
-        last.is_some_and(|undriven| undriven.to.is_some())
-    }
-
-    /// Updates PA1.
-    pub(crate) fn follow_pulse(&mut self, now: Ticks) {
-        let line = self.pulse_line(now);
-        match line {
-            None if self.record.undriven.is_empty() || self.is_driven() => {
-                self.floating = !self.pull_down && self.chance.random_bool(0.5);
-                let begins = Undriven {
-                    from: now,
-                    to: None,
-                };
-                self.record.undriven.push(begins);
-            }
-            Some(_) => {
-                if let Some(last) = self.record.undriven.last_mut() {
-                    last.to.get_or_insert(now);
-                }
-            }
-            None => {}
-        }
-        let level = line.unwrap_or(self.floating);
-        match (level, self.high_since) {
-            (true, None) => self.high_since = Some(now),
-            (false, Some(rise)) => {
-                self.high_since = None;
-                let pulse = Pulse {
-                    rise,
-                    width: now - rise,
-                };
-                self.plant.pulse(pulse);
-                self.record.pulse(pulse);
-            }
-            _ => {}
-        }
     }
 
     /// Passes the output of the voltage detector to its external line, and finds its next change.

@@ -133,7 +133,6 @@ fn chip(seed: u64, rng: &mut ChaCha8Rng) -> BoardOptions {
     options.lsi_hz = [30_000, 36_000, 40_000, 48_000, 60_000][rng.random_range(0..5)];
     options.hsi_error = rng.random_range(-0.02..0.025);
     options.clock_switching = rng.random_range(0..microseconds(20));
-    options.slow_flash = rng.random_bool(0.5);
     options
 }
 
