@@ -10,6 +10,7 @@
 //! so a frame edge comes before the sample that it triggers.
 
 mod pulse_line;
+mod sampling_capacitor;
 
 use crate::fault::Fault;
 use crate::line::Line;
@@ -35,6 +36,7 @@ use crate::supply::Supply;
 use crate::time::Ticks;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use sampling_capacitor::SamplingCapacitor;
 use servoid_simulator::OptionsError;
 
 /// Interrupt positions (RM0008 10.1.2, vector table); the other DMA channels follow the first.
@@ -124,6 +126,7 @@ pub struct Chip {
     high_since: Option<Ticks>,
     pull_down: bool,
     sensor_supply_error: f64,
+    capacitor: SamplingCapacitor,
     /// Level of PA1 while nothing drives it and no resistor pulls it.
     floating: bool,
     chance: ChaCha8Rng,
@@ -167,6 +170,7 @@ impl Chip {
             high_since: None,
             pull_down: options.pull_down,
             sensor_supply_error: options.sensor_supply_error,
+            capacitor: SamplingCapacitor::new(options.source_ohms),
             floating: false,
             chance: ChaCha8Rng::seed_from_u64(simulation.seed),
         })
@@ -328,8 +332,13 @@ impl Chip {
         let record = &mut self.record;
         match self.p.adc.advance(&mut Moment { now, record }) {
             Event::None => {}
-            Event::Hold { channel, index } => {
-                let code = self.input(channel, index, now);
+            Event::Hold {
+                channel,
+                index,
+                sampled,
+            } => {
+                let input = self.input(channel, index, now);
+                let code = self.capacitor.sample(channel, input, sampled);
                 self.p.adc.hold(code);
             }
             Event::DmaRequest => {

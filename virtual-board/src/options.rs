@@ -5,6 +5,9 @@ use crate::memory::RAM_BYTES;
 use crate::time::{Ticks, microseconds};
 use servoid_simulator::SimulationOptions;
 
+/// 5.1 kΩ parallel to 10 kΩ: the divider of the wiring.
+const DIVIDER_OHMS: f64 = 3_377.0;
+
 /// The options of a board.
 #[derive(Clone, Debug)]
 pub struct BoardOptions {
@@ -30,6 +33,8 @@ pub struct BoardOptions {
     pub slow_flash: bool,
     /// Whether somebody reads the program's log.
     pub drains_log: bool,
+    /// Impedance of what is at PA4 (Ω): the ADC's sampling capacitor charges through it.
+    pub source_ohms: f64,
     /// Error of the sensor's 5 V, relative: USB allows -0.05 to 0.05. The sensor's output is proportional to it.
     pub sensor_supply_error: f64,
     /// Whether pulses and conversions are recorded.
@@ -51,6 +56,7 @@ impl BoardOptions {
             identity_at_any_clock: true,
             slow_flash: false,
             drains_log: true,
+            source_ohms: DIVIDER_OHMS,
             sensor_supply_error: 0.0,
             keeps_signals: true,
         }

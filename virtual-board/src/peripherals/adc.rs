@@ -61,10 +61,12 @@ const CALIBRATION_RESET: Ticks = 2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     None,
-    /// The input of this channel is held now, for conversion `index` of the sequence: [`Adc::hold`] takes its code.
+    /// The input of this channel is held now, after it was sampled for this time, for conversion `index` of the
+    /// sequence: [`Adc::hold`] takes its code.
     Hold {
         channel: u32,
         index: u32,
+        sampled: Ticks,
     },
     /// A conversion is done, and DMA is asked for its result.
     DmaRequest,
@@ -229,6 +231,7 @@ impl Adc {
             return Event::Hold {
                 channel: scan.channel,
                 index: scan.index,
+                sampled: scan.held - scan.start,
             };
         };
         if scan.injected {

@@ -180,6 +180,29 @@ fn memory_of(board: &mut virtual_board::VirtualBoard) -> Vec<u8> {
     ram.snapshot()
 }
 
+/// The wiring guide's arithmetic: up to 256 kΩ the ADC settles to a quarter of a step within its sampling time, and
+/// what it measured before, the reference voltage, is not seen.
+#[test]
+fn the_sampling_time_suffices_for_the_source() {
+    let first_samples = |source_ohms: f64| {
+        let mut options = options("linear?noise=none&seed=1", &[]);
+        options.source_ohms = source_ohms;
+        let board = SharedBoard::new(&options);
+        board.with(|board| {
+            let conversions = &board.chip().record.conversions;
+            conversions.iter().map(|c| c.code).collect::<Vec<_>>()
+        })
+    };
+    let ideal = first_samples(0.0);
+    assert_eq!(first_samples(3_377.0), ideal);
+    let worst = |codes: Vec<u16>| {
+        let pairs = codes.iter().zip(&ideal);
+        pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap()
+    };
+    assert!(worst(first_samples(256e3)) <= 1);
+    assert!(worst(first_samples(2e6)) > 100, "a model that sees nothing");
+}
+
 /// Equal options and equal bytes give equal signals.
 #[test]
 fn two_boards_alike_do_the_same_to_the_tick() {

@@ -64,7 +64,7 @@ impl Rig {
             self.now = now;
             match self.adc.advance(&mut self.bench.at(now)) {
                 Event::None => {}
-                Event::Hold { channel, index } => {
+                Event::Hold { channel, index, .. } => {
                     assert_eq!((channel, index), (4, u32::from(code) % 4));
                     code += 1;
                     self.adc.hold(code);
@@ -212,6 +212,7 @@ fn an_injected_conversion_has_its_own_result() {
     let expected = Event::Hold {
         channel: 17,
         index: 0,
+        sampled: 479 * CLOCK / 2,
     };
     assert_eq!(held, expected);
     rig.adc.hold(1_500);
