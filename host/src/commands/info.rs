@@ -240,3 +240,39 @@ fn activity(activity: &Activity) -> String {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_protocol::hello::Text16;
+
+    #[test]
+    fn health_is_said_as_far_as_it_is_known() {
+        assert_eq!(describe_health(&Health::default()), "");
+        let fault = LastFault {
+            kind: FaultKind::Panic,
+            detail: 42,
+            place: Text16::new("src/pulse.rs"),
+        };
+        let health = Health {
+            flash_kib: 64,
+            device: 0x2003_6410,
+            bandgap_at_start: 24_000,
+            bandgap: 25_000,
+            low_supply_frames: 3,
+            last_fault: Some(fault),
+        };
+        let expected = "\
+chip             64 KiB of flash, type 0x20036410
+supply           -4.00 % since its start, too low in 3 frames
+last fault       a panic of the firmware at src/pulse.rs:42
+";
+        assert_eq!(describe_health(&health), expected);
+        let hidden = Health {
+            flash_kib: 64,
+            ..Health::default()
+        };
+        let expected = "chip             64 KiB of flash; hides its type\n";
+        assert_eq!(describe_health(&hidden), expected);
+    }
+}

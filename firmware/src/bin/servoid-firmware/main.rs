@@ -13,8 +13,10 @@
 //! ```
 //!
 //! The processor is not in the timing path. 1.4 ms before each edge it takes the samples of the last frame and
-//! prepares the pulse of the next one. Then the ADC measures the chip's reference voltage, between two samples. Section numbers in the comments are those
-//! of the reference manual RM0008.
+//! prepares the pulse of the next one. Then the ADC measures the chip's reference voltage, between two samples.
+//!
+//! Section numbers in the comments are those of the reference manual RM0008; docs/hardware.md has what was held against
+//! other sources.
 //!
 //! | pin  | use                               |
 //! |------|-----------------------------------|
@@ -22,7 +24,7 @@
 //! | PA4  | ADC_IN4: Hall sensor, behind a divider from 5 V to 3.3 V |
 //! | PA9  | USART1_TX: to the host            |
 //! | PA10 | USART1_RX: from the host          |
-//! | PC13 | LED to the supply: on while pulses are on |
+//! | PC13 | LED to the supply: on while pulses are on; blinks on a chip with half the memory |
 //!
 //! # Interrupts
 //!
@@ -32,7 +34,8 @@
 //! | `USART1`        | each byte       | one byte time, 87 µs, or a byte is lost and its request repeated |
 //!
 //! Both keep the priority of the reset, so neither interrupts the other. Each takes a few microseconds, less than
-//! the other's longest latency, and one stack depth is enough.
+//! the other's longest latency, and one stack depth is enough. The voltage detector sets a pending bit, which is read in
+//! each frame, and interrupts nothing.
 
 #![no_std]
 #![no_main]
