@@ -13,7 +13,7 @@
 //! do its pulses, conversions and log.
 //!
 //! A function that is not modelled is reported when the program uses it. Not modelled at all: most analog effects,
-//! contention on the buses, the few cycles from a trigger to its effect.
+//! contention on the buses, the few cycles from one timer to another.
 
 mod bus;
 mod chip;

@@ -49,6 +49,9 @@ const STABILISATION: Ticks = microseconds(1);
 /// The highest clock (11.1).
 const HIGHEST_CLOCK: u64 = 14_000_000;
 
+/// Cycles from a trigger to the beginning of the sampling (DS5319, table of ADC characteristics, t_latr: 3 at the most).
+pub const TRIGGER_LATENCY: Ticks = 3;
+
 /// Half cycles for sampling, by SMPx (11.12.4).
 const SAMPLING: [Ticks; 8] = [3, 15, 27, 57, 83, 111, 143, 479];
 /// Half cycles for converting a sample (11.6).
@@ -177,7 +180,7 @@ impl Adc {
         let long = bit(self.cr1, SCAN) && self.length() > 12;
         m.not_modelled(long, "a sequence of more than twelve");
         self.sr |= STRT;
-        self.begin(0, m.now);
+        self.begin(0, m.now + TRIGGER_LATENCY * self.clock);
     }
 
     /// Begins the injected conversion (11.3.9): with JL = 0 it is that of JSQ4 (11.12.12).
@@ -202,7 +205,7 @@ impl Adc {
             m.against_manual(short, "the reference voltage sampled too shortly (11.10)");
         }
         self.sr |= JSTRT;
-        self.convert(0, channel, true, m.now);
+        self.convert(0, channel, true, m.now + TRIGGER_LATENCY * self.clock);
     }
 
     fn check_state(&self, m: &mut Moment<'_>) {

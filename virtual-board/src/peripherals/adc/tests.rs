@@ -80,7 +80,7 @@ impl Rig {
 #[test]
 fn a_scan_converts_one_after_the_other() {
     let mut rig = Rig::ready(4);
-    let start = rig.now;
+    let start = rig.now + TRIGGER_LATENCY * CLOCK;
     rig.trigger();
     let expected: Vec<_> = (1..=4u32)
         .map(|n| (start + Ticks::from(n) * 252 * CLOCK, n))
@@ -107,7 +107,7 @@ fn sampling_times() {
     for (code, cycles) in (0..).zip(cycles_of_14) {
         let mut rig = Rig::ready(1);
         rig.write(SMPR2, code << 12);
-        let start = rig.now;
+        let start = rig.now + TRIGGER_LATENCY * CLOCK;
         rig.trigger();
         assert_eq!(rig.run(), [(start + cycles * CLOCK, 1)], "{code}");
     }
@@ -206,7 +206,7 @@ fn an_injected_conversion_has_its_own_result() {
     rig.write(CR2, on);
     rig.write(CR2, on | 1 << JSWSTART);
     assert_eq!(rig.read(CR2), on);
-    let start = rig.now;
+    let start = rig.now + TRIGGER_LATENCY * CLOCK;
     rig.now = rig.adc.next_event().unwrap();
     let held = rig.adc.advance(&mut rig.bench.at(rig.now));
     let expected = Event::Hold {
