@@ -395,7 +395,7 @@ impl Chip {
     fn advance_usart(&mut self, now: Ticks) {
         let [port_a, ..] = &self.p.gpio;
         let transmits = port_a.mode(9) == Mode::AlternatePushPull;
-        let receives = port_a.mode(10) == Mode::Input;
+        let (receives, floats) = (port_a.mode(10) == Mode::Input, port_a.floats(10));
         let bit_time = self.p.usart.bit_time();
         if let Some(byte) = self.p.usart.advance(now) {
             self.moment(now)
@@ -409,6 +409,7 @@ impl Chip {
         {
             let record = &mut self.record;
             let m = &mut Moment { now, record };
+            m.not_modelled(floats, "what a floating RX receives without a cable");
             self.p.usart.receive(byte, damaged, m);
         }
     }
