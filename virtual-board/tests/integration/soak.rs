@@ -272,15 +272,15 @@ fn require_explained(record: &Record, troubles: &[Trouble], end: Ticks) -> Resul
         return Err(format!("the board lost frames: {line}"));
     }
     for violation in &record.violations {
-        // A stuck processor takes neither what the DMA brings nor what the line does, and nothing
-        // else may go wrong.
+        // A processor that is stuck, or at the end of its program waits for the last pulse to end, takes neither what
+        // the DMA brings nor what the line does, and nothing else may go wrong.
         let untaken = Irregularity::ReceiverOverrun == violation.what
             || matches!(violation.what, Irregularity::DmaOverrun(_));
         let fault = matches!(violation.what, Irregularity::Fault(_));
         let explained = troubles.iter().any(|t| {
             let explains = match t.fault {
-                Fault::CpuStuck(_) => untaken,
-                Fault::HardFault(_) => fault,
+                Fault::CpuStuck(_) | Fault::StrayInterrupt(_) => untaken,
+                Fault::HardFault(_) => untaken || fault,
                 _ => false,
             };
             explains && (t.at..t.over).contains(&violation.at)
