@@ -395,7 +395,8 @@ impl Chip {
     fn advance_usart(&mut self, now: Ticks) {
         let [port_a, ..] = &self.p.gpio;
         let transmits = port_a.mode(9) == Mode::AlternatePushPull;
-        let (receives, floats) = (port_a.mode(10) == Mode::Input, port_a.floats(10));
+        let receives = port_a.mode(10) == Mode::Input;
+        let floats = port_a.floats(10) && self.p.usart.listens();
         let bit_time = self.p.usart.bit_time();
         if let Some(byte) = self.p.usart.advance(now) {
             self.moment(now)
