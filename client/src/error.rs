@@ -98,5 +98,8 @@ fn refusal_text(refusal: Refusal) -> &'static str {
         Refusal::SensorOutOfRange => {
             "the sensor reads outside its healthy range; check its wiring and supply, or 'sensor.healthy_counts' in the rig file"
         }
+        Refusal::SupplyLow => {
+            "its own 3.3 V are too low, so its readings would be wrong; feed its 5V pin with 4.75 to 5.25 V"
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! A request that waits for its answer.
 
-use servoid_protocol::Hello;
 use servoid_protocol::message::{Command, Outcome, Refusal, Request, RigMessage, Status};
+use servoid_protocol::{Health, Hello};
 use std::time::Duration;
 
 /// How long an answer may take before the request is repeated. The rig answers within a frame
@@ -24,6 +24,8 @@ pub enum Answer {
     Hello(Hello),
     /// Answer to [`Command::Status`].
     Status(Status),
+    /// Answer to [`Command::Health`].
+    Health(Health),
 }
 
 /// A request that was sent and has no answer yet.
@@ -44,13 +46,14 @@ impl PendingRequest {
 
     /// The answer, if `message` is it.
     ///
-    /// A `Hello` or `Status` carries no id: one that was asked for earlier and comes late is taken
+    /// A `Hello`, `Status` or `Health` carries no id: one that was asked for earlier and comes late is taken
     /// for the answer too.
     pub(crate) fn answer_in(&self, message: &RigMessage) -> Option<Answer> {
         let asked = (self.request.session, self.request.id);
         match (*message, self.request.command) {
             (RigMessage::Hello(hello), Command::Hello) => Some(Answer::Hello(hello)),
             (RigMessage::Status(status), Command::Status) => Some(Answer::Status(status)),
+            (RigMessage::Health(health), Command::Health) => Some(Answer::Health(health)),
             (
                 RigMessage::Reply {
                     session,
@@ -72,6 +75,7 @@ pub(crate) fn name(command: &Command) -> &'static str {
     match command {
         Command::Unused | Command::Hello => "say who it is",
         Command::Status => "say how it is",
+        Command::Health => "say how its board is",
         Command::Arm(_) => "arm",
         Command::Disarm => "disarm",
         Command::Start(_) => "start the run",

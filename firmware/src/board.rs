@@ -1,5 +1,6 @@
 //! The hardware that a rig needs: a board and a link.
 
+use servoid_protocol::health::LastFault;
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_protocol::{Counts, PulseWidth};
@@ -23,6 +24,19 @@ pub struct Identity {
     pub oversampling: u8,
     /// Counts of a sensor at the supply rail.
     pub full_scale: Counts,
+    /// The chip.
+    pub chip: ChipIdentity,
+    /// The fault that led to the last start, if one did.
+    pub last_fault: Option<LastFault>,
+}
+
+/// What a chip says of itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ChipIdentity {
+    /// Its flash (KiB); 0 where it is not known.
+    pub flash_kib: u16,
+    /// Its device and revision code; 0 where it hides it.
+    pub device: u32,
 }
 
 /// One PWM frame.
@@ -34,6 +48,17 @@ pub struct CapturedFrame {
     pub pulse: Option<PulseWidth>,
     /// The samples taken in this frame, in order.
     pub samples: [Counts; SAMPLES_PER_FRAME],
+    /// The board's own supply in this frame.
+    pub supply: Supply,
+}
+
+/// The board's own supply in a frame. The readings of the converter are relative to it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Supply {
+    /// Reading of the internal reference voltage (counts of one conversion); 0 where it is not measured.
+    pub bandgap: u16,
+    /// Whether it was too low for exact readings at any moment.
+    pub is_low: bool,
 }
 
 impl CapturedFrame {

@@ -34,7 +34,8 @@ pub mod rig;
 mod run;
 pub mod serve;
 mod session;
+mod supply_meter;
 
-pub use board::{Board, CapturedFrame, Identity, Link};
+pub use board::{Board, CapturedFrame, ChipIdentity, Identity, Link, Supply};
 pub use rig::Rig;
 pub use serve::serve;

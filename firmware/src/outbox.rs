@@ -17,6 +17,7 @@ const RESENDS: usize = 8;
 pub(crate) enum Answer {
     Hello,
     Status,
+    Health,
     Reply {
         session: u16,
         id: u16,

@@ -6,7 +6,7 @@
 //!
 //! # States and transitions
 //!
-//! | state     | pulse     | `Arm`      | `Start`     | `Stop` | `Disarm` | the run's last frame, lease lapsed, sensor failed |
+//! | state     | pulse     | `Arm`      | `Start`     | `Stop` | `Disarm` | the run's last frame, lease lapsed, sensor failed, supply low |
 //! |-----------|-----------|------------|-------------|--------|----------|--------------------|
 //! | Idle      | none      | -> Armed   | `NotArmed`  | (1)    | stays    |                    |
 //! | Armed     | neutral   | new limits | -> Running  | (1)    | -> Idle  |                    |
@@ -16,13 +16,13 @@
 //! 1. Done for the last run, which has ended; `UnknownRun` for others.
 //! 2. `UnknownRun` for another run.
 //!
-//! `KeepAlive`, `Status` and `Hello` change no state; `Resend` is refused as `UnknownRun` unless it names the present run
+//! `KeepAlive`, `Status`, `Health` and `Hello` change no state; `Resend` is refused as `UnknownRun` unless it names the present run
 //! or the last one. Conditions of the transitions:
 //!
 //! | transition | needs                                                                                |
 //! |------------|--------------------------------------------------------------------------------------|
-//! | -> Armed   | an equal schema hash; [`Limits`] within the board's; every sample of the newest frame in the sensor's range |
-//! | -> Running | a reference that is well formed, fits the frame index and stays within the limits; a run number other than the last; the sensor in range |
+//! | -> Armed   | an equal schema hash; [`Limits`] within the board's; every sample of the newest frame in the sensor's range, and the board's supply not too low in it |
+//! | -> Running | a reference that is well formed, fits the frame index and stays within the limits; a run number other than the last; sensor and supply as for arming |
 //!
 //! # Leases
 //!
@@ -33,12 +33,14 @@
 //! opens no session. So a second program cannot disturb a run, nor the frames that are sent again after its end. A
 //! host that is gone can be replaced once its lease has lapsed.
 
-use crate::board::{CapturedFrame, Identity};
+use crate::board::{CapturedFrame, ChipIdentity, Identity};
 use crate::history::{self, History};
 use crate::limits::{LONGEST_PULSE, Limits, SHORTEST_PULSE};
 use crate::outbox::{Answer, Item, Outbox};
 use crate::run::Run;
 use crate::session::{Admission, Session};
+use crate::supply_meter::SupplyMeter;
+use servoid_protocol::health::{Health, LastFault};
 use servoid_protocol::hello::Text16;
 use servoid_protocol::message::{
     Activity, Arm, Command, EndReason, Ended, Outcome, Refusal, Request, RigMessage, Start, Status,
@@ -71,6 +73,9 @@ pub struct Rig {
     heard_at: u32,
     frames_lost: u32,
     rejects: u32,
+    chip: ChipIdentity,
+    last_fault: Option<LastFault>,
+    supply: SupplyMeter,
 }
 
 impl Rig {
@@ -87,11 +92,15 @@ impl Rig {
             heard_at: 0,
             frames_lost: 0,
             rejects: 0,
+            chip: identity.chip,
+            last_fault: identity.last_fault,
+            supply: SupplyMeter::default(),
         }
     }
 
     /// Takes a captured frame; returns the pulse for the next one.
     pub fn on_frame(&mut self, frame: &CapturedFrame) -> Option<PulseWidth> {
+        self.supply.take(frame.supply);
         if let Some(before) = self.newest.replace(*frame) {
             let lost = frame.lost_since(before.number);
             self.frames_lost = self.frames_lost.saturating_add(lost);
@@ -153,6 +162,7 @@ impl Rig {
         self.outbox.answer(match request.command {
             Command::Hello => Answer::Hello,
             Command::Status => Answer::Status,
+            Command::Health => Answer::Health,
             _ => reply(outcome),
         });
     }
@@ -187,6 +197,7 @@ impl Rig {
         match answer {
             Answer::Hello => RigMessage::Hello(self.hello),
             Answer::Status => RigMessage::Status(self.status()),
+            Answer::Health => RigMessage::Health(self.health()),
             Answer::Reply {
                 session,
                 id,
@@ -228,9 +239,24 @@ impl Rig {
         }
     }
 
+    fn health(&self) -> Health {
+        Health {
+            flash_kib: self.chip.flash_kib,
+            device: self.chip.device,
+            bandgap_at_start: self.supply.at_start,
+            bandgap: self.supply.newest,
+            low_supply_frames: self.supply.low_frames,
+            last_fault: self.last_fault,
+        }
+    }
+
     fn carry_out(&mut self, command: &Command) -> Result<(), Refusal> {
         match command {
-            Command::Unused | Command::Hello | Command::Status | Command::KeepAlive => Ok(()),
+            Command::Unused
+            | Command::Hello
+            | Command::Status
+            | Command::Health
+            | Command::KeepAlive => Ok(()),
             Command::Arm(arm) => self.arm(arm),
             Command::Disarm => {
                 self.end(EndReason::Disarmed);
@@ -259,7 +285,7 @@ impl Rig {
             return Err(Refusal::SchemaDiffers);
         }
         let limits = Limits::new(arm, Counts(self.hello.full_scale_counts))?;
-        self.require_healthy_sensor(&limits)?;
+        self.require_healthy(&limits)?;
         self.state = State::Armed(limits);
         Ok(())
     }
@@ -274,7 +300,7 @@ impl Rig {
         if self.history.run() == Some(start.run) {
             return Err(Refusal::RunRepeated);
         }
-        self.require_healthy_sensor(&limits)?;
+        self.require_healthy(&limits)?;
         self.history.begin(start.run);
         self.outbox.new_run();
         self.state = State::Running(limits, Run::new(*start, frames));
@@ -299,7 +325,15 @@ impl Rig {
         }
     }
 
-    fn require_healthy_sensor(&self, limits: &Limits) -> Result<(), Refusal> {
+    /// Requires readings that can be trusted: the newest ones of the sensor and of the supply.
+    fn require_healthy(&self, limits: &Limits) -> Result<(), Refusal> {
+        if self
+            .newest
+            .as_ref()
+            .is_some_and(|frame| frame.supply.is_low)
+        {
+            return Err(Refusal::SupplyLow);
+        }
         let healthy = |frame: &CapturedFrame| frame.samples.iter().all(|&s| limits.is_healthy(s));
         if self.newest.as_ref().is_some_and(healthy) {
             Ok(())

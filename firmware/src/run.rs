@@ -84,7 +84,9 @@ impl Run {
                 self.take(frame, history);
             }
         }
-        if self.sensor_failed(&frame.samples, limits) {
+        if frame.supply.is_low {
+            Some(EndReason::SupplyLow)
+        } else if self.sensor_failed(&frame.samples, limits) {
             Some(EndReason::SensorOutOfRange)
         } else if self.next >= self.frames {
             Some(EndReason::Complete)

@@ -27,6 +27,13 @@ impl Text16 {
     }
 }
 
+impl Default for Text16 {
+    /// No text.
+    fn default() -> Self {
+        Self([0; 16])
+    }
+}
+
 impl core::fmt::Debug for Text16 {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(f, "{:?}", self.as_str())
@@ -38,11 +45,16 @@ impl core::fmt::Debug for Text16 {
 pub enum ClockSource {
     /// The quartz crystal: some tens of ppm.
     Crystal,
-    /// The internal RC oscillator, because the crystal did not start: about ±1 %, drifts with temperature.
+    /// The internal RC oscillator, because the crystal did not start: off by -2 to +2.5 % over the temperature
+    /// (data sheet DS5319), and so are all times and all pulses.
     InternalRc,
     /// Simulated time: exact.
     Simulated,
 }
+
+/// The error of [`ClockSource::InternalRc`] relative to its frequency: the least and the most over the temperature (data
+/// sheet DS5319).
+pub const INTERNAL_CLOCK_ERROR: [f64; 2] = [-0.02, 0.025];
 
 /// The cause of the rig's last reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]

@@ -17,6 +17,7 @@
 //! | [`mod@reference`] | the reference signals, expanded to one pulse per frame by the same code on both ends |
 //! | [`lease`]     | the time for which a rig goes on without a request from its host           |
 //! | [`hello`]     | the identity of a rig, in a layout that never changes                      |
+//! | [`health`]    | the chip, its supply and its last fault: what the frozen identity has no room for |
 //! | [`message`]   | requests and answers                                                       |
 //! | [`schema`]    | a hash over all messages: with unequal ones a rig does not arm             |
 //! | [`framing`]   | messages to bytes and back: postcard, CRC-32, COBS, zero bytes around      |
@@ -37,6 +38,7 @@
 )]
 
 pub mod framing;
+pub mod health;
 pub mod hello;
 pub mod lease;
 pub mod message;
@@ -46,6 +48,7 @@ pub mod timing;
 pub mod units;
 
 pub use framing::{Decoder, Rejects};
+pub use health::Health;
 pub use hello::Hello;
 pub use message::{
     Command, EndReason, Frame, Outcome, Refusal, Request, RigMessage, RunCheck, Status,

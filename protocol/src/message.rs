@@ -18,6 +18,7 @@
 //! and another one if that is refused.
 
 use crate::framing::CRC;
+use crate::health::Health;
 use crate::hello::Hello;
 use crate::reference::Reference;
 use crate::timing::SAMPLES_PER_FRAME;
@@ -70,6 +71,8 @@ pub enum Command {
         /// How many frames.
         count: u16,
     },
+    /// Answered with [`RigMessage::Health`].
+    Health,
 }
 
 /// The limits of a servo and its sensor, and the lease: all that a rig needs before it makes a pulse.
@@ -130,7 +133,7 @@ pub enum RigMessage {
     Unused,
     /// Answer to [`Command::Hello`].
     Hello(Hello),
-    /// Answer to every request but `Hello` and `Status`.
+    /// Answer to every request but `Hello`, `Status` and `Health`.
     Reply {
         /// The request's session.
         session: u16,
@@ -145,6 +148,8 @@ pub enum RigMessage {
     Frame(Frame),
     /// A run has ended. Sent once; [`Status`] repeats it.
     Ended(Ended),
+    /// Answer to [`Command::Health`].
+    Health(Health),
 }
 
 /// The outcome of a request.
@@ -181,6 +186,8 @@ pub enum Refusal {
     SensorOutOfRange,
     /// The run's number is that of the run before: their frames could be confused.
     RunRepeated,
+    /// The board's own supply is too low for exact readings.
+    SupplyLow,
 }
 
 /// One PWM frame of a run: the *applied* pulse, and the samples taken during it.
@@ -211,6 +218,8 @@ pub enum EndReason {
     LeaseLapsed,
     /// The sensor read outside its healthy range five times in a row.
     SensorOutOfRange,
+    /// The board's own supply was too low for exact readings.
+    SupplyLow,
 }
 
 /// A run that has ended.

@@ -5,6 +5,8 @@
 //! other: new messages go at the end of their enum.
 
 use servoid_protocol::framing::CRC;
+use servoid_protocol::health::{FaultKind, Health, LastFault};
+use servoid_protocol::hello::Text16;
 use servoid_protocol::message::{Arm, Ended, Start};
 use servoid_protocol::reference::{Multisine, Prbs, Staircase, Stairs, Step, Steps, Sweep};
 use servoid_protocol::{
@@ -75,6 +77,12 @@ fn requests() {
             0x6c, 0x4e, 0x01, 0x00,
         ],
     );
+    require_request(
+        1,
+        4,
+        Command::Health,
+        &[0x00, 0x08, 0x01, 0x04, 0x09, 0x85, 0xce, 0x33, 0xe3, 0x00],
+    );
     let resend = Command::Resend {
         run: 7,
         first: 300,
@@ -129,6 +137,51 @@ fn messages() {
         &[
             0x00, 0x03, 0x05, 0x07, 0x03, 0xb8, 0x03, 0x0a, 0xef, 0xfd, 0xb6, 0xf5, 0x0d, 0xcb,
             0xa4, 0xd6, 0xc4, 0x00,
+        ],
+    );
+}
+
+#[test]
+fn health() {
+    let fault = LastFault {
+        kind: FaultKind::Panic,
+        detail: 42,
+        place: Text16::new("src/pulse.rs"),
+    };
+    let health = Health {
+        flash_kib: 64,
+        device: 0x2003_6410,
+        bandgap_at_start: 24_000,
+        bandgap: 24_100,
+        low_supply_frames: 3,
+        last_fault: Some(fault),
+    };
+    require_message(
+        RigMessage::Health(health),
+        &[
+            0x00, 0x10, 0x06, 0x40, 0x90, 0xc8, 0x8d, 0x80, 0x02, 0xc0, 0xbb, 0x01, 0xa4, 0xbc,
+            0x01, 0x03, 0x01, 0x0e, 0x2a, 0x73, 0x72, 0x63, 0x2f, 0x70, 0x75, 0x6c, 0x73, 0x65,
+            0x2e, 0x72, 0x73, 0x01, 0x01, 0x01, 0x05, 0x5d, 0xe1, 0xfb, 0x70, 0x00,
+        ],
+    );
+    let nothing = Health {
+        flash_kib: 64,
+        ..Health::default()
+    };
+    require_message(
+        RigMessage::Health(nothing),
+        &[
+            0x00, 0x03, 0x06, 0x40, 0x01, 0x01, 0x01, 0x01, 0x05, 0x28, 0xe0, 0xe4, 0xf1, 0x00,
+        ],
+    );
+    require_message(
+        RigMessage::Reply {
+            session: 1,
+            id: 6,
+            outcome: Outcome::Refused(Refusal::SupplyLow),
+        },
+        &[
+            0x00, 0x0a, 0x02, 0x01, 0x06, 0x01, 0x0b, 0x63, 0x57, 0x1a, 0x8e, 0x00,
         ],
     );
 }

@@ -3,7 +3,7 @@
 use crate::apparatus::{Apparatus, SimulatedFrame};
 use crate::options::{OptionsError, SimulationOptions};
 use crate::sensor::{FULL_SCALE, OVERSAMPLING};
-use servoid_firmware::{Board, CapturedFrame, Identity};
+use servoid_firmware::{Board, CapturedFrame, ChipIdentity, Identity, Supply};
 use servoid_protocol::PulseWidth;
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use std::cell::Cell;
@@ -64,6 +64,8 @@ fn identity(options: &SimulationOptions) -> Identity {
         aperture_us: 0,
         oversampling: OVERSAMPLING as u8,
         full_scale: FULL_SCALE,
+        chip: ChipIdentity::default(),
+        last_fault: None,
     }
 }
 
@@ -86,6 +88,7 @@ impl Board for SimulatedBoard {
             number: frame.number as u32, // wraps, as the trait allows
             pulse: frame.pulse,
             samples: frame.samples,
+            supply: Supply::default(),
         }
     }
 

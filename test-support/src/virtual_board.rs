@@ -33,8 +33,9 @@ pub fn options(servo: &str, faults: &[&str]) -> BoardOptions {
 
 /// Conversions summed into one sample.
 pub const OVERSAMPLING: usize = 4;
-/// From the beginning of a frame to its first conversion.
-pub const FIRST_SAMPLE: Ticks = microseconds(500);
+/// From the beginning of a frame to its first conversion: half a millisecond, and the three cycles of 12 MHz that the
+/// ADC takes to hear its trigger.
+pub const FIRST_SAMPLE: Ticks = microseconds(500) + microseconds(1) / 4;
 /// Period of the pulses.
 pub const FRAME: Ticks = milliseconds(20);
 

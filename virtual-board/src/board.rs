@@ -36,7 +36,15 @@ enum Plan {
     Stick,
     SwitchOff,
     SwitchOn,
+    PullReset,
+    Raise(u16),
+    Halt,
 }
+
+/// The exception of a hard fault (Armv7-M ARM, B1.5.2).
+const HARD_FAULT: u16 = 3;
+/// An interrupt that no peripheral here has: that of the real-time clock (RM0008 10.1.2, position 3).
+const STRAY: u16 = 16 + 3;
 
 /// A board that runs an image, behind a serial line.
 ///
@@ -46,6 +54,10 @@ pub struct VirtualBoard<C: Core = RsemuCore> {
     chip: Arc<SharedChip>,
     ram: Ram,
     log: Option<Log>,
+    drains_log: bool,
+    /// Cycles that each instruction waits for the flash, beyond those of the core.
+    waits: u64,
+    slow_flash: bool,
     now: Ticks,
     hclk: Ticks,
     next_event: Ticks,
@@ -83,18 +95,25 @@ impl<C: Core> VirtualBoard<C> {
                     let back = at + from_duration(BROWN_OUT) + POWER_ON_DELAY;
                     plans.extend([(at, Plan::SwitchOff), (back, Plan::SwitchOn)]);
                 }
+                Fault::ResetPin(at) => plans.push((at, Plan::PullReset)),
+                Fault::HardFault(at) => plans.push((at, Plan::Raise(HARD_FAULT))),
+                Fault::StrayInterrupt(at) => plans.push((at, Plan::Raise(STRAY))),
+                Fault::DebuggerHalts(at) => plans.push((at, Plan::Halt)),
                 // Those of the chip and the line.
                 _ => {}
             }
         }
         plans.sort_by_key(|&(at, _)| at);
-        let ram = Ram::default();
+        let ram = Ram::new(options.ram_bytes);
         let chip = Arc::new(SharedChip::new(Chip::new(options, ram.clone())?));
         let bus: Arc<dyn Bus> = chip.clone();
         Ok(Self {
             core: core(&image.flash, &ram, &bus),
             chip,
             log: image.log,
+            drains_log: options.drains_log,
+            waits: 0,
+            slow_flash: options.slow_flash,
             ram,
             now: 0,
             hclk: 1,
@@ -181,8 +200,8 @@ impl<C: Core> VirtualBoard<C> {
         self.steps -= 1;
         self.chip.set_now(self.now);
         let cycles = self.core.step();
-        self.now += cycles * self.hclk;
-        self.awake_cycles += cycles;
+        self.now += (cycles + self.waits) * self.hclk;
+        self.awake_cycles += cycles + self.waits;
         // A sleeping core returns one cycle, and the query costs as much as a step.
         if cycles == 1 && self.core.is_asleep() {
             self.look_around();
@@ -230,6 +249,11 @@ impl<C: Core> VirtualBoard<C> {
     fn update_core(&mut self) {
         let chip = self.chip.lock();
         self.hclk = chip.rcc.clocks().hclk;
+        self.waits = if self.slow_flash {
+            2 * chip.p.flash.wait_states()
+        } else {
+            0
+        };
         let plan = self.plans.first().map(|&(at, _)| at);
         let events = [chip.next_event(), chip.p.iwdg.expires(), plan];
         let next = events.into_iter().flatten().min();
@@ -255,6 +279,13 @@ impl<C: Core> VirtualBoard<C> {
             match plan {
                 Plan::StopCrystal => self.chip.lock().stop_crystal(self.now),
                 Plan::Stick => self.stuck = true,
+                Plan::PullReset => self.reset(ResetReason::Pin),
+                Plan::Raise(exception) => self.core.raise(exception),
+                // It stands as if it was stuck.
+                Plan::Halt => {
+                    self.stuck = true;
+                    self.chip.lock().halt(self.now);
+                }
                 Plan::SwitchOff => {
                     self.power = false;
                     self.chip.lock().switch_off(self.now);
@@ -267,6 +298,7 @@ impl<C: Core> VirtualBoard<C> {
         }
     }
 
+    /// Resets the chip. A processor that a debugger has halted runs again: the halt is not kept (Armv7-M ARM, C1.6.2).
     fn reset(&mut self, reason: ResetReason) {
         // The last lines of the log, before they are overwritten.
         self.drain_log();
@@ -280,7 +312,9 @@ impl<C: Core> VirtualBoard<C> {
     }
 
     fn drain_log(&mut self) {
-        let Some(log) = &mut self.log else { return };
+        let Some(log) = self.log.as_mut().filter(|_| self.drains_log) else {
+            return;
+        };
         let lines = log.drain(&self.ram);
         if !lines.is_empty() {
             let at = self.now;

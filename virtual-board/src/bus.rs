@@ -6,6 +6,7 @@ use crate::peripherals::Moment;
 use crate::peripherals::adc::Adc;
 use crate::peripherals::afio::Afio;
 use crate::peripherals::gpio::Gpio;
+use crate::peripherals::pwr::Pwr;
 use crate::peripherals::rcc::Domain;
 use crate::peripherals::tim::Tim;
 use crate::peripherals::usart::Usart;
@@ -19,6 +20,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 enum Unit {
     Tim2,
     Tim3,
+    Tim4,
+    Pwr,
+    Exti,
     Iwdg,
     Afio,
     Gpio(usize),
@@ -34,11 +38,14 @@ enum Unit {
 type Enable = Option<(Domain, u32)>;
 
 /// Each unit: its base address, and its enable bit unless its clock is always on (7.3.6-7.3.8).
-const UNITS: [(u32, Unit, Enable); 15] = [
+const UNITS: [(u32, Unit, Enable); 18] = [
     (0x4000_0000, Unit::Tim2, Some((Domain::Apb1, 0))),
     (0x4000_0400, Unit::Tim3, Some((Domain::Apb1, 1))),
+    (0x4000_0800, Unit::Tim4, Some((Domain::Apb1, 2))),
     (0x4000_3000, Unit::Iwdg, None),
+    (0x4000_7000, Unit::Pwr, Some((Domain::Apb1, 28))),
     (0x4001_0000, Unit::Afio, Some((Domain::Apb2, 0))),
+    (0x4001_0400, Unit::Exti, None),
     (0x4001_0800, Unit::Gpio(0), Some((Domain::Apb2, 2))),
     (0x4001_0c00, Unit::Gpio(1), Some((Domain::Apb2, 3))),
     (0x4001_1000, Unit::Gpio(2), Some((Domain::Apb2, 4))),
@@ -73,10 +80,14 @@ impl Chip {
         if !self.is_clocked(clock, address, now) {
             return 0;
         }
+        let millivolts = self.supply.millivolts(now);
         let p = &mut self.p;
         let value = match unit {
             Unit::Tim2 => p.tim2.read(offset, now),
             Unit::Tim3 => p.tim3.read(offset, now),
+            Unit::Tim4 => p.tim4.read(offset, now),
+            Unit::Pwr => p.pwr.read(offset, millivolts),
+            Unit::Exti => p.exti.read(offset),
             Unit::Iwdg => p.iwdg.read(offset, now),
             Unit::Afio => p.afio.read(offset),
             // The line's idle level at PA10; nothing else drives a pin that is read.
@@ -126,6 +137,17 @@ impl Chip {
                 self.on_tim3_trigger(trigger, now);
                 Some(())
             }
+            Unit::Tim4 => {
+                let trigger = p.tim4.write(offset, value, m)?;
+                m.not_modelled(trigger, "the trigger output of TIM4");
+                Some(())
+            }
+            Unit::Pwr => {
+                p.pwr.write(offset, value, m)?;
+                self.advance_detector(now);
+                Some(())
+            }
+            Unit::Exti => p.exti.write(offset, value, m),
             Unit::Iwdg => p.iwdg.write(offset, value, m),
             Unit::Afio => p.afio.write(offset, value, m),
             Unit::Gpio(port) => p.gpio[port].write(offset, value, m),
@@ -161,12 +183,14 @@ impl Chip {
         match unit {
             Unit::Tim2 => p.tim2 = Tim::new(clocks.timers),
             Unit::Tim3 => p.tim3 = Tim::new(clocks.timers),
+            Unit::Tim4 => p.tim4 = Tim::new(clocks.timers),
+            Unit::Pwr => p.pwr = Pwr::default(),
             Unit::Afio => p.afio = Afio::default(),
             Unit::Gpio(port) => p.gpio[port] = Gpio::default(),
             Unit::Adc1 => p.adc = Adc::new(clocks.adc),
             Unit::Usart1 => p.usart = Usart::new(clocks.pclk2),
             // These have no bit of their own in a reset register.
-            Unit::Iwdg | Unit::Dma1 | Unit::Rcc | Unit::Flash | Unit::Dbgmcu => {}
+            Unit::Iwdg | Unit::Exti | Unit::Dma1 | Unit::Rcc | Unit::Flash | Unit::Dbgmcu => {}
         }
     }
 
@@ -181,7 +205,10 @@ impl Chip {
     /// other half. All others are accessed by words.
     fn check_width(&mut self, address: u32, bytes: u32, now: Ticks) {
         let halves = locate(address).is_some_and(|(unit, ..)| {
-            matches!(unit, Unit::Tim2 | Unit::Tim3 | Unit::Iwdg | Unit::Usart1)
+            matches!(
+                unit,
+                Unit::Tim2 | Unit::Tim3 | Unit::Tim4 | Unit::Iwdg | Unit::Usart1
+            )
         });
         let good = bytes == 4 || bytes == 2 && halves && address.is_multiple_of(4);
         let what = Irregularity::Narrow(address);
@@ -190,9 +217,10 @@ impl Chip {
 
     /// The signature is memory: it may be read by bytes.
     fn read_signature(&mut self, address: u32, bytes: u32, now: Ticks) -> u32 {
+        let sysclk_mhz = self.rcc.sysclk_mhz();
         let byte = |n: u32| {
             let offset = (address + n).checked_sub(SIGNATURE)?;
-            self.signature.read_byte(offset)
+            self.signature.read_byte(offset, sysclk_mhz)
         };
         let value = (0..bytes).try_fold(0, |value, n| Some(value | u32::from(byte(n)?) << (8 * n)));
         value.unwrap_or_else(|| {

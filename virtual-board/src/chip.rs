@@ -2,12 +2,15 @@
 //!
 //! ```text
 //!  TIM2 --TRGO--> ITR1 TIM3 --TRGO--> ADC1 --request--> DMA1 channel 1 --> memory
-//!   | CH2                             ^ IN4
+//!   | CH2                 `--> TIM4   ^ IN4
 //!  PA1 --> servo --> shaft --> sensor --> PA4        PA9, PA10 <--> USART1 <--> line
 //! ```
 //!
 //! Events happen at their exact times, in order. Simultaneous events happen in the order TIM2, TIM3, ADC, USART, line,
 //! so a frame edge comes before the sample that it triggers.
+
+mod pulse_line;
+mod sampling_capacitor;
 
 use crate::fault::Fault;
 use crate::line::Line;
@@ -18,20 +21,27 @@ use crate::peripherals::adc::{Adc, Event};
 use crate::peripherals::afio::Afio;
 use crate::peripherals::dbgmcu::Dbgmcu;
 use crate::peripherals::dma::{Dma, Transfer};
+use crate::peripherals::exti::Exti;
 use crate::peripherals::flash::Flash;
 use crate::peripherals::gpio::{Gpio, Mode};
 use crate::peripherals::iwdg::Iwdg;
-use crate::peripherals::rcc::Rcc;
+use crate::peripherals::pwr::Pwr;
+use crate::peripherals::rcc::{Rcc, Sources};
 use crate::peripherals::signature::Signature;
 use crate::peripherals::tim::{Tim, TriggerOutput};
 use crate::peripherals::usart::Usart;
 use crate::plant::Plant;
-use crate::record::{Irregularity, Pulse, Record, ResetReason};
+use crate::record::{Irregularity, Record, ResetReason};
+use crate::supply::Supply;
 use crate::time::Ticks;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use sampling_capacitor::SamplingCapacitor;
 use servoid_simulator::OptionsError;
 
 /// Interrupt positions (RM0008 10.1.2, vector table); the other DMA channels follow the first.
 mod irq {
+    pub const PVD: u32 = 1;
     pub const DMA1_CHANNEL1: u32 = 11;
     pub const ADC1_2: u32 = 18;
     pub const TIM2: u32 = 28;
@@ -43,8 +53,14 @@ mod irq {
 const ADC1_DR: u32 = 0x4001_244c;
 /// TIM3's internal trigger input that TIM2 is connected to (15.4.3, table of internal triggers).
 const TIM2_AT_TIM3: u32 = 1;
-/// TIM2's internal trigger input that TIM3 is connected to.
-const TIM3_AT_TIM2: u32 = 2;
+/// TIM2's and TIM4's internal trigger input that TIM3 is connected to.
+const TIM3_AT_OTHERS: u32 = 2;
+/// The ADC's channel of the internal reference voltage (11.10).
+const VREFINT: u32 = 17;
+/// The internal reference voltage of one chip (mV; DS5319: 1.16 to 1.24 V).
+const BANDGAP: u64 = 1_210;
+/// The voltage that the codes of the sensor refer to (mV).
+const FULL_SCALE: u64 = 3_300;
 
 /// All models that a reset resets.
 #[derive(Debug)]
@@ -55,6 +71,9 @@ pub(crate) struct Peripherals {
     pub gpio: [Gpio; 5],
     pub tim2: Tim,
     pub tim3: Tim,
+    pub tim4: Tim,
+    pub pwr: Pwr,
+    pub exti: Exti,
     pub adc: Adc,
     pub dma: Dma,
     pub usart: Usart,
@@ -63,7 +82,7 @@ pub(crate) struct Peripherals {
 }
 
 impl Peripherals {
-    fn new(rcc: &Rcc, lsi_hz: u32) -> Self {
+    fn new(rcc: &Rcc, lsi_hz: u32, dbgmcu: Dbgmcu) -> Self {
         let clocks = rcc.clocks();
         Self {
             flash: Flash::default(),
@@ -71,11 +90,14 @@ impl Peripherals {
             gpio: Default::default(),
             tim2: Tim::new(clocks.timers),
             tim3: Tim::new(clocks.timers),
+            tim4: Tim::new(clocks.timers),
+            pwr: Pwr::default(),
+            exti: Exti::default(),
             adc: Adc::new(clocks.adc),
             dma: Dma::default(),
             usart: Usart::new(clocks.pclk2),
             iwdg: Iwdg::new(lsi_hz),
-            dbgmcu: Dbgmcu::default(),
+            dbgmcu,
         }
     }
 }
@@ -84,6 +106,7 @@ impl Peripherals {
 #[derive(Debug)]
 pub struct Chip {
     lsi_hz: u32,
+    debugger: bool,
     pub(crate) rcc: Rcc,
     pub(crate) p: Peripherals,
     pub(crate) signature: Signature,
@@ -94,8 +117,19 @@ pub struct Chip {
     pub(crate) line: Line,
     /// The record of its events.
     pub record: Record,
+    /// The 3.3 V.
+    pub(crate) supply: Supply,
+    /// Output of the voltage detector, and the time of its next change.
+    detector: bool,
+    detector_at: Option<Ticks>,
     /// When the level of PA1 last rose, if it is high.
     high_since: Option<Ticks>,
+    pull_down: bool,
+    sensor_supply_error: f64,
+    capacitor: SamplingCapacitor,
+    /// Level of PA1 while nothing drives it and no resistor pulls it.
+    floating: bool,
+    chance: ChaCha8Rng,
 }
 
 impl Chip {
@@ -110,12 +144,19 @@ impl Chip {
             }));
         let mut unique_id = *b"virt        ";
         unique_id[4..].copy_from_slice(&simulation.seed.to_le_bytes());
-        let rcc = Rcc::new(!faults.contains(&Fault::NoCrystal));
+        let rcc = Rcc::new(Sources::new(
+            !faults.contains(&Fault::NoCrystal),
+            !faults.contains(&Fault::NoPll),
+            options.hsi_error,
+            options.clock_switching,
+        ));
+        let debugger = faults.iter().any(|f| matches!(f, Fault::DebuggerHalts(_)));
         Ok(Self {
             lsi_hz: options.lsi_hz,
-            p: Peripherals::new(&rcc, options.lsi_hz),
+            debugger,
+            p: Peripherals::new(&rcc, options.lsi_hz, Dbgmcu::new(debugger)),
             rcc,
-            signature: Signature::new(unique_id),
+            signature: Signature::new(unique_id, options.identity_at_any_clock),
             ram,
             plant: Plant::new(&simulation)?,
             line: Line::new(faults, simulation.seed),
@@ -123,27 +164,52 @@ impl Chip {
                 keeps_signals: options.keeps_signals,
                 ..Record::default()
             },
+            supply: Supply::new(faults),
+            detector: false,
+            detector_at: None,
             high_since: None,
+            pull_down: options.pull_down,
+            sensor_supply_error: options.sensor_supply_error,
+            capacitor: SamplingCapacitor::new(options.source_ohms),
+            floating: false,
+            chance: ChaCha8Rng::seed_from_u64(simulation.seed),
         })
     }
 
     /// Everything but the memory goes to its reset state (7.1.1). All pins float, so a pulse under
     /// way ends.
     pub fn reset(&mut self, reason: ResetReason, now: Ticks) {
+        let mut dbgmcu = std::mem::take(&mut self.p.dbgmcu);
         if reason == ResetReason::PowerOn {
             self.ram.forget();
+            dbgmcu = Dbgmcu::new(self.debugger);
         }
         self.rcc.reset(reason);
-        self.p = Peripherals::new(&self.rcc, self.lsi_hz);
+        self.p = Peripherals::new(&self.rcc, self.lsi_hz, dbgmcu);
+        self.advance_detector(now);
         self.follow_pulse(now);
         self.record.resets.push((now, reason));
     }
 
     /// The supply is gone: the peripherals stand still and all pins float.
     pub fn switch_off(&mut self, now: Ticks) {
-        self.rcc = Rcc::new(self.rcc.crystal);
-        self.p = Peripherals::new(&self.rcc, self.lsi_hz);
+        self.rcc.switch_off();
+        self.p = Peripherals::new(&self.rcc, self.lsi_hz, Dbgmcu::default());
         self.follow_pulse(now);
+    }
+
+    /// A debugger has halted the processor: what its bits say stands still (31.16.2).
+    pub fn halt(&mut self, now: Ticks) {
+        let p = &mut self.p;
+        let timers = [(2, &mut p.tim2), (3, &mut p.tim3), (4, &mut p.tim4)];
+        for (number, timer) in timers {
+            if p.dbgmcu.stops_timer(number) {
+                timer.freeze(now);
+            }
+        }
+        if p.dbgmcu.stops_watchdog() {
+            p.iwdg.freeze();
+        }
     }
 
     /// The crystal stops for ever.
@@ -158,6 +224,7 @@ impl Chip {
         let clocks = self.rcc.clocks();
         self.p.tim2.set_clock(clocks.timers, now);
         self.p.tim3.set_clock(clocks.timers, now);
+        self.p.tim4.set_clock(clocks.timers, now);
         self.p.adc.set_clock(clocks.adc);
         self.p.usart.set_clock(clocks.pclk2);
     }
@@ -172,6 +239,7 @@ impl Chip {
     pub fn interrupts(&self) -> u64 {
         let dma = (1..=7).map(|n| (irq::DMA1_CHANNEL1 + n - 1, self.p.dma.interrupt(n)));
         let others = [
+            (irq::PVD, self.p.exti.interrupt()),
             (irq::ADC1_2, self.p.adc.interrupt()),
             (irq::TIM2, self.p.tim2.interrupt()),
             (irq::TIM3, self.p.tim3.interrupt()),
@@ -185,8 +253,11 @@ impl Chip {
     /// The time of the next event.
     pub fn next_event(&self) -> Option<Ticks> {
         [
+            self.rcc.next_event(),
+            self.detector_at,
             self.p.tim2.next_event(),
             self.p.tim3.next_event(),
+            self.p.tim4.next_event(),
             self.p.adc.next_event(),
             self.p.usart.next_event(),
             self.line.next_event(),
@@ -199,11 +270,16 @@ impl Chip {
     /// Handles all events up to `to`.
     pub fn advance(&mut self, to: Ticks) {
         while let Some(now) = self.next_event().filter(|&event| event <= to) {
+            if self.rcc.advance(now) {
+                self.distribute_clocks(now);
+            }
+            self.advance_detector(now);
             let trigger = self.p.tim2.advance(now);
             self.on_tim2_trigger(trigger, now);
             self.follow_pulse(now);
             let trigger = self.p.tim3.advance(now);
             self.on_tim3_trigger(trigger, now);
+            self.p.tim4.advance(now);
             self.advance_adc(now);
             self.advance_usart(now);
         }
@@ -220,8 +296,11 @@ impl Chip {
         if trigger {
             let record = &mut self.record;
             self.p.adc.trigger_by_tim3(&mut Moment { now, record });
+            let answered = self.p.tim4.trigger(TIM3_AT_OTHERS, now);
+            self.moment(now)
+                .not_modelled(answered, "the trigger output of TIM4");
             // A ring of triggers is no chain: TIM2 does not answer TIM3 here.
-            let answered = self.p.tim2.trigger(TIM3_AT_TIM2, now);
+            let answered = self.p.tim2.trigger(TIM3_AT_OTHERS, now);
             self.moment(now)
                 .not_modelled(answered, "two timers that trigger each other");
         }
@@ -238,38 +317,28 @@ impl Chip {
         self.moment(now).report(Irregularity::Unmapped(address));
     }
 
-    /// Updates PA1: TIM2's channel 2 where pin and mapping make it so, its own data otherwise.
-    pub(crate) fn follow_pulse(&mut self, now: Ticks) {
-        let [port_a, ..] = &self.p.gpio;
-        let level = match port_a.mode(1) {
-            Mode::AlternatePushPull if self.p.afio.tim2_channel_2_is_on_pa1() => {
-                self.p.tim2.output(2, now).unwrap_or(false)
-            }
-            Mode::Output => port_a.level(1),
-            // The input of a servo has a pull-down.
-            _ => false,
-        };
-        match (level, self.high_since) {
-            (true, None) => self.high_since = Some(now),
-            (false, Some(rise)) => {
-                self.high_since = None;
-                let pulse = Pulse {
-                    rise,
-                    width: now - rise,
-                };
-                self.plant.pulse(pulse);
-                self.record.pulse(pulse);
-            }
-            _ => {}
+    /// Passes the output of the voltage detector to its external line, and finds its next change.
+    pub(crate) fn advance_detector(&mut self, now: Ticks) {
+        let threshold = self.p.pwr.threshold();
+        let low = threshold.is_some_and(|limit| self.supply.millivolts(now) < limit);
+        if low != self.detector {
+            self.detector = low;
+            self.p.exti.detector(low);
         }
+        self.detector_at = threshold.and_then(|limit| self.supply.crosses(limit, now));
     }
 
     fn advance_adc(&mut self, now: Ticks) {
         let record = &mut self.record;
         match self.p.adc.advance(&mut Moment { now, record }) {
             Event::None => {}
-            Event::Hold { channel, index } => {
-                let code = self.input(channel, index, now);
+            Event::Hold {
+                channel,
+                index,
+                sampled,
+            } => {
+                let input = self.input(channel, index, now);
+                let code = self.capacitor.sample(channel, input, sampled);
                 self.p.adc.hold(code);
             }
             Event::DmaRequest => {
@@ -281,17 +350,26 @@ impl Chip {
         }
     }
 
-    /// The input of the ADC: ADC_IN4 is PA4, and nothing else is connected.
+    /// The input of the ADC: ADC_IN4 is PA4, 17 is the internal reference voltage, and nothing else is connected. A code
+    /// is the input relative to the supply.
     fn input(&mut self, channel: u32, index: u32, now: Ticks) -> u16 {
-        let [port_a, ..] = &self.p.gpio;
-        let analog = port_a.mode(4) == Mode::Analog;
-        let mut moment = self.moment(now);
-        moment.not_modelled(channel != 4, "another ADC input than PA4");
-        moment.against_manual(!analog, "an ADC input that is not analog (9.1.12)");
-        if channel == 4 {
-            self.plant.code(now, index)
-        } else {
-            0
+        let millivolts = self.supply.millivolts(now);
+        let code = |at_3_3_v: u64| (at_3_3_v * FULL_SCALE / millivolts).min(0xfff) as u16;
+        match channel {
+            4 => {
+                let [port_a, ..] = &self.p.gpio;
+                let analog = port_a.mode(4) == Mode::Analog;
+                self.moment(now)
+                    .against_manual(!analog, "an ADC input that is not analog (9.1.12)");
+                let at_5_v = f64::from(self.plant.code(now, index));
+                code((at_5_v * (1.0 + self.sensor_supply_error)).round() as u64)
+            }
+            VREFINT => code(BANDGAP * 0xfff / FULL_SCALE),
+            _ => {
+                self.moment(now)
+                    .not_modelled(true, "another ADC input than PA4 and the reference voltage");
+                0
+            }
         }
     }
 
@@ -318,6 +396,7 @@ impl Chip {
         let [port_a, ..] = &self.p.gpio;
         let transmits = port_a.mode(9) == Mode::AlternatePushPull;
         let receives = port_a.mode(10) == Mode::Input;
+        let floats = port_a.floats(10) && self.p.usart.listens();
         let bit_time = self.p.usart.bit_time();
         if let Some(byte) = self.p.usart.advance(now) {
             self.moment(now)
@@ -331,6 +410,7 @@ impl Chip {
         {
             let record = &mut self.record;
             let m = &mut Moment { now, record };
+            m.not_modelled(floats, "what a floating RX receives without a cable");
             self.p.usart.receive(byte, damaged, m);
         }
     }

@@ -43,6 +43,9 @@ pub trait Core {
     /// The level of an interrupt line.
     fn set_line(&mut self, line: Line, level: bool);
 
+    /// Makes an exception pending, by its number, as an event within the core does. An interrupt is enabled first.
+    fn raise(&mut self, exception: u16);
+
     /// Whether the core sleeps.
     fn is_asleep(&self) -> bool;
 

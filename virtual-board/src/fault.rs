@@ -33,12 +33,18 @@ pub enum Disturbance {
 /// | text                             | fault                                                     |
 /// |----------------------------------|-----------------------------------------------------------|
 /// | `no-crystal`                     | the crystal never starts                                   |
+/// | `no-pll`                         | the PLL never locks                                        |
 /// | `crystal-stops@S`                | the crystal stops at second S, for ever                    |
 /// | `sensor-open@S`, `sensor-short@S` | the sensor's wire is off, or shorted to the supply, from second S on |
 /// | `sensor-open@S-T`, …             | the same, repaired at second T                             |
 /// | `host-silent@S`                  | no byte from the host arrives from second S on            |
 /// | `cpu-stuck@S`                    | the processor stops at second S, until the next reset      |
 /// | `brown-out@S`                    | the supply is gone for 0.1 s                               |
+/// | `supply-sags@S`, `supply-sags@S-T` | the 3.3 V fall to 2.6 V within 5 ms from second S on, until T |
+/// | `reset-pin@S`                    | the reset pin is pulled                                    |
+/// | `hard-fault@S`                   | the processor meets a hard fault                           |
+/// | `stray-interrupt@S`              | an interrupt without a handler is raised                   |
+/// | `debugger-halts@S`               | a debugger, attached from the beginning, halts the processor and leaves |
 /// | `flip:P`, `drop:P`, `inject:P`   | each byte, in both directions, is disturbed with probability P |
 /// | `to-board-flip:P`, `to-host-drop:P`, … | the same in one direction                            |
 ///
@@ -53,6 +59,8 @@ pub enum Disturbance {
 pub enum Fault {
     /// The crystal never starts.
     NoCrystal,
+    /// The PLL never locks.
+    NoPll,
     /// The crystal stops, for ever.
     CrystalStops(Ticks),
     /// The sensor breaks.
@@ -63,6 +71,21 @@ pub enum Fault {
     CpuStuck(Ticks),
     /// The supply drops out for [`BROWN_OUT`].
     BrownOut(Ticks),
+    /// The supply falls below what the converter needs, and stays above the brown-out reset.
+    SupplySags {
+        /// When it begins to fall.
+        from: Ticks,
+        /// When it begins to rise; [`Ticks::MAX`] for never.
+        to: Ticks,
+    },
+    /// The reset pin is pulled.
+    ResetPin(Ticks),
+    /// A hard fault.
+    HardFault(Ticks),
+    /// An interrupt that has no handler of its own.
+    StrayInterrupt(Ticks),
+    /// A debugger that was attached from the beginning halts the processor and leaves it.
+    DebuggerHalts(Ticks),
     /// Bytes on the line are disturbed.
     Line {
         /// The direction; both where there is none.
@@ -80,8 +103,9 @@ pub const BROWN_OUT: Duration = Duration::from_millis(100);
 /// An error for a text that names no fault.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
-    "there is no fault '{0}': choose no-crystal, crystal-stops@S, sensor-open@S, sensor-short@S, host-silent@S, \
-     cpu-stuck@S or brown-out@S with S in seconds (sensor-open@S-T if it is repaired at T), or flip:P, drop:P or inject:P with P from 0 to 1, \
+    "there is no fault '{0}': choose no-crystal, no-pll, crystal-stops@S, sensor-open@S, sensor-short@S, \
+     host-silent@S, cpu-stuck@S, brown-out@S, supply-sags@S, reset-pin@S, hard-fault@S, stray-interrupt@S or \
+     debugger-halts@S with S in seconds (sensor-open@S-T or supply-sags@S-T if it is repaired at T), or flip:P, drop:P or inject:P with P from 0 to 1, \
      each with to-board- or to-host- before it if it is one direction only"
 )]
 pub struct FaultError(String);
@@ -97,20 +121,39 @@ impl FromStr for Fault {
         } else if let Some((name, probability)) = text.split_once(':') {
             on_the_line(name, probability)
         } else {
-            (text == "no-crystal").then_some(Self::NoCrystal)
+            match text {
+                "no-crystal" => Some(Self::NoCrystal),
+                "no-pll" => Some(Self::NoPll),
+                _ => None,
+            }
         };
         fault.ok_or_else(|| FaultError(text.into()))
     }
 }
 
 fn timed(name: &str, at: &str) -> Option<Fault> {
-    let at = Duration::try_from_secs_f64(at.parse().ok()?).ok()?;
-    let at = from_duration(at);
+    let seconds = |text: &str| {
+        let duration = Duration::try_from_secs_f64(text.parse().ok()?).ok()?;
+        Some(from_duration(duration))
+    };
+    if name == "supply-sags" {
+        let (from, to) = at.split_once('-').map_or((at, None), |(f, t)| (f, Some(t)));
+        let to = to.map_or(Some(Ticks::MAX), seconds)?;
+        return Some(Fault::SupplySags {
+            from: seconds(from)?,
+            to,
+        });
+    }
+    let at = seconds(at)?;
     Some(match name {
         "crystal-stops" => Fault::CrystalStops(at),
         "host-silent" => Fault::HostSilent(at),
         "cpu-stuck" => Fault::CpuStuck(at),
         "brown-out" => Fault::BrownOut(at),
+        "reset-pin" => Fault::ResetPin(at),
+        "hard-fault" => Fault::HardFault(at),
+        "stray-interrupt" => Fault::StrayInterrupt(at),
+        "debugger-halts" => Fault::DebuggerHalts(at),
         _ => return None,
     })
 }

@@ -12,8 +12,8 @@
 //! written from the reference manual. What the program does that a real chip would not allow goes into the record, as
 //! do its pulses, conversions and log.
 //!
-//! A function that is not modelled is reported when the program uses it. Not modelled at all: analog effects, wait
-//! states of the flash, contention on the buses, the few cycles from a trigger to its effect, and a debugger.
+//! A function that is not modelled is reported when the program uses it. Not modelled at all: most analog effects,
+//! contention on the buses, the few cycles from one timer to another.
 
 mod bus;
 mod chip;
@@ -22,6 +22,7 @@ mod options;
 mod peripherals;
 mod plant;
 mod rtt;
+mod supply;
 
 pub mod board;
 pub mod cpu;

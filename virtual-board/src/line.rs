@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn bytes_arrive_ten_bits_apart() {
         let arrived = send(&mut with(&[]), &[1, 2, 3]);
-        assert_eq!(arrived, [(50_000, 1), (100_000, 2), (150_000, 3)]);
+        assert_eq!(arrived, [(10 * BIT, 1), (20 * BIT, 2), (30 * BIT, 3)]);
     }
 
     #[test]

@@ -34,9 +34,10 @@ struct Cli {
     /// Run in real time; without it, up to twice as fast
     #[arg(long)]
     realtime: bool,
-    /// Fault to inject: no-crystal, crystal-stops@S, sensor-open@S, sensor-short@S,
-    /// host-silent@S, cpu-stuck@S, brown-out@S (S in seconds), flip:P, drop:P, inject:P (P for each byte; with to-board-
-    /// or to-host- before it, in one direction). May be given several times
+    /// Fault to inject: no-crystal, no-pll, crystal-stops@S, sensor-open@S, sensor-short@S, host-silent@S, cpu-stuck@S,
+    /// brown-out@S, supply-sags@S, reset-pin@S, hard-fault@S, stray-interrupt@S, debugger-halts@S (S in seconds), flip:P,
+    /// drop:P, inject:P (P for each byte; with to-board- or to-host- before it, in one direction). May be given several
+    /// times
     #[arg(long, value_name = "FAULT")]
     fault: Vec<Fault>,
     /// Listen at this network address instead of a pseudo-terminal

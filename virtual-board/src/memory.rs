@@ -22,13 +22,22 @@ pub struct Ram(Arc<RamStore>);
 
 impl Default for Ram {
     fn default() -> Self {
-        let ram = Self(Arc::new(RamStore::new(u64::from(RAM_BYTES))));
-        ram.forget();
-        ram
+        Self::new(RAM_BYTES)
     }
 }
 
 impl Ram {
+    /// A memory of `bytes`.
+    pub fn new(bytes: u32) -> Self {
+        let ram = Self(Arc::new(RamStore::new(u64::from(bytes))));
+        ram.forget();
+        ram
+    }
+
+    fn size(&self) -> u64 {
+        self.0.len()
+    }
+
     /// The store that the processor reads and writes.
     pub(crate) fn store(&self) -> Arc<RamStore> {
         self.0.clone()
@@ -37,7 +46,7 @@ impl Ram {
     /// Overwrites the memory, as after a loss of the supply.
     pub fn forget(&self) {
         // The range is the memory's own.
-        let _ = self.0.fill(0, u64::from(RAM_BYTES), GARBAGE);
+        let _ = self.0.fill(0, self.size(), GARBAGE);
     }
 
     fn offset(address: u32) -> Option<u64> {
@@ -62,7 +71,7 @@ impl Ram {
 
     /// A copy of everything.
     pub fn snapshot(&self) -> Vec<u8> {
-        let mut bytes = vec![0; RAM_BYTES as usize];
+        let mut bytes = vec![0; self.size() as usize];
         // The range is the memory's own.
         let _ = self.0.read_at(0, &mut bytes);
         bytes

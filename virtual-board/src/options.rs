@@ -1,7 +1,12 @@
 //! The options of a board.
 
 use crate::fault::Fault;
+use crate::memory::RAM_BYTES;
+use crate::time::{Ticks, microseconds};
 use servoid_simulator::SimulationOptions;
+
+/// 5.1 kΩ parallel to 10 kΩ: the divider of the wiring.
+const DIVIDER_OHMS: f64 = 3_377.0;
 
 /// The options of a board.
 #[derive(Clone, Debug)]
@@ -13,6 +18,25 @@ pub struct BoardOptions {
     /// Frequency of the low-speed oscillator that the watchdog runs on (Hz): 40 kHz, by the datasheet
     /// anything from 30 to 60.
     pub lsi_hz: u32,
+    /// Error of the internal oscillator's 8 MHz, relative: -0.02 to 0.025 by the datasheet.
+    pub hsi_error: f64,
+    /// Time from a write of SW in RCC_CFGR to the switch of the system clock, for which the manual gives none.
+    pub clock_switching: Ticks,
+    /// Whether a resistor pulls PA1 to ground. Without it, the level of the line while nothing drives it is by chance.
+    pub pull_down: bool,
+    /// Static memory of the chip (bytes): some that are sold as an STM32F103C8 have half of its 20 KiB.
+    pub ram_bytes: u32,
+    /// Whether the unique number can be read at any clock: on some clones it reads as all ones above 24 MHz.
+    pub identity_at_any_clock: bool,
+    /// Whether every access to the flash waits, as if there was no prefetch buffer: two for each instruction, one for
+    /// itself and one for data beside it. A chip is faster than that, and slower than with no wait at all.
+    pub slow_flash: bool,
+    /// Whether somebody reads the program's log.
+    pub drains_log: bool,
+    /// Impedance of what is at PA4 (Ω): the ADC's sampling capacitor charges through it.
+    pub source_ohms: f64,
+    /// Error of the sensor's 5 V, relative: USB allows -0.05 to 0.05. The sensor's output is proportional to it.
+    pub sensor_supply_error: f64,
     /// Whether pulses and conversions are recorded.
     pub keeps_signals: bool,
 }
@@ -25,6 +49,15 @@ impl BoardOptions {
             simulation,
             faults: Vec::new(),
             lsi_hz: 40_000,
+            hsi_error: 0.0,
+            clock_switching: microseconds(5),
+            pull_down: true,
+            ram_bytes: RAM_BYTES,
+            identity_at_any_clock: true,
+            slow_flash: false,
+            drains_log: true,
+            source_ohms: DIVIDER_OHMS,
+            sensor_supply_error: 0.0,
             keeps_signals: true,
         }
     }

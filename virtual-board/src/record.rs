@@ -59,6 +59,15 @@ pub struct Pulse {
     pub width: Ticks,
 }
 
+/// A time in which nothing on the board drove PA1: only the pull-down resistor beside it held it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Undriven {
+    /// Its beginning.
+    pub from: Ticks,
+    /// Its end, unless it lasts.
+    pub to: Option<Ticks>,
+}
+
 /// One conversion of the ADC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Conversion {
@@ -79,6 +88,8 @@ pub enum ResetReason {
     Watchdog,
     /// A request by the program.
     Software,
+    /// The reset pin.
+    Pin,
 }
 
 /// A line of the program's log.
@@ -106,6 +117,8 @@ pub struct Record {
     pub violations: Vec<Violation>,
     /// Pulses on PA1, complete ones only.
     pub pulses: Vec<Pulse>,
+    /// Times in which PA1 was not driven.
+    pub undriven: Vec<Undriven>,
     /// Conversions of the ADC.
     pub conversions: Vec<Conversion>,
     /// Resets; the first one is the switching on.

@@ -2,15 +2,16 @@
 //!
 //! One unit for everything, chosen so that each clock of the chip is a whole number of it: 72 MHz
 //! from the crystal, 64 MHz from the internal oscillator, the ADC's clock, the watchdog's 40 kHz and
-//! the bits of a 115200 baud line. So no time is ever rounded.
+//! the bits of a 115200 baud line. So no time is ever rounded. It is fine enough for an internal oscillator that is
+//! off by tenths of a percent.
 
 use std::time::Duration;
 
-/// A time since the board was switched on, or a length of time (1/576 µs).
+/// A time since the board was switched on, or a length of time (1/57 600 µs).
 pub type Ticks = u64;
 
-/// Ticks in a second: the least common multiple of 64 MHz and 72 MHz.
-pub const TICKS_PER_SECOND: Ticks = 576_000_000;
+/// Ticks in a second: a hundred times the least common multiple of 64 MHz and 72 MHz.
+pub const TICKS_PER_SECOND: Ticks = 57_600_000_000;
 
 /// Ticks in a microsecond.
 pub const TICKS_PER_MICROSECOND: Ticks = TICKS_PER_SECOND / 1_000_000;
@@ -34,7 +35,8 @@ pub fn from_duration(duration: Duration) -> Ticks {
 /// Ticks as a [`Duration`], rounded down to nanoseconds.
 pub fn to_duration(ticks: Ticks) -> Duration {
     let (seconds, rest) = (ticks / TICKS_PER_SECOND, ticks % TICKS_PER_SECOND);
-    Duration::new(seconds, (rest * 1_000_000_000 / TICKS_PER_SECOND) as u32)
+    let nanoseconds = u128::from(rest) * 1_000_000_000 / u128::from(TICKS_PER_SECOND);
+    Duration::new(seconds, nanoseconds as u32)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::line::{Faults, Line};
 use servoid_client::{Client, ClientError, Connect, Event};
-use servoid_firmware::{CapturedFrame, Identity, Rig};
+use servoid_firmware::{CapturedFrame, ChipIdentity, Identity, Rig, Supply};
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::lease::LEASE_FRAMES;
 use servoid_protocol::message::{Arm, Command, RigMessage, Start};
@@ -30,6 +30,8 @@ fn new_rig() -> Rig {
         aperture_us: 84,
         oversampling: 4,
         full_scale: Counts(16_380),
+        chip: ChipIdentity::default(),
+        last_fault: None,
     })
 }
 
@@ -214,6 +216,7 @@ impl Bench {
             number,
             pulse: self.pulse,
             samples: std::array::from_fn(|j| sample(j as u32)),
+            supply: Supply::default(),
         };
         self.pulse = self.rig.on_frame(&frame);
         self.log.push(frame);

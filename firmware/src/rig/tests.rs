@@ -12,6 +12,7 @@ mod sessions;
 mod walk;
 
 use super::*;
+use crate::board::Supply;
 use servoid_protocol::hello::{ClockSource, ResetCause};
 use servoid_protocol::message::{Frame, RunCheck};
 use servoid_protocol::reference::{Reference, Staircase};
@@ -31,6 +32,8 @@ fn identity() -> Identity {
         aperture_us: 84,
         oversampling: 4,
         full_scale: Counts(16_380),
+        chip: ChipIdentity::default(),
+        last_fault: None,
     }
 }
 
@@ -73,6 +76,8 @@ struct Bench {
     on_line: Option<PulseWidth>,
     id: u16,
     sent: Vec<RigMessage>,
+    /// The board's supply in the next frames.
+    supply: Supply,
 }
 
 impl Bench {
@@ -80,6 +85,7 @@ impl Bench {
         Self {
             rig: Rig::new(&identity()),
             number: 0,
+            supply: Supply::default(),
             on_line: None,
             id: 0,
             sent: Vec::new(),
@@ -129,6 +135,7 @@ impl Bench {
             number: self.number,
             pulse: applied,
             samples,
+            supply: self.supply,
         });
         self.number = self.number.wrapping_add(1);
         self.flush();
@@ -141,6 +148,7 @@ impl Bench {
                 number: self.number,
                 pulse: self.on_line,
                 samples: HEALTHY,
+                supply: Supply::default(),
             });
             self.number = self.number.wrapping_add(1);
         }

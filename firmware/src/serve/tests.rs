@@ -1,6 +1,5 @@
 use super::*;
-use crate::board::CapturedFrame;
-use crate::board::Identity;
+use crate::board::{CapturedFrame, ChipIdentity, Identity, Supply};
 use core::future::poll_fn;
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::message::{Activity, Arm, Command, RigMessage};
@@ -44,6 +43,8 @@ impl Board for ScriptedBoard {
             aperture_us: 0,
             oversampling: 4,
             full_scale: Counts(16_380),
+            chip: ChipIdentity::default(),
+            last_fault: None,
         }
     }
 
@@ -107,6 +108,7 @@ fn frame(number: u32) -> CapturedFrame {
         number,
         pulse: None,
         samples: [Counts(8_000); 10],
+        supply: Supply::default(),
     }
 }
 

@@ -148,6 +148,7 @@ impl Demo {
             release: false,
             files: &files,
             force: true,
+            inexact_clock: false,
         };
         capture(&job, &Monitor::plain(talk), talk)?;
         let data = dataset::load(&files, &DatasetOptions::default())?;

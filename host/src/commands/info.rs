@@ -6,10 +6,11 @@ use crate::instrument::port;
 use crate::instrument::rig::{ClientError, Mismatch, RigClient, TalkError, mismatches};
 use anyhow::Result;
 use clap::Args;
+use servoid_protocol::health::{FaultKind, LastFault};
 use servoid_protocol::hello::{ClockSource, ResetCause};
 use servoid_protocol::message::{Activity, Status};
 use servoid_protocol::schema::{PROTOCOL_VERSION, SCHEMA_HASH};
-use servoid_protocol::{Hello, Rejects};
+use servoid_protocol::{Health, Hello, Rejects};
 
 /// Show the rig at a port: its board, firmware, timing and state
 #[derive(Debug, Args)]
@@ -30,6 +31,7 @@ struct Identity<'a> {
     schema_equal: bool,
     mismatches: &'a [Mismatch],
     status: Option<Status>,
+    health: Option<Health>,
 }
 
 impl Info {
@@ -47,13 +49,17 @@ impl Info {
         let schema_equal = client.has_equal_schema();
         // Only the hello of a rig with another schema can be trusted.
         let status = schema_equal.then(|| client.status()).transpose()?;
+        let health = schema_equal.then(|| client.health()).transpose()?;
         let mismatches = mismatches(&hello);
-        let text = describe(&hello, status.as_ref(), client.rejects()) + &explain(&mismatches);
+        let text = describe(&hello, status.as_ref(), client.rejects())
+            + &health.as_ref().map_or_else(String::new, describe_health)
+            + &explain(&mismatches);
         let answer = Identity {
             hello: &hello,
             schema_equal,
             mismatches: &mismatches,
             status,
+            health,
         };
         self.talk.result(text, &answer)
     }
@@ -137,9 +143,51 @@ fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> String 
             ),
         ]);
     }
+    lines(&rows)
+}
+
+fn lines(rows: &[(&str, String)]) -> String {
     rows.iter()
         .map(|(name, value)| format!("{name:16} {value}\n"))
         .collect()
+}
+
+/// What is known of the chip, its supply and its last fault; nothing of a simulated board.
+fn describe_health(health: &Health) -> String {
+    let mut rows = Vec::new();
+    match (health.flash_kib, health.device) {
+        (0, 0) => {}
+        (flash, 0) => rows.push(("chip", format!("{flash} KiB of flash; hides its type"))),
+        (flash, device) => {
+            rows.push(("chip", format!("{flash} KiB of flash, type {device:#010x}")))
+        }
+    }
+    if let Some(ratio) = health.supply_ratio() {
+        let change = 100.0 * (ratio - 1.0);
+        let low = match health.low_supply_frames {
+            0 => String::new(),
+            frames => format!(", too low in {frames} frames"),
+        };
+        rows.push(("supply", format!("{change:+.2} % since its start{low}")));
+    }
+    if let Some(fault) = &health.last_fault {
+        rows.push(("last fault", describe_fault(fault)));
+    }
+    lines(&rows)
+}
+
+fn describe_fault(fault: &LastFault) -> String {
+    let LastFault {
+        kind,
+        detail,
+        place,
+    } = fault;
+    match kind {
+        FaultKind::Panic => format!("a panic of the firmware at {}:{detail}", place.as_str()),
+        FaultKind::HardFault => format!("a hard fault of the processor at {detail:#010x}"),
+        FaultKind::CrystalStopped => "the crystal stopped".to_owned(),
+        FaultKind::StrayInterrupt => format!("an interrupt that nothing handles, number {detail}"),
+    }
 }
 
 /// The mismatches, field by field.
@@ -164,7 +212,7 @@ fn clock(source: ClockSource) -> &'static str {
     match source {
         ClockSource::Crystal => "crystal (tens of ppm)",
         ClockSource::InternalRc => {
-            "internal oscillator (all times uncertain by about 1 %), because the crystal did not start"
+            "internal oscillator (all times and pulses off by -2 to +2.5 %), because the crystal did not start"
         }
         ClockSource::Simulated => "simulated (exact)",
     }
@@ -190,5 +238,41 @@ fn activity(activity: &Activity) -> String {
             let (run, reason, frames) = (ended.run, ended.reason, ended.frames);
             format!("at neutral; run {run} ended ({reason:?}) after {frames} frames")
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_protocol::hello::Text16;
+
+    #[test]
+    fn health_is_said_as_far_as_it_is_known() {
+        assert_eq!(describe_health(&Health::default()), "");
+        let fault = LastFault {
+            kind: FaultKind::Panic,
+            detail: 42,
+            place: Text16::new("src/pulse.rs"),
+        };
+        let health = Health {
+            flash_kib: 64,
+            device: 0x2003_6410,
+            bandgap_at_start: 24_000,
+            bandgap: 25_000,
+            low_supply_frames: 3,
+            last_fault: Some(fault),
+        };
+        let expected = "\
+chip             64 KiB of flash, type 0x20036410
+supply           -4.00 % since its start, too low in 3 frames
+last fault       a panic of the firmware at src/pulse.rs:42
+";
+        assert_eq!(describe_health(&health), expected);
+        let hidden = Health {
+            flash_kib: 64,
+            ..Health::default()
+        };
+        let expected = "chip             64 KiB of flash; hides its type\n";
+        assert_eq!(describe_health(&hidden), expected);
     }
 }

@@ -10,6 +10,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use servoid_identification::comparison::{Comparison, ComparisonOptions, compare};
 use servoid_identification::{Identification, Options, identify_explained};
+use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 use servoid_simulator::SimulationOptions;
 use std::path::{Path, PathBuf};
 
@@ -132,6 +133,10 @@ pub(super) fn identified(
     let found = identify_explained(&data.record, options);
     let mut found = found.with_context(|| listed(files))?;
     found.model.advice.extend(data.about.advice.iter().cloned());
+    if data.about.inexact_clock {
+        let [slow, fast] = INTERNAL_CLOCK_ERROR;
+        found.model.metrics = found.model.metrics.with_clock_error(slow, fast);
+    }
     Ok(found)
 }
 

@@ -5,6 +5,8 @@ use crate::data::rig_file::RigFile;
 use crate::instrument::port;
 use anyhow::{Result, bail};
 use clap::{Args, ValueHint};
+use servoid_protocol::Hello;
+use servoid_protocol::hello::ClockSource;
 use std::path::{Path, PathBuf};
 
 /// The rig, its file, and the permission to move it.
@@ -26,6 +28,9 @@ pub(super) struct RigArgs {
     /// condition but bench)
     #[arg(long)]
     arm: bool,
+    /// Use a board whose crystal does not run: all times and all pulses are then off by -2 to +2.5 %
+    #[arg(long)]
+    inexact_clock: bool,
 }
 
 /// A rig that may be moved.
@@ -33,6 +38,25 @@ pub(super) struct Rig {
     pub address: String,
     pub file: RigFile,
     pub condition: String,
+    /// Whether a board may be used that runs on its internal oscillator.
+    pub inexact_clock: bool,
+}
+
+impl Rig {
+    /// Refuses a board that runs on its internal oscillator, unless that is allowed.
+    pub fn require_clock(&self, hello: &Hello) -> Result<()> {
+        require_clock(self.inexact_clock, hello)
+    }
+}
+
+/// Refuses a board that runs on its internal oscillator, unless that is `allowed`.
+pub(super) fn require_clock(allowed: bool, hello: &Hello) -> Result<()> {
+    if hello.clock == ClockSource::InternalRc && !allowed {
+        bail!(
+            "the servo was not moved: the board's crystal does not run, and on its internal oscillator all times and all pulses are off by -2 to +2.5 %; repair the crystal, or add --inexact-clock if that does not matter"
+        );
+    }
+    Ok(())
 }
 
 /// The one condition without a rotor.
@@ -65,6 +89,7 @@ impl RigArgs {
             address,
             file,
             condition,
+            inexact_clock: self.inexact_clock,
         })
     }
 }

@@ -60,6 +60,7 @@ impl Simulate {
             release: false,
             files: std::slice::from_ref(&self.out),
             force: self.output.force,
+            inexact_clock: false,
         };
         let ends = capture(&job, &Monitor::plain(talk), talk)?;
         let rows: u64 = ends.iter().map(|end| end.rows).sum();

@@ -95,6 +95,9 @@ pub const RTY_VOLTS: [f64; 2] = [0.5, 4.5];
 pub const RTY_DEGREES: f64 = 120.0;
 /// Volts at the sensor that the divider brings to the ADC's full scale, its 3.3 V reference (paper §4).
 pub const FULL_SCALE_VOLTS: f64 = 5.0;
+/// Standard deviations of zero and scale before a calibration; see [`SensorSection::from_data_sheet`].
+const UNCALIBRATED_ZERO_SD_DEG: f64 = 4.0;
+const UNCALIBRATED_SCALE_SD_PERCENT: f64 = 5.0;
 /// Four conversions of 12 bits, summed: 4096 steps each, of which the last reads 4095.
 const FULL_SCALE_COUNTS: f64 = 4.0 * 4096.0;
 
@@ -108,7 +111,11 @@ impl Default for SensorSection {
 impl SensorSection {
     /// A linear sensor behind the divider of the wiring guide, with `volts` at the low and the high end of
     /// a range of `degrees`, negative where the volts fall as the angle grows; 0 degrees are in its
-    /// middle. Nobody has measured where its zero is on this rig, so the zero's uncertainty is a degree.
+    /// middle.
+    ///
+    /// Nothing is measured on this rig yet. The sensor's output is proportional to its supply, and USB may have 4.75 to
+    /// 5.25 V: 5 % of the scale, and with it 3.75 degrees of the paper's sensor at its middle, to which the mounting of
+    /// the sensor comes.
     pub fn from_data_sheet(volts: [f64; 2], degrees: f64) -> Self {
         let counts_per_volt = FULL_SCALE_COUNTS / FULL_SCALE_VOLTS;
         let [low, high] = volts.map(|volts| volts * counts_per_volt);
@@ -116,8 +123,8 @@ impl SensorSection {
             name: String::new(),
             zero_counts: (low + high) / 2.0,
             degrees_per_count: degrees / (high - low),
-            zero_sd_deg: 1.0,
-            scale_sd_percent: 1.0,
+            zero_sd_deg: UNCALIBRATED_ZERO_SD_DEG,
+            scale_sd_percent: UNCALIBRATED_SCALE_SD_PERCENT,
             // Half way from the range's ends to the rails, where an open or shorted wire reads.
             healthy_counts: [
                 (low / 2.0) as u16,

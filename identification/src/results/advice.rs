@@ -75,6 +75,8 @@ pub enum Check {
     Partial,
     /// Whether the header of a recording is proved by its checksum.
     Unproved,
+    /// The recording's clock was inexact, so all its times are.
+    InexactClock,
     /// One that this version does not know.
     #[serde(untagged)]
     Other(String),

@@ -1,7 +1,8 @@
 //! The [`Core`] of the crate `rsemu`.
 //!
 //! It lacks flash wait states, so its cycles are a lower bound. It also lacks an event register that exceptions set,
-//! which matters only to programs that wait for events without sending one (Armv7-M ARM, B1.5.18).
+//! which matters only to programs that wait for events without sending one (Armv7-M ARM, B1.5.18), and the number of the
+//! active exception in ICSR (B3.2.4).
 //!
 //! It has a fault: on entry to an exception it stacks the program status without the state of an IT block (B1.5.6
 //! stacks all of it), so after the return the rest of the block runs with any condition. Therefore a line that rises
@@ -72,6 +73,11 @@ impl RsemuCore {
         }
     }
 
+    /// Sets the stack pointer, as a program does that uses too much of the stack.
+    pub fn set_stack_pointer(&mut self, address: u32) {
+        self.core.set_reg(13, address);
+    }
+
     fn in_it_block(&self) -> bool {
         self.core.regs().xpsr & IT_STATE != 0
     }
@@ -103,6 +109,14 @@ impl Core for RsemuCore {
             Line::Irq(number) => self.core.set_irq(number as u16, level),
             Line::Nmi => self.core.set_nmi(level),
         }
+    }
+
+    fn raise(&mut self, exception: u16) {
+        self.core.with_sys(|sys| {
+            let number = usize::from(exception);
+            sys.enable[number / 32] |= 1 << (number % 32);
+            sys.set_pending(Exception(exception), true);
+        });
     }
 
     fn is_asleep(&self) -> bool {

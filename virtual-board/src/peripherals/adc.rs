@@ -1,4 +1,4 @@
-//! The analog-to-digital converter ADC1 (RM0008 chapter 11): regular sequences.
+//! The analog-to-digital converter ADC1 (RM0008 chapter 11): regular sequences, and single injected conversions.
 
 use super::{Moment, bit, field};
 use crate::record::{Conversion, Irregularity};
@@ -14,6 +14,8 @@ mod offset {
     pub const HTR: u32 = 0x24;
     pub const SQR1: u32 = 0x2c;
     pub const SQR3: u32 = 0x34;
+    pub const JSQR: u32 = 0x38;
+    pub const JDR1: u32 = 0x3c;
     pub const DR: u32 = 0x4c;
 }
 
@@ -23,9 +25,19 @@ const RSTCAL: u32 = 3;
 const DMA: u32 = 8;
 const EXTTRIG: u32 = 20;
 const SWSTART: u32 = 22;
+const JEXTTRIG: u32 = 15;
+const JSWSTART: u32 = 21;
+const TSVREFE: u32 = 23;
 const SCAN: u32 = 8;
 const EOC: u32 = 1 << 1;
 const STRT: u32 = 1 << 4;
+const JEOC: u32 = 1 << 2;
+const JSTRT: u32 = 1 << 3;
+
+/// The channel of the internal reference voltage (11.10).
+const VREFINT: u32 = 17;
+/// The shortest time to sample it (DS5319, table of the embedded internal reference voltage, largest value).
+const VREFINT_SAMPLING: Ticks = TICKS_PER_SECOND / 1_000_000 * 171 / 10;
 
 /// EXTSEL of TIM3's trigger output (11.7, table of external triggers for regular channels).
 const TIM3_TRGO: u32 = 0b100;
@@ -36,6 +48,9 @@ const SOFTWARE: u32 = 0b111;
 const STABILISATION: Ticks = microseconds(1);
 /// The highest clock (11.1).
 const HIGHEST_CLOCK: u64 = 14_000_000;
+
+/// Cycles from a trigger to the beginning of the sampling (DS5319, table of ADC characteristics, t_latr: 3 at the most).
+pub const TRIGGER_LATENCY: Ticks = 3;
 
 /// Half cycles for sampling, by SMPx (11.12.4).
 const SAMPLING: [Ticks; 8] = [3, 15, 27, 57, 83, 111, 143, 479];
@@ -49,10 +64,12 @@ const CALIBRATION_RESET: Ticks = 2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     None,
-    /// The input of this channel is held now, for conversion `index` of the sequence: [`Adc::hold`] takes its code.
+    /// The input of this channel is held now, after it was sampled for this time, for conversion `index` of the
+    /// sequence: [`Adc::hold`] takes its code.
     Hold {
         channel: u32,
         index: u32,
+        sampled: Ticks,
     },
     /// A conversion is done, and DMA is asked for its result.
     DmaRequest,
@@ -63,6 +80,8 @@ pub enum Event {
 struct Scan {
     /// Number of the conversion in the sequence.
     index: u32,
+    channel: u32,
+    injected: bool,
     start: Ticks,
     held: Ticks,
     done: Ticks,
@@ -80,6 +99,8 @@ pub struct Adc {
     /// HTR and LTR: kept, not used.
     watchdog: [u32; 2],
     sqr: [u32; 3],
+    jsqr: u32,
+    jdr: u32,
     dr: u32,
     powered_since: Ticks,
     calibrated: bool,
@@ -126,9 +147,15 @@ impl Adc {
     }
 
     fn begin(&mut self, index: u32, start: Ticks) {
-        let held = start + self.sampling(self.channel(index)) * self.clock / 2;
+        self.convert(index, self.channel(index), false, start);
+    }
+
+    fn convert(&mut self, index: u32, channel: u32, injected: bool, start: Ticks) {
+        let held = start + self.sampling(channel) * self.clock / 2;
         self.scan = Some(Scan {
             index,
+            channel,
+            injected,
             start,
             held,
             done: held + CONVERTING * self.clock / 2,
@@ -149,16 +176,45 @@ impl Adc {
             m.report(Irregularity::TriggerWhileBusy);
             return;
         }
+        self.check_state(m);
+        let long = bit(self.cr1, SCAN) && self.length() > 12;
+        m.not_modelled(long, "a sequence of more than twelve");
+        self.sr |= STRT;
+        self.begin(0, m.now + TRIGGER_LATENCY * self.clock);
+    }
+
+    /// Begins the injected conversion (11.3.9): with JL = 0 it is that of JSQ4 (11.12.12).
+    fn start_injected(&mut self, m: &mut Moment<'_>) {
+        m.not_modelled(
+            self.scan.is_some(),
+            "an injected conversion within a sequence",
+        );
+        m.not_modelled(
+            field(self.jsqr, 20, 2) != 0,
+            "more than one injected conversion",
+        );
+        if self.scan.is_some() {
+            return;
+        }
+        self.check_state(m);
+        let channel = field(self.jsqr, 15, 5);
+        if channel == VREFINT {
+            let off = !bit(self.cr2, TSVREFE);
+            m.against_manual(off, "the reference voltage without TSVREFE (11.10)");
+            let short = self.sampling(channel) * self.clock / 2 < VREFINT_SAMPLING;
+            m.against_manual(short, "the reference voltage sampled too shortly (11.10)");
+        }
+        self.sr |= JSTRT;
+        self.convert(0, channel, true, m.now + TRIGGER_LATENCY * self.clock);
+    }
+
+    fn check_state(&self, m: &mut Moment<'_>) {
         let early = m.now < self.powered_since + STABILISATION;
         m.against_manual(early, "a conversion within tSTAB (11.3.1)");
         let busy = !self.calibrated || m.now < self.calibrates_until;
         m.against_manual(busy, "a conversion uncalibrated (11.4)");
         let fast = TICKS_PER_SECOND > HIGHEST_CLOCK * self.clock;
         m.against_manual(fast, "an ADC clock above 14 MHz (11.1)");
-        let long = bit(self.cr1, SCAN) && self.length() > 12;
-        m.not_modelled(long, "a sequence of more than twelve");
-        self.sr |= STRT;
-        self.begin(0, m.now);
     }
 
     /// The time of the ADC's next event.
@@ -176,10 +232,17 @@ impl Adc {
         };
         let Some(code) = scan.code else {
             return Event::Hold {
-                channel: self.channel(scan.index),
+                channel: scan.channel,
                 index: scan.index,
+                sampled: scan.held - scan.start,
             };
         };
+        if scan.injected {
+            self.scan = None;
+            self.jdr = u32::from(code);
+            self.sr |= JEOC;
+            return Event::None;
+        }
         m.record.conversion(Conversion {
             start: scan.start,
             held: scan.held,
@@ -233,10 +296,11 @@ impl Adc {
                 self.cr2
             }
             offset::SMPR1 | offset::SMPR2 => self.smpr[usize::from(offset == offset::SMPR2)],
-            0x14..offset::HTR => 0,
+            0x14..offset::HTR | 0x40..offset::DR => 0,
             offset::HTR | 0x28 => self.watchdog[usize::from(offset == 0x28)],
             offset::SQR1..=offset::SQR3 => self.sqr[(offset - offset::SQR1) as usize / 4],
-            0x38..offset::DR => 0,
+            offset::JSQR => self.jsqr,
+            offset::JDR1 => self.jdr,
             offset::DR => self.read_data(),
             _ => return None,
         })
@@ -260,10 +324,9 @@ impl Adc {
                 m.against_manual(busy, "the sequence was changed in a conversion");
                 self.sqr[(offset - offset::SQR1) as usize / 4] = value;
             }
-            0x14..offset::HTR | 0x38 => {
-                m.not_modelled(true, "injected conversions");
-            }
-            0x3c..=offset::DR => {}
+            0x14..offset::HTR => m.not_modelled(true, "offsets of injected conversions"),
+            offset::JSQR => self.jsqr = value,
+            offset::JDR1..=offset::DR => {}
             _ => return None,
         }
         Some(())
@@ -274,16 +337,17 @@ impl Adc {
     fn write_cr2(&mut self, value: u32, m: &mut Moment<'_>) {
         let before = self.read(offset::CR2, m.now).unwrap_or_default();
         let was_on = bit(before, ADON);
-        let more = value & (1 << 1 | 1 << 15 | 1 << 21 | 1 << 23) != 0;
+        m.not_modelled(bit(value, 1), "continuous conversions");
+        let triggered = bit(value, JEXTTRIG) && field(value, 12, 3) != SOFTWARE;
         m.not_modelled(
-            more,
-            "continuous or injected conversions, or the thermometer",
+            triggered,
+            "injected conversions by another trigger than software",
         );
         let source = field(value, 17, 3);
         let other = bit(value, EXTTRIG) && !matches!(source, TIM3_TRGO | SOFTWARE);
         m.not_modelled(other, "this trigger of the ADC");
-        // SWSTART is cleared when the conversion starts.
-        self.cr2 = value & !(1 << SWSTART);
+        // Cleared when the conversion starts.
+        self.cr2 = value & !(1 << SWSTART | 1 << JSWSTART);
         if bit(value, ADON) && !was_on {
             self.powered_since = m.now;
         }
@@ -305,6 +369,9 @@ impl Adc {
         }
         let by_adon = was_on && value == before;
         let by_software = bit(value, SWSTART) && bit(value, EXTTRIG) && source == SOFTWARE;
+        if bit(value, JSWSTART) && bit(value, JEXTTRIG) {
+            self.start_injected(m);
+        }
         if by_adon || by_software {
             m.report(Irregularity::StartedBySoftware);
             self.start(m);

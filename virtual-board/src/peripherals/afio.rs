@@ -32,6 +32,9 @@ impl Afio {
                 // USART1 on PB6/PB7, ADC1's external triggers: nothing follows them here.
                 let remaps = value & (1 << 2 | 1 << 17 | 1 << 18) != 0;
                 m.not_modelled(remaps, "remapping of USART1 or of ADC triggers");
+                // SWJ_CFG = 100 (9.4.2).
+                let closed = field(value, 24, 3) == 0b100;
+                m.against_manual(closed, "the debug port was switched off: no probe gets in");
                 self.mapr = value;
             }
             0x08 | 0x0c | 0x10 | 0x14 => m.not_modelled(true, "external interrupts"),
@@ -54,6 +57,15 @@ mod tests {
             assert_eq!(afio.tim2_channel_2_is_on_pa1(), on_pa1, "{remap:02b}");
         }
         assert_eq!(bench.reported(), []);
+    }
+
+    #[test]
+    fn a_closed_debug_port_is_reported() {
+        let (mut afio, mut bench) = (Afio::default(), Bench::default());
+        afio.write(0x04, 0b010 << 24, &mut bench.at(0));
+        assert_eq!(bench.reported(), []);
+        afio.write(0x04, 0b100 << 24, &mut bench.at(0));
+        assert_eq!(bench.reported().len(), 1);
     }
 
     #[test]

@@ -155,6 +155,17 @@ impl Channel {
             m.not_modelled(index != 0, "requests to another DMA channel than 1");
             let other = bit(value, DIR) || bit(value, PINC) || bit(value, MEM2MEM);
             m.not_modelled(other, "DMA other than from a register to memory");
+            let (register, memory) = (field(value, 8, 2), field(value, 10, 2));
+            m.not_modelled(
+                register != memory,
+                "DMA between widths that differ (13.3.4)",
+            );
+            let size = 1 << memory;
+            let aligned = self.cpar.is_multiple_of(size) && self.cmar.is_multiple_of(size);
+            m.against_manual(
+                !aligned || size > 4,
+                "DMA at an address or of a width that is none (13.4)",
+            );
         }
         self.ccr = value;
     }
@@ -213,6 +224,22 @@ mod tests {
             dma.request(1, &mut bench.at(0));
         }
         assert_eq!(bench.reported(), [Irregularity::DmaOverrun(1)]);
+    }
+
+    #[test]
+    fn widths_and_addresses_must_fit() {
+        for (ccr, memory, good) in [
+            (RING, 0x2000_0100, true),
+            (RING, 0x2000_0101, false),
+            (RING & !(1 << 8), 0x2000_0100, false),
+            (RING | 3 << 10 | 3 << 8, 0x2000_0100, false),
+        ] {
+            let (mut dma, mut bench) = (Dma::default(), Bench::default());
+            dma.write(0x10, 0x4001_244c, &mut bench.at(0));
+            dma.write(0x14, memory, &mut bench.at(0));
+            dma.write(0x08, ccr | 1, &mut bench.at(0));
+            assert_eq!(bench.reported().is_empty(), good, "{ccr:#x} {memory:#x}");
+        }
     }
 
     #[test]

@@ -42,6 +42,11 @@ impl Flash {
         Some(())
     }
 
+    /// Wait states of each access (LATENCY).
+    pub fn wait_states(&self) -> u64 {
+        field(self.acr, 0, 3).into()
+    }
+
     /// Whether the wait states suffice: 0 to 24 MHz, 1 to 48 MHz, 2 above.
     pub fn check(&self, sysclk_mhz: u64, m: &mut Moment<'_>) {
         let needed = match sysclk_mhz {

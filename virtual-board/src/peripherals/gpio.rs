@@ -50,6 +50,12 @@ impl Gpio {
         }
     }
 
+    /// Whether `pin` is an input that nothing pulls: where nothing drives it from outside, its level is by chance.
+    pub fn floats(&self, pin: u32) -> bool {
+        let [low, high] = self.cr;
+        field(if pin < 8 { low } else { high }, pin % 8 * 4, 4) == 0b0100
+    }
+
     /// The level that the port itself gives `pin`: as output, or through its pull-up.
     pub fn level(&self, pin: u32) -> bool {
         bit(self.odr, pin)
@@ -97,7 +103,7 @@ mod tests {
     #[test]
     fn out_of_reset_every_pin_floats() {
         let gpio = Gpio::default();
-        assert!((0..16).all(|pin| gpio.mode(pin) == Mode::Input));
+        assert!((0..16).all(|pin| gpio.mode(pin) == Mode::Input && gpio.floats(pin)));
     }
 
     #[test]
@@ -118,8 +124,9 @@ mod tests {
             .zip(table)
             .fold(0, |w, (n, (cnf, _))| w | cnf << (4 * n));
         gpio.write(0x04, crh, &mut bench.at(0));
-        for (pin, (_, mode)) in (8..).zip(table) {
+        for (pin, (cnf, mode)) in (8..).zip(table) {
             assert_eq!(gpio.mode(pin), mode, "pin {pin}");
+            assert_eq!(gpio.floats(pin), cnf == 0b0100, "pin {pin}");
         }
     }
 

@@ -53,6 +53,8 @@ pub struct Iwdg {
     reload: Slow,
     /// Time and value of the last load of the counter; `None` before it is started.
     loaded: Option<(Ticks, u32)>,
+    /// A debugger has stopped it (31.16.2).
+    frozen: bool,
 }
 
 impl Iwdg {
@@ -65,12 +67,18 @@ impl Iwdg {
             prescaler: Slow::new(0),
             reload: Slow::new(FULL),
             loaded: None,
+            frozen: false,
         }
+    }
+
+    /// Stops the counter.
+    pub fn freeze(&mut self) {
+        self.frozen = true;
     }
 
     /// The time at which the chip is reset, unless the counter is reloaded.
     pub fn expires(&self) -> Option<Ticks> {
-        let (at, count) = self.loaded?;
+        let (at, count) = self.loaded.filter(|_| !self.frozen)?;
         // 19.4.2: 4 to 256. A prescaler that is being updated is taken as updated: the difference
         // is below its update time.
         let code = self.prescaler.next.map_or(self.prescaler.value, |n| n.0);

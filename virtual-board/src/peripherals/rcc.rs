@@ -12,12 +12,46 @@ const PLL_LOCK: Ticks = microseconds(200);
 const LSI_STARTUP: Ticks = microseconds(85);
 
 const MHZ: u64 = 1_000_000;
-/// Both the internal oscillator and the crystal of the usual boards.
-const OSCILLATOR: u64 = 8 * MHZ;
+/// A cycle of the crystal of the usual boards: 8 MHz.
+const CRYSTAL: Ticks = TICKS_PER_SECOND / (8 * MHZ);
 
-/// Limits of the clocks (7.2): system, APB1.
-const SYSCLK_LIMIT: u64 = 72 * MHZ;
-const PCLK1_LIMIT: u64 = 36 * MHZ;
+/// Limits of the clocks (7.2): shortest cycles of the system clock and of APB1.
+const SYSCLK_LIMIT: Ticks = TICKS_PER_SECOND / (72 * MHZ);
+const PCLK1_LIMIT: Ticks = TICKS_PER_SECOND / (36 * MHZ);
+
+/// The sources of the clocks, as one chip and its board have them.
+#[derive(Clone, Copy, Debug)]
+pub struct Sources {
+    /// Whether the crystal starts.
+    pub crystal: bool,
+    /// Whether the PLL locks.
+    pub pll: bool,
+    /// A cycle of the internal oscillator; a multiple of eight ticks.
+    pub internal: Ticks,
+    /// From a write of SW to the switch of the clock. The manual gives no time.
+    pub switching: Ticks,
+}
+
+impl Sources {
+    /// Sources with an internal oscillator that is off by `error` of its 8 MHz (DS5319: -2 to +2.5 % over the
+    /// temperature).
+    pub fn new(crystal: bool, pll: bool, error: f64, switching: Ticks) -> Self {
+        let eighth = TICKS_PER_SECOND as f64 / (64e6 * (1.0 + error));
+        Self {
+            crystal,
+            pll,
+            internal: 8 * eighth.round() as Ticks,
+            switching,
+        }
+    }
+}
+
+#[cfg(test)]
+impl Default for Sources {
+    fn default() -> Self {
+        Self::new(true, true, 0.0, microseconds(2))
+    }
+}
 
 /// Ticks per cycle of each clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,12 +73,14 @@ pub enum Domain {
     Apb1,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Rcc {
-    /// Whether the crystal starts.
-    pub crystal: bool,
+    sources: Sources,
     cr: u32,
     cfgr: u32,
+    /// The source of the system clock (SWS), and when the one in SW takes its place.
+    source: u32,
+    switches: Option<Ticks>,
     cir: u32,
     apb2rstr: u32,
     apb1rstr: u32,
@@ -66,14 +102,28 @@ const PLLON: u32 = 24;
 const LSION: u32 = 0;
 
 impl Rcc {
-    /// The clocks of a chip with or without a crystal that starts, before its first reset.
-    pub fn new(crystal: bool) -> Self {
+    /// The clocks of a chip before its first reset.
+    pub fn new(sources: Sources) -> Self {
         Self {
-            crystal,
+            sources,
             cr: 0x83,
+            cfgr: 0,
+            source: 0,
+            switches: None,
+            cir: 0,
+            apb2rstr: 0,
+            apb1rstr: 0,
             enr: [0x14, 0, 0],
-            ..Self::default()
+            csr: 0,
+            hse_since: 0,
+            pll_since: 0,
+            lsi_since: 0,
         }
+    }
+
+    /// The clocks without supply.
+    pub fn switch_off(&mut self) {
+        *self = Self::new(self.sources);
     }
 
     /// A reset. All registers but the flags in CSR go to their reset values (7.1.1); every reset
@@ -81,6 +131,7 @@ impl Rcc {
     pub fn reset(&mut self, reason: ResetReason) {
         const PIN: u32 = 1 << 26;
         let flag = match reason {
+            ResetReason::Pin => PIN,
             ResetReason::PowerOn => 1 << 27,
             ResetReason::Software => 1 << 28,
             ResetReason::Watchdog => 1 << 29,
@@ -92,7 +143,7 @@ impl Rcc {
             0xfc00_0000
         };
         let before = self.csr & kept;
-        *self = Self::new(self.crystal);
+        *self = Self::new(self.sources);
         self.csr = before | flag | PIN;
     }
 
@@ -101,39 +152,69 @@ impl Rcc {
     }
 
     fn hse_ready(&self, now: Ticks) -> bool {
-        self.crystal && Self::ready(bit(self.cr, HSEON), self.hse_since, HSE_STARTUP, now)
+        self.sources.crystal && Self::ready(bit(self.cr, HSEON), self.hse_since, HSE_STARTUP, now)
     }
 
     fn pll_ready(&self, now: Ticks) -> bool {
         let source = !bit(self.cfgr, 16) || self.hse_ready(now);
-        source && Self::ready(bit(self.cr, PLLON), self.pll_since, PLL_LOCK, now)
+        self.sources.pll
+            && source
+            && Self::ready(bit(self.cr, PLLON), self.pll_since, PLL_LOCK, now)
     }
 
-    /// Frequency of the PLL's output (7.3.2: PLLSRC, PLLXTPRE, PLLMUL).
-    fn pll_hz(&self) -> u64 {
+    /// A cycle of the PLL's output (7.3.2: PLLSRC, PLLXTPRE, PLLMUL); `None` where it is no whole number of ticks.
+    fn pll(&self) -> Option<Ticks> {
         let source = match (bit(self.cfgr, 16), bit(self.cfgr, 17)) {
-            (false, _) | (true, true) => OSCILLATOR / 2,
-            (true, false) => OSCILLATOR,
+            (false, _) => 2 * self.sources.internal,
+            (true, true) => 2 * CRYSTAL,
+            (true, false) => CRYSTAL,
         };
         // 1110 and 1111 are both 16.
-        source * u64::from((field(self.cfgr, 18, 4) + 2).min(16))
+        let factor = Ticks::from((field(self.cfgr, 18, 4) + 2).min(16));
+        source.is_multiple_of(factor).then_some(source / factor)
     }
 
-    fn sysclk_hz(&self) -> u64 {
-        match field(self.cfgr, 0, 2) {
-            2 => self.pll_hz(),
-            _ => OSCILLATOR,
+    /// A cycle of the clock from `source`, a value of SW.
+    fn cycle(&self, source: u32) -> Option<Ticks> {
+        match source {
+            0 => Some(self.sources.internal),
+            1 => Some(CRYSTAL),
+            _ => self.pll(),
         }
     }
 
-    /// Frequency of the system clock (MHz), for the rules that depend on it.
+    /// A cycle of the system clock. A source without a whole number of ticks is not switched to.
+    fn sysclk(&self) -> Ticks {
+        self.cycle(self.source).unwrap_or(self.sources.internal)
+    }
+
+    /// Frequency of the system clock (MHz), for the rules that depend on it: that of the source that is being
+    /// switched to, if it is the faster one.
     pub fn sysclk_mhz(&self) -> u64 {
-        self.sysclk_hz() / MHZ
+        let next = self
+            .switches
+            .and_then(|_| self.cycle(field(self.cfgr, 0, 2)));
+        let cycle = next.map_or(self.sysclk(), |next| next.min(self.sysclk()));
+        TICKS_PER_SECOND.div_ceil(cycle * MHZ)
+    }
+
+    /// The time of the next event: the switch of the system clock.
+    pub fn next_event(&self) -> Option<Ticks> {
+        self.switches
+    }
+
+    /// Handles the event at `now`; returns whether the clocks are others now.
+    pub fn advance(&mut self, now: Ticks) -> bool {
+        let switches = self.switches.take_if(|at| *at <= now).is_some();
+        if switches {
+            self.source = field(self.cfgr, 0, 2);
+        }
+        switches
     }
 
     /// The clocks as they are now.
     pub fn clocks(&self) -> Clocks {
-        let hclk = TICKS_PER_SECOND / self.sysclk_hz() * ahb_divider(field(self.cfgr, 4, 4));
+        let hclk = self.sysclk() * ahb_divider(field(self.cfgr, 4, 4));
         let (div1, div2) = (
             apb_divider(field(self.cfgr, 8, 3)),
             apb_divider(field(self.cfgr, 11, 3)),
@@ -158,8 +239,8 @@ impl Rcc {
     /// internal oscillator, PLL and crystal are switched off, and the NMI is raised. Without it, a
     /// chip that runs from the crystal stands still: that is not modelled.
     pub fn stop_crystal(&mut self, m: &mut Moment<'_>) {
-        self.crystal = false;
-        let from_crystal = match field(self.cfgr, 0, 2) {
+        self.sources.crystal = false;
+        let from_crystal = match self.source {
             0 => false,
             1 => true,
             _ => bit(self.cfgr, 16),
@@ -170,6 +251,7 @@ impl Rcc {
             if from_crystal {
                 self.cr = self.cr & !(1 << PLLON) | 1 << HSION;
                 self.cfgr &= !3;
+                (self.source, self.switches) = (0, None);
             }
         } else {
             m.not_modelled(from_crystal, "a chip without any clock");
@@ -190,8 +272,8 @@ impl Rcc {
                     | ready(self.hse_ready(now), 17)
                     | ready(self.pll_ready(now), 25)
             }
-            // SWS mirrors SW: a switch to a clock that is not ready is reported and not made.
-            0x04 => self.cfgr | field(self.cfgr, 0, 2) << 2,
+            // SWS follows SW late. A switch to a clock that is not ready is reported and not made.
+            0x04 => self.cfgr | self.source << 2,
             0x08 => self.cir,
             0x0c => self.apb2rstr,
             0x10 => self.apb1rstr,
@@ -226,7 +308,12 @@ impl Rcc {
                 resets = (Domain::Apb1, value & !self.apb1rstr);
                 self.apb1rstr = value;
             }
-            0x14 | 0x18 | 0x1c => self.enr[(offset - 0x14) as usize / 4] = value,
+            0x14 | 0x18 | 0x1c => {
+                let enabled = &mut self.enr[(offset - 0x14) as usize / 4];
+                let stops = *enabled & !value != 0;
+                m.not_modelled(stops, "a unit whose clock is switched off again");
+                *enabled = value;
+            }
             0x20 => m.not_modelled(value != 0, "the backup domain"),
             0x24 => {
                 if bit(value, LSION) && !bit(self.csr, LSION) {
@@ -251,7 +338,7 @@ impl Rcc {
             self.pll_since = m.now;
         }
         // 7.3.1: a clock in use cannot be switched off.
-        let used = match field(self.cfgr, 0, 2) {
+        let used = match self.source {
             0 => 1 << HSION,
             1 => 1 << HSEON,
             _ if bit(self.cfgr, 16) => 1 << PLLON | 1 << HSEON,
@@ -282,15 +369,32 @@ impl Rcc {
         }
         let before = self.cfgr;
         self.cfgr = value;
-        let odd = !TICKS_PER_SECOND.is_multiple_of(self.sysclk_hz());
-        m.not_modelled(odd, "a system clock that 576 MHz is no multiple of");
+        let wanted = value & 3;
+        let odd = self.cycle(wanted).is_none();
+        m.not_modelled(odd, "a system clock that is no whole number of ticks");
         if odd {
             self.cfgr = before;
         }
-        let fast = self.sysclk_hz() > SYSCLK_LIMIT;
+        self.switch(before & 3, m);
+        let fast = self
+            .cycle(value & 3)
+            .is_some_and(|cycle| cycle < SYSCLK_LIMIT);
         m.against_manual(fast, "the system clock is above 72 MHz (7.2)");
-        let pclk1 = TICKS_PER_SECOND / self.clocks().pclk1;
-        m.against_manual(pclk1 > PCLK1_LIMIT, "PCLK1 is above 36 MHz (7.2)");
+        let divider = apb_divider(field(self.cfgr, 8, 3)) * ahb_divider(field(self.cfgr, 4, 4));
+        let pclk1 = self.cycle(self.cfgr & 3).unwrap_or(SYSCLK_LIMIT) * divider;
+        m.against_manual(pclk1 < PCLK1_LIMIT, "PCLK1 is above 36 MHz (7.2)");
+    }
+
+    /// The system clock goes to the source in SW, a while later. Before that SW must stay as it is: the manual does not
+    /// say which of two switches takes place.
+    fn switch(&mut self, before: u32, m: &mut Moment<'_>) {
+        let wanted = field(self.cfgr, 0, 2);
+        if wanted == before {
+            return;
+        }
+        let early = self.switches.is_some();
+        m.against_manual(early, "SW was written again before SWS followed (7.3.2)");
+        self.switches = Some(m.now + self.sources.switching);
     }
 }
 

@@ -4,21 +4,31 @@
 #[derive(Debug)]
 pub struct Signature {
     unique_id: [u8; 12],
+    /// Whether it can be read at any clock.
+    at_any_clock: bool,
 }
+
+/// The system clock (MHz) up to which the unique number of some clones can be read.
+const SLOW_MHZ: u64 = 24;
 
 /// Kilobytes of an STM32F103C8 (30.1.1).
 const FLASH_KILOBYTES: u16 = 64;
 
 impl Signature {
-    /// A board with this unique number.
-    pub fn new(unique_id: [u8; 12]) -> Self {
-        Self { unique_id }
+    /// A chip with this unique number, which can be read `at_any_clock` or else only at a slow one.
+    pub fn new(unique_id: [u8; 12], at_any_clock: bool) -> Self {
+        Self {
+            unique_id,
+            at_any_clock,
+        }
     }
 
-    /// The byte at `offset` from 0x1FFF F7E0; `None` outside.
-    pub fn read_byte(&self, offset: u32) -> Option<u8> {
+    /// The byte at `offset` from 0x1FFF F7E0 while the system clock has `sysclk_mhz`; `None` outside.
+    pub fn read_byte(&self, offset: u32, sysclk_mhz: u64) -> Option<u8> {
         let offset = offset as usize;
+        let readable = self.at_any_clock || sysclk_mhz <= SLOW_MHZ;
         match offset {
+            8..20 if !readable => Some(0xff),
             0..2 => FLASH_KILOBYTES.to_le_bytes().get(offset).copied(),
             // 30.2: base address 0x1FFF F7E8.
             8..20 => self.unique_id.get(offset - 8).copied(),
@@ -31,22 +41,26 @@ impl Signature {
 mod tests {
     use super::*;
 
+    fn read(signature: &Signature, offsets: std::ops::Range<u32>, mhz: u64) -> Vec<u8> {
+        offsets
+            .map(|offset| signature.read_byte(offset, mhz).unwrap())
+            .collect()
+    }
+
     #[test]
     fn size_and_number_are_at_their_places() {
-        let signature = Signature::new(*b"abcdefghijkl");
-        assert_eq!(
-            (0..2)
-                .map(|n| signature.read_byte(n).unwrap())
-                .collect::<Vec<_>>(),
-            [64, 0]
-        );
-        assert_eq!(
-            (8..20)
-                .map(|n| signature.read_byte(n).unwrap())
-                .collect::<Vec<_>>(),
-            b"abcdefghijkl"
-        );
-        assert_eq!(signature.read_byte(2), None);
-        assert_eq!(signature.read_byte(20), None);
+        let signature = Signature::new(*b"abcdefghijkl", true);
+        assert_eq!(read(&signature, 0..2, 72), [64, 0]);
+        assert_eq!(read(&signature, 8..20, 72), b"abcdefghijkl");
+        assert_eq!(signature.read_byte(2, 72), None);
+        assert_eq!(signature.read_byte(20, 72), None);
+    }
+
+    #[test]
+    fn the_number_of_a_clone_is_read_at_a_slow_clock_only() {
+        let signature = Signature::new(*b"abcdefghijkl", false);
+        assert_eq!(read(&signature, 8..20, 8), b"abcdefghijkl");
+        assert_eq!(read(&signature, 8..20, 72), [0xff; 12]);
+        assert_eq!(read(&signature, 0..2, 72), [64, 0]);
     }
 }

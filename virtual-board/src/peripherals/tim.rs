@@ -63,6 +63,8 @@ pub struct Tim {
     /// The count at `since`.
     count: u32,
     since: Ticks,
+    /// A debugger has stopped it (31.16.2).
+    frozen: bool,
 }
 
 impl Tim {
@@ -74,9 +76,21 @@ impl Tim {
         }
     }
 
+    /// Whether it counts its clock.
     fn runs(&self) -> bool {
         // 15.3.1: the counter is blocked while the reload value is null.
-        bit(self.cr1, CEN) && self.active.reload != 0
+        bit(self.cr1, CEN) && self.active.reload != 0 && !self.counts_triggers() && !self.frozen
+    }
+
+    /// SMS = 111, external clock mode 1: the counter counts the edges of its trigger input (15.3.12).
+    fn counts_triggers(&self) -> bool {
+        field(self.smcr, 0, 3) == 0b111
+    }
+
+    /// Stops the counter where it is, with its outputs as they are.
+    pub fn freeze(&mut self, now: Ticks) {
+        self.settle(now);
+        self.frozen = true;
     }
 
     /// Ticks of one count.
@@ -174,12 +188,35 @@ impl Tim {
 
     /// A trigger comes in at the internal input `input` (ITR0 to ITR3).
     pub fn trigger(&mut self, input: u32, now: Ticks) -> TriggerOutput {
-        // SMS = 110: trigger mode, the counter starts and is not reset (15.4.3).
-        if field(self.smcr, 0, 3) != 0b110 || field(self.smcr, 4, 3) != input {
+        if field(self.smcr, 4, 3) != input || self.frozen {
             return false;
         }
-        self.sr |= TIF;
-        self.start(now)
+        match field(self.smcr, 0, 3) {
+            // Trigger mode: the counter starts and is not reset (15.4.3).
+            0b110 => {
+                self.sr |= TIF;
+                self.start(now)
+            }
+            0b111 => {
+                self.sr |= TIF;
+                self.count_one()
+            }
+            _ => false,
+        }
+    }
+
+    /// Counts an edge of the trigger input.
+    fn count_one(&mut self) -> TriggerOutput {
+        if !bit(self.cr1, CEN) || self.active.reload == 0 {
+            return false;
+        }
+        if self.count < self.top() {
+            self.count += 1;
+            return false;
+        }
+        self.count = 0;
+        self.sr |= UIF;
+        self.update()
     }
 
     fn start(&mut self, now: Ticks) -> TriggerOutput {
@@ -260,8 +297,12 @@ impl Tim {
                 m.not_modelled(other, "this trigger output of a timer");
             }
             offset::SMCR => {
-                let other = !matches!(field(value, 0, 3), 0b000 | 0b110) || field(value, 8, 8) != 0;
+                let mode = field(value, 0, 3);
+                let other = !matches!(mode, 0b000 | 0b110 | 0b111) || field(value, 8, 8) != 0;
                 m.not_modelled(other, "this slave mode of a timer");
+                let divided = mode == 0b111 && self.active.prescaler != 0;
+                m.not_modelled(divided, "a prescaler of triggers");
+                self.settle(m.now);
                 self.smcr = value;
             }
             offset::DIER => {

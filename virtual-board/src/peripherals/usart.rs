@@ -75,6 +75,11 @@ impl Usart {
         bit(self.cr1, UE) && bit(self.cr1, part)
     }
 
+    /// Whether the receiver is on.
+    pub fn listens(&self) -> bool {
+        self.is_on(RE)
+    }
+
     /// The time of the next event.
     pub fn next_event(&self) -> Option<Ticks> {
         let sent = self.shifting.map(|(_, at)| at);

@@ -9,6 +9,7 @@ use servoid_test_support::virtual_board::{
     FIRST_SAMPLE, FRAME, OVERSAMPLING, SharedBoard, arm, capture, image, options, staircase,
 };
 use std::time::Duration;
+use virtual_board::BoardOptions;
 use virtual_board::memory::{RAM_BYTES, RAM_START};
 use virtual_board::record::{Conversion, Pulse, Record};
 use virtual_board::time::{Ticks, microseconds, milliseconds};
@@ -71,16 +72,26 @@ fn find_run(frames: &[Frame], record: &Record, first_pulse: usize) -> usize {
     found[0]
 }
 
+/// However long the processor takes: it is not in the timing path.
 #[test]
 fn the_staircase_is_on_the_line_and_in_the_stream_to_the_tick() {
-    let board = SharedBoard::new(&options("linear?seed=3", &[]));
+    for slow_flash in [false, true] {
+        let mut options = options("linear?seed=3", &[]);
+        options.slow_flash = slow_flash;
+        the_staircase_is_exact(&options);
+    }
+}
+
+fn the_staircase_is_exact(options: &BoardOptions) {
+    let board = SharedBoard::new(options);
     let mut client = board.connect();
     let hello = *client.hello();
     assert_eq!(
         (hello.clock, hello.reset_cause),
         (ClockSource::Crystal, ResetCause::PowerOn)
     );
-    assert_eq!(microseconds(hello.first_sample_us.into()), FIRST_SAMPLE);
+    let stated = microseconds(hello.first_sample_us.into());
+    assert!(stated.abs_diff(FIRST_SAMPLE) < microseconds(1));
     assert_eq!(
         microseconds(hello.aperture_us.into()),
         OVERSAMPLING as Ticks * CONVERSION
@@ -129,7 +140,28 @@ fn the_staircase_is_on_the_line_and_in_the_stream_to_the_tick() {
 fn load_and_memory() {
     let image = image();
     let (flash, ram) = (image.flash_used, image.ram_used);
-    let board = SharedBoard::new(&options("bench", &[]));
+    let (least, _) = load(false);
+    let (most, memory) = load(true);
+    // The stack grows down from the middle; what it never reached is as the supply left it.
+    let untouched = memory.iter().take_while(|&&b| b == memory[0]);
+    let stack = RAM_BYTES / 2 - untouched.count() as u32;
+    let percent = |cycles: u64| 100.0 * cycles as f64 / 1_440_000.0;
+    println!(
+        "processor: {least} to {most} cycles per frame while a run is under way, {:.2} to {:.2} %",
+        percent(least),
+        percent(most)
+    );
+    println!("flash {flash} bytes, static memory {ram} bytes, stack {stack} bytes at most");
+    assert!(percent(most) < 5.0, "{most}");
+    // 3 kB are left for what a path that this run did not take needs beyond it.
+    assert!(stack < RAM_BYTES / 2 - 3_072, "stack {stack}");
+}
+
+/// Cycles of a frame of a run, and the memory after it.
+fn load(slow_flash: bool) -> (u64, Vec<u8>) {
+    let mut options = options("bench", &[]);
+    options.slow_flash = slow_flash;
+    let board = SharedBoard::new(&options);
     let mut client = board.connect();
     let job = staircase();
     job.arm(&mut client).unwrap();
@@ -137,29 +169,39 @@ fn load_and_memory() {
     let before = board.with(|board| board.awake_cycles());
     let frames = 50u64;
     board.pass(Duration::from_millis(20 * frames));
-    let (after, memory) = board.with(|board| {
+    board.with(|board| {
         assert!(board.chip().record.violations.is_empty());
-        (board.awake_cycles(), memory_of(board))
-    });
-    let cycles = (after - before) / frames;
-    let load = 100.0 * cycles as f64 / 1_440_000.0;
-    // The stack grows down from the end; what it never reached is as the supply left it.
-    let untouched = memory
-        .iter()
-        .skip(ram as usize)
-        .take_while(|&&b| b == memory[ram as usize]);
-    let stack = RAM_BYTES - ram - untouched.count() as u32;
-    println!("processor: {cycles} cycles per frame while a run is under way, {load:.2} %");
-    println!("flash {flash} bytes, static memory {ram} bytes, stack {stack} bytes at most");
-    assert!(load < 5.0, "{load} %");
-    // A fifth is left: 4 kB for what a path that this run did not take needs beyond it.
-    assert!(ram + stack < RAM_BYTES * 4 / 5, "stack {stack}");
+        ((board.awake_cycles() - before) / frames, memory_of(board))
+    })
 }
 
 fn memory_of(board: &mut virtual_board::VirtualBoard) -> Vec<u8> {
     let ram = board.ram();
     assert!(ram.read(RAM_START, 1).is_some());
     ram.snapshot()
+}
+
+/// The wiring guide's arithmetic: up to 256 kΩ the ADC settles to a quarter of a step within its sampling time, and
+/// what it measured before, the reference voltage, is not seen.
+#[test]
+fn the_sampling_time_suffices_for_the_source() {
+    let first_samples = |source_ohms: f64| {
+        let mut options = options("linear?noise=none&seed=1", &[]);
+        options.source_ohms = source_ohms;
+        let board = SharedBoard::new(&options);
+        board.with(|board| {
+            let conversions = &board.chip().record.conversions;
+            conversions.iter().map(|c| c.code).collect::<Vec<_>>()
+        })
+    };
+    let ideal = first_samples(0.0);
+    assert_eq!(first_samples(3_377.0), ideal);
+    let worst = |codes: Vec<u16>| {
+        let pairs = codes.iter().zip(&ideal);
+        pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap()
+    };
+    assert!(worst(first_samples(256e3)) <= 1);
+    assert!(worst(first_samples(2e6)) > 100, "a model that sees nothing");
 }
 
 /// Equal options and equal bytes give equal signals.

@@ -54,7 +54,8 @@ fn start_and_watch(board: &SharedBoard, lease_frames: u16, end: Duration) -> Rig
     client
 }
 
-fn start(client: &mut RigClient, lease_frames: u16) {
+/// Starts the staircase.
+pub fn start(client: &mut RigClient, lease_frames: u16) {
     let arm = Arm {
         lease_frames,
         ..arm()
@@ -72,7 +73,7 @@ fn next_run_works(board: &SharedBoard) -> (ClockSource, ResetCause) {
 }
 
 /// The same with the host that has the rig.
-fn next_run_of_it_works(client: &mut RigClient) -> (ClockSource, ResetCause) {
+pub fn next_run_of_it_works(client: &mut RigClient) -> (ClockSource, ResetCause) {
     let hello = *client.hello();
     let folder = tempfile::tempdir().unwrap();
     let (end, frames) = capture(client, &staircase(), &folder.path().join("next.csv"));

@@ -6,9 +6,9 @@ use servoid::instrument::rig::RigClient;
 use servoid_identification::results::Model;
 use servoid_identification::{Options, Settling, identify};
 use servoid_simulator::linear::LinearParameters;
-use servoid_test_support::virtual_board::{SharedBoard, capture, options, staircase};
+use servoid_test_support::virtual_board::{FIRST_SAMPLE, SharedBoard, capture, options, staircase};
 use std::path::Path;
-use virtual_board::time::{microseconds, to_duration};
+use virtual_board::time::to_duration;
 
 /// Long enough for every simulated servo here: 0.15 s after the delay, the linear one's remainder is
 /// e^(-0.5·60·0.15) = 0.01, and what is left after N samples is in the last element.
@@ -39,7 +39,7 @@ fn phase(board: &SharedBoard) -> f64 {
     board.with(|board| {
         let chip = board.chip();
         let sample = &chip.record.conversions[..4];
-        let edge = sample[0].start - microseconds(500);
+        let edge = sample[0].start - FIRST_SAMPLE;
         let held = sample
             .iter()
             .map(|c| to_duration(c.held - edge).as_secs_f64());

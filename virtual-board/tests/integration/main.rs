@@ -5,11 +5,14 @@
 mod chain;
 mod cli;
 mod faults;
+mod health;
 mod identification;
 mod lockstep;
 mod losses;
 mod ports;
 mod references;
 mod soak;
+mod start;
 mod stepped;
+mod stops;
 mod visitors;

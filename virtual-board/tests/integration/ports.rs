@@ -1,20 +1,30 @@
 //! The board as a port of this machine, with the host's own ports on the other side.
 
+use clap::Parser as _;
+use servoid::commands::Cli;
+use servoid::data::dataset::{self, DatasetOptions};
 use servoid::data::recording::Ending;
 use servoid::instrument::port::Port as _;
 use servoid::instrument::rig::Capture;
 use servoid::instrument::rig::RigClient;
+use servoid_identification::results::Check;
 use servoid_protocol::reference::{Reference, Staircase};
 use servoid_test_support::virtual_board::{SharedBoard, capture, image, options, staircase};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use virtual_board::VirtualBoard;
 use virtual_board::server::{HostEnd, Pace, TcpServer, serve};
+use virtual_board::{BoardOptions, VirtualBoard};
+
+/// Runs a good board behind `end` while `host` talks to it.
+fn with_board(end: impl HostEnd + Send, host: impl FnOnce()) {
+    with(&options("linear?seed=1", &[]), end, host);
+}
 
 /// Runs a board behind `end` while `host` talks to it, for 30 s at most.
-fn with_board(mut end: impl HostEnd + Send, host: impl FnOnce()) {
+fn with(options: &BoardOptions, mut end: impl HostEnd + Send, host: impl FnOnce()) {
     // Not in the thread: building the image may take longer than a host waits.
-    let mut board = VirtualBoard::new(image(), &options("linear?seed=1", &[])).unwrap();
+    let mut board = VirtualBoard::new(image(), options).unwrap();
     let done = AtomicBool::new(false);
     let deadline = Instant::now() + Duration::from_secs(30);
     std::thread::scope(|scope| {
@@ -54,14 +64,20 @@ fn short_run() -> Capture {
     job
 }
 
-fn capture_at(address: &str) {
+fn capture_at(address: &str, file: &Path) {
     let mut client =
         RigClient::connect(servoid::instrument::port::open(address).unwrap(), address).unwrap();
-    let folder = tempfile::tempdir().unwrap();
     let job = short_run();
-    let (end, frames) = capture(&mut client, &job, &folder.path().join("run.csv"));
+    let (end, frames) = capture(&mut client, &job, file);
     assert_eq!(end.unwrap().ending, Ending::Complete);
     assert_eq!(frames.len() as u32, job.start.frames());
+}
+
+fn two_captures_at(address: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["first.csv", "second.csv"] {
+        capture_at(address, &folder.path().join(name));
+    }
 }
 
 #[test]
@@ -70,8 +86,7 @@ fn over_the_network() {
     let address = format!("tcp:{}", server.address().unwrap());
     with_board(server, || {
         // A host goes, the next one comes.
-        capture_at(&address);
-        capture_at(&address);
+        two_captures_at(&address);
     });
 }
 
@@ -81,9 +96,39 @@ fn over_a_pseudo_terminal() {
     let terminal = virtual_board::server::PseudoTerminal::open().unwrap();
     let address = terminal.path().display().to_string();
     with_board(terminal, || {
-        capture_at(&address);
-        capture_at(&address);
+        two_captures_at(&address);
     });
+}
+
+/// Runs the program `servoid`.
+fn servoid(line: &str) -> Result<String, String> {
+    let words = std::iter::once("servoid").chain(line.split_whitespace());
+    let cli = Cli::try_parse_from(words).unwrap();
+    cli.run().map_err(|error| format!("{error:#}"))
+}
+
+/// An internal oscillator that is 2.5 % fast makes pulses of 1463 µs for 1500 µs: 3.7 degrees.
+#[test]
+fn a_board_without_its_crystal_moves_a_servo_only_if_that_is_allowed() {
+    let mut options = options("linear?seed=1", &["no-crystal"]);
+    options.hsi_error = 0.025;
+    let server = TcpServer::listen("127.0.0.1:0").unwrap();
+    let address = format!("tcp:{}", server.address().unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("run.csv");
+    let command = format!("capture --port {address} -o {}", file.display());
+    with(&options, server, || {
+        let refused = servoid(&command).unwrap_err();
+        assert!(refused.contains("crystal"), "{refused}");
+        assert!(refused.contains("--inexact-clock"), "{refused}");
+        assert!(!file.exists());
+        capture_at(&address, &file);
+    });
+    let data = dataset::load(&[file], &DatasetOptions::default()).unwrap();
+    let about = &data.about;
+    assert!(about.inexact_clock);
+    let checks: Vec<&Check> = about.advice.iter().map(|advice| &advice.check).collect();
+    assert_eq!(checks, [&Check::InexactClock]);
 }
 
 /// A host that waits until a moment, by its own clock in nanoseconds, gets there.

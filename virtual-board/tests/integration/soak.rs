@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! host's capture <--> ChaosPort (frames) <--> line with disturbed bytes <--> image on the board
-//!                                                          brown-outs, a stuck processor, a sensor that breaks and is repaired
+//!                                                          brown-outs and sags of the supply, a stuck processor, hard faults,
+//!                                                          the reset pin, a sensor that breaks and is repaired
 //! ```
 //!
 //! Each capture is judged against what the models of ADC and servo output saw; each reset and each
@@ -112,7 +113,7 @@ impl Tally {
     }
 }
 
-/// Brown-outs, a stuck processor and a broken sensor in turn by chance, apart from each other.
+/// Everything that a board has to survive, in turn by chance, apart from each other.
 fn troubles(length: Duration, rng: &mut ChaCha8Rng) -> Vec<Trouble> {
     let mut troubles = Vec::new();
     let mut last = Duration::ZERO;
@@ -123,7 +124,8 @@ fn troubles(length: Duration, rng: &mut ChaCha8Rng) -> Vec<Trouble> {
         }
         let broken_for = Duration::from_millis(rng.random_range(200..3_000));
         let ticks = from_duration(at);
-        let (text, takes, reset) = match rng.random_range(0..4) {
+        let until = at + broken_for;
+        let (text, takes, reset) = match rng.random_range(0..8) {
             0 => (
                 format!("brown-out@{}", at.as_secs_f64()),
                 BROWN_OUT + STUCK_FOR,
@@ -134,10 +136,19 @@ fn troubles(length: Duration, rng: &mut ChaCha8Rng) -> Vec<Trouble> {
                 STUCK_FOR,
                 Some(ResetReason::Watchdog),
             ),
+            2 => (
+                format!("reset-pin@{}", at.as_secs_f64()),
+                STUCK_FOR,
+                Some(ResetReason::Pin),
+            ),
+            kind @ 3..5 => {
+                let kind = ["hard-fault", "stray-interrupt"][kind - 3];
+                let text = format!("{kind}@{}", at.as_secs_f64());
+                (text, STUCK_FOR, Some(ResetReason::Software))
+            }
             kind => {
-                let kind = if kind == 2 { "open" } else { "short" };
-                let until = at + broken_for;
-                let text = format!("sensor-{kind}@{}-{}", at.as_secs_f64(), until.as_secs_f64());
+                let kind = ["sensor-open", "sensor-short", "supply-sags"][kind - 5];
+                let text = format!("{kind}@{}-{}", at.as_secs_f64(), until.as_secs_f64());
                 (text, broken_for + STUCK_FOR, None)
             }
         };
@@ -261,14 +272,19 @@ fn require_explained(record: &Record, troubles: &[Trouble], end: Ticks) -> Resul
         return Err(format!("the board lost frames: {line}"));
     }
     for violation in &record.violations {
-        // A stuck processor takes neither what the DMA brings nor what the line does, and nothing
-        // else may go wrong.
+        // A processor that is stuck, or at the end of its program waits for the last pulse to end, takes neither what
+        // the DMA brings nor what the line does, and nothing else may go wrong.
         let untaken = Irregularity::ReceiverOverrun == violation.what
             || matches!(violation.what, Irregularity::DmaOverrun(_));
-        let explained = untaken
-            && troubles.iter().any(|t| {
-                matches!(t.fault, Fault::CpuStuck(_)) && (t.at..t.over).contains(&violation.at)
-            });
+        let fault = matches!(violation.what, Irregularity::Fault(_));
+        let explained = troubles.iter().any(|t| {
+            let explains = match t.fault {
+                Fault::CpuStuck(_) | Fault::StrayInterrupt(_) => untaken,
+                Fault::HardFault(_) => untaken || fault,
+                _ => false,
+            };
+            explains && (t.at..t.over).contains(&violation.at)
+        });
         if !explained {
             return Err(violation.to_string());
         }

@@ -34,6 +34,10 @@ impl<A: Around> Core for Stepped<A> {
         self.around.step(&mut self.core)
     }
 
+    fn raise(&mut self, exception: u16) {
+        self.core.raise(exception);
+    }
+
     fn is_asleep(&self) -> bool {
         self.around.may_sleep() && self.core.is_asleep()
     }

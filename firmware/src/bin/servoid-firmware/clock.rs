@@ -1,4 +1,6 @@
 //! The clock tree: 72 MHz from the crystal, or 64 MHz from the internal oscillator.
+//!
+//! What is waited for without a limit here is ended by the watchdog, which runs already.
 
 use servoid_protocol::hello::ClockSource;
 use stm32f1xx_hal::pac::{FLASH, RCC};
@@ -50,9 +52,13 @@ fn crystal_runs(rcc: &RCC) -> bool {
 /// Switches the flash's prefetch buffer on again, which the HAL leaves off: without it every instruction would
 /// take two wait states. 3.3.3 allows it only below 24 MHz, so the system clock goes
 /// back to the internal oscillator (SW, 7.3.2) while the PLL keeps running.
+///
+/// Each switch is waited for, that of the HAL first, which does not wait: a second one before SWS follows has no certain
+/// outcome, and the buffer might be switched at full speed.
 fn prefetch() {
     // SAFETY: the HAL no longer uses them; nothing else runs yet.
     let (rcc, flash) = unsafe { (RCC::steal(), FLASH::steal()) };
+    while !rcc.cfgr().read().sws().is_pll() {}
     rcc.cfgr().modify(|_, w| w.sw().hsi());
     while !rcc.cfgr().read().sws().is_hsi() {}
     flash.acr().modify(|_, w| w.prftbe().set_bit());

@@ -1,17 +1,13 @@
-//! Settings that let a debugger stop the program together with the hardware.
+//! Debuggers: one may watch, and none may stop the hardware.
 
-use cortex_m::peripheral::DCB;
 use stm32f1xx_hal::pac::DBGMCU;
 
-/// With a debugger attached, timers and watchdog stop when it stops the processor (31.16.3). The debug port stays
-/// awake while the processor sleeps; otherwise a debugger could not be attached again.
+/// Clears every bit by which timers or the watchdog stop while a debugger halts the processor (31.16.3). These bits
+/// outlive a reset, and a halt in the middle of a pulse would hold the line high for as long as it lasts. Without
+/// them a halt ends like any standstill: the watchdog restarts the chip.
+///
+/// The debug port stays awake while the processor sleeps; otherwise a debugger could not be attached again. Without a
+/// debugger these bits cannot be written, and the chip has none of them (errata sheet ES096, debug registers).
 pub fn prepare(dbgmcu: &DBGMCU) {
-    if DCB::is_debugger_attached() {
-        dbgmcu.cr().modify(|_, w| {
-            w.dbg_tim2_stop().set_bit();
-            w.dbg_tim3_stop().set_bit();
-            w.dbg_iwdg_stop().set_bit();
-            w.dbg_sleep().set_bit()
-        });
-    }
+    dbgmcu.cr().write(|w| w.dbg_sleep().set_bit());
 }

@@ -5,15 +5,18 @@
 //!   | started by one write
 //!   v TRGO = enable
 //!  TIM3  2 ms, half a millisecond late
-//!   v TRGO = update
+//!   | TRGO = update ----------------------------------> TIM4  counts the samples
+//!   v
 //!  ADC1  PA4 four times <--- Hall sensor
 //!   v
 //!  DMA1 channel 1, a ring of two frames --- half done ---> one wake-up, one frame
 //! ```
 //!
 //! The processor is not in the timing path. 1.4 ms before each edge it takes the samples of the last frame and
-//! prepares the pulse of the next one. Section numbers in the comments are those
-//! of the reference manual RM0008.
+//! prepares the pulse of the next one. Then the ADC measures the chip's reference voltage, between two samples.
+//!
+//! Section numbers in the comments are those of the reference manual RM0008; docs/hardware.md has what was held against
+//! other sources.
 //!
 //! | pin  | use                               |
 //! |------|-----------------------------------|
@@ -21,7 +24,7 @@
 //! | PA4  | ADC_IN4: Hall sensor, behind a divider from 5 V to 3.3 V |
 //! | PA9  | USART1_TX: to the host            |
 //! | PA10 | USART1_RX: from the host          |
-//! | PC13 | LED to the supply: on while pulses are on |
+//! | PC13 | LED to the supply: on while pulses are on; blinks on a chip with half the memory |
 //!
 //! # Interrupts
 //!
@@ -31,7 +34,8 @@
 //! | `USART1`        | each byte       | one byte time, 87 µs, or a byte is lost and its request repeated |
 //!
 //! Both keep the priority of the reset, so neither interrupts the other. Each takes a few microseconds, less than
-//! the other's longest latency, and one stack depth is enough.
+//! the other's longest latency, and one stack depth is enough. The voltage detector sets a pending bit, which is read in
+//! each frame, and interrupts nothing.
 
 #![no_std]
 #![no_main]
@@ -40,10 +44,14 @@
 mod clock;
 mod debugger;
 mod identity;
+mod last_fault;
+mod line;
 mod pulse;
 mod safety;
 mod sampling;
 mod serial;
+mod small_part;
+mod supply;
 mod timing;
 mod watchdog;
 
@@ -51,6 +59,7 @@ use defmt_rtt as _;
 use embassy_executor::Spawner;
 use servoid_firmware::{Board, CapturedFrame, Identity, serve};
 use servoid_protocol::PulseWidth;
+use servoid_protocol::hello::{ClockSource, ResetCause};
 use stm32f1xx_hal::gpio::{Output, PC13, PushPull};
 use stm32f1xx_hal::pac::Peripherals;
 use stm32f1xx_hal::prelude::*;
@@ -72,7 +81,6 @@ impl Board for Stm32f103 {
 
     async fn next_frame(&mut self) -> CapturedFrame {
         let frame = sampling::next_frame().await;
-        // A reset clears the count in the rig, but not the log.
         let lost = self.newest.map_or(0, |before| frame.lost_since(before));
         if lost > 0 {
             defmt::warn!("{=u32} frames lost before {=u32}", lost, frame.number);
@@ -98,21 +106,29 @@ impl Board for Stm32f103 {
 #[embassy_executor::main]
 async fn main(_spawner: Spawner) {
     let Some(p) = Peripherals::take() else {
-        safety::stop()
+        safety::give_up()
     };
-    let reset_cause = identity::take_reset_cause(&p.RCC);
+    let watchdog = watchdog::start(p.IWDG);
+    let start = identity::Start {
+        reset_cause: identity::take_reset_cause(&p.RCC),
+        last_fault: last_fault::take(),
+    };
     debugger::prepare(&p.DBGMCU);
+    let signature = identity::read_signature(&p.DBGMCU);
     let (mut rcc, source) = clock::start(p.RCC, p.FLASH);
+    supply::watch(&p.PWR, &p.EXTI, &mut rcc);
 
-    let mut gpioa = p.GPIOA.split(&mut rcc);
+    // SAFETY: but for PA1, which is low since the first instructions and becomes the timer's below, all pins are as a
+    // reset leaves them. A reset here would let go of the pulse line.
+    let mut gpioa = unsafe { p.GPIOA.split_without_reset(&mut rcc) };
     let mut gpioc = p.GPIOC.split(&mut rcc);
     let led = gpioc
         .pc13
         .into_push_pull_output_with_state(&mut gpioc.crh, true.into());
     gpioa.pa4.into_analog(&mut gpioa.crl);
 
-    let chain = timing::prepare(p.TIM2, p.TIM3, &mut rcc);
-    // Not earlier: from here on the timer holds the line low.
+    let chain = timing::prepare(p.TIM2, p.TIM3, p.TIM4, &mut rcc);
+    // Not earlier: from here on the timer holds the line low, as the port did before.
     gpioa.pa1.into_alternate_push_pull(&mut gpioa.crl);
     sampling::arm(p.ADC1, p.DMA1, &mut rcc);
     let tx = gpioa.pa9.into_alternate_push_pull(&mut gpioa.crh);
@@ -120,17 +136,25 @@ async fn main(_spawner: Spawner) {
     let mut link = serial::open(p.USART1, tx, rx, &mut rcc);
 
     let mut board = Stm32f103 {
-        identity: identity::read(source, reset_cause, &rcc.clocks),
+        identity: identity::of(signature, source, start, &rcc.clocks),
         led,
-        watchdog: watchdog::start(p.IWDG),
+        watchdog,
         newest: None,
     };
     defmt::info!(
         "servoid {=str}: crystal {=bool}, after a watchdog reset {=bool}",
         env!("CARGO_PKG_VERSION"),
-        source == servoid_protocol::hello::ClockSource::Crystal,
-        reset_cause == servoid_protocol::hello::ResetCause::Watchdog,
+        source == ClockSource::Crystal,
+        start.reset_cause == ResetCause::Watchdog,
     );
+    if let Some(fault) = start.last_fault {
+        defmt::error!(
+            "the last program ended by {=str} {=u32:#x} {=str}",
+            last_fault::name(fault.kind),
+            fault.detail,
+            fault.place.as_str()
+        );
+    }
     chain.start();
     serve(&mut board, &mut link).await
 }

@@ -1,6 +1,6 @@
 //! Sampling: ADC1 by trigger, DMA into a ring of two frames, one interrupt for each frame.
 
-use crate::{pulse, timing};
+use crate::{pulse, supply, timing};
 use core::cell::UnsafeCell;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
@@ -69,12 +69,16 @@ pub fn arm(adc: ADC1, dma: DMA1, rcc: &mut Rcc) {
     adc.sqr3()
         .write(|w| unsafe { (0..OVERSAMPLING as u8).fold(w, |w, n| w.sq(n).bits(CHANNEL)) });
     adc.sqr1().write(|w| w.l().set(OVERSAMPLING as u8 - 1));
+    supply::prepare_bandgap(&adc);
     arm_dma(&adc, dma);
     // In one write, with ADON unchanged: a write that only sets ADON = 1 again would start a conversion (11.12.3).
     adc.cr2().modify(|_, w| {
         w.dma().set_bit();
         w.extsel().tim3trgo();
-        w.exttrig().set_bit()
+        w.exttrig().set_bit();
+        w.jextsel().jswstart();
+        w.jexttrig().set_bit();
+        w.tsvrefe().set_bit()
     });
     // SAFETY: everything that the handler below uses is set up.
     unsafe { NVIC::unmask(Interrupt::DMA1_CHANNEL1) };
@@ -118,8 +122,8 @@ fn arm_dma(adc: &ADC1, dma: DMA1) {
 /// A frame is complete: its half of the ring is full.
 #[interrupt]
 fn DMA1_CHANNEL1() {
-    // Number of frames so far.
-    static mut PASSED: u32 = 0;
+    // Frames that were complete at the last call.
+    static mut COMPLETE: u32 = 0;
 
     // SAFETY: only this handler clears the flags of channel 1 (13.4.2), by writing 1 to them.
     let dma = unsafe { DMA1::steal() };
@@ -137,29 +141,41 @@ fn DMA1_CHANNEL1() {
     let half = match (first, second) {
         (true, false) => 0,
         (false, true) => 1,
-        (false, false) => return,
-        // A whole frame late: the ring may hold either frame.
-        (true, true) => {
-            *PASSED = PASSED.wrapping_add(2);
-            return;
-        }
+        // Both: a whole frame late or more, and the ring may hold any frame. The next one shows by its number how many
+        // are lost.
+        _ => return,
     };
-    let number = *PASSED;
-    *PASSED = PASSED.wrapping_add(1);
-    let pulse = critical_section::with(|cs| {
+    *COMPLETE = complete(*COMPLETE, half);
+    let number = COMPLETE.wrapping_sub(1);
+    let (pulse, since_edge_us) = critical_section::with(|cs| {
         // Called in any case, because each frame edge must be seen.
-        let pulse = pulse::on_line(cs);
-        (pulse::since_edge_us(cs) >= timing::LAST_SAMPLE_US).then_some(pulse)
+        (pulse::on_line(cs), pulse::since_edge_us(cs))
     });
-    // If the next frame has begun already, the pulse is not that of this frame.
-    if let Some(pulse) = pulse {
+    // If the next frame has begun already, the pulse is not that of this frame. Its first sample may be under way, too.
+    if since_edge_us >= timing::LAST_SAMPLE_US {
+        // SAFETY: the ADC is not changed after the start, and only this handler starts an injected conversion: one that
+        // is over long before the next sample.
+        let adc = unsafe { ADC1::steal() };
+        let bandgap = supply::take_bandgap(&adc);
         // A full queue loses the frame; the gap in the numbers shows it.
         let _ = FRAMES.try_send(CapturedFrame {
             number,
             pulse,
             samples: samples(half),
+            supply: supply::of_frame(bandgap),
         });
     }
+}
+
+/// Frames that are complete now, when `before` were at the last call and the newest is in `half` of the ring: counted by
+/// the timer, however many have passed.
+fn complete(before: u32, half: usize) -> u32 {
+    let counted = timing::frames_triggered();
+    // The conversions of a frame's last sample may be under way. Then the count is one ahead of the ring.
+    let ahead = u16::from(usize::from(counted) % 2 == half);
+    let known = (before % u32::from(timing::FRAMES_COUNTED)) as u16;
+    let passed = (counted + timing::FRAMES_COUNTED - ahead - known) % timing::FRAMES_COUNTED;
+    before.wrapping_add(u32::from(passed))
 }
 
 /// The samples in one half of the ring.

@@ -1,8 +1,8 @@
-//! The two timers: TIM2 for the pulses, TIM3 for the samples.
+//! The timers: TIM2 for the pulses, TIM3 for the samples, TIM4 to count them.
 
 use servoid_firmware::limits::{LONGEST_PULSE, SHORTEST_PULSE};
-use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
-use stm32f1xx_hal::pac::{TIM2, TIM3};
+use servoid_protocol::timing::{FRAME_US, SAMPLE_US, SAMPLES_PER_FRAME};
+use stm32f1xx_hal::pac::{TIM2, TIM3, TIM4};
 use stm32f1xx_hal::rcc::{BusTimerClock, Enable, Rcc, Reset};
 
 /// From a pulse's rising edge to the start of the frame's first sample (µs).
@@ -20,17 +20,24 @@ const _: () = assert!(FIRST_SAMPLE_US as u32 + SAMPLE_US > LONGEST_PULSE.0 as u3
 /// Start of the frame's last sample (µs after the rising edge).
 pub const LAST_SAMPLE_US: u16 = (FIRST_SAMPLE_US as u32 + FRAME_US - SAMPLE_US) as u16;
 
+/// Frames after which the count of samples begins anew. An even number, so a frame's number says which half of the
+/// memory of the converter it is in.
+pub const FRAMES_COUNTED: u16 = 6_000;
+
+/// Samples in so many frames.
+const SAMPLES_COUNTED: u16 = FRAMES_COUNTED * SAMPLES_PER_FRAME as u16;
+
 /// The timers, prepared and stopped.
 #[must_use]
 pub struct Chain {
     tim2: TIM2,
 }
 
-/// Prepares the timers: TIM2 makes the pulses, TIM3 waits to be started by it.
+/// Prepares the timers: TIM2 makes the pulses, TIM3 waits to be started by it, TIM4 counts its samples.
 ///
 /// Both count microseconds of the same bus clock, and a frame is a whole number of samples, so their
 /// phase never changes.
-pub fn prepare(tim2: TIM2, tim3: TIM3, rcc: &mut Rcc) -> Chain {
+pub fn prepare(tim2: TIM2, tim3: TIM3, tim4: TIM4, rcc: &mut Rcc) -> Chain {
     TIM2::enable(rcc);
     TIM2::reset(rcc);
     TIM3::enable(rcc);
@@ -38,6 +45,9 @@ pub fn prepare(tim2: TIM2, tim3: TIM3, rcc: &mut Rcc) -> Chain {
     let per_microsecond = TIM2::timer_clock(&rcc.clocks).to_MHz() as u16;
     prepare_pulses(&tim2, per_microsecond - 1);
     prepare_samples(&tim3, per_microsecond - 1);
+    TIM4::enable(rcc);
+    TIM4::reset(rcc);
+    prepare_count(&tim4);
     Chain { tim2 }
 }
 
@@ -71,6 +81,22 @@ fn prepare_samples(tim3: &TIM3, prescaler: u16) {
     // before the mode that listens to it (SMCR, bits TS).
     tim3.smcr().write(|w| w.ts().itr1());
     tim3.smcr().modify(|_, w| w.sms().trigger_mode());
+}
+
+/// TIM4 counts the triggers of TIM3 in external clock mode 1 (15.3.12), so frames that the processor misses are counted
+/// all the same. ITR2 of TIM4 is TIM3 (table "TIMx internal trigger connection").
+fn prepare_count(tim4: &TIM4) {
+    tim4.arr().write(|w| w.arr().set(SAMPLES_COUNTED - 1));
+    tim4.smcr().write(|w| w.ts().itr2());
+    tim4.smcr().modify(|_, w| w.sms().ext_clock_mode());
+    tim4.cr1().write(|w| w.cen().set_bit());
+}
+
+/// Frames whose samples have all been triggered, modulo [`FRAMES_COUNTED`].
+pub fn frames_triggered() -> u16 {
+    // SAFETY: nothing uses this timer but to read its count (15.4.10).
+    let tim4 = unsafe { TIM4::steal() };
+    tim4.cnt().read().cnt().bits() / SAMPLES_PER_FRAME as u16
 }
 
 impl Chain {

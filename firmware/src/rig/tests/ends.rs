@@ -128,6 +128,24 @@ fn every_request_of_the_session_renews_the_lease_and_no_other_does() {
     }
 }
 
+/// The readings of such a frame are wrong, and still within their healthy range.
+#[test]
+fn a_low_supply_ends_the_run_and_keeps_the_next_from_beginning() {
+    let mut bench = Bench::running(short_run(1));
+    bench.frame();
+    bench.supply.is_low = true;
+    bench.frame();
+    let ended = bench.only_end();
+    assert_eq!((ended.reason, ended.frames), (EndReason::SupplyLow, 2));
+    assert_eq!(bench.on_line, Some(NEUTRAL));
+    let start = Command::Start(short_run(2));
+    assert_eq!(bench.refused(start), Refusal::SupplyLow);
+    assert_eq!(bench.refused(Command::Arm(arm())), Refusal::SupplyLow);
+    bench.supply.is_low = false;
+    bench.frame();
+    assert_eq!(bench.request(start), Some(Outcome::Done));
+}
+
 #[test]
 fn five_sick_samples_in_a_row_end_the_run_and_four_do_not() {
     let (mut tail, mut head, mut four) = (HEALTHY, HEALTHY, HEALTHY);

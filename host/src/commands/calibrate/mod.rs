@@ -169,6 +169,7 @@ impl Calibrate {
         }
         ctrl_c::listen()?;
         let client = RigClient::connect_beside(port::open(&rig.address)?, &rig.address)?;
+        rig.require_clock(client.hello())?;
         let mut mover = Mover::new(client, rig.file.clone(), &ctrl_c::asked);
         let (readings, rests) = if self.travel_only {
             Default::default()

@@ -82,6 +82,7 @@ impl CaptureArgs {
             address,
             file: rig,
             condition,
+            inexact_clock,
         } = self.rig.require()?;
         let talk = self.output.talk;
         let reference = self.reference.resolve(rig.servo.us_per_degree, talk)?;
@@ -97,6 +98,7 @@ impl CaptureArgs {
             release: self.release,
             files: &files,
             force: self.output.force,
+            inexact_clock,
         };
         let ends = capture(&job, &monitor, talk)?;
         report(&files, &ends, monitor.band_reached(), talk)

@@ -3,6 +3,7 @@
 use super::monitor::Monitor;
 use crate::commands::ctrl_c;
 use crate::commands::output::Talk;
+use crate::commands::rig_args::require_clock;
 use crate::data::recording::{Ending, Header, RecordingWriter, ReservedFile, WriteFault};
 use crate::data::rig_file::RigFile;
 use crate::instrument::port;
@@ -24,6 +25,8 @@ pub(in crate::commands) struct CaptureJob<'a> {
     /// One for each run.
     pub files: &'a [PathBuf],
     pub force: bool,
+    /// Whether a board may be used that runs on its internal oscillator.
+    pub inexact_clock: bool,
 }
 
 /// Captures the runs one after the other, up to the first one that is not complete.
@@ -38,6 +41,7 @@ pub(in crate::commands) fn capture(
     let files: Vec<_> = job.files.iter().map(reserve).collect::<Result<_, _>>()?;
     let mut client = RigClient::connect_beside(port::open(job.address)?, job.address)?;
     let hello = client.hello();
+    require_clock(job.inexact_clock, hello)?;
     let (board, build) = (hello.board.as_str(), hello.build.as_str());
     let clock = format!("{:?}", hello.clock).to_lowercase();
     let address = job.address;

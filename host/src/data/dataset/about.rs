@@ -23,6 +23,8 @@ pub struct About {
     /// What every result from these files has to carry: that a recording is partial, or values of
     /// its header unproved.
     pub advice: Vec<Advice>,
+    /// Whether the clock of a recording was the internal oscillator of its board.
+    pub inexact_clock: bool,
 }
 
 impl About {
@@ -51,6 +53,7 @@ impl About {
             }
         };
         self.by_servoid &= other.by_servoid;
+        self.inexact_clock |= other.inexact_clock;
         agree(&mut self.input_unit, other.input_unit);
         agree(&mut self.output_unit, other.output_unit);
         agree(&mut self.condition, other.condition);

@@ -7,6 +7,7 @@ use super::options::DatasetOptions;
 use crate::data::degrees::DegreeScale;
 use crate::data::recording::{Completeness, ReadFault, Recording};
 use servoid_identification::results::Check;
+use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::path::Path;
 
@@ -82,6 +83,18 @@ fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: u
             [rows as f64, samples_meant(recording)],
             "The missing rows are left out and the bounds are as wide as that makes them; capture again for the rest.",
         ),
+    }
+    if header.has_inexact_clock() {
+        about.inexact_clock = true;
+        let [slow, fast] = INTERNAL_CLOCK_ERROR.map(|share| 100.0 * share);
+        about.add(
+            Check::InexactClock,
+            format!(
+                "{shown} was recorded on the board's internal oscillator, which is off by {slow} to +{fast} %: so were all times and all pulses, and a servo that another clock commands may seem different for that alone"
+            ),
+            [fast, 0.0],
+            "Repair the crystal of the board, and capture again.",
+        );
     }
     if !header.unproved.is_empty() {
         about.add(

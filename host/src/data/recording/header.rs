@@ -4,6 +4,7 @@ use super::reference_toml::as_toml;
 use crate::data::rig_file::RigFile;
 use serde::{Deserialize, Serialize};
 use servoid_protocol::Hello;
+use servoid_protocol::hello::ClockSource;
 use servoid_protocol::message::Start;
 use toml::{Table, Value};
 
@@ -152,6 +153,11 @@ impl Header {
             healthy_counts: Some(rig.sensor.healthy_counts),
             ..Self::default()
         }
+    }
+
+    /// Whether the board ran on its internal oscillator.
+    pub fn has_inexact_clock(&self) -> bool {
+        self.clock == format!("{:?}", ClockSource::InternalRc)
     }
 
     /// The keys and values, in the file's order. A header always has a form in TOML.

@@ -6,7 +6,7 @@ use crate::instrument::port::{Port, is_simulated};
 use servoid_client::{Answer, Client, ClientError, Connect, Event};
 use servoid_protocol::message::{Arm, Command, Start, Status};
 use servoid_protocol::schema::SCHEMA_HASH;
-use servoid_protocol::{Hello, Rejects};
+use servoid_protocol::{Health, Hello, Rejects};
 use std::time::Duration;
 
 /// A board that has just been plugged in needs a moment until it answers (bootloader, USB bridge).
@@ -117,6 +117,18 @@ impl RigClient {
         self.driver.client.request(Command::Status, self.now());
         match self.answer()? {
             Answer::Status(status) => Ok(status),
+            _ => Err(no_answer()),
+        }
+    }
+
+    /// The health of the rig's board.
+    ///
+    /// # Errors
+    /// When it does not answer.
+    pub fn health(&mut self) -> Result<Health, TalkError> {
+        self.driver.client.request(Command::Health, self.now());
+        match self.answer()? {
+            Answer::Health(health) => Ok(health),
             _ => Err(no_answer()),
         }
     }

@@ -47,6 +47,9 @@ fn stopped_by(reason: EndReason, enough: Option<String>) -> Option<String> {
         EndReason::SensorOutOfRange => {
             "the sensor read outside its healthy range: check its wiring".to_owned()
         }
+        EndReason::SupplyLow => {
+            "the board's own 3.3 V fell too low: feed its 5V pin with 4.75 to 5.25 V".to_owned()
+        }
     })
 }
 

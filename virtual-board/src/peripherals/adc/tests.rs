@@ -3,7 +3,7 @@ use super::*;
 use crate::peripherals::testing::Bench;
 
 /// 12 MHz.
-const CLOCK: Ticks = 48;
+const CLOCK: Ticks = 4_800;
 
 struct Rig {
     adc: Adc,
@@ -64,7 +64,7 @@ impl Rig {
             self.now = now;
             match self.adc.advance(&mut self.bench.at(now)) {
                 Event::None => {}
-                Event::Hold { channel, index } => {
+                Event::Hold { channel, index, .. } => {
                     assert_eq!((channel, index), (4, u32::from(code) % 4));
                     code += 1;
                     self.adc.hold(code);
@@ -80,7 +80,7 @@ impl Rig {
 #[test]
 fn a_scan_converts_one_after_the_other() {
     let mut rig = Rig::ready(4);
-    let start = rig.now;
+    let start = rig.now + TRIGGER_LATENCY * CLOCK;
     rig.trigger();
     let expected: Vec<_> = (1..=4u32)
         .map(|n| (start + Ticks::from(n) * 252 * CLOCK, n))
@@ -107,7 +107,7 @@ fn sampling_times() {
     for (code, cycles) in (0..).zip(cycles_of_14) {
         let mut rig = Rig::ready(1);
         rig.write(SMPR2, code << 12);
-        let start = rig.now;
+        let start = rig.now + TRIGGER_LATENCY * CLOCK;
         rig.trigger();
         assert_eq!(rig.run(), [(start + cycles * CLOCK, 1)], "{code}");
     }
@@ -172,7 +172,7 @@ fn what_the_manual_forbids_is_reported() {
     rig.trigger(); // within tSTAB, and uncalibrated
     assert_eq!(rig.bench.reported().len(), 2);
     let mut rig = Rig::ready(1);
-    rig.adc.set_clock(36); // 16 MHz
+    rig.adc.set_clock(3_600); // 16 MHz
     rig.trigger();
     assert_eq!(rig.bench.reported().len(), 1);
 }
@@ -193,4 +193,36 @@ fn end_of_conversion() {
         rig.run();
     }
     assert_eq!(rig.bench.reported().len(), 1, "a result that nobody read");
+}
+
+/// 11.3.9, 11.10 and 11.12.12: the internal reference voltage, started by software.
+#[test]
+fn an_injected_conversion_has_its_own_result() {
+    let mut rig = Rig::ready(1);
+    let cr2 = rig.read(CR2);
+    let on = cr2 | 1 << TSVREFE | SOFTWARE << 12 | 1 << JEXTTRIG;
+    rig.write(SMPR1, 0b111 << 21);
+    rig.write(JSQR, 17 << 15);
+    rig.write(CR2, on);
+    rig.write(CR2, on | 1 << JSWSTART);
+    assert_eq!(rig.read(CR2), on);
+    let start = rig.now + TRIGGER_LATENCY * CLOCK;
+    rig.now = rig.adc.next_event().unwrap();
+    let held = rig.adc.advance(&mut rig.bench.at(rig.now));
+    let expected = Event::Hold {
+        channel: 17,
+        index: 0,
+        sampled: 479 * CLOCK / 2,
+    };
+    assert_eq!(held, expected);
+    rig.adc.hold(1_500);
+    rig.now = rig.adc.next_event().unwrap();
+    assert_eq!(rig.now, start + 252 * CLOCK);
+    assert_eq!(rig.adc.advance(&mut rig.bench.at(rig.now)), Event::None);
+    assert_eq!((rig.read(SR) & JEOC, rig.read(JDR1)), (JEOC, 1_500));
+    assert_eq!(rig.bench.reported(), []);
+    // Too short, and without the reference.
+    rig.write(SMPR1, 0);
+    rig.write(CR2, cr2 | SOFTWARE << 12 | 1 << JEXTTRIG | 1 << JSWSTART);
+    assert_eq!(rig.bench.reported().len(), 2);
 }

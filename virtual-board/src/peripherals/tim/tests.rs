@@ -2,8 +2,8 @@ use super::offset::*;
 use super::*;
 use crate::peripherals::testing::Bench;
 
-/// A clock of 8 ticks: 72 MHz.
-const CLOCK: Ticks = 8;
+/// A cycle of 72 MHz.
+const CLOCK: Ticks = 800;
 /// With a prescaler of 71, a microsecond.
 const US: Ticks = 72 * CLOCK;
 
@@ -18,7 +18,7 @@ impl Rig {
         Self {
             tim: Tim::new(CLOCK),
             bench: Bench::default(),
-            now: 1_000,
+            now: 100_000,
         }
     }
 
@@ -193,7 +193,7 @@ fn a_trigger_starts_the_slave_from_its_preset_count() {
     rig.write(SMCR, 0b001 << 4);
     assert!(!rig.tim.trigger(1, rig.now), "no slave mode yet");
     rig.write(SMCR, 0b001 << 4 | 0b110);
-    let start = rig.now + 5_000;
+    let start = rig.now + 500_000;
     assert!(rig.run_to(start).is_empty());
     assert!(!rig.tim.trigger(0, start), "another input");
     assert_eq!(rig.tim.next_event(), None);
@@ -233,4 +233,39 @@ fn what_is_not_modelled_is_reported() {
         rig.write(offset, value);
         assert!(!rig.bench.reported().is_empty(), "{offset:#x} {value:#x}");
     }
+}
+
+/// 15.3.12, external clock mode 1.
+#[test]
+fn a_counter_of_triggers_counts_them_and_wraps() {
+    let mut rig = Rig::new();
+    rig.write(ARR, 2);
+    rig.write(SMCR, 2 << 4 | 0b111);
+    assert!(!rig.tim.trigger(2, rig.now), "not enabled");
+    rig.write(CR1, 1);
+    rig.run_to(rig.now + 1_000 * US);
+    assert_eq!(rig.read(CNT), 0, "time does not count");
+    let counts: Vec<u32> = (0..4)
+        .map(|_| {
+            rig.tim.trigger(1, rig.now);
+            rig.tim.trigger(2, rig.now);
+            rig.read(CNT)
+        })
+        .collect();
+    assert_eq!(counts, [1, 2, 0, 1]);
+    assert_eq!(rig.bench.reported(), []);
+}
+
+/// 31.16.2.
+#[test]
+fn a_timer_that_a_debugger_stops_stands_still() {
+    let mut rig = Rig::new();
+    rig.write(PSC, 71);
+    rig.write(ARR, 1_999);
+    rig.write(EGR, 1);
+    rig.write(CR1, 1);
+    rig.run_to(rig.now + 500 * US);
+    rig.tim.freeze(rig.now);
+    rig.run_to(rig.now + 5_000 * US);
+    assert_eq!((rig.read(CNT), rig.tim.next_event()), (500, None));
 }
