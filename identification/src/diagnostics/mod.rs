@@ -3,13 +3,16 @@
 mod advice;
 mod correlogram;
 mod explanation;
+mod hum;
 mod initial_rest;
 mod linearity;
 mod misfit;
+mod outliers;
 mod residual_tests;
 mod run_scatter;
 mod simulation_error;
 mod standstill_noise;
+mod uneven_noise;
 mod validity;
 
 pub use crate::estimation::{Excitation, OrderCandidate, Solver};
@@ -17,16 +20,24 @@ pub use crate::selection::{Choice, SettlingCandidate};
 pub(crate) use advice::{Evidence, gather_advice};
 pub use correlogram::Correlogram;
 pub use explanation::{Bank, Explanation, Resolution};
+pub use hum::Hum;
+pub(crate) use hum::{HumLine, hum};
 pub use initial_rest::Contradicted;
 pub(crate) use initial_rest::contradicted_rest;
 pub(crate) use linearity::test_linearity;
 pub use linearity::{BetweenRuns, Linearity};
 pub(crate) use misfit::{BothEstimators, followed_after, rank, settlings, unexcited_above_hz};
 pub use misfit::{Misfit, MisfitEvidence, Prediction};
+pub use outliers::TakenOut;
+pub(crate) use outliers::{Outliers, outliers};
 pub use residual_tests::WHITENESS_LAGS;
 pub(crate) use residual_tests::{INPUT_LAGS, WHITENESS_SAMPLES, input_independence, whiteness};
 pub use run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatter};
-pub(crate) use simulation_error::{beginnings, simulated, square};
+pub(crate) use simulation_error::{
+    beginnings, one_step_errors, simulated, simulated_whole, square,
+};
 pub use standstill_noise::StandstillNoise;
 pub(crate) use standstill_noise::against_standstill;
+pub use uneven_noise::UnevenNoise;
+pub(crate) use uneven_noise::allow_for_uneven_noise;
 pub(crate) use validity::{Validity, ValidityEvidence, level_unless};

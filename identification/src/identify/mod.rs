@@ -1,6 +1,6 @@
 //! From a record, or its moments, to a model.
 //!
-//! The story: moments are collected in one pass, and the first [candidate](candidate) that they determine is
+//! The story: [glitches and hum](disturbances) are taken out; moments are collected in one pass, and the first [candidate](candidate) that they determine is
 //! fitted by generalised least squares; [gates](gates) look at its errors and may put another one in its place; the
 //! evidence decides whether bounds hold; the [responses](responses) get their [bounds](allowances) and the metrics
 //! their intervals; tests and advice come last.
@@ -9,6 +9,7 @@ mod allowances;
 mod assess;
 mod candidate;
 mod describe;
+mod disturbances;
 mod estimate;
 mod expected;
 mod fitted;
@@ -25,6 +26,7 @@ use crate::results::Model;
 
 use allowances::Allowances;
 use candidate::Candidate;
+use disturbances::{Disturbances, Undisturbed};
 use fitted::Fitted;
 use responses::Responses;
 use task::Task;
@@ -55,11 +57,16 @@ pub fn identify(record: &Record, options: &Options) -> Result<Model, Error> {
 /// As [`identify`].
 pub fn identify_explained(record: &Record, options: &Options) -> Result<Identification, Error> {
     options.check()?;
+    let found = Undisturbed::of(record, options)?;
     let task = Task {
-        record: Some(record),
+        record: Some(&found.record),
         options,
+        disturbances: &found.disturbances,
     };
-    run(&task, Candidate::of_record(record, options)?)
+    run(
+        &task,
+        Fitted::tested(&task, found.candidate, found.estimate),
+    )
 }
 
 /// Identifies from moments alone, as saved or collected live. The settling time can be at most the
@@ -73,13 +80,17 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
     let task = Task {
         record: None,
         options,
+        disturbances: &Disturbances::default(),
     };
-    run(&task, Candidate::of_moments(moments, options)?)
+    run(
+        &task,
+        Fitted::new(&task, Candidate::of_moments(moments, options)?)?,
+    )
 }
 
-fn run(task: &Task<'_>, first: Candidate) -> Result<Identification, Error> {
-    let samples = first.moments.samples();
-    let fitted = gates::pass(task, Fitted::new(task, first)?)?;
+fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
+    let samples = first.candidate.moments.samples();
+    let fitted = gates::pass(task, first)?.with_honest_covariance(task);
     let responses = Responses::new(&fitted.estimate);
     let allowances = Allowances::new(task, &fitted, &responses);
     let validity = describe::validity(task, &fitted, &responses, &allowances);
