@@ -74,6 +74,7 @@ fn none_because(reason: Reason) -> String {
         Reason::QuantisationAboveNoise => {
             "take a reference with sharp edges, or a sensor with finer steps"
         }
+        Reason::ResponseNotOver => "take longer holds, and a longer reference",
     };
     let because = reason.because();
     format!(

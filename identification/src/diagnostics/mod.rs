@@ -3,14 +3,18 @@
 mod advice;
 mod correlogram;
 mod explanation;
+mod filtered_rows;
 mod hum;
 mod initial_rest;
 mod linearity;
 mod misfit;
 mod outliers;
 mod residual_tests;
+mod run_offsets;
 mod run_scatter;
+mod servo_mean;
 mod simulation_error;
+mod slow_end;
 mod standstill_noise;
 mod uneven_noise;
 mod validity;
@@ -32,10 +36,14 @@ pub use outliers::TakenOut;
 pub(crate) use outliers::{Outliers, outliers};
 pub use residual_tests::WHITENESS_LAGS;
 pub(crate) use residual_tests::{INPUT_LAGS, WHITENESS_SAMPLES, input_independence, whiteness};
+pub(crate) use run_offsets::{RunOffsets, allow_for_run_offsets, run_offsets};
 pub use run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatter};
+pub(crate) use servo_mean::allow_for_scatter;
 pub(crate) use simulation_error::{
     beginnings, one_step_errors, simulated, simulated_whole, square,
 };
+pub use slow_end::SlowEnd;
+pub(crate) use slow_end::slow_end;
 pub use standstill_noise::StandstillNoise;
 pub(crate) use standstill_noise::against_standstill;
 pub use uneven_noise::UnevenNoise;

@@ -42,6 +42,9 @@ pub(crate) struct Outliers {
     pub(crate) taken_out: Vec<TakenOut>,
     /// Share of samples less than one standard deviation within the limit.
     pub(crate) near_limit: f64,
+    /// Whether those in motion were left in the record, because they are more than chance would put there: the
+    /// others help the next fit, but are no finding.
+    pub(crate) provisional: bool,
 }
 
 impl Outliers {
@@ -71,11 +74,12 @@ pub(crate) fn outliers(
     let mut found = Outliers::default();
     let (mut samples, mut near, mut moving) = (0usize, 0usize, 0usize);
     let mut events = (0u64, 0u64);
+    let mut at_rest = Vec::new();
     for (index, run) in runs.iter().enumerate() {
         let motion = motion(run, fit);
         let mut filter = NoisePrediction::new(&fit.ar, scale.even);
         let mut last = None;
-        for (k, error) in run.errors.iter().enumerate() {
+        for (k, error) in run.own_errors().iter().enumerate() {
             let in_motion = motion[k] > IN_MOTION * scale.largest_motion;
             let size = filter.next(*error, scale.in_motion * motion[k]);
             let Some(size) = size else { continue };
@@ -84,6 +88,13 @@ pub(crate) fn outliers(
             near += usize::from((OUTLYING - 1.0..OUTLYING).contains(&size));
             if size < OUTLYING {
                 continue;
+            }
+            if !in_motion {
+                at_rest.push(TakenOut {
+                    run: index + 1,
+                    sample: k,
+                    samples: 1,
+                });
             }
             match found.taken_out.last_mut() {
                 Some(stretch) if last == Some(k.wrapping_sub(1)) => stretch.samples += 1,
@@ -105,10 +116,14 @@ pub(crate) fn outliers(
     let chance = Binomial::new(moving as f64 / samples.max(1) as f64, events.0);
     let unrelated =
         events.1 == 0 || chance.is_ok_and(|chance| chance.sf(events.1 - 1) > MISFIT_SIGNIFICANCE);
-    match rare && unrelated {
-        true => found,
-        false => Outliers::default(),
+    if !rare {
+        return Outliers::default();
     }
+    if !unrelated {
+        found.taken_out = at_rest;
+        found.provisional = true;
+    }
+    found
 }
 
 /// The variance of errors one step ahead, from medians.
@@ -124,7 +139,7 @@ impl Scale {
     fn of(runs: &[Simulated<'_>], fit: &GlsFit, step: f64) -> Option<Self> {
         let mut rows: Vec<(f64, f64)> = Vec::new();
         for run in runs {
-            let errors = one_step_errors(&run.errors, &fit.ar);
+            let errors = one_step_errors(run.own_errors(), &fit.ar);
             let squares = errors.iter().map(|error| error * error);
             rows.extend(
                 motion(run, fit)

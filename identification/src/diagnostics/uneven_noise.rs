@@ -45,6 +45,29 @@ pub struct UnevenNoise {
     pub loudest_over_quietest: f64,
 }
 
+impl UnevenNoise {
+    /// As one sentence.
+    pub(crate) fn in_words(&self) -> String {
+        let in_motion = (self.jitter_s > 0.0).then(|| {
+            format!(
+                "larger in motion, as times of sampling that scatter by {:.2} ms would make it",
+                1000.0 * self.jitter_s
+            )
+        });
+        let in_parts = (self.loudest_over_quietest > 1.0).then(|| {
+            format!(
+                "{:.1} times as large in the loudest part of the record as in the quietest",
+                self.loudest_over_quietest
+            )
+        });
+        let found: Vec<String> = in_motion.into_iter().chain(in_parts).collect();
+        format!(
+            "The noise is not even: it is {}. The bounds allow for it.",
+            found.join(", and ")
+        )
+    }
+}
+
 /// A row of the regression: its place, its error and its speed.
 struct Row {
     run: usize,
@@ -81,7 +104,8 @@ pub(crate) fn allow_for_uneven_noise(
     };
     let meat = Rows { runs, moments, fit }.meat(&rows, &speeds, &found);
     let inverse = &fit.solution.inverse;
-    fit.solution.inverse = &(inverse * meat) * inverse;
+    let further = &(inverse * meat) * inverse - inverse;
+    fit.spread_further(1.0, Some(further));
     Some(UnevenNoise {
         jitter_s: in_motion.sqrt() * moments.sample_period_s(),
         loudest_over_quietest: found.levels.loudest_over_quietest(),

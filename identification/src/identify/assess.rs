@@ -8,8 +8,8 @@ use crate::diagnostics::{
 };
 use crate::results::{Fit, Model, Residuals, fit_percent};
 
-/// The figures of merit that follow from the moments.
-pub(super) fn figures_of_merit(fitted: &Fitted) -> Fit {
+/// The figures of merit that follow from the moments, to which samples that were taken out are missing.
+pub(super) fn figures_of_merit(fitted: &Fitted, taken_out: usize) -> Fit {
     let estimate = &fitted.estimate;
     let information = &estimate.information;
     let error = square(information, &estimate.fit);
@@ -19,7 +19,7 @@ pub(super) fn figures_of_merit(fitted: &Fitted) -> Fit {
         one_step_percent: fit_percent(estimate.fit.solution.rss, spread),
         rmse: (error / information.rows() as f64).sqrt(),
         samples_used: information.rows(),
-        samples_missing: fitted.candidate.moments.missing(),
+        samples_missing: fitted.candidate.moments.missing().saturating_sub(taken_out),
     }
 }
 

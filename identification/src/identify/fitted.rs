@@ -4,8 +4,8 @@ use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
 use crate::diagnostics::{
-    Linearity, Misfit, UnevenNoise, against_standstill, allow_for_uneven_noise, simulated,
-    test_linearity,
+    Linearity, Misfit, RunComparison, SlowEnd, UnevenNoise, against_standstill,
+    allow_for_run_offsets, allow_for_scatter, allow_for_uneven_noise, simulated, test_linearity,
 };
 use crate::error::Error;
 
@@ -17,6 +17,8 @@ pub(super) struct Fitted {
     pub(super) linearity: Option<Linearity>,
     /// Why the errors are not noise, and what was done about it; `None` when they are.
     pub(super) misfit: Option<Misfit>,
+    /// That the response goes on beyond N, where it does.
+    pub(super) slow_end: Option<SlowEnd>,
     /// By how much the noise varies, where it does; the covariance of the estimate allows for it.
     pub(super) uneven: Option<UnevenNoise>,
 }
@@ -35,6 +37,7 @@ impl Fitted {
             candidate,
             estimate,
             misfit: None,
+            slow_end: None,
             uneven: None,
         }
     }
@@ -51,9 +54,19 @@ impl Fitted {
         self.uneven = allow_for_uneven_noise(&runs, &information.moments, fit);
         let outliers = &task.disturbances.outliers;
         if outliers.count() > 0 {
-            fit.solution.inverse *= faer::Scale(outliers.variance_ratio());
+            fit.spread_further(outliers.variance_ratio(), None);
+        }
+        if !task.disturbances.offsets.is_empty() {
+            allow_for_run_offsets(record.runs(), &information.moments, fit);
         }
         self
+    }
+
+    /// Adds the scatter between runs to the covariance, where it is beyond chance; whether it is.
+    pub(super) fn add_scatter(&mut self, runs: Option<&RunComparison>) -> bool {
+        let period = self.candidate.moments.sample_period_s();
+        let fit = &mut self.estimate.fit;
+        self.misfit.is_none() && runs.is_some_and(|runs| allow_for_scatter(runs, period, fit))
     }
 }
 

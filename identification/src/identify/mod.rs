@@ -19,7 +19,7 @@ mod responses;
 mod task;
 
 use crate::data::{Moments, Record};
-use crate::diagnostics::{Evidence, Explanation, gather_advice};
+use crate::diagnostics::{Evidence, Explanation, RunComparison, Validity, gather_advice};
 use crate::error::Error;
 use crate::options::Options;
 use crate::results::Model;
@@ -90,13 +90,22 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
 
 fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
     let samples = first.candidate.moments.samples();
-    let fitted = gates::pass(task, first)?.with_honest_covariance(task);
-    let responses = Responses::new(&fitted.estimate);
-    let allowances = Allowances::new(task, &fitted, &responses);
-    let validity = describe::validity(task, &fitted, &responses, &allowances);
-    let mut model = describe::model(task, &fitted, &responses, &allowances, &validity);
+    let mut fitted = gates::pass(task, first)?.with_honest_covariance(task);
+    let mut described = Described::new(task, &fitted);
+    let runs = task.record.and_then(|record| {
+        RunComparison::of(&described.model, &task.disturbances.with_offsets(record))
+    });
+    if fitted.add_scatter(runs.as_ref()) {
+        described = Described::new(task, &fitted);
+    }
+    let Described {
+        responses,
+        allowances,
+        validity,
+        mut model,
+    } = described;
     model.residuals = assess::residuals(task, &fitted, &model);
-    let explanation = describe::explanation(task, fitted, &responses, &allowances, &model);
+    let explanation = describe::explanation(task, fitted, &responses, &allowances, (&model, runs));
     model.advice = gather_advice(&Evidence {
         model: &model,
         validity: &validity,
@@ -105,4 +114,26 @@ fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
         samples,
     });
     Ok(Identification { model, explanation })
+}
+
+/// A fit with its bounds.
+struct Described {
+    responses: Responses,
+    allowances: Allowances,
+    validity: Validity,
+    model: Model,
+}
+
+impl Described {
+    fn new(task: &Task<'_>, fitted: &Fitted) -> Self {
+        let responses = Responses::new(&fitted.estimate);
+        let allowances = Allowances::new(task, fitted, &responses);
+        let validity = describe::validity(task, fitted, &responses, &allowances);
+        Self {
+            model: describe::model(task, fitted, &responses, &allowances, &validity),
+            responses,
+            allowances,
+            validity,
+        }
+    }
 }

@@ -20,6 +20,8 @@ pub enum Reason {
     ErrorsNotNoise,
     /// The steps of the sensor are larger than the noise, and the input does not average them out.
     QuantisationAboveNoise,
+    /// The response goes on beyond the longest time that can be judged.
+    ResponseNotOver,
 }
 
 impl Reason {
@@ -33,6 +35,9 @@ impl Reason {
             }
             Self::ErrorsNotNoise => "the errors are not noise",
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
+            Self::ResponseNotOver => {
+                "the response goes on beyond the longest time that can be judged"
+            }
         }
     }
 }
