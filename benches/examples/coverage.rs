@@ -2,7 +2,7 @@
 //! documentation as markdown.
 //!
 //! `cargo run --release -p servoid-benches --example coverage -- [RUNS] [FILTER] [narrow]`
-//! with 300 runs a case by default; FILTER keeps the lines that contain it, such as `Staircase | A`;
+//! with 300 runs a case by default; FILTER keeps the lines that contain it, such as `Staircase | A` or `Glitches`;
 //! `narrow` takes the narrow number of frequencies. The last sentence is the overall rate of false alarms of the
 //! lines shown.
 

@@ -210,7 +210,7 @@ struct Levels {
 
 impl Levels {
     fn of(rows: &[Row], in_motion: f64, absorbed: f64) -> Self {
-        let mut parts = vec![(0.0, 0.0, 0.0); PARTS];
+        let mut parts = [(0.0, 0.0, 0.0); PARTS];
         for row in rows {
             let left = row.square * absorbed - in_motion * row.motion;
             let part = &mut parts[row.part];

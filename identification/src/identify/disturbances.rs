@@ -137,11 +137,14 @@ impl Undisturbed {
         let runs = next.removed_from(complete);
         next.offsets = run_offsets(&simulated_whole(&runs, moments, fit), settling);
         let runs = next.removed_from(complete);
-        next.hum = hum(&simulated_whole(&runs, moments, fit));
-        next.outliers = Outliers::default();
-        let runs = next.removed_from(complete);
         let rmse = (square(information, fit) / information.rows() as f64).sqrt();
         let step = Quantisation::of(complete, rmse).map_or(0.0, |found| found.step);
+        // Rounding without dither repeats itself with the reference.
+        if step == 0.0 {
+            next.hum = hum(&simulated_whole(&runs, moments, fit));
+        }
+        next.outliers = Outliers::default();
+        let runs = next.removed_from(complete);
         next.outliers = outliers(&simulated_whole(&runs, moments, fit), moments, fit, step);
         next
     }

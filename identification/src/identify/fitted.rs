@@ -63,10 +63,12 @@ impl Fitted {
     }
 
     /// Adds the scatter between runs to the covariance, where it is beyond chance; whether it is.
-    pub(super) fn add_scatter(&mut self, runs: Option<&RunComparison>) -> bool {
+    pub(super) fn add_scatter(&mut self, task: &Task<'_>, runs: Option<&RunComparison>) -> bool {
         let period = self.candidate.moments.sample_period_s();
         let fit = &mut self.estimate.fit;
-        self.misfit.is_none() && runs.is_some_and(|runs| allow_for_scatter(runs, period, fit))
+        task.of_servo
+            && self.misfit.is_none()
+            && runs.is_some_and(|runs| allow_for_scatter(runs, period, fit))
     }
 }
 

@@ -56,11 +56,21 @@ pub fn identify(record: &Record, options: &Options) -> Result<Model, Error> {
 /// # Errors
 /// As [`identify`].
 pub fn identify_explained(record: &Record, options: &Options) -> Result<Identification, Error> {
+    explained(record, options, true)
+}
+
+/// [`identify_explained`] with the bounds of the runs of a record, for a comparison that counts their scatter itself.
+pub(crate) fn identify_runs(record: &Record, options: &Options) -> Result<Identification, Error> {
+    explained(record, options, false)
+}
+
+fn explained(record: &Record, options: &Options, of_servo: bool) -> Result<Identification, Error> {
     options.check()?;
     let found = Undisturbed::of(record, options)?;
     let task = Task {
         record: Some(&found.record),
         options,
+        of_servo,
         disturbances: &found.disturbances,
     };
     run(
@@ -80,6 +90,7 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
     let task = Task {
         record: None,
         options,
+        of_servo: true,
         disturbances: &Disturbances::default(),
     };
     run(
@@ -95,7 +106,7 @@ fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
     let runs = task.record.and_then(|record| {
         RunComparison::of(&described.model, &task.disturbances.with_offsets(record))
     });
-    if fitted.add_scatter(runs.as_ref()) {
+    if fitted.add_scatter(task, runs.as_ref()) {
         described = Described::new(task, &fitted);
     }
     let Described {

@@ -4,11 +4,13 @@
 //! two time scales, and N follows the one that is seen.
 //!
 //! If not, N is the longest that the record allows. If it is not over then either, bounds lose their level. A servo
-//! that is not linear leaves errors that look like slow ends, and a bank that leaves frequencies out leaves others.
+//! that is not linear leaves errors that look like slow ends, and so do steps of the sensor and left-out frequencies.
 
+use crate::data::Quantisation;
 use crate::diagnostics::{SlowEnd, simulated, slow_end};
 use crate::error::Error;
 use crate::estimation::FsfBasis;
+use crate::identify::assess::figures_of_merit;
 use crate::identify::fitted::Fitted;
 use crate::identify::task::Task;
 use crate::selection::Choice;
@@ -22,7 +24,12 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     let Some(choice) = &candidate.plan.choice else {
         return Ok(fitted);
     };
-    if follows_motion || choice.repeats_after.is_some() || !candidate.plan.basis.is_complete() {
+    if follows_motion
+        || choice.within_holds
+        || choice.repeats_after.is_some()
+        || !candidate.plan.basis.is_complete()
+        || is_rounded(task, &fitted)
+    {
         return Ok(fitted);
     }
     let Some(end) = significant(task, &fitted, SLOW_END_SIGNIFICANCE) else {
@@ -43,6 +50,13 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
             candidate.with(task, FsfBasis::full(choice.settling)?, candidate.plan.order);
         longer.plan.choice = Some(choice);
         if let Ok(longer) = Fitted::new(task, longer) {
+            let linearity = longer.linearity;
+            if linearity.is_some_and(|found| found.errors_follow_motion()) {
+                return Ok(Fitted {
+                    linearity,
+                    ..fitted
+                });
+            }
             let slow_end = significant(task, &longer, UNSETTLED_SIGNIFICANCE);
             return Ok(Fitted { slow_end, ..longer });
         }
@@ -51,6 +65,13 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
         slow_end: Some(end).filter(|end| end.p < limit),
         ..fitted
     })
+}
+
+/// Whether errors are those of the steps of the sensor, which follow the motion too.
+fn is_rounded(task: &Task<'_>, fitted: &Fitted) -> bool {
+    let rmse = figures_of_merit(fitted, 0).rmse;
+    task.record
+        .is_some_and(|record| Quantisation::of(record, rmse).is_some())
 }
 
 fn significant(task: &Task<'_>, fitted: &Fitted, significance: f64) -> Option<SlowEnd> {
