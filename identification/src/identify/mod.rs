@@ -1,6 +1,6 @@
 //! From a record, or its moments, to a model.
 //!
-//! The story: [glitches and hum](disturbances) are taken out; moments are collected in one pass, and the first [candidate](candidate) that they determine is
+//! The story: [glitches and hum](undisturbed) are taken out; moments are collected in one pass, and the first [candidate](candidate) that they determine is
 //! fitted by generalised least squares; [gates](gates) look at its errors and may put another one in its place; the
 //! evidence decides whether bounds hold; the [responses](responses) get their [bounds](allowances) and the metrics
 //! their intervals; tests and advice come last.
@@ -17,6 +17,7 @@ mod gates;
 mod plan;
 mod responses;
 mod task;
+mod undisturbed;
 
 use crate::data::{Moments, Record};
 use crate::diagnostics::{Evidence, Explanation, RunComparison, Validity, gather_advice};
@@ -26,10 +27,11 @@ use crate::results::Model;
 
 use allowances::Allowances;
 use candidate::Candidate;
-use disturbances::{Disturbances, Undisturbed};
+use disturbances::Disturbances;
 use fitted::Fitted;
 use responses::Responses;
 use task::Task;
+use undisturbed::Undisturbed;
 
 pub use expected::expected_model;
 
