@@ -159,6 +159,11 @@ pub const MOST_OUTLYING: f64 = 0.05;
 /// times its neighbours in 4000 samples. Evidence: "Hard recordings", hum.
 pub const ABOVE_NEIGHBOURS: f64 = 50.0;
 
+/// Ratio of a line in the spectrum of the reference to its neighbours above which a line of the errors there is not hum.
+///
+/// Protects: servos that are not linear under strokes of one length. Evidence: the tests of linearity.
+pub const LINE_OF_REFERENCE: f64 = 25.0;
+
 /// Amplitude of a line in the errors, relative to that of the motion at the same frequency, above which it is not an
 /// error of the model.
 ///

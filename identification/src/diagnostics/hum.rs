@@ -3,14 +3,15 @@
 //! Mains hum is no noise of an autoregressive model. Its sine and cosine are taken out of the output: found in the
 //! periodogram of the errors (Hann's window), where it is [`ABOVE_NEIGHBOURS`] times the noise at the neighbouring
 //! frequencies, and fitted to each run with a phase of its own. What an error of the model leaves has the
-//! frequencies of the motion: a line counts only where it is not small beside the motion of the same frequency.
+//! frequencies of the motion: a line counts only where the reference has none, and where it is not small beside the
+//! motion of the same frequency.
 
 use std::f64::consts::{LN_2, TAU};
 
 use serde::{Deserialize, Serialize};
 
 use crate::diagnostics::simulation_error::Simulated;
-use crate::thresholds::{ABOVE_NEIGHBOURS, BESIDE_MOTION};
+use crate::thresholds::{ABOVE_NEIGHBOURS, BESIDE_MOTION, LINE_OF_REFERENCE};
 
 /// Lines that are taken out at most.
 const LINES: usize = 8;
@@ -71,9 +72,10 @@ pub(crate) fn hum(runs: &[Simulated<'_>]) -> Vec<HumLine> {
         return Vec::new();
     };
     let motion = centred(&runs[longest].output);
+    let reference = power(&centred(runs[longest].run.input()));
     let mut lines = Vec::new();
     while lines.len() < LINES
-        && let Some(omega) = strongest(&errors[longest])
+        && let Some(omega) = strongest(&errors[longest], &reference)
     {
         let line = HumLine {
             omega,
@@ -103,35 +105,47 @@ fn centred(values: &[f64]) -> Vec<f64> {
     values.iter().map(about).collect()
 }
 
-/// The frequency of the line that is farthest above its neighbours \[rad/sample\]; `None` where none is.
-fn strongest(errors: &[f64]) -> Option<f64> {
-    let count = errors.len();
-    let size = count.next_power_of_two();
-    let forward = servoid_fft::forward(size);
+/// The periodogram, from frequency 0 up to half the sampling rate.
+fn power(values: &[f64]) -> Vec<f64> {
+    let forward = servoid_fft::forward(values.len().next_power_of_two());
     let (mut block, mut spectrum) = (forward.make_input_vec(), forward.make_output_vec());
-    for (k, (value, error)) in block.iter_mut().zip(errors).enumerate() {
-        *value = error * hann(k, count);
+    for (k, (windowed, value)) in block.iter_mut().zip(values).enumerate() {
+        *windowed = value * hann(k, values.len());
     }
-    forward.process(&mut block, &mut spectrum).ok()?;
-    let power: Vec<f64> = spectrum.iter().map(|value| value.norm_sqr()).collect();
+    forward
+        .process(&mut block, &mut spectrum)
+        .expect("buffers come from the plan");
+    spectrum.iter().map(|value| value.norm_sqr()).collect()
+}
+
+/// Power over that of the neighbours.
+fn above_neighbours(power: &[f64], j: usize) -> f64 {
     let reach = NEIGHBOURS + OF_LINE;
-    let least = CYCLES * size / count.max(1);
-    let above = |j: usize| {
-        let mut beside = [
-            &power[j - reach..j - OF_LINE],
-            &power[j + OF_LINE + 1..=j + reach],
-        ]
-        .concat();
-        let middle = beside.len() / 2;
-        let median = *beside.select_nth_unstable_by(middle, f64::total_cmp).1;
-        power[j] * LN_2 / median.max(f64::MIN_POSITIVE)
-    };
-    let candidates = least.max(reach)..power.len().saturating_sub(reach);
-    let (bin, ratio) = candidates
-        .map(|j| (j, above(j)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (ratio > ABOVE_NEIGHBOURS)
-        .then(|| refined(errors, TAU * bin as f64 / size as f64, TAU / size as f64))
+    let before = &power[j - reach..j - OF_LINE];
+    let mut beside = [before, &power[j + OF_LINE + 1..=j + reach]].concat();
+    let middle = beside.len() / 2;
+    let median = *beside.select_nth_unstable_by(middle, f64::total_cmp).1;
+    power[j] * LN_2 / median.max(f64::MIN_POSITIVE)
+}
+
+/// The frequency of the line that is farthest above its neighbours \[rad/sample\], where the reference has none; `None`
+/// where there is none.
+fn strongest(errors: &[f64], reference: &[f64]) -> Option<f64> {
+    let count = errors.len();
+    let power = power(errors);
+    let size = count.next_power_of_two();
+    let reach = NEIGHBOURS + OF_LINE;
+    let lowest = (CYCLES * size / count.max(1)).max(reach);
+    let candidates = lowest..power.len().saturating_sub(reach);
+    let line = candidates
+        .map(|j| (j, above_neighbours(&power, j)))
+        .filter(|(_, ratio)| *ratio > ABOVE_NEIGHBOURS)
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let bin = line?.0;
+    let of_reference = (bin - OF_LINE..=bin + OF_LINE)
+        .filter(|j| (reach..reference.len() - reach).contains(j))
+        .any(|j| above_neighbours(reference, j) > LINE_OF_REFERENCE);
+    (!of_reference).then(|| refined(errors, TAU * bin as f64 / size as f64, TAU / size as f64))
 }
 
 fn hann(k: usize, count: usize) -> f64 {
@@ -141,7 +155,7 @@ fn hann(k: usize, count: usize) -> f64 {
 /// The frequency of the largest power within a bin of `omega`, by golden section.
 fn refined(errors: &[f64], omega: f64, bin: f64) -> f64 {
     const GOLDEN: f64 = 0.618_034;
-    let power = |omega: f64| {
+    let power_at = |omega: f64| {
         let (mut re, mut im) = (0.0, 0.0);
         for (k, error) in errors.iter().enumerate() {
             let (sin, cos) = (omega * k as f64).sin_cos();
@@ -155,7 +169,7 @@ fn refined(errors: &[f64], omega: f64, bin: f64) -> f64 {
     for _ in 0..30 {
         let width = GOLDEN * (high - low);
         let (a, b) = (high - width, low + width);
-        if power(a) > power(b) {
+        if power_at(a) > power_at(b) {
             high = b
         } else {
             low = a

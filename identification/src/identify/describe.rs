@@ -33,7 +33,8 @@ pub(super) fn validity(
         misfit: fitted.misfit.as_ref(),
         excitation: excitation(fitted, allowances),
         quantised: allowances.quantisation.is_some(),
-        unsettled: fitted.slow_end.is_some() || still_moves(fitted, responses),
+        unsettled: fitted.slow_end.is_some()
+            || (allowances.quantisation.is_none() && still_moves(fitted, responses)),
         gain: estimate.fit.theta()[0],
         step: &responses.step_values,
         truncation_bias: allowances.step.truncation,

@@ -28,6 +28,11 @@ impl Disturbances {
                 <= SMALL * self.offsets.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
     }
 
+    /// Whether nothing was taken out that could be an error of the model.
+    pub(super) fn is_without_errors(&self) -> bool {
+        self.outliers.taken_out.is_empty() && self.hum.is_empty()
+    }
+
     /// The runs of a record that they were taken out of, with their offsets again.
     pub(super) fn with_offsets(&self, record: &Record) -> Vec<Run> {
         let runs = record.runs().iter().enumerate();

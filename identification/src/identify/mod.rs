@@ -69,15 +69,27 @@ pub(crate) fn identify_runs(record: &Record, options: &Options) -> Result<Identi
 fn explained(record: &Record, options: &Options, of_servo: bool) -> Result<Identification, Error> {
     options.check()?;
     let found = Undisturbed::of(record, options)?;
-    let task = Task {
-        record: Some(&found.record),
+    let task = |disturbances, record| Task {
+        record: Some(record),
         options,
         of_servo,
-        disturbances: &found.disturbances,
+        disturbances,
     };
+    let first = task(&found.disturbances, &found.record);
+    let fitted = Fitted::tested(&first, found.candidate, found.estimate);
+    let follows_motion = fitted
+        .linearity
+        .is_some_and(|found| found.errors_follow_motion());
+    if !follows_motion || found.disturbances.is_without_errors() {
+        return run(&first, fitted);
+    }
+    // Errors of a servo that is not linear are no disturbances.
+    let offsets = found.disturbances.offsets.clone();
+    let whole = Undisturbed::with_errors(record, options, offsets)?;
+    let task = task(&whole.disturbances, &whole.record);
     run(
         &task,
-        Fitted::tested(&task, found.candidate, found.estimate),
+        Fitted::tested(&task, whole.candidate, whole.estimate),
     )
 }
 

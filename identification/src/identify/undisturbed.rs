@@ -7,7 +7,9 @@ use super::candidate::Candidate;
 use super::disturbances::Disturbances;
 use super::estimate::Estimate;
 use crate::data::{Quantisation, Record};
-use crate::diagnostics::{Outliers, hum, outliers, run_offsets, simulated_whole, square};
+use crate::diagnostics::{
+    Outliers, RunOffsets, hum, outliers, run_offsets, simulated_whole, square,
+};
 use crate::error::Error;
 use crate::options::Options;
 
@@ -46,6 +48,19 @@ impl Undisturbed {
         Ok(found)
     }
 
+    /// With all that may be errors of the model: without the offsets of runs alone.
+    pub(super) fn with_errors(
+        record: &Record,
+        options: &Options,
+        offsets: RunOffsets,
+    ) -> Result<Self, Error> {
+        let offsets = Disturbances {
+            offsets,
+            ..Disturbances::default()
+        };
+        Self::without(offsets, &record.with_held_inputs(), options)
+    }
+
     fn without(
         disturbances: Disturbances,
         complete: &Record,
@@ -78,8 +93,8 @@ impl Undisturbed {
         let runs = next.removed_from(complete);
         let rmse = (square(information, fit) / information.rows() as f64).sqrt();
         let step = Quantisation::of(complete, rmse).map_or(0.0, |found| found.step);
-        // Rounding without dither repeats itself with the reference.
-        if step == 0.0 {
+        // Rounding that noise hardly dithers repeats itself with the reference.
+        if Quantisation::of(complete, 0.0).is_none_or(|found| rmse > found.step) {
             next.hum = hum(&simulated_whole(&runs, moments, fit));
         }
         next.outliers = Outliers::default();
