@@ -87,7 +87,7 @@ fn hum_is_taken_out_and_named() {
 
 #[test]
 fn bounds_of_hard_recordings_hold() {
-    const RUNS: usize = 8;
+    const RUNS: usize = 4;
     let lines = [
         line(|h| matches!(h, Hardship::Glitches { size, length: 1, .. } if *size > 10.0)),
         line(|h| *h == Hardship::StudentT(3.0)),
@@ -104,8 +104,8 @@ fn bounds_of_hard_recordings_hold() {
         whole += found.whole * RUNS as f64;
         mean += found.mean / lines.len() as f64;
     }
-    // Of 48 curves at 97.5 % and more, five outside happen once in 200 times. Neighbouring points fail together.
-    assert!(whole >= 44.0, "{whole} of 48 curves inside");
+    // Of 24 curves at 97.5 %, five outside happen once in 2000 times. Neighbouring points fail together.
+    assert!(whole >= 20.0, "{whole} of 24 curves inside");
     assert!(mean > 0.965, "{mean}");
 }
 
