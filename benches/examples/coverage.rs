@@ -2,13 +2,14 @@
 //! documentation as markdown.
 //!
 //! `cargo run --release -p servoid-benches --example coverage -- [RUNS] [FILTER] [narrow]`
-//! with 300 runs a case by default; FILTER keeps the lines that contain it, such as `Staircase | A`;
+//! with 300 runs a case by default; FILTER keeps the lines that contain it, such as `Staircase | A` or `Glitches`;
 //! `narrow` takes the narrow number of frequencies. The last sentence is the overall rate of false alarms of the
 //! lines shown.
 
 use servoid_identification::{Frequencies, Options};
 use servoid_test_support::arguments;
 use servoid_test_support::coverage::{Case, Line, Reference, measure};
+use servoid_test_support::hard_lines::hard_lines;
 use servoid_test_support::plants::{Noise, Plant};
 
 fn main() {
@@ -23,20 +24,15 @@ fn main() {
     };
     println!("{}", Line::HEADING);
     let (mut lines, mut withdrawn, mut alarmed) = (0.0, 0.0, 0.0);
-    for case in cases() {
-        let Case {
-            reference,
-            plant,
-            noise,
-            scale,
-        } = case;
-        if format!("| {reference:?} | {plant:?} | {noise:?} | {scale} |").contains(&filter) {
-            let line = measure(case, runs, &options);
-            println!("{line}");
-            lines += 1.0;
-            withdrawn += line.withdrawn;
-            alarmed += line.alarmed;
+    for (label, measure) in all_lines(&options) {
+        if !label.contains(&filter) {
+            continue;
         }
+        let line = measure(runs);
+        println!("{line}");
+        lines += 1.0;
+        withdrawn += line.withdrawn;
+        alarmed += line.alarmed;
     }
     println!(
         "\nOf all {} records, errors were not taken for noise in {:.2} %; there was any false alarm in {:.2} %.",
@@ -44,6 +40,21 @@ fn main() {
         100.0 * withdrawn / lines,
         100.0 * alarmed / lines
     );
+}
+
+type Measure<'a> = Box<dyn Fn(usize) -> Line + 'a>;
+
+/// The first columns of every line, and what measures it.
+fn all_lines(options: &Options) -> Vec<(String, Measure<'_>)> {
+    let even = cases().into_iter().map(|case| {
+        let measure: Measure<'_> = Box::new(move |runs| measure(case, runs, options));
+        (case.label(), measure)
+    });
+    let hard = hard_lines().into_iter().map(|line| {
+        let measure: Measure<'_> = Box::new(move |runs| line.measure(runs, options));
+        (line.label(), measure)
+    });
+    even.chain(hard).collect()
 }
 
 fn cases() -> Vec<Case> {

@@ -29,10 +29,20 @@ pub struct Case {
     pub scale: f64,
 }
 
+/// One recording of a servo whose response to a step is known.
+pub struct Trial {
+    pub record: Record,
+    /// The exact response to a unit step from sample 0 on, longer than any N.
+    pub truth: Vec<f64>,
+}
+
 /// The result of the runs of one case.
 pub struct Line {
-    pub case: Case,
+    /// Reference, servo, noise and factor on the noise, as the first columns of the table.
+    pub label: String,
     pub runs: usize,
+    /// Share of runs that have bounds. The others are about these alone.
+    pub claimed: f64,
     /// Mean and smallest share of runs, over the points, in which a point is inside its pointwise
     /// bounds. Points that fewer than half of the runs reach are left out.
     pub mean: f64,
@@ -88,9 +98,19 @@ fn seed(case: &Case, run: usize) -> u64 {
 
 /// Identifies `runs` seeded simulations of a case.
 pub fn measure(case: Case, runs: usize, options: &Options) -> Line {
+    measure_trials(case.label(), runs, options, |run| case.trial(run))
+}
+
+/// Identifies the first `runs` trials.
+pub fn measure_trials(
+    label: String,
+    runs: usize,
+    options: &Options,
+    trial: impl Fn(usize) -> Trial + Sync,
+) -> Line {
     let outcomes: Vec<Outcome> = (0..runs)
         .into_par_iter()
-        .map(|run| outcome(&case, run, options))
+        .map(|run| outcome(&trial(run), options))
         .collect();
     let count = outcomes.len() as f64;
     let held: Vec<&Held> = outcomes.iter().filter_map(|o| o.held.as_ref()).collect();
@@ -114,8 +134,9 @@ pub fn measure(case: Case, runs: usize, options: &Options) -> Line {
     let mut settling: Vec<usize> = outcomes.iter().map(|o| o.settling).collect();
     settling.sort_unstable();
     Line {
-        case,
+        label,
         runs,
+        claimed: held.len() as f64 / count,
         mean: points.iter().sum::<f64>() / points.len() as f64,
         worst: points.iter().copied().fold(1.0, f64::min),
         whole: mean(|held| f64::from(u8::from(held.whole))),
@@ -142,20 +163,43 @@ pub fn measure(case: Case, runs: usize, options: &Options) -> Line {
     }
 }
 
-fn outcome(case: &Case, run: usize, options: &Options) -> Outcome {
-    let mut random = random(seed(case, run));
-    let input = match case.reference {
-        Reference::Staircase => staircase(),
-        Reference::Prbs => prbs(&mut random),
-        Reference::LowPassed => low_passed(&low_passed(&staircase(), 20.0), 20.0),
-        Reference::Square => square(),
-    };
-    let output = simulate(case.plant, case.noise, &input, case.scale, &mut random);
-    let record = Record::from_slices(PERIOD, &input, &output).expect("a simulated record is sound");
-    let found = identify_explained(&record, options).expect("a simulated record is enough");
+impl Case {
+    /// The first columns of its line.
+    pub fn label(&self) -> String {
+        let Self {
+            reference,
+            plant,
+            noise,
+            scale,
+        } = self;
+        format!("| {reference:?} | {plant:?} | {noise:?} | {scale} |")
+    }
+
+    fn trial(&self, run: usize) -> Trial {
+        let mut random = random(seed(self, run));
+        let input = match self.reference {
+            Reference::Staircase => staircase(),
+            Reference::Prbs => prbs(&mut random),
+            Reference::LowPassed => low_passed(&low_passed(&staircase(), 20.0), 20.0),
+            Reference::Square => square(),
+        };
+        let output = simulate(self.plant, self.noise, &input, self.scale, &mut random);
+        Trial {
+            record: Record::from_slices(PERIOD, &input, &output)
+                .expect("a simulated record is sound"),
+            truth: self.plant.step(LONGEST_TRUTH),
+        }
+    }
+}
+
+/// Points of an exact step response, more than any N.
+pub(crate) const LONGEST_TRUTH: usize = 2000;
+
+fn outcome(trial: &Trial, options: &Options) -> Outcome {
+    let found = identify_explained(&trial.record, options).expect("a simulated record is enough");
     let step = &found.model.step;
     let last = step.value.len() - 1;
-    let mut truth = case.plant.step(last);
+    let mut truth = trial.truth[..last].to_vec();
     truth.push(1.0); // The last point is the final value.
     let within = |lower: &[f64], upper: &[f64]| -> Vec<bool> {
         (0..=last)
@@ -221,7 +265,7 @@ fn mode(values: impl Iterator<Item = usize>) -> usize {
 
 impl Line {
     /// The heading of the table.
-    pub const HEADING: &str = "| reference | plant | noise | x | runs | mean % | worst % | whole % | N median (min-max) | n | d | half width point / whole | whiteness / independence / linearity rejected % | withdrawn / any alarm % | advised % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
+    pub const HEADING: &str = "| reference | plant | noise | x | runs | claimed % | mean % | worst % | whole % | N median (min-max) | n | d | half width point / whole | whiteness / independence / linearity rejected % | withdrawn / any alarm % | advised % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
 
     /// Share of runs with the advice of `check`.
     pub fn share_of(&self, check: &str) -> f64 {
@@ -231,18 +275,14 @@ impl Line {
 
 impl std::fmt::Display for Line {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Case {
-            reference,
-            plant,
-            noise,
-            scale,
-        } = self.case;
         let (low, median, high) = self.settling;
         let percent = |share: f64| 100.0 * share;
         write!(
             f,
-            "| {reference:?} | {plant:?} | {noise:?} | {scale} | {} | {:.2} | {:.1} | {:.1} | {median} ({low}-{high}) | {} | {} | {:.4} / {:.4} | {:.1} / {:.1} / {:.1} | {:.1} / {:.1} | {:.1}",
+            "{} {} | {:.1} | {:.2} | {:.1} | {:.1} | {median} ({low}-{high}) | {} | {} | {:.4} / {:.4} | {:.1} / {:.1} / {:.1} | {:.1} / {:.1} | {:.1}",
+            self.label,
             self.runs,
+            percent(self.claimed),
             percent(self.mean),
             percent(self.worst),
             percent(self.whole),

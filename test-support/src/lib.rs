@@ -4,6 +4,7 @@
 //!   know nothing of the crates under test.
 //! - [`coverage`], [`figures_coverage`], [`metrics_coverage`]: how often bounds hold the exact answer. The
 //!   tests run few seeds, the examples of the same names run hundreds and print the documentation's tables.
+//! - [`hard_lines`]: recordings with glitches, tails, jitter, hum and runs that differ, for [`coverage`].
 //! - [`arguments`]: the arguments of these examples.
 //! - `bad_line` (feature `rig`): a port that loses, damages and delays frames by chance.
 //! - `trials` (feature `rig`): captures over bad lines, killed captures, recordings of simulated rigs and
@@ -15,6 +16,7 @@ pub mod arguments;
 pub mod bad_line;
 pub mod coverage;
 pub mod figures_coverage;
+pub mod hard_lines;
 pub mod metrics_coverage;
 pub mod plants;
 pub mod servos;

@@ -3,7 +3,7 @@
 use super::outcome::{Asymmetry, Levels};
 use crate::data::Record;
 use crate::error::Error;
-use crate::identify::{identify, identify_explained};
+use crate::identify::identify_runs;
 use crate::nonlinear::{DirectionModel, Limits, split_by_direction};
 use crate::numerics::pointwise_critical;
 use crate::options::{Frequencies, Options, Settling};
@@ -20,7 +20,7 @@ pub(super) struct Identified<'a> {
 
 impl<'a> Identified<'a> {
     fn new(record: &'a Record, alone: Model, options: &Options) -> Result<Self, Error> {
-        let mut model = identify(record, options)?;
+        let mut model = identify_runs(record, options)?.model;
         if let Bounds::Withdrawn(reason) = alone.level() {
             model.withdraw(reason);
         }
@@ -100,10 +100,7 @@ pub(super) fn identified<'a>(
     options: &Options,
 ) -> Result<(Identified<'a>, Identified<'a>), Error> {
     same_period(a.sample_period_s(), b.sample_period_s())?;
-    let found = [
-        identify_explained(a, options)?,
-        identify_explained(b, options)?,
-    ];
+    let found = [identify_runs(a, options)?, identify_runs(b, options)?];
     let distinct = found.iter().filter_map(|side| {
         let choice = side.explanation.settling.as_ref()?;
         // An odd number of lags, as every complete bank has.

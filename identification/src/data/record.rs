@@ -60,6 +60,36 @@ impl Run {
         self
     }
 
+    /// The run with another output of the same length.
+    pub(crate) fn with_output(&self, output: Vec<f64>) -> Self {
+        debug_assert_eq!(output.len(), self.output.len());
+        Self {
+            input: self.input.clone(),
+            output,
+            at_rest: self.at_rest,
+        }
+    }
+
+    /// The run with the inputs that are missing between two equal ones: a reference that is held is known there.
+    fn with_held_input(&self) -> Self {
+        let mut input = self.input.clone();
+        let mut last: Option<usize> = None;
+        for k in 0..input.len() {
+            if input[k].is_nan() {
+                continue;
+            }
+            if let Some(last) = last.filter(|last| input[*last] == input[k]) {
+                let held = input[k];
+                input[last + 1..k].fill(held);
+            }
+            last = Some(k);
+        }
+        Self {
+            input,
+            ..self.clone()
+        }
+    }
+
     /// The input u, one value per sample, NaN where missing.
     pub fn input(&self) -> &[f64] {
         &self.input
@@ -242,6 +272,19 @@ impl Record {
     /// Time between samples \[s\].
     pub fn sample_period_s(&self) -> f64 {
         self.sample_period_s
+    }
+
+    /// The same with other runs.
+    pub(crate) fn with_runs(&self, runs: Vec<Run>) -> Self {
+        Self {
+            runs,
+            ..self.clone()
+        }
+    }
+
+    /// The same with the inputs that are missing between two equal ones.
+    pub(crate) fn with_held_inputs(&self) -> Self {
+        self.with_runs(self.runs.iter().map(Run::with_held_input).collect())
     }
 
     /// The runs, in the order given.

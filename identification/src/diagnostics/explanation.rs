@@ -3,10 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use crate::data::Quantisation;
+use crate::diagnostics::hum::Hum;
 use crate::diagnostics::initial_rest::Contradicted;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
+use crate::diagnostics::outliers::TakenOut;
 use crate::diagnostics::run_scatter::RunComparison;
+use crate::diagnostics::slow_end::SlowEnd;
+use crate::diagnostics::uneven_noise::UnevenNoise;
 use crate::estimation::{BankCandidate, Excitation, OrderCandidate, Solver};
 use crate::results::{Bounds, Model};
 use crate::selection::Choice;
@@ -97,6 +101,18 @@ pub struct Explanation {
     /// The steps of the sensor, where they are larger than the noise.
     #[serde(default)]
     pub resolution: Option<Resolution>,
+    /// Samples that were taken out as outlying.
+    #[serde(default)]
+    pub taken_out: Vec<TakenOut>,
+    /// Periodic disturbances that were taken out.
+    #[serde(default)]
+    pub hum: Vec<Hum>,
+    /// By how much the noise varies, where it does beyond chance.
+    #[serde(default)]
+    pub uneven_noise: Option<UnevenNoise>,
+    /// That the response goes on beyond N, where it does.
+    #[serde(default)]
+    pub slow_end: Option<SlowEnd>,
     /// How the runs compare; `None` with fewer than two.
     pub runs: Option<RunComparison>,
 }
@@ -145,6 +161,9 @@ impl Explanation {
                 ),
             });
         }
+        if let Some(uneven) = &self.uneven_noise {
+            sentences.push(uneven.in_words());
+        }
         if let Some(errors) = &self.model_errors {
             sentences.push(match errors.candidates.len() {
                 0 => "The errors are not noise, and no part of the record shows how well a model predicts \
@@ -180,7 +199,10 @@ impl Explanation {
 
 fn choice_in_words(choice: &Choice, period: f64) -> String {
     let seconds = |samples: usize| samples as f64 * period;
-    let outcome = if choice.settled {
+    let outcome = if choice.for_slow_end {
+        "is the longest that the record allows, because a slow end of the response goes on beyond shorter ones"
+            .to_owned()
+    } else if choice.settled {
         format!(
             "is the shortest tried that is at least {MARGIN} times the {:.3} s after which the \
              response rests, and that a fit of {:.3} s does not contradict",

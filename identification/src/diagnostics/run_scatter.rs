@@ -23,7 +23,7 @@ use crate::numerics::{
     normal_upper_quantile, student_critical,
 };
 use crate::results::Model;
-use crate::thresholds::RESIDUAL_SIGNIFICANCE;
+use crate::thresholds::{RESIDUAL_SIGNIFICANCE, SCATTER_SIGNIFICANCE};
 
 /// Gain, delay and offset.
 const QUANTITIES: usize = 3;
@@ -122,6 +122,16 @@ impl RunComparison {
             deviating: farthest.filter(|run| run.distance > run.threshold),
             farthest,
         })
+    }
+}
+
+impl RunComparison {
+    /// Whether runs differ by more than chance, in a way that bounds of the servo's mean contain.
+    pub(crate) fn differ(&self) -> bool {
+        let scatter = [self.gain_percent, self.delay_s, self.offset];
+        scatter
+            .iter()
+            .any(|scatter| scatter.p < SCATTER_SIGNIFICANCE)
     }
 }
 

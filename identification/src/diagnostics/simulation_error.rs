@@ -94,9 +94,27 @@ pub(crate) fn simulated<'a>(
     moments: &Moments,
     fit: &GlsFit,
 ) -> Vec<Simulated<'a>> {
+    simulated_up_to(SAMPLES, record, moments, fit)
+}
+
+/// All runs of a record, as [`simulated`].
+pub(crate) fn simulated_whole<'a>(
+    record: &'a Record,
+    moments: &Moments,
+    fit: &GlsFit,
+) -> Vec<Simulated<'a>> {
+    simulated_up_to(usize::MAX, record, moments, fit)
+}
+
+fn simulated_up_to<'a>(
+    samples: usize,
+    record: &'a Record,
+    moments: &Moments,
+    fit: &GlsFit,
+) -> Vec<Simulated<'a>> {
     let (impulse, offset) = (fit.impulse(), fit.solution.offset());
     let centre = moments.centre;
-    let mut runs: Vec<Simulated<'a>> = beginnings(record.runs(), SAMPLES)
+    let mut runs: Vec<Simulated<'a>> = beginnings(record.runs(), samples)
         .map(|run| {
             let input: Vec<f64> = run.input().iter().map(|u| u - centre.0).collect();
             let at_rest = run.input_at_rest().map(|u| u - centre.0);
@@ -135,4 +153,15 @@ pub(crate) fn beginnings(runs: &[Run], samples: usize) -> impl Iterator<Item = C
             })
         })
         .filter(|run| !run.is_empty())
+}
+
+/// ε(k) = D(z) v(k) of the simulation errors v; NaN where a value or its history is missing.
+pub(crate) fn one_step_errors(errors: &[f64], ar: &[f64]) -> Vec<f64> {
+    let order = ar.len();
+    let mut filtered = vec![f64::NAN; errors.len().min(order)];
+    filtered.extend(errors.windows(order + 1).map(|window| {
+        let (past, now) = window.split_at(order);
+        now[0] + past.iter().rev().zip(ar).map(|(v, d)| d * v).sum::<f64>()
+    }));
+    filtered
 }

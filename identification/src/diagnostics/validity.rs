@@ -18,6 +18,8 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) excitation: Excitation,
     /// Whether the steps of the sensor are larger than the noise.
     pub(crate) quantised: bool,
+    /// Whether the response goes on beyond the longest N.
+    pub(crate) unsettled: bool,
     /// G_0.
     pub(crate) gain: f64,
     /// The step response, and what left-out frequencies may change in it.
@@ -59,6 +61,8 @@ impl Validity {
             Some(Reason::ErrorsNotNoise)
         } else if evidence.quantised && evidence.excitation.is_smooth() {
             Some(Reason::QuantisationAboveNoise)
+        } else if evidence.unsettled {
+            Some(Reason::ResponseNotOver)
         } else {
             None
         };

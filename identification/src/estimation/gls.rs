@@ -52,6 +52,23 @@ impl Default for GlsOptions {
     }
 }
 
+/// What a covariance has beside that of even noise.
+#[derive(Default)]
+pub struct FurtherSpread {
+    /// Added to (Z_D'Z_D)^-1: noise that is not even, or cut at its tails, and what was estimated for each run.
+    pub noise: Option<Mat<f64>>,
+    /// What differs from run to run.
+    pub runs: Option<RunSpread>,
+}
+
+/// Differences between the runs of one servo, as far as the mean of these runs has them.
+pub struct RunSpread {
+    /// Directions of the coordinates and the offset, one in each column, of which each has one standard deviation of ε.
+    pub directions: Mat<f64>,
+    /// Degrees of freedom: runs less one.
+    pub degrees: f64,
+}
+
 /// A generalised least-squares fit.
 pub struct GlsFit {
     /// The bank and its coordinates.
@@ -64,6 +81,8 @@ pub struct GlsFit {
     pub ar_covariance: Mat<f64>,
     /// Variance of ε: RSS / (rows - parameters - d), the offset being one of the parameters.
     pub variance: f64,
+    /// What the covariance has beside (Z_D'Z_D)^-1.
+    pub further: FurtherSpread,
     /// Number of rows used.
     pub rows: usize,
     /// Number of passes.
@@ -141,6 +160,7 @@ impl GlsFit {
             ar,
             ar_covariance,
             variance,
+            further: FurtherSpread::default(),
             rows: information.rows(),
             iterations,
             converged,
@@ -166,17 +186,51 @@ impl GlsFit {
         }
     }
 
+    /// The part of it that is of the noise.
+    pub(crate) fn noise_covariance(&self) -> Mat<f64> {
+        match &self.further.noise {
+            Some(noise) => &self.solution.inverse + noise,
+            None => self.solution.inverse.clone(),
+        }
+    }
+
+    /// Covariance of the coordinates and the offset, over the variance of ε.
+    pub(crate) fn unit_covariance(&self) -> Mat<f64> {
+        let mut covariance = self.noise_covariance();
+        if let Some(runs) = &self.further.runs {
+            covariance += &runs.directions * runs.directions.transpose();
+        }
+        covariance
+    }
+
+    /// Whether the covariance of the noise is that of even noise.
+    pub(crate) fn has_even_noise(&self) -> bool {
+        self.further.noise.is_none()
+    }
+
+    /// Adds to the covariance `ratio` - 1 times what it is, and `more`.
+    pub(crate) fn spread_further(&mut self, ratio: f64, more: Option<Mat<f64>>) {
+        let mut further = faer::Scale(ratio - 1.0) * &self.solution.inverse;
+        if let Some(noise) = self.further.noise.take() {
+            further += faer::Scale(ratio) * noise;
+        }
+        if let Some(more) = more {
+            further += more;
+        }
+        self.further.noise = Some(further);
+    }
+
     /// Covariance of θ and, as last row and column, the offset: (n+1) x (n+1).
     pub fn covariance(&self) -> Mat<f64> {
         let p = self.coordinates.len();
         let mut covariance = match self.coordinates.theta_map() {
-            None => self.solution.inverse.clone(),
+            None => self.unit_covariance(),
             Some(map) => {
                 let bordered = Mat::from_fn(p + 1, p + 1, |i, j| match (i, j) {
                     (i, j) if i < p && j < p => map[(i, j)],
                     (i, j) => f64::from(u8::from(i == j)),
                 });
-                &bordered * &self.solution.inverse * bordered.transpose()
+                &bordered * self.unit_covariance() * bordered.transpose()
             }
         };
         for j in 0..=p {

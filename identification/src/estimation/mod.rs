@@ -17,7 +17,7 @@ pub(crate) use accurate_fit::accurate_fit;
 pub(crate) use conditioning::WELL_CONDITIONED;
 pub use excitation::Excitation;
 pub(crate) use fsf_basis::FsfBasis;
-pub(crate) use gls::{GlsFit, GlsOptions};
+pub(crate) use gls::{GlsFit, GlsOptions, RunSpread};
 pub use least_squares::Solver;
 pub(crate) use least_squares::{
     Coordinates, NormalEquations, RowInformation, complete_bank_rss, filtered_input_moments,

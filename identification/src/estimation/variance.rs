@@ -12,9 +12,9 @@
 
 use faer::Mat;
 
-use crate::estimation::GlsFit;
 use crate::estimation::least_squares::RowInformation;
 use crate::estimation::noise_model::noise_filter;
+use crate::estimation::{GlsFit, RunSpread};
 use crate::numerics::dot;
 
 /// Standard deviations of linear functions of the response: points of a step response, or real and
@@ -27,6 +27,26 @@ pub struct CurveVariance {
     pub degrees_of_freedom: Vec<f64>,
     /// Correlation of each with the next; one fewer.
     pub neighbour_correlation: Vec<f64>,
+    /// The part that differs from run to run, where there is one.
+    pub of_runs: Option<RunPart>,
+}
+
+/// The part of a curve's variance that differs from run to run. It has a few directions only, so all points are off
+/// together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunPart {
+    /// Standard deviation of each.
+    pub sd: Vec<f64>,
+    /// Standard deviation of each from the noise.
+    pub noise_sd: Vec<f64>,
+    /// Degrees of freedom of the noise.
+    pub noise_degrees: Vec<f64>,
+    /// Correlation of the noise of each with that of the next.
+    pub noise_correlation: Vec<f64>,
+    /// Degrees of freedom: runs less one.
+    pub degrees: f64,
+    /// Number of directions.
+    pub directions: usize,
 }
 
 impl CurveVariance {
@@ -38,24 +58,63 @@ impl CurveVariance {
         // of the offset is last.
         let functions = functions.transpose().to_owned();
         let weights = inverse.as_ref().submatrix(0, 0, p + 1, p) * &functions;
-        let product = |i: usize, k: usize| dot(weights.col_as_slice(i), functions.col_as_slice(k));
-        let variance: Vec<f64> = (0..f).map(|i| product(i, i).max(0.0)).collect();
-        let gradients = log_variance_gradients(information, fit, &weights, &variance);
+        let of_noise: Vec<f64> = (0..f)
+            .map(|i| dot(weights.col_as_slice(i), functions.col_as_slice(i)).max(0.0))
+            .collect();
+        let gradients = log_variance_gradients(information, fit, &weights, &of_noise);
         let own = 2.0 / fit.degrees_of_freedom();
         let order = fit.ar.len();
+        // Relative variance of a variance.
         let noise = |i: usize| -> f64 {
             let row = |k: usize| -> f64 {
                 (0..order)
                     .map(|l| gradients[(k, i)] * fit.ar_covariance[(k, l)] * gradients[(l, i)])
                     .sum()
             };
-            (0..order).map(row).sum()
+            (0..order).map(row).sum::<f64>().max(0.0) + own
         };
+        let all = match fit.has_even_noise() {
+            true => weights,
+            false => fit.noise_covariance().as_ref().submatrix(0, 0, p + 1, p) * &functions,
+        };
+        let product = |i: usize, k: usize| dot(all.col_as_slice(i), functions.col_as_slice(k));
+        let variance: Vec<f64> = (0..f).map(|i| product(i, i).max(0.0)).collect();
+        let sd = |v: f64| (fit.variance * v).sqrt();
+        let noise_correlation =
+            neighbour_correlation(f, product, |i| (variance[i - 1] * variance[i]).sqrt());
+        let noise_degrees: Vec<f64> = (0..f).map(|i| 2.0 / noise(i)).collect();
+        let noise_sd: Vec<f64> = variance.iter().copied().map(sd).collect();
+        let Some(spread) = &fit.further.runs else {
+            return Self {
+                sd: noise_sd,
+                degrees_of_freedom: noise_degrees,
+                neighbour_correlation: noise_correlation,
+                of_runs: None,
+            };
+        };
+        let (along, degrees) = (along_directions(spread, &functions), spread.degrees);
+        let of_runs = |i: usize, k: usize| dot(along.col_as_slice(i), along.col_as_slice(k));
+        let runs: Vec<f64> = (0..f).map(|i| of_runs(i, i)).collect();
+        let together = |i: usize| {
+            let parts = variance[i].powi(2) / noise_degrees[i] + runs[i].powi(2) / degrees;
+            (variance[i] + runs[i]).powi(2) / parts.max(f64::MIN_POSITIVE)
+        };
+        let sum = |i: usize| variance[i] + runs[i];
         Self {
-            sd: variance.iter().map(|v| (fit.variance * v).sqrt()).collect(),
-            degrees_of_freedom: (0..f).map(|i| 2.0 / (noise(i).max(0.0) + own)).collect(),
-            neighbour_correlation: neighbour_correlation(f, product, |i| {
-                (variance[i - 1] * variance[i]).sqrt()
+            sd: (0..f).map(|i| sd(sum(i))).collect(),
+            degrees_of_freedom: (0..f).map(together).collect(),
+            neighbour_correlation: neighbour_correlation(
+                f,
+                |i, k| product(i, k) + of_runs(i, k),
+                |i| (sum(i - 1) * sum(i)).sqrt(),
+            ),
+            of_runs: Some(RunPart {
+                sd: runs.iter().copied().map(sd).collect(),
+                noise_sd,
+                noise_degrees,
+                noise_correlation,
+                degrees,
+                directions: along.nrows(),
             }),
         }
     }
@@ -74,9 +133,16 @@ impl CurveVariance {
         Self {
             degrees_of_freedom: vec![degrees_of_freedom; count],
             neighbour_correlation: neighbour_correlation(count, product, |i| sd[i - 1] * sd[i]),
+            of_runs: None,
             sd,
         }
     }
+}
+
+/// Each function along each direction in which runs differ: directions x functions.
+fn along_directions(runs: &RunSpread, functions: &Mat<f64>) -> Mat<f64> {
+    let directions = runs.directions.as_ref();
+    directions.subrows(0, functions.nrows()).transpose() * functions
 }
 
 /// Correlation of each of `count` functions with the one before it. `scale` is the product of the

@@ -21,7 +21,7 @@ pub(super) struct Allowances {
 
 impl Allowances {
     pub(super) fn new(task: &Task<'_>, fitted: &Fitted, responses: &Responses) -> Self {
-        let rmse = figures_of_merit(fitted).rmse;
+        let rmse = figures_of_merit(fitted, 0).rmse;
         let quantisation = task
             .record
             .and_then(|record| Quantisation::of(record, rmse));

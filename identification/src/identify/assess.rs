@@ -3,11 +3,13 @@
 use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::task::Task;
-use crate::diagnostics::{WHITENESS_SAMPLES, beginnings, input_independence, square, whiteness};
+use crate::diagnostics::{
+    WHITENESS_SAMPLES, beginnings, input_independence, one_step_errors, square, whiteness,
+};
 use crate::results::{Fit, Model, Residuals, fit_percent};
 
-/// The figures of merit that follow from the moments.
-pub(super) fn figures_of_merit(fitted: &Fitted) -> Fit {
+/// The figures of merit that follow from the moments, to which samples that were taken out are missing.
+pub(super) fn figures_of_merit(fitted: &Fitted, taken_out: usize) -> Fit {
     let estimate = &fitted.estimate;
     let information = &estimate.information;
     let error = square(information, &estimate.fit);
@@ -17,7 +19,7 @@ pub(super) fn figures_of_merit(fitted: &Fitted) -> Fit {
         one_step_percent: fit_percent(estimate.fit.solution.rss, spread),
         rmse: (error / information.rows() as f64).sqrt(),
         samples_used: information.rows(),
-        samples_missing: fitted.candidate.moments.missing(),
+        samples_missing: fitted.candidate.moments.missing().saturating_sub(taken_out),
     }
 }
 
@@ -42,21 +44,18 @@ pub(super) fn residuals(task: &Task<'_>, fitted: &Fitted, model: &Model) -> Resi
 fn whiteness_p(task: &Task<'_>, estimate: &Estimate, model: &Model) -> Option<f64> {
     let ar = &estimate.fit.ar;
     let errors: Vec<Vec<f64>> = beginnings(task.record?.runs(), WHITENESS_SAMPLES)
-        .map(|run| one_step_errors(run.output(), &model.simulate(&run), ar))
+        .map(|run| {
+            let simulated = model.simulate(&run);
+            let errors: Vec<f64> = run
+                .output()
+                .iter()
+                .zip(&simulated)
+                .map(|(y, s)| y - s)
+                .collect();
+            one_step_errors(&errors, ar)
+        })
         .collect();
     let parameters = (estimate.coordinates.len() + 1) as f64;
     let share = parameters / estimate.information.rows() as f64;
     whiteness(&errors, ar.len(), share)
-}
-
-/// ε(k) = D(z) (y - y_sim)(k); NaN where a value or its history is missing.
-fn one_step_errors(output: &[f64], simulated: &[f64], ar: &[f64]) -> Vec<f64> {
-    let error: Vec<f64> = output.iter().zip(simulated).map(|(y, s)| y - s).collect();
-    let order = ar.len();
-    let mut filtered = vec![f64::NAN; error.len().min(order)];
-    filtered.extend(error.windows(order + 1).map(|window| {
-        let (past, now) = window.split_at(order);
-        now[0] + past.iter().rev().zip(ar).map(|(v, d)| d * v).sum::<f64>()
-    }));
-    filtered
 }

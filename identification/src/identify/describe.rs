@@ -15,6 +15,8 @@ use crate::results::{
     FrequencyBounds, FrequencyResponse, MODEL_SCHEMA, Measured, MetricBounds, Metrics, Model,
     ParameterBounds, Residuals, StepBounds, StepResponse, Structure,
 };
+use crate::selection::hidden_end;
+use crate::thresholds::UNSETTLED_END;
 
 /// Whether bounds hold, decided before any are drawn.
 pub(super) fn validity(
@@ -31,11 +33,25 @@ pub(super) fn validity(
         misfit: fitted.misfit.as_ref(),
         excitation: excitation(fitted, allowances),
         quantised: allowances.quantisation.is_some(),
+        unsettled: fitted.slow_end.is_some()
+            || (allowances.quantisation.is_none() && still_moves(fitted, responses)),
         gain: estimate.fit.theta()[0],
         step: &responses.step_values,
         truncation_bias: allowances.step.truncation,
     };
     Validity::new(&evidence, task.options.level)
+}
+
+/// Whether the response still moves when the longest N ends.
+fn still_moves(fitted: &Fitted, responses: &Responses) -> bool {
+    let choice = fitted.candidate.plan.choice.as_ref();
+    let Some(choice) = choice.filter(|choice| !choice.settled && fitted.misfit.is_none()) else {
+        return false;
+    };
+    let sd = responses.step.sd.iter().copied().fold(0.0, f64::max);
+    let size = fitted.estimate.fit.theta()[0].abs();
+    let seen = choice.longest as f64 / choice.detected as f64;
+    hidden_end(sd / size, seen) > UNSETTLED_END
 }
 
 fn excitation(fitted: &Fitted, allowances: &Allowances) -> Excitation {
@@ -127,7 +143,7 @@ pub(super) fn model(
             &responses.frequency_values,
             validity.level.map(|_| frequency_bounds),
         ),
-        fit: figures_of_merit(fitted),
+        fit: figures_of_merit(fitted, task.disturbances.outliers.count()),
         residuals: Residuals::default(),
         iterations: fit.iterations,
         converged: fit.converged,
@@ -141,7 +157,7 @@ pub(super) fn explanation(
     fitted: Fitted,
     responses: &Responses,
     allowances: &Allowances,
-    model: &Model,
+    (model, runs): (&Model, Option<RunComparison>),
 ) -> Explanation {
     let excitation = excitation(&fitted, allowances);
     let (plan, estimate) = (fitted.candidate.plan, fitted.estimate);
@@ -170,8 +186,12 @@ pub(super) fn explanation(
         resolution: allowances
             .quantisation
             .map(|found| Resolution::new(&found, level)),
-        runs: task
-            .record
-            .and_then(|record| RunComparison::of(model, record.runs())),
+        taken_out: task.disturbances.outliers.taken_out.clone(),
+        hum: (task.disturbances.hum.iter())
+            .map(|line| line.described(model.sample_period_s))
+            .collect(),
+        uneven_noise: fitted.uneven,
+        slow_end: fitted.slow_end,
+        runs,
     }
 }

@@ -3,7 +3,10 @@
 use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
-use crate::diagnostics::{Linearity, Misfit, against_standstill, simulated, test_linearity};
+use crate::diagnostics::{
+    Linearity, Misfit, RunComparison, SlowEnd, UnevenNoise, against_standstill,
+    allow_for_run_offsets, allow_for_scatter, allow_for_uneven_noise, simulated, test_linearity,
+};
 use crate::error::Error;
 
 /// What gates look at, and pass on.
@@ -14,18 +17,58 @@ pub(super) struct Fitted {
     pub(super) linearity: Option<Linearity>,
     /// Why the errors are not noise, and what was done about it; `None` when they are.
     pub(super) misfit: Option<Misfit>,
+    /// That the response goes on beyond N, where it does.
+    pub(super) slow_end: Option<SlowEnd>,
+    /// By how much the noise varies, where it does; the covariance of the estimate allows for it.
+    pub(super) uneven: Option<UnevenNoise>,
 }
 
 impl Fitted {
     /// Fits a candidate and tests its errors.
     pub(super) fn new(task: &Task<'_>, candidate: Candidate) -> Result<Self, Error> {
         let estimate = Estimate::new(&candidate.plan, &candidate.moments, task.record)?;
-        Ok(Self {
+        Ok(Self::tested(task, candidate, estimate))
+    }
+
+    /// A fit to a candidate, with its errors tested.
+    pub(super) fn tested(task: &Task<'_>, candidate: Candidate, estimate: Estimate) -> Self {
+        Self {
             linearity: linearity(task, &candidate, &estimate),
             candidate,
             estimate,
             misfit: None,
-        })
+            slow_end: None,
+            uneven: None,
+        }
+    }
+
+    /// With the covariance of the noise that it is: cut at its tails, not even.
+    pub(super) fn with_honest_covariance(mut self, task: &Task<'_>) -> Self {
+        let (Some(record), None) = (task.record, &self.misfit) else {
+            return self;
+        };
+        let Estimate {
+            information, fit, ..
+        } = &mut self.estimate;
+        let runs = simulated(record, &information.moments, fit);
+        self.uneven = allow_for_uneven_noise(&runs, &information.moments, fit);
+        let outliers = &task.disturbances.outliers;
+        if outliers.count() > 0 {
+            fit.spread_further(outliers.variance_ratio(), None);
+        }
+        if !task.disturbances.offsets.is_empty() {
+            allow_for_run_offsets(record.runs(), &information.moments, fit);
+        }
+        self
+    }
+
+    /// Adds the scatter between runs to the covariance, where it is beyond chance; whether it is.
+    pub(super) fn add_scatter(&mut self, task: &Task<'_>, runs: Option<&RunComparison>) -> bool {
+        let period = self.candidate.moments.sample_period_s();
+        let fit = &mut self.estimate.fit;
+        task.of_servo
+            && self.misfit.is_none()
+            && runs.is_some_and(|runs| allow_for_scatter(runs, period, fit))
     }
 }
 

@@ -1,6 +1,6 @@
 //! From a record, or its moments, to a model.
 //!
-//! The story: moments are collected in one pass, and the first [candidate](candidate) that they determine is
+//! The story: [glitches and hum](undisturbed) are taken out; moments are collected in one pass, and the first [candidate](candidate) that they determine is
 //! fitted by generalised least squares; [gates](gates) look at its errors and may put another one in its place; the
 //! evidence decides whether bounds hold; the [responses](responses) get their [bounds](allowances) and the metrics
 //! their intervals; tests and advice come last.
@@ -9,6 +9,7 @@ mod allowances;
 mod assess;
 mod candidate;
 mod describe;
+mod disturbances;
 mod estimate;
 mod expected;
 mod fitted;
@@ -16,18 +17,21 @@ mod gates;
 mod plan;
 mod responses;
 mod task;
+mod undisturbed;
 
 use crate::data::{Moments, Record};
-use crate::diagnostics::{Evidence, Explanation, gather_advice};
+use crate::diagnostics::{Evidence, Explanation, RunComparison, Validity, gather_advice};
 use crate::error::Error;
 use crate::options::Options;
 use crate::results::Model;
 
 use allowances::Allowances;
 use candidate::Candidate;
+use disturbances::Disturbances;
 use fitted::Fitted;
 use responses::Responses;
 use task::Task;
+use undisturbed::Undisturbed;
 
 pub use expected::expected_model;
 
@@ -54,12 +58,39 @@ pub fn identify(record: &Record, options: &Options) -> Result<Model, Error> {
 /// # Errors
 /// As [`identify`].
 pub fn identify_explained(record: &Record, options: &Options) -> Result<Identification, Error> {
+    explained(record, options, true)
+}
+
+/// [`identify_explained`] with the bounds of the runs of a record, for a comparison that counts their scatter itself.
+pub(crate) fn identify_runs(record: &Record, options: &Options) -> Result<Identification, Error> {
+    explained(record, options, false)
+}
+
+fn explained(record: &Record, options: &Options, of_servo: bool) -> Result<Identification, Error> {
     options.check()?;
-    let task = Task {
+    let found = Undisturbed::of(record, options)?;
+    let task = |disturbances, record| Task {
         record: Some(record),
         options,
+        of_servo,
+        disturbances,
     };
-    run(&task, Candidate::of_record(record, options)?)
+    let first = task(&found.disturbances, &found.record);
+    let fitted = Fitted::tested(&first, found.candidate, found.estimate);
+    let follows_motion = fitted
+        .linearity
+        .is_some_and(|found| found.errors_follow_motion());
+    if !follows_motion || found.disturbances.is_without_errors() {
+        return run(&first, fitted);
+    }
+    // Errors of a servo that is not linear are no disturbances.
+    let offsets = found.disturbances.offsets.clone();
+    let whole = Undisturbed::with_errors(record, options, offsets)?;
+    let task = task(&whole.disturbances, &whole.record);
+    run(
+        &task,
+        Fitted::tested(&task, whole.candidate, whole.estimate),
+    )
 }
 
 /// Identifies from moments alone, as saved or collected live. The settling time can be at most the
@@ -73,19 +104,33 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
     let task = Task {
         record: None,
         options,
+        of_servo: true,
+        disturbances: &Disturbances::default(),
     };
-    run(&task, Candidate::of_moments(moments, options)?)
+    run(
+        &task,
+        Fitted::new(&task, Candidate::of_moments(moments, options)?)?,
+    )
 }
 
-fn run(task: &Task<'_>, first: Candidate) -> Result<Identification, Error> {
-    let samples = first.moments.samples();
-    let fitted = gates::pass(task, Fitted::new(task, first)?)?;
-    let responses = Responses::new(&fitted.estimate);
-    let allowances = Allowances::new(task, &fitted, &responses);
-    let validity = describe::validity(task, &fitted, &responses, &allowances);
-    let mut model = describe::model(task, &fitted, &responses, &allowances, &validity);
+fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
+    let samples = first.candidate.moments.samples();
+    let mut fitted = gates::pass(task, first)?.with_honest_covariance(task);
+    let mut described = Described::new(task, &fitted);
+    let runs = task.record.and_then(|record| {
+        RunComparison::of(&described.model, &task.disturbances.with_offsets(record))
+    });
+    if fitted.add_scatter(task, runs.as_ref()) {
+        described = Described::new(task, &fitted);
+    }
+    let Described {
+        responses,
+        allowances,
+        validity,
+        mut model,
+    } = described;
     model.residuals = assess::residuals(task, &fitted, &model);
-    let explanation = describe::explanation(task, fitted, &responses, &allowances, &model);
+    let explanation = describe::explanation(task, fitted, &responses, &allowances, (&model, runs));
     model.advice = gather_advice(&Evidence {
         model: &model,
         validity: &validity,
@@ -94,4 +139,26 @@ fn run(task: &Task<'_>, first: Candidate) -> Result<Identification, Error> {
         samples,
     });
     Ok(Identification { model, explanation })
+}
+
+/// A fit with its bounds.
+struct Described {
+    responses: Responses,
+    allowances: Allowances,
+    validity: Validity,
+    model: Model,
+}
+
+impl Described {
+    fn new(task: &Task<'_>, fitted: &Fitted) -> Self {
+        let responses = Responses::new(&fitted.estimate);
+        let allowances = Allowances::new(task, fitted, &responses);
+        let validity = describe::validity(task, fitted, &responses, &allowances);
+        Self {
+            model: describe::model(task, fitted, &responses, &allowances, &validity),
+            responses,
+            allowances,
+            validity,
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! What is to be identified, and how.
 
+use super::disturbances::Disturbances;
 use crate::data::Record;
 use crate::options::Options;
 
@@ -9,4 +10,8 @@ pub(super) struct Task<'a> {
     /// `None` where moments came without their record.
     pub(super) record: Option<&'a Record>,
     pub(super) options: &'a Options,
+    /// Whether bounds are those of the servo's mean, or those of its runs.
+    pub(super) of_servo: bool,
+    /// What was taken out of the record.
+    pub(super) disturbances: &'a Disturbances,
 }

@@ -50,6 +50,12 @@ pub enum Check {
     Conditioning,
     /// Whether the iterations came to rest.
     Converged,
+    /// Whether samples were outlying and taken out.
+    Outliers,
+    /// Whether a periodic disturbance was taken out.
+    Hum,
+    /// Whether the response goes on beyond the longest time that can be judged.
+    SlowEnd,
     /// Whether runs differ by more than their noise.
     RunScatter,
     /// Whether one run stands out.

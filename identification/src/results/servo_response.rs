@@ -28,6 +28,7 @@ fn bounds_of(measured: &Measured<'_>, omega_rad_s: &[f64], values: &[f64]) -> Fr
     let spread = CurveVariance {
         neighbour_correlation: (0..rows.len().saturating_sub(1)).map(correlation).collect(),
         degrees_of_freedom: vec![f64::INFINITY; rows.len()],
+        of_runs: None,
         sd,
     };
     let bias = bands::bias(measured, omega_rad_s);

@@ -122,11 +122,14 @@ impl StepBounds {
             spread.sd.len(),
             "one standard deviation per value"
         );
-        let critical_value = simultaneous_critical(&spread.neighbour_correlation, level);
+        let correlation = match &spread.of_runs {
+            Some(runs) => &runs.noise_correlation,
+            None => &spread.neighbour_correlation,
+        };
+        let critical_value = simultaneous_critical(correlation, level);
         let bias = biases.truncation + biases.rounding;
-        let bounds = |normal: f64| {
-            let critical = student_critical(normal, &spread.degrees_of_freedom);
-            let half = |m: usize| critical[m] * spread.sd[m] + bias;
+        let bounds = |half: Vec<f64>| {
+            let half = |m: usize| half[m] + bias;
             let at = |side: f64| {
                 (0..value.len())
                     .map(|m| value[m] + side * half(m))
@@ -134,9 +137,25 @@ impl StepBounds {
             };
             (at(-1.0), at(1.0))
         };
-        let (lower, upper) = bounds(pointwise_critical(level));
+        let student = |normal: f64, sd: &[f64], degrees: &[f64]| -> Vec<f64> {
+            let critical = student_critical(normal, degrees);
+            critical.iter().zip(sd).map(|(c, sd)| c * sd).collect()
+        };
+        let together = |normal: f64| student(normal, &spread.sd, &spread.degrees_of_freedom);
+        let (lower, upper) = bounds(together(pointwise_critical(level)));
         let pointwise = PointwiseBand { lower, upper };
-        let (lower, upper) = bounds(critical_value);
+        // What differs from run to run moves all points together, in a few directions: these and the noise each have
+        // their own critical value, which Bonferroni's correction makes those of all directions.
+        let (lower, upper) = bounds(match &spread.of_runs {
+            None => together(critical_value),
+            Some(runs) => {
+                let noise = student(critical_value, &runs.noise_sd, &runs.noise_degrees);
+                let each = pointwise_critical(1.0 - (1.0 - level) / runs.directions.max(1) as f64);
+                let degrees = vec![runs.degrees; runs.sd.len()];
+                let of_runs = student(each, &runs.sd, &degrees);
+                noise.iter().zip(of_runs).map(|(a, b)| a + b).collect()
+            }
+        });
         Self {
             level,
             sd: spread.sd.clone(),

@@ -22,6 +22,8 @@ pub enum Reason {
     QuantisationAboveNoise,
     /// The command runs further ahead of the servo than in the recording that the model comes from.
     BeyondRecord,
+    /// The response goes on beyond the longest time that can be judged.
+    ResponseNotOver,
 }
 
 impl Reason {
@@ -36,6 +38,9 @@ impl Reason {
             Self::ErrorsNotNoise => "the errors are not noise",
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
             Self::BeyondRecord => "the command has larger strokes than the recording",
+            Self::ResponseNotOver => {
+                "the response goes on beyond the longest time that can be judged"
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::thresholds::{CONTRADICTION, MARGIN};
+use crate::thresholds::{CONTRADICTION, DETECTION, MARGIN};
 
 /// One settling time that was considered.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -59,6 +59,9 @@ pub struct Choice {
     /// respond for longer.
     #[serde(default)]
     pub within_holds: bool,
+    /// Whether N is the longest because of a slow end that no single lag shows.
+    #[serde(default)]
+    pub for_slow_end: bool,
     /// D of the long fit, to start from.
     pub ar: Vec<f64>,
     /// The settling times considered.
@@ -89,8 +92,16 @@ impl Choice {
             frequencies: None,
             repeats_after: None,
             within_holds: false,
+            for_slow_end: false,
             ar,
             candidates,
         })
     }
+}
+
+/// Standard deviations that are left of an exponential end after `times` the time up to which it is seen, of a response
+/// whose standard deviation is `noise` of its size. It is seen down to c of them, so the share (c s)^κ is left after κ
+/// times as long: c (c s)^(κ-1) standard deviations.
+pub(crate) fn hidden_end(noise: f64, times: f64) -> f64 {
+    DETECTION * (DETECTION * noise).powf(times - 1.0)
 }

@@ -11,6 +11,7 @@ mod settling_time;
 mod shorter_history;
 mod smooth_input;
 
+pub(crate) use choice::hidden_end;
 pub use choice::{Choice, SettlingCandidate};
 pub(crate) use complete_bank::is_wide;
 pub(crate) use search::Search;

@@ -5,6 +5,7 @@ mod coarse_sampling;
 mod comparison;
 mod coverage;
 mod flight_model;
+mod hard_lines;
 mod limits;
 mod linearity;
 mod metrics;

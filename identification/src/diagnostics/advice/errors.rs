@@ -3,6 +3,7 @@
 use super::evidence::Evidence;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
+use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::largest_root;
 use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
 use crate::results::{Advice, Check};
@@ -235,6 +236,11 @@ pub(super) fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
         };
         (format!("The noise drifts slowly{effect}."), root, SLOW_ROOT)
     } else {
+        // Few runs that differ leave few degrees of freedom at any noise.
+        let runs = evidence.explanation.runs.as_ref();
+        if runs.is_some_and(RunComparison::differ) {
+            return None;
+        }
         let degrees = evidence.explanation.degrees_of_freedom.iter().flatten();
         let least = degrees.copied().fold(f64::INFINITY, f64::min);
         if least >= FEW_DEGREES {

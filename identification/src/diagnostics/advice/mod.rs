@@ -2,6 +2,7 @@
 //!
 //! A finding on a model without bounds does not speak of bounds, nor has it a number that is the width of one.
 
+mod disturbances;
 mod errors;
 mod evidence;
 mod excitation;
@@ -24,6 +25,7 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
         errors::metrics(evidence),
         excitation::metrics(evidence),
         response::settled(evidence),
+        response::slow_end(evidence),
         response::repeats(evidence),
         response::hidden_tail(evidence),
         response::responds(evidence),
@@ -35,6 +37,8 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
         errors::independence(evidence),
         record::conditioning(evidence),
         record::converged(evidence),
+        disturbances::outliers(evidence),
+        disturbances::hum(evidence),
         record::scatter(evidence),
         record::deviating(evidence),
         record::history(evidence),

@@ -4,7 +4,9 @@ use super::evidence::Evidence;
 use crate::diagnostics::run_scatter::{RunComparison, RunDifference};
 use crate::estimation::{Solver, WELL_CONDITIONED};
 use crate::results::{Advice, Check};
-use crate::thresholds::{INITIAL_REST_MISSED, LARGE_SHARE, LOST_TO_HISTORY, RESIDUAL_SIGNIFICANCE};
+use crate::thresholds::{
+    INITIAL_REST_MISSED, LARGE_SHARE, LOST_TO_HISTORY, RESIDUAL_SIGNIFICANCE, RUNS_FOR_MEAN,
+};
 
 pub(super) fn parameters(evidence: &Evidence<'_>) -> Option<Advice> {
     let rows = evidence.explanation.rows as f64;
@@ -65,7 +67,12 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
     let p = scatter.iter().map(|s| s.p).fold(1.0, f64::min);
     let threshold = RESIDUAL_SIGNIFICANCE / scatter.len() as f64;
     let bounds = match evidence.has_bounds() {
-        true => " The bounds hold for the mean of these runs, not for the next one.",
+        true if runs.runs.len() < RUNS_FOR_MEAN => {
+            " The bounds are those of these recordings, not of the servo: its mean takes three runs."
+        }
+        true => {
+            " The bounds contain this scatter: they are those of the servo's mean, not of its next run."
+        }
         false => "",
     };
     (p < threshold).then(|| {

@@ -3,8 +3,8 @@
 use super::evidence::{Evidence, two_digits};
 use crate::options::Frequencies;
 use crate::results::{Advice, Check, SelectedBy};
-use crate::selection::Choice;
-use crate::thresholds::{DETECTION, HIDDEN_TAIL, MARGIN};
+use crate::selection::{Choice, hidden_end};
+use crate::thresholds::{DETECTION, HIDDEN_TAIL, MARGIN, SLOW_END_SIGNIFICANCE};
 
 /// The choice of the settling time, unless it was overruled because the errors are not noise.
 fn trusted_choice<'a>(evidence: &Evidence<'a>) -> Option<&'a Choice> {
@@ -37,6 +37,31 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
+pub(super) fn slow_end(evidence: &Evidence<'_>) -> Option<Advice> {
+    let end = evidence
+        .explanation
+        .slow_end
+        .filter(|_| evidence.misfit().is_none())?;
+    let seconds = end.beyond as f64 * evidence.model.sample_period_s;
+    let bounds = match evidence.has_bounds() {
+        true => "the bounds are approximate",
+        false => "no bounds can be given",
+    };
+    Some(Advice::new(
+        Check::SlowEnd,
+        format!(
+            "The response goes on slowly beyond the longest time that can be judged, {seconds:.3} s (p = {:.0e}), so {bounds}.",
+            end.p.max(1e-12)
+        ),
+        end.p,
+        SLOW_END_SIGNIFICANCE,
+        format!(
+            "Record holds of several times {seconds:.1} s, and at least {:.0} s in all.",
+            14.0 * seconds
+        ),
+    ))
+}
+
 pub(super) fn repeats(evidence: &Evidence<'_>) -> Option<Advice> {
     let settling = evidence.explanation.settling.as_ref()?;
     let period = evidence.model.sample_period_s;
@@ -54,15 +79,14 @@ pub(super) fn repeats(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// Of an exponential tail of the size A of the response, seen down to c standard deviations s, the share
-/// (c s / A)^κ is left after κ times as long: c (c s / A)^(κ-1) standard deviations. Without bounds, s is not known.
+/// What may be left of the end of the response after N. Without bounds, its standard deviation is not known.
 pub(super) fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
     trusted_choice(evidence).filter(|choice| choice.settled && choice.detected > 1)?;
     let step = &evidence.model.step;
     let size = step.value.last()?.abs();
     let sd = step.bounds.valid()?.sd.iter().copied().fold(0.0, f64::max);
     let visible = DETECTION * sd / size;
-    let hidden = DETECTION * visible.powf(MARGIN - 1.0);
+    let hidden = hidden_end(sd / size, MARGIN);
     if hidden <= HIDDEN_TAIL {
         return None;
     }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use faer::Mat;
 
 use crate::data::Moments;
+use crate::diagnostics::filtered_rows::{filtered, only};
 use crate::diagnostics::residual_tests::ScoreTest;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
@@ -255,17 +256,6 @@ impl RunColumns {
     }
 }
 
-/// `values` in `rows`, 0 elsewhere.
-fn only(rows: &[Range<usize>], mut values: Vec<f64>) -> Vec<f64> {
-    let mut kept = 0;
-    for row in rows {
-        values[kept..row.start].fill(0.0);
-        kept = row.end;
-    }
-    values[kept..].fill(0.0);
-    values
-}
-
 /// Position s and speed v of a simulated run, of a size of one.
 struct SimulatedMotion(Vec<(f64, f64)>);
 
@@ -305,16 +295,4 @@ impl SimulatedMotion {
 
 fn present(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value }
-}
-
-/// sum_i d_i x(k-i) for each k, what is before the first value left out. A pass for each i, so that
-/// each can be done in vector registers.
-fn filtered(values: &[f64], d: &[f64]) -> Vec<f64> {
-    let mut filtered = vec![0.0; values.len()];
-    for (i, di) in d.iter().enumerate() {
-        for (sum, value) in filtered.iter_mut().skip(i).zip(values) {
-            *sum += di * value;
-        }
-    }
-    filtered
 }

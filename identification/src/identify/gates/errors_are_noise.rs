@@ -55,6 +55,8 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
         estimate,
         linearity,
         misfit: Some(misfit),
+        slow_end: None,
+        uneven: None,
     })
 }
 

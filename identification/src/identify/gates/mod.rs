@@ -4,6 +4,7 @@
 
 mod errors_are_noise;
 mod more_than_a_gain;
+mod response_is_over;
 mod within_holds;
 
 use super::fitted::Fitted;
@@ -12,9 +13,11 @@ use crate::error::Error;
 
 type Gate = fn(&Task<'_>, Fitted) -> Result<Fitted, Error>;
 
-const GATES: [Gate; 3] = [
+const GATES: [Gate; 4] = [
     // A servo that is not linear responds for no longer than the input is held, or N is shortened.
     within_holds::pass,
+    // The response is over after N, or N is the longest, or bounds lose their level.
+    response_is_over::pass,
     // The errors are noise, or structure and estimator are chosen by prediction and bounds lose their level.
     errors_are_noise::pass,
     // More than a gain is determined, or there is no model.

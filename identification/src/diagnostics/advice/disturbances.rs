@@ -1,0 +1,73 @@
+//! Findings on what was taken out of the record: glitches and hum.
+
+use super::evidence::{Evidence, two_digits};
+use crate::diagnostics::hum::Hum;
+use crate::diagnostics::outliers::TakenOut;
+use crate::results::{Advice, Check};
+use crate::thresholds::{ABOVE_NEIGHBOURS, OUTLYING};
+
+/// Places that are named; the explanation has all.
+const NAMED: usize = 3;
+
+pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
+    let taken_out = &evidence.explanation.taken_out;
+    let count: usize = taken_out.iter().map(|found| found.samples).sum();
+    if count == 0 {
+        return None;
+    }
+    let period = evidence.model.sample_period_s;
+    let several = taken_out.iter().any(|found| found.run > 1);
+    let place = |found: &TakenOut| {
+        let seconds = found.sample as f64 * period;
+        match several {
+            true => format!("{seconds:.3} s of run {}", found.run),
+            false => format!("{seconds:.3} s"),
+        }
+    };
+    let places: Vec<String> = taken_out.iter().take(NAMED).map(place).collect();
+    let more = if taken_out.len() > NAMED {
+        " and later"
+    } else {
+        ""
+    };
+    let samples = if count == 1 {
+        "sample was"
+    } else {
+        "samples were"
+    };
+    Some(Advice::new(
+        Check::Outliers,
+        format!(
+            "{count} of {} {samples} left out, because they are farther than {OUTLYING} standard deviations from what the others \
+             predict: at {}{more}.",
+            evidence.samples,
+            places.join(", ")
+        ),
+        count as f64,
+        0.0,
+        "Look at these places (--explain has all) for glitches of the sensor or its wiring.",
+    ))
+}
+
+pub(super) fn hum(evidence: &Evidence<'_>) -> Option<Advice> {
+    let hum = &evidence.explanation.hum;
+    let line = |line: &Hum| {
+        format!(
+            "{:.1} Hz with an amplitude of {}",
+            line.hz,
+            two_digits(line.amplitude)
+        )
+    };
+    let lines: Vec<String> = hum.iter().map(line).collect();
+    let strongest = hum.first()?;
+    Some(Advice::new(
+        Check::Hum,
+        format!(
+            "A periodic disturbance was taken out of the output: {}.",
+            lines.join(", ")
+        ),
+        strongest.hz,
+        ABOVE_NEIGHBOURS,
+        "Look for its source: 50 or 60 Hz and multiples are those of the mains.",
+    ))
+}

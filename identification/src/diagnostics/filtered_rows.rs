@@ -1,0 +1,26 @@
+//! Sequences behind the noise filter, in the rows of the regression.
+
+use std::ops::Range;
+
+/// `values` in `rows`, 0 elsewhere.
+pub(super) fn only(rows: &[Range<usize>], mut values: Vec<f64>) -> Vec<f64> {
+    let mut kept = 0;
+    for row in rows {
+        values[kept..row.start].fill(0.0);
+        kept = row.end;
+    }
+    values[kept..].fill(0.0);
+    values
+}
+
+/// sum_i d_i x(k-i) for each k, what is before the first value left out. A pass for each i, so that
+/// each can be done in vector registers.
+pub(super) fn filtered(values: &[f64], d: &[f64]) -> Vec<f64> {
+    let mut filtered = vec![0.0; values.len()];
+    for (i, di) in d.iter().enumerate() {
+        for (sum, value) in filtered.iter_mut().skip(i).zip(values) {
+            *sum += di * value;
+        }
+    }
+    filtered
+}

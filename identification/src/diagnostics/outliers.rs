@@ -1,0 +1,283 @@
+//! Samples that are outlying one step ahead: glitches, bursts, a start elsewhere, the ends of heavy tails.
+//!
+//! The noise v = ε/D(z) is predicted from its past. A sample whose error is beyond [`OUTLYING`] standard
+//! deviations is taken as missing, and so are the rows of the regression that contain it. A taken-out sample is no
+//! past for the next ones: they are predicted from the samples before it, with the variance that this has
+//! (Kalman's filter with the last d values of v as its state), so that one glitch does not make d good samples
+//! outlying.
+//!
+//! The scale is a median, which glitches do not move, and larger in motion where errors are. What is outlying
+//! must be rare and unrelated to the motion: where a servo that is not linear misses its model, samples are evidence,
+//! not glitches, and none is taken out.
+
+use faer::Mat;
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{Binomial, DiscreteCDF};
+
+use crate::data::Moments;
+use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
+use crate::estimation::{GlsFit, noise_filter};
+use crate::thresholds::{MISFIT_SIGNIFICANCE, MOST_OUTLYING, OUTLYING};
+
+/// Ratio of the median of squares to the variance, of Gaussian noise.
+const MEDIAN_OF_SQUARES: f64 = 0.4549;
+
+/// Share of the largest q above which a sample is in motion.
+const IN_MOTION: f64 = 0.05;
+
+/// Neighbouring samples that were taken out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TakenOut {
+    /// Run, counted from 1.
+    pub run: usize,
+    /// First sample, counted from 0.
+    pub sample: usize,
+    /// Number of samples.
+    pub samples: usize,
+}
+
+/// What is outlying in a record.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Outliers {
+    pub(crate) taken_out: Vec<TakenOut>,
+    /// Share of samples less than one standard deviation within the limit.
+    pub(crate) near_limit: f64,
+    /// Whether those in motion were left in the record, because they are more than chance would put there: the
+    /// others help the next fit, but are no finding.
+    pub(crate) provisional: bool,
+}
+
+impl Outliers {
+    /// Number of samples.
+    pub(crate) fn count(&self) -> usize {
+        self.taken_out.iter().map(|found| found.samples).sum()
+    }
+
+    /// By how much the variance of an estimate from the samples that are left exceeds that of noise of their
+    /// spread. With rejection beyond c the influence is ψ(x) = x 1(|x| < c), and the variance E ψ² / (E ψ')²,
+    /// E ψ' = 1 - 2 c f(c) with the density f (Huber 1964).
+    pub(crate) fn variance_ratio(&self) -> f64 {
+        (1.0 - OUTLYING * self.near_limit).max(0.5).powi(-2)
+    }
+}
+
+/// What is outlying among the errors of `fit`; steps of the sensor of size `step` are noise.
+pub(crate) fn outliers(
+    runs: &[Simulated<'_>],
+    moments: &Moments,
+    fit: &GlsFit,
+    step: f64,
+) -> Outliers {
+    let Some(scale) = Scale::of(runs, fit, step) else {
+        return Outliers::default();
+    };
+    let mut found = Outliers::default();
+    let (mut samples, mut near, mut moving) = (0usize, 0usize, 0usize);
+    let mut events = (0u64, 0u64);
+    let mut at_rest = Vec::new();
+    for (index, run) in runs.iter().enumerate() {
+        let motion = motion(run, fit);
+        let mut filter = NoisePrediction::new(&fit.ar, scale.even);
+        let mut last = None;
+        for (k, error) in run.own_errors().iter().enumerate() {
+            let in_motion = motion[k] > IN_MOTION * scale.largest_motion;
+            let size = filter.next(*error, scale.in_motion * motion[k]);
+            let Some(size) = size else { continue };
+            samples += 1;
+            moving += usize::from(in_motion);
+            near += usize::from((OUTLYING - 1.0..OUTLYING).contains(&size));
+            if size < OUTLYING {
+                continue;
+            }
+            if !in_motion {
+                at_rest.push(TakenOut {
+                    run: index + 1,
+                    sample: k,
+                    samples: 1,
+                });
+            }
+            match found.taken_out.last_mut() {
+                Some(stretch) if last == Some(k.wrapping_sub(1)) => stretch.samples += 1,
+                _ => {
+                    events.0 += 1;
+                    events.1 += u64::from(in_motion);
+                    found.taken_out.push(TakenOut {
+                        run: index + 1,
+                        sample: k,
+                        samples: 1,
+                    });
+                }
+            }
+            last = Some(k);
+        }
+    }
+    found.near_limit = near as f64 / samples.max(1) as f64;
+    let rare = found.count() as f64 <= MOST_OUTLYING * moments.samples() as f64;
+    let chance = Binomial::new(moving as f64 / samples.max(1) as f64, events.0);
+    let unrelated =
+        events.1 == 0 || chance.is_ok_and(|chance| chance.sf(events.1 - 1) > MISFIT_SIGNIFICANCE);
+    if !rare {
+        return Outliers::default();
+    }
+    if !unrelated {
+        found.taken_out = at_rest;
+        found.provisional = true;
+    }
+    found
+}
+
+/// The variance of errors one step ahead, from medians.
+struct Scale {
+    even: f64,
+    /// Further variance for each unit of q.
+    in_motion: f64,
+    largest_motion: f64,
+}
+
+impl Scale {
+    /// `None` where there is no noise.
+    fn of(runs: &[Simulated<'_>], fit: &GlsFit, step: f64) -> Option<Self> {
+        let mut rows: Vec<(f64, f64)> = Vec::new();
+        for run in runs {
+            let errors = one_step_errors(run.own_errors(), &fit.ar);
+            let squares = errors.iter().map(|error| error * error);
+            rows.extend(
+                motion(run, fit)
+                    .into_iter()
+                    .zip(squares)
+                    .filter(|row| !row.1.is_nan()),
+            );
+        }
+        let largest_motion = rows.iter().map(|row| row.0).fold(0.0, f64::max);
+        let scale = |in_motion: bool| {
+            let chosen = rows
+                .iter()
+                .filter(|row| (row.0 > IN_MOTION * largest_motion) == in_motion);
+            let (motions, squares): (Vec<f64>, Vec<f64>) = chosen.copied().unzip();
+            Some((median(motions)?, median(squares)? / MEDIAN_OF_SQUARES))
+        };
+        let (_, at_rest) = scale(false).or_else(|| scale(true))?;
+        let even = at_rest + step * step;
+        let in_motion =
+            scale(true).map_or(0.0, |(motion, square)| ((square - even) / motion).max(0.0));
+        (even > 0.0).then_some(Self {
+            even,
+            in_motion,
+            largest_motion,
+        })
+    }
+}
+
+/// `None` of no values.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// q(k) = sum_i d_i² v(k-i)²; 0 where the simulation is missing.
+pub(super) fn motion(run: &Simulated<'_>, fit: &GlsFit) -> Vec<f64> {
+    let d = noise_filter(&fit.ar);
+    let squares: Vec<f64> = super::uneven_noise::squared_speed(run);
+    (0..squares.len())
+        .map(|k| {
+            let past = squares[..=k].iter().rev();
+            d.iter().zip(past).map(|(d, square)| d * d * square).sum()
+        })
+        .collect()
+}
+
+/// Kalman's filter for v = ε/D(z), with the last d values of v as its state, the newest first.
+struct NoisePrediction<'a> {
+    ar: &'a [f64],
+    /// Variance of ε.
+    variance: f64,
+    state: Vec<f64>,
+    /// Covariance of the state; `None` where all of it is known.
+    covariance: Option<Mat<f64>>,
+}
+
+impl<'a> NoisePrediction<'a> {
+    /// Before a first sample nothing is known.
+    fn new(ar: &'a [f64], variance: f64) -> Self {
+        /// Standard deviation of the unknown past, in those of ε.
+        const UNKNOWN: f64 = 1e3;
+        let order = ar.len();
+        let unknown = |i, j| {
+            if i == j {
+                UNKNOWN * UNKNOWN * variance
+            } else {
+                0.0
+            }
+        };
+        Self {
+            ar,
+            variance,
+            state: vec![0.0; order],
+            covariance: (order > 0).then(|| Mat::from_fn(order, order, unknown)),
+        }
+    }
+
+    /// The size of the next error in standard deviations, `further` variance included; `None` where it is missing.
+    /// One beyond the limit is not believed.
+    fn next(&mut self, value: f64, further: f64) -> Option<f64> {
+        let order = self.ar.len();
+        let prediction: f64 = -self
+            .ar
+            .iter()
+            .zip(&self.state)
+            .map(|(d, v)| d * v)
+            .sum::<f64>();
+        let cross: Vec<f64> = match &self.covariance {
+            None => Vec::new(),
+            Some(covariance) => (0..order)
+                .map(|i| {
+                    -(0..order)
+                        .map(|j| self.ar[j] * covariance[(i, j)])
+                        .sum::<f64>()
+                })
+                .collect(),
+        };
+        let from_past: f64 = -self.ar.iter().zip(&cross).map(|(d, c)| d * c).sum::<f64>();
+        let variance = self.variance + from_past.max(0.0);
+        let size = (value - prediction).abs() / (variance + further).sqrt();
+        let believed = size < OUTLYING;
+        if believed && self.covariance.is_some() {
+            let gain = (value - prediction) / variance;
+            for (state, cross) in self.state.iter_mut().zip(&cross) {
+                *state += gain * cross;
+            }
+        }
+        if order > 0 {
+            self.state.rotate_right(1);
+            self.state[0] = if believed { value } else { prediction };
+        }
+        self.covariance = self.next_covariance(&cross, variance, believed);
+        (!value.is_nan()).then_some(size)
+    }
+
+    fn next_covariance(&self, cross: &[f64], variance: f64, believed: bool) -> Option<Mat<f64>> {
+        let order = self.ar.len();
+        if order == 0 || (believed && self.covariance.is_none()) {
+            return None;
+        }
+        let before = |i: usize, j: usize| {
+            let covariance = self
+                .covariance
+                .as_ref()
+                .map_or(0.0, |covariance| covariance[(i, j)]);
+            let cross = |i: usize| cross.get(i).copied().unwrap_or(0.0);
+            match believed {
+                true => covariance - cross(i) * cross(j) / variance,
+                false => covariance,
+            }
+        };
+        let next = Mat::from_fn(order, order, |i, j| match (i, j, believed) {
+            (0, 0, false) => variance,
+            (0, _, true) | (_, 0, true) => 0.0,
+            (0, k, false) | (k, 0, false) => cross.get(k - 1).copied().unwrap_or(0.0),
+            _ => before(i - 1, j - 1),
+        });
+        let open = (0..order).any(|i| next[(i, i)] > 1e-9 * self.variance);
+        open.then_some(next)
+    }
+}

@@ -1,0 +1,119 @@
+//! An offset of each run.
+//!
+//! Where runs of one servo rest at different positions, each run has an offset of its own in the regression. Their
+//! estimates are taken out of the output, and the covariance of the response is that of the regression with a column for each
+//! run,
+//!
+//! ```text
+//! (A - C B^-1 C')^-1 = A^-1 + A^-1 C (B - C'A^-1 C)^-1 C'A^-1
+//! ```
+//!
+//! with C the cross moments of the rows with the columns of all runs but the last, and B those columns' own.
+
+use faer::Mat;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use crate::data::{Moments, Run};
+use crate::diagnostics::simulation_error::Simulated;
+use crate::estimation::{GlsFit, noise_filter};
+use crate::numerics::{cholesky, inverse_of_square};
+use crate::thresholds::RESIDUAL_SIGNIFICANCE;
+
+/// The offset of each run from the common one \[output\]; empty where runs do not differ beyond chance.
+pub(crate) type RunOffsets = Vec<f64>;
+
+/// The offsets of `runs`, if they differ by more than parts of `settling` samples of one run do.
+pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize) -> RunOffsets {
+    let parts: Vec<Vec<f64>> = runs
+        .iter()
+        .map(|run| part_means(&run.errors, settling))
+        .collect();
+    if runs.len() < 2 || parts.iter().any(Vec::is_empty) {
+        return RunOffsets::new();
+    }
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let means: Vec<f64> = parts.iter().map(|parts| mean(parts)).collect();
+    let count: usize = parts.iter().map(Vec::len).sum();
+    let common = mean(&parts.concat());
+    let between: f64 = (parts.iter().zip(&means))
+        .map(|(parts, mean)| parts.len() as f64 * (mean - common).powi(2))
+        .sum();
+    let within: f64 = (parts.iter().zip(&means))
+        .flat_map(|(parts, mean)| parts.iter().map(move |part| (part - mean).powi(2)))
+        .sum();
+    let degrees = ((runs.len() - 1) as f64, (count - runs.len()) as f64);
+    let differ = FisherSnedecor::new(degrees.0, degrees.1)
+        .is_ok_and(|f| f.sf(between / degrees.0 / (within / degrees.1)) < RESIDUAL_SIGNIFICANCE);
+    match differ {
+        true => means.iter().map(|mean| mean - common).collect(),
+        false => RunOffsets::new(),
+    }
+}
+
+/// Means of stretches of `length` values, those with fewer than half of them left out.
+fn part_means(values: &[f64], length: usize) -> Vec<f64> {
+    let mean = |part: &[f64]| {
+        let (sum, count) = part
+            .iter()
+            .filter(|v| !v.is_nan())
+            .fold((0.0, 0), |(s, n), v| (s + v, n + 1));
+        (2 * count >= length).then(|| sum / f64::from(count as u32))
+    };
+    values.chunks(length).filter_map(mean).collect()
+}
+
+/// The covariance of `fit` becomes that with an offset of each of `runs`.
+pub(crate) fn allow_for_run_offsets(runs: &[Run], moments: &Moments, fit: &mut GlsFit) {
+    let d = noise_filter(&fit.ar);
+    let gain: f64 = d.iter().sum();
+    let n = fit.coordinates.basis.settling();
+    let others = &runs[..runs.len() - 1];
+    let sums: Vec<(Vec<f64>, f64)> = others
+        .iter()
+        .map(|run| lagged_totals(run, moments, n + fit.ar.len()))
+        .collect();
+    let by_lag = Mat::from_fn(n, others.len(), |a, r| {
+        d.iter()
+            .zip(&sums[r].0[a..])
+            .map(|(d, sum)| gain * d * sum)
+            .sum::<f64>()
+    });
+    let by_coordinate = fit.coordinates.compress(by_lag);
+    let p = by_coordinate.nrows();
+    let own = |r: usize| gain * gain * sums[r].1;
+    let cross = Mat::from_fn(p + 1, others.len(), |i, r| match i {
+        i if i < p => by_coordinate[(i, r)],
+        _ => own(r),
+    });
+    let inverse = &fit.solution.inverse;
+    let weighted = inverse * &cross;
+    let explained = cross.transpose() * &weighted;
+    let left = Mat::from_fn(others.len(), others.len(), |i, j| {
+        let own = if i == j { own(i) } else { 0.0 };
+        own - explained[(i, j)]
+    });
+    if let Some(lower) = cholesky(&left) {
+        let more = &weighted * inverse_of_square(&lower) * weighted.transpose();
+        fit.spread_further(1.0, Some(more));
+    }
+}
+
+/// sum u(k-a) over the rows of a run, a = 0..lags, relative to the centre; and the number of rows.
+fn lagged_totals(run: &Run, moments: &Moments, lags: usize) -> (Vec<f64>, f64) {
+    let mut totals = vec![0.0; lags];
+    let mut count = 0.0;
+    let at = |k: isize| run.input_at(k) - moments.centre.0;
+    for rows in run.complete_rows(moments.input_lags(), moments.output_lags()) {
+        count += rows.len() as f64;
+        let (start, end) = (rows.start as isize, rows.end as isize);
+        let mut total: f64 = (start..end).map(at).sum();
+        for (a, sum) in totals.iter_mut().enumerate() {
+            *sum += total;
+            let a = a as isize + 1;
+            if a < lags as isize {
+                total += at(start - a) - at(end - a);
+            }
+        }
+    }
+    (totals, count)
+}

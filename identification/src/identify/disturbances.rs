@@ -1,0 +1,69 @@
+//! What is in a record beside the servo and its noise: glitches, hum, offsets of runs.
+
+use crate::data::{Record, Run};
+use crate::diagnostics::{HumLine, Outliers, RunOffsets};
+use crate::numerics::largest_difference;
+
+/// What was taken out of a record.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Disturbances {
+    pub(super) outliers: Outliers,
+    pub(super) hum: Vec<HumLine>,
+    /// Offsets of the runs from the common one, where they differ.
+    pub(super) offsets: RunOffsets,
+}
+
+impl Disturbances {
+    pub(super) fn are_as(&self, other: &Self) -> bool {
+        /// Change of an amplitude that changes no bound.
+        const SMALL: f64 = 0.02;
+        let close = |(a, b): (&HumLine, &HumLine)| {
+            (a.amplitude() - b.amplitude()).abs() <= SMALL * a.amplitude()
+        };
+        self.outliers.taken_out == other.outliers.taken_out
+            && self.hum.len() == other.hum.len()
+            && self.hum.iter().zip(&other.hum).all(close)
+            && self.offsets.len() == other.offsets.len()
+            && largest_difference(&self.offsets, &other.offsets)
+                <= SMALL * self.offsets.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
+    }
+
+    /// Whether nothing was taken out that could be an error of the model.
+    pub(super) fn is_without_errors(&self) -> bool {
+        self.outliers.taken_out.is_empty() && self.hum.is_empty()
+    }
+
+    /// The runs of a record that they were taken out of, with their offsets again.
+    pub(super) fn with_offsets(&self, record: &Record) -> Vec<Run> {
+        let runs = record.runs().iter().enumerate();
+        runs.map(|(index, run)| match self.offsets.get(index) {
+            Some(offset) => run.with_output(run.output().iter().map(|y| y + offset).collect()),
+            None => run.clone(),
+        })
+        .collect()
+    }
+
+    /// `record` without them.
+    pub(super) fn removed_from(&self, record: &Record) -> Record {
+        if self.hum.is_empty() && self.outliers.taken_out.is_empty() && self.offsets.is_empty() {
+            return record.clone();
+        }
+        let mut runs: Vec<Run> = record.runs().to_vec();
+        for (index, run) in runs.iter_mut().enumerate() {
+            let hum = |k: usize| self.hum.iter().map(|line| line.at(index, k)).sum::<f64>();
+            let offset = self.offsets.get(index).copied().unwrap_or(0.0);
+            let values = (0..).zip(run.output());
+            let mut output: Vec<f64> = values.map(|(k, y)| y - hum(k) - offset).collect();
+            for found in self
+                .outliers
+                .taken_out
+                .iter()
+                .filter(|found| found.run == index + 1)
+            {
+                output[found.sample..found.sample + found.samples].fill(f64::NAN);
+            }
+            *run = run.with_output(output);
+        }
+        record.with_runs(runs)
+    }
+}

@@ -1,0 +1,105 @@
+//! A record without its disturbances.
+//!
+//! They are found in the errors of a fit, and a fit is better without them. So fit and search take turns until the
+//! search finds the same again.
+
+use super::candidate::Candidate;
+use super::disturbances::Disturbances;
+use super::estimate::Estimate;
+use crate::data::{Quantisation, Record};
+use crate::diagnostics::{
+    Outliers, RunOffsets, hum, outliers, run_offsets, simulated_whole, square,
+};
+use crate::error::Error;
+use crate::options::Options;
+
+/// Turns of fit and search.
+const TURNS: usize = 5;
+
+/// A record without its disturbances, and the fit to it.
+pub(super) struct Undisturbed {
+    pub(super) record: Record,
+    pub(super) disturbances: Disturbances,
+    pub(super) candidate: Candidate,
+    pub(super) estimate: Estimate,
+}
+
+impl Undisturbed {
+    pub(super) fn of(record: &Record, options: &Options) -> Result<Self, Error> {
+        let complete = record.with_held_inputs();
+        let mut found = Self::without(Disturbances::default(), &complete, options)?;
+        for _ in 0..TURNS {
+            let next = found.searched(&complete);
+            if found.disturbances.are_as(&next) {
+                break;
+            }
+            let Ok(again) = Self::without(next, &complete, options) else {
+                break;
+            };
+            found = again;
+        }
+        if found.disturbances.outliers.provisional {
+            let disturbances = Disturbances {
+                outliers: Outliers::default(),
+                ..found.disturbances
+            };
+            return Self::without(disturbances, &complete, options);
+        }
+        Ok(found)
+    }
+
+    /// With all that may be errors of the model: without the offsets of runs alone.
+    pub(super) fn with_errors(
+        record: &Record,
+        options: &Options,
+        offsets: RunOffsets,
+    ) -> Result<Self, Error> {
+        let offsets = Disturbances {
+            offsets,
+            ..Disturbances::default()
+        };
+        Self::without(offsets, &record.with_held_inputs(), options)
+    }
+
+    fn without(
+        disturbances: Disturbances,
+        complete: &Record,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let record = disturbances.removed_from(complete);
+        let candidate = Candidate::of_record(&record, options)?;
+        let estimate = Estimate::new(&candidate.plan, &candidate.moments, Some(&record))?;
+        Ok(Self {
+            record,
+            disturbances,
+            candidate,
+            estimate,
+        })
+    }
+
+    /// The disturbances of `complete` in its errors.
+    fn searched(&self, complete: &Record) -> Disturbances {
+        let Estimate {
+            information, fit, ..
+        } = &self.estimate;
+        let moments = &information.moments;
+        let settling = self.candidate.plan.basis.settling();
+        let mut next = Disturbances {
+            outliers: self.disturbances.outliers.clone(),
+            ..Disturbances::default()
+        };
+        let runs = next.removed_from(complete);
+        next.offsets = run_offsets(&simulated_whole(&runs, moments, fit), settling);
+        let runs = next.removed_from(complete);
+        let rmse = (square(information, fit) / information.rows() as f64).sqrt();
+        let step = Quantisation::of(complete, rmse).map_or(0.0, |found| found.step);
+        // Rounding that noise hardly dithers repeats itself with the reference.
+        if Quantisation::of(complete, 0.0).is_none_or(|found| rmse > found.step) {
+            next.hum = hum(&simulated_whole(&runs, moments, fit));
+        }
+        next.outliers = Outliers::default();
+        let runs = next.removed_from(complete);
+        next.outliers = outliers(&simulated_whole(&runs, moments, fit), moments, fit, step);
+        next
+    }
+}
