@@ -81,8 +81,9 @@ fn a_simulated_model_is_found_again() {
         );
         compared += usize::from(lower.is_some() && upper.is_some());
     }
-    // Delay, gain, offset, bandwidth, damping ratio, two speeds, two accelerations, error of full drive.
-    assert!(compared >= 10, "{compared}");
+    // Delay, gain, offset, bandwidth, damping ratio, two accelerations, error of full drive; a top speed that the strokes do not
+    // reach has a lower bound alone.
+    assert!(compared >= 8, "{compared}");
 }
 
 #[test]

@@ -16,10 +16,10 @@ type Gate = fn(&Task<'_>, Fitted) -> Result<Fitted, Error>;
 const GATES: [Gate; 4] = [
     // A servo that is not linear responds for no longer than the input is held, or N is shortened.
     within_holds::pass,
-    // The response is over after N, or N is the longest, or bounds lose their level.
-    response_is_over::pass,
     // The errors are noise, or structure and estimator are chosen by prediction and bounds lose their level.
     errors_are_noise::pass,
+    // The response is over after N, or N is the longest, or bounds lose their level.
+    response_is_over::pass,
     // More than a gain is determined, or there is no model.
     more_than_a_gain::pass,
 ];

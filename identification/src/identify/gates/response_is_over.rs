@@ -6,6 +6,7 @@
 //! If not, N is the longest that the record allows. If it is not over then either, bounds lose their level. A servo
 //! that is not linear leaves errors that look like slow ends, and so do steps of the sensor and left-out frequencies.
 
+use super::errors_are_noise;
 use crate::data::Quantisation;
 use crate::diagnostics::{SlowEnd, simulated, slow_end};
 use crate::error::Error;
@@ -25,6 +26,7 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
         return Ok(fitted);
     };
     if follows_motion
+        || fitted.misfit.is_some()
         || choice.within_holds
         || choice.repeats_after.is_some()
         || !candidate.plan.basis.is_complete()
@@ -52,13 +54,17 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
         if let Ok(longer) = Fitted::new(task, longer) {
             let linearity = longer.linearity;
             if linearity.is_some_and(|found| found.errors_follow_motion()) {
-                return Ok(Fitted {
+                let known_to_follow = Fitted {
                     linearity,
                     ..fitted
-                });
+                };
+                return errors_are_noise::pass(task, known_to_follow);
             }
-            let slow_end = significant(task, &longer, UNSETTLED_SIGNIFICANCE);
-            return Ok(Fitted { slow_end, ..longer });
+            let longer = errors_are_noise::pass(task, longer)?;
+            if longer.misfit.is_none() {
+                let slow_end = significant(task, &longer, UNSETTLED_SIGNIFICANCE);
+                return Ok(Fitted { slow_end, ..longer });
+            }
         }
     }
     Ok(Fitted {
