@@ -2,6 +2,7 @@
 
 use super::completion_values;
 use super::output::Talk;
+use crate::data::clock_error::internal_clock_error;
 use crate::instrument::port;
 use crate::instrument::rig::{ClientError, Mismatch, RigClient, TalkError, mismatches};
 use anyhow::Result;
@@ -102,7 +103,7 @@ fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> String 
             format!("{protocol_version} (this servoid: {PROTOCOL_VERSION})"),
         ),
         ("schema", format!("{schema_hash:016x} ({equal})")),
-        ("clock", clock(hello.clock).to_owned()),
+        ("clock", clock(hello.clock)),
         ("last start", reset(hello.reset_cause).to_owned()),
         ("PWM frame", format!("{frame_us} µs")),
         (
@@ -208,13 +209,14 @@ fn explain(mismatches: &[Mismatch]) -> String {
     format!("\nThis rig cannot be used with this servoid:\n{lines}")
 }
 
-fn clock(source: ClockSource) -> &'static str {
+fn clock(source: ClockSource) -> String {
     match source {
-        ClockSource::Crystal => "crystal (tens of ppm)",
-        ClockSource::InternalRc => {
-            "internal oscillator (all times and pulses off by -2 to +2.5 %), because the crystal did not start"
-        }
-        ClockSource::Simulated => "simulated (exact)",
+        ClockSource::Crystal => "crystal (tens of ppm)".to_owned(),
+        ClockSource::InternalRc => format!(
+            "internal oscillator (all times and pulses off by {}), because the crystal did not start",
+            internal_clock_error()
+        ),
+        ClockSource::Simulated => "simulated (exact)".to_owned(),
     }
 }
 

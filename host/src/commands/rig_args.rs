@@ -1,6 +1,7 @@
 //! The options that name the rig and the condition of the measurement.
 
 use super::completion_values;
+use crate::data::clock_error::internal_clock_error;
 use crate::data::rig_file::RigFile;
 use crate::instrument::port;
 use anyhow::{Result, bail};
@@ -42,18 +43,12 @@ pub(super) struct Rig {
     pub inexact_clock: bool,
 }
 
-impl Rig {
-    /// Refuses a board that runs on its internal oscillator, unless that is allowed.
-    pub fn require_clock(&self, hello: &Hello) -> Result<()> {
-        require_clock(self.inexact_clock, hello)
-    }
-}
-
 /// Refuses a board that runs on its internal oscillator, unless that is `allowed`.
 pub(super) fn require_clock(allowed: bool, hello: &Hello) -> Result<()> {
     if hello.clock == ClockSource::InternalRc && !allowed {
         bail!(
-            "the servo was not moved: the board's crystal does not run, and on its internal oscillator all times and all pulses are off by -2 to +2.5 %; repair the crystal, or add --inexact-clock if that does not matter"
+            "the servo was not moved: the board's crystal does not run, and on its internal oscillator all times and all pulses are off by {}; repair the crystal, or add --inexact-clock if that does not matter",
+            internal_clock_error()
         );
     }
     Ok(())

@@ -6,6 +6,7 @@ pub mod recording;
 pub mod rig_file;
 pub mod table;
 
+pub(crate) mod clock_error;
 pub(crate) mod degrees;
 mod file_error;
 pub(crate) mod fingerprint;

@@ -16,7 +16,8 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 use crate::data::Moments;
 use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
-use crate::estimation::{GlsFit, noise_filter};
+use crate::diagnostics::uneven_noise::{motion, squared_speed};
+use crate::estimation::GlsFit;
 use crate::thresholds::{MISFIT_SIGNIFICANCE, MOST_OUTLYING, OUTLYING};
 
 /// Ratio of the median of squares to the variance, of Gaussian noise.
@@ -68,15 +69,17 @@ pub(crate) fn outliers(
     fit: &GlsFit,
     step: f64,
 ) -> Outliers {
-    let Some(scale) = Scale::of(runs, fit, step) else {
+    let motions: Vec<Vec<f64>> = (runs.iter())
+        .map(|run| motion(&squared_speed(run), &fit.ar))
+        .collect();
+    let Some(scale) = Scale::of(runs, &motions, fit, step) else {
         return Outliers::default();
     };
     let mut found = Outliers::default();
     let (mut samples, mut near, mut moving) = (0usize, 0usize, 0usize);
     let mut events = (0u64, 0u64);
     let mut at_rest = Vec::new();
-    for (index, run) in runs.iter().enumerate() {
-        let motion = motion(run, fit);
+    for (index, (run, motion)) in runs.iter().zip(&motions).enumerate() {
         let mut filter = NoisePrediction::new(&fit.ar, scale.even);
         let mut last = None;
         for (k, error) in run.own_errors().iter().enumerate() {
@@ -136,14 +139,15 @@ struct Scale {
 
 impl Scale {
     /// `None` where there is no noise.
-    fn of(runs: &[Simulated<'_>], fit: &GlsFit, step: f64) -> Option<Self> {
+    fn of(runs: &[Simulated<'_>], motions: &[Vec<f64>], fit: &GlsFit, step: f64) -> Option<Self> {
         let mut rows: Vec<(f64, f64)> = Vec::new();
-        for run in runs {
+        for (run, motion) in runs.iter().zip(motions) {
             let errors = one_step_errors(run.own_errors(), &fit.ar);
             let squares = errors.iter().map(|error| error * error);
             rows.extend(
-                motion(run, fit)
-                    .into_iter()
+                motion
+                    .iter()
+                    .copied()
                     .zip(squares)
                     .filter(|row| !row.1.is_nan()),
             );
@@ -172,18 +176,6 @@ impl Scale {
 fn median(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
-}
-
-/// q(k) = sum_i d_i² v(k-i)²; 0 where the simulation is missing.
-pub(super) fn motion(run: &Simulated<'_>, fit: &GlsFit) -> Vec<f64> {
-    let d = noise_filter(&fit.ar);
-    let squares: Vec<f64> = super::uneven_noise::squared_speed(run);
-    (0..squares.len())
-        .map(|k| {
-            let past = squares[..=k].iter().rev();
-            d.iter().zip(past).map(|(d, square)| d * d * square).sum()
-        })
-        .collect()
 }
 
 /// Kalman's filter for v = ε/D(z), with the last d values of v as its state, the newest first.

@@ -23,6 +23,7 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::data::Moments;
+use crate::diagnostics::filtered_rows::filtered;
 use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
 use crate::estimation::{GlsFit, noise_filter};
 use crate::numerics::{chi_square_upper_tail, dot, normal_upper_quantile};
@@ -147,22 +148,27 @@ pub(super) fn squared_speed(run: &Simulated<'_>) -> Vec<f64> {
     run.speed().into_iter().map(square).collect()
 }
 
+/// q(k) = sum_i d_i² v(k-i)², from v².
+pub(super) fn motion(squared_speed: &[f64], ar: &[f64]) -> Vec<f64> {
+    let squares: Vec<f64> = noise_filter(ar).iter().map(|d| d * d).collect();
+    filtered(squared_speed, &squares)
+}
+
 fn rows(runs: &[Simulated<'_>], speeds: &[Vec<f64>], moments: &Moments, fit: &GlsFit) -> Vec<Row> {
-    let d = noise_filter(&fit.ar);
     let mut rows = Vec::new();
     for (index, (run, speed)) in runs.iter().zip(speeds).enumerate() {
         let errors = one_step_errors(&run.errors, &fit.ar);
+        let motion = motion(speed, &fit.ar);
         let complete = run
             .run
             .complete_rows(moments.input_lags(), moments.output_lags());
         for k in complete.into_iter().flatten() {
-            let motion = d.iter().enumerate().map(|(i, d)| d * d * speed[k - i]);
             rows.push(Row {
                 run: index,
                 sample: k,
                 part: 0,
                 square: errors[k] * errors[k],
-                motion: motion.sum(),
+                motion: motion[k],
             });
         }
     }

@@ -26,7 +26,9 @@ pub(crate) use least_squares::{
 pub use nested_banks::BankCandidate;
 pub(crate) use nested_banks::NestedBanks;
 pub use noise_model::{Noise, OrderCandidate};
-pub(crate) use noise_model::{NoiseFit, best_order, lagged_filter, largest_root, noise_filter};
+pub(crate) use noise_model::{
+    NoiseFit, autoregressive, best_order, lagged_filter, largest_root, noise_filter,
+};
 #[cfg(test)]
 pub(crate) use qr::triangular_factor;
 pub(crate) use truncation::{FIRST_ORDER, SECOND_ORDER, Truncation};

@@ -113,6 +113,20 @@ pub(crate) fn best_order(candidates: &[OrderCandidate]) -> usize {
         .map_or(0, |candidate| candidate.order)
 }
 
+/// An autoregressive model of `count` samples of noise, from the sums of their products at the lags 0, 1, ..: its d_1..d_d, by
+/// Bayes' criterion, and the standard deviation of the white noise behind it. Without noise, or with rounding alone, it is white.
+pub(crate) fn autoregressive(products: &[f64], count: usize) -> (Vec<f64>, f64) {
+    let moments = Mat::from_fn(products.len(), products.len(), |i, j| {
+        products[i.abs_diff(j)]
+    });
+    let ar = NoiseFit::new(&moments, 0.0).map_or(Vec::new(), |fit| {
+        fit.coefficients(best_order(&fit.candidates(count)))
+    });
+    let explained = ar.iter().zip(&products[1..]).map(|(d, r)| d * r);
+    let left = products[0] + explained.sum::<f64>();
+    (ar, (left / count.max(1) as f64).max(0.0).sqrt())
+}
+
 /// Largest magnitude of the roots of D(z), 0 for white noise. Above 1 the modelled noise would grow without
 /// bound; near 1 it drifts.
 pub fn largest_root(ar: &[f64]) -> f64 {

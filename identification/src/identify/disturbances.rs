@@ -45,7 +45,7 @@ impl Disturbances {
 
     /// `record` without them.
     pub(super) fn removed_from(&self, record: &Record) -> Record {
-        if self.hum.is_empty() && self.outliers.taken_out.is_empty() && self.offsets.is_empty() {
+        if self.is_without_errors() && self.offsets.is_empty() {
             return record.clone();
         }
         let mut runs: Vec<Run> = record.runs().to_vec();

@@ -67,7 +67,6 @@ pub(super) fn upper_limit(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::servo_model::motion::Fastest;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
@@ -87,15 +86,7 @@ mod tests {
                 if at_rest[k] { noise } else { noise + slow }
             };
             let errors = vec![(0..samples).map(error).collect::<Vec<f64>>()];
-            let motion = Motion {
-                simulated: vec![vec![0.0; samples]],
-                moving: vec![at_rest.iter().map(|rest| !rest).collect()],
-                at_rest: vec![at_rest],
-                fastest: Fastest {
-                    upwards: 1.0,
-                    downwards: 1.0,
-                },
-            };
+            let motion = Motion::resting(at_rest);
             let noise = NoiseAtRest::new(&motion, &errors).unwrap();
             let limit = upper_limit(&errors, &motion, &noise, 10);
             within += u64::from(limit > size);

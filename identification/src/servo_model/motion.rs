@@ -80,3 +80,19 @@ impl Motion {
         }
     }
 }
+
+#[cfg(test)]
+impl Motion {
+    /// One run that stands still where it says so, and moves elsewhere.
+    pub(super) fn resting(at_rest: Vec<bool>) -> Self {
+        Self {
+            simulated: vec![vec![0.0; at_rest.len()]],
+            moving: vec![at_rest.iter().map(|rest| !rest).collect()],
+            at_rest: vec![at_rest],
+            fastest: Fastest {
+                upwards: 1.0,
+                downwards: 1.0,
+            },
+        }
+    }
+}

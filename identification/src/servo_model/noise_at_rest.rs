@@ -4,8 +4,7 @@
 //! rest such errors stand still: the scatter about the mean of each rest is that of the sensor.
 
 use super::motion::Motion;
-use crate::estimation::{NoiseFit, best_order, noise_filter};
-use faer::Mat;
+use crate::estimation::{autoregressive, noise_filter};
 
 /// Samples at rest that show the noise.
 const FEWEST: usize = 100;
@@ -56,15 +55,9 @@ impl NoiseAtRest {
 
     /// The noise whose autocovariance begins with these.
     fn of_covariance(mut covariance: Vec<f64>, samples: usize) -> Self {
-        let moments = Mat::from_fn(covariance.len(), covariance.len(), |i, j| {
-            covariance[i.abs_diff(j)] * samples as f64
-        });
-        // Without noise, or with rounding alone, there is nothing to model.
-        let ar = NoiseFit::new(&moments, 0.0).map_or(Vec::new(), |fit| {
-            fit.coefficients(best_order(&fit.candidates(samples)))
-        });
+        let products: Vec<f64> = covariance.iter().map(|r| r * samples as f64).collect();
+        let (ar, sigma) = autoregressive(&products, samples);
         let (order, filter) = (ar.len(), noise_filter(&ar));
-        let white: f64 = filter.iter().zip(&covariance).map(|(d, r)| d * r).sum();
         // Yule-Walker: what an autoregressive model of this order says of longer lags.
         covariance.truncate(order + 1);
         while covariance.len() < LAGS {
@@ -73,7 +66,7 @@ impl NoiseAtRest {
         }
         Self {
             filter,
-            sigma: white.max(0.0).sqrt(),
+            sigma,
             covariance,
         }
     }
@@ -115,7 +108,6 @@ fn mean_product(rests: &[Vec<f64>], lag: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::servo_model::motion::Fastest;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
@@ -139,15 +131,7 @@ mod tests {
                 at_rest.push(!moving);
             }
         }
-        let motion = Motion {
-            simulated: vec![vec![0.0; errors.len()]],
-            moving: vec![at_rest.iter().map(|rest| !rest).collect()],
-            at_rest: vec![at_rest],
-            fastest: Fastest {
-                upwards: 1.0,
-                downwards: 1.0,
-            },
-        };
+        let motion = Motion::resting(at_rest);
         let found = NoiseAtRest::new(&motion, &[errors]).unwrap();
         // Four standard errors of 10 000 samples: 0.6/100 for the coefficient, 1/141 for sigma. With the means of 50 samples left
         // in, it is 0.76.

@@ -13,7 +13,7 @@ use super::fit::{MOST, Problem};
 use super::motion::Motion;
 use super::noise_at_rest::NoiseAtRest;
 use super::possible_servo::PossibleServo;
-use crate::estimation::{NoiseFit, best_order, noise_filter};
+use crate::estimation::{autoregressive, noise_filter};
 use crate::numerics::{cholesky, inverse_of_square};
 use faer::{Mat, Side};
 
@@ -143,18 +143,7 @@ fn noise(errors: &[Vec<f64>]) -> (Vec<f64>, f64) {
         errors.iter().map(of_stretch).sum()
     };
     let products: Vec<f64> = (0..=highest).map(at_lag).collect();
-    let moments = Mat::from_fn(highest + 1, highest + 1, |i, j| products[i.abs_diff(j)]);
-    let Some(fit) = NoiseFit::new(&moments, 0.0) else {
-        return (Vec::new(), (products[0] / count.max(1) as f64).sqrt());
-    };
-    let order = best_order(&fit.candidates(count));
-    let ar = fit.coefficients(order);
-    let left = products[0]
-        + ar.iter()
-            .zip(&products[1..])
-            .map(|(d, r)| d * r)
-            .sum::<f64>();
-    (ar, (left / count as f64).max(0.0).sqrt())
+    autoregressive(&products, count)
 }
 
 /// Covariance of J'e for errors ε/D: σ² times the products of D⁻¹ run backwards over J.

@@ -8,7 +8,7 @@ use super::coordinates::{Coordinate, Point};
 use super::lack_of_fit;
 use super::stretches::Stretch;
 use super::uncertainty::Uncertainty;
-use crate::estimation::noise_filter;
+use crate::diagnostics::one_step_errors;
 use crate::results::Reason;
 use crate::thresholds::{MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO};
 
@@ -49,23 +49,18 @@ fn levels(stretches: &[Stretch]) -> usize {
 
 /// Whether the errors one step ahead are larger in motion than at rest, beyond chance and by more than a little.
 fn grows_with_motion(found: &Uncertainty) -> bool {
-    let d = noise_filter(&found.ar);
-    let errors = found.errors();
-    let ahead = |side: &[Vec<bool>]| {
-        let (mut count, mut squares) = (0usize, 0.0);
-        for (on_side, errors) in side.iter().zip(&errors) {
-            for k in (d.len()..errors.len()).filter(|&k| on_side[k]) {
-                let ahead: f64 = d.iter().enumerate().map(|(i, d)| d * errors[k - i]).sum();
-                if !ahead.is_nan() {
-                    count += 1;
-                    squares += ahead * ahead;
-                }
-            }
-        }
-        (count as f64, squares)
+    let ahead: Vec<f64> = (found.errors().iter())
+        .flat_map(|errors| one_step_errors(errors, &found.ar))
+        .collect();
+    let on = |side: &[Vec<bool>]| {
+        let squares: Vec<f64> = (side.iter().flatten().zip(&ahead))
+            .filter(|(on_side, error)| **on_side && !error.is_nan())
+            .map(|(_, error)| error * error)
+            .collect();
+        (squares.len() as f64, squares.iter().sum::<f64>())
     };
-    let (rest_count, at_rest) = ahead(&found.motion.at_rest);
-    let (moving_count, moving) = ahead(&found.motion.moving);
+    let (rest_count, at_rest) = on(&found.motion.at_rest);
+    let (moving_count, moving) = on(&found.motion.moving);
     if found.at_rest.is_none() || rest_count == 0.0 || moving_count == 0.0 {
         return true;
     }

@@ -5,7 +5,7 @@ mod protractor;
 mod text;
 
 use super::output::{Output, print_remark, wrong_usage};
-use super::rig_args::RigArgs;
+use super::rig_args::{RigArgs, require_clock};
 use super::{ctrl_c, prompts};
 use crate::data::DegreeScale;
 use crate::data::recording::write_file;
@@ -169,7 +169,7 @@ impl Calibrate {
         }
         ctrl_c::listen()?;
         let client = RigClient::connect_beside(port::open(&rig.address)?, &rig.address)?;
-        rig.require_clock(client.hello())?;
+        require_clock(rig.inexact_clock, client.hello())?;
         let mut mover = Mover::new(client, rig.file.clone(), &ctrl_c::asked);
         let (readings, rests) = if self.travel_only {
             Default::default()

@@ -4,6 +4,7 @@ use super::about::About;
 use super::error::DatasetFault;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
+use crate::data::clock_error::internal_clock_error;
 use crate::data::degrees::DegreeScale;
 use crate::data::recording::{Completeness, ReadFault, Recording};
 use servoid_identification::results::Check;
@@ -86,13 +87,13 @@ fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: u
     }
     if header.has_inexact_clock() {
         about.inexact_clock = true;
-        let [slow, fast] = INTERNAL_CLOCK_ERROR.map(|share| 100.0 * share);
         about.add(
             Check::InexactClock,
             format!(
-                "{shown} was recorded on the board's internal oscillator, which is off by {slow} to +{fast} %: so were all times and all pulses, and a servo that another clock commands may seem different for that alone"
+                "{shown} was recorded on the board's internal oscillator, which is off by {}: so were all times and all pulses, and a servo that another clock commands may seem different for that alone",
+                internal_clock_error()
             ),
-            [fast, 0.0],
+            [100.0 * INTERNAL_CLOCK_ERROR[1], 0.0],
             "Repair the crystal of the board, and capture again.",
         );
     }
