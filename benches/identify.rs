@@ -6,11 +6,13 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use servoid_dynamics::{DriveLimit, Friction, Grid, Load, ServoParameters, Start, simulate};
 use servoid_identification::servo_model::{ServoModelOptions, fit};
 use servoid_identification::{
-    Frequencies, MomentStream, Moments, NoiseOrder, Options, Record, Settling, identify,
+    Frequencies, MomentStream, Moments, NoiseOrder, Options, Record, Run, Settling, identify,
     identify_moments,
 };
+use servoid_test_support::servos::{Limit, limited, measured, sizes};
 
 const PERIOD: f64 = 0.002;
 
@@ -184,15 +186,77 @@ fn automatic(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The servo as a machine, from one run of 3600 samples every 2 ms.
+/// The servo as a machine: a linear one and one whose speed is limited, 3600 samples every 2 ms, and one with friction and
+/// a weight in 33 runs of 152 samples every 20 ms.
 fn servo_model(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("servo model, all automatic");
     group.sample_size(10);
-    let record = record(3_600);
-    group.bench_function("3600 samples, in at most 1 s", |bencher| {
-        bencher.iter(|| fit(black_box(&record), &ServoModelOptions::default()).unwrap());
-    });
+    for (name, record) in [
+        ("linear, 3600 samples, in at most 1 s", record(3_600)),
+        (
+            "limited, 3600 samples, in at most 1 s",
+            speed_limited(3_600),
+        ),
+        ("5016 samples in 33 runs, in at most 5 s", loaded_runs()),
+    ] {
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| fit(black_box(&record), &ServoModelOptions::default()).unwrap());
+        });
+    }
     group.finish();
+}
+
+/// 60 degrees a second at the most upwards, 80 downwards.
+fn speed_limited(samples: usize) -> Record {
+    let input = &sizes(1.0, 120)[..samples];
+    let clean = limited(0.7, 50.0, Limit::Rate(60.0, 80.0), input, 0.0);
+    let output = measured(&clean, 1.0, 3);
+    Record::from_slices(PERIOD, input, &output).expect("a simulated record is sound")
+}
+
+fn loaded_runs() -> Record {
+    const RUN: usize = 152;
+    const RUN_PERIOD: f64 = 0.02;
+    let servo = ServoParameters {
+        delay_s: 0.03,
+        stiffness: 900.0,
+        damping: 45.0,
+        gain: 1.0,
+        offset: 0.5,
+        limit: Some(DriveLimit {
+            up: 9e3,
+            down_to_up: 1.2,
+            motor_damping: 30.0,
+        }),
+        dead_band: None,
+        friction: Some(Friction {
+            coulomb: 1200.0,
+            of_gears: 0.0,
+            at_rest: None,
+        }),
+        load: Load::Pendulum {
+            gravity: 1500.0,
+            from: 40.0,
+            radians: 1f64.to_radians(),
+        },
+    };
+    let grid = Grid::for_stiffness(RUN_PERIOD, 0.0, servo.stiffness);
+    let mut random = ChaCha8Rng::seed_from_u64(33);
+    let run = |_| {
+        let mut noise = || -> f64 { StandardNormal.sample(&mut random) };
+        let levels: Vec<f64> = (0..RUN).step_by(38).map(|_| 40.0 * noise()).collect();
+        let input: Vec<f64> = (0..RUN).map(|k| levels[k / 38]).collect();
+        let mut output = Vec::new();
+        simulate(
+            &servo,
+            &grid,
+            &Start::at_rest(0.0, Some(0.0)),
+            &input,
+            |_, y| output.push(y + 0.1 * noise()),
+        );
+        Run::new(input, output).expect("a simulated run is sound")
+    };
+    Record::new(RUN_PERIOD, (0..33).map(run).collect()).expect("a simulated record is sound")
 }
 
 criterion_group!(

@@ -23,6 +23,12 @@
 
 use crate::dual::Scalar;
 
+/// Numbers that a servo has at the most.
+pub const PARAMETERS: usize = 16;
+
+/// Derivatives by the parameters, in the order of [`ServoParameters::in_order`].
+pub type Slopes = [f64; PARAMETERS];
+
 /// Steps to the angle of rest: each halves the distance, so the rest is below a millionth of it.
 const RESTING_STEPS: usize = 25;
 
@@ -55,6 +61,21 @@ pub enum Load<S> {
 }
 
 impl<S: Scalar> Load<S> {
+    /// Its numbers, 0 where it has fewer.
+    fn in_order(&self) -> [S; 3] {
+        let none = S::constant(0.0);
+        match *self {
+            Self::None => [none; 3],
+            Self::Constant(constant) => [constant, none, none],
+            Self::Pendulum { gravity, from, .. } => [gravity, from, none],
+            Self::Air {
+                constant,
+                stiffening,
+                from,
+            } => [constant, stiffening, from],
+        }
+    }
+
     /// The acceleration that it takes at the angle `angle`.
     #[inline(always)]
     #[must_use]
@@ -77,6 +98,37 @@ impl<S: Scalar> Load<S> {
                     constant + stiffening * beyond * beyond
                 } else {
                     constant
+                }
+            }
+        }
+    }
+}
+
+impl Load<f64> {
+    /// Its derivatives at `angle`: by the angle, and by its own numbers.
+    #[inline(always)]
+    pub(crate) fn slopes_at(&self, angle: f64) -> (f64, [f64; 3]) {
+        match *self {
+            Self::None => (0.0, [0.0; 3]),
+            Self::Constant(_) => (0.0, [1.0, 0.0, 0.0]),
+            Self::Pendulum {
+                gravity,
+                from,
+                radians,
+            } => {
+                let (sin, cos) = ((angle + from) * radians).sin_cos();
+                let by_angle = gravity * radians * cos;
+                (by_angle, [sin, by_angle, 0.0])
+            }
+            Self::Air {
+                stiffening, from, ..
+            } => {
+                let beyond = angle - from;
+                if beyond * stiffening > 0.0 {
+                    let by_angle = 2.0 * stiffening * beyond;
+                    (by_angle, [1.0, beyond * beyond, -by_angle])
+                } else {
+                    (0.0, [1.0, 0.0, 0.0])
                 }
             }
         }
@@ -146,7 +198,55 @@ pub struct ServoParameters<S = f64> {
     pub load: Load<S>,
 }
 
+/// Places of the parameters in [`ServoParameters::in_order`].
+pub(crate) mod place {
+    pub(crate) const DELAY: usize = 0;
+    pub(crate) const STIFFNESS: usize = 1;
+    pub(crate) const DAMPING: usize = 2;
+    pub(crate) const GAIN: usize = 3;
+    pub(crate) const OFFSET: usize = 4;
+    pub(crate) const UP: usize = 5;
+    pub(crate) const DOWN_TO_UP: usize = 6;
+    pub(crate) const MOTOR_DAMPING: usize = 7;
+    pub(crate) const DEAD_BAND: usize = 8;
+    pub(crate) const COULOMB: usize = 9;
+    pub(crate) const OF_GEARS: usize = 10;
+    pub(crate) const EXCESS_AT_REST: usize = 11;
+    pub(crate) const SPEED_AT_REST: usize = 12;
+    /// The first of three.
+    pub(crate) const LOAD: usize = 13;
+}
+
 impl<S: Scalar> ServoParameters<S> {
+    /// All numbers, in one order for all servos; 0 for those that this one does not have.
+    #[must_use]
+    pub fn in_order(&self) -> [S; PARAMETERS] {
+        let mut all = [S::constant(0.0); PARAMETERS];
+        all[place::DELAY] = self.delay_s;
+        all[place::STIFFNESS] = self.stiffness;
+        all[place::DAMPING] = self.damping;
+        all[place::GAIN] = self.gain;
+        all[place::OFFSET] = self.offset;
+        if let Some(limit) = self.limit {
+            all[place::UP] = limit.up;
+            all[place::DOWN_TO_UP] = limit.down_to_up;
+            all[place::MOTOR_DAMPING] = limit.motor_damping;
+        }
+        if let Some(width) = self.dead_band {
+            all[place::DEAD_BAND] = width;
+        }
+        if let Some(friction) = self.friction {
+            all[place::COULOMB] = friction.coulomb;
+            all[place::OF_GEARS] = friction.of_gears;
+            if let Some(at_rest) = friction.at_rest {
+                all[place::EXCESS_AT_REST] = at_rest.excess;
+                all[place::SPEED_AT_REST] = at_rest.speed;
+            }
+        }
+        all[place::LOAD..].copy_from_slice(&self.load.in_order());
+        all
+    }
+
     /// The command that holds the shaft at rest at `angle`, without help of friction.
     #[must_use]
     pub fn holding_command(&self, angle: S) -> S {

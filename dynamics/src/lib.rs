@@ -32,6 +32,6 @@ mod simulation;
 mod stepper;
 
 pub use dual::{Dual, Scalar};
-pub use equation::{AtRest, DriveLimit, Friction, Load, ServoParameters};
-pub use simulation::{Grid, Start, simulate};
+pub use equation::{AtRest, DriveLimit, Friction, Load, PARAMETERS, ServoParameters, Slopes};
+pub use simulation::{Grid, Start, simulate, simulate_with_slopes};
 pub use stepper::{State, Stepper};

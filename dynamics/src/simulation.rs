@@ -1,8 +1,8 @@
 //! The motion of the servo under a sampled command.
 
 use crate::dual::Scalar;
-use crate::equation::ServoParameters;
-use crate::stepper::{State, Stepper};
+use crate::equation::{ServoParameters, Slopes};
+use crate::stepper::{Advance, SlopedCommand, SlopedState, SlopedStepper, State, Stepper};
 
 /// When the output is sampled, and how finely the motion between samples is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,69 +97,141 @@ pub fn simulate<S: Scalar>(
     input: &[f64],
     mut each: impl FnMut(usize, S),
 ) {
-    let step = Stepper::new(physics, S::constant(grid.step_s()));
-    let edge = DelayedEdge::new(physics, grid);
+    let edge = DelayedEdge::new(physics.delay_s, grid);
+    let whole_s = S::constant(grid.step_s());
+    let period = Period {
+        periods: edge.periods,
+        step: edge.step,
+        steps: grid.steps,
+        whole: Stepper::new(physics, whole_s),
+        until: Stepper::new(physics, edge.until_s),
+        after: Stepper::new(physics, whole_s - edge.until_s),
+    };
     let per_output = S::constant(1.0) / physics.gain;
-    let mut state = State {
+    let state = State {
         angle: (start.output - physics.offset) * per_output,
         speed: start.rate * per_output,
     };
-    // The sample of the input that acts after the edge in sample period `k`; none before the first one.
-    let acting = |k: isize| -> Option<f64> {
-        let index = usize::try_from(k - edge.periods).ok()?;
-        input.get(index).or(input.last()).copied()
-    };
-    let mut held = acting(-1);
-    let mut command = match (held, start.command_before) {
-        (Some(first), _) => S::constant(first),
-        (None, Some(before)) => before,
-        (None, None) => physics.holding_command(state.angle),
-    };
-    for k in 0..input.len() {
+    let before = (start.command_before).unwrap_or_else(|| physics.holding_command(state.angle));
+    period.repeat(state, before, input, |k, state| {
         each(k, state.angle * physics.gain + physics.offset);
-        for _ in 0..edge.step {
-            step.advance(&mut state, command);
-        }
-        match acting(k as isize) {
-            Some(new) if held != Some(new) => {
-                edge.until.advance(&mut state, command);
-                (held, command) = (Some(new), S::constant(new));
-                edge.after.advance(&mut state, command);
+    });
+}
+
+/// [`simulate`] with the derivatives of each sample by the parameters, in the order of [`ServoParameters::in_order`].
+///
+/// They are those of [`Dual`](crate::Dual) numbers, several times as fast.
+pub fn simulate_with_slopes(
+    physics: &ServoParameters<f64>,
+    grid: &Grid,
+    start: &Start<f64>,
+    input: &[f64],
+    mut each: impl FnMut(usize, f64, &Slopes),
+) {
+    let edge = DelayedEdge::new(physics.delay_s, grid);
+    let whole_s = grid.step_s();
+    let period = Period {
+        periods: edge.periods,
+        step: edge.step,
+        steps: grid.steps,
+        whole: SlopedStepper::new(physics, whole_s, 0.0),
+        until: SlopedStepper::new(physics, edge.until_s, 1.0),
+        after: SlopedStepper::new(physics, whole_s - edge.until_s, -1.0),
+    };
+    let state = SlopedState::new(physics, start);
+    let held = state.holding_command(physics);
+    let before = match start.command_before {
+        Some(command) => SlopedStepper::command(command),
+        None => SlopedCommand {
+            value: held.0,
+            slopes: Some(&held.1),
+        },
+    };
+    period.repeat(state, before, input, |k, state| {
+        let (output, slopes) = state.output(physics);
+        each(k, output, &slopes);
+    });
+}
+
+/// A sample period, in which the delayed input may change once.
+struct Period<A> {
+    /// Whole sample periods between a sample of the input and the period in which it acts. Negative where the output is sampled
+    /// after the edge, and the delay is shorter than that.
+    periods: isize,
+    /// The step of the integration that the edge falls into.
+    step: usize,
+    /// Steps of the integration.
+    steps: usize,
+    /// One of them.
+    whole: A,
+    /// The part of the step before the edge.
+    until: A,
+    /// The part after it.
+    after: A,
+}
+
+impl<A: Advance> Period<A> {
+    /// Moves `state` through all of `input`, and hands it to `each` at each sample. The command is `before` until the first sample
+    /// of the input acts.
+    #[inline(always)]
+    fn repeat(
+        &self,
+        mut state: A::State,
+        before: A::Command,
+        input: &[f64],
+        mut each: impl FnMut(usize, &A::State),
+    ) {
+        // The sample of the input that acts after the edge in sample period `k`; none before the first one.
+        let acting = |k: isize| -> Option<f64> {
+            let index = usize::try_from(k - self.periods).ok()?;
+            input.get(index).or(input.last()).copied()
+        };
+        let mut held = acting(-1);
+        let mut command = held.map_or(before, A::command);
+        for k in 0..input.len() {
+            each(k, &state);
+            for _ in 0..self.step {
+                self.whole.advance(&mut state, command);
             }
-            _ => step.advance(&mut state, command),
-        }
-        for _ in edge.step + 1..grid.steps {
-            step.advance(&mut state, command);
+            match acting(k as isize) {
+                Some(new) if held != Some(new) => {
+                    self.until.advance(&mut state, command);
+                    (held, command) = (Some(new), A::command(new));
+                    self.after.advance(&mut state, command);
+                }
+                _ => self.whole.advance(&mut state, command),
+            }
+            for _ in self.step + 1..self.steps {
+                self.whole.advance(&mut state, command);
+            }
         }
     }
 }
 
 /// Where the delayed edge of the input falls: in every sample period at the same time.
 struct DelayedEdge<S> {
-    /// Whole sample periods between a sample of the input and the period in which it acts. Negative where the output is sampled
-    /// after the edge, and the delay is shorter than that.
+    /// Whole sample periods of the delay.
     periods: isize,
     /// The step of the integration that it falls into.
     step: usize,
-    /// The part of that step before it. Its length is a variable like the others.
-    until: Stepper<S>,
-    /// The part after it.
-    after: Stepper<S>,
+    /// The part of that step before it \[s\]. Its length is a variable like the others.
+    until_s: S,
 }
 
 impl<S: Scalar> DelayedEdge<S> {
-    fn new(physics: &ServoParameters<S>, grid: &Grid) -> Self {
-        let delay_s = physics.delay_s - S::constant(grid.phase_s);
+    fn new(delay_s: S, grid: &Grid) -> Self {
+        let delay_s = delay_s - S::constant(grid.phase_s);
         let periods = (delay_s.value() / grid.period_s).floor();
         let in_period_s = delay_s - S::constant(periods * grid.period_s);
         let step = (in_period_s.value() / grid.step_s()).floor();
         let step = step.min(grid.steps as f64 - 1.0);
-        let until_s = in_period_s - S::constant(step * grid.step_s());
         Self {
             periods: periods as isize,
             step: step as usize,
-            until: Stepper::new(physics, until_s),
-            after: Stepper::new(physics, S::constant(grid.step_s()) - until_s),
+            until_s: in_period_s - S::constant(step * grid.step_s()),
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,24 @@
 //! A step of the integration through the [equation](crate::ServoParameters).
 
+mod sloped;
+
 use crate::dual::Scalar;
 use crate::equation::{Friction, Load, ServoParameters};
+pub(crate) use sloped::{SlopedCommand, SlopedState, SlopedStepper};
+
+/// What moves a servo by one step.
+pub(crate) trait Advance {
+    /// What it moves.
+    type State;
+    /// The command that acts during the step.
+    type Command: Copy;
+
+    /// A command of the record.
+    fn command(value: f64) -> Self::Command;
+
+    /// Moves `state` by one step under `command`.
+    fn advance(&self, state: &mut Self::State, command: Self::Command);
+}
 
 /// Angle and speed of the shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,10 +40,18 @@ struct DriveSide<S> {
     proportional: S,
     /// The largest change of speed, h A; `None` without a limit.
     largest: Option<S>,
+    /// Its strength relative to that upwards.
+    ratio: S,
+    /// 1 upwards, -1 downwards.
+    sign: f64,
 }
 
 /// The effect of the drive in a step, as changes of speed.
-struct Driven<S> {
+struct Driven<'a, S> {
+    /// The side that drives.
+    side: &'a DriveSide<S>,
+    /// Whether it drives as hard as it can.
+    full: bool,
     /// What it adds, but for the loop's braking with the speed at the end.
     push: S,
     /// The factor by which damping, that braking among it, leaves the sum.
@@ -70,6 +95,8 @@ impl<S: Scalar> Stepper<S> {
                 braking,
                 proportional: one / (one + half_motor + braking),
                 largest: physics.limit.map(|limit| limit.up * ratio * step_s * sign),
+                ratio,
+                sign,
             }
         };
         Self {
@@ -100,6 +127,7 @@ impl<S: Scalar> Stepper<S> {
             push,
             damped,
             drive,
+            ..
         } = self.drive(error, state.speed, loaded);
         let free = (loaded + push) * damped;
         state.speed = match self.friction {
@@ -123,7 +151,7 @@ impl<S: Scalar> Stepper<S> {
 
     /// The effect of the drive in a step.
     #[inline(always)]
-    fn drive(&self, error: S, speed: S, loaded: S) -> Driven<S> {
+    fn drive(&self, error: S, speed: S, loaded: S) -> Driven<'_, S> {
         let up = self.up.unlimited(error, speed, loaded);
         let (drive, side) = if up.value() >= 0.0 {
             (up, &self.up)
@@ -132,11 +160,15 @@ impl<S: Scalar> Stepper<S> {
         };
         match side.largest {
             Some(most) if drive.value().abs() > most.value().abs() => Driven {
+                side,
+                full: true,
                 push: most,
                 damped: self.saturated,
                 drive: most,
             },
             _ => Driven {
+                side,
+                full: false,
                 push: error * side.stiffness - speed * side.braking,
                 damped: side.proportional,
                 drive,
@@ -175,5 +207,20 @@ impl<S: Scalar> DriveSide<S> {
     fn unlimited(&self, error: S, speed: S, loaded: S) -> S {
         let push = error * self.stiffness - speed * self.braking;
         push - (loaded + push) * self.proportional * self.braking
+    }
+}
+
+impl<S: Scalar> Advance for Stepper<S> {
+    type State = State<S>;
+    type Command = S;
+
+    #[inline(always)]
+    fn command(value: f64) -> S {
+        S::constant(value)
+    }
+
+    #[inline(always)]
+    fn advance(&self, state: &mut State<S>, command: S) {
+        Stepper::advance(self, state, command);
     }
 }

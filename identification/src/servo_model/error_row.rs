@@ -1,6 +1,6 @@
 //! The error of the simulation at one sample, and its derivatives.
 
-use super::fit::MOST;
+use super::descent_step::MOST;
 
 /// One sample: its error and the derivatives of the output.
 #[derive(Clone)]

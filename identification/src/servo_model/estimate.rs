@@ -199,6 +199,9 @@ impl<'w> Descent<'w> {
             find_starts(parts, &point, &self.grid);
             self.problem(parts).descend(&mut point, STEPS);
         }
+        if point.terms.friction || point.terms.dead_band {
+            self.problem(parts).descend_around(&mut point, STEPS);
+        }
         point
     }
 }

@@ -1,14 +1,13 @@
-//! Parameters by simulation error: Levenberg-Marquardt with derivatives from dual numbers.
+//! Parameters by simulation error: Levenberg-Marquardt with exact derivatives.
 //!
 //! The errors are those of the whole simulation, not of one step ahead, since prediction is what the model is for.
 //! An error beyond a clip counts in proportion to its size (Huber), so that a lost run does not decide.
 
 use super::coordinates::Point;
+use super::descent_step::{MOST, Products, Sums, by_coordinates, solve};
 use super::stretches::Stretch;
 use super::watch::Watch;
-use crate::numerics::{backward_solve, cholesky, forward_solve};
-use faer::Mat;
-use servoid_dynamics::{Dual, Grid, simulate};
+use servoid_dynamics::{Grid, Slopes, simulate, simulate_with_slopes};
 
 /// What is fitted.
 #[derive(Clone, Copy)]
@@ -25,27 +24,6 @@ pub(super) struct Problem<'a> {
     pub(super) converged: f64,
     /// May end every descent.
     pub(super) watch: &'a dyn Watch,
-}
-
-/// Sums at one point of the search.
-pub(super) struct Sums {
-    /// Sum of the clipped squares of the errors.
-    pub(super) cost: f64,
-    /// J'WJ.
-    pub(super) normal: Mat<f64>,
-    /// J'We.
-    pub(super) gradient: Vec<f64>,
-}
-
-impl Sums {
-    /// The cost, infinite where the simulation failed.
-    fn finite_cost(&self) -> f64 {
-        if self.cost.is_nan() {
-            f64::INFINITY
-        } else {
-            self.cost
-        }
-    }
 }
 
 impl Problem<'_> {
@@ -72,68 +50,63 @@ impl Problem<'_> {
 
     fn each_error_of(&self, stretch: &Stretch, point: &Point, mut each: impl FnMut(usize, f64)) {
         let physics = point.physics(stretch.controller, |_, value| value);
-        simulate(
-            &physics,
-            &self.grid,
-            &stretch.start,
-            &stretch.input,
-            |k, y| {
-                let measured = stretch.output[k];
-                let block = stretch.block(k);
-                if !measured.is_nan() && (self.used)(block) {
-                    each(block, measured - y);
-                }
-            },
-        );
-    }
-
-    /// The sums at `point`, in numbers that carry as many derivatives as it has coordinates.
-    fn sums(&self, point: &Point) -> Sums {
-        match point.values.len() {
-            0..=8 => self.sums_of::<8>(point),
-            9..=12 => self.sums_of::<12>(point),
-            13..=16 => self.sums_of::<16>(point),
-            _ => self.sums_of::<MOST>(point),
-        }
-    }
-
-    fn sums_of<const W: usize>(&self, point: &Point) -> Sums {
-        let count = point.values.len();
-        let (mut normal, mut gradient) = ([[0.0; W]; W], [0.0; W]);
-        let mut cost = 0.0;
-        self.each_slope::<W>(point, |_, _, error, slope| {
-            let weight = huber_weight(error, self.clip);
-            cost += clipped_square(error, self.clip);
-            for i in 0..W {
-                let weighted = weight * slope[i];
-                gradient[i] += weighted * error;
-                for j in 0..W {
-                    normal[i][j] += weighted * slope[j];
-                }
+        let (grid, start) = (&self.grid, &stretch.start);
+        simulate(&physics, grid, start, &stretch.input, |k, y| {
+            let measured = stretch.output[k];
+            let block = stretch.block(k);
+            if !measured.is_nan() && (self.used)(block) {
+                each(block, measured - y);
             }
         });
-        Sums {
-            cost,
-            normal: Mat::from_fn(count, count, |i, j| normal[i][j]),
-            gradient: gradient[..count].to_vec(),
-        }
     }
 
-    /// Hands stretch, sample, error and the derivatives of the output to `each`.
-    pub(super) fn each_slope<const W: usize>(
+    /// The sums at `point`.
+    fn sums(&self, point: &Point) -> Sums {
+        let mut sums = Sums::zero(point.values.len());
+        for stretch in self.stretches {
+            let mut products = Products::default();
+            self.each_parameter_slope(stretch, point, |_, error, slopes| {
+                sums.cost += clipped_square(error, self.clip);
+                products.add(huber_weight(error, self.clip), error, slopes);
+            });
+            products.add_to(&mut sums, &by_coordinates(point, stretch.controller));
+        }
+        sums
+    }
+
+    /// Hands sample, error and the derivatives of the output by the parameters of the servo to `each`.
+    fn each_parameter_slope(
+        &self,
+        stretch: &Stretch,
+        point: &Point,
+        mut each: impl FnMut(usize, f64, &Slopes),
+    ) {
+        let physics = point.physics(stretch.controller, |_, value| value);
+        let (grid, start) = (&self.grid, &stretch.start);
+        simulate_with_slopes(&physics, grid, start, &stretch.input, |k, y, slopes| {
+            let measured = stretch.output[k];
+            if !measured.is_nan() && (self.used)(stretch.block(k)) {
+                each(k, measured - y, slopes);
+            }
+        });
+    }
+
+    /// Hands stretch, sample, error and the derivatives of the output by the coordinates to `each`.
+    pub(super) fn each_slope(
         &self,
         point: &Point,
-        mut each: impl FnMut(usize, usize, f64, &[f64; W]),
+        mut each: impl FnMut(usize, usize, f64, &[f64; MOST]),
     ) {
         for (s, stretch) in self.stretches.iter().enumerate() {
-            let physics =
-                point.physics(stretch.controller, |i, value| Dual::<W>::variable(value, i));
-            let start = stretch.start.lifted();
-            simulate(&physics, &self.grid, &start, &stretch.input, |k, y| {
-                let measured = stretch.output[k];
-                if !measured.is_nan() && (self.used)(stretch.block(k)) {
-                    each(s, k, measured - y.value, &y.slope);
+            let chain = by_coordinates(point, stretch.controller);
+            self.each_parameter_slope(stretch, point, |k, error, slopes| {
+                let mut by_coordinate = [0.0; MOST];
+                for (slope, of_parameter) in slopes.iter().zip(&chain) {
+                    for (sum, change) in by_coordinate.iter_mut().zip(of_parameter) {
+                        *sum += slope * change;
+                    }
                 }
+                each(s, k, error, &by_coordinate);
             });
         }
     }
@@ -155,6 +128,37 @@ impl Problem<'_> {
         let (cost, mut point) = lowest.expect("there is a start");
         let lower = self.descend(&mut point, iterations - first);
         (cost.min(lower), point)
+    }
+
+    /// Moves `point` on to lower minima near it. Where the shaft may stick, the surface has many: a few hundredths of friction
+    /// further, it rests elsewhere.
+    pub(super) fn descend_around(&self, point: &mut Point, iterations: usize) {
+        let mut cost = self.descend(point, iterations);
+        for corner in 0..CORNERS {
+            let mut other = self.corner(point, corner);
+            let lower = self.descend(&mut other, CORNER_STEPS);
+            if lower < cost {
+                (*point, cost) = (other, lower);
+            }
+        }
+        self.descend(point, iterations);
+    }
+
+    /// A corner of the box of [`BOX`] about `point`. The signs are those of Walsh's functions, which are orthogonal.
+    fn corner(&self, point: &Point, corner: usize) -> Point {
+        let mut other = point.clone();
+        for (i, value) in other.values.iter_mut().enumerate() {
+            let negative = (corner & (i + 1)).count_ones() % 2 == 1;
+            let change = if negative { -BOX } else { BOX };
+            let coordinate = point.coordinates[i];
+            *value += match coordinate.is_logarithm() {
+                true => change,
+                false => change * *value,
+            };
+            let (low, high) = coordinate.range(self.longest_delay_s);
+            *value = value.clamp(low, high);
+        }
+        other
     }
 
     /// Moves `point` downhill, `iterations` times at the most. Returns its cost.
@@ -235,32 +239,18 @@ impl Problem<'_> {
     }
 }
 
-/// Coordinates that a servo has at the most, those of further controllers among them.
-pub(super) const MOST: usize = 28;
-
 /// Dampings that are tried for one step.
 const ATTEMPTS: usize = 6;
 
 /// Steps of each descent before the lowest of several is continued.
 const FIRST_STEPS: usize = 6;
 
-/// Solves (J'WJ + damping) step = J'We for the free coordinates.
-fn solve(sums: &Sums, free: &[usize], damping: f64) -> Option<Vec<f64>> {
-    let largest = free
-        .iter()
-        .map(|&i| sums.normal[(i, i)])
-        .fold(0.0, f64::max);
-    let normal = Mat::from_fn(free.len(), free.len(), |i, j| {
-        let entry = sums.normal[(free[i], free[j])];
-        match i == j {
-            true => entry * (1.0 + damping) + 1e-14 * largest,
-            false => entry,
-        }
-    });
-    let gradient: Vec<f64> = free.iter().map(|&i| sums.gradient[i]).collect();
-    let lower = cholesky(&normal)?;
-    Some(backward_solve(&lower, &forward_solve(&lower, &gradient)))
-}
+/// Half the width of the box from whose corners minima near one are looked for, in logarithms and as a share of other values; how
+/// many corners, and steps from each. Eight corners of this size found what 30 draws did: from fits that predicted another
+/// recording to 75 and 88 %, for a change in the last digit, to one of 89 %.
+const BOX: f64 = 0.05;
+const CORNERS: usize = 8;
+const CORNER_STEPS: usize = 10;
 
 /// The square of an error, beyond the clip in proportion to its size.
 pub(super) fn clipped_square(error: f64, clip: f64) -> f64 {

@@ -8,6 +8,7 @@
 
 mod beside_linear;
 mod coordinates;
+mod descent_step;
 mod discrepancy;
 mod error_row;
 mod estimate;

@@ -1,7 +1,7 @@
 //! The result: a servo, how sure it is, and how it was chosen.
 
 use super::coordinates::{Coordinate, Point, Terms};
-use super::fit::MOST;
+use super::descent_step::MOST;
 use super::motion::largest_error;
 use super::quantities::Quantity;
 use super::start::find_starts;

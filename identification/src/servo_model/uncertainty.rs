@@ -7,9 +7,10 @@
 //! equation may lack without the record showing it is added as an error that is constant over windows.
 
 use super::coordinates::Point;
+use super::descent_step::MOST;
 use super::discrepancy;
 use super::error_row::Row;
-use super::fit::{MOST, Problem};
+use super::fit::Problem;
 use super::motion::Motion;
 use super::noise_at_rest::NoiseAtRest;
 use super::possible_servo::PossibleServo;
@@ -75,7 +76,7 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     };
     let empty = |stretch: &super::stretches::Stretch| vec![missing.clone(); stretch.input.len()];
     let mut rows: Vec<Vec<Row>> = problem.stretches.iter().map(empty).collect();
-    problem.each_slope::<MOST>(point, |s, k, error, slope| {
+    problem.each_slope(point, |s, k, error, slope| {
         rows[s][k] = Row {
             error,
             slope: *slope,

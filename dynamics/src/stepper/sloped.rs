@@ -1,0 +1,321 @@
+//! The same step with its derivatives by the parameters.
+//!
+//! A step makes angle and speed anew from angle, speed, command and parameters. Its partial derivatives by these are few and
+//! scalar; those by the parameters through the steps before follow by the chain rule, two multiplications for each parameter. A
+//! [dual](crate::Dual) number carries all derivatives through every operation instead.
+
+use super::{Advance, Driven, State, Stepper};
+use crate::equation::{ServoParameters, Slopes, place};
+use crate::simulation::Start;
+
+/// Angle and speed of the shaft, with their derivatives by the parameters.
+pub(crate) struct SlopedState {
+    plain: State<f64>,
+    angle: Slopes,
+    speed: Slopes,
+}
+
+impl SlopedState {
+    pub(crate) fn new(physics: &ServoParameters<f64>, start: &Start<f64>) -> Self {
+        let per_output = 1.0 / physics.gain;
+        let plain = State {
+            angle: (start.output - physics.offset) * per_output,
+            speed: start.rate * per_output,
+        };
+        let (mut angle, mut speed) = (Slopes::default(), Slopes::default());
+        angle[place::OFFSET] = -per_output;
+        angle[place::GAIN] = -plain.angle * per_output;
+        speed[place::GAIN] = -plain.speed * per_output;
+        Self {
+            plain,
+            angle,
+            speed,
+        }
+    }
+
+    /// The command that holds the shaft where it is, without help of friction.
+    pub(crate) fn holding_command(&self, physics: &ServoParameters<f64>) -> (f64, Slopes) {
+        let angle = self.plain.angle;
+        let per_stiffness = 1.0 / physics.stiffness;
+        let (by_angle, by_load) = physics.load.slopes_at(angle);
+        let mut slopes = self
+            .angle
+            .map(|slope| slope * (1.0 + by_angle * per_stiffness));
+        slopes[place::STIFFNESS] -= physics.load.at(angle) * per_stiffness * per_stiffness;
+        for (slope, by_load) in slopes[place::LOAD..].iter_mut().zip(by_load) {
+            *slope += by_load * per_stiffness;
+        }
+        (physics.holding_command(angle), slopes)
+    }
+
+    /// The measured output.
+    #[inline(always)]
+    pub(crate) fn output(&self, physics: &ServoParameters<f64>) -> (f64, Slopes) {
+        let mut slopes = self.angle.map(|slope| slope * physics.gain);
+        slopes[place::GAIN] += self.plain.angle;
+        slopes[place::OFFSET] += 1.0;
+        (self.plain.angle * physics.gain + physics.offset, slopes)
+    }
+}
+
+/// A command, with derivatives where it follows from the parameters.
+#[derive(Clone, Copy)]
+pub(crate) struct SlopedCommand<'a> {
+    pub(crate) value: f64,
+    pub(crate) slopes: Option<&'a Slopes>,
+}
+
+/// A step, with what its derivatives need.
+pub(crate) struct SlopedStepper<'a> {
+    plain: Stepper<f64>,
+    physics: &'a ServoParameters<f64>,
+    /// B, 0 without a limit.
+    motor_damping: f64,
+    /// Derivative of the length of the step by the delay.
+    by_delay: f64,
+}
+
+impl<'a> SlopedStepper<'a> {
+    pub(crate) fn new(physics: &'a ServoParameters<f64>, step_s: f64, by_delay: f64) -> Self {
+        Self {
+            plain: Stepper::new(physics, step_s),
+            physics,
+            motor_damping: physics.limit.map_or(0.0, |limit| limit.motor_damping),
+            by_delay,
+        }
+    }
+}
+
+/// What acts in a step, as changes of speed.
+struct Forces<'a> {
+    /// The error beyond the dead band.
+    error: f64,
+    /// What the load takes.
+    load: f64,
+    /// What the motor's damping and the load leave of the speed.
+    loaded: f64,
+    driven: Driven<'a, f64>,
+    /// Friction, but for what damping leaves of it.
+    friction: Resistance,
+}
+
+/// Friction in a step.
+#[derive(Default)]
+struct Resistance {
+    /// What it takes without its excess at rest.
+    in_motion: f64,
+    /// The factor of that at this speed.
+    factor: f64,
+    /// Derivatives of the factor by the speed, by the excess at rest, and by the speed where half of that is gone.
+    factor_by: [f64; 3],
+    /// 1 where it brakes a motion upwards, -1 downwards, 0 without friction.
+    direction: f64,
+}
+
+/// Derivatives of the speed after a step.
+#[derive(Default)]
+struct ByInputs {
+    /// By the angle in the middle of the step.
+    middle: f64,
+    /// By the speed before the step, that angle held.
+    speed: f64,
+    /// By the command.
+    command: f64,
+    /// By the length of the step, that angle held.
+    length: f64,
+    /// By the parameters.
+    parameters: Slopes,
+}
+
+impl SlopedStepper<'_> {
+    #[inline(always)]
+    fn forces(&self, speed: f64, middle: f64, command: f64) -> Forces<'_> {
+        let plain = &self.plain;
+        let error = plain.beyond_dead_band(command - middle);
+        let load = plain.load.at(middle) * plain.step_s;
+        let loaded = speed * plain.coasting - load;
+        let driven = plain.drive(error, speed, loaded);
+        let friction = self.resistance(speed, driven.drive + load);
+        Forces {
+            error,
+            load,
+            loaded,
+            driven,
+            friction,
+        }
+    }
+
+    /// Friction where drive and load together are `through_gears`.
+    #[inline(always)]
+    fn resistance(&self, speed: f64, through_gears: f64) -> Resistance {
+        let Some(friction) = self.plain.friction else {
+            return Resistance::default();
+        };
+        let in_motion =
+            friction.coulomb * self.plain.step_s + through_gears.abs() * friction.of_gears;
+        let (factor, factor_by) = match friction.at_rest {
+            None => (1.0, [0.0; 3]),
+            Some(at_rest) => {
+                let relative = speed / at_rest.speed;
+                let share = 1.0 / (1.0 + relative * relative);
+                let by_relative = -2.0 * at_rest.excess * relative * share * share;
+                let by_speed = by_relative / at_rest.speed;
+                let factor = 1.0 + at_rest.excess / (1.0 + relative * relative);
+                (factor, [by_speed, share, -by_speed * relative])
+            }
+        };
+        Resistance {
+            in_motion,
+            factor,
+            factor_by,
+            direction: 0.0,
+        }
+    }
+
+    /// The speed after the step; no derivatives where the shaft sticks.
+    #[inline(always)]
+    fn speed_after(&self, speed: f64, middle: f64, command: f64) -> (f64, Option<ByInputs>) {
+        let mut forces = self.forces(speed, middle, command);
+        let damped = forces.driven.damped;
+        let free = (forces.loaded + forces.driven.push) * damped;
+        let most = forces.friction.in_motion * forces.friction.factor * damped;
+        forces.friction.direction = match self.plain.friction {
+            None => 0.0,
+            Some(_) if free > most => 1.0,
+            Some(_) if free < -most => -1.0,
+            Some(_) => return (0.0, None),
+        };
+        let after = free - forces.friction.direction * most;
+        (after, Some(self.by_inputs(speed, middle, &forces)))
+    }
+
+    /// With D the damping, x = `loaded`, p = `push` and F the friction, the speed after the step is D (x + p ± F).
+    #[inline(always)]
+    fn by_inputs(&self, speed: f64, middle: f64, forces: &Forces<'_>) -> ByInputs {
+        let plain = &self.plain;
+        let (step_s, half_s) = (plain.step_s, plain.step_s * 0.5);
+        let Driven {
+            side, push, damped, ..
+        } = forces.driven;
+        let friction = &forces.friction;
+        // The change by what turns the gears: F = (h C + |drive + load| μ) times its factor.
+        let of_gears = plain.friction.map_or(0.0, |friction| friction.of_gears);
+        let through_gears = forces.driven.drive + forces.load;
+        let turned = -friction.direction * friction.factor * of_gears * through_gears.signum();
+        let sum = forces.loaded + push;
+        let whole = sum - friction.direction * friction.in_motion * friction.factor;
+
+        let mut by = ByInputs::default();
+        // By h times the load, by h B/2, by h (c - B)/2, by h k and by h A.
+        let (by_load, by_half_motor, by_braking, by_stiffness, by_most);
+        if forces.driven.full {
+            by_load = damped * (turned - 1.0);
+            by_half_motor = -damped * (speed + damped * whole);
+            by_most = damped * (1.0 + turned) * side.sign;
+            (by_braking, by_stiffness) = (0.0, 0.0);
+            by.speed = damped * plain.coasting;
+        } else {
+            // drive = p - (x + p) D b with b = h (c - B)/2.
+            let looped = turned * damped * side.braking;
+            let by_push = damped * (1.0 + turned - looped);
+            let by_loaded = damped * (1.0 - looped);
+            // D = 1/(1 + h B/2 + b).
+            let by_sum_of_dampings = damped * damped * (whole - looped * sum);
+            by_load = damped * turned - by_loaded;
+            by_half_motor = -by_loaded * speed - by_sum_of_dampings;
+            by_braking = -by_push * speed - damped * turned * sum * damped - by_sum_of_dampings;
+            by_stiffness = by_push * forces.error;
+            by_most = 0.0;
+            by.speed = by_loaded * plain.coasting - by_push * side.braking;
+            by.command = match forces.error == 0.0 && plain.dead_band.is_some() {
+                true => 0.0,
+                false => by_push * side.stiffness,
+            };
+        }
+        let (load_by_angle, load_by_own) = plain.load.slopes_at(middle);
+        by.middle = by_load * step_s * load_by_angle - by.command;
+        let by_friction = -friction.direction * damped;
+        let by_factor = by_friction * friction.in_motion;
+        by.speed += by_factor * friction.factor_by[0];
+
+        let physics = self.physics;
+        let ratio = side.ratio;
+        let slopes = &mut by.parameters;
+        slopes[place::STIFFNESS] = by_stiffness * step_s * ratio;
+        slopes[place::DAMPING] = by_braking * half_s * ratio;
+        let of_loop = physics.damping - self.motor_damping;
+        if let Some(limit) = physics.limit {
+            slopes[place::MOTOR_DAMPING] = (by_half_motor - by_braking * ratio) * half_s;
+            slopes[place::UP] = by_most * step_s * ratio;
+            if side.sign < 0.0 {
+                slopes[place::DOWN_TO_UP] = by_stiffness * step_s * physics.stiffness
+                    + by_braking * half_s * of_loop
+                    + by_most * step_s * limit.up;
+            }
+        }
+        if plain.dead_band.is_some() {
+            slopes[place::DEAD_BAND] = -by.command * forces.error.signum();
+        }
+        slopes[place::COULOMB] = by_friction * friction.factor * step_s;
+        slopes[place::OF_GEARS] = by_friction * friction.factor * through_gears.abs();
+        slopes[place::EXCESS_AT_REST] = by_factor * friction.factor_by[1];
+        slopes[place::SPEED_AT_REST] = by_factor * friction.factor_by[2];
+        for (slope, own) in slopes[place::LOAD..].iter_mut().zip(load_by_own) {
+            *slope = by_load * step_s * own;
+        }
+        if self.by_delay != 0.0 {
+            let coulomb = plain.friction.map_or(0.0, |friction| friction.coulomb);
+            let limit_up = physics.limit.map_or(0.0, |limit| limit.up);
+            by.length = by_stiffness * physics.stiffness * ratio
+                + by_braking * of_loop * ratio * 0.5
+                + by_half_motor * self.motor_damping * 0.5
+                + by_most * limit_up * ratio
+                + by_load * plain.load.at(middle)
+                + by_friction * friction.factor * coulomb;
+        }
+        by
+    }
+}
+
+impl<'a> Advance for SlopedStepper<'a> {
+    type State = SlopedState;
+    type Command = SlopedCommand<'a>;
+
+    fn command(value: f64) -> SlopedCommand<'a> {
+        SlopedCommand {
+            value,
+            slopes: None,
+        }
+    }
+
+    // Once in the program: a copy at each of its calls outgrows the processor's cache.
+    #[inline(never)]
+    fn advance(&self, state: &mut SlopedState, command: SlopedCommand<'a>) {
+        let half_s = self.plain.step_s * 0.5;
+        let State { angle, speed } = state.plain;
+        let middle = angle + speed * half_s;
+        let (after, by) = self.speed_after(speed, middle, command.value);
+        let by = by.unwrap_or_default();
+        let by_speed = by.speed + by.middle * half_s;
+        let mut slopes = by.parameters;
+        for (i, slope) in slopes.iter_mut().enumerate() {
+            *slope += by.middle * state.angle[i] + by_speed * state.speed[i];
+        }
+        if let Some(of_command) = command.slopes {
+            for (slope, of_command) in slopes.iter_mut().zip(of_command) {
+                *slope += by.command * of_command;
+            }
+        }
+        // The middle moves with the length of the step too.
+        slopes[place::DELAY] += (by.length + by.middle * speed * 0.5) * self.by_delay;
+        for (i, slope) in state.angle.iter_mut().enumerate() {
+            *slope += (state.speed[i] + slopes[i]) * half_s;
+        }
+        state.angle[place::DELAY] += (speed + after) * 0.5 * self.by_delay;
+        state.speed = slopes;
+        state.plain = State {
+            angle: middle + after * half_s,
+            speed: after,
+        };
+    }
+}
