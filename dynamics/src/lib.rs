@@ -29,6 +29,7 @@
 mod dual;
 mod equation;
 mod simulation;
+mod sloped_stepper;
 mod stepper;
 
 pub use dual::{Dual, Scalar};

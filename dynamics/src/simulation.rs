@@ -2,7 +2,8 @@
 
 use crate::dual::Scalar;
 use crate::equation::{ServoParameters, Slopes};
-use crate::stepper::{Advance, SlopedCommand, SlopedState, SlopedStepper, State, Stepper};
+use crate::sloped_stepper::{SlopedCommand, SlopedState, SlopedStepper};
+use crate::stepper::{Advance, State, Stepper};
 
 /// When the output is sampled, and how finely the motion between samples is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,7 +139,7 @@ pub fn simulate_with_slopes(
         until: SlopedStepper::new(physics, edge.until_s, 1.0),
         after: SlopedStepper::new(physics, whole_s - edge.until_s, -1.0),
     };
-    let state = SlopedState::new(physics, start);
+    let state = SlopedState::new(physics, start.output, start.rate);
     let held = state.holding_command(physics);
     let before = match start.command_before {
         Some(command) => SlopedStepper::command(command),

@@ -1,10 +1,7 @@
 //! A step of the integration through the [equation](crate::ServoParameters).
 
-mod sloped;
-
 use crate::dual::Scalar;
 use crate::equation::{Friction, Load, ServoParameters};
-pub(crate) use sloped::{SlopedCommand, SlopedState, SlopedStepper};
 
 /// What moves a servo by one step.
 pub(crate) trait Advance {
@@ -31,33 +28,33 @@ pub struct State<S> {
 
 /// One side of the drive: what a step of the integration needs of it.
 #[derive(Clone, Copy, Debug)]
-struct DriveSide<S> {
+pub(crate) struct DriveSide<S> {
     /// Change of speed for each unit of error, h k.
-    stiffness: S,
+    pub(crate) stiffness: S,
     /// What the loop's part of the damping takes of the speed at each end of the step, h (c - B)/2.
-    braking: S,
+    pub(crate) braking: S,
     /// 1/(1 + h B/2 + the loop's part).
-    proportional: S,
+    pub(crate) proportional: S,
     /// The largest change of speed, h A; `None` without a limit.
-    largest: Option<S>,
+    pub(crate) largest: Option<S>,
     /// Its strength relative to that upwards.
-    ratio: S,
+    pub(crate) ratio: S,
     /// 1 upwards, -1 downwards.
-    sign: f64,
+    pub(crate) sign: f64,
 }
 
 /// The effect of the drive in a step, as changes of speed.
-struct Driven<'a, S> {
+pub(crate) struct Driven<'a, S> {
     /// The side that drives.
-    side: &'a DriveSide<S>,
+    pub(crate) side: &'a DriveSide<S>,
     /// Whether it drives as hard as it can.
-    full: bool,
+    pub(crate) full: bool,
     /// What it adds, but for the loop's braking with the speed at the end.
-    push: S,
+    pub(crate) push: S,
     /// The factor by which damping, that braking among it, leaves the sum.
-    damped: S,
+    pub(crate) damped: S,
     /// The whole.
-    drive: S,
+    pub(crate) drive: S,
 }
 
 /// A step of a certain length through the equation.
@@ -67,16 +64,16 @@ struct Driven<'a, S> {
 /// the length of the step, and a servo whose damping ratio is above ωh/4 stays stable.
 #[derive(Clone, Copy, Debug)]
 pub struct Stepper<S> {
-    step_s: S,
-    up: DriveSide<S>,
-    down: DriveSide<S>,
+    pub(crate) step_s: S,
+    pub(crate) up: DriveSide<S>,
+    pub(crate) down: DriveSide<S>,
     /// 1 - h B/2.
-    coasting: S,
+    pub(crate) coasting: S,
     /// 1/(1 + h B/2).
-    saturated: S,
-    dead_band: Option<S>,
-    friction: Option<Friction<S>>,
-    load: Load<S>,
+    pub(crate) saturated: S,
+    pub(crate) dead_band: Option<S>,
+    pub(crate) friction: Option<Friction<S>>,
+    pub(crate) load: Load<S>,
 }
 
 impl<S: Scalar> Stepper<S> {
@@ -142,7 +139,7 @@ impl<S: Scalar> Stepper<S> {
 
     /// The error as the controller sees it.
     #[inline(always)]
-    fn beyond_dead_band(&self, error: S) -> S {
+    pub(crate) fn beyond_dead_band(&self, error: S) -> S {
         match self.dead_band {
             None => error,
             Some(width) => nearer_zero(error, width),
@@ -151,7 +148,7 @@ impl<S: Scalar> Stepper<S> {
 
     /// The effect of the drive in a step.
     #[inline(always)]
-    fn drive(&self, error: S, speed: S, loaded: S) -> Driven<'_, S> {
+    pub(crate) fn drive(&self, error: S, speed: S, loaded: S) -> Driven<'_, S> {
         let up = self.up.unlimited(error, speed, loaded);
         let (drive, side) = if up.value() >= 0.0 {
             (up, &self.up)

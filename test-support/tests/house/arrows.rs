@@ -55,7 +55,16 @@ const ROOMS: [(&str, &[&str]); 8] = [
             "serve",
         ],
     ),
-    ("dynamics", &["dual", "equation", "stepper", "simulation"]),
+    (
+        "dynamics",
+        &[
+            "dual",
+            "equation",
+            "stepper",
+            "sloped_stepper",
+            "simulation",
+        ],
+    ),
     (
         "simulator",
         &[

@@ -1,12 +1,11 @@
-//! The same step with its derivatives by the parameters.
+//! The [step](Stepper) with its derivatives by the parameters.
 //!
 //! A step makes angle and speed anew from angle, speed, command and parameters. Its partial derivatives by these are few and
 //! scalar; those by the parameters through the steps before follow by the chain rule, two multiplications for each parameter. A
 //! [dual](crate::Dual) number carries all derivatives through every operation instead.
 
-use super::{Advance, Driven, State, Stepper};
 use crate::equation::{ServoParameters, Slopes, place};
-use crate::simulation::Start;
+use crate::stepper::{Advance, Driven, State, Stepper};
 
 /// Angle and speed of the shaft, with their derivatives by the parameters.
 pub(crate) struct SlopedState {
@@ -16,11 +15,12 @@ pub(crate) struct SlopedState {
 }
 
 impl SlopedState {
-    pub(crate) fn new(physics: &ServoParameters<f64>, start: &Start<f64>) -> Self {
+    /// Where the output is `output`, and changes by `rate` in a second.
+    pub(crate) fn new(physics: &ServoParameters<f64>, output: f64, rate: f64) -> Self {
         let per_output = 1.0 / physics.gain;
         let plain = State {
-            angle: (start.output - physics.offset) * per_output,
-            speed: start.rate * per_output,
+            angle: (output - physics.offset) * per_output,
+            speed: rate * per_output,
         };
         let (mut angle, mut speed) = (Slopes::default(), Slopes::default());
         angle[place::OFFSET] = -per_output;
