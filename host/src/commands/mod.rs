@@ -14,6 +14,7 @@ mod init;
 mod input;
 mod man;
 mod output;
+mod partial_recording;
 mod plan;
 mod ports;
 mod prompts;
@@ -29,6 +30,7 @@ mod validate;
 mod value_parsers;
 
 pub use output::print_remark;
+pub use partial_recording::PartialRecording;
 
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};

@@ -13,6 +13,8 @@ mod files;
 mod foreign;
 mod help;
 mod hostile;
+#[cfg(unix)]
+mod hostile_surroundings;
 mod identify;
 mod init;
 mod linearity;

@@ -5,6 +5,9 @@ use crate::instrument::port::Port;
 use servoid_client::{Client, Event};
 use std::time::Duration;
 
+/// So long after its time a read has ended because the program, and not the line, stood still.
+const OVERSLEPT: Duration = Duration::from_millis(100);
+
 /// A conversation over a port.
 pub(super) struct Driver {
     pub(super) port: Box<dyn Port>,
@@ -30,7 +33,11 @@ impl Driver {
                 .client
                 .next_deadline()
                 .map_or(until, |at| at.min(until));
-            let count = self.port.read(&mut buffer, wake.saturating_sub(now))?;
+            let mut count = self.port.read(&mut buffer, wake.saturating_sub(now))?;
+            if count == 0 && self.port.now() > wake + OVERSLEPT {
+                // The program was stopped, and what came meanwhile is waiting: it is taken before time goes on.
+                count = self.port.read(&mut buffer, Duration::ZERO)?;
+            }
             let bytes = buffer.get(..count).unwrap_or_default();
             self.client.handle(bytes, self.port.now());
         }
