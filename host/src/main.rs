@@ -2,7 +2,6 @@
 
 use clap::Parser;
 use servoid::commands::{Cli, PartialRecording};
-use std::io::Write;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -20,7 +19,7 @@ fn main() -> ExitCode {
 }
 
 fn print(result: &str, code: ExitCode) -> ExitCode {
-    match std::io::stdout().write_all(result.as_bytes()) {
+    match servoid::commands::print_result(result) {
         Ok(()) => code,
         // The reader of a pipe may stop early ('| head'): its business, not an error.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => code,

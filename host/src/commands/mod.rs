@@ -29,7 +29,7 @@ mod simulate;
 mod validate;
 mod value_parsers;
 
-pub use output::print_remark;
+pub use output::{print_remark, print_result};
 pub use partial_recording::PartialRecording;
 
 use anyhow::Result;

@@ -96,13 +96,12 @@ mod tests {
     use super::*;
 
     /// One reading after the other, of pulses and counts; the stretches that are found.
-    fn find(readings: impl IntoIterator<Item = (u16, u16)>) -> Vec<Range<u64>> {
+    fn find(readings: impl IntoIterator<Item = (u16, u16)>) -> Vec<StandStill> {
         let mut sensor = FrozenSensor::default();
         for (sample, (pulse, counts)) in (0..).zip(readings) {
             sensor.take(sample, PulseWidth(pulse), Counts(counts));
         }
-        let found = sensor.found().iter();
-        found.map(|still| still.samples.clone()).collect()
+        sensor.found().to_vec()
     }
 
     fn held(readings: usize, pulse: u16, counts: u16) -> impl Iterator<Item = (u16, u16)> {
@@ -118,7 +117,13 @@ mod tests {
         let frozen = noisy(100, 1_500)
             .chain(held(400, 1_500, 9_000))
             .chain(held(900, 1_550, 9_000));
-        assert_eq!(find(frozen.chain(noisy(10, 1_500))), [100..1_400]);
+        assert_eq!(
+            find(frozen.chain(noisy(10, 1_500))),
+            vec![StandStill {
+                counts: Counts(9_000),
+                samples: 100..1_400,
+            }]
+        );
     }
 
     #[test]

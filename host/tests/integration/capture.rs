@@ -128,7 +128,7 @@ fn a_sensor_that_freezes_is_found_in_the_run_in_its_file_and_by_identify() {
     assert!(reason.contains("for 2.6 s"), "{reason}");
     assert_eq!(recording.rows.len(), 4_400);
     // What it said is not taken for motion either.
-    let data = load(&[file.clone()], &DatasetOptions::default()).unwrap();
+    let data = load(std::slice::from_ref(&file), &DatasetOptions::default()).unwrap();
     assert!(
         (1_250..1_350).contains(&data.record.missing()),
         "{:?}",

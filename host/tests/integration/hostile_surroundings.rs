@@ -1,6 +1,6 @@
 //! What a terminal, a file system and other programs do to a capture under way.
 
-use super::support::{arg, refusal};
+use super::support::{arg, refusal, servoid};
 use super::terminal::Session;
 use rustix::process::{Signal, kill_process};
 use servoid::data::recording::{Completeness, Recording};
@@ -70,6 +70,81 @@ fn a_pipe_in_the_place_of_a_lock_holds_nothing_up() {
     assert!(refusal(&["info", "--port", "/dev/nowhere"]).contains("there is no port"));
     let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
     assert_eq!(left.len(), 1, "no lock is left behind: {left:?}");
+}
+
+/// What a file says, and its name, may hold commands for a terminal: they are shown, and not carried out.
+#[test]
+fn no_text_of_a_file_reaches_the_terminal_as_a_command() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("a\u{1b}]0;b\u{7}\u{202e}c.csv");
+    let capture = ["capture", "--port", "sim:linear", "-o", arg(&file)];
+    let outputs = [
+        servoid(&capture).output().unwrap(),
+        servoid(&[&capture[..], &["--json", "--force"]].concat())
+            .output()
+            .unwrap(),
+        servoid(&["validate", arg(&file), arg(&file)])
+            .output()
+            .unwrap(),
+        servoid(&["info", "--port", "\u{1b}[2J\u{9b}31m"])
+            .output()
+            .unwrap(),
+    ];
+    for output in outputs {
+        for said in [output.stdout, output.stderr] {
+            let said = String::from_utf8(said).unwrap();
+            let acts =
+                |letter: char| (letter.is_control() && letter != '\n') || letter == '\u{202e}';
+            assert!(!said.contains(acts), "{said:?}");
+        }
+    }
+    // A reason in the last line, with a CRC of its own that is right.
+    let text = std::fs::read_to_string(&file).unwrap();
+    let (rows, last) = text.split_once("# end").unwrap();
+    let (_, counted) = last.split_once("rows = ").unwrap();
+    let (counted, _) = counted.split_once(", end_crc32").unwrap();
+    let end = format!("{rows}# end = \"partial\", rows = {counted}, reason = \"x\\u001b[2Jy\"\n");
+    std::fs::write(&file, end).unwrap();
+    let output = servoid(&["identify", arg(&file)]).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.contains("x\\u001b[2Jy") && !said.contains('\u{1b}'),
+        "{said:?}"
+    );
+}
+
+/// A gigabyte of nothing, and a cell of megabytes: both are refused with a sentence.
+#[test]
+fn a_file_with_a_hole_and_a_cell_without_an_end_are_refused_with_a_sentence() {
+    let dir = tempfile::tempdir().unwrap();
+    let (hole, small_hole, cell) = ("hole.csv", "small.csv", "cell.csv");
+    let path = |name: &str| dir.path().join(name);
+    for (name, length) in [(hole, 1 << 30), (small_hole, 1 << 20)] {
+        let mut file = std::fs::File::create(path(name)).unwrap();
+        file.write_all(b"t,u,y\n0,1,2\n").unwrap();
+        file.set_len(length).unwrap();
+    }
+    let long = format!("t,u,y\n0,1,2\n1,{},2\n", "x".repeat(5_000_000));
+    std::fs::write(path(cell), long).unwrap();
+    for (name, reason) in [
+        (hole, "256 MiB"),
+        (small_hole, "zero"),
+        (cell, "no finite number"),
+    ] {
+        let file = path(name);
+        let columns = ["--input", "u", "--output", "y", "--period", "0.002"];
+        let output = servoid(&[&["identify", arg(&file)], &columns[..]].concat())
+            .output()
+            .unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{name}: {said}");
+        assert!(said.len() < 20_000, "{name}: {} bytes", said.len());
+        // The reason may stand behind the text that is cut off.
+        assert!(
+            said.contains(reason) || said.contains("and so on"),
+            "{name}: {said}"
+        );
+    }
 }
 
 /// Another program cuts the file, or writes into it: the end is not "complete", and every row is saved.

@@ -18,6 +18,8 @@ mod hostile_surroundings;
 mod identify;
 mod init;
 mod linearity;
+#[cfg(unix)]
+mod mixes;
 mod models;
 mod no_bounds;
 mod plan;

@@ -133,6 +133,14 @@ pub fn check(
     }
 }
 
+/// Whether all rows are the board's, at one and the same place of its log.
+///
+/// # Errors
+/// How they differ.
+pub fn require_board_rows(recording: &Recording, log: &[SimulatedFrame]) -> Result<(), String> {
+    require_truth(&frames(recording)?, log)
+}
+
 /// Number, pulse and counts of one frame.
 type Read = (u64, PulseWidth, Vec<Counts>);
 
