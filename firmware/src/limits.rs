@@ -175,6 +175,50 @@ mod tests {
         }
     }
 
+    /// Every combination of values at and beside every limit, against the rule in plain words.
+    #[test]
+    fn every_combination_around_the_limits_is_judged_by_the_rule() {
+        let pulses = [0, 799, 800, 801, 1_500, 2_199, 2_200, 2_201, u16::MAX].map(PulseWidth);
+        let counts = [0, 1, 8_190, 16_379, 16_380, 16_381, u16::MAX].map(Counts);
+        let leases = [0, 1, 249, 250, 251, u16::MAX];
+        let mut accepted = 0;
+        for shortest in pulses {
+            for neutral in pulses {
+                for longest in pulses {
+                    for (low, high) in counts.iter().flat_map(|&l| counts.map(|h| (l, h))) {
+                        for lease_frames in leases {
+                            let arm = Arm {
+                                neutral,
+                                shortest,
+                                longest,
+                                sensor_low: low,
+                                sensor_high: high,
+                                lease_frames,
+                                ..arm()
+                            };
+                            let pulses_are_good = shortest.0 >= 800
+                                && shortest <= neutral
+                                && neutral <= longest
+                                && longest.0 <= 2_200;
+                            let good = pulses_are_good
+                                && low < high
+                                && high <= FULL_SCALE
+                                && (1..=250).contains(&lease_frames);
+                            let found = Limits::new(&arm, FULL_SCALE);
+                            assert_eq!(found.is_ok(), good, "{arm:?}");
+                            accepted += u32::from(good);
+                            let Ok(limits) = found else { continue };
+                            // Whatever it was armed with, a rail is healthy for nobody.
+                            assert!(!limits.is_healthy(Counts(0)));
+                            assert!(!limits.is_healthy(FULL_SCALE));
+                        }
+                    }
+                }
+            }
+        }
+        assert!(accepted > 0);
+    }
+
     #[test]
     fn a_reference_may_touch_the_limits_and_not_leave_them() {
         let limits = Limits::new(&arm(), FULL_SCALE).unwrap();

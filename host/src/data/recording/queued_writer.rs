@@ -145,3 +145,72 @@ fn write_all(mut writer: RecordingWriter, frames: &Receiver<Frame>) -> Written {
     }
     (writer, None)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::recording::{Completeness, Header, Recording, RecordingTarget};
+    use servoid_protocol::{Counts, PulseWidth};
+    use std::io::{Result as IoResult, Write};
+    use std::path::Path;
+    use std::sync::{Arc, Mutex};
+
+    /// A file system that takes nothing for as long as the test holds its lock.
+    #[derive(Clone, Default)]
+    struct Stalling {
+        stalled: Arc<Mutex<()>>,
+        bytes: Arc<Mutex<Vec<u8>>>,
+    }
+
+    impl Write for Stalling {
+        fn write(&mut self, bytes: &[u8]) -> IoResult<usize> {
+            let _waits = self.stalled.lock().unwrap();
+            self.bytes.lock().unwrap().extend(bytes);
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> IoResult<()> {
+            Ok(())
+        }
+    }
+
+    impl RecordingTarget for Stalling {
+        fn cut_to(&mut self, _length: u64) -> IoResult<()> {
+            Ok(())
+        }
+
+        fn settle(&mut self) -> IoResult<()> {
+            Ok(())
+        }
+    }
+
+    /// All frames are handed over while the disk takes none of them: were one waited for, this would never end.
+    #[test]
+    fn a_file_system_that_stalls_holds_nobody_up_and_costs_no_row() {
+        const FRAMES: u16 = 3_000;
+        let (disk, path) = (Stalling::default(), Path::new("x.csv"));
+        let header = Header::default();
+        let writer = RecordingWriter::on(Box::new(disk.clone()), path, &header).unwrap();
+        let mut queue = QueuedWriter::new(writer);
+        let stalls = disk.stalled.lock().unwrap();
+        for index in 0..FRAMES {
+            let frame = Frame {
+                run: 1,
+                index,
+                pulse: PulseWidth(1_500),
+                samples: [Counts(8_000 + index); SAMPLES_PER_FRAME],
+            };
+            queue.append(&frame).unwrap();
+        }
+        drop(stalls);
+        queue.drain().unwrap();
+        assert_eq!(queue.end(), u32::from(FRAMES));
+        queue.finish(&Ending::Complete).unwrap();
+        let recording = Recording::parse(&disk.bytes.lock().unwrap(), path).unwrap();
+        assert_eq!(recording.completeness, Completeness::Complete);
+        assert_eq!(
+            recording.rows.len(),
+            usize::from(FRAMES) * SAMPLES_PER_FRAME
+        );
+    }
+}
