@@ -93,6 +93,7 @@ fn seen(rig: &RigFile, progress: &Progress<'_>) -> FrameSeen {
             asked_again: progress.asked_again,
             lost: progress.lost,
             status: progress.status.copied(),
+            stands_still: progress.stands_still.is_some(),
         },
     }
 }

@@ -1,5 +1,6 @@
 //! Why a conversation with a rig failed, and the remedy.
 
+use crate::commanded::Contradiction;
 use servoid_protocol::message::Refusal;
 
 /// Why a conversation with a rig failed. The text names the remedy.
@@ -67,6 +68,11 @@ pub enum ClientError {
         "a run of another program is under way on this rig, or ended a moment ago, so nothing was asked of it: wait for its end, or stop it there"
     )]
     RunOfAnother,
+    /// It says what cannot be true of the run that it was asked for.
+    #[error(
+        "the rig contradicts the command: {0}; neither its program nor what came can be trusted: flash the firmware of this version with 'cargo fw-flash'"
+    )]
+    Contradiction(Contradiction),
     /// The rig says no.
     #[error("the rig refuses to {request}: {}", refusal_text(*.refusal))]
     Refused {
@@ -97,6 +103,9 @@ fn refusal_text(refusal: Refusal) -> &'static str {
         Refusal::RunRepeated => "its number is that of the run before; start again",
         Refusal::SensorOutOfRange => {
             "the sensor reads outside its healthy range; check its wiring and supply, or 'sensor.healthy_counts' in the rig file"
+        }
+        Refusal::LeaseLapsed => {
+            "it had heard nothing from this program for too long, as the line held the request back; start again"
         }
         Refusal::SupplyLow => {
             "its own 3.3 V are too low, so its readings would be wrong; feed its 5V pin with 4.75 to 5.25 V"

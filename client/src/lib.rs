@@ -23,6 +23,7 @@
 //! | `mismatch`        | why a rig does not go with this program                                 |
 //! | `task`            | one thing that a client is busy with, such as a request or arming       |
 //! | `run`             | starts a run and follows it to its end                                  |
+//! | `commanded`       | what a run was commanded to be, and what contradicts it                 |
 //! | `frame_order`     | puts the frames of a run in order                                       |
 //! | `gaps`            | when missing frames are asked for again, and when they are given up     |
 //! | `silence`         | how long nothing may come                                               |
@@ -40,6 +41,7 @@
 )]
 
 mod client;
+mod commanded;
 mod error;
 mod event;
 mod foreign_traffic;
@@ -55,6 +57,7 @@ mod silence;
 mod task;
 
 pub use client::{Client, Connect};
+pub use commanded::Contradiction;
 pub use error::ClientError;
 pub use event::Event;
 pub use mismatch::{Mismatch, mismatches};

@@ -3,7 +3,7 @@
 use crate::error::ClientError;
 use crate::event::Event;
 use crate::request::{ATTEMPTS, Answer, PendingRequest};
-use servoid_protocol::message::{Command, Request, RigMessage, Status};
+use servoid_protocol::message::{Arm, Command, Request, RigMessage, Status};
 use servoid_protocol::{Decoder, Hello, framing};
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -21,6 +21,8 @@ pub(crate) struct Line {
     pub bytes_received: u64,
     pub outgoing: VecDeque<Vec<u8>>,
     pub events: VecDeque<Event>,
+    /// The limits that the rig was last asked to keep.
+    pub armed: Option<Arm>,
     session: u16,
     next_id: u16,
     pending: Option<PendingRequest>,
@@ -38,6 +40,7 @@ impl Line {
             bytes_received: 0,
             outgoing: VecDeque::new(),
             events: VecDeque::new(),
+            armed: None,
             session,
             next_id: 0,
             pending: None,
@@ -69,6 +72,9 @@ impl Line {
 
     /// [`Line::ask`], sent at most so many times.
     pub(crate) fn ask_patiently(&mut self, command: Command, attempts: u32) {
+        if let Command::Arm(arm) = command {
+            self.armed = Some(arm);
+        }
         let request = Request {
             session: self.session,
             id: self.next_id,

@@ -9,9 +9,12 @@
 //! | a gap                                         | asked for again until it is filled or the board has forgotten it |
 //! | a request or its answer is lost               | the request is repeated, which has no second effect |
 //! | no frame for a while                          | the rig is asked for its status: it may be over    |
+//! | the rig had heard nothing for too long        | it gets a sign of life, and is asked once more     |
+//! | a frame or the end contradicts the command    | the end, with everything before it                 |
 //! | the rig says that it knows nothing of the run | asked twice more, because answers may be old ones  |
 //! | nothing at all for a long time                | the end, with everything that came                 |
 
+use crate::commanded::{Commanded, Contradiction};
 use crate::error::ClientError;
 use crate::event::Event;
 use crate::frame_order::FrameOrder;
@@ -20,7 +23,7 @@ use crate::line::Line;
 use crate::request::Answer;
 use crate::run_ending::RunEnding;
 use crate::silence::Silence;
-use crate::task::{Asking, Next, Task};
+use crate::task::{Asking, LATE_ATTEMPTS, Next, Task};
 use servoid_protocol::lease::SIGN_OF_LIFE_EVERY;
 use servoid_protocol::message::{Activity, Command, Ended, Refusal, RigMessage, Start, Status};
 use std::time::Duration;
@@ -34,7 +37,10 @@ const DENIALS: u32 = 3;
 /// A run under way.
 pub(crate) struct Run {
     start: Start,
-    /// Until the rig has begun it: numbers that were tried beside the first one.
+    commanded: Commanded,
+    /// What the rig said that cannot be.
+    contradiction: Option<Contradiction>,
+    /// Until the rig has begun it: refusals after which it was asked once more.
     starting: Option<u32>,
     order: FrameOrder,
     gaps: Gaps,
@@ -62,6 +68,8 @@ impl Run {
         line.ask(Command::Start(start));
         Self {
             start,
+            commanded: Commanded::new(start, line.armed.map(|arm| arm.neutral)),
+            contradiction: None,
             starting: Some(0),
             order: FrameOrder::new(start.run),
             gaps: Gaps::new(history_frames),
@@ -75,10 +83,14 @@ impl Run {
     }
 
     fn on_started(&mut self, command: &Command, answer: Option<Answer>, line: &mut Line) -> Next {
-        let Some(other_numbers) = self.starting else {
+        let Some(refusals) = self.starting else {
             return Next::Stay;
         };
         match answer {
+            Some(Answer::Done) if *command == Command::KeepAlive => {
+                line.ask(Command::Start(self.start));
+                Next::Stay
+            }
             Some(Answer::Done) => {
                 self.starting = None;
                 self.silence = Silence::since(line.now);
@@ -86,12 +98,17 @@ impl Run {
                 line.events.push_back(Event::RunBegun { run });
                 Next::Stay
             }
-            Some(Answer::Refused(Refusal::RunRepeated)) if other_numbers < OTHER_NUMBERS => {
+            Some(Answer::Refused(Refusal::LeaseLapsed)) if refusals < LATE_ATTEMPTS => {
+                self.starting = Some(refusals + 1);
+                line.ask(Command::KeepAlive);
+                Next::Stay
+            }
+            Some(Answer::Refused(Refusal::RunRepeated)) if refusals < OTHER_NUMBERS => {
                 let stop = self.stop;
                 let run = self.start.run.wrapping_add(1);
                 *self = Self::begin(Start { run, ..self.start }, line);
                 self.stop = stop;
-                self.starting = Some(other_numbers + 1);
+                self.starting = Some(refusals + 1);
                 Next::Stay
             }
             // The rig may have begun it all the same: only the answer may be lost.
@@ -120,7 +137,14 @@ impl Run {
     }
 
     fn note_end(&mut self, ended: &Ended, line: &Line) {
-        if ended.run == self.start.run && self.ended.is_none() {
+        if ended.run != self.start.run || self.ended.is_some() {
+            return;
+        }
+        let newest = self.order.newest();
+        self.contradiction = self
+            .contradiction
+            .or(self.commanded.contradicts_end(ended, newest));
+        if self.contradiction.is_none() {
             self.ended = Some(*ended);
             self.silence.progress_at = line.now;
         }
@@ -216,8 +240,14 @@ impl Task for Run {
         match message {
             RigMessage::Frame(frame) => {
                 self.silence.frame_at = line.now;
-                if self.order.insert(*frame) {
+                if frame.run != self.start.run || self.contradiction.is_some() {
+                    return;
+                }
+                self.contradiction = self.commanded.contradicts_frame(frame);
+                if self.contradiction.is_none() && self.order.insert(*frame) {
                     self.silence.progress_at = line.now;
+                    // Whoever sends new frames knows the run: what denied it was older.
+                    self.denials = 0;
                 }
             }
             RigMessage::Ended(ended) => self.note_end(ended, line),
@@ -226,7 +256,7 @@ impl Task for Run {
     }
 
     fn on_answer(&mut self, command: &Command, answer: Option<Answer>, line: &mut Line) -> Next {
-        if let Command::Start(_) = command {
+        if self.starting.is_some() {
             return self.on_started(command, answer, line);
         }
         let Some(answer) = answer else {
@@ -250,6 +280,9 @@ impl Task for Run {
     fn on_time(&mut self, line: &mut Line) -> Next {
         if self.starting.is_some() {
             return Next::Stay;
+        }
+        if let Some(contradiction) = self.contradiction {
+            return self.fail(ClientError::Contradiction(contradiction), line);
         }
         self.release(line);
         while self.everything_is_here().is_none() && self.give_up_hopeless() {

@@ -66,10 +66,15 @@ impl Task for Asking {
 const SENSOR_ATTEMPTS: u32 = 3;
 const SENSOR_PAUSE: Duration = Duration::from_millis(100);
 
+/// How often a request to arm or to start is made anew where it came too late: the line had held it back, or
+/// nothing had been asked for a while.
+pub(crate) const LATE_ATTEMPTS: u32 = 3;
+
 /// Arms the rig.
 pub(crate) struct Arming {
     arm: Arm,
     tries: u32,
+    late: u32,
     pause_until: Option<Duration>,
 }
 
@@ -79,6 +84,7 @@ impl Arming {
         Self {
             arm,
             tries: 1,
+            late: 0,
             pause_until: None,
         }
     }
@@ -86,10 +92,27 @@ impl Arming {
 
 impl Task for Arming {
     fn on_answer(&mut self, command: &Command, answer: Option<Answer>, line: &mut Line) -> Next {
-        match answer {
-            Some(Answer::Refused(Refusal::SensorOutOfRange)) if self.tries < SENSOR_ATTEMPTS => {
+        match (command, answer) {
+            (_, Some(Answer::Refused(Refusal::SensorOutOfRange)))
+                if self.tries < SENSOR_ATTEMPTS =>
+            {
                 self.pause_until = Some(line.now + SENSOR_PAUSE);
                 Next::Stay
+            }
+            (_, Some(Answer::Refused(Refusal::LeaseLapsed))) if self.late < LATE_ATTEMPTS => {
+                self.late += 1;
+                line.ask(Command::KeepAlive);
+                Next::Stay
+            }
+            (Command::KeepAlive, Some(Answer::Done)) => {
+                line.ask(Command::Arm(self.arm));
+                Next::Stay
+            }
+            // It may have armed all the same: only the answer may be lost.
+            (_, None) => {
+                Asking.on_answer(command, answer, line);
+                line.ask(Command::Disarm);
+                Next::Then(Box::new(Asking))
             }
             _ => Asking.on_answer(command, answer, line),
         }

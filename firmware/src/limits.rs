@@ -1,5 +1,6 @@
 //! The range of pulses that a servo may get, and the range of a healthy sensor.
 
+use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
 use servoid_protocol::message::{Arm, Refusal, Start};
 use servoid_protocol::{Counts, PulseWidth};
 
@@ -16,6 +17,10 @@ pub const LONGEST_PULSE: PulseWidth = PulseWidth(2_200);
 /// Consecutive samples outside the sensor's range that end a run: 10 ms. A single one may be a disturbance; a broken
 /// wire or a sensor without its magnet stays outside.
 pub const UNHEALTHY_SAMPLES: u8 = 5;
+
+/// Parts of full scale that the rails take at either end: 1/256 is 13 mV of 3.3 V. A wire that is off or shorted
+/// reads there, so a reading there is healthy for no sensor.
+const RAIL_PARTS: u16 = 256;
 
 /// The limits of an armed rig, checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +39,8 @@ impl Limits {
     ///
     /// # Errors
     /// [`Refusal::BadLimits`] unless [`SHORTEST_PULSE`] ≤ shortest ≤ neutral ≤ longest ≤
-    /// [`LONGEST_PULSE`], sensor_low < sensor_high ≤ `full_scale`, and the lease is not zero.
+    /// [`LONGEST_PULSE`], sensor_low < sensor_high ≤ `full_scale`, and the lease is between one frame and
+    /// [`LONGEST_LEASE_FRAMES`].
     pub fn new(arm: &Arm, full_scale: Counts) -> Result<Self, Refusal> {
         let pulses = [
             SHORTEST_PULSE,
@@ -46,21 +52,25 @@ impl Limits {
         let sane = pulses.is_sorted()
             && arm.sensor_low < arm.sensor_high
             && arm.sensor_high <= full_scale
-            && arm.lease_frames > 0;
+            && (1..=LONGEST_LEASE_FRAMES).contains(&arm.lease_frames);
         if !sane {
             return Err(Refusal::BadLimits);
         }
+        // Rounded up: the first reading that is off the rail.
+        let rail = full_scale.0.div_ceil(RAIL_PARTS);
         Ok(Self {
             neutral: arm.neutral,
             shortest: arm.shortest,
             longest: arm.longest,
-            sensor_low: arm.sensor_low,
-            sensor_high: arm.sensor_high,
+            sensor_low: arm.sensor_low.max(Counts(rail)),
+            sensor_high: arm
+                .sensor_high
+                .min(Counts(full_scale.0.saturating_sub(rail))),
             lease_frames: arm.lease_frames,
         })
     }
 
-    /// Whether `counts` is within the range of a healthy sensor.
+    /// Whether `counts` is within the range of a healthy sensor, and not at a rail of the converter.
     pub fn is_healthy(&self, counts: Counts) -> bool {
         (self.sensor_low..=self.sensor_high).contains(&counts)
     }
@@ -137,12 +147,12 @@ mod tests {
             shortest: SHORTEST_PULSE,
             longest: LONGEST_PULSE,
             sensor_high: FULL_SCALE,
-            lease_frames: 1,
+            lease_frames: LONGEST_LEASE_FRAMES,
             ..arm()
         };
         assert!(Limits::new(&widest, FULL_SCALE).is_ok());
         type Change = fn(&mut Arm);
-        let bad: [(&str, Change); 7] = [
+        let bad: [(&str, Change); 8] = [
             ("too short", |a| a.shortest = PulseWidth(799)),
             ("too long", |a| a.longest = PulseWidth(2_201)),
             ("neutral below", |a| a.neutral = PulseWidth(799)),
@@ -150,6 +160,9 @@ mod tests {
             ("no sensor range", |a| a.sensor_low = a.sensor_high),
             ("beyond full scale", |a| a.sensor_high = Counts(16_381)),
             ("no lease", |a| a.lease_frames = 0),
+            ("a lease of hours", |a| {
+                a.lease_frames = LONGEST_LEASE_FRAMES + 1;
+            }),
         ];
         for (name, change) in bad {
             let mut arm = widest;
@@ -160,6 +173,50 @@ mod tests {
                 "{name}"
             );
         }
+    }
+
+    /// Every combination of values at and beside every limit, against the rule in plain words.
+    #[test]
+    fn every_combination_around_the_limits_is_judged_by_the_rule() {
+        let pulses = [0, 799, 800, 801, 1_500, 2_199, 2_200, 2_201, u16::MAX].map(PulseWidth);
+        let counts = [0, 1, 8_190, 16_379, 16_380, 16_381, u16::MAX].map(Counts);
+        let leases = [0, 1, 249, 250, 251, u16::MAX];
+        let mut accepted = 0;
+        for shortest in pulses {
+            for neutral in pulses {
+                for longest in pulses {
+                    for (low, high) in counts.iter().flat_map(|&l| counts.map(|h| (l, h))) {
+                        for lease_frames in leases {
+                            let arm = Arm {
+                                neutral,
+                                shortest,
+                                longest,
+                                sensor_low: low,
+                                sensor_high: high,
+                                lease_frames,
+                                ..arm()
+                            };
+                            let pulses_are_good = shortest.0 >= 800
+                                && shortest <= neutral
+                                && neutral <= longest
+                                && longest.0 <= 2_200;
+                            let good = pulses_are_good
+                                && low < high
+                                && high <= FULL_SCALE
+                                && (1..=250).contains(&lease_frames);
+                            let found = Limits::new(&arm, FULL_SCALE);
+                            assert_eq!(found.is_ok(), good, "{arm:?}");
+                            accepted += u32::from(good);
+                            let Ok(limits) = found else { continue };
+                            // Whatever it was armed with, a rail is healthy for nobody.
+                            assert!(!limits.is_healthy(Counts(0)));
+                            assert!(!limits.is_healthy(FULL_SCALE));
+                        }
+                    }
+                }
+            }
+        }
+        assert!(accepted > 0);
     }
 
     #[test]

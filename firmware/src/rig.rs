@@ -21,12 +21,13 @@
 //!
 //! | transition | needs                                                                                |
 //! |------------|--------------------------------------------------------------------------------------|
-//! | -> Armed   | an equal schema hash; [`Limits`] within the board's; every sample of the newest frame in the sensor's range, and the board's supply not too low in it |
-//! | -> Running | a reference that is well formed, fits the frame index and stays within the limits; a run number other than the last; sensor and supply as for arming |
+//! | -> Armed   | a new request of the session at most 2 s ago; an equal schema hash; [`Limits`] within the board's; every sample of the newest frame in the sensor's range, and the board's supply not too low in it |
+//! | -> Running | a new request of the session at most 2 s and one lease ago; a reference that is well formed, fits the frame index and stays within the limits; a run number other than the last; sensor and supply as for arming |
 //!
 //! # Leases
 //!
-//! Every admitted request of the open session, repeated ones included, begins a new lease. The frame in which the
+//! Every admitted request of the open session, repeated ones included, begins a new lease, but for one that came too
+//! late to arm or to start. The frame in which the
 //! lease lapses ends the run, and the next frame is at neutral.
 //!
 //! During the lease the session holds the rig, unless the rig is idle: a `Hello` of another session is answered, but
@@ -42,12 +43,16 @@ use crate::session::{Admission, Session};
 use crate::supply_meter::SupplyMeter;
 use servoid_protocol::health::{Health, LastFault};
 use servoid_protocol::hello::Text16;
+use servoid_protocol::lease::LEASE_FRAMES;
 use servoid_protocol::message::{
     Activity, Arm, Command, EndReason, Ended, Outcome, Refusal, Request, RigMessage, Start, Status,
 };
 use servoid_protocol::schema::{PROTOCOL_VERSION, SCHEMA_HASH};
 use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
 use servoid_protocol::{Counts, Hello, PulseWidth};
+
+/// The outcome of a request that came so late that its host may be gone.
+const TOO_LATE: Outcome = Outcome::Refused(Refusal::LeaseLapsed);
 
 /// The state of the rig.
 #[derive(Debug)]
@@ -71,6 +76,8 @@ pub struct Rig {
     newest: Option<CapturedFrame>,
     /// Number of the newest frame at the last request that renewed the lease.
     heard_at: u32,
+    /// The same at the last one that was no copy of the one before.
+    newly_heard_at: u32,
     frames_lost: u32,
     rejects: u32,
     chip: ChipIdentity,
@@ -90,6 +97,7 @@ impl Rig {
             outbox: Outbox::default(),
             newest: None,
             heard_at: 0,
+            newly_heard_at: 0,
             frames_lost: 0,
             rejects: 0,
             chip: identity.chip,
@@ -155,10 +163,16 @@ impl Rig {
                     Err(refusal) => Outcome::Refused(refusal),
                 };
                 self.session.settle(request, outcome);
+                if outcome != TOO_LATE {
+                    self.newly_heard_at = self.newest_number();
+                }
                 outcome
             }
         };
-        self.heard_at = self.newest.map_or(0, |frame| frame.number);
+        // What the line held back for so long is no sign of life.
+        if outcome != TOO_LATE {
+            self.heard_at = self.newest_number();
+        }
         self.outbox.answer(match request.command {
             Command::Hello => Answer::Hello,
             Command::Status => Answer::Status,
@@ -207,6 +221,23 @@ impl Rig {
                 id,
                 outcome,
             },
+        }
+    }
+
+    fn newest_number(&self) -> u32 {
+        self.newest.map_or(0, |frame| frame.number)
+    }
+
+    /// Requires a host that was alive a moment ago: within `lease_frames`, and within [`LEASE_FRAMES`].
+    ///
+    /// A line may hold back what a host said last, and deliver it when the host is gone. A copy of a request is no
+    /// proof of life, since the line may hold back that too.
+    fn require_alive(&self, lease_frames: u16) -> Result<(), Refusal> {
+        let silent = self.newest_number().wrapping_sub(self.newly_heard_at);
+        if silent < u32::from(lease_frames.min(LEASE_FRAMES)) {
+            Ok(())
+        } else {
+            Err(Refusal::LeaseLapsed)
         }
     }
 
@@ -284,6 +315,7 @@ impl Rig {
         if arm.schema_hash != SCHEMA_HASH {
             return Err(Refusal::SchemaDiffers);
         }
+        self.require_alive(LEASE_FRAMES)?;
         let limits = Limits::new(arm, Counts(self.hello.full_scale_counts))?;
         self.require_healthy(&limits)?;
         self.state = State::Armed(limits);
@@ -296,6 +328,7 @@ impl Rig {
             State::Running(..) => return Err(Refusal::Running),
             State::Armed(limits) | State::Ended(limits, _) => *limits,
         };
+        self.require_alive(limits.lease_frames)?;
         let frames = limits.admit(start)?;
         if self.history.run() == Some(start.run) {
             return Err(Refusal::RunRepeated);

@@ -93,6 +93,31 @@ mod tests {
         }
     }
 
+    /// Every id, against every place of the newest one that may make a difference, for both kinds of requests.
+    #[test]
+    fn every_id_is_the_newest_a_newer_one_or_an_older_one() {
+        for newest in [0, 1, 0x7ffe, 0x7fff, 0x8000, u16::MAX] {
+            let mut session = Session::default();
+            session.settle(&request(1, newest, Command::Hello), Outcome::Done);
+            let half = |from: u32| (from..from + 0x7fff).map(|id| (u32::from(newest) + id) as u16);
+            let mut seen = 1;
+            let admit = |id, command| session.admit(&request(1, id, command), true);
+            for command in [Command::KeepAlive, Command::Hello] {
+                assert_eq!(admit(newest, command), Admission::Again(Outcome::Done));
+                for id in half(1) {
+                    assert_eq!(admit(id, command), Admission::New, "{newest} {id}");
+                    seen += 1;
+                }
+                for id in half(0x8000).chain([newest.wrapping_sub(1)]) {
+                    let outdated = Admission::Refused(Refusal::Outdated);
+                    assert_eq!(admit(id, command), outdated, "{newest} {id}");
+                    seen += 1;
+                }
+            }
+            assert_eq!(seen, 2 * 0xffff + 1);
+        }
+    }
+
     #[test]
     fn only_a_hello_opens_a_session_and_its_late_copy_does_not_reopen_it() {
         let mut session = Session::default();

@@ -35,7 +35,7 @@ fuzz_target!(|text: &str| {
     let input: Vec<f64> = (0..200).map(|k| f64::from(k / 7 % 2)).collect();
     let record = Record::from_slices(model.sample_period_s, &input, &input);
     if let Ok(found) = record.and_then(|record| model.validate(&record)) {
-        let _ = summary::of_validation(&found, None, &model.advice);
+        let _ = summary::of_validation(&found, None, None, &model.advice);
     }
     for (a, b) in [(&*OTHER, &model), (&model, &*OTHER), (&model, &model)] {
         let found = compare_models(a, b, &ComparisonOptions::default());
@@ -46,6 +46,7 @@ fuzz_target!(|text: &str| {
             first: first.part(),
             second: Some(second.part()),
             comparison: found.as_ref().ok(),
+            servo_models: None,
             paper: &[],
         });
         // A number that grew beyond all bounds has no form in JSON.

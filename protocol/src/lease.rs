@@ -10,7 +10,11 @@ use core::time::Duration;
 /// second, and is short enough for a servo that pushes against something.
 pub const LEASE_FRAMES: u16 = (2 * FRAMES_PER_SECOND) as u16;
 
-/// The same as a time.
+/// The longest lease that a rig grants (frames): five seconds. What was commanded goes on for no longer after
+/// its host has died.
+pub const LONGEST_LEASE_FRAMES: u16 = (5 * FRAMES_PER_SECOND) as u16;
+
+/// [`LEASE_FRAMES`] as a time. A rig arms and begins a run for no longer than this after a sign of life.
 pub const LEASE: Duration = Duration::from_micros(LEASE_FRAMES as u64 * FRAME_US as u64);
 
 /// Time between keep-alives: four in a lease, so three in a row may be lost.

@@ -188,6 +188,8 @@ pub enum Refusal {
     RunRepeated,
     /// The board's own supply is too low for exact readings.
     SupplyLow,
+    /// Too long after the last sign of life of the host: it may be a request of one that is gone.
+    LeaseLapsed,
 }
 
 /// One PWM frame of a run: the *applied* pulse, and the samples taken during it.

@@ -60,13 +60,15 @@ pub struct SampleNoise {
     pub conversions: [f64; OVERSAMPLING],
 }
 
-/// A fault of the sensor's wire.
+/// A fault of the sensor or its wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
     /// The signal wire is off: the divider pulls the input to 0 V.
     Open,
     /// The signal wire touches the supply: 5 V.
     Short,
+    /// The sensor gives the middle of its range for ever, without noise.
+    Frozen,
 }
 
 /// A fault, and for how long.
@@ -92,7 +94,7 @@ impl SensorFault {
 /// A text that names no fault of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "write open or short, @ and the second from which on, such as open@3.5, or open@3.5-6 if it is repaired at 6 s"
+    "write open, short or frozen, @ and the second from which on, such as open@3.5, or open@3.5-6 if it is repaired at 6 s"
 )]
 pub struct SensorFaultError;
 
@@ -108,6 +110,7 @@ impl FromStr for SensorFault {
         let kind = match kind {
             "open" => FaultKind::Open,
             "short" => FaultKind::Short,
+            "frozen" => FaultKind::Frozen,
             _ => return Err(SensorFaultError),
         };
         let (from, until) = match when.split_once('-') {
@@ -138,18 +141,24 @@ impl HallSensor {
     /// The conversions of one sample of `angle` (deg) at `at`.
     pub fn convert(&self, at: Duration, angle: f64, noise: &SampleNoise) -> [u16; OVERSAMPLING] {
         let volts = self.volts(at, angle + noise.shared);
-        noise
-            .conversions
-            .map(|own| code(volts + own * VOLTS_PER_DEGREE))
+        let own_noise = match self.fault(at) {
+            Some(FaultKind::Frozen) => 0.0,
+            _ => VOLTS_PER_DEGREE,
+        };
+        noise.conversions.map(|own| code(volts + own * own_noise))
+    }
+
+    fn fault(&self, at: Duration) -> Option<FaultKind> {
+        let there = self.faults.iter().find(|fault| fault.is_there(at));
+        there.map(|fault| fault.kind)
     }
 
     /// The voltage on the sensor's wire (V).
     fn volts(&self, at: Duration, angle: f64) -> f64 {
-        match self.faults.iter().find(|fault| fault.is_there(at)) {
-            Some(fault) => match fault.kind {
-                FaultKind::Open => 0.0,
-                FaultKind::Short => 5.0,
-            },
+        match self.fault(at) {
+            Some(FaultKind::Open) => 0.0,
+            Some(FaultKind::Short) => 5.0,
+            Some(FaultKind::Frozen) => MIDDLE,
             None => (MIDDLE + self.gain * (angle - self.zero) * VOLTS_PER_DEGREE)
                 .clamp(LIMITS.0, LIMITS.1),
         }
@@ -233,6 +242,7 @@ mod tests {
         assert_eq!(sample(&["open@2"], 0.0), Counts(0));
         assert_eq!(sample(&["short@2"], 0.0), FULL_SCALE);
         assert_eq!(sample(&["open@3"], 0.0), Counts(8192));
+        assert_eq!(sample(&["frozen@2"], 20.0), Counts(8192));
         assert_eq!(sample(&["open@1-2"], 0.0), Counts(8192));
         assert_eq!(sample(&["open@1-2", "short@2-3"], 0.0), FULL_SCALE);
         assert!(FULL_SCALE <= Counts::MAX_TWO_BYTES);

@@ -78,6 +78,8 @@ pub struct Bench {
     pub reset_at: Option<Duration>,
     /// Messages that the rig sends and that never arrive.
     pub drops: fn(&RigMessage) -> bool,
+    /// What becomes of messages of the rig.
+    pub alters: fn(RigMessage) -> RigMessage,
     /// What the board sampled.
     pub log: Vec<CapturedFrame>,
     /// What the client sent, and when.
@@ -104,6 +106,7 @@ impl Bench {
             host_sleeps: Duration::ZERO..Duration::ZERO,
             reset_at: None,
             drops: |_| false,
+            alters: |message| message,
             log: Vec::new(),
             sent: Vec::new(),
         }
@@ -168,6 +171,20 @@ impl Bench {
         }
     }
 
+    /// Lets time go on without a host: what comes for it is lost.
+    pub fn pass(&mut self, time: Duration) {
+        let end = self.now + time;
+        while self.now < end {
+            self.go_on(None, end);
+            while self.to_host.receive(self.now).is_some() {}
+        }
+    }
+
+    /// Whether pulses are on.
+    pub fn has_pulses(&self) -> bool {
+        self.rig.is_armed()
+    }
+
     fn collect(&mut self, client: &mut Client, events: &mut Vec<Event>) {
         while let Some(bytes) = client.poll_transmit() {
             let mut decoder = Decoder::new();
@@ -223,11 +240,14 @@ impl Bench {
     }
 
     fn send(&mut self) {
-        let (now, drops, line) = (self.now, self.drops, &mut self.to_host);
+        let (now, drops, alters, line) = (self.now, self.drops, self.alters, &mut self.to_host);
         let mut buffer = [0; framing::MAX_WIRE];
         self.rig.send(|message| {
             if !drops(message) {
-                line.send(framing::encode(message, &mut buffer).unwrap(), now);
+                line.send(
+                    framing::encode(&alters(*message), &mut buffer).unwrap(),
+                    now,
+                );
             }
             true
         });

@@ -3,6 +3,8 @@
 
 mod bad_lines;
 mod bench;
+mod late;
+mod lies;
 mod line;
 mod runs;
 mod sessions;

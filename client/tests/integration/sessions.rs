@@ -3,6 +3,7 @@
 use crate::bench::{Bench, FRAME, arm, ms, run};
 use servoid_client::{Answer, ClientError, Event};
 use servoid_protocol::lease::LEASE;
+use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
 use servoid_protocol::message::{Command, RigMessage};
 
 #[test]
@@ -63,7 +64,7 @@ fn a_rig_whose_host_goes_on_is_not_had() {
     bench.armed().unwrap();
     // As if the first host kept it alive: a lease that is longer than any patience.
     let long = servoid_protocol::message::Arm {
-        lease_frames: 1_000,
+        lease_frames: LONGEST_LEASE_FRAMES,
         ..arm()
     };
     bench.other_host(1, 100, Command::Arm(long));
@@ -103,7 +104,7 @@ fn a_run_of_another_program_that_goes_on_is_left_alone() {
     let mut bench = Bench::new();
     bench.armed().unwrap();
     let long = servoid_protocol::message::Arm {
-        lease_frames: 1_000,
+        lease_frames: LONGEST_LEASE_FRAMES,
         ..arm()
     };
     bench.other_host(1, 100, Command::Arm(long));

@@ -3,6 +3,7 @@
 mod arming;
 mod ends;
 mod everything;
+mod late;
 mod link;
 mod losses;
 mod model;
@@ -14,13 +15,14 @@ mod walk;
 use super::*;
 use crate::board::Supply;
 use servoid_protocol::hello::{ClockSource, ResetCause};
+use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
 use servoid_protocol::message::{Frame, RunCheck};
 use servoid_protocol::reference::{Reference, Staircase};
 
 const HEALTHY: [Counts; 10] = [Counts(8_000); 10];
 const SICK: Counts = Counts(100);
 const NEUTRAL: PulseWidth = PulseWidth(1_500);
-const LEASE: u16 = 1_000;
+const LEASE: u16 = LONGEST_LEASE_FRAMES;
 
 fn identity() -> Identity {
     Identity {
@@ -129,6 +131,26 @@ impl Bench {
         }
     }
 
+    /// The host is alive, and its sign of life is answered later.
+    fn sign_of_life(&mut self) {
+        self.id = self.id.wrapping_add(1);
+        self.rig.on_request(&Request {
+            session: 1,
+            id: self.id,
+            command: Command::KeepAlive,
+        });
+    }
+
+    /// Frames with a host that renews its lease.
+    fn frames_alive(&mut self, count: usize) {
+        for frame in 0..count {
+            if frame % usize::from(LEASE / 2) == 0 {
+                self.sign_of_life();
+            }
+            self.frame();
+        }
+    }
+
     /// A frame in which `applied` was on the line, and after it what the rig asks for.
     fn frame_with(&mut self, applied: Option<PulseWidth>, samples: [Counts; 10]) {
         self.on_line = self.rig.on_frame(&CapturedFrame {
@@ -141,9 +163,12 @@ impl Bench {
         self.flush();
     }
 
-    /// Frames while the link takes nothing.
+    /// Frames while the link takes nothing to the host, which is alive.
     fn frames_unsent(&mut self, count: usize) {
-        for _ in 0..count {
+        for frame in 0..count {
+            if (frame + 1) % usize::from(LEASE / 2) == 0 {
+                self.sign_of_life();
+            }
             self.on_line = self.rig.on_frame(&CapturedFrame {
                 number: self.number,
                 pulse: self.on_line,

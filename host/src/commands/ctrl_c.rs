@@ -3,21 +3,55 @@
 use crate::presentation::scope::terminal;
 use anyhow::{Context, Result};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
+static IN_TIME: AtomicBool = AtomicBool::new(false);
+
+/// Time for a run to stop and its file to be closed, from the signal on. Whatever blocks then, such as a terminal
+/// or a file system, is left to itself.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// 128 + SIGINT, as shells report a program that Ctrl-C has ended.
+const INTERRUPTED: i32 = 130;
 
 /// From now on [`asked`] reports the first Ctrl-C, SIGTERM or SIGHUP, and the second one ends the program at once.
 pub(super) fn listen() -> Result<()> {
     ctrlc::set_handler(ask).context("Ctrl-C cannot be caught")
 }
 
+/// From now on [`asked`] reports the first Ctrl-C, SIGTERM or SIGHUP, and the program ends within a second of it.
+/// Further signals change nothing, so that two at once cannot leave a recording without its last line.
+pub(super) fn listen_in_a_run() -> Result<()> {
+    IN_TIME.store(true, Ordering::SeqCst);
+    // A write beyond the largest file that is allowed is to be an error, and not the end of the program.
+    #[cfg(unix)]
+    signal_hook::flag::register(
+        signal_hook::consts::SIGXFSZ,
+        std::sync::Arc::new(AtomicBool::new(false)),
+    )
+    .context("SIGXFSZ cannot be caught")?;
+    listen()
+}
+
 /// The effect of such a signal, or of a key that stands for one.
 pub(super) fn ask() {
-    if ASKED.swap(true, Ordering::SeqCst) {
-        terminal::give_back();
-        // 128 + SIGINT, as shells report a program that Ctrl-C has ended.
-        std::process::exit(130);
+    let again = ASKED.swap(true, Ordering::SeqCst);
+    if !IN_TIME.load(Ordering::SeqCst) {
+        if again {
+            end();
+        }
+    } else if !again {
+        std::thread::spawn(|| {
+            std::thread::sleep(GRACE);
+            end();
+        });
     }
+}
+
+fn end() -> ! {
+    terminal::give_back();
+    std::process::exit(INTERRUPTED);
 }
 
 /// Whether the program has been asked to end.

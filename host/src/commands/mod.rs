@@ -14,6 +14,7 @@ mod init;
 mod input;
 mod man;
 mod output;
+mod partial_recording;
 mod plan;
 mod ports;
 mod prompts;
@@ -28,7 +29,8 @@ mod simulate;
 mod validate;
 mod value_parsers;
 
-pub use output::print_remark;
+pub use output::{print_remark, print_result};
+pub use partial_recording::PartialRecording;
 
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};

@@ -7,14 +7,51 @@ use anyhow::{Context, Result};
 use clap::Args;
 use clap::error::ErrorKind;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// Letters of a remark, at most: a file may have cells of megabytes, and a remark may quote them.
+const LONGEST_REMARK: usize = 10_000;
+
 /// Prints a line on standard error. A closed pipe or a terminal that is gone must not end a run on a servo, so
 /// an error is ignored.
 pub fn print_remark(line: impl Display) {
-    let _nobody_listens = writeln!(std::io::stderr(), "{line}");
+    let line = line.to_string();
+    let line = harmless(&line);
+    let _nobody_listens = match line.char_indices().nth(LONGEST_REMARK) {
+        None => writeln!(std::io::stderr(), "{line}"),
+        Some((end, _)) => {
+            let begin = line.get(..end).unwrap_or_default();
+            writeln!(std::io::stderr(), "{begin} ... (and so on)")
+        }
+    };
+}
+
+/// Prints a result on standard output.
+///
+/// # Errors
+/// Those of standard output.
+pub fn print_result(result: &str) -> std::io::Result<()> {
+    std::io::stdout().write_all(harmless(result).as_bytes())
+}
+
+/// A text that a terminal only shows. Names of files and what files say may hold commands for it, or turn the
+/// direction of the text around; these are written as JSON writes them.
+fn harmless(text: &str) -> Cow<'_, str> {
+    let acts = |letter: char| {
+        (letter.is_control() && !matches!(letter, '\n' | '\t'))
+            || matches!(letter, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    if !text.contains(acts) {
+        return Cow::Borrowed(text);
+    }
+    let shown = |letter: char| match acts(letter) {
+        true => format!("\\u{:04x}", u32::from(letter)),
+        false => letter.to_string(),
+    };
+    Cow::Owned(text.chars().map(shown).collect())
 }
 
 /// Prints an error as clap prints its own, and ends the program with exit code 2.

@@ -4,16 +4,14 @@ use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
-/// Most bytes that are read from a pipe or a device: ten hours of rows. Without an end to
-/// it, a device such as `/dev/zero` would take all of the memory.
-const MOST_FROM_A_STREAM: u64 = 1 << 30;
+/// Most bytes that are read: hours of rows. Without an end to it, a device such as `/dev/zero` would take all of the
+/// memory, and so would a file that is mostly a hole.
+const MOST: u64 = 1 << 28;
 
-/// Reads all of a file, or of a pipe; fails with [`ErrorKind::FileTooLarge`] for a stream that does not end.
+/// Reads all of a file, or of a pipe; fails with [`ErrorKind::FileTooLarge`] for what is longer than 256 MiB, or does
+/// not end.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
-    if path.metadata()?.is_file() {
-        return std::fs::read(path);
-    }
-    read_at_most(File::open(path)?, MOST_FROM_A_STREAM)
+    read_at_most(File::open(path)?, MOST)
 }
 
 fn read_at_most(stream: impl Read, most: u64) -> Result<Vec<u8>> {
@@ -22,7 +20,7 @@ fn read_at_most(stream: impl Read, most: u64) -> Result<Vec<u8>> {
     if bytes.len() as u64 > most {
         return Err(Error::new(
             ErrorKind::FileTooLarge,
-            "it is no file, and does not end",
+            "it is longer than 256 MiB, or does not end",
         ));
     }
     Ok(bytes)

@@ -10,6 +10,7 @@ pub(crate) mod clock_error;
 pub(crate) mod degrees;
 mod file_error;
 pub(crate) mod fingerprint;
+mod frozen_sensor;
 pub(crate) mod held_out;
 pub(crate) mod input_file;
 pub(crate) mod model_metadata;
@@ -19,5 +20,6 @@ pub(crate) mod units;
 
 pub use degrees::DegreeScale;
 pub use file_error::FileError;
+pub use frozen_sensor::{FrozenSensor, StandStill};
 pub use model_metadata::ModelMetadata;
 pub use units::Units;

@@ -1,6 +1,6 @@
 //! Captures through the byte link, on simulated servos.
 
-use crate::support::{arg, refusal, run};
+use crate::support::{arg, refusal, run, servoid};
 use servoid::data::DegreeScale;
 use servoid::data::dataset::{DatasetOptions, load};
 use servoid::data::recording::{Completeness, Recording};
@@ -109,6 +109,40 @@ fn a_sensor_that_breaks_ends_the_run_and_keeps_the_rows() {
     );
 }
 
+/// Its readings are within the healthy range, and they never change.
+#[test]
+fn a_sensor_that_freezes_is_found_in_the_run_in_its_file_and_by_identify() {
+    let dir = tempfile::tempdir().unwrap();
+    let (file, model) = (dir.path().join("x.csv"), dir.path().join("x.json"));
+    let port = "sim:bench?fault=frozen@3-5.6";
+    let capture = ["capture", "--port", port, "--plain", "-o", arg(&file)];
+    let output = servoid(&capture).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(said.contains("THE SENSOR'S READING STANDS STILL"), "{said}");
+    assert!(said.contains("stood still at"), "{said}");
+    let recording = Recording::read(&file).unwrap();
+    let Completeness::Partial(reason) = &recording.completeness else {
+        panic!("it is partial")
+    };
+    assert!(reason.contains("for 2.6 s"), "{reason}");
+    assert_eq!(recording.rows.len(), 4_400);
+    // What it said is not taken for motion either.
+    let data = load(std::slice::from_ref(&file), &DatasetOptions::default()).unwrap();
+    assert!(
+        (1_250..1_350).contains(&data.record.missing()),
+        "{:?}",
+        data.about.remarks
+    );
+    let output = servoid(&["identify", arg(&file), "-o", arg(&model)])
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("stood still at"), "{said}");
+    let model = std::fs::read_to_string(&model).unwrap();
+    assert!(model.contains("\"frozen_sensor\""), "{model}");
+}
+
 #[test]
 fn remarks_with_line_ends_and_quotes_survive() {
     let dir = tempfile::tempdir().unwrap();
@@ -166,7 +200,7 @@ fn end_by(signal: &str) {
             .success()
     );
     let status = child.wait().unwrap();
-    assert!(status.success(), "{signal}: {status}");
+    assert_eq!(status.code(), Some(3), "{signal}: {status}");
     let recording = Recording::read(&file).unwrap();
     let Completeness::Partial(reason) = &recording.completeness else {
         panic!("it is partial")

@@ -21,7 +21,7 @@ fn files_that_are_not_what_they_should_be() {
     let rows = good_rows(400);
     let cases = [
         ("empty.csv", String::new(), "empty"),
-        ("noise.csv", "\u{0}\u{1}\u{2}".repeat(99), "column"),
+        ("noise.csv", "\u{0}\u{1}\u{2}".repeat(99), "bytes of zero"),
         ("missing.csv", format!("a,y\n{rows}"), "no column \"u\""),
         ("inf.csv", format!("u,y\n{rows}1,inf\n"), "line 402"),
         ("text.csv", format!("u,y\nup,1\n{rows}"), "\"up\""),

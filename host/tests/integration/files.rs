@@ -24,14 +24,16 @@ fn frame(index: u16) -> Frame {
     }
 }
 
+const NOTES: &str = "a \"quoted\" remark, # and all";
+
 /// A recording of four frames in which nothing depends on the clock, nor on what this program takes
 /// a rig to be where nothing is given.
-fn small(path: &Path, ending: Option<&Ending>) {
+fn small(path: &Path, notes: &str, ending: Option<&Ending>) {
     let header = Header {
         servoid: "0.1.0".to_owned(),
         started: "2026-01-02T03:04:05Z".to_owned(),
         condition: "bench".to_owned(),
-        notes: "a \"quoted\" remark, # and all".to_owned(),
+        notes: notes.to_owned(),
         neutral_us: 1_500,
         us_per_degree: 10.0,
         zero_counts: 8_190.0,
@@ -50,7 +52,7 @@ fn small(path: &Path, ending: Option<&Ending>) {
 fn small_bytes(ending: Option<&Ending>) -> Vec<u8> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("small.csv");
-    small(&path, ending);
+    small(&path, NOTES, ending);
     std::fs::read(&path).unwrap()
 }
 
@@ -72,7 +74,7 @@ fn require_rows_of(found: &Recording, original: &Recording, what: &str) {
 
 #[test]
 fn todays_format_is_what_it_was() {
-    let golden = std::fs::read(data("recording-format-3.csv")).unwrap();
+    let golden = std::fs::read(data("recording-format-3-check.csv")).unwrap();
     assert_eq!(
         FORMAT, 3,
         "a new format needs a golden file of its own, and this one stays"
@@ -88,6 +90,7 @@ fn recordings_of_every_format_are_read() {
         ("recording-format-2.csv", 2),
         ("recording-format-2-end-crc.csv", 2),
         ("recording-format-3.csv", 3),
+        ("recording-format-3-check.csv", 3),
     ] {
         let recording = Recording::read(&data(name)).unwrap();
         assert_eq!(recording.completeness, Completeness::Complete, "{name}");
@@ -104,6 +107,23 @@ fn recordings_of_every_format_are_read() {
         assert_eq!(reference[39], 7.5);
         assert_eq!(position[0], -1.7399);
     }
+}
+
+/// Rows of another recording with the same scales, in a file that was never closed: each of them is right in itself.
+#[test]
+fn rows_of_another_recording_are_not_taken_for_its_own() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = |notes: &str| {
+        let path = dir.path().join(format!("{notes}.csv"));
+        small(&path, notes, None);
+        std::fs::read_to_string(&path).unwrap()
+    };
+    let (ours, theirs) = (text("ours"), text("theirs"));
+    let ten = |text: &str| text.find("\n10,").unwrap() + 1;
+    let spliced = format!("{}{}", &ours[..ten(&ours)], &theirs[ten(&theirs)..]);
+    assert!(parse(ours.as_bytes()).is_ok());
+    let refused = parse(spliced.as_bytes()).unwrap_err().to_string();
+    assert!(refused.contains("check"), "{refused}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::support::data;
 use proptest::prelude::*;
 use servoid::data::rig_file::RigFile;
 use servoid::data::table::Table;
-use servoid_protocol::{Degrees, PulseWidth};
+use servoid_protocol::{Decoder, Degrees, PulseWidth, Request, RigMessage, framing};
 use servoid_test_support::trials::any_bytes::read_as_a_recording;
 use std::path::Path;
 
@@ -31,6 +31,49 @@ fn nearly(original: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
 
 fn golden(format: u32) -> Vec<u8> {
     std::fs::read(data(&format!("recording-format-{format}.csv"))).unwrap()
+}
+
+/// The seeds of the fuzz targets, each as what it is a seed of; those of models and data sets need files and options,
+/// and are read as recordings and tables.
+#[test]
+fn the_seeds_of_the_fuzz_targets_have_their_properties() {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus");
+    let mut seeds = 0;
+    for target in [
+        "csv_table",
+        "dataset",
+        "frame_decoder",
+        "model_file",
+        "recording",
+        "rig_file",
+    ] {
+        for entry in std::fs::read_dir(corpus.join(target)).unwrap() {
+            let bytes = std::fs::read(entry.unwrap().path()).unwrap();
+            seeds += 1;
+            read_as_a_recording(&bytes);
+            if let Ok(table) = Table::parse(bytes.clone()) {
+                let names = table.columns().to_vec();
+                let both = [names[0].as_str(), names[names.len() - 1].as_str()];
+                if let Ok(columns) = table.numbers(&both) {
+                    assert_eq!(columns[0].len(), columns[1].len(), "{target}");
+                }
+            }
+            if let Ok(text) = std::str::from_utf8(&bytes)
+                && let Ok(rig) = RigFile::parse(text, Path::new("rig.toml"))
+            {
+                assert!(rig.sensor.healthy_counts.is_sorted(), "{target}");
+            }
+            let (mut to_rig, mut to_host) = (Decoder::new(), Decoder::new());
+            for byte in bytes {
+                let request = to_rig.push::<Request>(byte);
+                let message = to_host.push::<RigMessage>(byte);
+                let mut wire = [0; framing::MAX_WIRE];
+                assert!(request.is_none_or(|it| framing::encode(&it, &mut wire).is_ok()));
+                assert!(message.is_none_or(|it| framing::encode(&it, &mut wire).is_ok()));
+            }
+        }
+    }
+    assert!(seeds >= 30, "{seeds}");
 }
 
 proptest! {

@@ -13,9 +13,13 @@ mod files;
 mod foreign;
 mod help;
 mod hostile;
+#[cfg(unix)]
+mod hostile_surroundings;
 mod identify;
 mod init;
 mod linearity;
+#[cfg(unix)]
+mod mixes;
 mod models;
 mod no_bounds;
 mod plan;

@@ -26,6 +26,11 @@ pub struct Session {
 impl Session {
     /// Starts `servoid` with these arguments.
     pub fn begin(args: &[&str]) -> Self {
+        Self::begin_on("xterm-256color", args)
+    }
+
+    /// The same on a terminal of this kind.
+    pub fn begin_on(kind: &str, args: &[&str]) -> Self {
         let controller = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
         grantpt(&controller).unwrap();
         unlockpt(&controller).unwrap();
@@ -44,7 +49,7 @@ impl Session {
             .arg("--ctty")
             .arg(env!("CARGO_BIN_EXE_servoid"))
             .args(args)
-            .env("TERM", "xterm-256color")
+            .env("TERM", kind)
             .stdin(open())
             .stdout(open())
             .stderr(open())
@@ -112,6 +117,20 @@ impl Session {
     /// Lets the terminal take nothing any more, once its buffer is full, as a connection that hangs.
     pub fn hold(&self) {
         self.held.store(true, Ordering::SeqCst);
+    }
+
+    /// Fills the terminal's buffer, so that the next byte of the program has to wait.
+    pub fn fill(&self) {
+        use rustix::fs::OFlags;
+        let name = rustix::termios::ttyname(&self.terminal, Vec::new()).unwrap();
+        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK;
+        // A file of its own: the program's must go on waiting.
+        let own = rustix::fs::open(name.as_c_str(), flags, rustix::fs::Mode::empty()).unwrap();
+        // The reader takes what is there before it holds.
+        for _ in 0..20 {
+            while rustix::io::write(&own, &[b'.'; 64]).is_ok() {}
+            std::thread::sleep(Duration::from_millis(10));
+        }
     }
 
     /// Whether the terminal is as it was before the program began.

@@ -83,6 +83,8 @@ pub enum Check {
     Unproved,
     /// The recording's clock was inexact, so all its times are.
     InexactClock,
+    /// Stretches in which the sensor's reading stood still though the command changed.
+    FrozenSensor,
     /// One that this version does not know.
     #[serde(untagged)]
     Other(String),

@@ -3,18 +3,17 @@
 
 use servoid::data::DegreeScale;
 use servoid::data::recording::{Recording, RecordingTarget, RecordingWriter, recover};
-use std::cell::RefCell;
 use std::io::{Result, Write};
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 
 /// A target that keeps all bytes.
 #[derive(Clone, Default)]
-struct Memory(Rc<RefCell<Vec<u8>>>);
+struct Memory(Arc<Mutex<Vec<u8>>>);
 
 impl Write for Memory {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
-        self.0.borrow_mut().extend(bytes);
+        self.0.lock().unwrap().extend(bytes);
         Ok(bytes.len())
     }
 
@@ -25,7 +24,7 @@ impl Write for Memory {
 
 impl RecordingTarget for Memory {
     fn cut_to(&mut self, length: u64) -> Result<()> {
-        self.0.borrow_mut().truncate(length as usize);
+        self.0.lock().unwrap().truncate(length as usize);
         Ok(())
     }
 
@@ -55,7 +54,7 @@ pub fn read_as_a_recording(bytes: &[u8]) {
         return;
     };
     saved.write(writer).expect("memory takes all");
-    let bytes = memory.0.borrow();
+    let bytes = memory.0.lock().unwrap();
     let again = Recording::parse(&bytes, path).expect("what is saved reads well");
     assert_eq!(again.rows.len(), saved.rows());
 }

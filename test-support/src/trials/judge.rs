@@ -11,10 +11,9 @@ use servoid_protocol::message::Start;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_protocol::{Counts, PulseWidth};
 use servoid_simulator::SimulatedFrame;
-use std::cell::RefCell;
 use std::io::{Result as IoResult, Write};
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 
 /// How a trial went. Each is checked before it is returned: a trial that is silently wrong is an
 /// `Err` that describes it.
@@ -31,13 +30,13 @@ pub enum Outcome {
 /// A file in memory, of which the test keeps the other end, on a disk that has room for so much.
 #[derive(Clone)]
 pub struct Memory {
-    bytes: Rc<RefCell<Vec<u8>>>,
+    bytes: Arc<Mutex<Vec<u8>>>,
     room: usize,
 }
 
 impl Write for Memory {
     fn write(&mut self, bytes: &[u8]) -> IoResult<usize> {
-        let mut disk = self.bytes.borrow_mut();
+        let mut disk = self.bytes.lock().unwrap();
         let count = bytes.len().min(self.room - disk.len());
         disk.extend(bytes.iter().take(count));
         if count == 0 {
@@ -53,7 +52,7 @@ impl Write for Memory {
 
 impl RecordingTarget for Memory {
     fn cut_to(&mut self, length: u64) -> IoResult<()> {
-        self.bytes.borrow_mut().truncate(length as usize);
+        self.bytes.lock().unwrap().truncate(length as usize);
         Ok(())
     }
 
@@ -70,7 +69,7 @@ pub fn capture_to_disk(
     should_stop: &dyn Fn() -> bool,
     room: usize,
 ) -> (Result<Ending, CaptureError>, Option<Vec<u8>>) {
-    let bytes = Rc::default();
+    let bytes = Arc::default();
     let memory = Memory { bytes, room };
     let rig = RigFile::default();
     let capture = Capture { rig, start };
@@ -91,7 +90,7 @@ pub fn capture_to_disk(
         .expect("there is room for the header");
     let stop = || should_stop().then_some(StopReason::User);
     let end = capture.record(&mut client, writer, &stop, &mut |_| ());
-    let bytes = memory.bytes.borrow().clone();
+    let bytes = memory.bytes.lock().unwrap().clone();
     (end.map(|end| end.ending), Some(bytes))
 }
 
@@ -132,6 +131,14 @@ pub fn check(
             frames.len()
         )),
     }
+}
+
+/// Whether all rows are the board's, at one and the same place of its log.
+///
+/// # Errors
+/// How they differ.
+pub fn require_board_rows(recording: &Recording, log: &[SimulatedFrame]) -> Result<(), String> {
+    require_truth(&frames(recording)?, log)
 }
 
 /// Number, pulse and counts of one frame.

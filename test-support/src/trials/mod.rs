@@ -5,5 +5,6 @@ pub mod chaos;
 pub mod judge;
 pub mod kill;
 pub mod linearity;
+pub mod mixes;
 pub mod recordings;
 pub mod verdicts;

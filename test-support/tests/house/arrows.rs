@@ -24,6 +24,7 @@ const ROOMS: [(&str, &[&str]); 8] = [
     (
         "client",
         &[
+            "commanded",
             "error",
             "mismatch",
             "silence",

@@ -16,6 +16,7 @@ use servoid::instrument::rig::RigClient;
 use servoid_protocol::PulseWidth;
 use servoid_protocol::health::FaultKind;
 use servoid_protocol::hello::ResetCause;
+use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
 use servoid_protocol::message::{Arm, Command};
 use servoid_test_support::virtual_board::{FIRST_SAMPLE, FRAME, SharedBoard, arm, image, options};
 use virtual_board::cpu::Core;
@@ -182,7 +183,7 @@ fn at_neutral(width: u16) -> Arm {
         neutral: PulseWidth(width),
         shortest: PulseWidth(800),
         longest: PulseWidth(2_200),
-        lease_frames: 10_000,
+        lease_frames: LONGEST_LEASE_FRAMES,
         ..arm()
     }
 }

@@ -4,12 +4,13 @@
 //! as can be; each node of the tree of all sequences compares the rig with it, and looks at the line.
 
 use super::*;
+use servoid_protocol::lease::LEASE_FRAMES;
 
 const LEASE: u16 = 3;
 const DEPTH: usize = 6;
 
 /// What may happen next. A frame follows each of them.
-pub(super) const MOVES: [Move; 10] = [
+pub(super) const MOVES: [Move; 12] = [
     Move::Ask(1, Ask::Hello),
     Move::Ask(2, Ask::Hello),
     Move::Ask(1, Ask::Arm),
@@ -20,7 +21,12 @@ pub(super) const MOVES: [Move; 10] = [
     Move::Ask(1, Ask::Disarm),
     Move::Silence,
     Move::Sick,
+    Move::Late(Ask::Arm),
+    Move::Late(Ask::Start),
 ];
+
+/// Those in which nothing is held back.
+const MOVES_IN_TIME: &[Move] = MOVES.split_at(MOVES.len() - 2).0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Move {
@@ -29,6 +35,8 @@ pub(super) enum Move {
     Silence,
     /// The sensor fails in the frame that follows.
     Sick,
+    /// The line holds back what session 1 says, with a copy of its request before, until the host may be gone.
+    Late(Ask),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +70,10 @@ pub(super) struct Expected {
     phase: Phase,
     /// Frames since the last sign of life.
     silent: u16,
+    /// Frames since the last one that was no copy.
+    stale: u16,
+    /// The session's newest request was refused because it came too late.
+    lapsed: bool,
     /// Number of the last run that was accepted.
     run: Option<u16>,
     healthy: bool,
@@ -92,18 +104,30 @@ impl Expected {
             }
             self.session = Some(session);
             self.heard();
+            (self.stale, self.lapsed) = (0, false);
             return None;
         }
         if self.session != Some(session) {
             return Some(Outcome::Refused(Refusal::UnknownSession));
         }
         let outcome = self.carry_out(ask, run);
-        self.heard();
+        self.lapsed = outcome == Err(Refusal::LeaseLapsed);
+        if !self.lapsed {
+            self.heard();
+            self.stale = 0;
+        }
         Some(outcome.map_or_else(Outcome::Refused, |()| Outcome::Done))
     }
 
-    pub(super) fn heard(&mut self) {
+    fn heard(&mut self) {
         self.silent = 0;
+    }
+
+    /// A copy of the newest request renews the lease, but does not allow a start.
+    pub(super) fn heard_copy(&mut self) {
+        if !self.lapsed {
+            self.heard();
+        }
     }
 
     /// Whether another session has the rig, and its lease is not over.
@@ -123,6 +147,9 @@ impl Expected {
                 if ask == Ask::ArmOtherSchema {
                     return Err(Refusal::SchemaDiffers);
                 }
+                if self.stale >= LEASE_FRAMES {
+                    return Err(Refusal::LeaseLapsed);
+                }
                 if !self.healthy {
                     return Err(Refusal::SensorOutOfRange);
                 }
@@ -134,6 +161,9 @@ impl Expected {
                 }
                 if running {
                     return Err(Refusal::Running);
+                }
+                if self.stale >= LEASE {
+                    return Err(Refusal::LeaseLapsed);
                 }
                 if ask == Ask::StartTooFar {
                     return Err(Refusal::BeyondLimits);
@@ -160,6 +190,7 @@ impl Expected {
     fn frame(&mut self, healthy: bool) {
         self.healthy = healthy;
         self.silent = self.silent.saturating_add(1);
+        self.stale = self.stale.saturating_add(1);
         if let Phase::Running { frames } = &mut self.phase {
             *frames += 1;
             // The frame under way at the start is none of the run's.
@@ -173,6 +204,8 @@ impl Expected {
 #[derive(Clone)]
 pub(super) struct Node {
     pub(super) bench: Bench,
+    /// The session of the request before.
+    last_session: u16,
     pub(super) expected: Expected,
 }
 
@@ -182,6 +215,7 @@ impl Node {
             Move::Ask(session, ask) => self.ask(session, ask),
             Move::Silence => (0..LEASE).for_each(|_| self.frame(HEALTHY)),
             Move::Sick => {}
+            Move::Late(ask) => self.ask_late(ask),
         }
         self.frame(if step == Move::Sick {
             [SICK; 10]
@@ -197,6 +231,7 @@ impl Node {
         let expected = self.expected.ask(session, ask, next);
         self.bench.id = self.bench.id.wrapping_add(1);
         let already = self.bench.sent.len();
+        self.last_session = session;
         let outcome = self.bench.raw_request(session, self.bench.id, command);
         assert_eq!(outcome, expected, "{ask:?} of session {session}");
         if ask == Ask::Hello {
@@ -204,6 +239,25 @@ impl Node {
             let answer = &self.bench.sent[already..];
             assert!(answer.iter().any(|m| matches!(m, RigMessage::Hello(_))));
         }
+    }
+
+    /// Session 1 asks, and is heard when it has been silent for longer than any request is valid.
+    fn ask_late(&mut self, ask: Ask) {
+        // Frames that the board loses cost no time, and are time for a lease.
+        let unseen = LEASE_FRAMES - 1;
+        self.bench.lose(unseen.into());
+        self.expected.silent = self.expected.silent.saturating_add(unseen);
+        self.expected.stale = self.expected.stale.saturating_add(unseen);
+        if let Phase::Running { frames } = &mut self.expected.phase {
+            *frames += unseen;
+        }
+        self.frame(HEALTHY);
+        let copy = self.bench.id;
+        if self.expected.session == Some(1) && self.last_session == 1 {
+            self.bench.raw_request(1, copy, Command::KeepAlive);
+            self.expected.heard_copy();
+        }
+        self.ask(1, ask);
     }
 
     /// Another number than the last run's.
@@ -263,12 +317,12 @@ impl Node {
     }
 }
 
-fn explore(node: &Node, depth: usize, path: &mut Vec<Move>, visited: &mut u64) {
+fn explore(node: &Node, depth: usize, moves: &[Move], path: &mut Vec<Move>, visited: &mut u64) {
     *visited += 1;
     if depth == 0 {
         return;
     }
-    for step in MOVES {
+    for &step in moves {
         path.push(step);
         let mut next = node.clone();
         let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| next.make(step)));
@@ -276,7 +330,7 @@ fn explore(node: &Node, depth: usize, path: &mut Vec<Move>, visited: &mut u64) {
             eprintln!("after {path:?}");
             std::panic::resume_unwind(why);
         }
-        explore(&next, depth - 1, path, visited);
+        explore(&next, depth - 1, moves, path, visited);
         path.pop();
     }
 }
@@ -288,19 +342,34 @@ pub(super) fn root() -> Node {
         session: None,
         phase: Phase::Idle,
         silent: 0,
+        stale: 0,
+        lapsed: false,
         run: None,
         healthy: true,
     };
-    Node { bench, expected }
+    Node {
+        bench,
+        last_session: 0,
+        expected,
+    }
 }
 
 #[test]
 fn all_sequences_of_six_requests_follow_the_table() {
-    let root = root();
+    explore_all(DEPTH, MOVES_IN_TIME);
+}
+
+/// One fewer, with requests that a line holds back among them.
+#[test]
+fn all_sequences_of_five_requests_some_of_them_late_follow_the_table() {
+    explore_all(DEPTH - 1, &MOVES);
+}
+
+fn explore_all(depth: usize, moves: &[Move]) {
     let mut visited = 0;
-    explore(&root, DEPTH, &mut Vec::new(), &mut visited);
-    let all: u64 = (0..=DEPTH as u32)
-        .map(|depth| (MOVES.len() as u64).pow(depth))
+    explore(&root(), depth, moves, &mut Vec::new(), &mut visited);
+    let all: u64 = (0..=depth as u32)
+        .map(|depth| (moves.len() as u64).pow(depth))
         .sum();
     assert_eq!(visited, all);
 }

@@ -65,7 +65,7 @@ fn each_is_played_as_the_shared_code_says_and_stays_within_the_limits() {
     for reference in references(ROOM_US) {
         let start = run_of(reference);
         let mut bench = Bench::running(start);
-        bench.frames(start.frames() as usize);
+        bench.frames_alive(start.frames() as usize);
         let expected = (0..start.frames()).map(|index| {
             let offset = start.offset_us(index).unwrap();
             NEUTRAL.offset_by(offset).unwrap().0
@@ -95,7 +95,7 @@ fn each_ends_at_neutral_wherever_it_is_stopped() {
         let start = run_of(reference);
         for frames in 0..start.frames() as usize {
             let mut bench = Bench::running(start);
-            bench.frames(frames);
+            bench.frames_alive(frames);
             assert_eq!(bench.request(Command::Stop { run: 1 }), Some(Outcome::Done));
             bench.frames(2);
             assert_eq!(bench.on_line, Some(NEUTRAL), "{}", reference.name());

@@ -167,7 +167,7 @@ impl Calibrate {
                 bail!("the servo was not moved, because the answer was no");
             }
         }
-        ctrl_c::listen()?;
+        ctrl_c::listen_in_a_run()?;
         let client = RigClient::connect_beside(port::open(&rig.address)?, &rig.address)?;
         require_clock(rig.inexact_clock, client.hello())?;
         let mut mover = Mover::new(client, rig.file.clone(), &ctrl_c::asked);

@@ -10,11 +10,12 @@ pub(super) use runs::{CaptureJob, capture};
 
 use super::ctrl_c;
 use super::output::{Output, Talk};
+use super::partial_recording::PartialRecording;
 use super::reference_args::ReferenceArgs;
 use super::rig_args::{Rig, RigArgs};
 use crate::data::recording::Ending;
 use crate::instrument::rig::CaptureEnd;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Args;
 use monitor::MonitorArgs;
 use serde::Serialize;
@@ -24,7 +25,8 @@ use until_band::BandReached;
 /// Drive the servo with a reference and record its motion
 ///
 /// A run is 0.8 s at neutral, the reference, and 0.8 s at neutral. Each row is written to the disk as it
-/// arrives. Ctrl-C brings the servo to neutral, closes the file and keeps the data. After the run the servo
+/// arrives. Ctrl-C brings the servo to neutral, closes the file and keeps the data, within a second. The exit code
+/// is 3 where the recording is partial. After the run the servo
 /// is held at neutral, unless --release is given. In a terminal a live scope shows the motion, the link
 /// and, from the second cycle on, the step response with its band; q ends the run.
 #[derive(Debug, Args)]
@@ -87,7 +89,7 @@ impl CaptureArgs {
         let talk = self.output.talk;
         let reference = self.reference.resolve(rig.servo.us_per_degree, talk)?;
         let files = run_files(&self.out, self.repeat);
-        ctrl_c::listen()?;
+        ctrl_c::listen_in_a_run()?;
         let monitor = self.monitor.start(talk);
         let job = CaptureJob {
             address: &address,
@@ -129,7 +131,7 @@ fn report(
     until_band: Option<BandReached>,
     talk: Talk,
 ) -> Result<String> {
-    let (mut text, mut results) = (String::new(), Vec::new());
+    let (mut text, mut results, mut partial) = (String::new(), Vec::new(), false);
     for (file, end) in files.iter().zip(ends) {
         let (name, rows) = (file.display(), end.rows);
         let (state, reason) = match &end.ending {
@@ -137,6 +139,7 @@ fn report(
             Ending::Early { reason } => ("ended early", Some(reason.as_str())),
             Ending::Partial { reason, .. } => ("partial", Some(reason.as_str())),
         };
+        partial |= matches!(end.ending, Ending::Partial { .. });
         if let Ending::Partial { reason, .. } = &end.ending
             && !ctrl_c::asked()
         {
@@ -144,7 +147,10 @@ fn report(
                 0 => String::new(),
                 count => format!(" ({count} complete before it)"),
             };
-            bail!("{name} is partial, {rows} samples: {reason}{before}");
+            return Err(PartialRecording::named(format!(
+                "{name} is partial, {rows} samples: {reason}{before}"
+            ))
+            .into());
         }
         let why = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
         text += &format!("{name}: {state}{why}, {rows} samples\n");
@@ -165,9 +171,13 @@ fn report(
     }
     let advice = until_band.and_then(|band| band.advice(ends.len()));
     text.extend(advice.map(|advice| advice + "\n"));
-    match (files.len(), results.first()) {
+    let result = match (files.len(), results.first()) {
         (1, Some(result)) => talk.result(text, result),
         _ => talk.result(text, &serde_json::json!({ "runs": results })),
+    }?;
+    match partial {
+        true => Err(PartialRecording::asked_for(result).into()),
+        false => Ok(result),
     }
 }
 

@@ -148,6 +148,7 @@ impl MonitoredRun<'_> {
                 asked_again: progress.asked_again,
                 lost: progress.lost,
                 status: progress.status.copied(),
+                stands_still: progress.stands_still.is_some(),
             },
         }
     }
@@ -204,7 +205,7 @@ impl MonitoredRun<'_> {
 
     /// Gives the terminal back.
     pub(super) fn finish(self) {
-        if let LiveView::Lines(lines) = &self.view {
+        if let LiveView::Lines(lines) = self.view {
             lines.finish();
         }
     }

@@ -6,6 +6,7 @@ use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use crate::data::clock_error::internal_clock_error;
 use crate::data::degrees::DegreeScale;
+use crate::data::frozen_sensor::{FrozenSensor, StandStill};
 use crate::data::recording::{Completeness, ReadFault, Recording};
 use servoid_identification::results::Check;
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
@@ -37,7 +38,14 @@ pub(super) fn from_recording(
         let reason = "sample_phase_s is no time after an edge".to_owned();
         return Err(ReadFault::DamagedHeader(1, reason).into());
     }
-    let (input, output) = scale.columns(rows);
+    let still = stand_stills(recording);
+    let (input, mut output) = scale.columns(rows);
+    let first = rows.first().map_or(0, |row| row.sample);
+    for (sample, position) in (first..).zip(&mut output) {
+        if still.iter().any(|still| still.samples.contains(&sample)) {
+            *position = f64::NAN;
+        }
+    }
     // What was recorded before and after the reference shows the noise of a servo at rest.
     let mut rest = Vec::new();
     for range in [0..range.start, range.end..u64::MAX] {
@@ -52,12 +60,18 @@ pub(super) fn from_recording(
         rest,
         period_s: header.sample_period_s,
         phase_s,
-        about: about(recording, path, options, scale.unhealthy(rows)),
+        about: about(recording, path, options, scale.unhealthy(rows), &still),
     })
 }
 
 /// Where a recording comes from, `broken` of whose samples no healthy sensor gives.
-fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: usize) -> About {
+fn about(
+    recording: &Recording,
+    path: &Path,
+    options: &DatasetOptions,
+    broken: usize,
+    still: &[StandStill],
+) -> About {
     let header = &recording.header;
     let mut provenance = vec![
         ("file".to_owned(), path.display().to_string()),
@@ -113,6 +127,18 @@ fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: u
             "{shown}: in {broken} samples the sensor read outside its healthy range; they count as missing"
         ));
     }
+    if let Some(first) = still.first() {
+        let frozen = still
+            .iter()
+            .map(|still| still.samples.end - still.samples.start);
+        let frozen = frozen.sum::<u64>();
+        about.add(
+            Check::FrozenSensor,
+            format!("{shown}: {first}; {frozen} samples of this kind count as missing"),
+            [frozen as f64, 0.0],
+            "Mend the sensor, its wires or the servo's power, and capture again.",
+        );
+    }
     if options.period_s.is_some() {
         let period_s = header.sample_period_s;
         about.remarks.push(format!(
@@ -120,6 +146,15 @@ fn about(recording: &Recording, path: &Path, options: &DatasetOptions, broken: u
         ));
     }
     about
+}
+
+/// The stretches in which the sensor's reading stood still though the command changed.
+fn stand_stills(recording: &Recording) -> Vec<StandStill> {
+    let mut sensor = FrozenSensor::default();
+    for row in &recording.rows {
+        sensor.take(row.sample, row.pulse, row.counts);
+    }
+    sensor.found().to_vec()
 }
 
 /// Samples that the run was to have, by its header.

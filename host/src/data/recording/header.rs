@@ -82,6 +82,9 @@ pub struct Header {
     pub scale_sd_percent: f64,
     /// Smallest and largest reading of a healthy sensor (counts), where they were written down.
     pub healthy_counts: Option<[u16; 2]>,
+    /// Whether each row has a check of its own; the writer sees to it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub row_checks: bool,
 }
 
 impl Default for Header {
@@ -116,6 +119,7 @@ impl Default for Header {
             zero_sd_deg: rig.sensor.zero_sd_deg,
             scale_sd_percent: rig.sensor.scale_sd_percent,
             healthy_counts: None,
+            row_checks: false,
         }
     }
 }
@@ -173,6 +177,7 @@ impl Header {
         };
         let facts = self.fields().into_iter();
         facts
+            .filter(|(key, _)| key != "row_checks")
             .map(|(key, value)| (key.replace('_', " "), text(&value)))
             .filter(|(_, value)| !value.is_empty())
             .collect()
@@ -193,8 +198,8 @@ impl Header {
         self.unproved = unproved.join(", ");
     }
 
-    /// The comment lines: the format first, a CRC-32 over all of them last.
-    pub(super) fn to_lines(&self) -> String {
+    /// The comment lines: the format first, a CRC-32 over all of them last; and that CRC, as it is written.
+    pub(super) fn to_lines(&self) -> (String, String) {
         let fields = self.fields();
         let lines: String = fields
             .iter()
@@ -202,8 +207,8 @@ impl Header {
             .map(|(key, value)| format!("# {key} = {}\n", on_one_line(value)))
             .collect();
         let lines = format!("{FIRST_LINE}{}\n{lines}", self.format);
-        let crc32 = crc32fast::hash(lines.as_bytes());
-        format!("{lines}# {HEADER_CRC} = \"{crc32:08x}\"\n")
+        let crc32 = format!("{:08x}", crc32fast::hash(lines.as_bytes()));
+        (format!("{lines}# {HEADER_CRC} = \"{crc32}\"\n"), crc32)
     }
 }
 

@@ -5,10 +5,11 @@
 //! # condition = "bench"
 //! # sample_period_s = 0.002
 //! # ...
+//! # row_checks = true
 //! # header_crc32 = "0f6a22d9"
-//! sample,time_s,reference_deg,position_deg,pulse_us,counts
-//! 0,0.000,0,0.0275,1500,8193
-//! 1,0.002,0,-0.0092,1500,8189
+//! sample,time_s,reference_deg,position_deg,pulse_us,counts,check
+//! 0,0.000,0,0.0275,1500,8193,3370663066
+//! 1,0.002,0,-0.0092,1500,8189,2924911469
 //! ...
 //! # end = "complete", rows = 4400, crc32 = "5ad0c1f2", end_crc32 = "11c5a6c3"
 //! ```
@@ -20,6 +21,7 @@
 //! | `sample`  | counts from the first sample of the run; a lost sample is a missing row, never a shifted one |
 //! | `pulse_us`, `counts` | the data: the applied pulse width and the raw reading of the sensor              |
 //! | `time_s`, `reference_deg`, `position_deg` | for people: they follow from the other columns by the header's period and scales |
+//! | `check`   | CRC-32 over the header's own CRC, as it is written, and the row before it: a row of another recording has another one |
 //! | last line | how it ended, the number of rows, the CRC of the rows, and last its own CRC                |
 //!
 //! On reading, the columns for people must be those of the data beside them, so that a changed digit shows
@@ -39,10 +41,11 @@
 //!
 //! Earlier formats are read too. Formats 1 and 2 had the columns
 //! `sample,time_s,reference_deg,position_deg,counts`: the pulse is the whole microsecond that commands
-//! `reference_deg`. Format 1 had no CRC over the header, and early files of format 2 none over the last line.
+//! `reference_deg`. Early files of format 3 had no `check`. Format 1 had no CRC over the header, and early files of format 2 none over the last line.
 
 mod header;
 mod last_line;
+mod queued_writer;
 mod read_error;
 mod reader;
 mod recover;
@@ -58,6 +61,7 @@ mod writer;
 
 pub use header::{FORMAT, Header};
 pub use last_line::Ending;
+pub use queued_writer::QueuedWriter;
 pub use read_error::{ReadError, ReadFault};
 pub use reader::{Completeness, Recording};
 pub use recover::{Recovered, recover};

@@ -95,7 +95,7 @@ fn recovered(bytes: &[u8]) -> Result<Recovered, ReadFault> {
 /// The values of the header that the rows prove: the period, and as soon as two different counts are there
 /// the sensor's scale, by the degrees beside them; likewise the servo's scale, where the pulse has a column.
 fn proved(frames: &[Frame], has_pulse: bool) -> Vec<&'static str> {
-    let mut proved = vec!["format", "sample_period_s"];
+    let mut proved = vec!["format", "row_checks", "sample_period_s"];
     if differ(frames.iter().flat_map(|frame| frame.samples)) {
         proved.extend(["zero_counts", "degrees_per_count"]);
     }

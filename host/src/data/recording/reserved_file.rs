@@ -3,7 +3,7 @@
 use super::target::{RecordingTarget, require_reader, require_unlocked};
 use super::write_error::WriteError;
 use std::fs::{File, OpenOptions};
-use std::io::{Error, ErrorKind, Result as IoResult, Seek, Write};
+use std::io::{Error, ErrorKind, Read, Result as IoResult, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// A file that can be written, belongs to this program alone, and has not been touched yet: so that
@@ -31,7 +31,7 @@ impl ReservedFile {
             .is_some_and(|there| there.is_file() && there.len() == 0);
         require_reader(path)?;
         let mut options = OpenOptions::new();
-        // Read only if it has to be rescued; a pipe or a device may not be readable.
+        // Read again at the end; a pipe or a device may not be readable.
         let is_file = there.as_ref().is_none_or(std::fs::Metadata::is_file);
         options.read(is_file).write(true);
         if force || empty {
@@ -110,10 +110,23 @@ impl RecordingTarget for ReservedFile {
         }
     }
 
-    fn rescue(&mut self) -> Option<PathBuf> {
+    fn holds(&mut self, contents: &[u8]) -> IoResult<bool> {
+        if !self.plain {
+            return Ok(true);
+        }
+        self.file.rewind()?;
+        let mut there = Vec::with_capacity(contents.len());
+        // One byte more than there should be: the file of another program may be of any length.
+        let most = contents.len() as u64 + 1;
+        Read::by_ref(&mut self.file)
+            .take(most)
+            .read_to_end(&mut there)?;
+        Ok(there == contents)
+    }
+
+    fn rescue(&mut self, contents: &[u8]) -> Option<PathBuf> {
         let (mut file, kept) = free_name(&self.path)?;
-        self.file.rewind().ok()?;
-        std::io::copy(&mut self.file, &mut file).ok()?;
+        file.write_all(contents).ok()?;
         file.sync_all().ok()?;
         Some(kept)
     }

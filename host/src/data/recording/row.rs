@@ -4,10 +4,42 @@ use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
 use servoid_protocol::{Counts, PulseWidth};
 
 /// The names of the columns. The degrees follow from the pulse and the counts, which are the data.
-pub const COLUMNS: &str = "sample,time_s,reference_deg,position_deg,pulse_us,counts";
+pub const COLUMNS: &str = "sample,time_s,reference_deg,position_deg,pulse_us,counts,check";
 
-/// The names of the columns in formats 1 and 2.
-pub(super) const COLUMNS_WITHOUT_PULSE: &str = "sample,time_s,reference_deg,position_deg,counts";
+/// The columns of the rows below a header.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Columns {
+    /// As they are written today.
+    Checked,
+    /// As in early files of format 3, in which no row has a check of its own.
+    Unchecked,
+    /// As in formats 1 and 2.
+    WithoutPulse,
+}
+
+impl Columns {
+    /// Of the line with their names; `None` for any other line.
+    pub(super) fn named(line: &[u8]) -> Option<Self> {
+        let names = line.trim_ascii_end();
+        let known = [Self::Checked, Self::Unchecked, Self::WithoutPulse];
+        known
+            .into_iter()
+            .find(|columns| names == columns.names().as_bytes())
+    }
+
+    fn names(self) -> &'static str {
+        match self {
+            Self::Checked => COLUMNS,
+            Self::Unchecked => "sample,time_s,reference_deg,position_deg,pulse_us,counts",
+            Self::WithoutPulse => "sample,time_s,reference_deg,position_deg,counts",
+        }
+    }
+
+    /// Whether the pulse has a column.
+    pub(super) fn has_pulse(self) -> bool {
+        self != Self::WithoutPulse
+    }
+}
 
 /// Time between rows (s).
 pub(super) const SAMPLE_PERIOD_S: f64 = SAMPLE_US as f64 * 1e-6;

@@ -1,17 +1,27 @@
 //! The text of a row: writing it, and reading it again.
 
 use super::header::Header;
-use super::row::{MOST_SAMPLES, Row};
+use super::row::{Columns, MOST_SAMPLES, Row};
 use crate::data::degrees::DegreeScale;
 use servoid_protocol::timing::SAMPLE_US;
 use servoid_protocol::{Counts, PulseWidth};
 use std::fmt::Write as _;
 
+/// The check of a row, of which `text` is all before it: a CRC-32 over the header's own CRC and that text. So a row
+/// belongs to one recording, and cannot be moved into another one.
+fn check(header_crc: &str, text: &[u8]) -> u32 {
+    let mut digest = crc32fast::Hasher::new();
+    digest.update(header_crc.as_bytes());
+    digest.update(text);
+    digest.finalize()
+}
+
 /// Appends a row and its line end.
-pub(super) fn write_row(text: &mut String, scale: &DegreeScale, row: Row) {
+pub(super) fn write_row(text: &mut String, scale: &DegreeScale, header_crc: &str, row: Row) {
+    let begin = text.len();
     // Whole microseconds, so that no row's time carries a rounding of its own.
     let time_us = row.sample.saturating_mul(SAMPLE_US.into());
-    let _infallible = writeln!(
+    let _infallible = write!(
         text,
         "{},{}.{:03},{},{:.4},{},{}",
         row.sample,
@@ -22,36 +32,49 @@ pub(super) fn write_row(text: &mut String, scale: &DegreeScale, row: Row) {
         row.pulse.0,
         row.counts.0,
     );
+    let check = check(header_crc, text.get(begin..).unwrap_or_default().as_bytes());
+    let _infallible = writeln!(text, ",{check}");
 }
+
+/// Fields of a row with its check.
+const FIELDS: usize = 7;
 
 /// Reads rows one after the other, and takes none that [`write_row`] would write another way.
 #[derive(Debug)]
 pub(super) struct RowReader {
     scale: DegreeScale,
-    has_pulse: bool,
+    columns: Columns,
+    /// The header's own CRC, where the header is sound: that of a damaged one proves nothing.
+    header_crc: Option<String>,
     /// The pulse of the newest row and its reference as it is written: ten rows share them.
     reference: (PulseWidth, String),
 }
 
 impl RowReader {
-    /// For rows under this header, with a column of the pulse or without one.
-    pub(super) fn new(header: &Header, has_pulse: bool) -> Self {
+    /// For rows under this header, with these columns.
+    pub(super) fn new(header: &Header, columns: Columns, header_crc: Option<String>) -> Self {
         let scale = DegreeScale::of_recording(header);
         let neutral = PulseWidth::NEUTRAL;
         Self {
             reference: (neutral, scale.reference(neutral).to_string()),
             scale,
-            has_pulse,
+            columns,
+            header_crc,
         }
     }
 
     /// Reads a row, without its line end. The time must be that of the sample, the reference that of the
     /// pulse, and the position that of the counts.
     pub(super) fn read(&mut self, line: &[u8]) -> Result<Row, &'static str> {
+        let (line, is_own) = match self.columns {
+            Columns::Checked => self.without_check(line),
+            Columns::Unchecked | Columns::WithoutPulse => (line, true),
+        };
         let mut fields = line.split(|&byte| byte == b',');
         let mut next = || fields.next().ok_or("it has too few fields");
         let (sample, time, reference, position) = (next()?, next()?, next()?, next()?);
-        let pulse = self.has_pulse.then(&mut next).transpose()?;
+        let has_pulse = self.columns.has_pulse();
+        let pulse = has_pulse.then(&mut next).transpose()?;
         let counts = next()?;
         if fields.next().is_some() {
             return Err("it has too many fields");
@@ -83,11 +106,30 @@ impl RowReader {
         if !is_written_as(position, self.scale.angle(counts)) {
             return Err("its position is not that of its counts");
         }
+        if !is_own {
+            return Err("its check is not that of a row of this recording");
+        }
         Ok(Row {
             sample,
             pulse,
             counts,
         })
+    }
+
+    /// A row without its check, and whether that is its own. Under a damaged header it may be anybody's, or be
+    /// missing.
+    fn without_check<'a>(&self, line: &'a [u8]) -> (&'a [u8], bool) {
+        let commas = memchr::memchr_iter(b',', line).count();
+        let end = memchr::memrchr(b',', line).filter(|_| commas + 1 == FIELDS);
+        let (row, last) = match end.and_then(|end| line.split_at_checked(end)) {
+            Some((row, last)) => (row, last.get(1..).unwrap_or_default()),
+            None => (line, &[][..]),
+        };
+        let is_own = self
+            .header_crc
+            .as_ref()
+            .is_none_or(|header_crc| whole_number(last) == Some(check(header_crc, row).into()));
+        (row, is_own)
     }
 
     /// The pulse that commands a reference of formats 1 and 2.
@@ -142,9 +184,20 @@ mod tests {
         }
     }
 
+    const HEADER_CRC: &str = "5ad0c1f2";
+
+    fn reader(header: &Header) -> RowReader {
+        RowReader::new(header, Columns::Checked, Some(HEADER_CRC.to_owned()))
+    }
+
     fn written(header: &Header, row: Row) -> String {
         let mut text = String::new();
-        write_row(&mut text, &DegreeScale::of_recording(header), row);
+        write_row(
+            &mut text,
+            &DegreeScale::of_recording(header),
+            HEADER_CRC,
+            row,
+        );
         text.trim_end().to_owned()
     }
 
@@ -158,10 +211,16 @@ mod tests {
 
     #[test]
     fn a_row_as_it_is_written_is_read_and_no_other_taken_for_it() {
-        let mut reader = RowReader::new(&header(), true);
+        let mut reader = reader(&header());
         let line = written(&header(), row(123_456, 1550, 9000));
-        assert_eq!(line, "123456,246.912,5,7.4172,1550,9000");
+        let check = crc32fast::hash(b"5ad0c1f2123456,246.912,5,7.4172,1550,9000");
+        assert_eq!(line, format!("123456,246.912,5,7.4172,1550,9000,{check}"));
         assert_eq!(reader.read(line.as_bytes()), Ok(row(123_456, 1550, 9000)));
+        let mut of_another_recording = String::new();
+        let scale = DegreeScale::of_recording(&header());
+        let same = row(123_456, 1550, 9000);
+        write_row(&mut of_another_recording, &scale, "5ad0c1f3", same);
+        let of_another_recording = of_another_recording.trim_end().to_owned();
         for other in [
             line.replace("1550", "1551"),
             line.replace("9000", "9001"),
@@ -177,6 +236,7 @@ mod tests {
             line.replace(",5,", ",5.0,"),
             line.replace(",5,", ",4.9,"),
             format!("{line},"),
+            of_another_recording,
         ] {
             assert_ne!(other, line);
             assert!(reader.read(other.as_bytes()).is_err(), "{other}");
@@ -190,7 +250,7 @@ mod tests {
             degrees_per_count: 0.012_45,
             ..header()
         };
-        let mut reader = RowReader::new(&header, true);
+        let mut reader = reader(&header);
         for counts in 8_000..8_400 {
             let line = written(&header, row(0, 1500, counts));
             assert!(reader.read(line.as_bytes()).is_ok(), "{line}");
@@ -208,7 +268,7 @@ mod tests {
             if let Some(there) = line.get_mut(place) {
                 *there = byte;
             }
-            if let Ok(row) = RowReader::new(&header(), true).read(&line) {
+            if let Ok(row) = reader(&header()).read(&line) {
                 prop_assert_eq!(written(&header(), row).into_bytes(), line);
             }
         }

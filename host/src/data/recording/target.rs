@@ -6,16 +6,21 @@ use std::io::{Error, Seek, SeekFrom, Sink, Write};
 use std::path::{Path, PathBuf};
 
 /// Where a recording is written to: a file, as a rule.
-pub trait RecordingTarget: Write {
+pub trait RecordingTarget: Write + Send {
     /// Takes back everything beyond the first `length` bytes.
     fn cut_to(&mut self, length: u64) -> std::io::Result<()>;
 
     /// Waits until everything is where a power cut cannot touch it.
     fn settle(&mut self) -> std::io::Result<()>;
 
-    /// Saves the contents under another name, after the file's own name has been taken from it; returns that
-    /// name.
-    fn rescue(&mut self) -> Option<PathBuf> {
+    /// Whether these bytes, and no others, are in it. What cannot be read again is believed.
+    fn holds(&mut self, _contents: &[u8]) -> std::io::Result<bool> {
+        Ok(true)
+    }
+
+    /// Saves the contents under a name that is free, after another program has taken the file's name from it or has
+    /// changed it; returns that name.
+    fn rescue(&mut self, _contents: &[u8]) -> Option<PathBuf> {
         None
     }
 }

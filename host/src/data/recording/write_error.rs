@@ -25,9 +25,9 @@ pub enum WriteFault {
     /// Another program writes to it.
     #[error("is being written by another program: wait for its end, or choose another name")]
     InUse,
-    /// The file had no name any more, and has got another one.
+    /// The file had no name any more, or other contents, and the recording has got another name.
     #[error(
-        "was removed or replaced by another program while it was written: all of its {rows} rows are in {kept:?}"
+        "was removed, replaced or changed by another program while it was written: all of its {rows} rows are in {kept:?}"
     )]
     Rescued {
         /// Where it is.
@@ -35,9 +35,9 @@ pub enum WriteFault {
         /// Rows that are in it.
         rows: u64,
     },
-    /// The file, in which so many rows were, has no name any more.
+    /// The file, in which so many rows were, has no name any more, or other contents.
     #[error(
-        "was removed or replaced by another program while it was written: its {0} rows are lost"
+        "was removed, replaced or changed by another program while it was written: its {0} rows could not be saved elsewhere"
     )]
     Removed(u64),
     /// The disk is full or gone.

@@ -19,9 +19,13 @@ pub struct RecordingWriter {
     /// The lines above the rows, until they are written.
     header: Option<String>,
     scale: DegreeScale,
+    /// The header's own CRC, which goes into the check of each row.
+    header_crc: String,
     rows: u64,
-    /// Length of the file up to the last whole frame (bytes).
-    bytes: u64,
+    /// One past the newest frame in it.
+    end: u32,
+    /// All that is in the file, up to the last whole frame: what it is compared with at its end.
+    contents: Vec<u8>,
     digest: crc32fast::Hasher,
 }
 
@@ -51,13 +55,20 @@ impl RecordingWriter {
 
     /// A writer that leaves `target` as it is until the first frame or the end.
     fn waiting(target: Box<dyn RecordingTarget>, path: &Path, header: &Header) -> Self {
+        let checked = Header {
+            row_checks: true,
+            ..header.clone()
+        };
+        let (lines, header_crc) = checked.to_lines();
         Self {
             target,
             path: path.to_owned(),
-            header: Some(format!("{}{COLUMNS}\n", header.to_lines())),
+            header: Some(format!("{lines}{COLUMNS}\n")),
+            header_crc,
             scale: DegreeScale::of_recording(header),
             rows: 0,
-            bytes: 0,
+            end: 0,
+            contents: Vec::new(),
             digest: crc32fast::Hasher::new(),
         }
     }
@@ -79,7 +90,7 @@ impl RecordingWriter {
             let _best_effort = self.target.cut_to(0);
             WriteError::at(&self.path)(WriteFault::NotCreated(reason))
         })?;
-        self.bytes = text.len() as u64;
+        self.contents = text.into_bytes();
         Ok(())
     }
 
@@ -93,6 +104,11 @@ impl RecordingWriter {
         self.rows
     }
 
+    /// One past the newest frame that is in it.
+    pub fn end(&self) -> u32 {
+        self.end
+    }
+
     /// Appends a frame's rows. They are the system's when this returns: the death of this program
     /// no longer touches them.
     ///
@@ -100,7 +116,7 @@ impl RecordingWriter {
     /// [`WriteFault::Stopped`]; the rows before this frame are kept.
     pub fn append(&mut self, frame: &Frame) -> Result<(), WriteError> {
         self.begin_file()?;
-        let mut text = String::with_capacity(SAMPLES_PER_FRAME * 48);
+        let mut text = String::with_capacity(SAMPLES_PER_FRAME * 59);
         let first = u64::from(frame.index) * SAMPLES_PER_FRAME as u64;
         for (sample, counts) in (first..).zip(frame.samples) {
             let row = Row {
@@ -108,19 +124,20 @@ impl RecordingWriter {
                 pulse: frame.pulse,
                 counts,
             };
-            write_row(&mut text, &self.scale, row);
+            write_row(&mut text, &self.scale, &self.header_crc, row);
         }
         // In one piece, so that a program that dies leaves whole frames.
         self.target
             .write_all(text.as_bytes())
             .map_err(|reason| self.stopped(reason))?;
-        self.bytes += text.len() as u64;
+        self.contents.extend(text.as_bytes());
         self.digest.update(text.as_bytes());
         self.rows += SAMPLES_PER_FRAME as u64;
+        self.end = u32::from(frame.index) + 1;
         Ok(())
     }
 
-    /// Writes the last line and waits until everything is on the disk.
+    /// Writes the last line, waits until everything is on the disk, and reads it back.
     ///
     /// # Errors
     /// [`WriteFault::Stopped`]; the rows are kept, and without its last line the recording is read
@@ -128,27 +145,35 @@ impl RecordingWriter {
     pub fn finish(mut self, ending: &Ending) -> Result<(), WriteError> {
         self.begin_file()?;
         let line = ending.last_line(self.rows, self.digest.clone().finalize());
-        let written = self
-            .target
-            .write_all(line.as_bytes())
-            .and_then(|()| self.target.settle());
-        written.map_err(|reason| self.stopped(reason))
+        let written = self.target.write_all(line.as_bytes());
+        written.map_err(|reason| self.stopped(reason))?;
+        self.contents.extend(line.as_bytes());
+        let settled = self.target.settle();
+        settled.map_err(|reason| self.stopped(reason))?;
+        match self.target.holds(&self.contents) {
+            Ok(true) => Ok(()),
+            Ok(false) => Err(self.rescued()),
+            Err(reason) => Err(self.stopped(reason)),
+        }
+    }
+
+    fn rescued(&mut self) -> WriteError {
+        let rows = self.rows;
+        WriteError::at(&self.path)(match self.target.rescue(&self.contents) {
+            Some(kept) => WriteFault::Rescued { kept, rows },
+            None => WriteFault::Removed(rows),
+        })
     }
 
     fn stopped(&mut self, reason: std::io::Error) -> WriteError {
+        if reason.kind() == std::io::ErrorKind::NotFound {
+            return self.rescued();
+        }
+        // Part of a frame may have got through; if the system cannot take it back, the reader
+        // passes over a last line that has no end.
+        let _best_effort = self.target.cut_to(self.contents.len() as u64);
         let rows = self.rows;
-        let fault = if reason.kind() == std::io::ErrorKind::NotFound {
-            match self.target.rescue() {
-                Some(kept) => WriteFault::Rescued { kept, rows },
-                None => WriteFault::Removed(rows),
-            }
-        } else {
-            // Part of a frame may have got through; if the system cannot take it back, the reader
-            // passes over a last line that has no end.
-            let _best_effort = self.target.cut_to(self.bytes);
-            WriteFault::Stopped { rows, reason }
-        };
-        WriteError::at(&self.path)(fault)
+        WriteError::at(&self.path)(WriteFault::Stopped { rows, reason })
     }
 }
 
@@ -157,21 +182,20 @@ mod tests {
     use super::*;
     use crate::data::recording::{Completeness, Recording};
     use servoid_protocol::{Counts, PulseWidth};
-    use std::cell::RefCell;
     use std::io::{Error, ErrorKind, Result as IoResult, Write};
-    use std::rc::Rc;
+    use std::sync::{Arc, Mutex};
 
     /// A disk with room for so many bytes, which takes part of what does not fit.
     #[derive(Clone)]
     struct SmallDisk {
-        bytes: Rc<RefCell<Vec<u8>>>,
+        bytes: Arc<Mutex<Vec<u8>>>,
         room: usize,
         can_cut: bool,
     }
 
     impl Write for SmallDisk {
         fn write(&mut self, bytes: &[u8]) -> IoResult<usize> {
-            let mut disk = self.bytes.borrow_mut();
+            let mut disk = self.bytes.lock().unwrap();
             let count = bytes.len().min(self.room - disk.len());
             disk.extend(&bytes[..count]);
             if count == 0 {
@@ -190,7 +214,7 @@ mod tests {
             if !self.can_cut {
                 return Err(Error::other("no"));
             }
-            self.bytes.borrow_mut().truncate(length as usize);
+            self.bytes.lock().unwrap().truncate(length as usize);
             Ok(())
         }
 
@@ -206,7 +230,7 @@ mod tests {
         for can_cut in [true, false] {
             for room in 800..2_600 {
                 let disk = SmallDisk {
-                    bytes: Rc::default(),
+                    bytes: Arc::default(),
                     room,
                     can_cut,
                 };
@@ -227,7 +251,7 @@ mod tests {
                     }
                 };
                 let closed = writer.finish(&Ending::Complete);
-                let recording = Recording::parse(&disk.bytes.borrow(), path).unwrap();
+                let recording = Recording::parse(&disk.bytes.lock().unwrap(), path).unwrap();
                 let rows = recording.rows.len() as u64;
                 assert_eq!(rows, u64::from(index) * 10, "{room}");
                 let matches =

@@ -60,6 +60,9 @@ impl Table {
         if let Some((_, reason)) = NOT_TEXT.iter().find(|(start, _)| bytes.starts_with(start)) {
             return refused(reason);
         }
+        if memchr::memchr(0, &bytes).is_some() {
+            return refused("it has bytes of zero, as a file with a hole: it is no text");
+        }
         if bytes.starts_with(BYTE_ORDER_MARK) {
             bytes.drain(..BYTE_ORDER_MARK.len());
         }

@@ -1,22 +1,23 @@
 //! Recording one run.
 //!
-//! Frames are written in order as they come. The end is *complete* only when the rig's own check over the
+//! Frames are handed in order, as they come, to the thread that writes them. The end is *complete* only when the rig's own check over the
 //! run agrees with the rows.
 
 use super::capture_outcome::{CaptureEnd, CaptureError, Progress, StopReason};
 use super::client::{RigClient, session_number};
 use super::recording_ending::recording_ending;
 use super::talk_error::TalkError;
-use crate::data::recording::{Ending, RecordingWriter, WriteError};
+use crate::data::FrozenSensor;
+use crate::data::recording::{Ending, QueuedWriter, RecordingWriter, WriteError};
 use crate::data::rig_file::RigFile;
 use servoid_client::{Client, Event, RunEnding};
 use servoid_protocol::lease::LEASE_FRAMES;
 use servoid_protocol::message::{Arm, Start};
 use servoid_protocol::schema::SCHEMA_HASH;
-use servoid_protocol::timing::FRAMES_PER_SECOND;
+use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLES_PER_FRAME};
 use servoid_protocol::{Counts, Frame, PulseWidth, Reference};
 use std::ops::Range;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Rest before and after the reference: as long as the paper's longest hold, 0.8 s, so that what
 /// settles within a hold has settled before the first edge.
@@ -24,6 +25,10 @@ pub const ROLL_FRAMES: u16 = (FRAMES_PER_SECOND * 8 / 10) as u16;
 
 /// How often a capture asks whether it is to stop, where no frame comes.
 const STOP_ASKED_EVERY: Duration = Duration::from_millis(5);
+
+/// How long a rig may take to stop a run that the user ends, with all that is to be fetched of it. The program ends
+/// within a second of a signal, and the file takes some of that.
+const STOPS_WITHIN: Duration = Duration::from_millis(600);
 
 /// A run to be recorded.
 #[derive(Clone, Debug)]
@@ -78,13 +83,15 @@ impl Capture {
         on_progress: &mut dyn FnMut(Progress<'_>),
     ) -> Result<CaptureEnd, CaptureError> {
         let mut run = RecordedRun {
-            writer,
+            writer: QueuedWriter::new(writer),
             on_progress,
             frames_total: self.start.frames(),
             written: 0,
             lost: Vec::new(),
             begun: false,
+            sensor: FrozenSensor::default(),
             stopped: None,
+            stopped_at: None,
         };
         let outcome = run.follow(client, self.start, should_stop);
         if let Err(error) = &outcome {
@@ -94,9 +101,14 @@ impl Capture {
             // No run, no recording: the file still has its earlier contents.
             return Err(outcome.err().unwrap_or(CaptureError::StoppedBefore));
         }
+        let drained = run.writer.drain();
+        let outcome = outcome.and_then(|ended| Ok(drained.map(|()| ended)?));
         let lost_frames = run.missing();
         let ending = match &outcome {
-            Ok(ended) => recording_ending(ended.as_ref(), run.stopped.as_ref(), lost_frames),
+            Ok(ended) => {
+                let still = run.sensor.found().first();
+                recording_ending(ended.as_ref(), run.stopped.as_ref(), still, lost_frames)
+            }
             Err(error) => Ending::Partial {
                 reason: error.to_string(),
                 lost_frames,
@@ -117,16 +129,18 @@ impl Capture {
 
 /// A run that is being recorded.
 struct RecordedRun<'a> {
-    writer: RecordingWriter,
+    writer: QueuedWriter,
     on_progress: &'a mut dyn FnMut(Progress<'_>),
     frames_total: u32,
-    /// One past the newest frame that is in the file.
+    /// One past the newest frame that was handed to the file.
     written: u32,
     /// Frames that are missing before it.
     lost: Vec<Range<u32>>,
     /// Whether the rig has reported that it has begun.
     begun: bool,
+    sensor: FrozenSensor,
     stopped: Option<StopReason>,
+    stopped_at: Option<Instant>,
 }
 
 impl RecordedRun<'_> {
@@ -150,18 +164,33 @@ impl RecordedRun<'_> {
                 Some(Event::Failed(error)) => return Err(TalkError::from(error).into()),
                 Some(_) | None => {}
             }
+            self.writer.check()?;
             if self.stopped.is_none() {
                 self.stopped = should_stop();
                 if self.stopped.is_some() {
+                    self.stopped_at = Some(Instant::now());
                     client.stop_run();
                 }
+            } else if self.should_let_go() {
+                return Err(CaptureError::NotStopped);
             }
         }
     }
 
+    /// Whether the user has waited long enough for the rig to stop.
+    fn should_let_go(&self) -> bool {
+        let waited = self
+            .stopped_at
+            .is_some_and(|at| at.elapsed() > STOPS_WITHIN);
+        waited && self.stopped == Some(StopReason::User)
+    }
+
     /// Lets go of the run after an error, and writes the rest of what came where the file takes it.
     fn leave(&mut self, client: &mut RigClient, error: &CaptureError) {
-        let line_is_gone = matches!(error, CaptureError::Talk(TalkError::Broken(_)));
+        let line_is_gone = matches!(
+            error,
+            CaptureError::Talk(TalkError::Broken(_)) | CaptureError::NotStopped
+        );
         let mut file_takes_it = !matches!(error, CaptureError::Write(_));
         client.leave_run(line_is_gone, |event, client| {
             if let Event::Frame(frame) = event {
@@ -178,6 +207,10 @@ impl RecordedRun<'_> {
         }
         self.writer.append(frame)?;
         self.written = index + 1;
+        let first = u64::from(index) * SAMPLES_PER_FRAME as u64;
+        for (sample, &counts) in (first..).zip(&frame.samples) {
+            self.sensor.take(sample, frame.pulse, counts);
+        }
         (self.on_progress)(Progress {
             frame,
             frames_total: self.frames_total,
@@ -185,18 +218,23 @@ impl RecordedRun<'_> {
             asked_again: client.frames_asked_again(),
             lost: self.lost.iter().map(|gap| gap.end - gap.start).sum(),
             status: client.status(),
+            stands_still: self.sensor.found().last(),
         });
         Ok(())
     }
 
     /// Every frame that is missing, with those that the run would still have had.
     fn missing(&self) -> Vec<Range<u32>> {
-        let mut missing = self.lost.clone();
-        match missing.last_mut() {
-            // A frame behind it came and could not be written.
-            Some(last) if last.end > self.written => last.end = self.frames_total,
-            _ if self.written < self.frames_total => missing.push(self.written..self.frames_total),
-            _ => {}
+        let end = self.writer.end();
+        // Frames behind it came, and could not be written.
+        let mut missing: Vec<_> = self
+            .lost
+            .iter()
+            .filter(|gap| gap.start < end)
+            .cloned()
+            .collect();
+        if end < self.frames_total {
+            missing.push(end..self.frames_total);
         }
         missing
     }

@@ -1,6 +1,7 @@
 //! Progress and end of a capture.
 
 use super::talk_error::TalkError;
+use crate::data::StandStill;
 use crate::data::recording::{Ending, WriteError};
 use servoid_protocol::Rejects;
 use servoid_protocol::message::{Frame, Status};
@@ -20,6 +21,8 @@ pub struct Progress<'a> {
     pub lost: u32,
     /// The newest status of the rig, which comes about twice a second.
     pub status: Option<&'a Status>,
+    /// The newest stretch in which the sensor's reading stood still, though the command changed.
+    pub stands_still: Option<&'a StandStill>,
 }
 
 /// Why a run is to end before its reference does.
@@ -54,6 +57,11 @@ pub enum CaptureError {
     /// The file.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The rig did not confirm that it stopped.
+    #[error(
+        "stopped by the user; the rig did not confirm it at once, and its lease brings the servo to neutral: check the cable"
+    )]
+    NotStopped,
     /// There is nothing to keep.
     #[error("stopped by the user before the run began: no file was written")]
     StoppedBefore,

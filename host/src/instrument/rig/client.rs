@@ -148,7 +148,11 @@ impl RigClient {
     /// When it does not go with this program, refuses, or does not answer.
     pub fn arm(&mut self, arm: Arm) -> Result<(), TalkError> {
         self.driver.client.arm(arm, self.now());
-        self.answer().map(|_done| ())
+        let armed = self.answer();
+        if !self.driver.client.is_idle() {
+            let _the_disarming_is_best_effort = self.answer();
+        }
+        armed.map(|_done| ())
     }
 
     fn answer(&mut self) -> Result<Answer, TalkError> {

@@ -5,6 +5,9 @@ use crate::instrument::port::Port;
 use servoid_client::{Client, Event};
 use std::time::Duration;
 
+/// So long after its time a read has ended because the program, and not the line, stood still.
+const OVERSLEPT: Duration = Duration::from_millis(100);
+
 /// A conversation over a port.
 pub(super) struct Driver {
     pub(super) port: Box<dyn Port>,
@@ -30,9 +33,93 @@ impl Driver {
                 .client
                 .next_deadline()
                 .map_or(until, |at| at.min(until));
-            let count = self.port.read(&mut buffer, wake.saturating_sub(now))?;
+            let mut count = self.port.read(&mut buffer, wake.saturating_sub(now))?;
+            if count == 0 && self.port.now() > wake + OVERSLEPT {
+                // The program was stopped, and what came meanwhile is waiting: it is taken before time goes on.
+                count = self.port.read(&mut buffer, Duration::ZERO)?;
+            }
             let bytes = buffer.get(..count).unwrap_or_default();
             self.client.handle(bytes, self.port.now());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_client::Connect;
+    use servoid_protocol::hello::{ClockSource, Hello, ResetCause, Text16};
+    use servoid_protocol::{RigMessage, framing};
+    use std::io::Result as IoResult;
+
+    /// A port whose program is stopped for 15 s in its first read. What came meanwhile is there afterwards.
+    struct Stopped {
+        now: Duration,
+        waiting: Vec<u8>,
+    }
+
+    impl Port for Stopped {
+        fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> IoResult<usize> {
+            if self.now == Duration::ZERO {
+                self.now = Duration::from_secs(15);
+                return Ok(0);
+            }
+            self.now += if self.waiting.is_empty() {
+                timeout
+            } else {
+                Duration::ZERO
+            };
+            let count = self.waiting.len().min(buffer.len());
+            for (place, byte) in buffer.iter_mut().zip(self.waiting.drain(..count)) {
+                *place = byte;
+            }
+            Ok(count)
+        }
+
+        fn write_all(&mut self, _bytes: &[u8]) -> IoResult<()> {
+            Ok(())
+        }
+
+        fn now(&self) -> Duration {
+            self.now
+        }
+    }
+
+    #[test]
+    fn what_came_while_the_program_was_stopped_is_taken_before_it_gives_up() {
+        let hello = Hello {
+            // Another protocol's: a hello alone opens the session.
+            schema_hash: 1,
+            protocol_version: 1,
+            board: Text16::new("bench"),
+            build: Text16::new("0"),
+            unique_id: [7; 12],
+            clock: ClockSource::Simulated,
+            reset_cause: ResetCause::PowerOn,
+            frame_us: 20_000,
+            sample_us: 2_000,
+            first_sample_us: 500,
+            aperture_us: 84,
+            oversampling: 4,
+            full_scale_counts: 16_380,
+            shortest_pulse_us: 800,
+            longest_pulse_us: 2_200,
+            history_frames: 256,
+        };
+        let mut wire = [0; framing::MAX_WIRE];
+        let waiting = framing::encode(&RigMessage::Hello(hello), &mut wire);
+        let port = Stopped {
+            now: Duration::ZERO,
+            waiting: waiting.unwrap().to_vec(),
+        };
+        let connect = Connect {
+            session: 1,
+            attempts: 1,
+            listens_first: false,
+        };
+        let client = Client::connect(&connect, Duration::ZERO);
+        let port = Box::new(port);
+        let event = Driver { port, client }.next_event(Duration::MAX).unwrap();
+        assert!(matches!(event, Some(Event::Connected(_))), "{event:?}");
     }
 }

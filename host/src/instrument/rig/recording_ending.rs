@@ -1,6 +1,7 @@
 //! The last line of a recording: whether it is complete, and why not.
 
 use super::capture_outcome::StopReason;
+use crate::data::StandStill;
 use crate::data::recording::Ending;
 use servoid_client::{Arrived, RunEnding};
 use servoid_protocol::lease::LEASE;
@@ -8,10 +9,11 @@ use servoid_protocol::message::EndReason;
 use std::ops::Range;
 
 /// The ending of a run that was followed to its end, or that never began; `stopped` is why it was
-/// stopped, if it was.
+/// stopped, if it was, and `still` where the sensor's reading stood still.
 pub(super) fn recording_ending(
     run: Option<&RunEnding>,
     stopped: Option<&StopReason>,
+    still: Option<&StandStill>,
     lost_frames: Vec<Range<u32>>,
 ) -> Ending {
     let enough = match stopped {
@@ -20,12 +22,15 @@ pub(super) fn recording_ending(
     };
     let reason = match (run.map(|run| (run.reason, run.arrived)), enough) {
         (None, _) => "stopped by the user before the run began".to_owned(),
-        (Some((EndReason::Complete, Arrived::Whole)), _) => return Ending::Complete,
-        (Some((EndReason::Stopped, Arrived::Whole)), Some(reason)) => {
+        (Some((EndReason::Complete, Arrived::Whole)), _) if still.is_none() => {
+            return Ending::Complete;
+        }
+        (Some((EndReason::Stopped, Arrived::Whole)), Some(reason)) if still.is_none() => {
             return Ending::Early { reason };
         }
         (Some((reason, arrived)), enough) => {
-            let parts = [stopped_by(reason, enough), missing(arrived)];
+            let still = still.map(ToString::to_string);
+            let parts = [stopped_by(reason, enough), missing(arrived), still];
             parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
         }
     };

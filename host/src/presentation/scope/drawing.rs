@@ -132,6 +132,7 @@ mod tests {
             rejects,
             asked_again: 16,
             lost: 17,
+            stands_still: false,
             status: Some(Status {
                 activity: Activity::Armed,
                 sensor: Counts(8192),

@@ -115,6 +115,8 @@ fn asks_to_stop(key: &KeyEvent) -> Option<Stop> {
         return None;
     }
     match key.code {
+        // Ctrl-Q is the terminal's own key, which lets its output go on after Ctrl-S.
+        KeyCode::Char('q' | 'Q') if key.modifiers.contains(KeyModifiers::CONTROL) => None,
         KeyCode::Char('q' | 'Q') | KeyCode::Esc => Some(Stop::Safely),
         KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Some(Stop::Now),
         _ => None,
@@ -134,6 +136,8 @@ mod tests {
         let control_c = key(KeyCode::Char('c'), KeyModifiers::CONTROL);
         assert_eq!(control_c, Some(Stop::Now));
         assert_eq!(key(KeyCode::Char('c'), none), None);
+        let control_q = key(KeyCode::Char('q'), KeyModifiers::CONTROL);
+        assert_eq!(control_q, None, "it lets a terminal go on");
         assert_eq!(key(KeyCode::Enter, none), None);
     }
 }

@@ -51,6 +51,8 @@ pub struct Link {
     pub lost: u32,
     /// The newest status message of the rig.
     pub status: Option<Status>,
+    /// Whether the sensor's reading has stood still though the command changed.
+    pub stands_still: bool,
 }
 
 /// One sample of the trace.

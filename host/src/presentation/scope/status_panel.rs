@@ -86,11 +86,18 @@ fn link(state: &ScopeState) -> Vec<Line<'static>> {
         asked_again,
         lost,
         status,
+        stands_still,
     } = state.link;
     let mut lines = vec![counted(
         lost,
         format!("frames asked again {asked_again}, lost {lost}"),
     )];
+    if stands_still {
+        lines.insert(
+            0,
+            counted(1, "THE SENSOR'S READING STANDS STILL".to_owned()),
+        );
+    }
     if let Some(status) = status {
         let (waited, unreadable) = (status.backlog_high_water, status.rejects);
         let lost = status.frames_lost_on_board;

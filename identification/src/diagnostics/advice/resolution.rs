@@ -28,12 +28,13 @@ pub(super) fn quantised(evidence: &Evidence<'_>) -> Option<Advice> {
     } else {
         let gain = evidence.model.theta[0].abs();
         let allowance = found.allowance.map_or_else(String::new, |allowance| {
-            let percent = if gain > 0.0 {
-                100.0 * allowance / gain
+            // Of a servo that did not move any share of the gain is beyond all measure.
+            if allowance >= gain {
+                " The bounds contain more than the whole gain for it.".to_owned()
             } else {
-                0.0
-            };
-            format!(" The bounds contain {percent:.2} % of the gain for it.")
+                let percent = 100.0 * allowance / gain;
+                format!(" The bounds contain {percent:.2} % of the gain for it.")
+            }
         });
         (
             Check::Resolution,

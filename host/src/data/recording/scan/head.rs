@@ -4,7 +4,7 @@ use super::comment::{NO_COMMENT, comment_table};
 use super::damage::Damage;
 use crate::data::recording::header::{FIRST_LINE, FORMAT, HEADER_CRC, Header};
 use crate::data::recording::read_error::ReadFault;
-use crate::data::recording::row::{COLUMNS, COLUMNS_WITHOUT_PULSE, SAMPLE_PERIOD_S};
+use crate::data::recording::row::{Columns, SAMPLE_PERIOD_S};
 use crate::data::rig_file::is_usable_scale;
 use crate::data::table::BYTE_ORDER_MARK;
 use toml::{Table, Value};
@@ -26,7 +26,7 @@ pub(super) fn column_row(bytes: &[u8]) -> Option<usize> {
     let lines = bytes.split(|&b| b == b'\n').take(MOST_HEADER_LINES);
     lines
         .zip(1..)
-        .find(|(line, _)| has_pulse(line).is_some())
+        .find(|(line, _)| Columns::named(line).is_some())
         .map(|(_, number)| number)
 }
 
@@ -43,22 +43,15 @@ fn has_header_keys(bytes: &[u8]) -> bool {
     lines.filter(ours).take(2).count() == 2
 }
 
-/// Whether a row of column names has one for the pulse; `None` for any other line.
-fn has_pulse(line: &[u8]) -> Option<bool> {
-    let names = line.trim_ascii_end();
-    let is = |columns: &str| names == columns.as_bytes();
-    is(COLUMNS)
-        .then_some(true)
-        .or_else(|| is(COLUMNS_WITHOUT_PULSE).then_some(false))
-}
-
 /// The lines above the rows, read.
 pub(super) struct Head {
     pub(super) header: Header,
     /// Whether they are as they were written, as far as that can be known.
     pub(super) is_sound: bool,
-    /// Whether the rows have a column of the pulse.
-    pub(super) has_pulse: bool,
+    /// The columns of the rows.
+    pub(super) columns: Columns,
+    /// Its own CRC as it is written, where it is sound.
+    pub(super) crc: Option<String>,
     pub(super) damages: Vec<Damage>,
 }
 
@@ -77,7 +70,7 @@ impl Head {
             });
         };
         let (mut table, mut digest, mut seal) = (Table::new(), crc32fast::Hasher::new(), None);
-        let (mut last, mut names) = (0, None);
+        let (mut last, mut names, mut stated) = (0, None, None);
         for (number, line) in lines {
             last = number;
             let text = line.trim_ascii_end();
@@ -85,7 +78,7 @@ impl Head {
                 Some(comment) => comment_table(comment),
                 None if columns.is_some_and(|columns| number < columns) => Err(NO_COMMENT),
                 None => {
-                    names = Some(has_pulse(text));
+                    names = Some(Columns::named(text));
                     break;
                 }
             };
@@ -93,12 +86,18 @@ impl Head {
                 Ok(entry) => {
                     if let Some(crc32) = entry.get(HEADER_CRC).and_then(Value::as_str) {
                         seal = Some(format!("{:08x}", digest.clone().finalize()) == crc32);
+                        stated = Some(crc32.to_owned());
                     }
                     table.extend(entry);
                 }
                 Err(reason) => damage(number, reason),
             }
             digest.update(line);
+        }
+        // With such a line in two, the first of them has the names that early files had.
+        let checked = table.get("row_checks").and_then(Value::as_bool) == Some(true);
+        if checked && names == Some(Some(Columns::Unchecked)) {
+            names = Some(None);
         }
         if names == Some(None) {
             damage(last, "the column names are wrong");
@@ -120,11 +119,17 @@ impl Head {
             damage(1, &reason);
         }
         let is_sound = damages.is_empty();
+        let crc = is_sound.then_some(stated).flatten();
+        let unnamed = match format > 2 {
+            true => Columns::Checked,
+            false => Columns::WithoutPulse,
+        };
         damages.extend(wrong_period(&header));
         Ok(Self {
             header,
             is_sound,
-            has_pulse: names.flatten().unwrap_or(format > 2),
+            columns: names.flatten().unwrap_or(unnamed),
+            crc,
             damages,
         })
     }

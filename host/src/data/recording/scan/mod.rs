@@ -58,7 +58,7 @@ pub(super) fn scan(bytes: &[u8]) -> Result<Scan, ReadFault> {
     Ok(Scan {
         header: head.header,
         header_is_sound: head.is_sound,
-        has_pulse: head.has_pulse,
+        has_pulse: head.columns.has_pulse(),
         rows: rows.sound,
         rows_seen: rows.seen,
         end: rows.end,

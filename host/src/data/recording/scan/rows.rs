@@ -48,7 +48,7 @@ impl Rows {
     /// For the rows below `head`.
     pub(super) fn new(head: &Head) -> Self {
         Self {
-            reader: RowReader::new(&head.header, head.has_pulse),
+            reader: RowReader::new(&head.header, head.columns, head.crc.clone()),
             frames_are_whole: head.header.format > 1,
             sound: Vec::new(),
             frame: Vec::new(),
