@@ -166,7 +166,7 @@ impl Identify {
             }));
             self.output.draw(folder, &figures)?;
         }
-        talk.say(self.next());
+        text += &talk.next(self.next());
         talk.result(text, &result)
     }
 
@@ -180,7 +180,7 @@ impl Identify {
             .first()
             .map(|file| format!("{}.html", stem(file)));
         format!(
-            "to look at it: servoid report {several}{}{} -o {}",
+            "servoid report {several}{}{} -o {}",
             files.join(" "),
             self.table.as_typed(),
             quoted(&page.unwrap_or_default())

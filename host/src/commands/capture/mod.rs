@@ -9,7 +9,7 @@ pub(super) use monitor::Monitor;
 pub(super) use runs::{CaptureJob, capture};
 
 use super::ctrl_c;
-use super::output::{Output, Talk};
+use super::output::{Output, Talk, typed_path};
 use super::reference_args::ReferenceArgs;
 use super::rig_args::{Rig, RigArgs};
 use crate::data::recording::Ending;
@@ -78,13 +78,13 @@ struct CaptureResult<'a> {
 
 impl CaptureArgs {
     pub(super) fn run(self) -> Result<String> {
+        let talk = self.output.talk;
         let Rig {
             address,
             file: rig,
             condition,
             inexact_clock,
-        } = self.rig.require()?;
-        let talk = self.output.talk;
+        } = self.rig.require(self.rig.source(talk)?.file)?;
         let reference = self.reference.resolve(rig.servo.us_per_degree, talk)?;
         let files = run_files(&self.out, self.repeat);
         ctrl_c::listen()?;
@@ -101,7 +101,7 @@ impl CaptureArgs {
             inexact_clock,
         };
         let ends = capture(&job, &monitor, talk)?;
-        report(&files, &ends, monitor.band_reached(), talk)
+        report(&self.out, &files, &ends, monitor.band_reached(), talk)
     }
 }
 
@@ -124,6 +124,7 @@ fn run_files(out: &Path, runs: u16) -> Vec<PathBuf> {
 
 /// The result: one object for one run, a list of them for several. The band is that of all runs together.
 fn report(
+    out: &Path,
     files: &[PathBuf],
     ends: &[CaptureEnd],
     until_band: Option<BandReached>,
@@ -165,6 +166,12 @@ fn report(
     }
     let advice = until_band.and_then(|band| band.advice(ends.len()));
     text.extend(advice.map(|advice| advice + "\n"));
+    let names: Vec<String> = results.iter().map(|run| typed_path(run.file)).collect();
+    let model = typed_path(&out.with_extension("json"));
+    text += &talk.next(format_args!(
+        "servoid identify {} -o {model}",
+        names.join(" ")
+    ));
     match (files.len(), results.first()) {
         (1, Some(result)) => talk.result(text, result),
         _ => talk.result(text, &serde_json::json!({ "runs": results })),
