@@ -14,6 +14,7 @@
 pub mod arguments;
 #[cfg(feature = "rig")]
 pub mod bad_line;
+pub mod closed_loop;
 pub mod coverage;
 pub mod figures_coverage;
 pub mod hard_lines;

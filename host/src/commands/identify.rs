@@ -17,7 +17,7 @@ use servoid_identification::diagnostics::Explanation;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
 use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
 use servoid_identification::results::{Model, StepResponse};
-use servoid_identification::{Frequencies, NoiseOrder, Options, Settling, flight_model};
+use servoid_identification::{Detrend, Frequencies, NoiseOrder, Options, Settling, flight_model};
 use std::path::PathBuf;
 
 /// Identify the servo's step and frequency response, with bounds
@@ -48,6 +48,10 @@ pub(super) struct Identify {
     /// Confidence level of every bound, as a fraction (0.99) or in percent (99)
     #[arg(long, default_value_t = 0.99, value_parser = super::value_parsers::level)]
     level: f64,
+    /// What is taken out of the output of each run, within the regression: an offset, or an offset and a straight line. auto takes
+    /// offsets where the runs differ, and lines where the output drifts
+    #[arg(long, default_value_t = Detrend::Auto, value_name = "auto|none|offset|linear")]
+    detrend: Detrend,
     /// Explain the structure: the candidates, and the reason for the choice
     #[arg(long)]
     explain: bool,
@@ -82,6 +86,7 @@ impl Identify {
             frequencies: self.frequencies,
             noise_order: self.noise_order,
             level: self.level,
+            detrend: self.detrend,
             ..Options::default()
         };
         if let Err(error) = options.check() {

@@ -99,6 +99,7 @@ pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(
             "{} with {runs_a} and {runs_b} runs",
             probability(found.p_value)
         ),
+        None if found.motions.is_none() => "not tested: needs the recordings of three runs a side".to_owned(),
         None => format!("not tested: needs three runs a side (here {runs_a} and {runs_b})"),
     };
     add("chance, scatter of runs", chance);
@@ -118,7 +119,9 @@ pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(
         let rest = |level: &Interval| with_bounds(level, "", |v| format!("{v:.3}"));
         let (plus, minus) = (rest(&side.plus), rest(&side.minus));
         let [above, below] = [side.command_plus, side.command_minus];
-        let rests = format!("{plus} when commanded {above:+}, {minus} when commanded {below:+}");
+        let commanded = |command: f64| format!("{:+}", (1e3 * command).round() / 1e3);
+        let (above, below) = (commanded(above), commanded(below));
+        let rests = format!("{plus} when commanded {above}, {minus} when commanded {below}");
         add(&format!("{name} rests at"), rests);
     }
     for (name, side) in found.asymmetry.iter().flat_map(|s| [(a, &s.a), (b, &s.b)]) {

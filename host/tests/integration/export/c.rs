@@ -57,7 +57,7 @@ fn responses(folder: &Path, real: &str, input: &[f64]) -> (Vec<f64>, Vec<f64>) {
                 "-Werror",
                 "-O1",
             ])
-            .args(["-Wshadow", "-Wconversion", "-Wno-float-conversion"])
+            .args(["-Wshadow", "-Wconversion", "-Wdouble-promotion"])
             .arg(format!("-DSERVO_BENCH_1_REAL={real}"))
             .args([&folder.join("main.c")])
             .arg("-o")

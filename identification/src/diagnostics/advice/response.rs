@@ -4,7 +4,7 @@ use super::evidence::{Evidence, two_digits};
 use crate::options::Frequencies;
 use crate::results::{Advice, Check, SelectedBy};
 use crate::selection::{Choice, hidden_end};
-use crate::thresholds::{DETECTION, HIDDEN_TAIL, MARGIN, SLOW_END_SIGNIFICANCE};
+use crate::thresholds::{DETECTION, HIDDEN_TAIL, MARGIN, SLOW_END_SIGNIFICANCE, STILL_RISING};
 
 /// The choice of the settling time, unless it was overruled because the errors are not noise.
 fn trusted_choice<'a>(evidence: &Evidence<'a>) -> Option<&'a Choice> {
@@ -33,6 +33,39 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
             "Record with holds of at least {:.2} s and at least {:.1} s in all.",
             MARGIN * longest,
             7.0 * MARGIN * longest
+        ),
+    ))
+}
+
+/// The share of its final value by which a step response still rises in its last quarter, where that is no end of a response.
+fn rise_at_end(evidence: &Evidence<'_>) -> Option<f64> {
+    let step = &evidence.model.step.value;
+    let last = *step.last()?;
+    let quarter = &step[3 * step.len() / 4..];
+    let rise = |part: &[f64]| part.last().zip(part.first()).map(|(b, a)| (b - a) / last);
+    // A servo that rings rises and falls.
+    let halves = quarter.split_at(quarter.len() / 2);
+    let steady = rise(halves.0)?.min(rise(halves.1)?);
+    let whole = rise(quarter)?;
+    (steady > 0.25 * whole && whole > STILL_RISING).then_some(whole)
+}
+
+/// An integrator, or a record that is too short for its servo.
+pub(super) fn still_rising(evidence: &Evidence<'_>) -> Option<Advice> {
+    let rise = rise_at_end(evidence)?;
+    let seconds = evidence.model.step.value.len() as f64 * evidence.model.sample_period_s;
+    Some(Advice::new(
+        Check::StillRising,
+        format!(
+            "The step response has no end: of its last value, {:.0} % come in the last quarter of {seconds:.3} s. So it is with an input that \
+             commands a speed and not a position, and with holds that are far too short.",
+            100.0 * rise
+        ),
+        rise,
+        STILL_RISING,
+        format!(
+            "If the input is a speed, take the speed of the output as --output. If it is a position, record holds of several times \
+             {seconds:.1} s."
         ),
     ))
 }
