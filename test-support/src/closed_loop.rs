@@ -1,10 +1,10 @@
 //! Recordings in closed loop, u(k) = C (r(k) - y(k)), and in open loop with the same references.
 
-use crate::coverage::{Trial, measure_trials, Line};
-use crate::plants::{Noise, PERIOD, Plant, normal, random};
+use crate::coverage::Trial;
+use crate::plants::{Noise, PERIOD, Plant};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use servoid_identification::{Options, Record};
+use servoid_identification::Record;
 
 /// The course of r in a closed loop, or of u in an open one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,20 +82,13 @@ impl Loop {
     /// Reference, controller, servo, noise.
     #[must_use]
     pub fn label(&self) -> String {
-        let controller = self.controller.map_or("open".to_owned(), |c| format!("C = {c}, {} samples later", self.delay));
-        format!("| {:?} | {controller} | {:?} | {:?} x {}", self.course, self.plant, self.noise, self.scale)
-    }
-
-    /// The result of `runs` recordings.
-    #[must_use]
-    pub fn measure(&self, runs: usize, options: &Options) -> Line {
-        let label = self.label();
-        let hash = label.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        let controller = self.controller.map_or("open".to_owned(), |c| {
+            format!("C = {c}, {} samples later", self.delay)
         });
-        measure_trials(label, runs, options, |run| {
-            self.trial(&mut random(hash ^ run as u64))
-        })
+        format!(
+            "| {:?} | {controller} | {:?} | {:?} x {}",
+            self.course, self.plant, self.noise, self.scale
+        )
     }
 
     /// One recording.
@@ -105,7 +98,13 @@ impl Loop {
         let noise = self.noise.samples(random, SAMPLES);
         let step = self.plant.step(2500);
         let impulse: Vec<f64> = (0..700)
-            .map(|m| if m == 0 { step[0] } else { step[m] - step[m - 1] })
+            .map(|m| {
+                if m == 0 {
+                    step[0]
+                } else {
+                    step[m] - step[m - 1]
+                }
+            })
             .collect();
         let (mut input, mut output) = (vec![0.0; SAMPLES], vec![0.0; SAMPLES]);
         for k in 0..SAMPLES {
@@ -115,16 +114,22 @@ impl Loop {
             output[k] = servo + self.scale * noise[k];
             input[k] = match self.controller {
                 None => course[k],
-                Some(c) => c * (course[k] - if k < self.delay { 0.0 } else { output[k - self.delay] }),
+                Some(c) => {
+                    c * (course[k]
+                        - if k < self.delay {
+                            0.0
+                        } else {
+                            output[k - self.delay]
+                        })
+                }
             };
             if self.controller.is_none() {
                 output[k] += impulse[0] * input[k];
             }
         }
-        // The first readings are those of a servo that started from 0 under an unknown past.
-        let _ = normal(random);
         Trial {
-            record: Record::from_slices(PERIOD, &input, &output).expect("a simulated record is sound"),
+            record: Record::from_slices(PERIOD, &input, &output)
+                .expect("a simulated record is sound"),
             truth: step,
         }
     }

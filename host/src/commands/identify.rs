@@ -9,7 +9,8 @@ use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::explanation;
 use crate::presentation::plots::{self, Figure};
-use crate::presentation::summary;
+use crate::presentation::scope::step_as_text;
+use crate::presentation::summary::{self, Extent};
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
@@ -79,6 +80,9 @@ pub(super) struct Identify {
     table: TableArgs,
 }
 
+/// Columns and rows of the picture of the step response: a terminal of 80 columns and 24 rows shows it with the sentence.
+const PICTURE: (u16, u16) = (78, 16);
+
 impl Identify {
     pub(super) fn run(self) -> Result<String> {
         let options = Options {
@@ -119,7 +123,15 @@ impl Identify {
                 .as_ref()
                 .map(|servo| summary::servo_sentence(&servo.model, units) + "\n\n"),
         );
-        text += &summary::of_model(&listed(&self.files), model, units);
+        let picture = match talk.quiet {
+            true => String::new(),
+            false => step_as_text(&model.step, PICTURE.0, PICTURE.1),
+        };
+        let extent = Extent {
+            picture: &picture,
+            statistics: self.explain,
+        };
+        text += &summary::of_model(&listed(&self.files), model, units, extent);
         text.extend(
             servo
                 .as_ref()

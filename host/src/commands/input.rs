@@ -8,8 +8,8 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::instrument::simulated_servo::{self, SimulatedServoError};
 use anyhow::{Context, Result};
 use clap::Args;
-use servoid_identification::results::{Advice, Check};
 use servoid_identification::comparison::{Comparison, ComparisonOptions, compare};
+use servoid_identification::results::{Advice, Check};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 use servoid_simulator::SimulationOptions;
@@ -164,7 +164,11 @@ fn unlikely_period(seconds: f64) -> Option<Advice> {
         ),
         seconds,
         limit,
-        format!("State it in seconds: --period {} if it is {} ms.", rounded(rather), rounded(1e3 * rather)),
+        format!(
+            "State it in seconds: --period {} if it is {} ms.",
+            rounded(rather),
+            rounded(1e3 * rather)
+        ),
     ))
 }
 

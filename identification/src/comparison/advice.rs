@@ -33,7 +33,8 @@ fn different_zeros(levels: &Sides<Levels>, margin_percent: f64) -> Option<Advice
     let stroke = (levels.a.plus.value? - levels.a.minus.value?).abs();
     let apart = middle(&levels.b)? - middle(&levels.a)?;
     let commanded = |side: &Levels| side.command_plus + side.command_minus;
-    let same_command = (commanded(&levels.a) - commanded(&levels.b)).abs() / 2.0 < margin_percent / 100.0 * stroke;
+    let same_command =
+        (commanded(&levels.a) - commanded(&levels.b)).abs() / 2.0 < margin_percent / 100.0 * stroke;
     let percent = 100.0 * apart.abs() / stroke;
     (same_command && percent > margin_percent).then(|| {
         Advice::new(
@@ -75,7 +76,11 @@ pub(super) fn gather(
             ..found.clone()
         }));
     }
-    advice.extend(comparison.levels.and_then(|levels| different_zeros(&levels, comparison.margin_percent)));
+    advice.extend(
+        comparison
+            .levels
+            .and_then(|levels| different_zeros(&levels, comparison.margin_percent)),
+    );
     let fewest = comparison.runs[0].min(comparison.runs[1]);
     // Models have lost their runs, and the advice on models says so.
     if comparison.p_value.is_none() && !sides.is_empty() {

@@ -19,8 +19,8 @@ use crate::diagnostics::filtered_rows::{filtered, only};
 use crate::diagnostics::residual_tests::ScoreTest;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
-use crate::thresholds::{AGAINST_MOTION, EVIDENT_SHARE, FEEDBACK_SIGNIFICANCE};
 use crate::numerics::{LaggedSums, chi_square_upper_tail, dot};
+use crate::thresholds::{AGAINST_MOTION, EVIDENT_SHARE, FEEDBACK_SIGNIFICANCE};
 
 /// Inputs to come that are offered: a frame of servo pulses at the rig's rate.
 const LEADS: usize = 10;

@@ -42,7 +42,7 @@ pub use residual_tests::WHITENESS_LAGS;
 pub(crate) use residual_tests::{INPUT_LAGS, WHITENESS_SAMPLES, input_independence, whiteness};
 pub(crate) use run_offsets::{RunOffsets, allow_for_run_offsets, run_offsets};
 pub use run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatter};
-pub(crate) use run_trends::{RunTrends, allow_for_run_trends, run_trends, trend_at};
+pub(crate) use run_trends::{RunTrends, allow_for_run_trends, drift, slopes_left, trend_at};
 pub(crate) use servo_mean::allow_for_scatter;
 pub(crate) use simulation_error::{
     beginnings, one_step_errors, simulated, simulated_whole, square,

@@ -164,7 +164,12 @@ pub(super) fn model(
 fn drift(task: &Task<'_>) -> Vec<f64> {
     let runs = task.record.map_or(&[][..], |record| record.runs());
     let over = |(slope, run): (&f64, &Run)| slope * (run.len() as f64 - 1.0);
-    task.disturbances.trends.iter().zip(runs).map(over).collect()
+    task.disturbances
+        .trends
+        .iter()
+        .zip(runs)
+        .map(over)
+        .collect()
 }
 
 /// How the model came about.

@@ -22,16 +22,18 @@ impl Disturbances {
         let close = |(a, b): (&HumLine, &HumLine)| {
             (a.amplitude() - b.amplitude()).abs() <= SMALL * a.amplitude()
         };
-        let alike = |mine: &[f64], theirs: &[f64]| {
+        /// As of a slope, whose lever is the whole run.
+        const SMALL_SLOPE: f64 = 1e-4;
+        let alike = |mine: &[f64], theirs: &[f64], small: f64| {
             mine.len() == theirs.len()
                 && largest_difference(mine, theirs)
-                    <= SMALL * mine.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
+                    <= small * mine.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
         };
         self.outliers.taken_out == other.outliers.taken_out
             && self.hum.len() == other.hum.len()
             && self.hum.iter().zip(&other.hum).all(close)
-            && alike(&self.offsets, &other.offsets)
-            && alike(&self.trends, &other.trends)
+            && alike(&self.offsets, &other.offsets, SMALL)
+            && alike(&self.trends, &other.trends, SMALL_SLOPE)
     }
 
     /// Whether nothing was taken out that could be an error of the model.

@@ -5,8 +5,8 @@ use super::estimate::Estimate;
 use super::task::Task;
 use crate::diagnostics::{
     Feedback, Linearity, Misfit, RunComparison, SlowEnd, UnevenNoise, against_standstill,
-    allow_for_run_offsets, allow_for_run_trends,
-    allow_for_scatter, allow_for_uneven_noise, simulated, test_linearity,
+    allow_for_run_offsets, allow_for_run_trends, allow_for_scatter, allow_for_uneven_noise,
+    simulated, test_linearity,
 };
 use crate::error::Error;
 

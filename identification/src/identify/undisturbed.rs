@@ -8,7 +8,7 @@ use super::disturbances::Disturbances;
 use super::estimate::Estimate;
 use crate::data::{Quantisation, Record};
 use crate::diagnostics::{
-    Outliers, hum, outliers, run_offsets, run_trends, simulated_whole, square,
+    Outliers, RunTrends, drift, hum, outliers, run_offsets, simulated_whole, slopes_left, square,
 };
 use crate::error::Error;
 use crate::options::{Detrend, Options};
@@ -92,18 +92,15 @@ impl Undisturbed {
         let runs = next.removed_from(complete);
         let simulated = simulated_whole(&runs, moments, fit);
         let (offsets, trends) = match detrend {
-            Detrend::None => Default::default(),
-            Detrend::Auto => (
-                run_offsets(&simulated, settling, false),
-                run_trends(&simulated, settling, false),
-            ),
-            Detrend::Offset => (run_offsets(&simulated, settling, true), Vec::new()),
-            Detrend::Linear => (
-                run_offsets(&simulated, settling, true),
-                run_trends(&simulated, settling, true),
-            ),
+            Detrend::None => (Vec::new(), false),
+            Detrend::Auto => (run_offsets(&simulated, settling, false), drift(&simulated)),
+            Detrend::Offset => (run_offsets(&simulated, settling, true), false),
+            Detrend::Linear => (run_offsets(&simulated, settling, true), true),
         };
-        (next.offsets, next.trends) = (offsets, trends);
+        next.offsets = offsets;
+        if trends {
+            next.trends = self.slopes();
+        }
         let runs = next.removed_from(complete);
         let rmse = (square(information, fit) / information.rows() as f64).sqrt();
         let step = Quantisation::of(complete, rmse).map_or(0.0, |found| found.step);
@@ -115,5 +112,20 @@ impl Undisturbed {
         let runs = next.removed_from(complete);
         next.outliers = outliers(&simulated_whole(&runs, moments, fit), moments, fit, step);
         next
+    }
+
+    /// The slopes of the runs: those that were taken out, and what the errors say that is left.
+    fn slopes(&self) -> RunTrends {
+        let Estimate {
+            information, fit, ..
+        } = &self.estimate;
+        let moments = &information.moments;
+        let left = slopes_left(&simulated_whole(&self.record, moments, fit), moments, fit);
+        let taken_out = &self.disturbances.trends;
+        let taken_out = |run: usize| taken_out.get(run).copied().unwrap_or(0.0);
+        (0..)
+            .zip(left)
+            .map(|(run, left)| taken_out(run) + left)
+            .collect()
     }
 }

@@ -2,8 +2,10 @@
 //! findings hold for them.
 
 mod coarse_sampling;
+mod closed_loop;
 mod comparison;
 mod coverage;
+mod drift;
 mod flight_model;
 mod hard_lines;
 mod limits;

@@ -2,7 +2,9 @@
 
 use super::model::Export;
 use super::statement::parameters_of;
-use super::text::{C_STYLE, MATLAB_STYLE, PYTHON_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted};
+use super::text::{
+    C_STYLE, MATLAB_STYLE, PYTHON_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted,
+};
 use crate::presentation::template::fill;
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{FrequencyBounds, ParameterBounds, StepBounds};

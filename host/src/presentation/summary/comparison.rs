@@ -99,7 +99,9 @@ pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(
             "{} with {runs_a} and {runs_b} runs",
             probability(found.p_value)
         ),
-        None if found.motions.is_none() => "not tested: needs the recordings of three runs a side".to_owned(),
+        None if found.motions.is_none() => {
+            "not tested: needs the recordings of three runs a side".to_owned()
+        }
         None => format!("not tested: needs three runs a side (here {runs_a} and {runs_b})"),
     };
     add("chance, scatter of runs", chance);

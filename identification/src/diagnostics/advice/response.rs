@@ -57,8 +57,8 @@ pub(super) fn still_rising(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::StillRising,
         format!(
-            "The step response has no end: of its last value, {:.0} % come in the last quarter of {seconds:.3} s. So it is with an input that \
-             commands a speed and not a position, and with holds that are far too short.",
+            "The step response has no end: of its last value, {:.0} % come in the last quarter of {seconds:.3} s. That happens where the input \
+             commands a speed and not a position, and where holds are far too short.",
             100.0 * rise
         ),
         rise,
