@@ -79,18 +79,6 @@ pub struct Loop {
 }
 
 impl Loop {
-    /// Reference, controller, servo, noise.
-    #[must_use]
-    pub fn label(&self) -> String {
-        let controller = self.controller.map_or("open".to_owned(), |c| {
-            format!("C = {c}, {} samples later", self.delay)
-        });
-        format!(
-            "| {:?} | {controller} | {:?} | {:?} x {}",
-            self.course, self.plant, self.noise, self.scale
-        )
-    }
-
     /// One recording.
     #[must_use]
     pub fn trial(&self, random: &mut ChaCha8Rng) -> Trial {

@@ -4,7 +4,7 @@ use super::input::{TableArgs, identified};
 use super::output::{Output, stem, wrong_usage};
 use super::servo_fit;
 use crate::data::dataset::suggestion::quoted;
-use crate::data::dataset::{Dataset, listed};
+use crate::data::dataset::{Dataset, DatasetOptions, listed};
 use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::explanation;
@@ -156,6 +156,7 @@ impl Identify {
                 record: Some(&data.record),
                 servo_model: servo.as_ref(),
             },
+            read_as: self.table.options(),
             explanation,
             flight_model: fitted.as_ref(),
             no_flight_model: reason.as_ref(),
@@ -234,6 +235,8 @@ fn fit_flight_model(data: &Dataset, model: &Model) -> Result<FlightModel, String
 struct Identified<'a> {
     #[serde(flatten)]
     model: ModelDocument<'a>,
+    #[serde(skip_serializing_if = "DatasetOptions::are_default")]
+    read_as: DatasetOptions,
     #[serde(skip_serializing_if = "Option::is_none")]
     explanation: Option<&'a Explanation>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -77,7 +77,8 @@ impl TableArgs {
         typed.collect::<String>() + with_rest
     }
 
-    fn options(&self) -> DatasetOptions {
+    /// How these options say that files are to be read.
+    pub(super) fn options(&self) -> DatasetOptions {
         let args = self.clone();
         DatasetOptions {
             input: args.input,
@@ -94,7 +95,21 @@ impl TableArgs {
 
     /// The runs of these files together.
     pub(super) fn load(&self, files: &[PathBuf], talk: Talk) -> Result<Dataset> {
-        let data = dataset::load(files, &self.options())?;
+        self.load_as(&DatasetOptions::default(), files, talk)
+    }
+
+    /// The runs of these files together, read as the runs of a model were unless these options say otherwise.
+    pub(super) fn load_as(
+        &self,
+        model: &DatasetOptions,
+        files: &[PathBuf],
+        talk: Talk,
+    ) -> Result<Dataset> {
+        let options = self.options().or(model);
+        if options != self.options() {
+            talk.say("the files are read as those of the model were (columns, period, runs, rest); options say otherwise");
+        }
+        let data = dataset::load(files, &options)?;
         data.about
             .remarks
             .iter()

@@ -46,11 +46,12 @@ fn a_controller_takes_the_level_where_it_bends_the_response() {
             let whole = &bounds.simultaneous;
             let inside = (whole.lower.iter().zip(&whole.upper).zip(&trial.truth))
                 .all(|((lower, upper), truth)| lower <= truth && truth <= upper);
-            assert!(inside, "{}", line.label());
+            assert!(inside, "{line:?}");
         }
     }
-    // Of the same lines with other seeds, 24 of 24 had no bounds, and 21 for this reason.
-    assert!(withdrawn >= 14 && named >= 10, "{withdrawn}, {named}");
+    // Of the same lines with other seeds 19 of 24 had no bounds, 15 of them for this reason: of 16, three standard deviations
+    // (binomial) below that are 7 and 4.
+    assert!(withdrawn >= 8 && named >= 5, "{withdrawn}, {named}");
 }
 
 #[test]

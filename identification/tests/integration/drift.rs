@@ -35,11 +35,8 @@ fn a_drift_is_taken_out_and_named_and_bounds_hold() {
     let mut inside = 0;
     for (seed, change) in (20..).zip([1.0, 3.0, 10.0, -5.0]) {
         for noise in [Noise::White, Noise::Ar2] {
-            let found = identify_explained(
-                &drifting(change, noise, seed),
-                &options(Detrend::Auto),
-            )
-            .unwrap();
+            let found = identify_explained(&drifting(change, noise, seed), &options(Detrend::Auto))
+                .unwrap();
             let [drift] = found.explanation.drift[..] else {
                 panic!("{change} {noise:?}: {:?}", found.explanation.drift);
             };

@@ -1,8 +1,8 @@
 //! Servos with exactly known answers, and recordings of real ones: whether estimates, bounds, verdicts and
 //! findings hold for them.
 
-mod coarse_sampling;
 mod closed_loop;
+mod coarse_sampling;
 mod comparison;
 mod coverage;
 mod drift;

@@ -52,14 +52,14 @@ fn motion(model: &Model, units: Units<'_>) -> String {
 const NO_OVERSHOOT_PERCENT: f64 = 0.5;
 
 fn certainty(model: &Model) -> String {
-    let linear = match model.linear {
-        true => "",
-        false => {
-            "It is not linear: this describes the motion that was recorded, and another one may differ. "
-        }
-    };
     match &model.step.bounds {
         Bounds::Valid(bounds) => {
+            let linear = match model.linear {
+                true => "",
+                false => {
+                    "The servo is not linear: this describes the motion that was recorded, and another one may differ. "
+                }
+            };
             let (_, whole) = bounds.mean_half_widths();
             let gain = model.step.value.last().map_or(1.0, |gain| gain.abs());
             format!(
@@ -69,7 +69,7 @@ fn certainty(model: &Model) -> String {
             )
         }
         Bounds::Withdrawn(reason) => format!(
-            "{linear}How sure that is cannot be said, because {}: see the advice.",
+            "No bounds can be given, because {}: see the advice.",
             reason.because()
         ),
     }

@@ -37,17 +37,23 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// The share of its final value by which a step response still rises in its last quarter, where that is no end of a response.
+/// The share of its largest value by which a step response still rises at its end, between means of eighths: a bank of few frequencies
+/// has ripple.
 fn rise_at_end(evidence: &Evidence<'_>) -> Option<f64> {
     let step = &evidence.model.step.value;
-    let last = *step.last()?;
-    let quarter = &step[3 * step.len() / 4..];
-    let rise = |part: &[f64]| part.last().zip(part.first()).map(|(b, a)| (b - a) / last);
+    let eighth = step.len() / 8;
+    let mean = |from_end: usize| {
+        let end = step.len() - from_end * eighth;
+        step[end - eighth..end].iter().sum::<f64>() / eighth as f64
+    };
+    if eighth == 0 {
+        return None;
+    }
+    let last = mean(0);
+    let [first, second] = [mean(1) - mean(2), last - mean(1)].map(|rise| rise / last);
+    let whole = first + second;
     // A servo that rings rises and falls.
-    let halves = quarter.split_at(quarter.len() / 2);
-    let steady = rise(halves.0)?.min(rise(halves.1)?);
-    let whole = rise(quarter)?;
-    (steady > 0.25 * whole && whole > STILL_RISING).then_some(whole)
+    (first.min(second) > 0.25 * whole && whole > STILL_RISING).then_some(whole)
 }
 
 /// An integrator, or a record that is too short for its servo.
@@ -57,7 +63,7 @@ pub(super) fn still_rising(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::StillRising,
         format!(
-            "The step response has no end: of its last value, {:.0} % come in the last quarter of {seconds:.3} s. That happens where the input \
+            "The step response has no end: it still rises by {:.0} % of its value in the last quarter of {seconds:.3} s. That happens where the input \
              commands a speed and not a position, and where holds are far too short.",
             100.0 * rise
         ),
