@@ -123,7 +123,8 @@ impl Identify {
                 .as_ref()
                 .map(|servo| summary::servo_sentence(&servo.model, units) + "\n\n"),
         );
-        let picture = match talk.quiet {
+        // A step response of which not even the times are findings is no picture of the servo.
+        let picture = match talk.quiet || model.metrics.withheld.is_some() {
             true => String::new(),
             false => step_as_text(&model.step, PICTURE.0, PICTURE.1),
         };

@@ -22,10 +22,8 @@ pub(super) fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<
     };
     let ratio = rig.servo.us_per_degree / travel.us_per_degree.value;
     found.extend(scale("the servo", "us_per_degree", ratio));
-    let apart = pulses
-        .windows(2)
-        .map(|pair| pair[0].abs_diff(pair[1]))
-        .min();
+    let neighbours = pulses.iter().zip(pulses.iter().skip(1));
+    let apart = neighbours.map(|(a, b)| a.abs_diff(*b)).min();
     let apart = f64::from(apart.unwrap_or_default()) / travel.us_per_degree.value.abs();
     let neutral = travel.neutral_deg.value;
     if measured.sensor.is_some() && neutral.abs() > NEUTRAL * apart {

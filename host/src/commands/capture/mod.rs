@@ -162,7 +162,8 @@ fn report(
     }
     if results.len() < files.len() && results.last().is_some_and(|last| last.ended_early) {
         let spared = files.len() - results.len();
-        text += &format!("the band is narrow enough, so {spared} runs were left out\n");
+        let runs = if spared == 1 { "run was" } else { "runs were" };
+        text += &format!("the band is narrow enough, so {spared} {runs} left out\n");
     }
     let advice = until_band.and_then(|band| band.advice(ends.len()));
     text.extend(advice.map(|advice| advice + "\n"));

@@ -53,9 +53,9 @@ impl About {
         Some(Advice::new(
             Check::Calibration,
             format!(
-                "The sides have different calibrations of the sensor: the second has a scale that is {percent:+.2} % of the first's apart, and \
-                 its zero is {zero:+.2} degrees away; the rougher scale has a standard deviation of {rough:.2} %. Where the sensor is the same, \
-                 gains and levels differ by that much for this reason alone."
+                "The sides have different calibrations of the sensor: the scale of the second is {percent:+.2} % from that of the first, and its zero \
+                 {zero:+.2} degrees; the rougher scale has a standard deviation of {rough:.2} %. Where the sensor is the same, gains and levels \
+                 differ by that much for this reason alone."
             ),
             percent,
             0.0,

@@ -32,9 +32,14 @@ pub(crate) fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> Strin
         return format!("  {}\n", wrapped(&format!("{NOT_COMPARED} {instead}"), 2));
     };
     let level = percent(bounds.level);
+    // The metrics of each side by itself, which are printed elsewhere, are others.
+    let structure = match found.levels {
+        Some(_) => "with one N and n for both sides",
+        None => "each with its own N and n",
+    };
     let mut text = format!(
-        "  {:32} {a:>10} {b:>10} {:>12}  {level} % interval\n",
-        "", "difference"
+        "  {structure:32} {a:>10} {b:>10} {:>12}  {level} % interval\n",
+        "difference"
     );
     for row in difference_rows(found, "") {
         if let [(a, _), (b, _), (difference, bounds)] = &row.cells[..] {

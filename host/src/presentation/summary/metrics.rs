@@ -135,10 +135,12 @@ pub(super) fn table(model: &Model, units: Units<'_>) -> String {
         text += &format!("{}\n", line.trim_end());
     }
     if let Some(reason) = metrics.withheld {
-        text += &format!(
-            "  the others are withheld: {} (see the advice)\n",
-            reason.because()
-        );
+        let which = match metrics.dc_gain.value {
+            Some(_) => "the others",
+            None => "all",
+        };
+        let because = reason.because();
+        text += &format!("  {which} are withheld: {because} (see the advice)\n");
     }
     text
 }

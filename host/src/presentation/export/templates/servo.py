@@ -1,4 +1,5 @@
-"""{{about}}
+"""
+{{about}}
 
 Needs numpy. With python-control installed there are also transfer functions of it:
 finite_response, measured_frequency_response, and low_order where there is a low-order model.

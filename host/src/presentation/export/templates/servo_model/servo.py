@@ -1,4 +1,5 @@
-"""{{about}}
+"""
+{{about}}
 
 Needs no package. Servo(command) is at rest under a command; its step(command) goes on by STEP_S
 and returns the position.
