@@ -1,6 +1,6 @@
 //! Prints the table "Closed loop" of docs/method.md: whether recordings in closed loop have bounds, and whether these hold.
 //!
-//!     cargo run --release -p servoid-benches --example closed_loop -- 8
+//!     cargo run --release -p servoid-benches --example closed_loop -- 4
 
 use servoid_identification::results::Reason;
 use servoid_identification::{Options, identify};
@@ -20,7 +20,7 @@ struct Counts {
 }
 
 fn main() {
-    let runs: u64 = arguments::count(8);
+    let runs: u64 = arguments::count(4);
     println!(
         "| controller | noise, times | recordings | withdrawn | as a closed loop | band holds the response | band misses it |"
     );
