@@ -54,9 +54,18 @@ pub enum Error {
         /// The only value the output takes.
         value: f64,
     },
+    /// An output of two values under an input of many.
+    #[error(
+        "the output has only {levels} values, and the input has many: the two columns seem to be swapped; --input names the command, \
+         --output the motion"
+    )]
+    Swapped {
+        /// Values of the output.
+        levels: usize,
+    },
     /// Not enough complete rows for the model asked for.
     #[error(
-        "{usable} samples have a full history of {history}, and a model of {parameters} parameters \
+        "{usable} samples have a full history of {history} (settling time and order of the noise), and a model of {parameters} parameters \
          needs at least {needed}: record longer, shorten the settling time, or state the input \
          before the record (at rest)"
     )]
@@ -76,7 +85,7 @@ pub enum Error {
     /// The record is too short for an automatic choice of the structure.
     #[error(
         "an automatic choice of the settling time needs at least {needed} samples in one piece, and {}: record \
-         longer and without gaps, or state the settling time in samples",
+         longer and without gaps, or state the settling time in samples (--settling)",
         match samples < needed {
             true => format!("the record has {samples}"),
             false => format!("runs and gaps part the {samples} of the record into shorter ones"),

@@ -62,6 +62,20 @@ impl NoiseOrder {
     }
 }
 
+/// What is taken out of the output of each run, within the regression.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Detrend {
+    /// Offsets where runs differ, and straight lines where the output drifts, each beyond chance.
+    #[default]
+    Auto,
+    /// Nothing but an offset of all runs together.
+    None,
+    /// An offset of each run.
+    Offset,
+    /// An offset and a straight line of each run.
+    Linear,
+}
+
 /// Options of [`crate::identify()`]. `Options::default()` leaves every choice to the data, at 99 %.
 ///
 /// ```
@@ -82,6 +96,8 @@ pub struct Options {
     /// Longest settling time that the automatic choice considers \[samples\]; `None` is a seventh
     /// of the record, at most 599.
     pub longest_settling: Option<usize>,
+    /// Offsets and trends of runs.
+    pub detrend: Detrend,
 }
 
 impl Default for Options {
@@ -92,6 +108,7 @@ impl Default for Options {
             noise_order: NoiseOrder::Auto,
             level: 0.99,
             longest_settling: None,
+            detrend: Detrend::Auto,
         }
     }
 }
@@ -167,6 +184,33 @@ impl FromStr for Frequencies {
             "narrow" => Ok(Self::Narrow),
             _ => number(given, "`auto`, `narrow` or an odd number").map(Self::Count),
         }
+    }
+}
+
+impl FromStr for Detrend {
+    type Err = ParseOptionError;
+    fn from_str(given: &str) -> Result<Self, Self::Err> {
+        match given {
+            "auto" => Ok(Self::Auto),
+            "none" => Ok(Self::None),
+            "offset" => Ok(Self::Offset),
+            "linear" => Ok(Self::Linear),
+            _ => Err(ParseOptionError {
+                given: given.to_owned(),
+                wanted: "`auto`, `none`, `offset` or `linear`",
+            }),
+        }
+    }
+}
+
+impl fmt::Display for Detrend {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::None => "none",
+            Self::Offset => "offset",
+            Self::Linear => "linear",
+        })
     }
 }
 

@@ -446,6 +446,34 @@ pub const ROUGH_SAMPLE: f64 = 0.05;
 /// noise hides how much that is. Evidence: the tests of aliasing; the tests of coarse sampling.
 pub const FOLDED_POWER_DOUBT: f64 = 3.0;
 
+/// Probability below which the output has a trend that the input does not explain.
+///
+/// Protects: servos under a drifting sensor from being called nonlinear. Evidence: the test of drift; table "Closed loop".
+pub const DRIFT_SIGNIFICANCE: f64 = 1e-4;
+
+/// Share of its last value by which a response rises in its last quarter, from which on it has no end there. A straight line
+/// has a quarter.
+///
+/// Protects: users of integrators from the advice to record longer. Evidence: the test of integrators.
+pub const STILL_RISING: f64 = 0.15;
+
+// The input.
+
+/// Probability below which inputs to come explain the output.
+///
+/// Protects: bounds of recordings in closed loop, which are those of a mixture of servo and controller. Evidence: table "Closed loop".
+pub const FEEDBACK_SIGNIFICANCE: f64 = 1e-4;
+
+/// Standard deviations by which the response at lag 0 must be against the rest of it; chance does so once in 30 000.
+///
+/// Protects: as [`FEEDBACK_SIGNIFICANCE`], where the reference is held and the noise drifts.
+pub const AGAINST_MOTION: f64 = 4.0;
+
+/// Share of the largest value of the step response from which on such a response is evident though the errors are no noise.
+///
+/// Protects: servos that are not linear from being taken for a closed loop. Evidence: table "Closed loop".
+pub const EVIDENT_SHARE: f64 = 0.1;
+
 // Validation and comparison.
 
 /// Errors of samples judged from rest relative to the others, up to which a run began at rest. The noise of the

@@ -4,6 +4,7 @@
 //!   know nothing of the crates under test.
 //! - [`coverage`], [`figures_coverage`], [`metrics_coverage`]: how often bounds hold the exact answer. The
 //!   tests run few seeds, the examples of the same names run hundreds and print the documentation's tables.
+//! - [`closed_loop`]: recordings whose input a controller computes from the output.
 //! - [`hard_lines`]: recordings with glitches, tails, jitter, hum and runs that differ, for [`coverage`].
 //! - [`arguments`]: the arguments of these examples.
 //! - `bad_line` (feature `rig`): a port that loses, damages and delays frames by chance.
@@ -14,6 +15,7 @@
 pub mod arguments;
 #[cfg(feature = "rig")]
 pub mod bad_line;
+pub mod closed_loop;
 pub mod coverage;
 pub mod figures_coverage;
 pub mod hard_lines;

@@ -3,7 +3,7 @@
 use super::capture::{CaptureJob, Monitor, capture};
 use super::ctrl_c;
 use super::input::identified;
-use super::output::{Output, Talk, make_folder};
+use super::output::{Output, Talk, make_folder, typed_path};
 use crate::data::dataset::{self, DatasetOptions, listed};
 use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
@@ -102,13 +102,14 @@ impl Demo {
         })?;
         replace.write(&self.out.join(REPORT), &page)?;
         let text = format!(
-            "{}\n{}\nThe first is the bench, the second the aircraft.\n{}\n\nrecordings, models, comparison.json, summary.json and {} plots are in {}\nopen {} in a browser to look around\n",
+            "{}\n{}\nThe first is the bench, the second the aircraft.\n{}\n\nrecordings, models, comparison.json, summary.json and {} plots are in {}\nopen {} in a browser to look around, or see a step response here: servoid identify {}\n",
             summary::table_of_comparison("bench", "aircraft", &comparison),
             paper_values::as_table(&summary.paper),
             summary::wrapped(&comparison.summary, 0),
             figures.len(),
             self.out.display(),
-            self.out.join(REPORT).display()
+            self.out.join(REPORT).display(),
+            typed_path(&self.out.join("bench.csv"))
         );
         replace.talk.result(text, &summary)
     }
@@ -165,6 +166,7 @@ impl Demo {
             &listed(&files),
             &found.model,
             data.about.units(),
+            summary::Extent::default(),
         ));
         let record = data.record.clone();
         Ok((Servo::of_data(condition.to_owned(), data, found), record))

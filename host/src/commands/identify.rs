@@ -4,12 +4,13 @@ use super::input::{TableArgs, identified};
 use super::output::{Output, stem, wrong_usage};
 use super::servo_fit;
 use crate::data::dataset::suggestion::quoted;
-use crate::data::dataset::{Dataset, listed};
+use crate::data::dataset::{Dataset, DatasetOptions, listed};
 use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::explanation;
 use crate::presentation::plots::{self, Figure};
-use crate::presentation::summary;
+use crate::presentation::scope::step_as_text;
+use crate::presentation::summary::{self, Extent};
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
@@ -17,7 +18,7 @@ use servoid_identification::diagnostics::Explanation;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
 use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
 use servoid_identification::results::{Model, StepResponse};
-use servoid_identification::{Frequencies, NoiseOrder, Options, Settling, flight_model};
+use servoid_identification::{Detrend, Frequencies, NoiseOrder, Options, Settling, flight_model};
 use std::path::PathBuf;
 
 /// Identify the servo's step and frequency response, with bounds
@@ -48,6 +49,10 @@ pub(super) struct Identify {
     /// Confidence level of every bound, as a fraction (0.99) or in percent (99)
     #[arg(long, default_value_t = 0.99, value_parser = super::value_parsers::level)]
     level: f64,
+    /// What is taken out of the output of each run, within the regression: an offset, or an offset and a straight line. auto takes
+    /// offsets where the runs differ, and lines where the output drifts
+    #[arg(long, default_value_t = Detrend::Auto, value_name = "auto|none|offset|linear")]
+    detrend: Detrend,
     /// Explain the structure: the candidates, and the reason for the choice
     #[arg(long)]
     explain: bool,
@@ -75,6 +80,9 @@ pub(super) struct Identify {
     table: TableArgs,
 }
 
+/// Columns and rows of the picture of the step response: a terminal of 80 columns and 24 rows shows it with the sentence.
+const PICTURE: (u16, u16) = (78, 16);
+
 impl Identify {
     pub(super) fn run(self) -> Result<String> {
         let options = Options {
@@ -82,6 +90,7 @@ impl Identify {
             frequencies: self.frequencies,
             noise_order: self.noise_order,
             level: self.level,
+            detrend: self.detrend,
             ..Options::default()
         };
         if let Err(error) = options.check() {
@@ -114,7 +123,16 @@ impl Identify {
                 .as_ref()
                 .map(|servo| summary::servo_sentence(&servo.model, units) + "\n\n"),
         );
-        text += &summary::of_model(&listed(&self.files), model, units);
+        // A step response of which not even the times are findings is no picture of the servo.
+        let picture = match talk.quiet || model.metrics.withheld.is_some() {
+            true => String::new(),
+            false => step_as_text(&model.step, PICTURE.0, PICTURE.1),
+        };
+        let extent = Extent {
+            picture: &picture,
+            statistics: self.explain,
+        };
+        text += &summary::of_model(&listed(&self.files), model, units, extent);
         text.extend(
             servo
                 .as_ref()
@@ -139,6 +157,7 @@ impl Identify {
                 record: Some(&data.record),
                 servo_model: servo.as_ref(),
             },
+            read_as: self.table.options(),
             explanation,
             flight_model: fitted.as_ref(),
             no_flight_model: reason.as_ref(),
@@ -166,7 +185,7 @@ impl Identify {
             }));
             self.output.draw(folder, &figures)?;
         }
-        talk.say(self.next());
+        text += &talk.next(self.next());
         talk.result(text, &result)
     }
 
@@ -180,7 +199,7 @@ impl Identify {
             .first()
             .map(|file| format!("{}.html", stem(file)));
         format!(
-            "to look at it: servoid report {several}{}{} -o {}",
+            "servoid report {several}{}{} -o {}",
             files.join(" "),
             self.table.as_typed(),
             quoted(&page.unwrap_or_default())
@@ -217,6 +236,8 @@ fn fit_flight_model(data: &Dataset, model: &Model) -> Result<FlightModel, String
 struct Identified<'a> {
     #[serde(flatten)]
     model: ModelDocument<'a>,
+    #[serde(skip_serializing_if = "DatasetOptions::are_default")]
+    read_as: DatasetOptions,
     #[serde(skip_serializing_if = "Option::is_none")]
     explanation: Option<&'a Explanation>,
     #[serde(skip_serializing_if = "Option::is_none")]

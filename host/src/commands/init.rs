@@ -1,9 +1,10 @@
 //! `servoid init`
 
 use super::completion_values;
-use super::output::{Output, Talk};
+use super::output::{Output, Talk, typed_path};
 use super::ports;
 use super::prompts::Asker;
+use super::rig_args::FOUND;
 use super::rig_wizard::{
     Range, RigAnswers, check_condition, check_name, check_neutral, check_pulses,
     check_sensor_degrees, check_travel, check_us_per_degree, check_volts,
@@ -12,7 +13,7 @@ use crate::data::rig_file::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueHint};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Write the rig file of a new rig, from questions at the terminal or from options
 ///
@@ -26,7 +27,7 @@ use std::path::PathBuf;
   servoid init --yes --servo \"ALIGN DS610\" --neutral 1520 --pulses 900:2100 -o bench.toml")]
 pub(super) struct Init {
     /// The rig file to write
-    #[arg(long, short, default_value = "rig.toml", value_name = "RIG.toml", value_hint = ValueHint::FilePath)]
+    #[arg(long, short, default_value = FOUND, value_name = "RIG.toml", value_hint = ValueHint::FilePath)]
     out: PathBuf,
     /// Ask nothing: take the default of every option that is not given
     #[arg(long, short)]
@@ -98,7 +99,8 @@ impl Init {
         self.output.write(&self.out, &text)?;
         let file = self.out.display();
         let next = match &answers.port {
-            Some(_) => format!("servoid calibrate --rig {file}"),
+            Some(_) if self.out == Path::new(FOUND) => "servoid calibrate".to_owned(),
+            Some(_) => format!("servoid calibrate --rig {}", typed_path(&self.out)),
             None => "servoid ports".to_owned(),
         };
         let [shortest, longest] = [rig.limits.shortest_us, rig.limits.longest_us];

@@ -9,6 +9,7 @@ use crate::instrument::simulated_servo::{self, SimulatedServoError};
 use anyhow::{Context, Result};
 use clap::Args;
 use servoid_identification::comparison::{Comparison, ComparisonOptions, compare};
+use servoid_identification::results::{Advice, Check};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 use servoid_simulator::SimulationOptions;
@@ -76,7 +77,8 @@ impl TableArgs {
         typed.collect::<String>() + with_rest
     }
 
-    fn options(&self) -> DatasetOptions {
+    /// How these options say that files are to be read.
+    pub(super) fn options(&self) -> DatasetOptions {
         let args = self.clone();
         DatasetOptions {
             input: args.input,
@@ -93,7 +95,21 @@ impl TableArgs {
 
     /// The runs of these files together.
     pub(super) fn load(&self, files: &[PathBuf], talk: Talk) -> Result<Dataset> {
-        let data = dataset::load(files, &self.options())?;
+        self.load_as(&DatasetOptions::default(), files, talk)
+    }
+
+    /// The runs of these files together, read as the runs of a model were unless these options say otherwise.
+    pub(super) fn load_as(
+        &self,
+        model: &DatasetOptions,
+        files: &[PathBuf],
+        talk: Talk,
+    ) -> Result<Dataset> {
+        let options = self.options().or(model);
+        if options != self.options() {
+            talk.say("the files are read as those of the model were (columns, period, runs, rest); options say otherwise");
+        }
+        let data = dataset::load(files, &options)?;
         data.about
             .remarks
             .iter()
@@ -133,11 +149,47 @@ pub(super) fn identified(
     let found = identify_explained(&data.record, options);
     let mut found = found.with_context(|| listed(files))?;
     found.model.advice.extend(data.about.advice.iter().cloned());
+    let doubtful = unlikely_period(data.record.sample_period_s());
+    found.model.advice.splice(0..0, doubtful);
     if data.about.inexact_clock {
         let [slow, fast] = INTERNAL_CLOCK_ERROR;
         found.model.metrics = found.model.metrics.with_clock_error(slow, fast);
     }
     Ok(found)
+}
+
+/// Sample periods of recordings of a servo \[s\]: with a longer one its motion is over between two samples, and no converter for
+/// servos has a shorter one.
+const PERIODS_S: std::ops::RangeInclusive<f64> = 20e-6..=0.2;
+
+/// That no servo is recorded with this time between samples.
+fn unlikely_period(seconds: f64) -> Option<Advice> {
+    if PERIODS_S.contains(&seconds) {
+        return None;
+    }
+    let (limit, rather) = match seconds > *PERIODS_S.end() {
+        true => (*PERIODS_S.end(), 1e-3 * seconds),
+        false => (*PERIODS_S.start(), 1e3 * seconds),
+    };
+    Some(Advice::new(
+        Check::Period,
+        format!(
+            "The time between samples is taken to be {seconds} s, which is not that of a recording of a servo: all times and frequencies \
+             follow from it."
+        ),
+        seconds,
+        limit,
+        format!(
+            "State it in seconds: --period {} if it is {} ms.",
+            rounded(rather),
+            rounded(1e3 * rather)
+        ),
+    ))
+}
+
+/// The first digits of a number.
+fn rounded(number: f64) -> f64 {
+    (number * 1e9).round() / 1e9
 }
 
 /// The name of data: their condition, or that of the first file.
@@ -168,5 +220,6 @@ pub(super) fn compared(
     let [prints_a, prints_b] = [a, b].map(|side| fingerprint::of(&side.record));
     let same = fingerprint::advice_on_sides(&prints_a, &prints_b);
     found.advice.splice(0..0, same);
+    found.advice.extend(a.about.other_calibration(&b.about));
     Ok(found)
 }

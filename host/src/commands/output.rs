@@ -1,6 +1,7 @@
 //! Output of commands: results on standard output, remarks on standard error, and files, which never replace others
 //! without `--force`.
 
+use crate::data::dataset::suggestion::quoted;
 use crate::data::recording::{WriteError, write_file};
 use crate::presentation::plots::{Figure, draw};
 use anyhow::{Context, Result};
@@ -68,6 +69,11 @@ pub(super) fn stem(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
+/// A file's name as one types it in a command.
+pub(super) fn typed_path(path: &Path) -> String {
+    quoted(&path.display().to_string())
+}
+
 /// The form of a command's output.
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct Talk {
@@ -84,6 +90,14 @@ impl Talk {
     pub(super) fn say(self, remark: impl Display) {
         if !self.quiet {
             print_remark(remark);
+        }
+    }
+
+    /// The last line of a result as text: the command that one would type next. A script does not need it.
+    pub(super) fn next(self, command: impl Display) -> String {
+        match self.quiet {
+            true => String::new(),
+            false => format!("next: {command}\n"),
         }
     }
 

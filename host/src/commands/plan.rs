@@ -3,7 +3,7 @@
 use super::input::{is_model, simulated_servo};
 use super::output::{Output, wrong_usage};
 use super::reference_args::ReferenceArgs;
-use super::rig_args::rig_file;
+use super::rig_args::RigFileArgs;
 use crate::data::model_file::ModelFile;
 use crate::instrument::reference;
 use crate::plan::{AssumedServo, Plan, PlanRequest, figure, of_plan};
@@ -53,9 +53,8 @@ pub(super) struct PlanArgs {
     /// determined, and what to record for the others. A model as --servo does that by itself
     #[arg(long, conflicts_with = "model")]
     servo_model: bool,
-    /// The rig file; its microseconds per degree are used
-    #[arg(long, value_name = "RIG.toml")]
-    rig: Option<PathBuf>,
+    #[command(flatten)]
+    rig: RigFileArgs,
     /// The plan to write, as JSON
     #[arg(long, short, value_name = "PLAN.json")]
     out: Option<PathBuf>,
@@ -78,7 +77,7 @@ impl PlanArgs {
         output.check(&self.out)?;
         let assumed = self.assumed()?;
         let servo_model = self.servo_model || self.model.is_none() && self.names_a_model();
-        let us_per_degree = rig_file(self.rig.as_deref())?.servo.us_per_degree;
+        let us_per_degree = self.rig.read(None, talk)?.file.servo.us_per_degree;
         let request = PlanRequest {
             reference: self.reference.resolve(us_per_degree, talk)?,
             us_per_degree,

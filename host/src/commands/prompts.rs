@@ -105,11 +105,13 @@ impl Asker {
 
 const NO_ANSWER: &str = "the question was not answered";
 
-/// Yes or no, at a terminal; Enter takes `usual`.
-pub(super) fn confirm(words: &str, usual: bool) -> Result<bool> {
+/// Yes or no, at a terminal; Enter alone is no. The answer ends with Enter: one that acted on its letter would leave the
+/// Enter to the next question.
+pub(super) fn confirm(words: &str) -> Result<bool> {
     Confirm::with_theme(theme().as_ref())
         .with_prompt(words)
-        .default(usual)
+        .default(false)
+        .wait_for_newline(true)
         .interact()
         .context(NO_ANSWER)
 }

@@ -1,6 +1,7 @@
 //! The options that name the rig and the condition of the measurement.
 
 use super::completion_values;
+use super::output::Talk;
 use crate::data::clock_error::internal_clock_error;
 use crate::data::rig_file::RigFile;
 use crate::instrument::port;
@@ -17,10 +18,8 @@ pub(super) struct RigArgs {
     /// (sim:bench?realtime&seed=7 for real time and another noise)
     #[arg(long, short, value_parser = completion_values::port(), hide_possible_values = true)]
     pub port: Option<String>,
-    /// The rig file, as 'servoid init' writes it; without it: 1500 µs neutral, 10 µs per degree, a Honeywell RTY
-    /// sensor of 120 degrees
-    #[arg(long, value_name = "RIG.toml", value_hint = ValueHint::FilePath)]
-    pub rig: Option<PathBuf>,
+    #[command(flatten)]
+    file: RigFileArgs,
     /// Condition of the measurement: bench, aircraft, or your own words; without it, that of the rig file, the
     /// name of the simulated servo, or bench
     #[arg(long, value_parser = completion_values::condition(), hide_possible_values = true)]
@@ -32,6 +31,64 @@ pub(super) struct RigArgs {
     /// Use a board whose crystal does not run: all times and all pulses are then off by -2 to +2.5 %
     #[arg(long)]
     inexact_clock: bool,
+}
+
+/// The rig file, named or found.
+#[derive(Clone, Debug, Args)]
+pub(super) struct RigFileArgs {
+    /// The rig file, as 'servoid init' writes it [default: rig.toml of this folder; where there is none: 1500 µs
+    /// neutral, 10 µs per degree, a Honeywell RTY sensor of 120 degrees]
+    #[arg(long, value_name = "RIG.toml", value_hint = ValueHint::FilePath)]
+    rig: Option<PathBuf>,
+    /// Leave out the rig.toml of this folder
+    #[arg(long, conflicts_with = "rig")]
+    no_rig: bool,
+}
+
+/// The rig file that is found by itself, and that `servoid init` writes.
+pub(super) const FOUND: &str = "rig.toml";
+
+impl RigFileArgs {
+    /// The rig file that applies to the rig at `port`, and its path; the defaults where there is none. A file that was not named
+    /// is not that of a simulated servo, unless its port is.
+    pub(super) fn read(&self, port: Option<&str>, talk: Talk) -> Result<RigSource> {
+        if let Some(path) = &self.rig {
+            return RigSource::of(path);
+        }
+        if self.no_rig || !Path::new(FOUND).exists() {
+            return Ok(RigSource::default());
+        }
+        let found = RigSource::of(Path::new(FOUND))?;
+        let simulated = |port: &str| port::simulated_servo(port).map(str::to_owned);
+        if let Some(port) = port
+            && let Some(servo) = simulated(port)
+            && found.file.port.as_deref().and_then(simulated) != Some(servo)
+        {
+            talk.say(format_args!(
+                "rig file: none; {FOUND} is not that of {port} (--rig {FOUND} takes it)"
+            ));
+            return Ok(RigSource::default());
+        }
+        talk.say(format_args!("rig file: {FOUND} (--no-rig leaves it out)"));
+        Ok(found)
+    }
+}
+
+/// A rig file and its origin.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RigSource {
+    /// `None` for the defaults.
+    pub path: Option<PathBuf>,
+    pub file: RigFile,
+}
+
+impl RigSource {
+    fn of(path: &Path) -> Result<Self> {
+        Ok(Self {
+            path: Some(path.to_owned()),
+            file: RigFile::read(path)?,
+        })
+    }
 }
 
 /// A rig that may be moved.
@@ -57,15 +114,14 @@ pub(super) fn require_clock(allowed: bool, hello: &Hello) -> Result<()> {
 /// The one condition without a rotor.
 const BENCH: &str = "bench";
 
-/// The rig file, or the defaults.
-pub(super) fn rig_file(path: Option<&Path>) -> Result<RigFile> {
-    path.map_or_else(|| Ok(RigFile::default()), |path| Ok(RigFile::read(path)?))
-}
-
 impl RigArgs {
-    /// The rig, if its port is known and it may move.
-    pub(super) fn require(&self) -> Result<Rig> {
-        let file = rig_file(self.rig.as_deref())?;
+    /// The rig file, named or found.
+    pub(super) fn source(&self, talk: Talk) -> Result<RigSource> {
+        self.file.read(self.port.as_deref(), talk)
+    }
+
+    /// The rig of `file`, if its port is known and it may move.
+    pub(super) fn require(&self, file: RigFile) -> Result<Rig> {
         let Some(address) = self.port.clone().or_else(|| file.port.clone()) else {
             bail!(
                 "no port is given: add --port, or 'port' in the rig file; 'servoid ports' lists the serial ports, and sim:bench needs no hardware"

@@ -22,7 +22,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid validate bench.json another-bench.csv --plots plots
-  servoid validate mine.json another.csv --input u --output y --period 0.02")]
+  servoid validate mine.json another.csv          (read as the file that mine.json is of)")]
 pub(super) struct Validate {
     /// The model, as 'servoid identify -o' writes it
     #[arg(value_name = "MODEL.json")]
@@ -51,9 +51,12 @@ impl Validate {
             model,
             metadata,
             fingerprints,
+            read_as,
             ..
         } = file;
-        let data = self.table.load(&self.files, self.output.talk)?;
+        let data = self
+            .table
+            .load_as(&read_as, &self.files, self.output.talk)?;
         let (model_name, files) = (self.model.display().to_string(), listed(&self.files));
         metadata.same_units(&model_name, &ModelMetadata::from(&data.about), &files)?;
         let own = fingerprint::advice_on_validation(&fingerprints, &fingerprint::of(&data.record));

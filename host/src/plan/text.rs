@@ -75,6 +75,7 @@ fn none_because(reason: Reason) -> String {
             "take a reference with sharp edges, or a sensor with finer steps"
         }
         Reason::BeyondRecord => "plan with a model of a recording with strokes as large as these",
+        Reason::InputFollowsOutput => "record with a reference that was planned before",
         Reason::ResponseNotOver => "take longer holds, and a longer reference",
     };
     let because = reason.because();

@@ -59,12 +59,16 @@ fn write_settling(text: &mut String, e: &Explanation, structure: &Structure) -> 
         choice.longest, "N", "settles at", "apart"
     )?;
     for c in &choice.candidates {
-        let mark = mark(c.accepted);
+        let mark = mark(c.settling == structure.settling_samples);
         writeln!(
             text,
             "  {:>8} {:>10} {:>13.1} sd{mark}",
             c.settling, c.detected, c.contradiction
         )?;
+    }
+    let settling = structure.settling_samples;
+    if choice.candidates.iter().all(|c| c.settling != settling) {
+        writeln!(text, "  the model has N = {settling}, for the reason below")?;
     }
     if !choice.settled {
         writeln!(

@@ -156,7 +156,7 @@ mod at_a_terminal {
         run(&["init", "--yes", "--port", port, wide, "-o", arg(rig)]);
         let mut session = Session::begin(&["calibrate", "--rig", arg(rig)]);
         session.wait_for("no question", |seen| seen.contains("May it move"));
-        session.press("y");
+        session.press("y\r");
         session
     }
 
@@ -168,18 +168,60 @@ mod at_a_terminal {
         session.answer("position 1 of 5, 1100 µs", "-40");
         session.answer("position 2 of 5", "twenty");
         session.answer("a number of degrees", "-20");
-        session.answer("position 3 of 5", "");
+        session.answer("position 3 of 5", "skip");
+        session.wait_for("not said", |seen| seen.contains("1500 µs: left out"));
         session.answer("position 4 of 5", "20,0");
         session.answer("position 5 of 5", "40");
         session.wait_for("no result", |seen| seen.contains("Put this into"));
-        session.press("y");
+        session.press("y\r");
         assert!(session.end().success(), "{}", session.seen());
+        assert!(session.seen().contains("next: servoid capture --rig"));
+        assert!(!session.seen().contains("DOUBTFUL"), "{}", session.seen());
+        assert!(dir.path().join("rig-1.toml").exists());
         let sensor = RigFile::read(&rig).unwrap().sensor;
         let nominal = RigFile::default().sensor.degrees_per_count;
         // Dead band and play: 0.06 of 40 degrees.
         let ratio = sensor.degrees_per_count * 0.9 / nominal;
         assert!((ratio - 1.0).abs() < 0.005, "{ratio}");
         assert!(session.is_as_before());
+    }
+
+    /// Enter after the letter, later than the letter acts, and twice.
+    #[test]
+    fn an_enter_that_is_typed_late_answers_no_position() {
+        let dir = tempfile::tempdir().unwrap();
+        let rig = dir.path().join("rig.toml");
+        let mut session = begin(&rig, "sim:bench");
+        std::thread::sleep(std::time::Duration::from_millis(200));
+        session.press("\r");
+        for (position, angle) in ["-40", "-20", "0", "20", "40"].iter().enumerate() {
+            session.answer(&format!("position {} of 5", position + 1), angle);
+        }
+        session.wait_for("no result", |seen| seen.contains("Put this into"));
+        session.press("y\r");
+        assert!(session.end().success(), "{}", session.seen());
+        let sensor = RigFile::read(&rig).unwrap().sensor;
+        let nominal = RigFile::default().sensor;
+        // Dead band and play, 0.06 degrees.
+        let zero_deg = (sensor.zero_counts - nominal.zero_counts) * nominal.degrees_per_count;
+        assert!(zero_deg.abs() < 0.1, "{zero_deg}");
+    }
+
+    #[test]
+    fn angles_that_disagree_with_the_rig_file_are_doubtful_and_enter_writes_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let rig = dir.path().join("rig.toml");
+        let mut session = begin(&rig, "sim:bench");
+        let before = std::fs::read_to_string(&rig).unwrap();
+        for (position, angle) in ["-80", "-40", "0", "40", "80"].iter().enumerate() {
+            session.answer(&format!("position {} of 5", position + 1), angle);
+        }
+        session.wait_for("not doubted", |seen| {
+            seen.contains("DOUBTFUL: the angles are 2.0") && seen.contains("Put this into")
+        });
+        session.press("\r");
+        assert!(session.end().success(), "{}", session.seen());
+        assert_eq!(before, std::fs::read_to_string(&rig).unwrap());
     }
 
     /// At real pace, as on a board: the run is followed while somebody thinks.

@@ -310,3 +310,30 @@ fn a_period_that_a_column_of_time_contradicts_is_taken_and_said() {
     let (_, _, said) = identified(&file, &[&NAMED[..], &["--period", "0.002"]].concat());
     assert!(!said.contains("was stated"), "{said}");
 }
+
+/// A model knows how its file was read; a time between rows that no servo is recorded with is named first.
+#[test]
+fn what_was_said_once_is_known_and_an_unlikely_period_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = file(dir.path(), "mine.csv", "u,y\n", |_, u, y| {
+        format!("{u},{y}\n")
+    });
+    let model = dir.path().join("mine.json");
+    let options = ["--input", "u", "--output", "y", "--period", "0.002"];
+    let (_, _, said) = identified(&rows, &[&options[..], &["-o", arg(&model)]].concat());
+    assert!(!said.contains("--period"), "{said}");
+    let output = servoid(&["validate", arg(&model), &rows]).output().unwrap();
+    let [fit, said] = [output.stdout, output.stderr].map(|t| String::from_utf8(t).unwrap());
+    assert!(fit.contains("fit 9"), "{fit}{said}");
+    assert!(said.contains("as those of the model were"), "{said}");
+
+    let wrong = ["--input", "u", "--output", "y", "--period", "2"];
+    let args = [&["identify", &rows, "--settling", "81"], &wrong[..]].concat();
+    let output = servoid(&args).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let first = text.split("  ! ").nth(1).unwrap_or_default();
+    assert!(first.contains("--period 0.002 if it is 2 ms"), "{text}");
+    let swapped = ["--input", "y", "--output", "u", "--period", "0.002"];
+    let sentence = refusal(&[&["identify", &rows], &swapped[..]].concat());
+    assert!(sentence.contains("seem to be swapped"), "{sentence}");
+}

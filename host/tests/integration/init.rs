@@ -1,7 +1,51 @@
 //! The rig file of a new rig.
 
-use crate::support::{arg, refusal, run};
+use crate::support::{arg, refusal, run, servoid};
 use servoid::data::rig_file::RigFile;
+
+/// The folder's own rig.toml is taken without being named; a simulated servo of another kind does not take it.
+#[test]
+fn the_rig_file_of_the_folder_is_found() {
+    let dir = tempfile::tempdir().unwrap();
+    let here = |args: &[&str]| {
+        let output = servoid(args).current_dir(dir.path()).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap()
+    };
+    let said = here(&[
+        "init",
+        "--yes",
+        "--port",
+        "sim:bench",
+        "--us-per-degree",
+        "11",
+    ]);
+    assert!(said.contains("next: servoid calibrate\n"), "{said}");
+    let said = here(&["capture", "-o", "found.csv"]);
+    assert!(
+        said.contains("rig file: rig.toml (--no-rig leaves it out)")
+            && said.contains("next: servoid identify found.csv -o found.json"),
+        "{said}"
+    );
+    here(&[
+        "capture",
+        "--port",
+        "sim:bench",
+        "--no-rig",
+        "-o",
+        "without.csv",
+    ]);
+    let said = here(&["capture", "--port", "sim:aircraft", "-o", "other.csv"]);
+    assert!(
+        said.contains("rig.toml is not that of sim:aircraft"),
+        "{said}"
+    );
+    for (file, us_per_degree) in [("found", "11.0"), ("without", "10.0"), ("other", "10.0")] {
+        let recording = std::fs::read_to_string(dir.path().join(format!("{file}.csv"))).unwrap();
+        let expected = format!("us_per_degree = {us_per_degree}");
+        assert!(recording.contains(&expected), "{file}: {recording:.2000}");
+    }
+}
 
 #[test]
 fn options_answer_every_question_and_the_file_is_a_rig() {

@@ -228,7 +228,9 @@ fn use_model(text: &str) {
     for target in Target::ALL {
         let _some_have_no_form = export.write(target);
     }
-    assert!(!summary::of_model("m", &model, Units::default()).is_empty());
+    assert!(
+        !summary::of_model("m", &model, Units::default(), summary::Extent::default()).is_empty()
+    );
     let input: Vec<f64> = (0..100).map(|k| f64::from(k / 7 % 2)).collect();
     if let Ok(record) = Record::from_slices(model.sample_period_s, &input, &input) {
         let _may_not_apply = model.validate(&record);

@@ -124,9 +124,9 @@ fn a_stranger_gets_to_the_report_by_what_the_program_says() {
         .output()
         .unwrap();
     assert!(output.status.success());
-    let reported = String::from_utf8(output.stderr).unwrap();
+    let reported = String::from_utf8(output.stdout).unwrap();
     let (_, command) = reported
-        .split_once("servoid report ")
+        .split_once("next: servoid report ")
         .expect("it says how to go on");
     let words: Vec<&str> = command.lines().next().unwrap().split(' ').collect();
     let output = servoid(&[&["report"], &words[..]].concat())

@@ -129,3 +129,33 @@ fn nothing_is_over_predicted_at_a_command_of_nought() {
     }
     assert!(run(&args).contains("- side -, travel"));
 }
+
+/// The same servo by a calibration that is 4 % steeper.
+#[test]
+fn different_calibrations_of_two_sides_are_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let capture = |name: &str, degrees: &str| {
+        let [rig, file] = ["toml", "csv"].map(|ending| dir.path().join(format!("{name}.{ending}")));
+        let port = ["--port", "sim:linear"];
+        let init = [
+            "init",
+            "--yes",
+            "--sensor-degrees",
+            degrees,
+            "-o",
+            arg(&rig),
+        ];
+        run(&[&init[..], &port[..]].concat());
+        run(&["capture", "-q", "--rig", arg(&rig), "-o", arg(&file)]);
+        file
+    };
+    let (a, b) = (capture("a", "120"), capture("b", "124.8"));
+    let compared = |b: &Path| {
+        let said = run(&["compare", arg(&a), arg(b)]);
+        said.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let said = compared(&b);
+    assert!(said.contains("is +4.00 % from that of the first"), "{said}");
+    let said = compared(&a);
+    assert!(!said.contains("calibrations of the sensor"), "{said}");
+}

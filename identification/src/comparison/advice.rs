@@ -1,7 +1,7 @@
 //! The sentences of advice on a comparison.
 
 use super::motion::Motion;
-use super::outcome::{Comparison, Sides};
+use super::outcome::{Comparison, Levels, Sides};
 use super::pair::Identified;
 use crate::nonlinear::Limits;
 use crate::results::{Advice, Check, Model};
@@ -27,12 +27,35 @@ pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: 
     )
 }
 
+/// That both sides rest apart where the step responses, which are of changes alone, agree.
+fn different_zeros(levels: &Sides<Levels>, margin_percent: f64) -> Option<Advice> {
+    let middle = |side: &Levels| Some((side.plus.value? + side.minus.value?) / 2.0);
+    let stroke = (levels.a.plus.value? - levels.a.minus.value?).abs();
+    let apart = middle(&levels.b)? - middle(&levels.a)?;
+    let commanded = |side: &Levels| side.command_plus + side.command_minus;
+    let same_command =
+        (commanded(&levels.a) - commanded(&levels.b)).abs() / 2.0 < margin_percent / 100.0 * stroke;
+    let percent = 100.0 * apart.abs() / stroke;
+    (same_command && percent > margin_percent).then(|| {
+        Advice::new(
+            Check::Zeros,
+            format!(
+                "The second rests {apart:+.3} from the first, {percent:.0} % of the stroke, under the same commands. The verdict is on \
+                 step responses, which are of changes alone; the over-prediction counts from zero and contains it."
+            ),
+            percent,
+            margin_percent,
+            "Calibrate the sensor of both sides with the same zero, unless a load holds the second servo there.",
+        )
+    })
+}
+
 /// The limit of a comparison of two models, whatever servos they are of.
 pub(super) fn one_response() -> Advice {
     Advice::new(
         Check::OneResponse,
-        "Single strokes may differ by more than these models do: a model has one response for up and down strokes \
-         alike, and a settling time of its own, so the metrics of models and of recordings are not the same.",
+        "Single strokes, and single runs, may differ by more than these models do: a model has one response for up and down \
+         strokes and for all its runs, and a settling time of its own, so the metrics of models and of recordings are not the same.",
         1.0,
         2.0,
         "Compare the recordings: that separates up and down strokes, with one structure for both sides.",
@@ -53,11 +76,18 @@ pub(super) fn gather(
             ..found.clone()
         }));
     }
+    advice.extend(
+        comparison
+            .levels
+            .and_then(|levels| different_zeros(&levels, comparison.margin_percent)),
+    );
     let fewest = comparison.runs[0].min(comparison.runs[1]);
-    if comparison.p_value.is_none() {
+    // Models have lost their runs, and the advice on models says so.
+    if comparison.p_value.is_none() && !sides.is_empty() {
+        let runs = if fewest == 1 { "run" } else { "runs" };
         advice.push(Advice::new(
             Check::Runs,
-            format!("{fewest} run a side: differences from run to run are not included."),
+            format!("{fewest} {runs} a side: differences from run to run are not included."),
             fewest as f64,
             3.0,
             "Record three or more runs a side, five for the sharper test.",

@@ -274,6 +274,25 @@ impl Record {
         self.sample_period_s
     }
 
+    /// The number of values of the output, where it has so few and the input so many that the two must be swapped.
+    pub(crate) fn levels_of_swapped_columns(&self) -> Option<usize> {
+        /// A reference has two levels or more; no sensor of a motion has so few.
+        const FEW: usize = 3;
+        const MANY: usize = 20;
+        let count = |column: fn(&Run) -> &[f64], most: usize| {
+            let mut values = std::collections::HashSet::new();
+            let mut all = self.runs.iter().flat_map(column).filter(|v| !v.is_nan());
+            while values.len() <= most
+                && let Some(value) = all.next()
+            {
+                values.insert(value.to_bits());
+            }
+            values.len()
+        };
+        let levels = count(Run::output, FEW);
+        (levels <= FEW && count(Run::input, MANY) > MANY).then_some(levels)
+    }
+
     /// The same with other runs.
     pub(crate) fn with_runs(&self, runs: Vec<Run>) -> Self {
         Self {

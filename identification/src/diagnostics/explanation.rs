@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::data::Quantisation;
+use crate::diagnostics::feedback::Feedback;
 use crate::diagnostics::hum::Hum;
 use crate::diagnostics::initial_rest::Contradicted;
 use crate::diagnostics::linearity::Linearity;
@@ -107,12 +108,18 @@ pub struct Explanation {
     /// Periodic disturbances that were taken out.
     #[serde(default)]
     pub hum: Vec<Hum>,
+    /// Change of the output over each run that was taken out as a trend; empty where there was none.
+    #[serde(default)]
+    pub drift: Vec<f64>,
     /// By how much the noise varies, where it does beyond chance.
     #[serde(default)]
     pub uneven_noise: Option<UnevenNoise>,
     /// That the response goes on beyond N, where it does.
     #[serde(default)]
     pub slow_end: Option<SlowEnd>,
+    /// Whether the input follows the output; `None` where the errors are no noise.
+    #[serde(default)]
+    pub feedback: Option<Feedback>,
     /// How the runs compare; `None` with fewer than two.
     pub runs: Option<RunComparison>,
 }

@@ -3,6 +3,7 @@
 mod advice;
 mod correlogram;
 mod explanation;
+mod feedback;
 mod filtered_rows;
 mod hum;
 mod initial_rest;
@@ -12,6 +13,7 @@ mod outliers;
 mod residual_tests;
 mod run_offsets;
 mod run_scatter;
+mod run_trends;
 mod servo_mean;
 mod simulation_error;
 mod slow_end;
@@ -24,6 +26,8 @@ pub use crate::selection::{Choice, SettlingCandidate};
 pub(crate) use advice::{Evidence, gather_advice};
 pub use correlogram::Correlogram;
 pub use explanation::{Bank, Explanation, Resolution};
+pub use feedback::Feedback;
+pub(crate) use feedback::feedback;
 pub use hum::Hum;
 pub(crate) use hum::{HumLine, hum};
 pub use initial_rest::Contradicted;
@@ -38,6 +42,7 @@ pub use residual_tests::WHITENESS_LAGS;
 pub(crate) use residual_tests::{INPUT_LAGS, WHITENESS_SAMPLES, input_independence, whiteness};
 pub(crate) use run_offsets::{RunOffsets, allow_for_run_offsets, run_offsets};
 pub use run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatter};
+pub(crate) use run_trends::{RunTrends, allow_for_run_trends, drift, slopes_left, trend_at};
 pub(crate) use servo_mean::allow_for_scatter;
 pub(crate) use simulation_error::{
     beginnings, one_step_errors, simulated, simulated_whole, square,

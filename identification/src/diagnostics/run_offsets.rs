@@ -22,8 +22,8 @@ use crate::thresholds::RESIDUAL_SIGNIFICANCE;
 /// The offset of each run from the common one \[output\]; empty where runs do not differ beyond chance.
 pub(crate) type RunOffsets = Vec<f64>;
 
-/// The offsets of `runs`, if they differ by more than parts of `settling` samples of one run do.
-pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize) -> RunOffsets {
+/// The offsets of `runs`, if they differ by more than parts of `settling` samples of one run do, or they are `wanted`.
+pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize, wanted: bool) -> RunOffsets {
     let parts: Vec<Vec<f64>> = runs
         .iter()
         .map(|run| part_means(&run.errors, settling))
@@ -44,7 +44,7 @@ pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize) -> RunOffsets
     let degrees = ((runs.len() - 1) as f64, (count - runs.len()) as f64);
     let differ = FisherSnedecor::new(degrees.0, degrees.1)
         .is_ok_and(|f| f.sf(between / degrees.0 / (within / degrees.1)) < RESIDUAL_SIGNIFICANCE);
-    match differ {
+    match differ || wanted {
         true => means.iter().map(|mean| mean - common).collect(),
         false => RunOffsets::new(),
     }

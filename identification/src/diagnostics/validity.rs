@@ -20,6 +20,8 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) quantised: bool,
     /// Whether the response goes on beyond the longest N.
     pub(crate) unsettled: bool,
+    /// Whether the input follows the output.
+    pub(crate) closed_loop: bool,
     /// G_0.
     pub(crate) gain: f64,
     /// The step response, and what left-out frequencies may change in it.
@@ -57,6 +59,8 @@ impl Validity {
             Some(Reason::InputUnexcited)
         } else if left_out_above_hz.is_some() {
             Some(Reason::FrequenciesLeftOut)
+        } else if evidence.closed_loop {
+            Some(Reason::InputFollowsOutput)
         } else if evidence.misfit.is_some() {
             Some(Reason::ErrorsNotNoise)
         } else if evidence.quantised && evidence.excitation.is_smooth() {

@@ -5,7 +5,7 @@ use super::assess::figures_of_merit;
 use super::fitted::Fitted;
 use super::responses::Responses;
 use super::task::Task;
-use crate::data::Timing;
+use crate::data::{Run, Timing};
 use crate::diagnostics::{
     Bank, Explanation, Resolution, RunComparison, Validity, ValidityEvidence, contradicted_rest,
 };
@@ -35,11 +35,20 @@ pub(super) fn validity(
         quantised: allowances.quantisation.is_some(),
         unsettled: fitted.slow_end.is_some()
             || (allowances.quantisation.is_none() && still_moves(fitted, responses)),
+        closed_loop: is_closed_loop(fitted),
         gain: estimate.fit.theta()[0],
         step: &responses.step_values,
         truncation_bias: allowances.step.truncation,
     };
     Validity::new(&evidence, task.options.level)
+}
+
+fn is_closed_loop(fitted: &Fitted) -> bool {
+    let follows_motion = (fitted.linearity).is_some_and(|found| found.errors_follow_motion());
+    let are_noise = fitted.misfit.is_none() && !follows_motion;
+    fitted
+        .feedback
+        .is_some_and(|found| found.is_evident() || (are_noise && found.is_found()))
 }
 
 /// Whether the response still moves when the longest N ends.
@@ -151,6 +160,18 @@ pub(super) fn model(
     }
 }
 
+/// The change of the output over each run that was taken out as a trend.
+fn drift(task: &Task<'_>) -> Vec<f64> {
+    let runs = task.record.map_or(&[][..], |record| record.runs());
+    let over = |(slope, run): (&f64, &Run)| slope * (run.len() as f64 - 1.0);
+    task.disturbances
+        .trends
+        .iter()
+        .zip(runs)
+        .map(over)
+        .collect()
+}
+
 /// How the model came about.
 pub(super) fn explanation(
     task: &Task<'_>,
@@ -190,8 +211,10 @@ pub(super) fn explanation(
         hum: (task.disturbances.hum.iter())
             .map(|line| line.described(model.sample_period_s))
             .collect(),
+        drift: drift(task),
         uneven_noise: fitted.uneven,
         slow_end: fitted.slow_end,
+        feedback: fitted.feedback,
         runs,
     }
 }

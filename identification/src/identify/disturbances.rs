@@ -1,7 +1,7 @@
 //! What is in a record beside the servo and its noise: glitches, hum, offsets of runs.
 
 use crate::data::{Record, Run};
-use crate::diagnostics::{HumLine, Outliers, RunOffsets};
+use crate::diagnostics::{HumLine, Outliers, RunOffsets, RunTrends, trend_at};
 use crate::numerics::largest_difference;
 
 /// What was taken out of a record.
@@ -11,6 +11,8 @@ pub(super) struct Disturbances {
     pub(super) hum: Vec<HumLine>,
     /// Offsets of the runs from the common one, where they differ.
     pub(super) offsets: RunOffsets,
+    /// The slopes of the runs, where they drift.
+    pub(super) trends: RunTrends,
 }
 
 impl Disturbances {
@@ -20,12 +22,18 @@ impl Disturbances {
         let close = |(a, b): (&HumLine, &HumLine)| {
             (a.amplitude() - b.amplitude()).abs() <= SMALL * a.amplitude()
         };
+        /// As of a slope, whose lever is the whole run.
+        const SMALL_SLOPE: f64 = 1e-4;
+        let alike = |mine: &[f64], theirs: &[f64], small: f64| {
+            mine.len() == theirs.len()
+                && largest_difference(mine, theirs)
+                    <= small * mine.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
+        };
         self.outliers.taken_out == other.outliers.taken_out
             && self.hum.len() == other.hum.len()
             && self.hum.iter().zip(&other.hum).all(close)
-            && self.offsets.len() == other.offsets.len()
-            && largest_difference(&self.offsets, &other.offsets)
-                <= SMALL * self.offsets.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
+            && alike(&self.offsets, &other.offsets, SMALL)
+            && alike(&self.trends, &other.trends, SMALL_SLOPE)
     }
 
     /// Whether nothing was taken out that could be an error of the model.
@@ -45,7 +53,7 @@ impl Disturbances {
 
     /// `record` without them.
     pub(super) fn removed_from(&self, record: &Record) -> Record {
-        if self.is_without_errors() && self.offsets.is_empty() {
+        if self.is_without_errors() && self.offsets.is_empty() && self.trends.is_empty() {
             return record.clone();
         }
         let mut runs: Vec<Run> = record.runs().to_vec();
@@ -53,7 +61,11 @@ impl Disturbances {
             let hum = |k: usize| self.hum.iter().map(|line| line.at(index, k)).sum::<f64>();
             let offset = self.offsets.get(index).copied().unwrap_or(0.0);
             let values = (0..).zip(run.output());
-            let mut output: Vec<f64> = values.map(|(k, y)| y - hum(k) - offset).collect();
+            let slope = self.trends.get(index).copied().unwrap_or(0.0);
+            let trend = |k: usize| slope * trend_at(run, k);
+            let mut output: Vec<f64> = values
+                .map(|(k, y)| y - hum(k) - offset - trend(k))
+                .collect();
             for found in self
                 .outliers
                 .taken_out

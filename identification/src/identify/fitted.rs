@@ -4,8 +4,9 @@ use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
 use crate::diagnostics::{
-    Linearity, Misfit, RunComparison, SlowEnd, UnevenNoise, against_standstill,
-    allow_for_run_offsets, allow_for_scatter, allow_for_uneven_noise, simulated, test_linearity,
+    Feedback, Linearity, Misfit, RunComparison, SlowEnd, UnevenNoise, against_standstill,
+    allow_for_run_offsets, allow_for_run_trends, allow_for_scatter, allow_for_uneven_noise,
+    simulated, test_linearity,
 };
 use crate::error::Error;
 
@@ -19,6 +20,8 @@ pub(super) struct Fitted {
     pub(super) misfit: Option<Misfit>,
     /// That the response goes on beyond N, where it does.
     pub(super) slow_end: Option<SlowEnd>,
+    /// Whether the input follows the output; `None` where that could not be tested.
+    pub(super) feedback: Option<Feedback>,
     /// By how much the noise varies, where it does; the covariance of the estimate allows for it.
     pub(super) uneven: Option<UnevenNoise>,
 }
@@ -38,6 +41,7 @@ impl Fitted {
             estimate,
             misfit: None,
             slow_end: None,
+            feedback: None,
             uneven: None,
         }
     }
@@ -58,6 +62,9 @@ impl Fitted {
         }
         if !task.disturbances.offsets.is_empty() {
             allow_for_run_offsets(record.runs(), &information.moments, fit);
+        }
+        if !task.disturbances.trends.is_empty() {
+            allow_for_run_trends(record.runs(), &information.moments, fit);
         }
         self
     }

@@ -68,6 +68,9 @@ pub(crate) fn identify_runs(record: &Record, options: &Options) -> Result<Identi
 
 fn explained(record: &Record, options: &Options, of_servo: bool) -> Result<Identification, Error> {
     options.check()?;
+    if let Some(levels) = record.levels_of_swapped_columns() {
+        return Err(Error::Swapped { levels });
+    }
     let found = Undisturbed::of(record, options)?;
     let task = |disturbances, record| Task {
         record: Some(record),
@@ -84,8 +87,7 @@ fn explained(record: &Record, options: &Options, of_servo: bool) -> Result<Ident
         return run(&first, fitted);
     }
     // Errors of a servo that is not linear are no disturbances.
-    let offsets = found.disturbances.offsets.clone();
-    let whole = Undisturbed::with_errors(record, options, offsets)?;
+    let whole = Undisturbed::with_errors(record, options, &found.disturbances)?;
     let task = task(&whole.disturbances, &whole.record);
     run(
         &task,

@@ -8,10 +8,10 @@ use super::disturbances::Disturbances;
 use super::estimate::Estimate;
 use crate::data::{Quantisation, Record};
 use crate::diagnostics::{
-    Outliers, RunOffsets, hum, outliers, run_offsets, simulated_whole, square,
+    Outliers, RunTrends, drift, hum, outliers, run_offsets, simulated_whole, slopes_left, square,
 };
 use crate::error::Error;
-use crate::options::Options;
+use crate::options::{Detrend, Options};
 
 /// Turns of fit and search.
 const TURNS: usize = 5;
@@ -29,7 +29,7 @@ impl Undisturbed {
         let complete = record.with_held_inputs();
         let mut found = Self::without(Disturbances::default(), &complete, options)?;
         for _ in 0..TURNS {
-            let next = found.searched(&complete);
+            let next = found.searched(&complete, options.detrend);
             if found.disturbances.are_as(&next) {
                 break;
             }
@@ -48,17 +48,18 @@ impl Undisturbed {
         Ok(found)
     }
 
-    /// With all that may be errors of the model: without the offsets of runs alone.
+    /// With all that may be errors of the model: without the offsets and trends of runs alone.
     pub(super) fn with_errors(
         record: &Record,
         options: &Options,
-        offsets: RunOffsets,
+        found: &Disturbances,
     ) -> Result<Self, Error> {
-        let offsets = Disturbances {
-            offsets,
+        let of_runs = Disturbances {
+            offsets: found.offsets.clone(),
+            trends: found.trends.clone(),
             ..Disturbances::default()
         };
-        Self::without(offsets, &record.with_held_inputs(), options)
+        Self::without(of_runs, &record.with_held_inputs(), options)
     }
 
     fn without(
@@ -78,7 +79,7 @@ impl Undisturbed {
     }
 
     /// The disturbances of `complete` in its errors.
-    fn searched(&self, complete: &Record) -> Disturbances {
+    fn searched(&self, complete: &Record, detrend: Detrend) -> Disturbances {
         let Estimate {
             information, fit, ..
         } = &self.estimate;
@@ -89,7 +90,17 @@ impl Undisturbed {
             ..Disturbances::default()
         };
         let runs = next.removed_from(complete);
-        next.offsets = run_offsets(&simulated_whole(&runs, moments, fit), settling);
+        let simulated = simulated_whole(&runs, moments, fit);
+        let (offsets, trends) = match detrend {
+            Detrend::None => (Vec::new(), false),
+            Detrend::Auto => (run_offsets(&simulated, settling, false), drift(&simulated)),
+            Detrend::Offset => (run_offsets(&simulated, settling, true), false),
+            Detrend::Linear => (run_offsets(&simulated, settling, true), true),
+        };
+        next.offsets = offsets;
+        if trends {
+            next.trends = self.slopes();
+        }
         let runs = next.removed_from(complete);
         let rmse = (square(information, fit) / information.rows() as f64).sqrt();
         let step = Quantisation::of(complete, rmse).map_or(0.0, |found| found.step);
@@ -101,5 +112,20 @@ impl Undisturbed {
         let runs = next.removed_from(complete);
         next.outliers = outliers(&simulated_whole(&runs, moments, fit), moments, fit, step);
         next
+    }
+
+    /// The slopes of the runs: those that were taken out, and what the errors say that is left.
+    fn slopes(&self) -> RunTrends {
+        let Estimate {
+            information, fit, ..
+        } = &self.estimate;
+        let moments = &information.moments;
+        let left = slopes_left(&simulated_whole(&self.record, moments, fit), moments, fit);
+        let taken_out = &self.disturbances.trends;
+        let taken_out = |run: usize| taken_out.get(run).copied().unwrap_or(0.0);
+        (0..)
+            .zip(left)
+            .map(|(run, left)| taken_out(run) + left)
+            .collect()
     }
 }

@@ -54,6 +54,8 @@ pub enum Check {
     Outliers,
     /// Whether a periodic disturbance was taken out.
     Hum,
+    /// Whether the input follows the output.
+    Feedback,
     /// Whether the response goes on beyond the longest time that can be judged.
     SlowEnd,
     /// Whether runs differ by more than their noise.
@@ -72,6 +74,16 @@ pub enum Check {
     Runs,
     /// Whether there are levels enough for limits.
     Levels,
+    /// Whether both sides rest at the same angles.
+    Zeros,
+    /// Whether both sides were measured by the same calibration.
+    Calibration,
+    /// Whether the sample period can be that of a recording of a servo.
+    Period,
+    /// Whether the output has a trend of its own.
+    Drift,
+    /// Whether the response ends within the record.
+    StillRising,
     /// Whether samples are there twice.
     SameData,
     /// Whether some values are sentinels of missing ones.
@@ -109,6 +121,7 @@ impl Check {
                 | Self::LeftOut
                 | Self::Repeats
                 | Self::Settled
+                | Self::Feedback
         )
     }
 }

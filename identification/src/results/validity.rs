@@ -24,6 +24,8 @@ pub enum Reason {
     BeyondRecord,
     /// The response goes on beyond the longest time that can be judged.
     ResponseNotOver,
+    /// The input was computed from the output, as a controller does.
+    InputFollowsOutput,
 }
 
 impl Reason {
@@ -41,6 +43,7 @@ impl Reason {
             Self::ResponseNotOver => {
                 "the response goes on beyond the longest time that can be judged"
             }
+            Self::InputFollowsOutput => "the input follows the output, as in a closed loop",
         }
     }
 }

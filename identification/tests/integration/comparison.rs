@@ -334,3 +334,17 @@ fn one_servo_under_two_references_is_not_called_two_servos() {
         None
     );
 }
+
+#[test]
+fn a_side_that_rests_elsewhere_is_named_though_the_step_responses_are_the_same() {
+    let servo = servo();
+    let (a, b) = (plain(&servo, 1), record(&servo, &servo, 8.0, 2..3, 0.0));
+    let found = compare(&a, &b, &options()).unwrap();
+    assert_eq!(found.verdict, Verdict::Same);
+    let zeros = found.advice.iter().find(|a| a.check == Check::Zeros);
+    // 8 of a stroke of 9.7.
+    let percent = zeros.unwrap().value;
+    assert!((percent - 82.5).abs() < 1.0, "{percent}");
+    let found = compare(&a, &plain(&servo, 3), &options()).unwrap();
+    assert!(!found.advice.iter().any(|a| a.check == Check::Zeros));
+}

@@ -1,9 +1,11 @@
 //! Servos with exactly known answers, and recordings of real ones: whether estimates, bounds, verdicts and
 //! findings hold for them.
 
+mod closed_loop;
 mod coarse_sampling;
 mod comparison;
 mod coverage;
+mod drift;
 mod flight_model;
 mod hard_lines;
 mod limits;

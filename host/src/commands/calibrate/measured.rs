@@ -15,6 +15,8 @@ pub(super) struct Measured {
     /// The sensor at each position, where a rig measured it.
     pub rests: Vec<Rest>,
     pub travel: Option<Travel>,
+    /// What it disagrees about with the rig file, a sentence each.
+    pub doubts: Vec<String>,
 }
 
 /// Standard deviation of a data sheet's microseconds per degree (percent): makers round, and servos of one type

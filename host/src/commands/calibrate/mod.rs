@@ -1,11 +1,13 @@
 //! `servoid calibrate`
 
+mod doubts;
+mod kept_aside;
 mod measured;
 mod protractor;
 mod text;
 
-use super::output::{Output, print_remark, wrong_usage};
-use super::rig_args::{RigArgs, require_clock};
+use super::output::{Output, print_remark, typed_path, wrong_usage};
+use super::rig_args::{FOUND, RigArgs, RigSource, require_clock};
 use super::{ctrl_c, prompts};
 use crate::data::DegreeScale;
 use crate::data::recording::write_file;
@@ -17,6 +19,7 @@ use crate::instrument::port;
 use crate::instrument::rig::RigClient;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
+use kept_aside::keep_aside;
 use measured::{DOUBT_PERCENT, Measured};
 use servoid_protocol::PulseWidth;
 use std::path::{Path, PathBuf};
@@ -71,11 +74,12 @@ pub(super) struct Calibrate {
         value_parser = reading
     )]
     pairs: Vec<Reading>,
-    /// The rig file to write: a copy of that of --rig, with the result
+    /// The rig file to write: a copy of the one that is read, with the result
     #[arg(long, short, value_name = "RIG.toml", value_hint = ValueHint::FilePath)]
     out: Option<PathBuf>,
-    /// Write the result into the rig file of --rig; its comments and other lines stay
-    #[arg(long, requires = "rig", conflicts_with = "out")]
+    /// Write the result into the rig file that is read; its comments and other lines stay, and the file as it was is
+    /// kept beside it
+    #[arg(long, conflicts_with = "out")]
     update: bool,
     #[command(flatten)]
     output: Output,
@@ -98,14 +102,16 @@ fn reading(text: &str) -> Result<Reading, String> {
 impl Calibrate {
     pub(super) fn run(self) -> Result<String> {
         let mut before = String::new();
-        if let Some(path) = &self.rig.rig {
-            RigFile::read(path)?;
+        let source = self.rig.source(self.output.talk)?;
+        if let Some(path) = &source.path {
             let text = std::fs::read_to_string(path);
             before = text.with_context(|| format!("the rig file {path:?} cannot be read"))?;
+        } else if self.update {
+            wrong_usage("--update needs a rig file: name it with --rig");
         }
         self.output.check(&self.out)?;
-        let measured = if self.pairs.is_empty() {
-            self.measure()?
+        let mut measured = if self.pairs.is_empty() {
+            self.measure(&source)?
         } else {
             Measured {
                 sensor: Some(Calibration::fit(&self.pairs)?),
@@ -113,16 +119,18 @@ impl Calibrate {
                 readings: self.pairs.clone(),
                 rests: Vec::new(),
                 travel: None,
+                doubts: Vec::new(),
             }
         };
+        measured.doubts = doubts::doubts(&measured, &source.file, &self.positions(&source.file));
         let text = text::describe(&measured);
         let asked = self.asks_for_angles() && self.out.is_none() && !self.update;
-        let target = match (&self.out, &self.rig.rig) {
+        let target = match (&self.out, &source.path) {
             (Some(out), _) => Some(out),
             (None, Some(rig)) if self.update => Some(rig),
             (None, Some(rig)) if asked => {
                 print_remark(&text);
-                prompts::confirm(&format!("Put this into {}", rig.display()), true)?.then_some(rig)
+                prompts::confirm(&format!("Put this into {}", rig.display()))?.then_some(rig)
             }
             _ => None,
         };
@@ -131,13 +139,13 @@ impl Calibrate {
                 self.write(path, &before, &measured)?;
                 self.output.talk.say(format_args!("rig file: {}", path.display()));
             }
-            None => self.output.talk.say("nothing was written: add --update to write into the rig file of --rig, or -o RIG.toml for another one"),
+            None => self.output.talk.say("nothing was written: add --update to write into the rig file, or -o RIG.toml for another one"),
         }
         // At the terminal it was printed before the question.
-        let printed = asked && target.is_some();
-        self.output
-            .talk
-            .result(if printed { String::new() } else { text }, &measured)
+        let printed = asked && source.path.is_some();
+        let mut text = if printed { String::new() } else { text };
+        text.extend(target.map(|path| self.output.talk.next(next(path, &source.file))));
+        self.output.talk.result(text, &measured)
     }
 
     /// Whether somebody at the terminal reads the angles.
@@ -145,8 +153,8 @@ impl Calibrate {
         self.pairs.is_empty() && self.angles.is_empty() && !self.by_servo && !self.travel_only
     }
 
-    fn measure(&self) -> Result<Measured> {
-        let rig = self.rig.require()?;
+    fn measure(&self, source: &RigSource) -> Result<Measured> {
+        let rig = self.rig.require(source.file.clone())?;
         let pulses = self.positions(&rig.file);
         if !self.angles.is_empty() && self.angles.len() != pulses.len() {
             wrong_usage(format_args!(
@@ -163,7 +171,7 @@ impl Calibrate {
                 );
             }
             print_remark(self.intention(&rig.file, &pulses));
-            if !prompts::confirm("May it move", false)? {
+            if !prompts::confirm("May it move")? {
                 bail!("the servo was not moved, because the answer was no");
             }
         }
@@ -194,6 +202,7 @@ impl Calibrate {
             readings,
             rests,
             travel,
+            doubts: Vec::new(),
         })
     }
 
@@ -272,9 +281,29 @@ impl Calibrate {
         let after = put_into(before, &found).map_err(anyhow::Error::msg)?;
         // A file that could not be read back is not written.
         RigFile::parse(&after, path)?;
+        if let Some(kept) = keep_aside(path)? {
+            self.output
+                .talk
+                .say(format_args!("as it was: {}", kept.display()));
+        }
         let force = self.output.force || self.update || self.asks_for_angles();
         Ok(write_file(path, force, &after)?)
     }
+}
+
+/// The command that uses the rig file at `path`.
+fn next(path: &Path, rig: &RigFile) -> String {
+    let named = match path == Path::new(FOUND) {
+        true => String::new(),
+        false => format!(" --rig {}", typed_path(path)),
+    };
+    let port = match rig.port {
+        Some(_) => "",
+        None => " --port PORT",
+    };
+    let condition = rig.condition.as_deref().unwrap_or("bench");
+    let file = typed_path(Path::new(&format!("{condition}.csv")));
+    format!("servoid capture{named}{port} -o {file}")
 }
 
 /// The sensor of the rig file, with the new scale if there is one.

@@ -1,5 +1,6 @@
 //! Angles that somebody reads on a protractor while the servo holds a position.
 
+use crate::commands::output::print_remark;
 use crate::commands::prompts;
 use crate::instrument::calibration::{MoveError, Mover, Reading, Rest};
 use anyhow::{Context, Result};
@@ -7,10 +8,14 @@ use std::cell::{Cell, RefCell};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
+/// The answer where an angle cannot be read.
+const LEAVE_OUT: &str = "skip";
+
 /// Time between two checks whether the program is to end, while a simulated rig waits for an answer.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// Goes to each position and asks for the angle there. An empty answer leaves the position out.
+/// Goes to each position and asks for the angle there. [`LEAVE_OUT`] leaves the position out; Enter alone does not, because
+/// it may have been typed at an earlier question.
 pub(super) fn read(mover: &mut Mover<'_>, pulses: &[u16]) -> Result<(Vec<Reading>, Vec<Rest>)> {
     let (mut readings, mut rests) = (Vec::new(), Vec::new());
     for (number, &pulse_us) in pulses.iter().enumerate() {
@@ -21,6 +26,8 @@ pub(super) fn read(mover: &mut Mover<'_>, pulses: &[u16]) -> Result<(Vec<Reading
             let counts = rest.counts;
             readings.push(Reading { angle_deg, counts });
             rests.push(rest);
+        } else {
+            print_remark(format_args!("{position}, {pulse_us} µs: left out"));
         }
     }
     Ok((readings, rests))
@@ -65,7 +72,7 @@ fn read_one(
 
 fn question(rest: &Rest, position: &str) -> String {
     format!(
-        "{position}, {} µs: {:.1} counts (standard deviation {:.1}). Angle on the protractor (degrees; empty leaves the position out)?",
+        "{position}, {} µs: {:.1} counts (standard deviation {:.1}). Angle on the protractor (degrees; {LEAVE_OUT:?} leaves the position out)?",
         rest.pulse_us, rest.counts, rest.sd_counts
     )
 }
@@ -83,12 +90,16 @@ fn ask_beside(words: String) -> Receiver<Option<f64>> {
 }
 
 fn angle(text: &str) -> Result<Option<f64>, String> {
-    if text.is_empty() {
+    if text == LEAVE_OUT {
         return Ok(None);
     }
     let number = text.replace(',', ".").parse::<f64>().ok();
     number
         .filter(|angle| (-360.0..=360.0).contains(angle))
         .map(Some)
-        .ok_or_else(|| "a number of degrees from -360 to 360 is needed, such as -20.5".to_owned())
+        .ok_or_else(|| {
+            format!(
+                "a number of degrees from -360 to 360 is needed, such as -20.5, or {LEAVE_OUT:?}"
+            )
+        })
 }

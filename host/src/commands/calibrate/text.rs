@@ -33,6 +33,9 @@ pub(super) fn describe(measured: &Measured) -> String {
             .as_ref()
             .map(|found| travel(found, measured.assumed)),
     );
+    for doubt in &measured.doubts {
+        text += &format!("DOUBTFUL: {doubt}\n");
+    }
     text
 }
 

@@ -9,7 +9,7 @@ pub(super) use monitor::Monitor;
 pub(super) use runs::{CaptureJob, capture};
 
 use super::ctrl_c;
-use super::output::{Output, Talk};
+use super::output::{Output, Talk, typed_path};
 use super::partial_recording::PartialRecording;
 use super::reference_args::ReferenceArgs;
 use super::rig_args::{Rig, RigArgs};
@@ -80,13 +80,13 @@ struct CaptureResult<'a> {
 
 impl CaptureArgs {
     pub(super) fn run(self) -> Result<String> {
+        let talk = self.output.talk;
         let Rig {
             address,
             file: rig,
             condition,
             inexact_clock,
-        } = self.rig.require()?;
-        let talk = self.output.talk;
+        } = self.rig.require(self.rig.source(talk)?.file)?;
         let reference = self.reference.resolve(rig.servo.us_per_degree, talk)?;
         let files = run_files(&self.out, self.repeat);
         ctrl_c::listen_in_a_run()?;
@@ -103,7 +103,7 @@ impl CaptureArgs {
             inexact_clock,
         };
         let ends = capture(&job, &monitor, talk)?;
-        report(&files, &ends, monitor.band_reached(), talk)
+        report(&self.out, &files, &ends, monitor.band_reached(), talk)
     }
 }
 
@@ -126,6 +126,7 @@ fn run_files(out: &Path, runs: u16) -> Vec<PathBuf> {
 
 /// The result: one object for one run, a list of them for several. The band is that of all runs together.
 fn report(
+    out: &Path,
     files: &[PathBuf],
     ends: &[CaptureEnd],
     until_band: Option<BandReached>,
@@ -167,10 +168,17 @@ fn report(
     }
     if results.len() < files.len() && results.last().is_some_and(|last| last.ended_early) {
         let spared = files.len() - results.len();
-        text += &format!("the band is narrow enough, so {spared} runs were left out\n");
+        let runs = if spared == 1 { "run was" } else { "runs were" };
+        text += &format!("the band is narrow enough, so {spared} {runs} left out\n");
     }
     let advice = until_band.and_then(|band| band.advice(ends.len()));
     text.extend(advice.map(|advice| advice + "\n"));
+    let names: Vec<String> = results.iter().map(|run| typed_path(run.file)).collect();
+    let model = typed_path(&out.with_extension("json"));
+    text += &talk.next(format_args!(
+        "servoid identify {} -o {model}",
+        names.join(" ")
+    ));
     let result = match (files.len(), results.first()) {
         (1, Some(result)) => talk.result(text, result),
         _ => talk.result(text, &serde_json::json!({ "runs": results })),

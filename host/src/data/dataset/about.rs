@@ -23,11 +23,46 @@ pub struct About {
     /// What every result from these files has to carry: that a recording is partial, or values of
     /// its header unproved.
     pub advice: Vec<Advice>,
+    /// The calibration of the sensor in each recording of servoid.
+    pub calibrations: Vec<SensorCalibration>,
     /// Whether the clock of a recording was the internal oscillator of its board.
     pub inexact_clock: bool,
 }
 
+/// Where counts are degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorCalibration {
+    /// Degrees for one count.
+    pub degrees_per_count: f64,
+    /// Reading at 0 degrees (counts).
+    pub zero_counts: f64,
+    /// Standard deviation of the scale (percent of it).
+    pub scale_sd_percent: f64,
+}
+
 impl About {
+    /// That the recordings of two sides were made with different calibrations of the sensor.
+    pub(crate) fn other_calibration(&self, other: &Self) -> Option<Advice> {
+        let (a, b) = (self.calibrations.first()?, other.calibrations.first()?);
+        if a == b {
+            return None;
+        }
+        let percent = 100.0 * (b.degrees_per_count / a.degrees_per_count - 1.0);
+        let zero = (b.zero_counts - a.zero_counts) * a.degrees_per_count;
+        let rough = a.scale_sd_percent.max(b.scale_sd_percent);
+        Some(Advice::new(
+            Check::Calibration,
+            format!(
+                "The sides have different calibrations of the sensor: the scale of the second is {percent:+.2} % from that of the first, and its zero \
+                 {zero:+.2} degrees; the rougher scale has a standard deviation of {rough:.2} %. Where the sensor is the same, gains and levels \
+                 differ by that much for this reason alone."
+            ),
+            percent,
+            0.0,
+            "Calibrate once ('servoid calibrate'), and capture both sides with the same rig file, unless the sensors differ.",
+        ))
+    }
+
     /// The unit of the input of both, empty where they do not have one in common.
     pub(crate) fn input_unit_with(&self, other: &Self) -> String {
         in_common(&self.input_unit, &other.input_unit)
@@ -57,6 +92,7 @@ impl About {
         agree(&mut self.input_unit, other.input_unit);
         agree(&mut self.output_unit, other.output_unit);
         agree(&mut self.condition, other.condition);
+        self.calibrations.extend(other.calibrations);
         self.provenance.extend(other.provenance);
         self.remarks.extend(other.remarks);
         self.advice.extend(other.advice);

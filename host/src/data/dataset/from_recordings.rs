@@ -1,6 +1,6 @@
 //! Recordings of this program.
 
-use super::about::About;
+use super::about::{About, SensorCalibration};
 use super::error::DatasetFault;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
@@ -84,6 +84,11 @@ fn about(
         output_unit: Some("deg".to_owned()),
         condition: Some(header.condition.clone()).filter(|c| !c.is_empty()),
         provenance: vec![provenance],
+        calibrations: vec![SensorCalibration {
+            degrees_per_count: header.degrees_per_count,
+            zero_counts: header.zero_counts,
+            scale_sd_percent: header.scale_sd_percent,
+        }],
         ..About::default()
     };
     let (shown, rows) = (path.display(), recording.rows.len());

@@ -272,8 +272,9 @@ fn remarks_on_time(column: &str, found: &[Stretch], labelled: bool) -> Vec<Strin
     }
     if found.len() > 1 && !labelled {
         remarks.push(format!(
-            "column {column:?} goes back, stands still or jumps far ahead {} times; a new run begins at each (--run COLUMN names runs)",
-            found.len() - 1
+            "column {column:?} goes back, stands still or jumps far ahead {} {}; a new run begins at each (--run COLUMN names runs)",
+            found.len() - 1,
+            if found.len() == 2 { "time" } else { "times" }
         ));
     }
     remarks

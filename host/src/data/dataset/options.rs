@@ -1,26 +1,70 @@
 //! How to read files of other programs.
 
 use super::time_column::TimeUnit;
+use serde::{Deserialize, Serialize};
 
 /// How to read files that are not recordings of this program.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct DatasetOptions {
     /// The column with the input.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<String>,
     /// The column with the output.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub output: Option<String>,
     /// Time between rows (s).
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub period_s: Option<f64>,
     /// The column of time; without it, one that is called like one.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<String>,
     /// The unit of a column of time whose name does not say it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub time_unit: Option<TimeUnit>,
     /// The column whose value changes where a new run begins.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub run: Option<String>,
     /// The column that says which controller drove a run.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub controller: Option<String>,
     /// The input before the first row of each run.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub at_rest: Option<f64>,
     /// Use the rest around the reference too.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub with_rest: bool,
+}
+
+impl DatasetOptions {
+    /// Whether nothing is said.
+    pub fn are_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// These, and what they leave open as in `other`.
+    #[must_use]
+    pub fn or(self, other: &Self) -> Self {
+        let other = other.clone();
+        // A period and a column of time say the same.
+        let (period_s, time, time_unit) = match self.period_s.is_some() || self.time.is_some() {
+            true => (self.period_s, self.time, self.time_unit),
+            false => (
+                other.period_s,
+                other.time,
+                self.time_unit.or(other.time_unit),
+            ),
+        };
+        Self {
+            input: self.input.or(other.input),
+            output: self.output.or(other.output),
+            period_s,
+            time,
+            time_unit,
+            run: self.run.or(other.run),
+            controller: self.controller.or(other.controller),
+            at_rest: self.at_rest.or(other.at_rest),
+            with_rest: self.with_rest || other.with_rest,
+        }
+    }
 }

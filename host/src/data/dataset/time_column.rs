@@ -1,9 +1,11 @@
 //! The column of time of a foreign file, and its unit.
 
 use clap::ValueEnum;
+use serde::{Deserialize, Serialize};
 
 /// The unit of a column of time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum TimeUnit {
     /// Seconds
     #[value(name = "s")]

@@ -2,6 +2,7 @@
 
 mod schema_1;
 
+use crate::data::dataset::DatasetOptions;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::{fingerprint, input_file};
 use serde::{Deserialize, Serialize, Serializer};
@@ -106,16 +107,20 @@ pub struct ModelFile {
     pub metadata: ModelMetadata,
     /// The fingerprints of its runs; none in a file that has none.
     pub fingerprints: Vec<String>,
+    /// How the files of its runs were read, where that was said.
+    pub read_as: DatasetOptions,
     flight_model: Value,
     servo_model: Value,
     path: PathBuf,
 }
 
 /// The fields beside the model.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 struct Beside {
     #[serde(default)]
     runs_crc32: Vec<String>,
+    #[serde(default)]
+    read_as: DatasetOptions,
 }
 
 impl ModelFile {
@@ -140,11 +145,12 @@ impl ModelFile {
         if !model.is_consistent() {
             return Err(ModelFileError::Inconsistent(path.to_owned()));
         }
-        let beside = Beside::deserialize(&document);
+        let beside = Beside::deserialize(&document).unwrap_or_default();
         Ok(Self {
             model,
             metadata: ModelMetadata::in_document(&document),
-            fingerprints: beside.map_or_else(|_| Vec::new(), |beside| beside.runs_crc32),
+            fingerprints: beside.runs_crc32,
+            read_as: beside.read_as,
             flight_model: document.get("flight_model").cloned().unwrap_or_default(),
             servo_model: document.get("servo_model").cloned().unwrap_or_default(),
             path: path.to_owned(),

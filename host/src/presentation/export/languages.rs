@@ -2,7 +2,9 @@
 
 use super::model::Export;
 use super::statement::parameters_of;
-use super::text::{C_STYLE, MATLAB_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted};
+use super::text::{
+    C_STYLE, MATLAB_STYLE, PYTHON_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted,
+};
 use crate::presentation::template::fill;
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{FrequencyBounds, ParameterBounds, StepBounds};
@@ -125,7 +127,7 @@ pub(super) fn matlab(export: &Export<'_>) -> String {
 pub(super) fn python(export: &Export<'_>) -> String {
     let style = Style {
         row: ("[", "],"),
-        ..SCRIPT_STYLE
+        ..PYTHON_STYLE
     };
     let holds = export.model.bounds.valid().map_or("False", |_| "True");
     let values = vec![

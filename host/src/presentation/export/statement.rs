@@ -225,7 +225,11 @@ fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
             (None, None) => String::new(),
             _ => format!(" ({} to {})", bound(lower), bound(upper)),
         };
-        text += &format!(" {name} = {value:.6}{unit}{bounds},");
+        text += &match name == "L" && value < 0.0 {
+            // No program has a delay below zero.
+            true => format!(" L = 0 s (estimated as {value:.6} s{bounds}),"),
+            false => format!(" {name} = {value:.6}{unit}{bounds},"),
+        };
     }
     let intervals = match &flight.bounds {
         Bounds::Valid(bounds) => format!("intervals of {} %", summary::percent(bounds.level)),

@@ -51,7 +51,14 @@ pub(super) struct Style {
     pub row: (&'static str, &'static str),
 }
 
-/// The style of Python, Julia, and of tables and lists of parameters.
+/// The style of Python, whose statement is the text of the module.
+pub(super) const PYTHON_STYLE: Style = Style {
+    comment: "",
+    forbidden: &[("\"\"\"", "\""), ("\\", "/")],
+    ..SCRIPT_STYLE
+};
+
+/// The style of Julia, and of tables and lists of parameters.
 pub(super) const SCRIPT_STYLE: Style = Style {
     comment: "# ",
     forbidden: &[],
@@ -78,8 +85,8 @@ pub(super) const MATLAB_STYLE: Style = Style {
 /// The style of XML, within the signs that begin and end them.
 pub(super) const XML_STYLE: Style = Style {
     comment: "  ",
-    // Two hyphens end a comment of XML, and one must not be its last sign.
-    forbidden: &[("--", "- -")],
+    // Two hyphens end a comment of XML, and one must not be its last sign. An option is still to be known as one.
+    forbidden: &[(" --", " option "), ("(--", "(option "), ("--", "- -")],
     row: ("[", "]"),
     ..SCRIPT_STYLE
 };

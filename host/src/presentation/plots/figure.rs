@@ -148,7 +148,15 @@ impl Figure {
     }
 }
 
+/// The label of a phase.
+pub(crate) const PHASE_LABEL: &str = "phase (deg)";
+
 impl Panel {
+    /// Whether its values are angles of a frequency response.
+    pub(crate) fn is_phase(&self) -> bool {
+        self.y_label == PHASE_LABEL
+    }
+
     /// Axes without curves.
     pub(crate) fn new(x_label: &str, y_label: impl Into<String>, legend: Legend) -> Self {
         let (x_label, y_label) = (x_label.to_owned(), y_label.into());

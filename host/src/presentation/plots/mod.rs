@@ -14,6 +14,7 @@ mod scatter;
 mod signals;
 mod structure;
 mod svg;
+mod ticks;
 
 pub use difference::difference;
 pub use figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Named, Panel};

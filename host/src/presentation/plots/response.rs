@@ -1,6 +1,6 @@
 //! Responses of models: to a step, and to sines.
 
-use super::figure::{Band, Curve, Figure, INKS, Legend, Named, Panel, with_unit};
+use super::figure::{Band, Curve, Figure, INKS, Legend, Named, PHASE_LABEL, Panel, with_unit};
 use crate::data::units::Units;
 use crate::presentation::summary::percent;
 use servoid_identification::results::{Bounds, FrequencyResponse};
@@ -57,7 +57,7 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
         x_logarithmic: true,
         ..Panel::new("frequency (rad/s)", y_label, Legend::UpperRight)
     };
-    let (mut magnitude, mut phase) = (panel("magnitude (dB)"), panel("phase (deg)"));
+    let (mut magnitude, mut phase) = (panel("magnitude (dB)"), panel(PHASE_LABEL));
     for (Named { name, model }, ink) in models.iter().zip(INKS) {
         // Only a model made by hand can have no response of its own; that of its samples is shown then.
         let own = model.servo_response(&model.frequency.omega_rad_s);

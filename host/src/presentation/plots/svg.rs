@@ -1,9 +1,9 @@
 //! Figures as SVG files.
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
+use super::ticks::{Decades, QuarterTurns};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::ValueFormatter;
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use std::error::Error;
 
@@ -69,19 +69,23 @@ fn draw_panel<'a>(figure: &Figure, panel: &Panel, area: &Area<'a>) -> DrawResult
         .margin(12)
         .x_label_area_size(46)
         .y_label_area_size(72);
-    if panel.x_logarithmic && x0 > 0.0 {
-        draw_in(panel, builder.build_cartesian_2d((x0..x1).log_scale(), y)?)
-    } else {
-        draw_in(panel, builder.build_cartesian_2d(x0..x1, y)?)
+    match (panel.x_logarithmic && x0 > 0.0, panel.is_phase()) {
+        (true, true) => {
+            let (x, y) = (Decades::from(x0..x1), QuarterTurns::from(y));
+            draw_in(panel, builder.build_cartesian_2d(x, y)?)
+        }
+        (true, false) => draw_in(panel, builder.build_cartesian_2d(Decades::from(x0..x1), y)?),
+        (false, _) => draw_in(panel, builder.build_cartesian_2d(x0..x1, y)?),
     }
 }
 
 /// A panel's axes, plain or logarithmic along x.
-type Chart<'a, X> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, RangedCoordf64>>;
+type Chart<'a, X, Y> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, Y>>;
 
-fn draw_in<'a, X>(panel: &Panel, mut chart: Chart<'a, X>) -> DrawResult
+fn draw_in<'a, X, Y>(panel: &Panel, mut chart: Chart<'a, X, Y>) -> DrawResult
 where
     X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
     chart
         .configure_mesh()
@@ -116,7 +120,11 @@ where
     Ok(())
 }
 
-fn draw_band<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, band: &Band) -> DrawResult {
+fn draw_band<X, Y>(chart: &mut Chart<'_, X, Y>, band: &Band) -> DrawResult
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
     let Band { name, ink, points } = band;
     let fill = colour(*ink).mix(0.18);
     let upper = points.iter().map(|&(x, _, upper)| (x, upper));
@@ -130,7 +138,11 @@ fn draw_band<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, band: &Band) 
     Ok(())
 }
 
-fn draw_curve<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, curve: &Curve) -> DrawResult {
+fn draw_curve<X, Y>(chart: &mut Chart<'_, X, Y>, curve: &Curve) -> DrawResult
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
     // A bound is thinner than the curve that it bounds.
     let (width, length) = if curve.dashed { (1, 8) } else { (2, 22) };
     let style = ShapeStyle::from(colour(curve.ink)).stroke_width(width);
@@ -155,7 +167,11 @@ fn draw_curve<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, curve: &Curv
     Ok(())
 }
 
-fn draw_marks<X: Ranged<ValueType = f64>>(chart: &mut Chart<'_, X>, marks: &Marks) -> DrawResult {
+fn draw_marks<X, Y>(chart: &mut Chart<'_, X, Y>, marks: &Marks) -> DrawResult
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
     let Marks { name, ink, points } = marks;
     let colour = colour(*ink);
     let thin = colour.stroke_width(1);

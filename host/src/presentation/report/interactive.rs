@@ -43,6 +43,8 @@ pub(super) fn plotly_json(figure: &Figure) -> Value {
             "title": { "text": text(&panel.y_label), "standoff": 8 },
             "anchor": format!("x{suffix}"),
             "automargin": true,
+            // A phase is read against quarters of a turn.
+            "dtick": panel.is_phase().then_some(90),
         });
         put(&mut layout, &format!("xaxis{suffix}"), x_axis);
         put(&mut layout, &format!("yaxis{suffix}"), y_axis);

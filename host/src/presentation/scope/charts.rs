@@ -1,13 +1,14 @@
 //! The two plots: motion against time, and the step response with its band.
 
 use super::state::{ScopeState, WINDOW_S};
-use ratatui::Frame;
+use ratatui::backend::TestBackend;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
 use ratatui::symbols::Marker;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
-use servoid_identification::results::Bounds;
+use ratatui::{Frame, Terminal};
+use servoid_identification::results::{Bounds, StepResponse};
 
 /// Yellow is the reference, cyan the measured motion, in both plots.
 pub(super) const REFERENCE: Color = Color::Yellow;
@@ -46,7 +47,22 @@ pub(super) fn step(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
         let block = Block::bordered().title(" step response ");
         return frame.render_widget(Paragraph::new(text).block(block), area);
     };
-    let step = &step.step;
+    step_response(frame, area, &step.step);
+}
+
+/// A step response as text: braille letters in a frame, a line end after each line.
+pub fn step_as_text(step: &StepResponse, columns: u16, rows: u16) -> String {
+    let Ok(mut terminal) = Terminal::new(TestBackend::new(columns, rows));
+    let Ok(_) = terminal.draw(|frame| step_response(frame, frame.area(), step));
+    let buffer = terminal.backend().buffer();
+    let row = |row: u16| {
+        let cells = (0..columns).map(|column| buffer[(column, row)].symbol());
+        cells.collect::<String>().trim_end().to_owned() + "\n"
+    };
+    (0..rows).map(row).collect()
+}
+
+fn step_response(frame: &mut Frame<'_>, area: Rect, step: &StepResponse) {
     let line = |values: &[f64]| -> Vec<(f64, f64)> {
         let times = step.time_s.iter().map(|t| 1e3 * t);
         times.zip(values.iter().copied()).collect()

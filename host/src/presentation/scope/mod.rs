@@ -15,6 +15,7 @@ mod state;
 mod status_panel;
 pub(crate) mod terminal;
 
+pub use charts::step_as_text;
 pub use drawing::draw;
 pub use state::{FrameSeen, Link, ScopeEvent, ScopeState};
 

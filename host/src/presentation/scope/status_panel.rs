@@ -101,7 +101,9 @@ fn link(state: &ScopeState) -> Vec<Line<'static>> {
     if let Some(status) = status {
         let (waited, unreadable) = (status.backlog_high_water, status.rejects);
         let lost = status.frames_lost_on_board;
-        lines.push(Line::from(format!("rig: at most {waited} frames waited,")));
+        lines.push(Line::from(format!(
+            "rig: frames that waited, at most {waited};"
+        )));
         let counters = format!("  {lost} lost on board, {unreadable} unreadable");
         lines.push(counted(lost + unreadable, counters));
     }

@@ -32,9 +32,14 @@ pub(crate) fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> Strin
         return format!("  {}\n", wrapped(&format!("{NOT_COMPARED} {instead}"), 2));
     };
     let level = percent(bounds.level);
+    // The metrics of each side by itself, which are printed elsewhere, are others.
+    let structure = match found.levels {
+        Some(_) => "with one N and n for both sides",
+        None => "each with its own N and n",
+    };
     let mut text = format!(
-        "  {:32} {a:>10} {b:>10} {:>12}  {level} % interval\n",
-        "", "difference"
+        "  {structure:32} {a:>10} {b:>10} {:>12}  {level} % interval\n",
+        "difference"
     );
     for row in difference_rows(found, "") {
         if let [(a, _), (b, _), (difference, bounds)] = &row.cells[..] {
@@ -99,6 +104,9 @@ pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(
             "{} with {runs_a} and {runs_b} runs",
             probability(found.p_value)
         ),
+        None if found.motions.is_none() => {
+            "not tested: needs the recordings of three runs a side".to_owned()
+        }
         None => format!("not tested: needs three runs a side (here {runs_a} and {runs_b})"),
     };
     add("chance, scatter of runs", chance);
@@ -118,7 +126,9 @@ pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(
         let rest = |level: &Interval| with_bounds(level, "", |v| format!("{v:.3}"));
         let (plus, minus) = (rest(&side.plus), rest(&side.minus));
         let [above, below] = [side.command_plus, side.command_minus];
-        let rests = format!("{plus} when commanded {above:+}, {minus} when commanded {below:+}");
+        let commanded = |command: f64| format!("{:+}", (1e3 * command).round() / 1e3);
+        let (above, below) = (commanded(above), commanded(below));
+        let rests = format!("{plus} when commanded {above}, {minus} when commanded {below}");
         add(&format!("{name} rests at"), rests);
     }
     for (name, side) in found.asymmetry.iter().flat_map(|s| [(a, &s.a), (b, &s.b)]) {

@@ -1,5 +1,7 @@
 //! Tables of gain, delay, rise time and the like.
 
+use std::f64::consts::TAU;
+
 use super::numbers::{decimals, head_of_bounds};
 use crate::data::units::Units;
 use servoid_identification::comparison::Comparison;
@@ -112,10 +114,7 @@ pub(super) fn table(model: &Model, units: Units<'_>) -> String {
     let gain = units.gain().unwrap_or_default();
     let metrics = &model.metrics;
     let head = head_of_bounds(metrics.bounds.as_ref().map(|bounds| bounds.level));
-    let missing = metrics.withheld.map_or_else(
-        || "not reached, as far as this recording shows".to_owned(),
-        |reason| format!("withheld: {} (see the advice)", reason.because()),
-    );
+    let missing = "not reached, as far as this recording shows";
     let mut text = format!("\n  {:22} {:>10}       {head}\n", "", "value");
     for row in &ROWS {
         let interval = (row.of)(metrics);
@@ -123,11 +122,25 @@ pub(super) fn table(model: &Model, units: Units<'_>) -> String {
         let unit = interval.value.map_or("", |_| row.unit_with(&gain));
         let (value, bounds) = row.cell(&interval);
         let bounds = match interval.value {
-            None if bounds.is_empty() => &missing,
+            // One line below has the reason of all.
+            None if bounds.is_empty() && metrics.withheld.is_some() => continue,
+            None if bounds.is_empty() => missing,
             _ => &bounds,
         };
-        let line = format!("  {:22} {value:>10} {unit:5} {bounds}", row.name);
+        let hertz = match (row.unit, interval.value) {
+            (RAD_S, Some(value)) => format!("  = {:.2} Hz", value / TAU),
+            _ => String::new(),
+        };
+        let line = format!("  {:22} {value:>10} {unit:5} {bounds}{hertz}", row.name);
         text += &format!("{}\n", line.trim_end());
+    }
+    if let Some(reason) = metrics.withheld {
+        let which = match metrics.dc_gain.value {
+            Some(_) => "the others",
+            None => "all",
+        };
+        let because = reason.because();
+        text += &format!("  {which} are withheld: {because} (see the advice)\n");
     }
     text
 }

@@ -4,6 +4,7 @@ mod beyond;
 mod comparison;
 mod layout;
 mod metrics;
+mod model_sentence;
 mod numbers;
 mod servo_comparison;
 mod servo_model;
@@ -38,10 +39,20 @@ pub(crate) fn level_text(model: &Model) -> String {
     }
 }
 
-/// The results of one identification.
+/// How much of an identification is printed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Extent<'a> {
+    /// A picture of the step response, which comes after the sentence.
+    pub picture: &'a str,
+    /// Whether structure, residuals and widths are printed too.
+    pub statistics: bool,
+}
+
+/// The results of one identification: the answer first.
 #[must_use]
-pub fn of_model(source: &str, model: &Model, units: Units<'_>) -> String {
-    let mut text = format!("{source}\n");
+pub fn of_model(source: &str, model: &Model, units: Units<'_>, extent: Extent<'_>) -> String {
+    let sentence = wrapped(&model_sentence::model_sentence(model, units), 0);
+    let mut text = format!("{source}\n{sentence}\n{}", extent.picture);
     match model.level() {
         Bounds::Withdrawn(reason) => {
             let because = reason.because();
@@ -55,10 +66,16 @@ pub fn of_model(source: &str, model: &Model, units: Units<'_>) -> String {
     let [samples, structure, fit, residuals] = facts(model, units.output);
     let band = ("step band", step_band(model));
     let offset = ("offset", offset(model, units.output));
-    for (name, value) in [samples, structure, fit, band, offset, residuals] {
+    text += &metrics::table(model, units);
+    text.push('\n');
+    let facts = match extent.statistics {
+        true => vec![samples, structure, fit, band, offset, residuals],
+        false => vec![samples, fit],
+    };
+    for (name, value) in facts {
         text += &format!("  {name:11} {value}\n");
     }
-    text + &metrics::table(model, units) + &findings(&model.advice)
+    text + &findings(&model.advice)
 }
 
 /// Samples, structure, fit and residuals, by name.

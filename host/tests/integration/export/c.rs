@@ -19,16 +19,16 @@ int main(void)
     servo_bench_1_fir_reset(&fir, 0);
     servo_bench_1_ss_reset(&ss, 0);
     for (unsigned k = 0; k < sizeof input / sizeof *input; k++) {
-        double a = servo_bench_1_fir_step(&fir, (servo_bench_1_real)input[k]);
-        double b = servo_bench_1_ss_step(&ss, (servo_bench_1_real)input[k]);
+        double a = (double)servo_bench_1_fir_step(&fir, (servo_bench_1_real)input[k]);
+        double b = (double)servo_bench_1_ss_step(&ss, (servo_bench_1_real)input[k]);
         printf("%.17g %.17g\n", a, b);
     }
     /* At rest at a command the servo stays where its gain puts it. */
     servo_bench_1_fir_reset(&fir, 2);
     servo_bench_1_ss_reset(&ss, 2);
     for (unsigned k = 0; k < 50; k++) {
-        double a = servo_bench_1_fir_step(&fir, 2);
-        double b = servo_bench_1_ss_step(&ss, 2);
+        double a = (double)servo_bench_1_fir_step(&fir, 2);
+        double b = (double)servo_bench_1_ss_step(&ss, 2);
         printf("%.17g %.17g\n", a, b);
     }
     for (unsigned k = 0; k < SERVO_BENCH_1_PARAMETERS; k++) {
@@ -57,7 +57,7 @@ fn responses(folder: &Path, real: &str, input: &[f64]) -> (Vec<f64>, Vec<f64>) {
                 "-Werror",
                 "-O1",
             ])
-            .args(["-Wshadow", "-Wconversion", "-Wno-float-conversion"])
+            .args(["-Wshadow", "-Wconversion", "-Wdouble-promotion"])
             .arg(format!("-DSERVO_BENCH_1_REAL={real}"))
             .args([&folder.join("main.c")])
             .arg("-o")

@@ -4,7 +4,7 @@ use super::evidence::{Evidence, two_digits};
 use crate::diagnostics::hum::Hum;
 use crate::diagnostics::outliers::TakenOut;
 use crate::results::{Advice, Check};
-use crate::thresholds::{ABOVE_NEIGHBOURS, OUTLYING};
+use crate::thresholds::{ABOVE_NEIGHBOURS, DRIFT_SIGNIFICANCE, OUTLYING};
 
 /// Places that are named; the explanation has all.
 const NAMED: usize = 3;
@@ -46,6 +46,25 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
         count as f64,
         0.0,
         "Look at these places (--explain has all) for glitches of the sensor or its wiring.",
+    ))
+}
+
+pub(super) fn drift(evidence: &Evidence<'_>) -> Option<Advice> {
+    let drift = &evidence.explanation.drift;
+    let largest = drift
+        .iter()
+        .copied()
+        .reduce(|a, b| if b.abs() > a.abs() { b } else { a })?;
+    let several = if drift.len() > 1 { ", at most," } else { "" };
+    Some(Advice::new(
+        Check::Drift,
+        format!(
+            "The output drifts by {largest:+.3}{several} over a run, which the input does not explain. A straight line of each run was \
+             taken out within the regression, and the bounds allow for it."
+        ),
+        largest,
+        DRIFT_SIGNIFICANCE,
+        "Look for the cause of the drift, such as temperature, supply or a load that changes. Use --detrend none to leave it in.",
     ))
 }
 

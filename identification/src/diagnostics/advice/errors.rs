@@ -13,7 +13,7 @@ use crate::thresholds::{
 };
 
 pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
-    let misfit = evidence.misfit()?;
+    let misfit = evidence.misfit().filter(|_| !evidence.is_closed_loop())?;
     let taken = match evidence.model.structure.noise_order {
         0 => "plain",
         _ => "generalised",

@@ -5,7 +5,7 @@ use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::validity::Validity;
 use crate::options::Options;
-use crate::results::Model;
+use crate::results::{Model, Reason};
 
 /// What advice is drawn from.
 pub(crate) struct Evidence<'a> {
@@ -34,6 +34,11 @@ impl<'a> Evidence<'a> {
     pub(super) fn errors_follow_motion(&self) -> bool {
         let linearity = self.explanation.linearity.as_ref();
         self.misfit().is_some() || linearity.is_some_and(Linearity::errors_follow_motion)
+    }
+
+    /// Whether bounds are withdrawn because the input follows the output.
+    pub(super) fn is_closed_loop(&self) -> bool {
+        self.validity.level.withdrawn() == Some(Reason::InputFollowsOutput)
     }
 
     /// Half the sampling rate.

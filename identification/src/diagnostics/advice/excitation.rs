@@ -2,7 +2,7 @@
 
 use super::evidence::Evidence;
 use crate::results::{Advice, Check, Withheld};
-use crate::thresholds::DISAGREEMENT;
+use crate::thresholds::{AGAINST_MOTION, DISAGREEMENT, FEEDBACK_SIGNIFICANCE};
 
 /// The remedy for all of it.
 fn sharper(evidence: &Evidence<'_>) -> String {
@@ -24,6 +24,37 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
         unexcited,
         evidence.nyquist_hz(),
         sharper(evidence),
+    ))
+}
+
+/// An input that was computed from the output.
+pub(super) fn feedback(evidence: &Evidence<'_>) -> Option<Advice> {
+    let found = evidence.explanation.feedback?;
+    if !evidence.is_closed_loop() {
+        return None;
+    }
+    let (shown_by, value, threshold) = match found.at_once < -AGAINST_MOTION {
+        true => (
+            "it appears to answer within the same sample, and against its own motion".to_owned(),
+            found.at_once,
+            -AGAINST_MOTION,
+        ),
+        false => (
+            format!("inputs to come explain it (p = {:.0e})", found.p.max(1e-12)),
+            found.p,
+            FEEDBACK_SIGNIFICANCE,
+        ),
+    };
+    Some(Advice::new(
+        Check::Feedback,
+        format!(
+            "No bounds can be given, because the input follows the output, as where a controller computes the command from the \
+             measured motion: {shown_by}. The response is a mixture of the servo and that controller."
+        ),
+        value,
+        threshold,
+        "Record in open loop, with a command that was planned before; or take the command that goes into the servo and the \
+         servo's own motion, not an error or a sum of both.",
     ))
 }
 

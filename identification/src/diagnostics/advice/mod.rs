@@ -17,6 +17,8 @@ use crate::results::Advice;
 /// All findings on a model.
 pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
     [
+        excitation::feedback(evidence),
+        response::still_rising(evidence),
         errors::model_error(evidence),
         errors::not_linear(evidence),
         excitation::excitation(evidence),
@@ -37,6 +39,7 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
         errors::independence(evidence),
         record::conditioning(evidence),
         record::converged(evidence),
+        disturbances::drift(evidence),
         disturbances::outliers(evidence),
         disturbances::hum(evidence),
         record::scatter(evidence),

@@ -4,7 +4,7 @@ use super::evidence::{Evidence, two_digits};
 use crate::options::Frequencies;
 use crate::results::{Advice, Check, SelectedBy};
 use crate::selection::{Choice, hidden_end};
-use crate::thresholds::{DETECTION, HIDDEN_TAIL, MARGIN, SLOW_END_SIGNIFICANCE};
+use crate::thresholds::{DETECTION, HIDDEN_TAIL, MARGIN, SLOW_END_SIGNIFICANCE, STILL_RISING};
 
 /// The choice of the settling time, unless it was overruled because the errors are not noise.
 fn trusted_choice<'a>(evidence: &Evidence<'a>) -> Option<&'a Choice> {
@@ -33,6 +33,45 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
             "Record with holds of at least {:.2} s and at least {:.1} s in all.",
             MARGIN * longest,
             7.0 * MARGIN * longest
+        ),
+    ))
+}
+
+/// The share of its largest value by which a step response still rises at its end, between means of eighths: a bank of few frequencies
+/// has ripple.
+fn rise_at_end(evidence: &Evidence<'_>) -> Option<f64> {
+    let step = &evidence.model.step.value;
+    let eighth = step.len() / 8;
+    let mean = |from_end: usize| {
+        let end = step.len() - from_end * eighth;
+        step[end - eighth..end].iter().sum::<f64>() / eighth as f64
+    };
+    if eighth == 0 {
+        return None;
+    }
+    let last = mean(0);
+    let [first, second] = [mean(1) - mean(2), last - mean(1)].map(|rise| rise / last);
+    let whole = first + second;
+    // A servo that rings rises and falls.
+    (first.min(second) > 0.25 * whole && whole > STILL_RISING).then_some(whole)
+}
+
+/// An integrator, or a record that is too short for its servo.
+pub(super) fn still_rising(evidence: &Evidence<'_>) -> Option<Advice> {
+    let rise = rise_at_end(evidence)?;
+    let seconds = evidence.model.step.value.len() as f64 * evidence.model.sample_period_s;
+    Some(Advice::new(
+        Check::StillRising,
+        format!(
+            "The step response has no end: it still rises by {:.0} % of its value in the last quarter of {seconds:.3} s. That happens where the input \
+             commands a speed and not a position, and where holds are far too short.",
+            100.0 * rise
+        ),
+        rise,
+        STILL_RISING,
+        format!(
+            "If the input is a speed, take the speed of the output as --output. If it is a position, record holds of several times \
+             {seconds:.1} s."
         ),
     ))
 }

@@ -7,6 +7,7 @@
 //! squares simulates the record better. Then the settling time, which was detected by the same weights, is
 //! not to be trusted either, and the longest that the record supports is taken, if its input determines that.
 
+use super::input_is_free;
 use crate::data::{Moments, share_held};
 use crate::diagnostics::{
     BothEstimators, Misfit, Prediction, followed_after, rank, settlings, unexcited_above_hz,
@@ -34,6 +35,7 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     let Some(evidence) = both.evidence(linearity, || share_followed(task, &fitted.estimate)) else {
         return Ok(fitted);
     };
+    let feedback = input_is_free::tested(task, &fitted);
     let predictions = rank_by_prediction(task, &fitted.candidate);
     let (candidate, estimate) = match predictions.first() {
         Some(best) => fit_again(task, best_predictor(task, &fitted.candidate, *best)?)?,
@@ -56,6 +58,7 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
         linearity,
         misfit: Some(misfit),
         slow_end: None,
+        feedback,
         uneven: None,
     })
 }

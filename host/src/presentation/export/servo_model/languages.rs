@@ -7,7 +7,7 @@ use super::subject::ServoExport;
 use super::trial::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{
-    C_STYLE, MATLAB_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted,
+    C_STYLE, MATLAB_STYLE, PYTHON_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted,
 };
 use crate::presentation::template::fill;
 use servoid_identification::servo_model::Load;
@@ -83,7 +83,7 @@ pub(super) fn matlab(export: &ServoExport<'_>) -> Result<ExportedServo, ExportEr
 /// A Python module.
 pub(super) fn python(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
     export.in_language(&Language {
-        comment: SCRIPT_STYLE,
+        comment: PYTHON_STYLE,
         template: include_str!("../templates/servo_model/servo.py"),
         parameter: |_, name, value, meaning| {
             format!("{} = {value}  # {meaning}", name.to_ascii_uppercase())

@@ -1,4 +1,4 @@
-# Its bounds for each frequency
+# Its bounds for each frequency; a lower bound of -300.0 dB says that the magnitude may be zero
 MAGNITUDE_DB_LOWER = np.array([
 {{magnitude_lower}}
 ])

@@ -7,6 +7,14 @@
 #ifndef {{ID}}_H
 #define {{ID}}_H
 
+/* Constants have all their digits, which a float rounds. */
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wfloat-conversion"
+#pragma GCC diagnostic ignored "-Wdouble-promotion"
+#endif
+
 #ifndef {{ID}}_REAL
 #define {{ID}}_REAL float
 #endif
@@ -75,4 +83,8 @@ static inline {{id}}_real {{id}}_fir_step({{id}}_fir *servo, {{id}}_real command
 }
 
 {{low_order}}
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
 #endif

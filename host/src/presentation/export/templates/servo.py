@@ -1,7 +1,9 @@
+"""
 {{about}}
-#
-# Needs numpy. With python-control installed there are also transfer functions of it:
-# finite_response, measured_frequency_response, and low_order where there is a low-order model.
+
+Needs numpy. With python-control installed there are also transfer functions of it:
+finite_response, measured_frequency_response, and low_order where there is a low-order model.
+"""
 
 import numpy as np
 

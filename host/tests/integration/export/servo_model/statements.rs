@@ -139,6 +139,8 @@ fn a_hostile_name_stays_a_name() {
             "matlab" => "% ",
             "c" => " * ",
             "jsbsim" | "mujoco" => "  ",
+            // Within the text of the module, which three quotes end.
+            "python" => "",
             _ => "# ",
         };
         for line in lines(HOSTILE)
@@ -150,6 +152,7 @@ fn a_hostile_name_stays_a_name() {
             let ended = match target {
                 "c" => line.contains("*/"),
                 "jsbsim" | "mujoco" => line.contains("-->"),
+                "python" => line.contains("\"\"\""),
                 _ => line.contains('\u{202e}'),
             };
             // Within a string it ends nothing.

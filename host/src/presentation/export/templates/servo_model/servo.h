@@ -7,6 +7,14 @@
 #ifndef {{ID}}_H
 #define {{ID}}_H
 
+/* Constants have all their digits, which a float rounds. */
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wfloat-conversion"
+#pragma GCC diagnostic ignored "-Wdouble-promotion"
+#endif
+
 {{sine}}#ifndef {{ID}}_REAL
 #define {{ID}}_REAL float
 #endif
@@ -145,5 +153,9 @@ static inline {{id}}_real {{id}}_step({{id}}_servo *servo, {{id}}_real command)
     }
     return {{id}}_position(servo);
 }
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 #endif

@@ -1,7 +1,9 @@
+"""
 {{about}}
-#
-# Needs no package. Servo(command) is at rest under a command; its step(command) goes on by STEP_S
-# and returns the position.
+
+Needs no package. Servo(command) is at rest under a command; its step(command) goes on by STEP_S
+and returns the position.
+"""
 
 {{sine}}NAME = "{{name}}"
 STEP_S = {{step}}

@@ -1,0 +1,83 @@
+//! What a calibration disagrees about with the rig file: angles that were read wrong leave a straight line.
+
+use super::measured::Measured;
+use crate::data::rig_file::RigFile;
+
+/// A scale that differs by more from that of the rig file is doubtful (part of it): three standard deviations of a
+/// data sheet, whose 5 % are the supply of the sensor, or the rounding of the maker of a servo.
+const SCALE: f64 = 0.15;
+
+/// A neutral farther from 0 degrees is doubtful, as a part of the distance between two positions.
+const NEUTRAL: f64 = 0.5;
+
+/// One sentence for each disagreement of `measured` with the rig file.
+pub(super) fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<String> {
+    let mut found = Vec::new();
+    if let Some(sensor) = &measured.sensor {
+        let ratio = sensor.degrees_per_count / rig.sensor.degrees_per_count;
+        found.extend(scale("the sensor", "degrees_per_count", ratio));
+    }
+    let Some(travel) = measured.travel.as_ref().filter(|_| !measured.assumed) else {
+        return found;
+    };
+    let ratio = rig.servo.us_per_degree / travel.us_per_degree.value;
+    found.extend(scale("the servo", "us_per_degree", ratio));
+    let neighbours = pulses.iter().zip(pulses.iter().skip(1));
+    let apart = neighbours.map(|(a, b)| a.abs_diff(*b)).min();
+    let apart = f64::from(apart.unwrap_or_default()) / travel.us_per_degree.value.abs();
+    let neutral = travel.neutral_deg.value;
+    if measured.sensor.is_some() && neutral.abs() > NEUTRAL * apart {
+        found.push(format!(
+            "neutral ({} µs) is at {neutral:.1} degrees by these angles, and the positions are {apart:.1} degrees apart: was each angle read at its position, and is the protractor's zero at neutral?",
+            travel.neutral_us
+        ));
+    }
+    found
+}
+
+/// `ratio` is that of the measured angles to those of the rig file.
+fn scale(of: &str, key: &str, ratio: f64) -> Option<String> {
+    if ratio < 0.0 {
+        return Some(format!(
+            "{of} turns against the sign of {key} in the rig file: are the signs of the angles right?"
+        ));
+    }
+    ((ratio - 1.0).abs() > SCALE).then(|| format!(
+        "the angles are {ratio:.2} times what {of} should show by the rig file's {key}: were they read right?"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instrument::calibration::{Calibration, Reading};
+
+    /// Five angles, `factor` times as large as they are, on the sensor of the data sheet.
+    fn found(factor: f64) -> Vec<String> {
+        let rig = RigFile::default();
+        let reading = |deg: f64| Reading {
+            angle_deg: factor * deg,
+            counts: rig.sensor.zero_counts + deg / rig.sensor.degrees_per_count,
+        };
+        let readings = [-8.0, -4.0, 0.0, 4.0, 8.0].map(reading).to_vec();
+        let measured = Measured {
+            sensor: Some(Calibration::fit(&readings).unwrap()),
+            assumed: false,
+            readings,
+            rests: Vec::new(),
+            travel: None,
+            doubts: Vec::new(),
+        };
+        doubts(&measured, &rig, &[])
+    }
+
+    #[test]
+    fn a_wrong_factor_and_a_wrong_sign_are_doubted_and_a_sensor_within_its_data_sheet_is_not() {
+        for right in [0.9, 1.0, 1.1] {
+            assert_eq!(found(right), [""; 0]);
+        }
+        assert!(found(2.0)[0].contains("2.00 times"));
+        assert!(found(0.5)[0].contains("0.50 times"));
+        assert!(found(-1.0)[0].contains("signs of the angles"));
+    }
+}

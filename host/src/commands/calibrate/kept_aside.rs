@@ -1,0 +1,48 @@
+//! The rig file as it was before a calibration: a wrong calibration must not be the end of a right one.
+
+use crate::data::recording::write_file;
+use anyhow::{Context, Result};
+use std::path::{Path, PathBuf};
+
+/// Copies a file that is about to be replaced to a free name beside it, such as rig-1.toml, and returns that; `None` where
+/// there is no such file.
+pub(super) fn keep_aside(path: &Path) -> Result<Option<PathBuf>> {
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let content = std::fs::read_to_string(path);
+    let content = content.with_context(|| format!("the rig file {path:?} cannot be read"))?;
+    let Some(copy) = (1..).map(|n| numbered(path, n)).find(|copy| !copy.exists()) else {
+        return Ok(None);
+    };
+    write_file(&copy, false, &content)?;
+    Ok(Some(copy))
+}
+
+fn numbered(path: &Path, number: u32) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("-{number}"));
+    if let Some(ending) = path.extension() {
+        name.push(".");
+        name.push(ending);
+    }
+    path.with_file_name(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_that_was_is_kept() {
+        let dir = tempfile::tempdir().unwrap();
+        let rig = dir.path().join("my.rig.toml");
+        assert_eq!(keep_aside(&rig).unwrap(), None);
+        for number in 1..3 {
+            std::fs::write(&rig, format!("name = \"{number}\"")).unwrap();
+            let kept = keep_aside(&rig).unwrap().unwrap();
+            assert_eq!(kept, dir.path().join(format!("my.rig-{number}.toml")));
+            assert_eq!(std::fs::read(&kept).unwrap(), std::fs::read(&rig).unwrap());
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! What a model says, in one or two plain sentences.
+
+use super::numbers::percent;
+use crate::data::units::Units;
+use servoid_identification::results::{Bounds, Interval, Model};
+
+/// What kind of servo, how fast, how sure.
+pub(crate) fn model_sentence(model: &Model, units: Units<'_>) -> String {
+    format!("{} {}", motion(model, units), certainty(model))
+}
+
+/// How the servo answers a step of the command.
+fn motion(model: &Model, units: Units<'_>) -> String {
+    let metrics = &model.metrics;
+    let ms = |time: Interval| time.value.map(|seconds| format!("{:.0} ms", 1e3 * seconds));
+    let mut parts = Vec::new();
+    parts.extend(ms(metrics.delay_s).map(|time| format!("begins to move after {time}")));
+    parts.extend(ms(metrics.t50_s).map(|time| format!("is half way after {time}")));
+    parts.extend(
+        ms(metrics.settling_time_s).map(|time| format!("stays within 2 % of its end after {time}")),
+    );
+    parts.extend(
+        metrics
+            .overshoot_percent
+            .value
+            .map(|share| match share < NO_OVERSHOOT_PERCENT {
+                true => "does not overshoot".to_owned(),
+                false => format!("overshoots by {share:.1} %"),
+            }),
+    );
+    let unit = units
+        .gain()
+        .map(|unit| format!(" {unit}"))
+        .unwrap_or_default();
+    parts.extend(
+        metrics
+            .dc_gain
+            .value
+            .map(|gain| format!("ends at {gain:.3}{unit} for each unit of the command")),
+    );
+    match parts.pop() {
+        None => "How the servo answers a step is not determined.".to_owned(),
+        Some(last) if parts.is_empty() => format!("After a step of the command the servo {last}."),
+        Some(last) => format!(
+            "After a step of the command the servo {}, and {last}.",
+            parts.join(", ")
+        ),
+    }
+}
+
+/// An overshoot that is none to the eye (% of the final value).
+const NO_OVERSHOOT_PERCENT: f64 = 0.5;
+
+fn certainty(model: &Model) -> String {
+    match &model.step.bounds {
+        Bounds::Valid(bounds) => {
+            let linear = match model.linear {
+                true => "",
+                false => {
+                    "The servo is not linear: this describes the motion that was recorded, and another one may differ. "
+                }
+            };
+            let (_, whole) = bounds.mean_half_widths();
+            let gain = model.step.value.last().map_or(1.0, |gain| gain.abs());
+            format!(
+                "{linear}The whole step response is known to ±{:.2} % of its end on average, with {} % confidence.",
+                100.0 * whole / gain,
+                percent(bounds.level)
+            )
+        }
+        Bounds::Withdrawn(reason) => format!(
+            "No bounds can be given, because {}: see the advice.",
+            reason.because()
+        ),
+    }
+}

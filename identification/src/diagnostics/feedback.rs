@@ -1,0 +1,121 @@
+//! Whether the input was computed from the output, as in a closed loop.
+//!
+//! Regression of the output on the input takes for granted that the noise does not act on the input. A controller that
+//! commands u from y carries the noise into u, and the estimate becomes a mixture of the servo and the inverse of the
+//! controller. Two things show it, and no servo does either:
+//!
+//! - **Inputs to come.** The noise of today is in the commands of tomorrow. So the next inputs, those at k+1 to k+L, are
+//!   offered to the regression of y(k) beside all its parameters; the reduction of the sum of squares over σ² has the χ²
+//!   distribution of a score test where the input is independent of the noise (P. E. Caines and C. W. Chan, *Feedback between
+//!   stationary stochastic processes*, IEEE Trans. AC 20, 1975).
+//! - **A response at lag 0 against the rest.** Feedback within one sample lets the output appear to answer at once, with the
+//!   sign of the inverse of the controller, which is opposite to the motion of the servo where the loop is stable.
+
+use faer::Mat;
+use serde::{Deserialize, Serialize};
+
+use crate::data::Moments;
+use crate::diagnostics::filtered_rows::{filtered, only};
+use crate::diagnostics::residual_tests::ScoreTest;
+use crate::diagnostics::simulation_error::Simulated;
+use crate::estimation::{GlsFit, noise_filter};
+use crate::numerics::{LaggedSums, chi_square_upper_tail, dot};
+use crate::thresholds::{AGAINST_MOTION, EVIDENT_SHARE, FEEDBACK_SIGNIFICANCE};
+
+/// Inputs to come that are offered: a frame of servo pulses at the rig's rate.
+const LEADS: usize = 10;
+
+/// That the input follows the output.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Feedback {
+    /// Probability of inputs to come that explain as much, if none was computed from the output.
+    pub p: f64,
+    /// Response at lag 0, in standard deviations; negative against the direction of the rest of the response.
+    pub at_once: f64,
+    /// Its size, as a share of the largest value of the step response.
+    pub share: f64,
+}
+
+impl Feedback {
+    /// Whether it is beyond chance, where the errors are noise.
+    #[must_use]
+    pub fn is_found(&self) -> bool {
+        self.p < FEEDBACK_SIGNIFICANCE || self.at_once < -AGAINST_MOTION
+    }
+
+    /// Whether it is evident whatever the errors are.
+    #[must_use]
+    pub fn is_evident(&self) -> bool {
+        self.at_once < -AGAINST_MOTION && self.share > EVIDENT_SHARE
+    }
+}
+
+/// Tests the errors of `fit` in `runs`. `at_once` is the response at lag 0 in standard deviations and its share, where it is known.
+pub(crate) fn feedback(
+    runs: &[Simulated<'_>],
+    moments: &Moments,
+    fit: &GlsFit,
+    (at_once, share): (f64, f64),
+) -> Feedback {
+    let p = inputs_to_come(runs, moments, fit).unwrap_or(1.0);
+    Feedback { p, at_once, share }
+}
+
+fn inputs_to_come(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<f64> {
+    let lags = fit.coordinates.basis.settling();
+    let d = noise_filter(&fit.ar);
+    let gain: f64 = d.iter().sum();
+    let mut sums = LaggedSums::new(lags, LEADS);
+    let mut own = Mat::<f64>::zeros(LEADS, LEADS);
+    let (mut with_offset, mut score) = ([0.0; LEADS], [0.0; LEADS]);
+    for run in runs {
+        let centred = |u: f64| match u.is_nan() {
+            true => 0.0,
+            false => u - moments.centre.0,
+        };
+        let history = lags + fit.ar.len();
+        let mut input = vec![run.run.input_at_rest().map_or(0.0, centred); history];
+        input.extend(run.run.input().iter().map(|u| centred(*u)));
+        let rows = run
+            .run
+            .complete_rows(moments.input_lags(), moments.output_lags());
+        // Beyond the end of a run the input is taken to stay at the centre: a function of the input like any other.
+        let lead = |lead: usize| {
+            let mut ahead = input[(history + lead).min(input.len())..].to_vec();
+            ahead.resize(input.len() - history, 0.0);
+            only(&rows, filtered(&ahead, &d))
+        };
+        let leads: Vec<Vec<f64>> = (1..=LEADS).map(lead).collect();
+        let present = |error: &f64| if error.is_nan() { 0.0 } else { *error };
+        let errors: Vec<f64> = run.own_errors().iter().map(present).collect();
+        let errors = only(&rows, filtered(&errors, &d));
+        for i in 0..LEADS {
+            score[i] += dot(&leads[i], &errors);
+            with_offset[i] += gain * leads[i].iter().sum::<f64>();
+            for j in 0..=i {
+                let product = dot(&leads[i], &leads[j]);
+                own[(i, j)] += product;
+                if i != j {
+                    own[(j, i)] += product;
+                }
+            }
+        }
+        let leads: Vec<&[f64]> = leads.iter().map(Vec::as_slice).collect();
+        sums.add(&filtered(&input, &d)[history + 1 - lags..], &leads);
+    }
+    let sums = sums.sums();
+    let by_coordinate = fit
+        .coordinates
+        .compress(Mat::from_fn(lags, LEADS, |a, j| sums[j][a]));
+    let p = fit.coordinates.len();
+    let cross = Mat::from_fn(LEADS, p + 1, |j, i| match i < p {
+        true => by_coordinate[(i, j)],
+        false => with_offset[j],
+    });
+    let left = &own - &cross * &fit.solution.inverse * cross.transpose();
+    let found = ScoreTest::new(&left, &own, &score)?;
+    Some(chi_square_upper_tail(
+        found.reduction / fit.variance,
+        found.degrees,
+    ))
+}

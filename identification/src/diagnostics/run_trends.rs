@@ -1,0 +1,146 @@
+//! A trend of each run.
+//!
+//! Where the output drifts as the input does not explain, each run has a straight line of its own in the regression, about
+//! the middle of the run. Estimates of the slopes are taken out of the output, fit and slopes in turns, and the covariance of the
+//! response is that of the regression with a column for each run, as for [offsets](super::run_offsets).
+
+use faer::Mat;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use crate::data::{Moments, Run};
+use crate::diagnostics::filtered_rows::{filtered, only};
+use crate::diagnostics::simulation_error::Simulated;
+use crate::estimation::{GlsFit, noise_filter};
+use crate::numerics::{LaggedSums, cholesky, dot, inverse_of_square, times};
+use crate::thresholds::{DRIFT_SIGNIFICANCE, SHORTEST_SETTLING};
+
+/// The slope of each run \[output per sample\]; empty where there is none.
+pub(crate) type RunTrends = Vec<f64>;
+
+/// Parts of the longest run whose means are compared. Noise that lasts longer than one of them is drift to any test.
+const PARTS: usize = 16;
+
+/// Whether `runs` drift beyond chance.
+pub(crate) fn drift(runs: &[Simulated<'_>]) -> bool {
+    let longest = runs.iter().map(|run| run.errors.len()).max().unwrap_or(0);
+    let length = (longest / PARTS).max(2 * SHORTEST_SETTLING);
+    let (mut explained, mut left, mut count) = (0.0, 0.0, 0);
+    for run in runs {
+        let parts = part_means(&run.errors, length);
+        let mean = |of: fn(&(f64, f64)) -> f64| {
+            parts.iter().map(of).sum::<f64>() / parts.len().max(1) as f64
+        };
+        let (at, level) = (mean(|p| p.0), mean(|p| p.1));
+        let spread: f64 = parts.iter().map(|p| (p.0 - at).powi(2)).sum();
+        let product: f64 = parts.iter().map(|p| (p.0 - at) * (p.1 - level)).sum();
+        let slope = if spread > 0.0 { product / spread } else { 0.0 };
+        explained += slope * product;
+        let off = |p: &(f64, f64)| (p.1 - level - slope * (p.0 - at)).powi(2);
+        left += parts.iter().map(off).sum::<f64>();
+        count += parts.len();
+    }
+    let degrees = (runs.len() as f64, count as f64 - 2.0 * runs.len() as f64);
+    degrees.1 >= 3.0
+        && FisherSnedecor::new(degrees.0, degrees.1)
+            .is_ok_and(|f| f.sf(explained / degrees.0 / (left / degrees.1)) < DRIFT_SIGNIFICANCE)
+}
+
+/// Middles and means of stretches of `length` values, those with fewer than half of them left out.
+fn part_means(values: &[f64], length: usize) -> Vec<(f64, f64)> {
+    let mean = |(number, part): (usize, &[f64])| {
+        let present = || part.iter().filter(|v| !v.is_nan());
+        let count = present().count();
+        let middle = (number * length) as f64 + part.len() as f64 / 2.0;
+        (2 * count >= length).then(|| (middle, present().sum::<f64>() / count as f64))
+    };
+    values.chunks(length).enumerate().filter_map(mean).collect()
+}
+
+/// The trend of slope 1 of a run at sample `k`.
+pub(crate) fn trend_at(run: &Run, k: usize) -> f64 {
+    k as f64 - (run.len() as f64 - 1.0) / 2.0
+}
+
+/// The columns of the trends beside the regression of `fit`, all behind the noise filter.
+struct Columns {
+    /// Of each run: its trend.
+    trends: Vec<Vec<f64>>,
+    /// (Z'Z)^-1 Z'W, with the rows Z of the regression, the offset last, and the trends W.
+    weighted: Mat<f64>,
+    /// (W'W - W'Z (Z'Z)^-1 Z'W)^-1.
+    inverse: Mat<f64>,
+}
+
+impl Columns {
+    /// `None` where the input explains a trend by itself.
+    fn new<'a>(
+        runs: impl Iterator<Item = &'a Run>,
+        moments: &Moments,
+        fit: &GlsFit,
+    ) -> Option<Self> {
+        let d = noise_filter(&fit.ar);
+        let gain: f64 = d.iter().sum();
+        let lags = fit.coordinates.basis.settling();
+        let (mut trends, mut crosses) = (Vec::new(), Vec::new());
+        for run in runs {
+            let centred = |k: isize| {
+                let input = run.input_at(k) - moments.centre.0;
+                if input.is_nan() { 0.0 } else { input }
+            };
+            let history = lags + fit.ar.len();
+            let input: Vec<f64> = (-(history as isize)..run.len() as isize)
+                .map(centred)
+                .collect();
+            let rows = run.complete_rows(moments.input_lags(), moments.output_lags());
+            let trend: Vec<f64> = (0..run.len()).map(|k| trend_at(run, k)).collect();
+            let trend = only(&rows, filtered(&trend, &d));
+            let mut sums = LaggedSums::new(lags, 1);
+            sums.add(&filtered(&input, &d)[history + 1 - lags..], &[&trend]);
+            let sums = sums.sums().remove(0);
+            let by_lag = Mat::from_fn(lags, 1, |a, _| sums[a]);
+            let mut cross = fit.coordinates.compress(by_lag).col_as_slice(0).to_vec();
+            cross.push(gain * trend.iter().sum::<f64>());
+            crosses.push(cross);
+            trends.push(trend);
+        }
+        let cross = Mat::from_fn(crosses.first()?.len(), crosses.len(), |i, r| crosses[r][i]);
+        let weighted = &fit.solution.inverse * &cross;
+        let explained = cross.transpose() * &weighted;
+        let left = Mat::from_fn(trends.len(), trends.len(), |i, j| {
+            let own = if i == j {
+                dot(&trends[i], &trends[i])
+            } else {
+                0.0
+            };
+            own - explained[(i, j)]
+        });
+        Some(Self {
+            inverse: inverse_of_square(&cholesky(&left)?),
+            trends,
+            weighted,
+        })
+    }
+}
+
+/// The slopes that the errors of `fit` leave for a regression with a trend of each of `runs`.
+pub(crate) fn slopes_left(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> RunTrends {
+    let Some(columns) = Columns::new(runs.iter().map(|run| &*run.run), moments, fit) else {
+        return vec![0.0; runs.len()];
+    };
+    let d = noise_filter(&fit.ar);
+    let score = |(run, trend): (&Simulated<'_>, &Vec<f64>)| {
+        let present = |error: &f64| if error.is_nan() { 0.0 } else { *error };
+        let errors: Vec<f64> = run.errors.iter().map(present).collect();
+        dot(trend, &filtered(&errors, &d))
+    };
+    let scores: Vec<f64> = runs.iter().zip(&columns.trends).map(score).collect();
+    times(&columns.inverse, &scores)
+}
+
+/// The covariance of `fit` becomes that with a trend of each of `runs`.
+pub(crate) fn allow_for_run_trends(runs: &[Run], moments: &Moments, fit: &mut GlsFit) {
+    if let Some(columns) = Columns::new(runs.iter(), moments, fit) {
+        let more = &columns.weighted * &columns.inverse * columns.weighted.transpose();
+        fit.spread_further(1.0, Some(more));
+    }
+}

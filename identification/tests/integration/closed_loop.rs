@@ -1,0 +1,77 @@
+//! Recordings in closed loop have no bounds, or bounds that hold; open loops are not taken for closed ones. The table "Closed loop"
+//! of docs/method.md has more runs of each line.
+
+use servoid_identification::results::{Check, Reason};
+use servoid_identification::{Options, identify, identify_explained};
+use servoid_test_support::closed_loop::{Course, Loop};
+use servoid_test_support::plants::{Noise, Plant, random};
+
+/// Saves most of the time; the servo settles well within it.
+fn options() -> Options {
+    Options {
+        longest_settling: Some(301),
+        ..Options::default()
+    }
+}
+
+fn of(course: Course, controller: Option<f64>, scale: f64, delay: usize) -> Loop {
+    Loop {
+        course,
+        controller,
+        plant: Plant::A,
+        noise: Noise::Ar1,
+        scale,
+        delay,
+    }
+}
+
+#[test]
+fn a_controller_takes_the_level_where_it_bends_the_response() {
+    let (mut withdrawn, mut named) = (0, 0);
+    let lines = [
+        of(Course::Staircase, Some(0.3), 10.0, 0),
+        of(Course::Telegraph, Some(0.3), 3.0, 0),
+        of(Course::Prbs, Some(0.3), 10.0, 1),
+        of(Course::Telegraph, Some(0.3), 10.0, 5),
+    ];
+    for line in lines {
+        for seed in 100..104 {
+            let trial = line.trial(&mut random(seed));
+            let model = identify(&trial.record, &options()).unwrap();
+            let Some(bounds) = model.step.bounds.valid() else {
+                withdrawn += 1;
+                named += usize::from(model.bounds.withdrawn() == Some(Reason::InputFollowsOutput));
+                continue;
+            };
+            let whole = &bounds.simultaneous;
+            let inside = (whole.lower.iter().zip(&whole.upper).zip(&trial.truth))
+                .all(|((lower, upper), truth)| lower <= truth && truth <= upper);
+            assert!(inside, "{line:?}");
+        }
+    }
+    // Of the same lines with other seeds 19 of 24 had no bounds, 15 of them for this reason: of 16, three standard deviations
+    // (binomial) below that are 7 and 4.
+    assert!(withdrawn >= 8 && named >= 5, "{withdrawn}, {named}");
+}
+
+#[test]
+fn an_open_loop_is_open() {
+    for course in [Course::Staircase, Course::Telegraph, Course::Prbs] {
+        for seed in 100..104 {
+            let trial = of(course, None, 1.0, 0).trial(&mut random(seed));
+            let found = identify_explained(&trial.record, &options()).unwrap();
+            assert!(found.model.bounds.valid().is_some(), "{course:?}");
+            let feedback = found.explanation.feedback.unwrap();
+            assert!(!feedback.is_found(), "{feedback:?}");
+        }
+    }
+}
+
+#[test]
+fn feedback_is_named_and_not_called_nonlinear() {
+    let trial = of(Course::Prbs, Some(0.3), 10.0, 0).trial(&mut random(3));
+    let model = identify(&trial.record, &options()).unwrap();
+    let checks: Vec<&Check> = model.advice.iter().map(|found| &found.check).collect();
+    assert!(checks.contains(&&Check::Feedback), "{checks:?}");
+    assert!(!checks.contains(&&Check::ModelError), "{checks:?}");
+}

@@ -1,0 +1,99 @@
+//! Outputs that drift, and outputs that have no end.
+
+use servoid_identification::results::{Check, Model};
+use servoid_identification::{Detrend, Error, Options, Record, identify, identify_explained};
+use servoid_test_support::plants::{Noise, PERIOD, Plant, random, simulate, staircase};
+
+fn options(detrend: Detrend) -> Options {
+    Options {
+        longest_settling: Some(301),
+        detrend,
+        ..Options::default()
+    }
+}
+
+/// A recording whose output drifts by `change` from its beginning to its end.
+fn drifting(change: f64, noise: Noise, seed: u64) -> Record {
+    let input = staircase();
+    let output = simulate(Plant::A, noise, &input, 1.0, &mut random(seed));
+    let samples = output.len() as f64;
+    let output: Vec<f64> = (0..)
+        .zip(output)
+        .map(|(k, y)| y + change * f64::from(k) / samples)
+        .collect();
+    Record::from_slices(PERIOD, &input, &output).unwrap()
+}
+
+fn holds(model: &Model) -> bool {
+    let whole = &model.step.bounds.valid().unwrap().simultaneous;
+    let truth = Plant::A.step(whole.lower.len());
+    (whole.lower.iter().zip(&whole.upper).zip(&truth)).all(|((l, u), t)| l <= t && t <= u)
+}
+
+#[test]
+fn a_drift_is_taken_out_and_named_and_bounds_hold() {
+    let mut inside = 0;
+    for (seed, change) in (20..).zip([1.0, 3.0, 10.0, -5.0]) {
+        for noise in [Noise::White, Noise::Ar2] {
+            let found = identify_explained(&drifting(change, noise, seed), &options(Detrend::Auto))
+                .unwrap();
+            let [drift] = found.explanation.drift[..] else {
+                panic!("{change} {noise:?}: {:?}", found.explanation.drift);
+            };
+            // The slope's standard deviation over the run is below 0.02 in these noises.
+            assert!((drift - change).abs() < 0.1, "{drift} of {change}");
+            let advice = &found.model.advice;
+            assert!(advice.iter().any(|found| found.check == Check::Drift));
+            assert!(!advice.iter().any(|found| found.check == Check::ModelError));
+            inside += usize::from(holds(&found.model));
+        }
+    }
+    // Eight curves at 99 %: two outside happen once in 400 times.
+    assert!(inside >= 7, "{inside} of 8");
+}
+
+#[test]
+fn nothing_is_taken_out_where_nothing_drifts_or_nothing_may() {
+    for seed in 30..36 {
+        let noise = [Noise::White, Noise::Ar1, Noise::Ar2][seed as usize % 3];
+        let record = drifting(0.0, noise, seed);
+        let found = identify_explained(&record, &options(Detrend::Auto)).unwrap();
+        assert!(found.explanation.drift.is_empty(), "{seed}");
+    }
+    let record = drifting(3.0, Noise::White, 40);
+    let found = identify_explained(&record, &options(Detrend::None)).unwrap();
+    assert!(found.explanation.drift.is_empty());
+    let found = identify_explained(&drifting(0.0, Noise::White, 41), &options(Detrend::Linear));
+    let found = found.unwrap();
+    assert!(found.explanation.drift[0].abs() < 0.1);
+    assert!(holds(&found.model));
+}
+
+#[test]
+fn an_integrator_is_named() {
+    let input = staircase();
+    let mut sum = 0.0;
+    let speed = simulate(Plant::A, Noise::White, &input, 0.1, &mut random(50));
+    let output: Vec<f64> = speed
+        .iter()
+        .map(|v| {
+            sum += 0.02 * v;
+            sum
+        })
+        .collect();
+    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let model = identify(&record, &options(Detrend::Auto)).unwrap();
+    let checks: Vec<&Check> = model.advice.iter().map(|found| &found.check).collect();
+    assert_eq!(checks[0], &Check::StillRising, "{checks:?}");
+}
+
+#[test]
+fn swapped_columns_are_refused() {
+    let input = staircase();
+    let output = simulate(Plant::A, Noise::White, &input, 1.0, &mut random(60));
+    let swapped = Record::from_slices(PERIOD, &output, &input).unwrap();
+    assert!(matches!(
+        identify(&swapped, &Options::default()),
+        Err(Error::Swapped { levels: 3 })
+    ));
+}
