@@ -60,7 +60,7 @@ pub enum LineSpeed {
 /// | `noise`             | `full`, `white` or `none`                          | `full` | all             |
 /// | `scatter`           | none or `all`, or some of `clock,supply,friction,sensor,rotor`: the parts that differ from seed to seed | off | all, as far as it has the part |
 /// | `baud`              | speed of the serial line, or `unlimited`           | 115200 | all             |
-/// | `fault`             | `open` or `short`, `@` and seconds: the sensor breaks then; `open@3-5`: it is repaired at 5 s; a comma between several | none | all |
+/// | `fault`             | `open`, `short` or `frozen`, `@` and seconds: the sensor breaks then; `open@3-5`: it is repaired at 5 s; a comma between several | none | all |
 /// | `first-sample-us`   | 0-1999: from a pulse's edge to the first sample    | 500    | all             |
 /// | `clock-phase-ms`    | latency that the servo's own clock adds            | 0      | all             |
 /// | `sensor-gain`       | relative to the calibration                        | 1      | all             |

@@ -98,18 +98,25 @@ impl TableArgs {
         self.load_as(&DatasetOptions::default(), files, talk)
     }
 
-    /// The runs of these files together, read as the runs of a model were unless these options say otherwise.
+    /// The runs of these files together, read as the runs of a model were unless these options say otherwise. Files that cannot
+    /// be read so, such as recordings of servoid, are read for themselves.
     pub(super) fn load_as(
         &self,
         model: &DatasetOptions,
         files: &[PathBuf],
         talk: Talk,
     ) -> Result<Dataset> {
+        let own = self.options();
         let options = self.options().or(model);
-        if options != self.options() {
-            talk.say("the files are read as those of the model were (columns, period, runs, rest); options say otherwise");
-        }
-        let data = dataset::load(files, &options)?;
+        let data = match dataset::load(files, &options) {
+            Err(error) if options != own => dataset::load(files, &own).map_err(|_| error)?,
+            read => {
+                if options != own {
+                    talk.say("the files are read as those of the model were (columns, period, runs); options override this");
+                }
+                read?
+            }
+        };
         data.about
             .remarks
             .iter()

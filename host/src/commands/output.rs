@@ -40,10 +40,10 @@ pub fn print_result(result: &str) -> std::io::Result<()> {
 
 /// A text that a terminal only shows. Names of files and what files say may hold commands for it, or turn the
 /// direction of the text around; these are written as JSON writes them.
-fn harmless(text: &str) -> Cow<'_, str> {
+pub(super) fn harmless(text: &str) -> Cow<'_, str> {
     let acts = |letter: char| {
         (letter.is_control() && !matches!(letter, '\n' | '\t'))
-            || matches!(letter, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+            || matches!(letter, '\u{200e}' | '\u{200f}' | '\u{61c}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
     };
     if !text.contains(acts) {
         return Cow::Borrowed(text);

@@ -1,6 +1,6 @@
 //! Prompts at a terminal. An option may have answered a question already.
 
-use super::output::{print_remark, wrong_usage};
+use super::output::{harmless, print_remark, wrong_usage};
 use super::rig_wizard::{Checked, Range};
 use anyhow::{Context, Result, bail};
 use dialoguer::theme::{ColorfulTheme, SimpleTheme, Theme};
@@ -79,7 +79,7 @@ impl Asker {
             check(&value).map(|()| value)
         };
         let text: String = Input::with_theme(theme.as_ref())
-            .with_prompt(words)
+            .with_prompt(harmless(words))
             .default(to.to_string())
             .allow_empty(true)
             .validate_with(|text: &String| read(text).map(drop))
@@ -95,7 +95,7 @@ impl Asker {
             return Ok(usual);
         };
         Select::with_theme(theme.as_ref())
-            .with_prompt(words)
+            .with_prompt(harmless(words))
             .items(items)
             .default(usual)
             .interact()
@@ -109,7 +109,7 @@ const NO_ANSWER: &str = "the question was not answered";
 /// Enter to the next question.
 pub(super) fn confirm(words: &str) -> Result<bool> {
     Confirm::with_theme(theme().as_ref())
-        .with_prompt(words)
+        .with_prompt(harmless(words))
         .default(false)
         .wait_for_newline(true)
         .interact()

@@ -85,6 +85,11 @@ impl FrozenSensor {
         self.now = Some(now);
     }
 
+    /// The stretch that the newest reading belongs to.
+    pub fn now(&self) -> Option<&StandStill> {
+        self.now.filter(|now| now.is_found).and(self.found.last())
+    }
+
     /// The stretches so far, in order.
     pub fn found(&self) -> &[StandStill] {
         &self.found

@@ -20,7 +20,7 @@ fn read_at_most(stream: impl Read, most: u64) -> Result<Vec<u8>> {
     if bytes.len() as u64 > most {
         return Err(Error::new(
             ErrorKind::FileTooLarge,
-            "it is longer than 256 MiB, or does not end",
+            "it is longer than 256 MiB, or does not end; give a long recording as several files",
         ));
     }
     Ok(bytes)

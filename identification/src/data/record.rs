@@ -276,8 +276,8 @@ impl Record {
 
     /// The number of values of the output, where it has so few and the input so many that the two must be swapped.
     pub(crate) fn levels_of_swapped_columns(&self) -> Option<usize> {
-        /// A reference has two levels or more; no sensor of a motion has so few.
-        const FEW: usize = 3;
+        /// A staircase has two levels; a sensor whose readings have no more measures nothing.
+        const FEW: usize = 2;
         const MANY: usize = 20;
         let count = |column: fn(&Run) -> &[f64], most: usize| {
             let mut values = std::collections::HashSet::new();

@@ -2,7 +2,7 @@
 //!
 //! Regression of the output on the input takes for granted that the noise does not act on the input. A controller that
 //! commands u from y carries the noise into u, and the estimate becomes a mixture of the servo and the inverse of the
-//! controller. Two things show it, and no servo does either:
+//! controller. Two things show it:
 //!
 //! - **Inputs to come.** The noise of today is in the commands of tomorrow. So the next inputs, those at k+1 to k+L, are
 //!   offered to the regression of y(k) beside all its parameters; the reduction of the sum of squares over σ² has the χ²

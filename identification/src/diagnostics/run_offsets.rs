@@ -42,7 +42,9 @@ pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize, wanted: bool)
         .flat_map(|(parts, mean)| parts.iter().map(move |part| (part - mean).powi(2)))
         .sum();
     let degrees = ((runs.len() - 1) as f64, (count - runs.len()) as f64);
-    let differ = FisherSnedecor::new(degrees.0, degrees.1)
+    // Without errors there is no ratio of their sums.
+    let differ = within > 0.0
+        && FisherSnedecor::new(degrees.0, degrees.1)
         .is_ok_and(|f| f.sf(between / degrees.0 / (within / degrees.1)) < RESIDUAL_SIGNIFICANCE);
     match differ || wanted {
         true => means.iter().map(|mean| mean - common).collect(),

@@ -40,7 +40,9 @@ pub(crate) fn drift(runs: &[Simulated<'_>]) -> bool {
         count += parts.len();
     }
     let degrees = (runs.len() as f64, count as f64 - 2.0 * runs.len() as f64);
-    degrees.1 >= 3.0
+    // Without errors there is no drift, and no ratio of their sums.
+    left > 0.0
+        && degrees.1 >= 3.0
         && FisherSnedecor::new(degrees.0, degrees.1)
             .is_ok_and(|f| f.sf(explained / degrees.0 / (left / degrees.1)) < DRIFT_SIGNIFICANCE)
 }

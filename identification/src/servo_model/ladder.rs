@@ -162,7 +162,8 @@ impl Ladder<'_> {
                 let rung = self.extended(from, terms);
                 best = self.better(best, rung);
             }
-            if self.tried[best].total() > (1.0 - WORTH_ANOTHER) * before {
+            let gained = self.tried[best].total() < (1.0 - WORTH_ANOTHER) * before;
+            if !gained {
                 return best;
             }
         }

@@ -86,6 +86,8 @@ fn any_reference() -> impl Strategy<Value = Reference> {
 const LONGEST_RUN: u32 = u16::MAX as u32;
 
 proptest! {
+    // Each case may be as long as the longest run.
+    #![proptest_config(ProptestConfig::with_cases(64))]
     #[test]
     fn length_expansion_and_extremes_agree(reference in any_reference()) {
         let frames = reference.frames();
@@ -100,6 +102,9 @@ proptest! {
         }
     }
 
+}
+
+proptest! {
     #[test]
     fn far_beyond_its_end_there_is_nothing_and_no_panic(reference in any_reference(), frame in any::<u32>()) {
         prop_assert_eq!(reference.offset_us(frame).is_some(), frame < reference.frames());

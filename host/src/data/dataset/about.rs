@@ -43,10 +43,9 @@ pub struct SensorCalibration {
 impl About {
     /// That the recordings of two sides were made with different calibrations of the sensor.
     pub(crate) fn other_calibration(&self, other: &Self) -> Option<Advice> {
-        let (a, b) = (self.calibrations.first()?, other.calibrations.first()?);
-        if a == b {
-            return None;
-        }
+        let with_others = |a| other.calibrations.iter().map(move |b| (a, b));
+        let mut pairs = self.calibrations.iter().flat_map(with_others);
+        let (a, b) = pairs.find(|(a, b)| a != b)?;
         let percent = 100.0 * (b.degrees_per_count / a.degrees_per_count - 1.0);
         let zero = (b.zero_counts - a.zero_counts) * a.degrees_per_count;
         let rough = a.scale_sd_percent.max(b.scale_sd_percent);

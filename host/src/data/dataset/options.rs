@@ -42,7 +42,8 @@ impl DatasetOptions {
         *self == Self::default()
     }
 
-    /// These, and what they leave open as in `other`.
+    /// These, and the columns, times and runs that they leave open as in `other`. Where a servo stood before a run is a fact of that
+    /// run alone.
     #[must_use]
     pub fn or(self, other: &Self) -> Self {
         let other = other.clone();
@@ -63,8 +64,7 @@ impl DatasetOptions {
             time_unit,
             run: self.run.or(other.run),
             controller: self.controller.or(other.controller),
-            at_rest: self.at_rest.or(other.at_rest),
-            with_rest: self.with_rest || other.with_rest,
+            ..self
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A recording that is written by a thread of its own, so that no file system holds up the run.
 //!
-//! Frames wait in memory for as long as the disk takes none; a run has at most 65 536 of them, of 24 bytes each.
+//! Frames wait in memory for as long as the disk takes none; a run has at most 65 536 of them, of some 30 bytes each.
 
 use super::last_line::Ending;
 use super::write_error::WriteError;

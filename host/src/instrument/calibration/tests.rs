@@ -34,11 +34,11 @@ fn protractor() -> Vec<f64> {
 /// Somebody reads a protractor to 0.3 degrees; the sensor's gain and zero are those of the simulator.
 #[test]
 fn the_truth_of_the_simulator_lies_within_the_intervals_as_often_as_they_say() {
-    const RUNS: u64 = 300;
+    const RUNS: u64 = 60;
     let angles = protractor();
     let mut missed = [0; 2];
     for seed in 0..RUNS {
-        let (gain, zero_deg) = (0.95 + seed as f64 / 3000.0, 0.7);
+        let (gain, zero_deg) = (0.95 + seed as f64 / 600.0, 0.7);
         let address =
             format!("sim:bench?seed={seed}&sensor-gain={gain}&sensor-zero-deg={zero_deg}");
         let rests = mover(&address, RigFile::default(), &|| false)
@@ -65,9 +65,9 @@ fn the_truth_of_the_simulator_lies_within_the_intervals_as_often_as_they_say() {
         // Student's t of three degrees of freedom makes 0.3 degrees 0.78 at the zero, on average.
         assert!(found.zero_counts_half_width * scale < 3.0);
     }
-    // Binomial, 300 trials at 1 %: 3, standard deviation 1.72; four of them above.
+    // Five misses or more of 60 at 1 % happen once in 3000.
     assert!(
-        missed.iter().all(|missed| *missed <= 9),
+        missed.iter().all(|missed| *missed <= 4),
         "{missed:?} of {RUNS}"
     );
 }

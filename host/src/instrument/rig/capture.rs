@@ -218,7 +218,7 @@ impl RecordedRun<'_> {
             asked_again: client.frames_asked_again(),
             lost: self.lost.iter().map(|gap| gap.end - gap.start).sum(),
             status: client.status(),
-            stands_still: self.sensor.found().last(),
+            stands_still: self.sensor.now(),
         });
         Ok(())
     }

@@ -47,13 +47,13 @@ pub(super) fn step(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
         let block = Block::bordered().title(" step response ");
         return frame.render_widget(Paragraph::new(text).block(block), area);
     };
-    step_response(frame, area, &step.step);
+    step_response(frame, area, &step.step, [0.0, 1.0]);
 }
 
 /// A step response as text: braille letters in a frame, a line end after each line.
 pub fn step_as_text(step: &StepResponse, columns: u16, rows: u16) -> String {
     let Ok(mut terminal) = Terminal::new(TestBackend::new(columns, rows));
-    let Ok(_) = terminal.draw(|frame| step_response(frame, frame.area(), step));
+    let Ok(_) = terminal.draw(|frame| step_response(frame, frame.area(), step, [0.0; 2]));
     let buffer = terminal.backend().buffer();
     let row = |row: u16| {
         let cells = (0..columns).map(|column| buffer[(column, row)].symbol());
@@ -62,7 +62,8 @@ pub fn step_as_text(step: &StepResponse, columns: u16, rows: u16) -> String {
     (0..rows).map(row).collect()
 }
 
-fn step_response(frame: &mut Frame<'_>, area: Rect, step: &StepResponse) {
+/// `least` is what the axis shows whatever the values are.
+fn step_response(frame: &mut Frame<'_>, area: Rect, step: &StepResponse, least: [f64; 2]) {
     let line = |values: &[f64]| -> Vec<(f64, f64)> {
         let times = step.time_s.iter().map(|t| 1e3 * t);
         times.zip(values.iter().copied()).collect()
@@ -79,7 +80,7 @@ fn step_response(frame: &mut Frame<'_>, area: Rect, step: &StepResponse) {
     title.push(", against time (ms) ".into());
     let end = value.last().map_or(1.0, |(t, _)| *t);
     let values = edges.iter().flatten().chain(&value).map(|(_, y)| *y);
-    let y = range(values, [0.0, 1.0]);
+    let y = range(values, least);
     let mut curves: Vec<_> = edges.iter().map(|edge| curve(edge, BAND)).collect();
     curves.push(curve(&value, POSITION));
     chart(frame, area, Line::from(title), curves, ([0.0, end], 0), y);
@@ -113,7 +114,8 @@ fn chart(
     let labels = |[low, high]: [f64; 2], decimals: usize| {
         [low, f64::midpoint(low, high), high].map(|value| format!("{value:.decimals$}"))
     };
-    let decimals = if y[1] - y[0] < 3.0 { 2 } else { 1 };
+    // Two digits of the range, and one decimal at least.
+    let decimals = (1.5 - (y[1] - y[0]).log10()).ceil().clamp(1.0, 9.0) as usize;
     let (x, x_decimals) = x;
     let chart = Chart::new(curves)
         .block(Block::bordered().title(title))

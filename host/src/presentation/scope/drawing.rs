@@ -204,7 +204,7 @@ mod tests {
                 "unreadable 65: CRC 11, malformed 12",
                 "too long 13, unknown 14, left over 15",
                 "asked again 16, lost 17",
-                "at most 18 frames waited",
+                "frames waited, at most 18",
                 "19 lost on board, 20 unreadable",
                 "q or Ctrl-C",
             ] {

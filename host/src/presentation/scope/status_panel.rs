@@ -102,7 +102,7 @@ fn link(state: &ScopeState) -> Vec<Line<'static>> {
         let (waited, unreadable) = (status.backlog_high_water, status.rejects);
         let lost = status.frames_lost_on_board;
         lines.push(Line::from(format!(
-            "rig: frames that waited, at most {waited};"
+            "rig: frames waited, at most {waited};"
         )));
         let counters = format!("  {lost} lost on board, {unreadable} unreadable");
         lines.push(counted(lost + unreadable, counters));

@@ -4,7 +4,7 @@ use super::evidence::{Evidence, two_digits};
 use crate::diagnostics::hum::Hum;
 use crate::diagnostics::outliers::TakenOut;
 use crate::results::{Advice, Check};
-use crate::thresholds::{ABOVE_NEIGHBOURS, DRIFT_SIGNIFICANCE, OUTLYING};
+use crate::thresholds::{ABOVE_NEIGHBOURS, OUTLYING};
 
 /// Places that are named; the explanation has all.
 const NAMED: usize = 3;
@@ -55,15 +55,14 @@ pub(super) fn drift(evidence: &Evidence<'_>) -> Option<Advice> {
         .iter()
         .copied()
         .reduce(|a, b| if b.abs() > a.abs() { b } else { a })?;
-    let several = if drift.len() > 1 { ", at most," } else { "" };
     Some(Advice::new(
         Check::Drift,
         format!(
-            "The output drifts by {largest:+.3}{several} over a run, which the input does not explain. A straight line of each run was \
-             taken out within the regression, and the bounds allow for it."
+            "A straight line of each run, which changes by up to {largest:+.3} over a run, was taken out of the output within the regression: \
+             the input does not explain it, and the bounds allow for it. The servo model, plots and validations still have it."
         ),
         largest,
-        DRIFT_SIGNIFICANCE,
+        0.0,
         "Look for the cause of the drift, such as temperature, supply or a load that changes. Use --detrend none to leave it in.",
     ))
 }
