@@ -276,8 +276,8 @@ impl Record {
 
     /// The number of values of the output, where it has so few and the input so many that the two must be swapped.
     pub(crate) fn levels_of_swapped_columns(&self) -> Option<usize> {
-        /// A staircase has two levels; a sensor whose readings have no more measures nothing.
-        const FEW: usize = 2;
+        /// A staircase has two levels, and one before it.
+        const FEW: usize = 3;
         const MANY: usize = 20;
         let count = |column: fn(&Run) -> &[f64], most: usize| {
             let mut values = std::collections::HashSet::new();
@@ -290,7 +290,17 @@ impl Record {
             values.len()
         };
         let levels = count(Run::output, FEW);
-        (levels <= FEW && count(Run::input, MANY) > MANY).then_some(levels)
+        let swapped =
+            levels <= FEW && count(Run::input, MANY) > MANY && self.output_jumps_over_its_range();
+        swapped.then_some(levels)
+    }
+
+    /// Whether the output goes from one end of its range to the other in one sample: references do, and no motion does.
+    fn output_jumps_over_its_range(&self) -> bool {
+        let outputs = || self.runs.iter().map(Run::output);
+        let all = || outputs().flatten().filter(|y| !y.is_nan());
+        let range = all().fold(f64::MIN, |a, b| a.max(*b)) - all().fold(f64::MAX, |a, b| a.min(*b));
+        outputs().any(|output| output.windows(2).any(|w| (w[1] - w[0]).abs() >= range))
     }
 
     /// The same with other runs.

@@ -44,8 +44,9 @@ pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize, wanted: bool)
     let degrees = ((runs.len() - 1) as f64, (count - runs.len()) as f64);
     // Without errors there is no ratio of their sums.
     let differ = within > 0.0
-        && FisherSnedecor::new(degrees.0, degrees.1)
-        .is_ok_and(|f| f.sf(between / degrees.0 / (within / degrees.1)) < RESIDUAL_SIGNIFICANCE);
+        && FisherSnedecor::new(degrees.0, degrees.1).is_ok_and(|f| {
+            f.sf(between / degrees.0 / (within / degrees.1)) < RESIDUAL_SIGNIFICANCE
+        });
     match differ || wanted {
         true => means.iter().map(|mean| mean - common).collect(),
         false => RunOffsets::new(),

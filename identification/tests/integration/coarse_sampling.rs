@@ -4,6 +4,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use servoid_identification::results::Reason;
 use servoid_identification::thresholds::WHITENING_COST_POINTS;
 use servoid_identification::{Options, Record, Run, identify, identify_explained};
 
@@ -48,8 +49,13 @@ fn record(seed: u64, samples: usize) -> Record {
 fn a_response_of_few_samples_has_bounds_that_hold() {
     const RUNS: u64 = 100;
     let (mut points, mut inside, mut whole) = (0, 0, 0);
+    let mut withdrawn = 0;
     for seed in 0..RUNS {
         let model = identify(&record(9_000 + seed, 400), &Options::default()).unwrap();
+        if model.bounds.withdrawn() == Some(Reason::InputFollowsOutput) {
+            withdrawn += 1;
+            continue;
+        }
         assert!(model.bounds.valid().is_some(), "{seed}: {:?}", model.advice);
         let settling = model.structure.settling_samples;
         assert!((31..60).contains(&settling), "{seed}: N = {settling}");
@@ -69,8 +75,10 @@ fn a_response_of_few_samples_has_bounds_that_hold() {
     // Points of one curve go together: as if a run had five of its own, 99 % of 500 are missed
     // 5 ± 2.2 times; three standard deviations are 2.3 % of them.
     assert!(inside as f64 >= 0.977 * points as f64, "{inside}/{points}");
+    // By chance 0.24 % are taken for closed loops; three or more of 100 once in 500 times.
+    assert!(withdrawn < 3, "{withdrawn} of {RUNS}");
     // Of 100 curves one is missed; five or more by chance in 1 of 290.
-    assert!(whole >= 96, "{whole} of {RUNS}");
+    assert!(whole + withdrawn >= 96, "{whole} of {RUNS}");
 }
 
 /// Runs of one step each, after `rest` samples of rest, of a servo with a lag of 20 samples.

@@ -97,3 +97,32 @@ fn swapped_columns_are_refused() {
         Err(Error::Swapped { levels: 3 })
     ));
 }
+
+/// An encoder of one degree under a sine.
+#[test]
+fn a_coarse_sensor_is_not_taken_for_a_reference() {
+    let input: Vec<f64> = (0..2000)
+        .map(|k| 1.2 * (0.02 * f64::from(k)).sin())
+        .collect();
+    let output: Vec<f64> = input.iter().map(|u| u.round()).collect();
+    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let found = identify(&record, &options(Detrend::Auto));
+    assert!(!matches!(found, Err(Error::Swapped { .. })), "{found:?}");
+}
+
+/// Squares of such a motion are zero.
+#[test]
+fn a_motion_near_the_smallest_number_has_a_model_or_a_sentence() {
+    for scale in [1e-160, 1e-200, 1e-300] {
+        let input = staircase();
+        let output: Vec<f64> = simulate(Plant::A, Noise::White, &input, 1.0, &mut random(40))
+            .into_iter()
+            .map(|y| scale * y)
+            .collect();
+        let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+        match identify(&record, &options(Detrend::Auto)) {
+            Ok(model) => assert!(model.offset.is_finite(), "{scale}"),
+            Err(error) => assert!(!error.to_string().is_empty(), "{scale}"),
+        }
+    }
+}

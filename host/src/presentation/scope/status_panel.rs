@@ -101,9 +101,7 @@ fn link(state: &ScopeState) -> Vec<Line<'static>> {
     if let Some(status) = status {
         let (waited, unreadable) = (status.backlog_high_water, status.rejects);
         let lost = status.frames_lost_on_board;
-        lines.push(Line::from(format!(
-            "rig: frames waited, at most {waited};"
-        )));
+        lines.push(Line::from(format!("rig: frames waited, at most {waited};")));
         let counters = format!("  {lost} lost on board, {unreadable} unreadable");
         lines.push(counted(lost + unreadable, counters));
     }
