@@ -75,7 +75,7 @@ impl Client {
 
     /// Brings the rig to neutral, so that the next thing it does can be a run; [`Event::Answered`] says
     /// when it is there. A rig that does not go with this program is not armed. Where it ends in
-    /// [`ClientError::NoAnswer`], the rig is being asked to disarm, which ends in one more event.
+    /// [`ClientError::NoAnswer`](crate::ClientError::NoAnswer), the rig is being asked to disarm, which ends in one more event.
     pub fn arm(&mut self, arm: Arm, now: Duration) {
         self.line.now = now;
         match self.line.hello.as_ref().map(require_match) {
