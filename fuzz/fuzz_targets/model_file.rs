@@ -30,7 +30,8 @@ fuzz_target!(|text: &str| {
         let _ = export.write(target);
     }
     let _ = export.warnings();
-    assert!(!summary::of_model("x", &model, Units::default()).is_empty());
+    let all = summary::Extent { picture: "", statistics: true };
+    assert!(!summary::of_model("x", &model, Units::default(), all).is_empty());
 
     let input: Vec<f64> = (0..200).map(|k| f64::from(k / 7 % 2)).collect();
     let record = Record::from_slices(model.sample_period_s, &input, &input);
