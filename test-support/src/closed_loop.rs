@@ -85,15 +85,7 @@ impl Loop {
         let course = self.course.samples(random);
         let noise = self.noise.samples(random, SAMPLES);
         let step = self.plant.step(2500);
-        let impulse: Vec<f64> = (0..700)
-            .map(|m| {
-                if m == 0 {
-                    step[0]
-                } else {
-                    step[m] - step[m - 1]
-                }
-            })
-            .collect();
+        let impulse = self.plant.impulse(700);
         let (mut input, mut output) = (vec![0.0; SAMPLES], vec![0.0; SAMPLES]);
         for k in 0..SAMPLES {
             // The servo has dead time, so u(k) does not act on y(k).

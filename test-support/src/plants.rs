@@ -40,19 +40,17 @@ impl Plant {
             .map_or(0.0, |m| response(m as f64 * PERIOD))
     }
 
+    /// The response to an impulse of one sample.
+    pub fn impulse(self, samples: usize) -> Vec<f64> {
+        let before = |m: usize| m.checked_sub(1).map_or(0.0, |m| self.at(m));
+        (0..samples).map(|m| self.at(m) - before(m)).collect()
+    }
+
     /// The response to an input that had stood at its first value for ever.
     pub fn respond(self, input: &[f64]) -> Vec<f64> {
         // A second is longer than any of the plants remembers to 1e-9, except E.
         let step = self.step(if self == Self::E { 2500 } else { 700 });
-        let impulse: Vec<f64> = (0..step.len())
-            .map(|m| {
-                if m == 0 {
-                    step[0]
-                } else {
-                    step[m] - step[m - 1]
-                }
-            })
-            .collect();
+        let impulse = self.impulse(step.len());
         let settled = step[step.len() - 1];
         (0..input.len())
             .map(|k| {

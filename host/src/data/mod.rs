@@ -14,6 +14,7 @@ mod frozen_sensor;
 pub(crate) mod held_out;
 pub(crate) mod input_file;
 pub(crate) mod model_metadata;
+pub(crate) mod numbered_path;
 
 pub(crate) mod timeline;
 pub(crate) mod units;

@@ -15,7 +15,7 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::data::Moments;
-use crate::diagnostics::filtered_rows::{filtered, only};
+use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::residual_tests::ScoreTest;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
@@ -69,13 +69,8 @@ fn inputs_to_come(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Op
     let mut own = Mat::<f64>::zeros(LEADS, LEADS);
     let (mut with_offset, mut score) = ([0.0; LEADS], [0.0; LEADS]);
     for run in runs {
-        let centred = |u: f64| match u.is_nan() {
-            true => 0.0,
-            false => u - moments.centre.0,
-        };
         let history = lags + fit.ar.len();
-        let mut input = vec![run.run.input_at_rest().map_or(0.0, centred); history];
-        input.extend(run.run.input().iter().map(|u| centred(*u)));
+        let input = with_history(&run.run, history, moments.centre.0);
         let rows = run
             .run
             .complete_rows(moments.input_lags(), moments.output_lags());
@@ -86,8 +81,7 @@ fn inputs_to_come(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Op
             only(&rows, filtered(&ahead, &d))
         };
         let leads: Vec<Vec<f64>> = (1..=LEADS).map(lead).collect();
-        let present = |error: &f64| if error.is_nan() { 0.0 } else { *error };
-        let errors: Vec<f64> = run.own_errors().iter().map(present).collect();
+        let errors: Vec<f64> = run.own_errors().iter().copied().map(present).collect();
         let errors = only(&rows, filtered(&errors, &d));
         for i in 0..LEADS {
             score[i] += dot(&leads[i], &errors);

@@ -2,6 +2,19 @@
 
 use std::ops::Range;
 
+use crate::data::Run;
+
+/// The value, 0 where it is missing.
+pub(super) fn present(value: f64) -> f64 {
+    if value.is_nan() { 0.0 } else { value }
+}
+
+/// The input of `run` relative to `centre`, with `history` samples before its first: those at rest. 0 where it is not known.
+pub(super) fn with_history(run: &Run, history: usize, centre: f64) -> Vec<f64> {
+    let samples = -(history as isize)..run.len() as isize;
+    samples.map(|k| present(run.input_at(k) - centre)).collect()
+}
+
 /// `values` in `rows`, 0 elsewhere.
 pub(super) fn only(rows: &[Range<usize>], mut values: Vec<f64>) -> Vec<f64> {
     let mut kept = 0;

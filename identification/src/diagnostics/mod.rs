@@ -10,6 +10,7 @@ mod initial_rest;
 mod linearity;
 mod misfit;
 mod outliers;
+mod part_means;
 mod residual_tests;
 mod run_offsets;
 mod run_scatter;

@@ -16,6 +16,7 @@
 use faer::{Mat, Side};
 
 use crate::data::Moments;
+use crate::diagnostics::filtered_rows::present;
 use crate::estimation::{
     Coordinates, NormalEquations, filtered_input_moments, noise_filter, solve_moments,
 };
@@ -76,10 +77,9 @@ impl KnownErrors {
         let first = run.iter().position(|error| !error.is_nan()).unwrap_or(0);
         let last = run.iter().rposition(|error| !error.is_nan());
         let run = &run[first..last.map_or(first, |last| last + 1)];
-        let present = |error: &f64| if error.is_nan() { 0.0 } else { *error };
         let known = |error: &f64| f64::from(u8::from(!error.is_nan()));
         Self {
-            errors: run.iter().map(present).collect(),
+            errors: run.iter().copied().map(present).collect(),
             known: run.iter().map(known).collect(),
         }
     }

@@ -14,6 +14,7 @@ use faer::Mat;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::data::{Moments, Run};
+use crate::diagnostics::part_means::part_means;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
 use crate::numerics::{cholesky, inverse_of_square};
@@ -27,6 +28,7 @@ pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize, wanted: bool)
     let parts: Vec<Vec<f64>> = runs
         .iter()
         .map(|run| part_means(&run.errors, settling))
+        .map(|parts| parts.into_iter().map(|(_, mean)| mean).collect())
         .collect();
     if runs.len() < 2 || parts.iter().any(Vec::is_empty) {
         return RunOffsets::new();
@@ -51,18 +53,6 @@ pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize, wanted: bool)
         true => means.iter().map(|mean| mean - common).collect(),
         false => RunOffsets::new(),
     }
-}
-
-/// Means of stretches of `length` values, those with fewer than half of them left out.
-fn part_means(values: &[f64], length: usize) -> Vec<f64> {
-    let mean = |part: &[f64]| {
-        let (sum, count) = part
-            .iter()
-            .filter(|v| !v.is_nan())
-            .fold((0.0, 0), |(s, n), v| (s + v, n + 1));
-        (2 * count >= length).then(|| sum / f64::from(count as u32))
-    };
-    values.chunks(length).filter_map(mean).collect()
 }
 
 /// The covariance of `fit` becomes that with an offset of each of `runs`.

@@ -8,7 +8,8 @@ use faer::Mat;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::data::{Moments, Run};
-use crate::diagnostics::filtered_rows::{filtered, only};
+use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
+use crate::diagnostics::part_means::part_means;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
 use crate::numerics::{LaggedSums, cholesky, dot, inverse_of_square, times};
@@ -47,17 +48,6 @@ pub(crate) fn drift(runs: &[Simulated<'_>]) -> bool {
             .is_ok_and(|f| f.sf(explained / degrees.0 / (left / degrees.1)) < DRIFT_SIGNIFICANCE)
 }
 
-/// Middles and means of stretches of `length` values, those with fewer than half of them left out.
-fn part_means(values: &[f64], length: usize) -> Vec<(f64, f64)> {
-    let mean = |(number, part): (usize, &[f64])| {
-        let present = || part.iter().filter(|v| !v.is_nan());
-        let count = present().count();
-        let middle = (number * length) as f64 + part.len() as f64 / 2.0;
-        (2 * count >= length).then(|| (middle, present().sum::<f64>() / count as f64))
-    };
-    values.chunks(length).enumerate().filter_map(mean).collect()
-}
-
 /// The trend of slope 1 of a run at sample `k`.
 pub(crate) fn trend_at(run: &Run, k: usize) -> f64 {
     k as f64 - (run.len() as f64 - 1.0) / 2.0
@@ -85,14 +75,8 @@ impl Columns {
         let lags = fit.coordinates.basis.settling();
         let (mut trends, mut crosses) = (Vec::new(), Vec::new());
         for run in runs {
-            let centred = |k: isize| {
-                let input = run.input_at(k) - moments.centre.0;
-                if input.is_nan() { 0.0 } else { input }
-            };
             let history = lags + fit.ar.len();
-            let input: Vec<f64> = (-(history as isize)..run.len() as isize)
-                .map(centred)
-                .collect();
+            let input = with_history(run, history, moments.centre.0);
             let rows = run.complete_rows(moments.input_lags(), moments.output_lags());
             let trend: Vec<f64> = (0..run.len()).map(|k| trend_at(run, k)).collect();
             let trend = only(&rows, filtered(&trend, &d));
@@ -131,8 +115,7 @@ pub(crate) fn slopes_left(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFi
     };
     let d = noise_filter(&fit.ar);
     let score = |(run, trend): (&Simulated<'_>, &Vec<f64>)| {
-        let present = |error: &f64| if error.is_nan() { 0.0 } else { *error };
-        let errors: Vec<f64> = run.errors.iter().map(present).collect();
+        let errors: Vec<f64> = run.errors.iter().copied().map(present).collect();
         dot(trend, &filtered(&errors, &d))
     };
     let scores: Vec<f64> = runs.iter().zip(&columns.trends).map(score).collect();

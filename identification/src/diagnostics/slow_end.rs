@@ -16,7 +16,7 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::data::Moments;
-use crate::diagnostics::filtered_rows::{filtered, only};
+use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
 use crate::numerics::{LaggedSums, chi_square_upper_tail, dot, times};
@@ -41,24 +41,15 @@ pub(crate) fn slow_end(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) 
     let mut sums = LaggedSums::new(lags, 1);
     let (mut own, mut with_offset, mut score) = (0.0, 0.0, 0.0);
     for run in runs {
-        let centred = |u: f64| {
-            if u.is_nan() {
-                0.0
-            } else {
-                u - moments.centre.0
-            }
-        };
         let history = lags + fit.ar.len();
-        let mut input = vec![run.run.input_at_rest().map_or(0.0, centred); history];
-        input.extend(run.run.input().iter().map(|u| centred(*u)));
+        let input = with_history(&run.run, history, moments.centre.0);
         let rows = run
             .run
             .complete_rows(moments.input_lags(), moments.output_lags());
         let slow = behind_lag(&input[history..], TIME_CONSTANT * lags as f64);
         let slow = only(&rows, filtered(&slow, &d));
         // What runs differ by is no end of their common response.
-        let present = |error: &f64| if error.is_nan() { 0.0 } else { *error };
-        let errors: Vec<f64> = run.own_errors().iter().map(present).collect();
+        let errors: Vec<f64> = run.own_errors().iter().copied().map(present).collect();
         score += dot(&slow, &only(&rows, filtered(&errors, &d)));
         own += dot(&slow, &slow);
         with_offset += gain * slow.iter().sum::<f64>();

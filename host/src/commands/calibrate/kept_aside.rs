@@ -1,5 +1,6 @@
 //! The rig file as it was before a calibration: a wrong calibration must not be the end of a right one.
 
+use crate::data::numbered_path::with_suffix;
 use crate::data::recording::write_file;
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
@@ -12,21 +13,14 @@ pub(super) fn keep_aside(path: &Path) -> Result<Option<PathBuf>> {
     }
     let content = std::fs::read_to_string(path);
     let content = content.with_context(|| format!("the rig file {path:?} cannot be read"))?;
-    let Some(copy) = (1..).map(|n| numbered(path, n)).find(|copy| !copy.exists()) else {
+    let Some(copy) = (1..)
+        .map(|number: u32| with_suffix(path, &format!("-{number}")))
+        .find(|copy| !copy.exists())
+    else {
         return Ok(None);
     };
     write_file(&copy, false, &content)?;
     Ok(Some(copy))
-}
-
-fn numbered(path: &Path, number: u32) -> PathBuf {
-    let mut name = path.file_stem().unwrap_or_default().to_owned();
-    name.push(format!("-{number}"));
-    if let Some(ending) = path.extension() {
-        name.push(".");
-        name.push(ending);
-    }
-    path.with_file_name(name)
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use super::output::{Output, Talk, typed_path};
 use super::partial_recording::PartialRecording;
 use super::reference_args::ReferenceArgs;
 use super::rig_args::{Rig, RigArgs};
+use crate::data::numbered_path::with_suffix;
 use crate::data::recording::Ending;
 use crate::instrument::rig::CaptureEnd;
 use anyhow::Result;
@@ -112,15 +113,7 @@ fn run_files(out: &Path, runs: u16) -> Vec<PathBuf> {
     if runs == 1 {
         return vec![out.to_owned()];
     }
-    let name = |run: u16| {
-        let mut name = out.file_stem().unwrap_or_default().to_owned();
-        name.push(format!("-{run}"));
-        if let Some(ending) = out.extension() {
-            name.push(".");
-            name.push(ending);
-        }
-        out.with_file_name(name)
-    };
+    let name = |run: u16| with_suffix(out, &format!("-{run}"));
     (1..=runs).map(name).collect()
 }
 

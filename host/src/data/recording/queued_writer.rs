@@ -76,17 +76,9 @@ impl QueuedWriter {
     pub fn check(&mut self) -> Result<(), WriteError> {
         // The thread ends by itself only where it has failed.
         if matches!(&self.state, State::Writing { thread, .. } if thread.is_finished()) {
-            return self.join();
+            return self.drain();
         }
         Ok(())
-    }
-
-    /// Waits until the frames are written.
-    ///
-    /// # Errors
-    /// As [`QueuedWriter::check`].
-    pub fn drain(&mut self) -> Result<(), WriteError> {
-        self.join()
     }
 
     /// One past the newest frame that is in the file, once it is drained.
@@ -102,7 +94,7 @@ impl QueuedWriter {
     /// # Errors
     /// As [`RecordingWriter::finish`].
     pub fn finish(mut self, ending: &Ending) -> Result<(), WriteError> {
-        let written = self.join();
+        let written = self.drain();
         let closed = match std::mem::replace(&mut self.state, State::Gone) {
             State::Written(writer) => writer.finish(ending),
             State::Writing { .. } | State::Gone => Ok(()),
@@ -110,8 +102,11 @@ impl QueuedWriter {
         written.and(closed)
     }
 
-    /// Waits for the thread, unless it has ended before.
-    fn join(&mut self) -> Result<(), WriteError> {
+    /// Waits until the frames are written, unless the thread has ended before.
+    ///
+    /// # Errors
+    /// As [`QueuedWriter::check`].
+    pub fn drain(&mut self) -> Result<(), WriteError> {
         let (queue, thread) = match std::mem::replace(&mut self.state, State::Gone) {
             State::Writing { queue, thread } => (queue, thread),
             other => {
@@ -133,7 +128,7 @@ impl QueuedWriter {
 impl Drop for QueuedWriter {
     /// A file that was reserved for nothing is removed before this program ends.
     fn drop(&mut self) {
-        let _nobody_asks_any_more = self.join();
+        let _nobody_asks_any_more = self.drain();
     }
 }
 

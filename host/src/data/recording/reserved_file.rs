@@ -2,6 +2,7 @@
 
 use super::target::{RecordingTarget, require_reader, require_unlocked};
 use super::write_error::WriteError;
+use crate::data::numbered_path::with_suffix;
 use std::fs::{File, OpenOptions};
 use std::io::{Error, ErrorKind, Read, Result as IoResult, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -134,12 +135,7 @@ impl RecordingTarget for ReservedFile {
 
 /// A new file of this name if it is free, or else of one with a number in it.
 fn free_name(path: &Path) -> Option<(File, PathBuf)> {
-    let stem = path.file_stem()?.to_string_lossy();
-    let ending = path.extension().map(|ending| ending.to_string_lossy());
-    let numbered = |number: u32| {
-        let ending = ending.as_ref().map(|e| format!(".{e}")).unwrap_or_default();
-        path.with_file_name(format!("{stem}-rescued-{number}{ending}"))
-    };
+    let numbered = |number: u32| with_suffix(path, &format!("-rescued-{number}"));
     std::iter::once(path.to_owned())
         .chain((1..100).map(numbered))
         .find_map(|free| File::create_new(&free).ok().map(|file| (file, free)))

@@ -5,7 +5,7 @@ use std::ops::Range;
 use faer::Mat;
 
 use crate::data::Moments;
-use crate::diagnostics::filtered_rows::{filtered, only};
+use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::residual_tests::ScoreTest;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
@@ -232,9 +232,7 @@ impl RunColumns {
         let d = noise_filter(&fit.ar);
         let history = fit.coordinates.basis.settling() + fit.ar.len();
         let (run, centre) = (&simulated.run, moments.centre.0);
-        let before = run.input_at_rest().map_or(0.0, |u| u - centre);
-        let mut input = vec![before; history];
-        input.extend(run.input().iter().map(|u| present(u - centre)));
+        let input = with_history(run, history, centre);
         let motion = SimulatedMotion::new(simulated, scale);
         let mut functions = motion.bent();
         let mut columns: Vec<usize> = (0..FUNCTIONS).collect();
@@ -291,8 +289,4 @@ impl SimulatedMotion {
         let each = |(s, v): &(f64, f64)| present(function(*s, *v));
         self.0.iter().map(each).collect()
     }
-}
-
-fn present(value: f64) -> f64 {
-    if value.is_nan() { 0.0 } else { value }
 }
