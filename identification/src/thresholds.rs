@@ -385,11 +385,6 @@ pub const ORDER_REJECTED: f64 = 0.01;
 /// and further lags are nearly interchangeable. Evidence: the tests of the flight model.
 pub const BARE_MENTION: f64 = 2.0;
 
-/// Probability of a difference by chance below which the scatter of runs does not explain it.
-///
-/// Protects: the verdict "different" between recordings of one servo. Evidence: "Comparison", table of pairs.
-pub const RUNS_DIFFER_SIGNIFICANCE: f64 = 0.01;
-
 // Advice.
 
 /// Standard deviations of a tail of the response that noise may hide after the settling time.

@@ -6,6 +6,7 @@
 //!   tests run few seeds, the examples of the same names run hundreds and print the documentation's tables.
 //! - [`closed_loop`]: recordings whose input a controller computes from the output.
 //! - [`hard_lines`]: recordings with glitches, tails, jitter, hum and runs that differ, for [`coverage`].
+//! - [`servo_means`]: comparisons of servos whose runs scatter.
 //! - [`arguments`]: the arguments of these examples.
 //! - `bad_line` (feature `rig`): a port that loses, damages and delays frames by chance.
 //! - `trials` (feature `rig`): captures over bad lines, killed captures, recordings of simulated rigs and
@@ -21,6 +22,7 @@ pub mod figures_coverage;
 pub mod hard_lines;
 pub mod metrics_coverage;
 pub mod plants;
+pub mod servo_means;
 pub mod servos;
 #[cfg(feature = "rig")]
 pub mod trials;

@@ -128,7 +128,6 @@ const BOUNDS: [&str; 31] = [
     "difference_percent",
     "at_least",
     "at_most",
-    "run_to_run_at_most_percent",
     "a_bounds",
     "b_bounds",
     "delay_shift_bounds_s",

@@ -1,7 +1,7 @@
 //! The sentences of advice on a comparison.
 
 use super::motion::Motion;
-use super::outcome::{Comparison, Levels, Sides};
+use super::outcome::{Comparison, Levels, Sides, Subject};
 use super::pair::Identified;
 use crate::nonlinear::Limits;
 use crate::results::{Advice, Check, Model};
@@ -83,7 +83,7 @@ pub(super) fn gather(
     );
     let fewest = comparison.runs[0].min(comparison.runs[1]);
     // Models have lost their runs, and the advice on models says so.
-    if comparison.p_value.is_none() && !sides.is_empty() {
+    if comparison.of == Subject::Runs && !sides.is_empty() {
         let runs = if fewest == 1 { "run" } else { "runs" };
         advice.push(Advice::new(
             Check::Runs,

@@ -5,11 +5,13 @@ use super::difference_curves::difference_curves;
 use super::metric_differences::metric_differences;
 use super::motion::Motion;
 use super::options::ComparisonOptions;
-use super::outcome::{Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Verdict};
+use super::outcome::{
+    Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Subject, Verdict,
+};
 use super::over_prediction::{Predictor, over_prediction};
 use super::pair::{Identified, identified, same_period};
-use super::scatter::{self, RunToRun, explained_by_chance};
-use super::{advice, shift, words};
+use super::run_means::RunMeans;
+use super::{advice, scatter, shift, words};
 use crate::data::Record;
 use crate::error::Error;
 use crate::results::{Bounds, Model};
@@ -53,13 +55,14 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
             Curves::of_model(&b.model, points)?,
         ],
     };
-    let run_to_run = match scatter::run_to_run(&a, &b, level) {
+    let runs = RunMeans::of([&a, &b], split.is_some(), level);
+    let mut comparison = of_curves([&a.model, &b.model], &curves, runs.as_ref(), options);
+    comparison.runs = [a.record.runs().len(), b.record.runs().len()];
+    comparison.p_value = match scatter::p_value(&a, &b) {
         // A single run may be too short for a model of its own; then there is no test.
         Err(Error::TooFewSamples { .. } | Error::OneDirection) => None,
         other => other?,
     };
-    let runs = [a.record.runs().len(), b.record.runs().len()];
-    let mut comparison = of_curves([&a.model, &b.model], &curves, run_to_run, runs, options);
     comparison.split = split.is_some();
     // Where the servo rests and how its strokes differ is read off the same fits as the bounds.
     if let Bounds::Valid((sd_at_rest, _)) = a.sd_at_rest().zip(comparison.bounds) {
@@ -109,7 +112,7 @@ pub fn compare_models(
         .settling_samples
         .max(b.structure.settling_samples);
     let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
-    let mut comparison = of_curves([a, b], &curves, None, [1, 1], options);
+    let mut comparison = of_curves([a, b], &curves, None, options);
     comparison.summary = words::summary(&comparison, options);
     comparison.advice = advice::gather(&comparison, [a, b], &[]);
     comparison.advice.push(advice::one_response());
@@ -119,16 +122,23 @@ pub fn compare_models(
 fn of_curves(
     [a, b]: [&Model; 2],
     curves: &[Curves; 2],
-    run_to_run: Option<RunToRun>,
-    runs: [usize; 2],
+    runs: Option<&RunMeans>,
     options: &ComparisonOptions,
 ) -> Comparison {
     let level = options.identification.level;
-    let differences = Differences::of(&curves[0], &curves[1], level);
+    let of_recordings = Differences::of(&curves[0], &curves[1], level);
+    let differences = match runs.map(RunMeans::difference) {
+        Some((value, half)) => of_recordings.of_servos(&value, &half),
+        None => of_recordings,
+    };
     let largest = differences.largest();
     let timing = a.timing();
     let shift_of = |which: std::ops::Range<usize>| {
-        let found = shift::shift(&curves[0], &curves[1], which, level);
+        let mut found = shift::shift(&curves[0], &curves[1], which.clone(), level);
+        if let Some(runs) = runs {
+            let half = runs.shift_half(&curves[0], which);
+            found.samples = found.samples.at_least_as_wide(half);
+        }
         let later = b.sample_phase_s - a.sample_phase_s;
         let seconds = |samples: f64| samples * timing.sample_period_s + later;
         (
@@ -138,10 +148,7 @@ fn of_curves(
     };
     let difference_curves = difference_curves(&differences, timing, shift_of);
     let (shift, _) = shift_of(0..differences.curves());
-    let verdict = largest.map(|found| {
-        let margin = options.margin_percent / 100.0;
-        verdict(found, margin, run_to_run)
-    });
+    let verdict = largest.map(|found| verdict(found, options.margin_percent / 100.0));
     let [metrics_a, metrics_b] = [a, b].map(|model| match largest {
         Bounds::Valid(_) => model.metrics,
         Bounds::Withdrawn(reason) => model.metrics.withdrawn(reason),
@@ -149,6 +156,10 @@ fn of_curves(
     Comparison {
         schema: SCHEMA,
         verdict: verdict.into_valid().unwrap_or(Verdict::Undecided),
+        of: match runs {
+            Some(_) => Subject::Servos,
+            None => Subject::Runs,
+        },
         margin_percent: options.margin_percent,
         bounds: largest.map(|found| ComparisonBounds {
             level,
@@ -158,11 +169,10 @@ fn of_curves(
                 at_s: timing.seconds(found.sample as f64),
                 stroke: difference_curves[found.curve].stroke,
             },
-            run_to_run_at_most_percent: run_to_run.map(|found| 100.0 * found.at_most),
             delay_shift_s: shift.lower.zip(shift.upper).map(<[f64; 2]>::from),
         }),
-        runs,
-        p_value: run_to_run.map(|found| found.p),
+        runs: [1, 1],
+        p_value: None,
         delay_shift_s: shift.value,
         delay_shift_definition: shift::DEFINITION.to_owned(),
         split: false,
@@ -178,13 +188,10 @@ fn of_curves(
     }
 }
 
-fn verdict(found: LargestDifference, margin: f64, run_to_run: Option<RunToRun>) -> Verdict {
+fn verdict(found: LargestDifference, margin: f64) -> Verdict {
     if found.at_least > margin {
-        match explained_by_chance(run_to_run.map(|found| found.p)) {
-            true => Verdict::Undecided,
-            false => Verdict::Different,
-        }
-    } else if found.at_most <= margin && run_to_run.is_none_or(|found| found.at_most <= margin) {
+        Verdict::Different
+    } else if found.at_most <= margin {
         Verdict::Same
     } else {
         Verdict::Undecided

@@ -134,9 +134,12 @@ pub(crate) struct Differences {
     /// level, and so does the largest.
     half: Bounds<Vec<f64>>,
     points: usize,
+    /// Final value of the first curves, without its sign.
+    gain: f64,
 }
 
 impl Differences {
+    /// Of the recordings: the bounds are those of the noise.
     pub(crate) fn of(a: &Curves, b: &Curves, level: f64) -> Self {
         let gain = a.gain().abs();
         let both = a.value.iter().zip(&b.value);
@@ -148,6 +151,21 @@ impl Differences {
                 half.map(|half| half / gain).collect()
             }),
             points: a.points,
+            gain,
+        }
+    }
+
+    /// Of the servos behind the recordings: the differences `value` of the means of their runs, whose half widths `of_runs`
+    /// count where they are larger than those of the noise.
+    pub(super) fn of_servos(self, value: &[f64], of_runs: &[f64]) -> Self {
+        let gain = self.gain;
+        let wider = |(noise, runs): (f64, &f64)| noise.max(runs / gain);
+        Self {
+            value: value.iter().map(|d| d / gain).collect(),
+            half: self
+                .half
+                .map(|half| half.into_iter().zip(of_runs).map(wider).collect()),
+            ..self
         }
     }
 

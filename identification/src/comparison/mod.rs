@@ -12,8 +12,9 @@
 //! servo recorded twice is never exactly the same: supply, friction and the phase of the clocks
 //! scatter from run to run, and a test against zero would call almost every pair different.
 //!
-//! **A p-value** therefore needs three runs a side or more; it counts scatter between runs. When it
-//! does not confirm a difference beyond the margin, the verdict is undecided.
+//! **What the verdict is of.** With fewer than three runs on a side, d_m and s_m are those of these recordings and their noise.
+//! With three or more a side they are those of the servos: d_m of the means of the runs, and q s_m of Welch's interval about it
+//! where that is wider than the noise.
 //!
 //! When a side answers up and down strokes differently ([`DirectionModel`](crate::nonlinear::DirectionModel)), both curves enter.
 //! Differences of single metrics are intervals from the intervals of both sides (G. Y. Zou and
@@ -33,9 +34,11 @@ mod options;
 mod outcome;
 mod over_prediction;
 mod pair;
+mod run_means;
 mod scatter;
 mod servo_models;
 mod shift;
+mod welch;
 mod words;
 
 pub use compare::{compare, compare_models};
@@ -43,7 +46,7 @@ pub use motion::Motion;
 pub use options::ComparisonOptions;
 pub use outcome::{
     Asymmetry, Comparison, ComparisonBounds, CurveBounds, DifferenceCurve, DifferencePercent,
-    Direction, Levels, MetricDifference, SCHEMA, Sides, Verdict,
+    Direction, Levels, MetricDifference, SCHEMA, Sides, Subject, Verdict,
 };
 pub use over_prediction::OverPrediction;
 pub use servo_models::{

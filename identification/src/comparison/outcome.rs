@@ -21,6 +21,17 @@ pub enum Verdict {
     Undecided,
 }
 
+/// What a verdict and its bounds are of.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Subject {
+    /// These recordings: the bounds are those of the noise, and a servo differs from run to run.
+    #[default]
+    Runs,
+    /// The servos, each the mean of its runs: the bounds contain the scatter of three or more runs a side.
+    Servos,
+}
+
 /// Simultaneous bounds of the largest difference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DifferencePercent {
@@ -139,10 +150,6 @@ pub struct ComparisonBounds {
     pub level: f64,
     /// Bounds of the largest difference between the responses.
     pub difference_percent: DifferencePercent,
-    /// Largest difference at a moment that the scatter between runs leaves open \[% of the step\]: the difference of
-    /// the mean responses of the runs and Welch's half width; `None` with fewer than three runs on a side. The
-    /// verdict "same" needs it within the margin.
-    pub run_to_run_at_most_percent: Option<f64>,
     /// Bounds of [`Comparison::delay_shift_s`] \[s\].
     pub delay_shift_s: Option<[f64; 2]>,
 }
@@ -154,6 +161,9 @@ pub struct Comparison {
     pub schema: u32,
     /// The answer.
     pub verdict: Verdict,
+    /// What it is of, and all bounds but those of the metrics.
+    #[serde(default)]
+    pub of: Subject,
     /// The margin it is held against \[% of the step\].
     pub margin_percent: f64,
     /// The bounds that the verdict rests on. There are none, and no verdict, where a side has none.

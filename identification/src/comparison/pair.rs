@@ -14,6 +14,8 @@ pub(super) struct Identified<'a> {
     pub(super) record: &'a Record,
     pub(super) model: Model,
     pub(super) split: Option<DirectionModel>,
+    /// How the model was identified, with the structure of both sides.
+    pub(super) options: Options,
     /// The model with a structure of its own. Bounds hold only where its own do. It carries the advice.
     pub(super) alone: Model,
 }
@@ -30,6 +32,7 @@ impl<'a> Identified<'a> {
             record,
             model,
             split,
+            options: *options,
             alone,
         })
     }

@@ -8,15 +8,14 @@
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::pair::{Identified, ends};
+use super::welch::Welch;
 use crate::data::Record;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
 use crate::nonlinear::{DirectionModel, split_with};
 use crate::options::NoiseOrder;
-use crate::thresholds::RUNS_DIFFER_SIGNIFICANCE;
 
 /// Runs a side needed for t tests, and for permutations: with four, the smallest possible p is
 /// 2/70.
@@ -26,27 +25,8 @@ const RUNS: (usize, usize) = (3, 5);
 const SPLITS: usize = 20_000;
 const SEED: u64 = 20_250_918;
 
-/// Whether runs of one servo differ as much among themselves.
-pub(super) fn explained_by_chance(p_value: Option<f64>) -> bool {
-    p_value.is_some_and(|p| p > RUNS_DIFFER_SIGNIFICANCE)
-}
-
-/// A difference against the scatter of runs.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct RunToRun {
-    /// Probability of a difference at least as large if both sides are one servo.
-    pub(crate) p: f64,
-    /// Largest difference of the mean responses that the scatter of the runs leaves open at a moment, of the
-    /// step of the first side: |difference| and Welch's half width, at the level asked for.
-    pub(crate) at_most: f64,
-}
-
-/// Compares two sides run by run; `None` with fewer than three runs on a side.
-pub(super) fn run_to_run(
-    a: &Identified<'_>,
-    b: &Identified<'_>,
-    level: f64,
-) -> Result<Option<RunToRun>, Error> {
+/// Probability of a difference at least as large if both sides are one servo; `None` with fewer than three runs on a side.
+pub(super) fn p_value(a: &Identified<'_>, b: &Identified<'_>) -> Result<Option<f64>, Error> {
     let fewest = a.record.runs().len().min(b.record.runs().len());
     if fewest < RUNS.0 {
         return Ok(None);
@@ -54,10 +34,8 @@ pub(super) fn run_to_run(
     let ends = ends(a.record);
     let basis = a.model.basis()?;
     let (a, b) = (models(a, basis)?, models(b, basis)?);
-    let at_most = largest_left_open(&a, &b, level);
-    let found = |p| Ok(Some(RunToRun { p, at_most }));
     if fewest >= RUNS.1 {
-        return found(permutation(&a, &b));
+        return Ok(Some(permutation(&a, &b)));
     }
     let figures = |models: &[DirectionModel]| -> Vec<Vec<f64>> {
         models.iter().map(|model| figures(model, ends)).collect()
@@ -69,29 +47,7 @@ pub(super) fn run_to_run(
             Some(Welch::new(&column(&a), &column(&b))?.p())
         })
         .fold(1.0, f64::min);
-    found((10.0 * smallest).min(1.0))
-}
-
-/// max_m (|difference of the means| + Welch's half width) over the points of both strokes, of the mean final
-/// value of the first side.
-fn largest_left_open(a: &[DirectionModel], b: &[DirectionModel], level: f64) -> f64 {
-    let strokes: [fn(&DirectionModel) -> &[f64]; 2] = [|m| &m.up.value, |m| &m.down.value];
-    let mut largest = 0.0f64;
-    for stroke in strokes {
-        let points = stroke(&a[0]).len();
-        let at = |side: &[DirectionModel], m: usize| -> Vec<f64> {
-            side.iter().map(|model| stroke(model)[m]).collect()
-        };
-        let last = at(a, points - 1);
-        let step = (last.iter().sum::<f64>() / last.len() as f64).abs();
-        for m in 0..points {
-            let Some(welch) = Welch::new(&at(a, m), &at(b, m)) else {
-                continue;
-            };
-            largest = largest.max((welch.difference.abs() + welch.half_width(level)) / step);
-        }
-    }
-    largest
+    Ok(Some((10.0 * smallest).min(1.0)))
 }
 
 /// A model of each run of a side alone, whose bounds hold if those of the side do.
@@ -127,48 +83,6 @@ fn figures(model: &DirectionModel, (low, high): (f64, f64)) -> Vec<f64> {
     };
     let levels = [high, low].map(|command| model.level_at(command).value.unwrap_or(f64::NAN));
     [&of(&model.up.value)[..], &of(&model.down.value), &levels].concat()
-}
-
-/// Welch's comparison of two means, variances unknown and unequal.
-struct Welch {
-    difference: f64,
-    /// Standard error of the difference.
-    error: f64,
-    distribution: StudentsT,
-}
-
-impl Welch {
-    /// `None` without scatter to compare with.
-    fn new(a: &[f64], b: &[f64]) -> Option<Self> {
-        let moments = |values: &[f64]| {
-            let count = values.len() as f64;
-            let mean = values.iter().sum::<f64>() / count;
-            let square: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
-            (mean, square / (count - 1.0) / count, count - 1.0)
-        };
-        let ((mean_a, share_a, degrees_a), (mean_b, share_b, degrees_b)) = (moments(a), moments(b));
-        let variance = share_a + share_b;
-        let degrees =
-            variance.powi(2) / (share_a.powi(2) / degrees_a + share_b.powi(2) / degrees_b);
-        let welch = Self {
-            difference: mean_a - mean_b,
-            error: variance.sqrt(),
-            distribution: StudentsT::new(0.0, 1.0, degrees).ok()?,
-        };
-        (welch.difference / welch.error)
-            .is_finite()
-            .then_some(welch)
-    }
-
-    /// Two-sided p of equal means.
-    fn p(&self) -> f64 {
-        2.0 * self.distribution.sf((self.difference / self.error).abs())
-    }
-
-    /// Half the width of the interval of the difference.
-    fn half_width(&self, level: f64) -> f64 {
-        self.error * self.distribution.inverse_cdf((1.0 + level) / 2.0)
-    }
 }
 
 /// The share of the splits of all runs into groups of these sizes whose difference is at least as large.
@@ -236,19 +150,6 @@ fn statistic(curves: &[Vec<f64>], first: &[bool]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use approx::assert_abs_diff_eq;
-
-    #[test]
-    fn welch_agrees_with_a_worked_example() {
-        // t = 3 / sqrt(1/3 + 4/3) = 2.3238, 2.941 degrees of freedom.
-        let p = Welch::new(&[1.0, 2.0, 3.0], &[3.0, 5.0, 7.0]).unwrap().p();
-        let exact = 2.0
-            * StudentsT::new(0.0, 1.0, 50.0 / 17.0)
-                .unwrap()
-                .sf(3.0 / (5.0f64 / 3.0).sqrt());
-        assert_abs_diff_eq!(p, exact, epsilon = 1e-12);
-        assert!(Welch::new(&[1.0, 1.0], &[1.0, 1.0]).is_none());
-    }
 
     #[test]
     fn all_splits_are_listed_once() {

@@ -2,11 +2,10 @@
 
 use super::options::ComparisonOptions;
 use super::outcome::{
-    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Verdict,
+    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Subject, Verdict,
 };
-use super::scatter::explained_by_chance;
 use crate::results::Bounds;
-use crate::thresholds::{NOTABLE_SHIFT_S, RUNS_DIFFER_SIGNIFICANCE};
+use crate::thresholds::NOTABLE_SHIFT_S;
 
 pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String {
     match found.bounds {
@@ -25,7 +24,6 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
     let ComparisonBounds {
         level,
         difference_percent: bounds,
-        run_to_run_at_most_percent,
         ..
     } = bounds;
     let stroke = match bounds.stroke {
@@ -42,27 +40,30 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
         1e3 * bounds.at_s
     );
     let margin = found.margin_percent;
+    let subject = subject(found);
     match found.verdict {
         _ if found.descriptions_of_different_motions => format!(
             "Not decided: the references differ and a servo is not linear, so that what differs may be the \
              motion and not the servo; of the linear descriptions of the two motions, {apart}."
         ),
         Verdict::Different => format!(
-            "The two servos are different: {apart}, and {margin} % would still have counted as the same."
+            "{subject} are different: {apart}, and {margin} % would still have counted as the same."
         ),
         Verdict::Same => {
-            format!("The two servos are the same within the margin of {margin} %: {apart}.")
+            format!("{subject} are the same within the margin of {margin} %: {apart}.")
         }
-        Verdict::Undecided if explained_by_chance(found.p_value) && bounds.at_least > margin => {
-            format!("Not decided: {apart}, but runs of one servo differ as much among themselves.")
+        Verdict::Undecided => {
+            format!("Not decided: {apart}, and the margin of {margin} % lies between.")
         }
-        Verdict::Undecided => match run_to_run_at_most_percent {
-            Some(most) if bounds.at_most <= margin => format!(
-                "Not decided: {apart} by these runs, but as runs scatter, {most:.1} % is possible, which is beyond the \
-                 margin of {margin} %."
-            ),
-            _ => format!("Not decided: {apart}, and the margin of {margin} % lies between."),
-        },
+    }
+}
+
+/// What the verdict is of.
+fn subject(found: &Comparison) -> &'static str {
+    match (found.of, &found.motions) {
+        (Subject::Servos, _) => "The two servos",
+        (Subject::Runs, Some(_)) => "These recordings",
+        (Subject::Runs, None) => "These models",
     }
 }
 
@@ -78,28 +79,13 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
         .as_ref()
         .and_then(|levels| rest(levels, options));
     let rest = rest.unwrap_or_default();
-    let runs = match found.p_value {
-        Some(p) if p > RUNS_DIFFER_SIGNIFICANCE => {
-            format!(
-                "the bounds are those of the noise, and what differs from run to run may be all there is \
-                 (p = {p:.3})"
-            )
+    let runs = match (found.of, &found.motions) {
+        (Subject::Servos, _) => "the bounds contain the scatter of the runs",
+        (Subject::Runs, Some(_)) => {
+            "what differs from run to run is not included: whether the servos differ takes three runs a side"
         }
-        Some(p) => format!(
-            "the bounds are those of the noise, and what differs from run to run does not explain it (p {})",
-            if p < 0.001 {
-                "< 0.001".to_owned()
-            } else {
-                format!("= {p:.3}")
-            }
-        ),
-        None if found.levels.is_none() => {
-            "what differs from run to run, or between up and down strokes, is not included, which takes \
-             recordings"
-                .to_owned()
-        }
-        None => {
-            "what differs from run to run is not included, which takes three runs a side".to_owned()
+        (Subject::Runs, None) => {
+            "what differs from run to run, or between up and down strokes, is not included, which takes recordings"
         }
     };
     format!("{time}{rest}; {runs}.")

@@ -4,7 +4,7 @@ use super::layout::{findings, wrapped};
 use super::metrics::difference_rows;
 use super::numbers::{percent, probability, with_bounds};
 use servoid_identification::comparison::{
-    Comparison, ComparisonBounds, DifferenceCurve, Direction, Verdict,
+    Comparison, ComparisonBounds, DifferenceCurve, Direction, Subject, Verdict,
 };
 use servoid_identification::results::{Bounds, Interval};
 
@@ -78,7 +78,11 @@ pub(crate) fn verdict(verdict: Verdict) -> &'static str {
 /// The results beside the metrics: names and values.
 pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
     let (verdict, margin) = (verdict(found.verdict), found.margin_percent);
-    let margin = format!("{verdict} (margin {margin} % of the step)");
+    let of = match found.of {
+        Subject::Servos => "of the servos",
+        Subject::Runs => "of these recordings",
+    };
+    let margin = format!("{verdict} ({of}; margin {margin} % of the step)");
     let mut facts = vec![("verdict".to_owned(), margin)];
     let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
     match &found.bounds {

@@ -33,6 +33,20 @@ impl Interval {
         })
     }
 
+    /// The interval, `half` to each side of its value where it is narrower; without bounds where that is not known.
+    pub(crate) fn at_least_as_wide(self, half: Option<f64>) -> Self {
+        let least = self.value.zip(half);
+        let wider = |bound: Option<f64>, of: fn(f64, f64, f64) -> f64| {
+            let (bound, (value, half)) = bound.zip(least)?;
+            Some(of(bound, value, half))
+        };
+        Self {
+            lower: wider(self.lower, |lower, value, half| lower.min(value - half)),
+            upper: wider(self.upper, |upper, value, half| upper.max(value + half)),
+            ..self
+        }
+    }
+
     /// The same interval in another unit: a rising function of value and bounds.
     pub(crate) fn map(self, of: impl Fn(f64) -> f64) -> Self {
         Self {

@@ -1,0 +1,58 @@
+//! Prints what comparisons of several runs a side say of servos whose runs scatter.
+//!
+//! `cargo run --release -p servoid-benches --example servo_means -- PAIRS`
+
+use servoid_test_support::arguments;
+use servoid_test_support::servo_means::Means;
+
+/// Runs a side; scatter of gain \[share\] and delay \[s\]; relative gain of the second, and how much later it is \[s\]. A gain of 0.957
+/// is at the margin: the difference is largest where the response overshoots, by 16 %.
+const CASES: [(usize, f64, f64, f64, f64); 14] = [
+    (3, 0.005, 0.0, 1.0, 0.0),
+    (3, 0.005, 0.0, 0.957, 0.0),
+    (3, 0.01, 0.0, 0.957, 0.0),
+    (3, 0.02, 0.001, 1.0, 0.0),
+    (3, 0.02, 0.001, 0.957, 0.0),
+    (3, 0.02, 0.001, 0.9, 0.004),
+    (3, 0.04, 0.001, 1.0, 0.0),
+    (4, 0.005, 0.0005, 0.957, 0.0),
+    (5, 0.005, 0.0, 0.957, 0.0),
+    (5, 0.02, 0.001, 1.0, 0.0),
+    (5, 0.02, 0.001, 0.9, 0.004),
+    (5, 0.0, 0.001, 1.0, 0.002),
+    (5, 0.0, 0.0, 0.957, 0.0),
+    (10, 0.01, 0.001, 0.957, 0.0),
+];
+
+fn main() {
+    let pairs = arguments::count(100);
+    println!("{pairs} pairs a line, seeds from 0, margin 5 %, level 99 %\n");
+    println!(
+        "| runs a side | scatter of gain, delay | second servo | different | undecided | same | interval holds | shift holds | mean at most |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for (runs, gain_sd, delay_sd_s, second_gain, later_s) in CASES {
+        let case = Means {
+            runs,
+            gain_sd,
+            delay_sd_s,
+            second_gain,
+            later_s,
+        };
+        let found = case.compare(pairs);
+        println!(
+            "| {runs} | {} %, {} ms | gain {} %, {} ms later | {} | {} | {} | {} of {pairs} | {} of {} | {:.1} % |",
+            100.0 * gain_sd,
+            1e3 * delay_sd_s,
+            1e-1 * (1e3 * (second_gain - 1.0)).round(),
+            1e3 * later_s,
+            found.different,
+            found.undecided,
+            found.same,
+            found.held,
+            found.shift_held.0,
+            found.shift_held.1,
+            found.at_most_percent,
+        );
+    }
+}
