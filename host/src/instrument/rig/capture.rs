@@ -101,8 +101,9 @@ impl Capture {
             // No run, no recording: the file still has its earlier contents.
             return Err(outcome.err().unwrap_or(CaptureError::StoppedBefore));
         }
-        let drained = run.writer.drain();
-        let outcome = outcome.and_then(|ended| Ok(drained.map(|()| ended)?));
+        let drained = run.writer.drain().map_err(CaptureError::from);
+        // The failure of the disk comes first: it says how many rows there are.
+        let outcome = drained.and(outcome);
         let lost_frames = run.missing();
         let ending = match &outcome {
             Ok(ended) => {
