@@ -4,7 +4,7 @@ use super::target::{RecordingTarget, require_reader, require_unlocked};
 use super::write_error::WriteError;
 use crate::data::numbered_path::with_suffix;
 use std::fs::{File, OpenOptions};
-use std::io::{Error, ErrorKind, Read, Result as IoResult, Seek, Write};
+use std::io::{Read, Result as IoResult, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// A file that can be written, belongs to this program alone, and has not been touched yet: so that
@@ -100,20 +100,18 @@ impl RecordingTarget for ReservedFile {
     }
 
     fn settle(&mut self) -> IoResult<()> {
-        if !self.plain {
-            return Ok(());
-        }
-        self.file.settle()?;
-        if self.is_in_place() {
-            Ok(())
-        } else {
-            Err(Error::from(ErrorKind::NotFound))
+        match self.plain {
+            true => self.file.settle(),
+            false => Ok(()),
         }
     }
 
     fn holds(&mut self, contents: &[u8]) -> IoResult<bool> {
         if !self.plain {
             return Ok(true);
+        }
+        if !self.is_in_place() {
+            return Ok(false);
         }
         self.file.rewind()?;
         let mut there = Vec::with_capacity(contents.len());
