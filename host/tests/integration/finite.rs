@@ -115,7 +115,8 @@ fn require_numbers(value: &Value, place: &str) {
 fn require_none_unsaid(text: &str, place: &str) {
     let is_part = |letter: char| letter.is_alphanumeric() || "_./".contains(letter);
     for word in text.split(|letter| !is_part(letter)) {
-        assert!(!matches!(word, "NaN" | "nan" | "inf"), "{place}: {text}");
+        let is_none = matches!(word, "NaN" | "nan" | "inf");
+        assert!(!is_none, "{place}: {word} in\n{text}");
     }
 }
 
