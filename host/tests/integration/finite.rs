@@ -10,8 +10,8 @@ use std::path::Path;
 
 const SAMPLES: usize = 800;
 
-/// Larger than any number that these recordings, of values up to 1e15, give a reason for.
-const ABSURD: f64 = 1e30;
+/// Larger than the square of any value or gain of these recordings, up to some 1e16.
+const ABSURD: f64 = 1e36;
 
 const COLUMNS: [&str; 6] = ["--input", "u", "--output", "y", "--period", "0.02"];
 
