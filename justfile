@@ -39,3 +39,7 @@ bench *ARGS:
 # licences, duplicate versions and sources of all dependencies
 deny:
     cargo deny check licenses bans sources
+
+# the licences and bills of materials of what is linked, after a change of Cargo.lock
+third-party:
+    .ci/third_party

@@ -115,6 +115,34 @@ mod tests {
         );
     }
 
+    /// Every pattern of eight caught and lost frames on both sides of the place where the memory begins anew, and every
+    /// stretch around it that may be asked for.
+    #[test]
+    fn every_pattern_of_losses_around_the_end_of_the_memory() {
+        let before = CAPACITY as u16 - 4;
+        for pattern in 0..=u8::MAX {
+            let caught = |index: u16| index < before || pattern >> (index - before) & 1 == 1;
+            let mut history = History::default();
+            history.begin(7);
+            for index in 0..before + 8 {
+                let frame = (PulseWidth(1_500), [Counts(index); SAMPLES_PER_FRAME]);
+                history.push(caught(index).then_some(frame));
+            }
+            let here = history.indices();
+            assert_eq!(here, 4..before + 8);
+            let places = (0..8).chain(before - 2..before + 10);
+            for start in places.clone() {
+                for end in places.clone() {
+                    let here = start.max(here.start)..end.min(here.end);
+                    let expected = here.clone().find(|&index| caught(index));
+                    let found = history.first_of(&(start..end));
+                    let found = found.map(|frame| (frame.index, frame.samples[0]));
+                    assert_eq!(found, expected.map(|index| (index, Counts(index))));
+                }
+            }
+        }
+    }
+
     proptest! {
         /// Against the obvious: a list of everything that ever came.
         #[test]

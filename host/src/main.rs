@@ -1,10 +1,13 @@
 //! `servoid`: the command line.
 
 use clap::Parser;
-use servoid::commands::{Cli, PartialRecording};
+use servoid::commands::{Cli, PartialRecording, file_size_limit};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    if let Err(error) = file_size_limit::beyond_it_is_an_error() {
+        return fail(&error, ExitCode::FAILURE);
+    }
     let cli = Cli::parse();
     match cli.run() {
         Ok(result) => print(&result, ExitCode::SUCCESS),

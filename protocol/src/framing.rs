@@ -281,6 +281,56 @@ mod tests {
         }
     }
 
+    /// All 19 683 strings of nine of the bytes that stuffing treats apart: zero, and the shortest and longest of its blocks.
+    #[test]
+    fn every_pattern_of_zeros_comes_back_and_has_none_on_the_wire() {
+        for pattern in 0..3u32.pow(9) {
+            let letter = |place: u32| [0, 1, 255][(pattern / 3u32.pow(place) % 3) as usize];
+            let message: [u8; 9] = core::array::from_fn(|place| letter(place as u32));
+            let mut buffer = [0; MAX_WIRE];
+            let wire = encode(&message, &mut buffer).unwrap();
+            let zeros = wire.iter().filter(|&&byte| byte == 0).count();
+            assert_eq!((wire[0], wire[wire.len() - 1], zeros), (0, 0, 2));
+            let mut decoder = Decoder::new();
+            let mut back = wire
+                .iter()
+                .filter_map(|&byte| decoder.push::<[u8; 9]>(byte));
+            assert_eq!(back.next(), Some(message));
+        }
+    }
+
+    /// Every byte of a frame, changed to every other.
+    #[test]
+    fn no_changed_byte_makes_another_message() {
+        let message = frame(7, 8_192);
+        let right = wire(&message);
+        for place in 0..right.len() {
+            for value in 0..=u8::MAX {
+                let mut changed = right.clone();
+                changed[place] = value;
+                let received = receive(&mut Decoder::new(), &changed);
+                assert!(received.iter().all(|it| *it == message), "{place} {value}");
+            }
+        }
+    }
+
+    /// Every string of up to two bytes.
+    #[test]
+    fn no_junk_before_a_frame_costs_it() {
+        let message = frame(7, 8_192);
+        let right = wire(&message);
+        for junk in 0..=u16::MAX {
+            for length in 0..=2 {
+                let mut decoder = Decoder::new();
+                assert!(receive(&mut decoder, &junk.to_le_bytes()[..length]).is_empty());
+                assert_eq!(receive(&mut decoder, &right), [message], "{junk}");
+                if length < 2 && junk > u16::from(u8::MAX) {
+                    break;
+                }
+            }
+        }
+    }
+
     proptest! {
         #[test]
         fn junk_before_a_frame_costs_nothing(

@@ -1,5 +1,6 @@
 //! Ctrl-C, and the signals that a system sends to end a program.
 
+use super::partial_recording::PartialRecording;
 use crate::presentation::scope::terminal;
 use anyhow::{Context, Result};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,6 +8,7 @@ use std::time::Duration;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 static IN_TIME: AtomicBool = AtomicBool::new(false);
+static LEAVES_PARTIAL: AtomicBool = AtomicBool::new(false);
 
 /// Time for a run to stop and its file to be closed, from the signal on. Whatever blocks then, such as a terminal
 /// or a file system, is left to itself.
@@ -24,13 +26,6 @@ pub(super) fn listen() -> Result<()> {
 /// Further signals change nothing, so that two at once cannot leave a recording without its last line.
 pub(super) fn listen_in_a_run() -> Result<()> {
     IN_TIME.store(true, Ordering::SeqCst);
-    // A write beyond the largest file that is allowed is to be an error, and not the end of the program.
-    #[cfg(unix)]
-    signal_hook::flag::register(
-        signal_hook::consts::SIGXFSZ,
-        std::sync::Arc::new(AtomicBool::new(false)),
-    )
-    .context("SIGXFSZ cannot be caught")?;
     listen()
 }
 
@@ -49,9 +44,17 @@ pub(super) fn ask() {
     }
 }
 
+/// Whether a program that has to end now leaves a recording that is not whole.
+pub(super) fn leaves_partial(is_so: bool) {
+    LEAVES_PARTIAL.store(is_so, Ordering::SeqCst);
+}
+
 fn end() -> ! {
     terminal::give_back();
-    std::process::exit(INTERRUPTED);
+    std::process::exit(match LEAVES_PARTIAL.load(Ordering::SeqCst) {
+        true => PartialRecording::EXIT_CODE.into(),
+        false => INTERRUPTED,
+    });
 }
 
 /// Whether the program has been asked to end.

@@ -1,6 +1,6 @@
 //! `servoid demo`
 
-use super::capture::{CaptureJob, Monitor, capture};
+use super::capture::{CaptureJob, Monitor, capture, first_partial};
 use super::ctrl_c;
 use super::input::identified;
 use super::output::{Output, Talk, make_folder, typed_path};
@@ -151,7 +151,10 @@ impl Demo {
             force: true,
             inexact_clock: false,
         };
-        capture(&job, &Monitor::plain(talk), talk)?;
+        let ends = capture(&job, &Monitor::plain(talk), talk)?;
+        if let Some(partial) = first_partial(&files, &ends) {
+            return Err(partial.into());
+        }
         let data = dataset::load(&files, &DatasetOptions::default())?;
         let found = identified(&data, &files, &Options::default())?;
         let document = ModelDocument {

@@ -8,6 +8,7 @@ mod completions;
 mod ctrl_c;
 mod demo;
 mod export;
+pub mod file_size_limit;
 mod identify;
 mod info;
 mod init;

@@ -1,6 +1,6 @@
 //! `servoid simulate`
 
-use super::capture::{CaptureJob, Monitor, capture};
+use super::capture::{CaptureJob, Monitor, capture, first_partial};
 use super::completion_values::simulated_servo;
 use super::input;
 use super::output::{Output, stem};
@@ -63,6 +63,9 @@ impl Simulate {
             inexact_clock: false,
         };
         let ends = capture(&job, &Monitor::plain(talk), talk)?;
+        if let Some(partial) = first_partial(job.files, &ends) {
+            return Err(partial.into());
+        }
         let rows: u64 = ends.iter().map(|end| end.rows).sum();
         let text = format!("{}: {rows} samples\n", self.out.display());
         talk.result(text, &serde_json::json!({ "file": self.out, "rows": rows }))

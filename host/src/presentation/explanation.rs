@@ -131,7 +131,13 @@ fn write_frequencies(
     for (i, c) in e.frequencies.iter().enumerate() {
         let chosen = c.frequencies == structure.frequencies;
         if chosen || i % every == 0 {
-            write!(text, "  {:>8} {:>14.4}", c.frequencies, c.gcv / least)?;
+            let ratio = c.gcv / least;
+            // Without any noise nothing is a multiple of the least error, which is 0.
+            let prediction = match ratio.is_finite() {
+                true => format!("{ratio:.4}"),
+                false => "-".to_owned(),
+            };
+            write!(text, "  {:>8} {prediction:>14}", c.frequencies)?;
             for width in [c.noise_half_width, c.truncation_bias]
                 .into_iter()
                 .flatten()

@@ -1,10 +1,13 @@
 //! What a terminal, a file system and other programs do to a capture under way.
 
-use super::support::{arg, refusal, servoid};
+use super::support::{arg, refusal, run, servoid};
 use super::terminal::Session;
 use rustix::process::{Signal, kill_process};
 use servoid::data::recording::{Completeness, Recording};
-use std::io::{Seek, SeekFrom, Write};
+use servoid::instrument::port::Port;
+use servoid_simulator::InProcessRig;
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::net::TcpListener;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -37,6 +40,122 @@ fn a_blocked_terminal_without_the_scope_holds_nothing_up() {
             "{kind}: {:?}",
             asked.elapsed()
         );
+    }
+}
+
+/// The terminal blocks, and the signal comes in mid-run: the recording is partial, and so says the exit code, though the
+/// program could not say its last word.
+#[test]
+fn a_partial_recording_has_its_exit_code_behind_a_blocked_terminal_too() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("x.csv");
+    let port = ["capture", "--port", "sim:bench?realtime", "-o", arg(&file)];
+    let mut session = Session::begin_on("dumb", &port);
+    session.wait_for("no rows came", |_| length(&file) > 4_000);
+    session.hold();
+    session.fill();
+    kill_process(session.pid(), Signal::TERM).unwrap();
+    assert_eq!(session.end().code(), Some(3));
+    let recording = Recording::read(&file).unwrap();
+    assert!(matches!(recording.completeness, Completeness::Partial(_)));
+}
+
+/// The line breaks before the run, in it, and in the second of two runs.
+#[test]
+fn what_a_broken_line_leaves_decides_the_exit_code() {
+    // After so many bytes of the rig: a run of 110 frames is less than 5000.
+    for (bytes, runs, code, says) in [
+        (120, "1", 1, "the connection broke"),
+        (2_500, "1", 3, "keeps all rows up to the failure"),
+        (5_400, "2", 3, "(1 complete before it)"),
+    ] {
+        let dir = tempfile::tempdir().unwrap();
+        let (steps, file) = (dir.path().join("steps.csv"), dir.path().join("x.csv"));
+        std::fs::write(&steps, "angle_deg,hold_s\n5,0.3\n-5,0.3\n").unwrap();
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let port = format!("tcp:{}", listener.local_addr().unwrap());
+        let bridge = std::thread::spawn(move || pass_on(&listener, bytes));
+        let capture = ["capture", "--port", &port, "--repeat", runs, "--reference"];
+        let output = servoid(&[&capture[..], &[arg(&steps), "-o", arg(&file)]].concat())
+            .output()
+            .unwrap();
+        bridge.join().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{bytes}: {said}");
+        assert!(said.contains(says), "{bytes}: {said}");
+        assert_eq!(length(&file) > 0, code == 3 && runs == "1", "{said}");
+    }
+}
+
+/// A bridge to a simulated rig that closes after so many bytes of it.
+fn pass_on(listener: &TcpListener, mut bytes: usize) {
+    let mut rig = InProcessRig::new(&"linear".parse().unwrap()).unwrap();
+    let (mut stream, _) = listener.accept().unwrap();
+    stream.set_nonblocking(true).unwrap();
+    let mut buffer = [0; 512];
+    while bytes > 0 {
+        match stream.read(&mut buffer) {
+            Ok(0) => return,
+            Ok(count) => rig.write_all(&buffer[..count]).unwrap(),
+            Err(_nothing_came) => {}
+        }
+        let most = bytes.min(buffer.len());
+        let waits = Duration::from_millis(2);
+        let count = Port::read(&mut rig, &mut buffer[..most], waits).unwrap();
+        std::thread::sleep(Duration::from_millis(1));
+        stream.write_all(&buffer[..count]).unwrap();
+        bytes -= count;
+    }
+}
+
+/// `ulimit -f`: the system ends a program that writes beyond it by a signal, unless it is caught.
+#[test]
+fn a_file_beyond_the_largest_that_is_allowed_is_an_error_and_leaves_no_half() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    let (recording, model, out) = (path("x.csv"), path("x.json"), path("out"));
+    run(&["simulate", "--servo", "linear", "-o", arg(&recording)]);
+    run(&["identify", arg(&recording), "-o", arg(&model)]);
+    let (recording, model, out) = (arg(&recording), arg(&model), arg(&out));
+    for (blocks, command) in [
+        (8, &["identify", recording, "-o", out][..]),
+        (8, &["identify", recording, "--plots", out]),
+        (8, &["compare", recording, recording, "-o", out]),
+        (8, &["report", model, "-o", out]),
+        (2, &["export", model, "--to", "c", "-o", out]),
+        (1, &["init", "--yes", "--port", "sim:bench", "-o", out]),
+        (8, &["demo", "-o", out]),
+        (8, &["simulate", "--servo", "linear", "-o", out]),
+    ] {
+        let quoted = command.join("' '");
+        let program = env!("CARGO_BIN_EXE_servoid");
+        let script = format!("ulimit -f {blocks} && exec '{program}' '{quoted}'");
+        let shell = ["-c", &script];
+        let output = std::process::Command::new("sh").args(shell).output();
+        let output = output.unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        let sentence = said.lines().last().unwrap_or_default();
+        assert!(sentence.starts_with("servoid: "), "{command:?}: {said}");
+        assert!(sentence.contains("File too large"), "{command:?}: {said}");
+        // Of a recording the rows so far are kept.
+        let recorded = matches!(command[0], "simulate" | "demo");
+        let code = if recorded { 3 } else { 1 };
+        assert_eq!(output.status.code(), Some(code), "{command:?}: {said}");
+        let left: Vec<_> = std::fs::read_dir(dir.path()).unwrap().collect();
+        let made = recorded || command.contains(&"--plots");
+        assert_eq!(left.len(), 2 + usize::from(made), "{command:?}: {left:?}");
+        if command.contains(&"--plots") {
+            let plots = std::fs::read_dir(out).unwrap().flatten();
+            for plot in plots {
+                let drawing = std::fs::read_to_string(plot.path()).unwrap();
+                assert!(drawing.trim_end().ends_with("</svg>"), "{plot:?}");
+            }
+        }
+        match Path::new(out) {
+            folder if folder.is_dir() => std::fs::remove_dir_all(folder).unwrap(),
+            file if made => std::fs::remove_file(file).unwrap(),
+            _ => {}
+        }
     }
 }
 

@@ -10,6 +10,7 @@ mod demo;
 mod errors;
 mod export;
 mod files;
+mod finite;
 mod foreign;
 mod help;
 mod hostile;

@@ -9,8 +9,12 @@ use std::ops::Range;
 use crate::data::timing::Timing;
 use crate::error::Error;
 
-/// Largest magnitude of a sample. Sums of many products of such samples are finite.
-const LARGEST: f64 = 1e100;
+/// Largest magnitude of a sample. Squares of gains, of a motion this large for commands that move by [`SMALLEST`], are
+/// numbers that a model's file may have (1e75).
+const LARGEST: f64 = 1e18;
+
+/// Least motion of a column: what moves less, in whatever unit, is the rounding of a computation.
+const SMALLEST: f64 = 1e-18;
 
 /// One uninterrupted experiment: input and output, sample by sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +28,7 @@ impl Run {
     /// Pairs input u and output y, one value of each per sample, NaN where a sample is missing.
     ///
     /// # Errors
-    /// The two differ in length, or a value is infinite or beyond 1e100 (the run is then called run 1).
+    /// The two differ in length, or a value is infinite or beyond 1e18 (the run is then called run 1).
     pub fn new(input: impl Into<Vec<f64>>, output: impl Into<Vec<f64>>) -> Result<Self, Error> {
         let (input, output) = (input.into(), output.into());
         if input.len() != output.len() {
@@ -350,10 +354,11 @@ fn check_column(
 ) -> Result<(), Error> {
     let mut present = runs.iter().flat_map(values).filter(|value| !value.is_nan());
     let first = *present.next().ok_or(Error::AllMissing { column })?;
-    if present.any(|value| *value != first) {
+    if present.any(|value| (value - first).abs() > SMALLEST) {
         Ok(())
     } else {
-        Err(constant(first))
+        let is_zero = first.abs() <= SMALLEST;
+        Err(constant(if is_zero { 0.0 } else { first }))
     }
 }
 
@@ -391,6 +396,10 @@ mod tests {
         assert_eq!(
             record(&[f64::NAN, f64::NAN], &[0.0, 1.0]),
             Error::AllMissing { column: "input" }
+        );
+        assert_eq!(
+            record(&[1.0, 2.0], &[1e-200, 3e-200]),
+            Error::ConstantOutput { value: 0.0 }
         );
         assert_eq!(record(&[], &[]), Error::AllMissing { column: "input" });
         assert_eq!(

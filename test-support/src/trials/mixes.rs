@@ -238,12 +238,22 @@ impl Middle {
         let (mut stream, mut asked) = (None::<TcpStream>, None::<Instant>);
         let (mut damage, mut signals) = (mix.damage, mix.signals);
         let mut goes_on_at = None::<Instant>;
+        // What a machine that is overloaded does to this loop, it does to the program.
+        let (mut turned, mut longest_turn) = (Instant::now(), Duration::ZERO);
         loop {
+            longest_turn = match asked {
+                Some(_) => longest_turn.max(turned.elapsed()),
+                None => Duration::ZERO,
+            };
+            turned = Instant::now();
             if let Some(status) = child.try_wait().map_err(text)? {
                 return Ok(status);
             }
             if asked.is_some_and(|at| at.elapsed() > ENDS_WITHIN) {
-                return Err("it hangs".to_owned());
+                let stands = where_it_stands(child);
+                return Err(format!(
+                    "it hangs, {stands}, and the longest turn of the trial itself took {longest_turn:?}"
+                ));
             }
             if stream.is_none()
                 && let Ok((accepted, _)) = listener.accept()
@@ -387,6 +397,22 @@ impl Middle {
     }
 }
 
+/// What each thread of the program waits for, as the system has it: a file system that stalls and a machine that is
+/// overloaded look alike from outside.
+fn where_it_stands(child: &Child) -> String {
+    let tasks = format!("/proc/{}/task", child.id());
+    let threads = std::fs::read_dir(tasks).into_iter().flatten().flatten();
+    let of_thread = |folder: PathBuf| {
+        let text = |name| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
+        let status = text("status");
+        let state = status.lines().find(|line| line.starts_with("State:"));
+        let state = state.unwrap_or_default().replace('\t', " ");
+        format!("{state} in {}", text("wchan"))
+    };
+    let threads: Vec<_> = threads.map(|thread| of_thread(thread.path())).collect();
+    format!("threads: {}", threads.join("; "))
+}
+
 fn signal(child: &Child, signal: &str) {
     let pid = child.id().to_string();
     let _it_may_have_ended = Command::new("kill").args([signal, &pid]).status();
@@ -437,6 +463,11 @@ fn judge(
     }
     let reads_back =
         Recording::read(file).is_ok_and(|file| file.completeness == Completeness::Complete);
+    // An error is said to have left nothing, and 3 to have left something that is not whole.
+    let left = recordings(folder).len();
+    if (status.code() == Some(1)) != (left == 0) && matches!(status.code(), Some(1 | 3)) {
+        return Err(format!("{status} beside {left} recordings"));
+    }
     if status.success() && !reads_back {
         return Err("it reports a complete recording, and the file is none".to_owned());
     }

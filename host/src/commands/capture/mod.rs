@@ -6,7 +6,7 @@ mod runs;
 mod until_band;
 
 pub(super) use monitor::Monitor;
-pub(super) use runs::{CaptureJob, capture};
+pub(super) use runs::{CaptureJob, capture, first_partial};
 
 use super::ctrl_c;
 use super::output::{Output, Talk, typed_path};
@@ -125,7 +125,13 @@ fn report(
     until_band: Option<BandReached>,
     talk: Talk,
 ) -> Result<String> {
-    let (mut text, mut results, mut partial) = (String::new(), Vec::new(), false);
+    let partial = first_partial(files, ends);
+    if let Some(partial) = partial
+        && !ctrl_c::asked()
+    {
+        return Err(partial.into());
+    }
+    let (mut text, mut results) = (String::new(), Vec::new());
     for (file, end) in files.iter().zip(ends) {
         let (name, rows) = (file.display(), end.rows);
         let (state, reason) = match &end.ending {
@@ -133,19 +139,6 @@ fn report(
             Ending::Early { reason } => ("ended early", Some(reason.as_str())),
             Ending::Partial { reason, .. } => ("partial", Some(reason.as_str())),
         };
-        partial |= matches!(end.ending, Ending::Partial { .. });
-        if let Ending::Partial { reason, .. } = &end.ending
-            && !ctrl_c::asked()
-        {
-            let before = match results.len() {
-                0 => String::new(),
-                count => format!(" ({count} complete before it)"),
-            };
-            return Err(PartialRecording::named(format!(
-                "{name} is partial, {rows} samples: {reason}{before}"
-            ))
-            .into());
-        }
         let why = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
         text += &format!("{name}: {state}{why}, {rows} samples\n");
         results.push(CaptureResult {
@@ -159,10 +152,19 @@ fn report(
             until_band,
         });
     }
-    if results.len() < files.len() && results.last().is_some_and(|last| last.ended_early) {
-        let spared = files.len() - results.len();
-        let runs = if spared == 1 { "run was" } else { "runs were" };
-        text += &format!("the band is narrow enough, so {spared} {runs} left out\n");
+    let left_out = files.len() - results.len();
+    let enough = results.last().is_some_and(|last| last.ended_early);
+    if left_out > 0 {
+        let why = match enough {
+            true => "the band is narrow enough",
+            false => "stopped by the user",
+        };
+        let runs = if left_out == 1 {
+            "run was"
+        } else {
+            "runs were"
+        };
+        text += &format!("{why}, so {left_out} {runs} left out\n");
     }
     let advice = until_band.and_then(|band| band.advice(ends.len()));
     text.extend(advice.map(|advice| advice + "\n"));
@@ -176,9 +178,10 @@ fn report(
         (1, Some(result)) => talk.result(text, result),
         _ => talk.result(text, &serde_json::json!({ "runs": results })),
     }?;
-    match partial {
-        true => Err(PartialRecording::asked_for(result).into()),
-        false => Ok(result),
+    let all_there = enough || (left_out == 0 && results.iter().all(|run| run.complete));
+    match all_there {
+        true => Ok(result),
+        false => Err(PartialRecording::asked_for(result).into()),
     }
 }
 

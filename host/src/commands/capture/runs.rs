@@ -3,8 +3,9 @@
 use super::monitor::Monitor;
 use crate::commands::ctrl_c;
 use crate::commands::output::Talk;
+use crate::commands::partial_recording::PartialRecording;
 use crate::commands::rig_args::require_clock;
-use crate::data::recording::{Ending, Header, RecordingWriter, ReservedFile, WriteFault};
+use crate::data::recording::{Ending, Header, RecordingWriter, ReservedFile};
 use crate::data::rig_file::RigFile;
 use crate::instrument::port;
 use crate::instrument::rig::{Capture, CaptureEnd, CaptureError, RigClient};
@@ -53,7 +54,7 @@ pub(in crate::commands) fn capture(
     for (file, path) in files.into_iter().zip(job.files) {
         match capture_run(job, &mut client, file, path, monitor) {
             Ok(end) => ends.push(end),
-            Err(error) => outcome = Err(error),
+            Err(error) => outcome = Err(after(ends.len(), error)),
         }
         let complete = ends.last().map(|end| &end.ending) == Some(&Ending::Complete);
         if outcome.is_err() || !complete || ctrl_c::asked() {
@@ -64,10 +65,42 @@ pub(in crate::commands) fn capture(
         true => client.request(Command::Disarm),
         false => Ok(()),
     };
+    ctrl_c::leaves_partial(outcome.is_err() || first_partial(job.files, &ends).is_some());
     // The first failure is the one to report.
     outcome?;
     released.context("the servo still gets pulses: the request to end them failed")?;
     Ok(ends)
+}
+
+/// The failure of a run after `complete` others: part of what was asked for is there.
+fn after(complete: usize, error: anyhow::Error) -> anyhow::Error {
+    match complete {
+        0 => error,
+        count => PartialRecording::named(format!("{error:#} ({count} complete before it)")).into(),
+    }
+}
+
+/// What is missing in the first recording that is not whole, if one is not.
+pub(in crate::commands) fn first_partial(
+    files: &[PathBuf],
+    ends: &[CaptureEnd],
+) -> Option<PartialRecording> {
+    files
+        .iter()
+        .zip(ends)
+        .enumerate()
+        .find_map(|(number, (file, end))| {
+            let Ending::Partial { reason, .. } = &end.ending else {
+                return None;
+            };
+            let before = match number {
+                0 => String::new(),
+                count => format!(" ({count} complete before it)"),
+            };
+            let (name, rows) = (file.display(), end.rows);
+            let sentence = format!("{name} is partial, {rows} samples: {reason}{before}");
+            Some(PartialRecording::named(sentence))
+        })
 }
 
 /// The board refuses a reference beyond its limits. This check comes first: it names the numbers and leaves no
@@ -108,20 +141,20 @@ fn capture_run(
     let mut kept = false;
     let end = capture.record(client, writer, &|| run.stop(), &mut |p| {
         kept = true;
+        ctrl_c::leaves_partial(true);
         run.update(p);
     });
     run.finish();
-    match end {
-        Err(CaptureError::Write(error))
-            if matches!(
-                error.fault,
-                WriteFault::Removed(_) | WriteFault::Rescued { .. }
-            ) =>
-        {
-            Err(error.into())
+    end.map_err(|error| match error {
+        CaptureError::Write(error) if error.fault.rows_kept() > 0 => {
+            PartialRecording::named(error.to_string()).into()
         }
-        Err(error) if kept => Err(error)
-            .with_context(|| format!("{} keeps all rows up to the failure", path.display())),
-        other => Ok(other?),
-    }
+        CaptureError::Write(error) => error.into(),
+        error if kept => PartialRecording::named(format!(
+            "{} keeps all rows up to the failure: {error}",
+            path.display()
+        ))
+        .into(),
+        error => error.into(),
+    })
 }

@@ -93,10 +93,25 @@ impl QueuedWriter {
     ///
     /// # Errors
     /// As [`RecordingWriter::finish`].
-    pub fn finish(mut self, ending: &Ending) -> Result<(), WriteError> {
+    pub fn finish(self, ending: &Ending) -> Result<(), WriteError> {
+        self.close(|writer| writer.finish(ending))
+    }
+
+    /// Closes the file without waiting for the disk.
+    ///
+    /// # Errors
+    /// As [`RecordingWriter::finish_in_a_hurry`].
+    pub fn finish_in_a_hurry(self, ending: &Ending) -> Result<(), WriteError> {
+        self.close(|writer| writer.finish_in_a_hurry(ending))
+    }
+
+    fn close(
+        mut self,
+        finish: impl FnOnce(RecordingWriter) -> Result<(), WriteError>,
+    ) -> Result<(), WriteError> {
         let written = self.drain();
         let closed = match std::mem::replace(&mut self.state, State::Gone) {
-            State::Written(writer) => writer.finish(ending),
+            State::Written(writer) => finish(writer),
             State::Writing { .. } | State::Gone => Ok(()),
         };
         written.and(closed)
@@ -148,6 +163,7 @@ mod tests {
     use servoid_protocol::{Counts, PulseWidth};
     use std::io::{Result as IoResult, Write};
     use std::path::Path;
+    use std::sync::atomic::{AtomicBool, Ordering};
     use std::sync::{Arc, Mutex};
 
     /// A file system that takes nothing for as long as the test holds its lock.
@@ -155,6 +171,7 @@ mod tests {
     struct Stalling {
         stalled: Arc<Mutex<()>>,
         bytes: Arc<Mutex<Vec<u8>>>,
+        waited: Arc<AtomicBool>,
     }
 
     impl Write for Stalling {
@@ -175,6 +192,7 @@ mod tests {
         }
 
         fn settle(&mut self) -> IoResult<()> {
+            self.waited.store(true, Ordering::SeqCst);
             Ok(())
         }
     }
@@ -207,5 +225,22 @@ mod tests {
             recording.rows.len(),
             usize::from(FRAMES) * SAMPLES_PER_FRAME
         );
+    }
+    /// A thread that waits for a disk is ended by no signal, and its program neither.
+    #[test]
+    fn a_file_that_is_closed_in_a_hurry_does_not_wait_for_the_disk() {
+        for hurried in [true, false] {
+            let (disk, path) = (Stalling::default(), Path::new("x.csv"));
+            let target = Box::new(disk.clone());
+            let writer = RecordingWriter::on(target, path, &Header::default()).unwrap();
+            let (queue, ending) = (QueuedWriter::new(writer), Ending::Complete);
+            match hurried {
+                true => queue.finish_in_a_hurry(&ending).unwrap(),
+                false => queue.finish(&ending).unwrap(),
+            }
+            assert_eq!(disk.waited.load(Ordering::SeqCst), !hurried);
+            let recording = Recording::parse(&disk.bytes.lock().unwrap(), path).unwrap();
+            assert_eq!(recording.completeness, Completeness::Complete);
+        }
     }
 }

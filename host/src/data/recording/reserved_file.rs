@@ -4,8 +4,9 @@ use super::target::{RecordingTarget, require_reader, require_unlocked};
 use super::write_error::WriteError;
 use crate::data::numbered_path::with_suffix;
 use std::fs::{File, OpenOptions};
-use std::io::{Error, ErrorKind, Read, Result as IoResult, Seek, Write};
+use std::io::{Read, Result as IoResult, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 /// A file that can be written, belongs to this program alone, and has not been touched yet: so that
 /// a folder that is read-only is found before the servo moves, and a file that may be replaced is
@@ -100,20 +101,18 @@ impl RecordingTarget for ReservedFile {
     }
 
     fn settle(&mut self) -> IoResult<()> {
-        if !self.plain {
-            return Ok(());
-        }
-        self.file.settle()?;
-        if self.is_in_place() {
-            Ok(())
-        } else {
-            Err(Error::from(ErrorKind::NotFound))
+        match self.plain {
+            true => reach_the_disk(&self.file, &self.path),
+            false => Ok(()),
         }
     }
 
     fn holds(&mut self, contents: &[u8]) -> IoResult<bool> {
         if !self.plain {
             return Ok(true);
+        }
+        if !self.is_in_place() {
+            return Ok(false);
         }
         self.file.rewind()?;
         let mut there = Vec::with_capacity(contents.len());
@@ -128,8 +127,22 @@ impl RecordingTarget for ReservedFile {
     fn rescue(&mut self, contents: &[u8]) -> Option<PathBuf> {
         let (mut file, kept) = free_name(&self.path)?;
         file.write_all(contents).ok()?;
-        file.sync_all().ok()?;
+        reach_the_disk(&file, &kept).ok()?;
         Some(kept)
+    }
+}
+
+/// Waits until a file is on the disk. No signal ends a program that waits for a disk, and a capture has to end when it is
+/// asked to: so another program waits where there is one, and this one for it.
+fn reach_the_disk(file: &File, path: &Path) -> IoResult<()> {
+    let mut sync = Command::new("sync");
+    sync.arg("--").arg(path).stdin(Stdio::null());
+    let waited = sync.stdout(Stdio::null()).stderr(Stdio::null()).status();
+    match waited {
+        Ok(status) if status.success() => Ok(()),
+        // Ctrl-C has ended it: the rest is the system's.
+        Ok(status) if status.code().is_none() => Ok(()),
+        _ => file.sync_all(),
     }
 }
 

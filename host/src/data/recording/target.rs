@@ -13,7 +13,7 @@ pub trait RecordingTarget: Write + Send {
     /// Waits until everything is where a power cut cannot touch it.
     fn settle(&mut self) -> std::io::Result<()>;
 
-    /// Whether these bytes, and no others, are in it. What cannot be read again is believed.
+    /// Whether these bytes, and no others, are in it, and its name still leads to it. What cannot be read again is believed.
     fn holds(&mut self, _contents: &[u8]) -> std::io::Result<bool> {
         Ok(true)
     }

@@ -50,6 +50,21 @@ pub enum WriteFault {
     },
 }
 
+impl WriteFault {
+    /// Rows of the recording that are on the disk in spite of it.
+    pub fn rows_kept(&self) -> u64 {
+        match self {
+            Self::Rescued { rows, .. } | Self::Stopped { rows, .. } => *rows,
+            Self::Exists
+            | Self::Folder
+            | Self::NoFolder
+            | Self::NotCreated(_)
+            | Self::InUse
+            | Self::Removed(_) => 0,
+        }
+    }
+}
+
 impl WriteError {
     /// That `path` is there already.
     pub(crate) fn exists(path: &Path) -> Self {

@@ -142,14 +142,26 @@ impl RecordingWriter {
     /// # Errors
     /// [`WriteFault::Stopped`]; the rows are kept, and without its last line the recording is read
     /// as partial. [`WriteFault::Rescued`], [`WriteFault::Removed`].
-    pub fn finish(mut self, ending: &Ending) -> Result<(), WriteError> {
+    pub fn finish(self, ending: &Ending) -> Result<(), WriteError> {
+        self.close(ending, true)
+    }
+
+    /// [`RecordingWriter::finish`], but when it reaches the disk is left to the system: a program that waits for a disk
+    /// cannot be ended by anything.
+    pub fn finish_in_a_hurry(self, ending: &Ending) -> Result<(), WriteError> {
+        self.close(ending, false)
+    }
+
+    fn close(mut self, ending: &Ending, waits_for_disk: bool) -> Result<(), WriteError> {
         self.begin_file()?;
         let line = ending.last_line(self.rows, self.digest.clone().finalize());
         let written = self.target.write_all(line.as_bytes());
         written.map_err(|reason| self.stopped(reason))?;
         self.contents.extend(line.as_bytes());
-        let settled = self.target.settle();
-        settled.map_err(|reason| self.stopped(reason))?;
+        if waits_for_disk {
+            let settled = self.target.settle();
+            settled.map_err(|reason| self.stopped(reason))?;
+        }
         match self.target.holds(&self.contents) {
             Ok(true) => Ok(()),
             Ok(false) => Err(self.rescued()),
@@ -166,9 +178,6 @@ impl RecordingWriter {
     }
 
     fn stopped(&mut self, reason: std::io::Error) -> WriteError {
-        if reason.kind() == std::io::ErrorKind::NotFound {
-            return self.rescued();
-        }
         // Part of a frame may have got through; if the system cannot take it back, the reader
         // passes over a last line that has no end.
         let _best_effort = self.target.cut_to(self.contents.len() as u64);

@@ -97,12 +97,13 @@ impl Capture {
         if let Err(error) = &outcome {
             run.leave(client, error);
         }
-        if !run.begun && !run.writer.has_begun() {
-            // No run, no recording: the file still has its earlier contents.
+        if !run.writer.has_begun() && (outcome.is_err() || !run.begun) {
+            // No run, or no frame of it: no recording, and the file still has its earlier contents.
             return Err(outcome.err().unwrap_or(CaptureError::StoppedBefore));
         }
-        let drained = run.writer.drain();
-        let outcome = outcome.and_then(|ended| Ok(drained.map(|()| ended)?));
+        let drained = run.writer.drain().map_err(CaptureError::from);
+        // The failure of the disk comes first: it says how many rows there are.
+        let outcome = drained.and(outcome);
         let lost_frames = run.missing();
         let ending = match &outcome {
             Ok(ended) => {
@@ -115,7 +116,12 @@ impl Capture {
             },
         };
         let rows = run.writer.rows();
-        let closed = run.writer.finish(&ending);
+        // Asked again: the end of the run may have come first.
+        let user_waits = run.stopped.or_else(should_stop) == Some(StopReason::User);
+        let closed = match user_waits {
+            true => run.writer.finish_in_a_hurry(&ending),
+            false => run.writer.finish(&ending),
+        };
         outcome?;
         closed?;
         Ok(CaptureEnd {

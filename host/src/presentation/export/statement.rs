@@ -223,6 +223,7 @@ fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
         let bound = |bound: Option<f64>| bound.map_or("-".to_owned(), |b| format!("{b:.6}"));
         let bounds = match (lower, upper) {
             (None, None) => String::new(),
+            (Some(lower), None) => format!(" ({lower:.6} or more)"),
             _ => format!(" ({} to {})", bound(lower), bound(upper)),
         };
         text += &match name == "L" && value < 0.0 {

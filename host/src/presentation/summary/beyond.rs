@@ -34,6 +34,7 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), number);
         let bounds = match (lower, upper) {
             (None, None) => String::new(),
+            (Some(lower), None) => format!("{} or more", number(lower)),
             _ => format!("{} .. {}", end(lower), end(upper)),
         };
         let line = format!("  {name:22} {:>10} {unit:5} {bounds}", number(value));

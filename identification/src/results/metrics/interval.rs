@@ -47,12 +47,14 @@ impl Interval {
         }
     }
 
-    /// The same interval in another unit: a rising function of value and bounds.
+    /// The same interval in another unit: a rising function of value and bounds. What has no finite number there becomes
+    /// `None`.
     pub(crate) fn map(self, of: impl Fn(f64) -> f64) -> Self {
+        let finite = |x: Option<f64>| x.map(&of).filter(|x| x.is_finite());
         Self {
-            value: self.value.map(&of),
-            lower: self.lower.map(&of),
-            upper: self.upper.map(&of),
+            value: finite(self.value),
+            lower: finite(self.lower),
+            upper: finite(self.upper),
         }
     }
 
