@@ -111,7 +111,7 @@ const ROOMS: [(&str, &[&str]); 8] = [
     ),
     (
         "host",
-        &["data", "instrument", "presentation", "plan", "commands"],
+        &["data", "instrument", "presentation", "plan", "analysis", "commands"],
     ),
     (
         "virtual-board",
