@@ -147,7 +147,7 @@ impl Data {
             input_unit: options.input_unit,
             output_unit: options.output_unit,
         };
-        let dataset = py.detach(|| arrays.dataset()).map_err(raised)?;
+        let dataset = py.detach(|| dataset::of_arrays(arrays)).map_err(raised)?;
         Ok(Self::of(dataset, name, DatasetOptions::default()))
     }
 

@@ -4,7 +4,6 @@ use super::about::About;
 use super::error::DatasetError;
 use super::from_tables::note_sentinel_value;
 use super::loaded::{Loaded, run};
-use super::{Dataset, together};
 
 /// Runs of one servo under one condition.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,11 +36,7 @@ pub struct ArrayRun {
 }
 
 impl Arrays {
-    /// The data set of these runs.
-    ///
-    /// # Errors
-    /// Columns of unequal lengths, infinite values, a column that never changes, a period that is none.
-    pub fn dataset(self) -> Result<Dataset, DatasetError> {
+    pub(super) fn loaded(self) -> Result<Loaded, DatasetError> {
         let mut about = About {
             input_unit: self.input_unit,
             output_unit: self.output_unit,
@@ -56,14 +51,13 @@ impl Arrays {
             let next = run(arrays.input, arrays.output, arrays.at_rest);
             runs.push(next.map_err(|error| DatasetError::Data(place, error))?);
         }
-        let loaded = Loaded {
+        Ok(Loaded {
             runs,
             controllers: self.controllers,
             rest: Vec::new(),
             period_s: self.period_s,
             phase_s: self.phase_s,
             about,
-        };
-        together(loaded, &self.name)
+        })
     }
 }

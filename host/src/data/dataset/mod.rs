@@ -73,6 +73,15 @@ pub fn of_bytes(
     together(loaded, &path.display().to_string())
 }
 
+/// The data set of these arrays.
+///
+/// # Errors
+/// Columns of unequal lengths, infinite values, a column that never changes, a period that is none.
+pub fn of_arrays(arrays: Arrays) -> Result<Dataset, DatasetError> {
+    let name = arrays.name.clone();
+    together(arrays.loaded()?, &name)
+}
+
 /// The data set of all runs, which are called `names`.
 fn together(all: Loaded, names: &str) -> Result<Dataset, DatasetError> {
     let Loaded {
