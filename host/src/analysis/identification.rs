@@ -58,7 +58,7 @@ impl Identified {
     /// Identifies the data, which are called `name`. `watch` begins the search for a servo model.
     ///
     /// # Errors
-    /// As [`identified`].
+    /// As [`identified()`].
     pub fn of<W: Watch>(
         data: &Dataset,
         name: &str,

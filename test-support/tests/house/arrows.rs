@@ -111,7 +111,14 @@ const ROOMS: [(&str, &[&str]); 9] = [
     ),
     (
         "host",
-        &["data", "instrument", "presentation", "plan", "analysis", "commands"],
+        &[
+            "data",
+            "instrument",
+            "presentation",
+            "plan",
+            "analysis",
+            "commands",
+        ],
     ),
     (
         "virtual-board",
