@@ -32,6 +32,10 @@ image:
 wording:
     INSTA_UPDATE=always cargo test -p servoid --test integration wording
 
+# the Python package and its tests
+python:
+    .ci/python
+
 # what the parts cost; one alone: just bench --bench identify
 bench *ARGS:
     cargo bench -p servoid-benches {{ARGS}}

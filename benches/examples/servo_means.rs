@@ -7,21 +7,15 @@ use servoid_test_support::servo_means::Means;
 
 /// Runs a side; scatter of gain \[share\] and delay \[s\]; relative gain of the second, and how much later it is \[s\]. A gain of 0.957
 /// is at the margin: the difference is largest where the response overshoots, by 16 %.
-const CASES: [(usize, f64, f64, f64, f64); 14] = [
-    (3, 0.005, 0.0, 1.0, 0.0),
+const CASES: [(usize, f64, f64, f64, f64); 8] = [
     (3, 0.005, 0.0, 0.957, 0.0),
-    (3, 0.01, 0.0, 0.957, 0.0),
-    (3, 0.02, 0.001, 1.0, 0.0),
-    (3, 0.02, 0.001, 0.957, 0.0),
+    (3, 0.005, 0.0, 1.0, 0.0),
     (3, 0.02, 0.001, 0.9, 0.004),
-    (3, 0.04, 0.001, 1.0, 0.0),
-    (4, 0.005, 0.0005, 0.957, 0.0),
-    (5, 0.005, 0.0, 0.957, 0.0),
+    (3, 0.02, 0.001, 1.0, 0.0),
     (5, 0.02, 0.001, 1.0, 0.0),
     (5, 0.02, 0.001, 0.9, 0.004),
     (5, 0.0, 0.001, 1.0, 0.002),
     (5, 0.0, 0.0, 0.957, 0.0),
-    (10, 0.01, 0.001, 0.957, 0.0),
 ];
 
 fn main() {

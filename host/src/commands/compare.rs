@@ -1,21 +1,16 @@
 //! `servoid compare`
 
-use super::input::{TableArgs, compared, is_model};
+use super::input::TableArgs;
 use super::output::Output;
-use super::servo_fit;
+use super::servo_search::ServoSearch;
+use crate::analysis::Compared;
 use crate::data::dataset::listed;
-use crate::data::fingerprint::advice_on_sides;
-use crate::data::model_file::ModelFile;
-use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::summary;
-use anyhow::{Context, Result, bail};
+use crate::data::model_file::{ModelFile, is_model};
+use anyhow::{Result, bail};
 use clap::Args;
-use serde::Serialize;
 use servoid_identification::Options;
-use servoid_identification::comparison::{
-    Comparison, ComparisonOptions, ServoModelComparison, compare_models, compare_servo_models,
-};
-use std::path::{Path, PathBuf};
+use servoid_identification::comparison::ComparisonOptions;
+use std::path::PathBuf;
 
 /// Compare two servos, or one servo under two conditions
 ///
@@ -80,108 +75,24 @@ impl Compare {
             _ => (&self.a[..], &self.b[..]),
         };
         let names = [listed(a), listed(b)];
+        let names = names.each_ref().map(String::as_str);
         let compared = match (a, b) {
-            ([a], [b]) if is_model(a) && is_model(b) => self.models([a, b], &names, &options)?,
+            ([a], [b]) if is_model(a) && is_model(b) => {
+                let [a, b] = [ModelFile::read(a)?, ModelFile::read(b)?];
+                Compared::models([&a, &b], names, &options, self.servo_model)?
+            }
             _ => {
                 if let Some(model) = a.iter().chain(b).find(|file| is_model(file)) {
                     bail!("{model:?} is a model: compare two models, or recordings on both sides");
                 }
-                self.recordings([a, b], &names, options)?
+                let talk = self.output.talk;
+                let [a, b] = self.table.load_sides([a, b], talk)?;
+                let watch = || ServoSearch::begin("both servos as machines", talk);
+                Compared::recordings([&a, &b], names, options, self.servo_model, watch)?
             }
         };
         self.output.write_json(self.out.as_ref(), &compared)?;
-        let text = compared.as_text(&names);
+        let text = compared.as_text(names);
         self.output.talk.result(text, &compared)
-    }
-
-    fn recordings(
-        &self,
-        sides: [&[PathBuf]; 2],
-        names: &[String; 2],
-        options: ComparisonOptions,
-    ) -> Result<Compared> {
-        let talk = self.output.talk;
-        let [a, b] = self.table.load_sides(sides, talk)?;
-        let mut found = compared([&a, &b], [&names[0], &names[1]], options)?;
-        let servos = servo_fit::is_wanted(self.servo_model, found.bounds.withdrawn())
-            .then(|| servo_fit::find_both([&a, &b], self.level, talk));
-        let (servo_model, no_servo_model) = match servos {
-            Some(Ok([a, b])) => (Some(compare_servo_models(&a.model, &b.model)), None),
-            Some(Err(reason)) => (None, Some(reason)),
-            None => (None, None),
-        };
-        let metadata = ModelMetadata::from(&a.about);
-        found.advice.extend(a.about.advice);
-        found.advice.extend(b.about.advice);
-        Ok(Compared {
-            found,
-            servo_model,
-            no_servo_model,
-            metadata,
-        })
-    }
-
-    fn models(
-        &self,
-        files: [&Path; 2],
-        names: &[String; 2],
-        options: &ComparisonOptions,
-    ) -> Result<Compared> {
-        let [a, b] = files.map(ModelFile::read);
-        let (a, b) = (a?, b?);
-        a.metadata.same_units(&names[0], &b.metadata, &names[1])?;
-        let found = compare_models(&a.model, &b.model, options);
-        let mut found = found.with_context(|| names.join(" against "))?;
-        // The most important advice comes first.
-        found
-            .advice
-            .splice(0..0, advice_on_sides(&a.fingerprints, &b.fingerprints));
-        let servos = [a.servo_model()?, b.servo_model()?];
-        for (name, servo) in names.iter().zip(&servos) {
-            if self.servo_model && servo.is_none() {
-                bail!("{name} has no servo model: identify its recording with --servo-model");
-            }
-        }
-        let [of_a, of_b] = servos;
-        let both = of_a.zip(of_b);
-        Ok(Compared {
-            found,
-            servo_model: both.map(|(a, b)| compare_servo_models(&a.model, &b.model)),
-            no_servo_model: None,
-            metadata: a.metadata,
-        })
-    }
-}
-
-/// The comparison as `--json` prints it and `-o` writes it.
-#[derive(Serialize)]
-struct Compared {
-    #[serde(flatten)]
-    found: Comparison,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    servo_model: Option<ServoModelComparison>,
-    /// The reason why servo models are not compared though that was looked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    no_servo_model: Option<String>,
-    /// Units of both sides.
-    #[serde(skip)]
-    metadata: ModelMetadata,
-}
-
-impl Compared {
-    fn as_text(&self, names: &[String; 2]) -> String {
-        let mut text = summary::of_comparison(&names[0], &names[1], &self.found);
-        let units = self.metadata.units();
-        text.extend(self.servo_model.iter().map(|servos| {
-            let sentence = summary::sentence_on_servo_models("A", "B", servos, units);
-            let table = summary::of_servo_models("A", "B", servos, units);
-            format!("\n{}\n{table}", summary::wrapped(&sentence, 0))
-        }));
-        text.extend(
-            self.no_servo_model
-                .iter()
-                .map(|reason| format!("\nno servo models: {reason}\n")),
-        );
-        text
     }
 }

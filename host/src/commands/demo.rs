@@ -2,8 +2,8 @@
 
 use super::capture::{CaptureJob, Monitor, capture, first_partial};
 use super::ctrl_c;
-use super::input::identified;
 use super::output::{Output, Talk, make_folder, typed_path};
+use crate::analysis::identified;
 use crate::data::dataset::{self, DatasetOptions, listed};
 use crate::data::model_file::ModelDocument;
 use crate::data::model_metadata::ModelMetadata;
@@ -156,7 +156,7 @@ impl Demo {
             return Err(partial.into());
         }
         let data = dataset::load(&files, &DatasetOptions::default())?;
-        let found = identified(&data, &files, &Options::default())?;
+        let found = identified(&data, &listed(&files), &Options::default())?;
         let document = ModelDocument {
             model: &found.model,
             metadata: ModelMetadata::from(&data.about),

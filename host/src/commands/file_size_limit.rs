@@ -8,7 +8,7 @@ use anyhow::Result;
 /// # Errors
 /// The signal cannot be caught.
 #[cfg(unix)]
-pub fn beyond_it_is_an_error() -> Result<()> {
+pub(super) fn beyond_it_is_an_error() -> Result<()> {
     use anyhow::Context;
     use signal_hook::consts::SIGXFSZ;
     let nobody_asks = std::sync::Arc::default();
@@ -21,6 +21,6 @@ pub fn beyond_it_is_an_error() -> Result<()> {
 /// # Errors
 /// None.
 #[cfg(not(unix))]
-pub fn beyond_it_is_an_error() -> Result<()> {
+pub(super) fn beyond_it_is_an_error() -> Result<()> {
     Ok(())
 }

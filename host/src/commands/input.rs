@@ -2,18 +2,11 @@
 
 use super::output::{Talk, stem, wrong_usage};
 use crate::data::dataset::suggestion::quoted;
-use crate::data::dataset::{self, Dataset, DatasetOptions, TimeUnit, listed};
-use crate::data::fingerprint;
-use crate::data::model_metadata::ModelMetadata;
-use crate::instrument::simulated_servo::{self, SimulatedServoError};
-use anyhow::{Context, Result};
+use crate::data::dataset::{self, Dataset, DatasetOptions, TimeUnit};
+use crate::instrument::simulated_servo::SimulatedServoError;
+use anyhow::Result;
 use clap::Args;
-use servoid_identification::comparison::{Comparison, ComparisonOptions, compare};
-use servoid_identification::results::{Advice, Check};
-use servoid_identification::{Identification, Options, identify_explained};
-use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
-use servoid_simulator::SimulationOptions;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The options that describe CSV files of other programs.
 #[derive(Clone, Debug, Args)]
@@ -106,17 +99,7 @@ impl TableArgs {
         files: &[PathBuf],
         talk: Talk,
     ) -> Result<Dataset> {
-        let own = self.options();
-        let options = self.options().or(model);
-        let data = match dataset::load(files, &options) {
-            Err(error) if options != own => dataset::load(files, &own).map_err(|_| error)?,
-            read => {
-                if options != own {
-                    talk.say("the files are read as those of the model were (columns, period, runs); options override this");
-                }
-                read?
-            }
-        };
+        let data = dataset::load_as(files, &self.options(), model)?;
         data.about
             .remarks
             .iter()
@@ -133,70 +116,13 @@ impl TableArgs {
     }
 }
 
-/// The simulated servo with this text, which a port has after `sim:`; one that is none is wrong usage.
-pub(super) fn simulated_servo(text: &str) -> Result<SimulationOptions> {
+/// That there is no such simulated servo; a text that describes none is wrong usage.
+pub(super) fn no_servo(error: SimulatedServoError) -> anyhow::Error {
     use SimulatedServoError::{NoControllers, Options, Unknown};
-    match simulated_servo::options(text) {
-        Err(error @ (Options(_) | Unknown(_) | NoControllers(_))) => wrong_usage(error),
-        other => Ok(other?),
+    match error {
+        Options(_) | Unknown(_) | NoControllers(_) => wrong_usage(error),
+        other => other.into(),
     }
-}
-
-/// Whether a file is a model, by its ending; any other file is read as a recording.
-pub(super) fn is_model(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending == "json")
-}
-
-/// Identifies data; its advice becomes the model's.
-pub(super) fn identified(
-    data: &Dataset,
-    files: &[PathBuf],
-    options: &Options,
-) -> Result<Identification> {
-    let found = identify_explained(&data.record, options);
-    let mut found = found.with_context(|| listed(files))?;
-    found.model.advice.extend(data.about.advice.iter().cloned());
-    let doubtful = unlikely_period(data.record.sample_period_s());
-    found.model.advice.splice(0..0, doubtful);
-    if data.about.inexact_clock {
-        let [slow, fast] = INTERNAL_CLOCK_ERROR;
-        found.model.metrics = found.model.metrics.with_clock_error(slow, fast);
-    }
-    Ok(found)
-}
-
-/// Sample periods of recordings of a servo \[s\]: with a longer one its motion is over between two samples, and no converter for
-/// servos has a shorter one.
-const PERIODS_S: std::ops::RangeInclusive<f64> = 20e-6..=0.2;
-
-/// That no servo is recorded with this time between samples.
-fn unlikely_period(seconds: f64) -> Option<Advice> {
-    if PERIODS_S.contains(&seconds) {
-        return None;
-    }
-    let (limit, rather) = match seconds > *PERIODS_S.end() {
-        true => (*PERIODS_S.end(), 1e-3 * seconds),
-        false => (*PERIODS_S.start(), 1e3 * seconds),
-    };
-    Some(Advice::new(
-        Check::Period,
-        format!(
-            "The time between samples is taken to be {seconds} s, which is not that of a recording of a servo: all times and frequencies \
-             follow from it."
-        ),
-        seconds,
-        limit,
-        format!(
-            "State it in seconds: --period {} if it is {} ms.",
-            rounded(rather),
-            rounded(1e3 * rather)
-        ),
-    ))
-}
-
-/// The first digits of a number.
-fn rounded(number: f64) -> f64 {
-    (number * 1e9).round() / 1e9
 }
 
 /// The name of data: their condition, or that of the first file.
@@ -207,26 +133,4 @@ pub(super) fn name_of(data: &Dataset, files: &[PathBuf]) -> String {
         .clone()
         .or_else(first)
         .unwrap_or_default()
-}
-
-/// Compares the data of two sides. The most important advice comes first: that both have the same samples.
-pub(super) fn compared(
-    [a, b]: [&Dataset; 2],
-    names: [&str; 2],
-    options: ComparisonOptions,
-) -> Result<Comparison> {
-    let metadata = [a, b].map(|side| ModelMetadata::from(&side.about));
-    metadata[0].same_units(names[0], &metadata[1], names[1])?;
-    let options = ComparisonOptions {
-        input_unit: a.about.input_unit_with(&b.about),
-        output_unit: a.about.output_unit_with(&b.about),
-        ..options
-    };
-    let found = compare(&a.record, &b.record, &options);
-    let mut found = found.with_context(|| names.join(" against "))?;
-    let [prints_a, prints_b] = [a, b].map(|side| fingerprint::of(&side.record));
-    let same = fingerprint::advice_on_sides(&prints_a, &prints_b);
-    found.advice.splice(0..0, same);
-    found.advice.extend(a.about.other_calibration(&b.about));
-    Ok(found)
 }

@@ -8,7 +8,7 @@ mod completions;
 mod ctrl_c;
 mod demo;
 mod export;
-pub mod file_size_limit;
+mod file_size_limit;
 mod identify;
 mod info;
 mod init;
@@ -24,7 +24,6 @@ mod reference_args;
 mod report;
 mod rig_args;
 mod rig_wizard;
-mod servo_fit;
 mod servo_search;
 mod simulate;
 mod validate;
@@ -35,6 +34,7 @@ pub use partial_recording::PartialRecording;
 
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
+use std::ffi::OsString;
 
 /// Measures the motion of R/C servos: step and frequency response, with 99 % bounds
 #[derive(Debug, Parser)]
@@ -99,4 +99,38 @@ impl Cli {
             Command::Man(command) => command.run(Self::command()),
         }
     }
+}
+
+/// Runs the command of these arguments, the name of the program first; returns the exit code. Wrong usage, and requests for
+/// help, end the process.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let ready = file_size_limit::beyond_it_is_an_error();
+    match ready.and_then(|()| Cli::parse_from(arguments).run()) {
+        Ok(result) => print(&result, SUCCESS),
+        Err(error) => match error.downcast_ref::<PartialRecording>() {
+            Some(partial) => match partial.result() {
+                Some(result) => print(result, PartialRecording::EXIT_CODE),
+                None => fail(&error, PartialRecording::EXIT_CODE),
+            },
+            None => fail(&error, FAILURE),
+        },
+    }
+}
+
+const SUCCESS: u8 = 0;
+const FAILURE: u8 = 1;
+
+fn print(result: &str, code: u8) -> u8 {
+    match print_result(result) {
+        Ok(()) => code,
+        // The reader of a pipe may stop early ('| head'): its business, not an error.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => code,
+        Err(error) => fail(&error.into(), FAILURE),
+    }
+}
+
+fn fail(error: &anyhow::Error, code: u8) -> u8 {
+    // Causes on one line, behind the sentence that they explain.
+    print_remark(format_args!("servoid: {error:#}"));
+    code
 }

@@ -1,6 +1,7 @@
 //! Output of commands: results on standard output, remarks on standard error, and files, which never replace others
 //! without `--force`.
 
+use crate::analysis::to_json;
 use crate::data::dataset::suggestion::quoted;
 use crate::data::recording::{WriteError, write_file};
 use crate::presentation::plots::{Figure, draw};
@@ -155,9 +156,4 @@ impl Output {
 pub(super) fn make_folder(folder: &Path) -> Result<()> {
     let made = std::fs::create_dir_all(folder);
     made.with_context(|| format!("the folder {folder:?} cannot be made"))
-}
-
-/// A result as indented JSON with a final line end.
-fn to_json(value: &impl Serialize) -> Result<String> {
-    Ok(serde_json::to_string_pretty(value).context("the result cannot be written as JSON")? + "\n")
 }

@@ -1,16 +1,16 @@
 //! `servoid plan`
 
-use super::input::{is_model, simulated_servo};
+use super::input::no_servo;
 use super::output::{Output, wrong_usage};
 use super::reference_args::ReferenceArgs;
 use super::rig_args::RigFileArgs;
-use crate::data::model_file::ModelFile;
 use crate::instrument::reference;
-use crate::plan::{AssumedServo, Plan, PlanRequest, figure, of_plan};
-use anyhow::{Context, Result, bail};
+use crate::plan::{
+    AssumedServo, AssumedServoError, Plan, PlanRequest, figure, is_servo_model, of_plan,
+};
+use anyhow::{Context, Result};
 use clap::Args;
-use servoid_protocol::timing::SAMPLE_US;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Forecast a run: the width of its band, and the questions that it cannot answer
 ///
@@ -76,7 +76,7 @@ impl PlanArgs {
         let (output, talk) = (self.output, self.output.talk);
         output.check(&self.out)?;
         let assumed = self.assumed()?;
-        let servo_model = self.servo_model || self.model.is_none() && self.names_a_model();
+        let servo_model = self.servo_model || self.model.is_none() && is_servo_model(&self.servo);
         let us_per_degree = self.rig.read(None, talk)?.file.servo.us_per_degree;
         let request = PlanRequest {
             reference: self.reference.resolve(us_per_degree, talk)?,
@@ -104,40 +104,15 @@ impl PlanArgs {
 
     fn assumed(&self) -> Result<AssumedServo> {
         let assumed = match &self.model {
-            Some(path) => {
-                let ModelFile { model, .. } = ModelFile::read(path)?;
-                let period_us = model.sample_period_s * 1e6;
-                // The file has the period as rounded digits, so equality is to a nanosecond.
-                if (period_us - f64::from(SAMPLE_US)).abs() > 1e-3 {
-                    bail!(
-                        "{path:?} cannot be planned with: it was sampled every {period_us} µs, and a rig samples every {SAMPLE_US} µs; capture the servo once ('servoid capture -o rec.csv'), identify it ('servoid identify rec.csv -o model.json') and plan with --model model.json, or leave out --model to assume a simulated servo"
-                    );
-                }
-                AssumedServo::of_model(format!("the servo of {}", path.display()), model)
-            }
-            None => self.simulated()?,
+            Some(path) => AssumedServo::of_file(path)?,
+            None => match AssumedServo::named(&self.servo) {
+                Err(AssumedServoError::NoServo(error)) => return Err(no_servo(error)),
+                named => named?,
+            },
         };
         Ok(match self.noise {
             Some(sigma) => assumed.with_white_noise(sigma),
             None => assumed,
-        })
-    }
-
-    /// Whether --servo is a model file.
-    fn names_a_model(&self) -> bool {
-        let servo = self.servo.split('?').next().unwrap_or_default();
-        is_model(Path::new(servo))
-    }
-
-    fn simulated(&self) -> Result<AssumedServo> {
-        let options = simulated_servo(&self.servo)?;
-        let assumed = AssumedServo::simulated(&options)?;
-        Ok(match self.names_a_model() {
-            true => AssumedServo {
-                name: format!("the servo model of {}", self.servo),
-                ..assumed
-            },
-            false => assumed,
         })
     }
 }

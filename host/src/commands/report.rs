@@ -1,10 +1,11 @@
 //! `servoid report`
 
-use super::input::{TableArgs, compared, identified, is_model, name_of};
+use super::input::{TableArgs, name_of};
 use super::output::{Output, Talk, stem, wrong_usage};
-use super::servo_fit;
+use super::servo_search::ServoSearch;
+use crate::analysis::{compared, identified, servo_fit};
 use crate::data::dataset::{Dataset, listed};
-use crate::data::model_file::ModelFile;
+use crate::data::model_file::{ModelFile, is_model};
 use crate::presentation::report::{self, Page, Servo};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -114,9 +115,12 @@ impl Report {
 
     fn servo(&self, files: &[PathBuf], data: Dataset) -> Result<Servo> {
         let (options, talk) = (Options::default(), self.output.talk);
-        let found = identified(&data, files, &options)?;
-        let machine = servo_fit::is_wanted(self.servo_model, found.model.level().withdrawn())
-            .then(|| servo_fit::find(&data, &found.model, &options, true, talk));
+        let found = identified(&data, &listed(files), &options)?;
+        let machine =
+            servo_fit::is_wanted(self.servo_model, found.model.level().withdrawn()).then(|| {
+                let search = ServoSearch::begin("the servo as a machine", talk);
+                servo_fit::find(&data, &found.model, &options, true, &search)
+            });
         let mut servo = Servo::of_data(name_of(&data, files), data, found);
         match machine.map(|found| (found.model, found.held_out)) {
             Some((Ok(model), held_out)) => {

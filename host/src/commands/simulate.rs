@@ -3,12 +3,13 @@
 use super::capture::{CaptureJob, Monitor, capture, first_partial};
 use super::completion_values::simulated_servo;
 use super::input;
-use super::output::{Output, stem};
+use super::output::Output;
 use super::reference_args::ReferenceArgs;
+use crate::analysis::SimulatedServo;
 use crate::data::rig_file::RigFile;
 use anyhow::Result;
 use clap::{Args, ValueHint};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Record a simulated servo, as fast as the computer allows
 ///
@@ -42,20 +43,19 @@ pub(super) struct Simulate {
 
 impl Simulate {
     pub(super) fn run(self) -> Result<String> {
-        let controller = self
-            .controller
-            .map_or_else(String::new, |name| format!("&controller={name}"));
-        let name = self.servo.split('?').next().unwrap_or_default();
-        let keys = if self.servo.contains('?') { '&' } else { '?' };
-        let servo = format!("{}{keys}seed={}{controller}", self.servo, self.seed);
+        let servo = SimulatedServo {
+            servo: &self.servo,
+            controller: self.controller,
+            seed: self.seed,
+        };
         // Before a file is reserved: a servo that there is not is wrong usage.
-        input::simulated_servo(&servo)?;
+        let address = servo.address().map_err(input::no_servo)?;
         let (rig, talk) = (RigFile::default(), self.output.talk);
         let job = CaptureJob {
-            address: &format!("sim:{servo}"),
+            address: &address,
             reference: self.reference.resolve(rig.servo.us_per_degree, talk)?,
             rig,
-            condition: &stem(Path::new(name)),
+            condition: &servo.condition(),
             notes: "",
             release: false,
             files: std::slice::from_ref(&self.out),

@@ -2,17 +2,14 @@
 
 use super::input::TableArgs;
 use super::output::{Output, stem};
+use crate::analysis::Validated;
 use crate::data::dataset::listed;
-use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
-use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::plots::{self, Named};
 use crate::presentation::summary;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
-use serde::Serialize;
 use servoid_identification::Run;
-use servoid_identification::results::{Advice, Validation};
 use std::path::PathBuf;
 
 /// Compare a model with a recording that it was not identified from
@@ -46,39 +43,18 @@ impl Validate {
     pub(super) fn run(self) -> Result<String> {
         self.output.check(&self.out)?;
         let file = ModelFile::read(&self.model)?;
-        let servo = file.servo_model()?;
-        let ModelFile {
-            model,
-            metadata,
-            fingerprints,
-            read_as,
-            ..
-        } = file;
         let data = self
             .table
-            .load_as(&read_as, &self.files, self.output.talk)?;
+            .load_as(&file.read_as, &self.files, self.output.talk)?;
         let (model_name, files) = (self.model.display().to_string(), listed(&self.files));
-        metadata.same_units(&model_name, &ModelMetadata::from(&data.about), &files)?;
-        let own = fingerprint::advice_on_validation(&fingerprints, &fingerprint::of(&data.record));
-        let validation = model.validate(&data.record).context(files)?;
-        let servo = servo.map(|servo| -> Result<Validation> {
-            let controllers = data.controllers.among(&servo.controller_names)?;
-            Ok(servo.model.validate(&data.record, &controllers)?)
-        });
-        let servo = servo.transpose()?;
+        let validated = Validated::of(&file, &model_name, &data, &files)?;
         let unit = data.about.output_unit.as_deref();
-        let advice: Vec<Advice> = own.into_iter().chain(data.about.advice).collect();
-        let validated = Validated {
-            validation: &validation,
-            servo_model: servo.as_ref(),
-            advice: &advice,
-        };
         self.output.write_json(self.out.as_ref(), &validated)?;
         if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
             let (name, first) = (stem(&self.model), stem(first));
             let named = [Named {
                 name: &name,
-                model: &model,
+                model: &file.model,
             }];
             let of_run = |(run, number): (&Run, usize)| {
                 let file = format!("{name}-on-{first}-run-{number}");
@@ -87,19 +63,12 @@ impl Validate {
             let figures: Vec<_> = data.record.runs().iter().zip(1..).map(of_run).collect();
             self.output.draw(folder, &figures)?;
         }
-        let text = summary::of_validation(&validation, servo.as_ref(), unit, &advice);
+        let text = summary::of_validation(
+            &validated.validation,
+            validated.servo_model.as_ref(),
+            unit,
+            &validated.advice,
+        );
         self.output.talk.result(text, &validated)
     }
-}
-
-/// The result as JSON, with advice on the files.
-#[derive(Serialize)]
-struct Validated<'a> {
-    #[serde(flatten)]
-    validation: &'a Validation,
-    /// The same of the servo model, where the file has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    servo_model: Option<&'a Validation>,
-    #[serde(skip_serializing_if = "<[Advice]>::is_empty")]
-    advice: &'a [Advice],
 }

@@ -26,7 +26,7 @@
 //! Everything may be left out: [`RigFile::default`] has the values that are used then.
 
 use serde::{Deserialize, Serialize};
-use servoid_protocol::{PulseWidth, SensorScale, ServoScale};
+use servoid_protocol::{PulseWidth, Reference, SensorScale, ServoScale};
 use std::path::{Path, PathBuf};
 
 /// A rig, as its user knows it.
@@ -165,7 +165,39 @@ pub enum RigFileError {
     Malformed(PathBuf, String),
 }
 
+/// A reference that the rig must not follow.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the reference is refused: it goes from {lowest} to {highest} µs, beyond the rig's limits of {shortest} to {longest} µs; make --amplitude smaller, or widen the limits in the rig file if the linkage allows it"
+)]
+pub struct BeyondLimits {
+    lowest: i32,
+    highest: i32,
+    shortest: u16,
+    longest: u16,
+}
+
 impl RigFile {
+    /// Refuses a reference beyond the limits.
+    ///
+    /// # Errors
+    /// It goes beyond them.
+    pub fn require_within_limits(&self, reference: &Reference) -> Result<(), BeyondLimits> {
+        let (low, high) = reference.extremes_us();
+        let neutral = i32::from(self.servo.neutral_us);
+        let [lowest, highest] = [low, high].map(|offset| neutral + i32::from(offset));
+        let [shortest, longest] = [self.limits.shortest_us, self.limits.longest_us];
+        match lowest < i32::from(shortest) || highest > i32::from(longest) {
+            true => Err(BeyondLimits {
+                lowest,
+                highest,
+                shortest,
+                longest,
+            }),
+            false => Ok(()),
+        }
+    }
+
     /// Reads and checks a rig file; the error names the key that is wrong.
     pub fn read(path: &Path) -> Result<Self, RigFileError> {
         let text = std::fs::read_to_string(path)

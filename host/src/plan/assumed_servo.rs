@@ -1,11 +1,14 @@
 //! The servo and the noise that a plan assumes.
 
+use crate::data::model_file::{ModelFile, ModelFileError, is_model};
+use crate::instrument::simulated_servo::{self, SimulatedServoError};
 use servoid_identification::results::{Model, Noise};
 use servoid_identification::{Error, Options, Record, identify};
 use servoid_protocol::PulseWidth;
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::timing::SAMPLE_US;
 use servoid_simulator::{OptionsError, SimulationOptions, simulate};
+use std::path::{Path, PathBuf};
 
 /// A servo and its noise, as a model.
 #[derive(Clone, Debug)]
@@ -29,6 +32,17 @@ pub enum AssumedServoError {
     /// The simulated servo cannot be identified, as with a broken sensor.
     #[error("the simulated servo cannot be identified: {0}")]
     Data(#[from] Error),
+    /// There is no such simulated servo.
+    #[error(transparent)]
+    NoServo(#[from] SimulatedServoError),
+    /// The model cannot be read.
+    #[error(transparent)]
+    Model(#[from] ModelFileError),
+    /// A model of samples that no rig takes.
+    #[error(
+        "{0:?} cannot be planned with: it was sampled every {1} µs, and a rig samples every {SAMPLE_US} µs; capture the servo once ('servoid capture -o rec.csv'), identify it ('servoid identify rec.csv -o model.json') and plan with --model model.json, or leave out --model to assume a simulated servo"
+    )]
+    Period(PathBuf, f64),
 }
 
 impl AssumedServo {
@@ -59,6 +73,36 @@ impl AssumedServo {
         })
     }
 
+    /// The simulated servo of this name, or that of a servo model in a file.
+    ///
+    /// # Errors
+    /// [`AssumedServoError`].
+    pub fn named(servo: &str) -> Result<Self, AssumedServoError> {
+        let assumed = Self::simulated(&simulated_servo::options(servo)?)?;
+        Ok(match is_servo_model(servo) {
+            true => Self {
+                name: format!("the servo model of {servo}"),
+                ..assumed
+            },
+            false => assumed,
+        })
+    }
+
+    /// The servo of a model file, of which the linear part is known.
+    ///
+    /// # Errors
+    /// [`AssumedServoError`].
+    pub fn of_file(path: &Path) -> Result<Self, AssumedServoError> {
+        let ModelFile { model, .. } = ModelFile::read(path)?;
+        let period_us = model.sample_period_s * 1e6;
+        // The file has the period as rounded digits, so equality is to a nanosecond.
+        if (period_us - f64::from(SAMPLE_US)).abs() > 1e-3 {
+            return Err(AssumedServoError::Period(path.to_owned(), period_us));
+        }
+        let name = format!("the servo of {}", path.display());
+        Ok(Self::of_model(name, model))
+    }
+
     /// A servo that is known by its model alone.
     #[must_use]
     pub fn of_model(name: String, model: Model) -> Self {
@@ -81,6 +125,12 @@ impl AssumedServo {
         self.white_noise = Some(sigma);
         self
     }
+}
+
+/// Whether a simulated servo is a model file.
+#[must_use]
+pub fn is_servo_model(servo: &str) -> bool {
+    is_model(Path::new(servo.split('?').next().unwrap_or_default()))
 }
 
 /// Longest memory of the noise that is followed (samples): ten seconds.

@@ -25,7 +25,7 @@ mod text;
 
 pub use alternatives::Alternative;
 pub use answerable_questions::Answer;
-pub use assumed_servo::{AssumedServo, AssumedServoError};
+pub use assumed_servo::{AssumedServo, AssumedServoError, is_servo_model};
 pub use band_width::{BandWidths, RunsNeeded};
 pub use forecast::Plan;
 pub use plot::figure;

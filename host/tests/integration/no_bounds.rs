@@ -104,7 +104,7 @@ fn limited(dir: &Path, seed: u32) -> PathBuf {
 const NAMED: [&str; 4] = ["--input", "u", "--output", "y"];
 
 /// Fields that are bounds, or of which bounds are made, by their names in JSON and in exports.
-const BOUNDS: [&str; 31] = [
+const BOUNDS: [&str; 30] = [
     "bounds",
     "level",
     "lower",

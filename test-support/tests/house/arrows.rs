@@ -6,7 +6,7 @@ use crate::workspace;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The folders and single files of each crate, the lowest first: each imports only those before it.
-const ROOMS: [(&str, &[&str]); 8] = [
+const ROOMS: [(&str, &[&str]); 9] = [
     (
         "protocol",
         &[
@@ -111,7 +111,14 @@ const ROOMS: [(&str, &[&str]); 8] = [
     ),
     (
         "host",
-        &["data", "instrument", "presentation", "plan", "commands"],
+        &[
+            "data",
+            "instrument",
+            "presentation",
+            "plan",
+            "analysis",
+            "commands",
+        ],
     ),
     (
         "virtual-board",
@@ -132,6 +139,19 @@ const ROOMS: [(&str, &[&str]); 8] = [
             "bus",
             "board",
             "server",
+        ],
+    ),
+    (
+        "python",
+        &[
+            "error",
+            "compute",
+            "model",
+            "data",
+            "identification",
+            "sides",
+            "rig",
+            "program",
         ],
     ),
 ];

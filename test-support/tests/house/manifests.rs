@@ -5,7 +5,7 @@ use std::fs;
 use toml::{Table, Value};
 
 /// The crates and those that each may use, the lowest first.
-const CRATES: [(&str, &[&str]); 9] = [
+const CRATES: [(&str, &[&str]); 10] = [
     ("fft", &[]),
     ("dynamics", &[]),
     ("protocol", &[]),
@@ -29,6 +29,7 @@ const CRATES: [(&str, &[&str]); 9] = [
         ],
     ),
     ("virtual-board", &["servoid-protocol", "servoid-simulator"]),
+    ("python", &["servoid", "servoid-identification"]),
 ];
 
 fn table(path: &str) -> Table {

@@ -9,7 +9,7 @@ use crate::data::recording::{Ending, Header, RecordingWriter, ReservedFile};
 use crate::data::rig_file::RigFile;
 use crate::instrument::port;
 use crate::instrument::rig::{Capture, CaptureEnd, CaptureError, RigClient};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use servoid_protocol::message::Command;
 use servoid_protocol::reference::Reference;
 use std::path::{Path, PathBuf};
@@ -36,7 +36,8 @@ pub(in crate::commands) fn capture(
     monitor: &Monitor,
     talk: Talk,
 ) -> Result<Vec<CaptureEnd>> {
-    require_within_limits(job)?;
+    // The board refuses a reference beyond its limits, too. This check comes first: it names the numbers and leaves no file behind.
+    job.rig.require_within_limits(&job.reference)?;
     // Before the servo moves: a run may be expensive.
     let reserve = |path: &PathBuf| ReservedFile::new(path, job.force);
     let files: Vec<_> = job.files.iter().map(reserve).collect::<Result<_, _>>()?;
@@ -101,22 +102,6 @@ pub(in crate::commands) fn first_partial(
             let sentence = format!("{name} is partial, {rows} samples: {reason}{before}");
             Some(PartialRecording::named(sentence))
         })
-}
-
-/// The board refuses a reference beyond its limits. This check comes first: it names the numbers and leaves no
-/// file behind.
-fn require_within_limits(job: &CaptureJob<'_>) -> Result<()> {
-    let (low, high) = job.reference.extremes_us();
-    let neutral = i32::from(job.rig.servo.neutral_us);
-    let [lowest, highest] = [low, high].map(|offset| neutral + i32::from(offset));
-    let limits = &job.rig.limits;
-    let [shortest, longest] = [limits.shortest_us, limits.longest_us];
-    if lowest < i32::from(shortest) || highest > i32::from(longest) {
-        bail!(
-            "the reference is refused: it goes from {lowest} to {highest} µs, beyond the rig's limits of {shortest} to {longest} µs; make --amplitude smaller, or widen the limits in the rig file if the linkage allows it"
-        );
-    }
-    Ok(())
 }
 
 /// Captures one run.

@@ -76,7 +76,7 @@ pub(super) fn from_table(
         ..About::default()
     };
     for (name, column) in [(input, &u), (output, &y)] {
-        note_sentinel_value(&mut about, path, name, column);
+        note_sentinel_value(&mut about, &file.to_string(), name, column);
     }
     Ok(Loaded {
         runs,
@@ -89,13 +89,12 @@ pub(super) fn from_table(
 }
 
 /// Remarks where a number of a column seems to stand for no reading: as it is, it counts as one.
-fn note_sentinel_value(about: &mut About, path: &Path, name: &str, column: &[f64]) {
+pub(super) fn note_sentinel_value(about: &mut About, place: &str, name: &str, column: &[f64]) {
     let Some((value, rows)) = sentinel_values::find(column) else {
         return;
     };
     let finding = format!(
-        "{}: column {name:?} is {value} in {rows} rows of {}, far from all its other values",
-        path.display(),
+        "{place}: column {name:?} is {value} in {rows} rows of {}, far from all its other values",
         column.len()
     );
     about.remarks.push(format!(

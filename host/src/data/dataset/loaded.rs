@@ -66,7 +66,8 @@ pub(super) fn run(input: Vec<f64>, output: Vec<f64>, at_rest: Option<f64>) -> Re
 }
 
 /// "a.csv, b.csv" for sentences.
-pub(crate) fn listed(paths: &[PathBuf]) -> String {
+#[must_use]
+pub fn listed(paths: &[PathBuf]) -> String {
     let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
     names.join(", ")
 }

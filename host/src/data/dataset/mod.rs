@@ -8,6 +8,7 @@
 mod about;
 mod controllers;
 mod error;
+mod from_arrays;
 mod from_recordings;
 mod from_tables;
 mod loaded;
@@ -18,7 +19,8 @@ mod time_column;
 
 pub use about::About;
 pub use error::{DatasetError, DatasetFault};
-pub(crate) use loaded::listed;
+pub use from_arrays::{ArrayRun, Arrays};
+pub use loaded::listed;
 pub use options::DatasetOptions;
 pub use time_column::TimeUnit;
 
@@ -58,6 +60,30 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
             None => all = Some(next),
         }
     }
+    together(all.unwrap_or_default(), &listed(paths))
+}
+
+/// [`load`] of the content of one file, which is called `path`.
+pub fn of_bytes(
+    bytes: Vec<u8>,
+    path: &Path,
+    options: &DatasetOptions,
+) -> Result<Dataset, DatasetError> {
+    let loaded = of_content(bytes, path, options).map_err(FileError::at(path))?;
+    together(loaded, &path.display().to_string())
+}
+
+/// The data set of these arrays.
+///
+/// # Errors
+/// Columns of unequal lengths, infinite values, a column that never changes, a period that is none.
+pub fn of_arrays(arrays: Arrays) -> Result<Dataset, DatasetError> {
+    let name = arrays.name.clone();
+    together(arrays.loaded()?, &name)
+}
+
+/// The data set of all runs, which are called `names`.
+fn together(all: Loaded, names: &str) -> Result<Dataset, DatasetError> {
     let Loaded {
         runs,
         controllers,
@@ -65,9 +91,9 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
         period_s,
         phase_s,
         mut about,
-    } = all.unwrap_or_default();
+    } = all;
     let record =
-        Record::new(period_s, runs).map_err(|error| DatasetError::Data(listed(paths), error))?;
+        Record::new(period_s, runs).map_err(|error| DatasetError::Data(names.to_owned(), error))?;
     if let Some(advice) = fingerprint::advice_on_repeats(&record) {
         about.remarks.push(advice.finding.clone());
         about.advice.push(advice);
@@ -77,6 +103,26 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, Data
         controllers: Controllers(controllers),
         about,
     })
+}
+
+/// Reads files as the runs of a model were read (`like`), unless `options` say otherwise. Files that cannot be read so, such as
+/// recordings of servoid, are read for themselves.
+pub fn load_as(
+    paths: &[PathBuf],
+    options: &DatasetOptions,
+    like: &DatasetOptions,
+) -> Result<Dataset, DatasetError> {
+    let joined = options.clone().or(like);
+    if joined == *options {
+        return load(paths, options);
+    }
+    let mut data = match load(paths, &joined) {
+        Err(error) => return load(paths, options).map_err(|_| error),
+        Ok(data) => data,
+    };
+    let remark = "the files are read as those of the model were (columns, period, runs); options override this";
+    data.about.remarks.insert(0, remark.to_owned());
+    Ok(data)
 }
 
 /// Reads two sides that are to be compared. Where one side is recordings of servoid without
@@ -112,6 +158,14 @@ fn has_other_columns(error: &DatasetError) -> bool {
 
 fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded, DatasetFault> {
     let bytes = input_file::read(path).map_err(TableFault::Unreadable)?;
+    of_content(bytes, path, options)
+}
+
+fn of_content(
+    bytes: Vec<u8>,
+    path: &Path,
+    options: &DatasetOptions,
+) -> Result<Loaded, DatasetFault> {
     let named = options.input.is_some() || options.output.is_some();
     let is_recording = recording::is_recording(&bytes);
     if is_recording && !named {

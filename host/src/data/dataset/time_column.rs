@@ -32,6 +32,15 @@ impl TimeUnit {
         }
     }
 
+    /// The unit with this symbol: s, ms, us or ns.
+    #[must_use]
+    pub fn of_symbol(symbol: &str) -> Option<Self> {
+        Self::value_variants()
+            .iter()
+            .copied()
+            .find(|unit| unit.names().0 == symbol)
+    }
+
     /// Its symbol and its name.
     pub(crate) fn names(self) -> (&'static str, &'static str) {
         match self {

@@ -13,6 +13,12 @@ use servoid_identification::results::{MODEL_SCHEMA, Model};
 use servoid_identification::servo_model::ServoModel;
 use std::path::{Path, PathBuf};
 
+/// Whether a file is a model, by its ending; any other file is read as a recording.
+#[must_use]
+pub fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "json")
+}
+
 /// A model as its file has it, to be written.
 #[derive(Debug, Serialize)]
 pub struct ModelDocument<'a> {
@@ -114,6 +120,16 @@ pub struct ModelFile {
     path: PathBuf,
 }
 
+/// The text of a model file.
+///
+/// # Errors
+/// The file cannot be read, or is not text.
+pub fn read_text(path: &Path) -> Result<String, ModelFileError> {
+    let bytes = input_file::read(path)
+        .map_err(|reason| ModelFileError::NotRead(path.to_owned(), reason))?;
+    String::from_utf8(bytes).map_err(|_| ModelFileError::NotText(path.to_owned()))
+}
+
 /// The fields beside the model.
 #[derive(Default, Deserialize)]
 struct Beside {
@@ -126,11 +142,7 @@ struct Beside {
 impl ModelFile {
     /// Reads a model that `servoid identify` has written.
     pub fn read(path: &Path) -> Result<Self, ModelFileError> {
-        let bytes = input_file::read(path)
-            .map_err(|reason| ModelFileError::NotRead(path.to_owned(), reason))?;
-        let text =
-            String::from_utf8(bytes).map_err(|_| ModelFileError::NotText(path.to_owned()))?;
-        Self::parse(&text, path)
+        Self::parse(&read_text(path)?, path)
     }
 
     /// [`ModelFile::read`] of a text; errors call it `path`.

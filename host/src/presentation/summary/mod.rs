@@ -12,6 +12,7 @@ mod servo_model;
 pub use beyond::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
 pub(crate) use metrics::TableRow;
+pub use model_sentence::model_sentence;
 pub(crate) use servo_comparison::{how_servo_models_are_compared, servo_model_rows};
 pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use servo_model::{of_servo_model, servo_sentence};
@@ -51,7 +52,7 @@ pub struct Extent<'a> {
 /// The results of one identification: the answer first.
 #[must_use]
 pub fn of_model(source: &str, model: &Model, units: Units<'_>, extent: Extent<'_>) -> String {
-    let sentence = wrapped(&model_sentence::model_sentence(model, units), 0);
+    let sentence = wrapped(&model_sentence(model, units), 0);
     let mut text = format!("{source}\n{sentence}\n{}", extent.picture);
     match model.level() {
         Bounds::Withdrawn(reason) => {

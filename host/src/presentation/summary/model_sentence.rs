@@ -5,7 +5,8 @@ use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval, Model};
 
 /// What kind of servo, how fast, how sure.
-pub(crate) fn model_sentence(model: &Model, units: Units<'_>) -> String {
+#[must_use]
+pub fn model_sentence(model: &Model, units: Units<'_>) -> String {
     format!("{} {}", motion(model, units), certainty(model))
 }
 

@@ -1,23 +1,22 @@
 //! The servo model beside the linear one: when it is wanted, its fit, and its prediction of a stretch that it has not seen.
 
-use super::output::Talk;
-use super::servo_search::ServoSearch;
 use crate::data::dataset::Dataset;
 use crate::data::held_out::HeldOut;
 use crate::data::model_file::ServoModelDocument;
 use crate::presentation::plots::HeldOutPrediction;
 use servoid_identification::results::{Model, Reason, Validation};
-use servoid_identification::servo_model::{self, ServoModelOptions};
+use servoid_identification::servo_model::{self, ServoModelOptions, Watch};
 use servoid_identification::{Options, Record, Run, identify};
 
 /// Whether a servo model is looked for: on request, and where the linear result has no bounds, which leaves its user with
 /// little.
-pub(super) fn is_wanted(asked: bool, linear_bounds: Option<Reason>) -> bool {
+pub fn is_wanted(asked: bool, linear_bounds: Option<Reason>) -> bool {
     asked || linear_bounds.is_some()
 }
 
 /// What was found of the servo as a machine.
-pub(super) struct Found {
+#[derive(Debug)]
+pub struct Found {
     /// The model, or the reason why there is none.
     pub model: Result<ServoModelDocument, String>,
     /// How it and the linear model predict a stretch, both identified without it.
@@ -26,18 +25,17 @@ pub(super) struct Found {
 
 /// Finds the servo behind `data`, and puts the `linear` model of the same data beside it; with `held_out`, also its prediction of a
 /// stretch, at the same time.
-pub(super) fn find(
+pub fn find(
     data: &Dataset,
     linear: &Model,
     options: &Options,
     held_out: bool,
-    talk: Talk,
+    search: &dyn Watch,
 ) -> Found {
-    let search = ServoSearch::begin("the servo as a machine", talk);
     std::thread::scope(|threads| {
         let predicting =
-            held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options, &search)));
-        let model = fit(data, Some(linear), options.level, &search);
+            held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options, search)));
+        let model = fit(data, Some(linear), options.level, search);
         let predicted = predicting.and_then(|thread| thread.join().ok().flatten());
         Found {
             held_out: predicted.filter(|_| model.is_ok()),
@@ -47,15 +45,14 @@ pub(super) fn find(
 }
 
 /// Finds the servos of two sides at the same time, or the reason why one of them is not found.
-pub(super) fn find_both(
+pub fn find_both(
     [a, b]: [&Dataset; 2],
     level: f64,
-    talk: Talk,
+    search: &dyn Watch,
 ) -> Result<[ServoModelDocument; 2], String> {
-    let search = ServoSearch::begin("both servos as machines", talk);
     std::thread::scope(|threads| {
-        let first = threads.spawn(|| fit(a, None, level, &search));
-        let second = fit(b, None, level, &search);
+        let first = threads.spawn(|| fit(a, None, level, search));
+        let second = fit(b, None, level, search);
         let stopped = |_| Err("the search was stopped".to_owned());
         Ok([first.join().unwrap_or_else(stopped)?, second?])
     })
@@ -66,7 +63,7 @@ fn fit(
     data: &Dataset,
     linear: Option<&Model>,
     level: f64,
-    search: &ServoSearch,
+    search: &dyn Watch,
 ) -> Result<ServoModelDocument, String> {
     let names = data.controllers.names();
     let radians = match data.about.units().input {
@@ -108,11 +105,7 @@ fn from_rest(run: &Run, linear: &Model) -> Run {
 
 /// Both models of the rest, on the stretch. They are simulated over the whole run from its input, so the stretch begins as
 /// they arrive there.
-fn predict(
-    held_out: &HeldOut,
-    options: &Options,
-    search: &ServoSearch,
-) -> Option<HeldOutPrediction> {
+fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<HeldOutPrediction> {
     let servo = fit(&held_out.rest, None, options.level, search).ok()?;
     let linear = identify(&held_out.rest.record, options).ok()?;
     let record = &held_out.rest.record;

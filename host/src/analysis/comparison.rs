@@ -1,0 +1,140 @@
+//! The comparison of two sides, with what the commands add to that of the library: servo models, and advice on the files.
+
+use super::servo_fit;
+use crate::data::dataset::Dataset;
+use crate::data::fingerprint;
+use crate::data::model_file::ModelFile;
+use crate::data::model_metadata::ModelMetadata;
+use crate::presentation::summary;
+use anyhow::{Context, Result, bail};
+use serde::Serialize;
+use servoid_identification::comparison::{
+    Comparison, ComparisonOptions, ServoModelComparison, compare, compare_models,
+    compare_servo_models,
+};
+use servoid_identification::servo_model::Watch;
+
+/// Compares the data of two sides. The most important advice comes first: that both have the same samples.
+///
+/// # Errors
+/// Different units, or that of the comparison, behind the names.
+pub fn compared(
+    [a, b]: [&Dataset; 2],
+    names: [&str; 2],
+    options: ComparisonOptions,
+) -> Result<Comparison> {
+    let metadata = [a, b].map(|side| ModelMetadata::from(&side.about));
+    metadata[0].same_units(names[0], &metadata[1], names[1])?;
+    let options = ComparisonOptions {
+        input_unit: a.about.input_unit_with(&b.about),
+        output_unit: a.about.output_unit_with(&b.about),
+        ..options
+    };
+    let found = compare(&a.record, &b.record, &options);
+    let mut found = found.with_context(|| names.join(" against "))?;
+    let [prints_a, prints_b] = [a, b].map(|side| fingerprint::of(&side.record));
+    let same = fingerprint::advice_on_sides(&prints_a, &prints_b);
+    found.advice.splice(0..0, same);
+    found.advice.extend(a.about.other_calibration(&b.about));
+    Ok(found)
+}
+
+/// The comparison as its document has it.
+#[derive(Debug, Serialize)]
+pub struct Compared {
+    /// The step responses and what follows from them.
+    #[serde(flatten)]
+    pub found: Comparison,
+    /// The servos as machines, where they are compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_model: Option<ServoModelComparison>,
+    /// The reason why servo models are not compared though that was looked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_servo_model: Option<String>,
+    /// Units of both sides.
+    #[serde(skip)]
+    metadata: ModelMetadata,
+}
+
+impl Compared {
+    /// Compares recordings. Servo models are compared if `servo_model` asks for it, and where the step responses have no
+    /// bounds; `watch` begins the search for them.
+    ///
+    /// # Errors
+    /// As [`compared`].
+    pub fn recordings<W: Watch>(
+        [a, b]: [&Dataset; 2],
+        names: [&str; 2],
+        options: ComparisonOptions,
+        servo_model: bool,
+        watch: impl FnOnce() -> W,
+    ) -> Result<Self> {
+        let level = options.identification.level;
+        let mut found = compared([a, b], names, options)?;
+        let servos = servo_fit::is_wanted(servo_model, found.bounds.withdrawn())
+            .then(|| servo_fit::find_both([a, b], level, &watch()));
+        let (servo_model, no_servo_model) = match servos {
+            Some(Ok([a, b])) => (Some(compare_servo_models(&a.model, &b.model)), None),
+            Some(Err(reason)) => (None, Some(reason)),
+            None => (None, None),
+        };
+        found.advice.extend(a.about.advice.iter().cloned());
+        found.advice.extend(b.about.advice.iter().cloned());
+        Ok(Self {
+            found,
+            servo_model,
+            no_servo_model,
+            metadata: ModelMetadata::from(&a.about),
+        })
+    }
+
+    /// Compares models; `servo_model` demands that both have one.
+    ///
+    /// # Errors
+    /// Different units, models that are not of one sample period, and a servo model that is missing.
+    pub fn models(
+        [a, b]: [&ModelFile; 2],
+        names: [&str; 2],
+        options: &ComparisonOptions,
+        servo_model: bool,
+    ) -> Result<Self> {
+        a.metadata.same_units(names[0], &b.metadata, names[1])?;
+        let found = compare_models(&a.model, &b.model, options);
+        let mut found = found.with_context(|| names.join(" against "))?;
+        // The most important advice comes first.
+        let same = fingerprint::advice_on_sides(&a.fingerprints, &b.fingerprints);
+        found.advice.splice(0..0, same);
+        let servos = [a.servo_model()?, b.servo_model()?];
+        for (name, servo) in names.iter().zip(&servos) {
+            if servo_model && servo.is_none() {
+                bail!("{name} has no servo model: identify its recording with --servo-model");
+            }
+        }
+        let [of_a, of_b] = servos;
+        let both = of_a.zip(of_b);
+        Ok(Self {
+            found,
+            servo_model: both.map(|(a, b)| compare_servo_models(&a.model, &b.model)),
+            no_servo_model: None,
+            metadata: a.metadata.clone(),
+        })
+    }
+
+    /// The comparison as text.
+    #[must_use]
+    pub fn as_text(&self, names: [&str; 2]) -> String {
+        let mut text = summary::of_comparison(names[0], names[1], &self.found);
+        let units = self.metadata.units();
+        text.extend(self.servo_model.iter().map(|servos| {
+            let sentence = summary::sentence_on_servo_models("A", "B", servos, units);
+            let table = summary::of_servo_models("A", "B", servos, units);
+            format!("\n{}\n{table}", summary::wrapped(&sentence, 0))
+        }));
+        text.extend(
+            self.no_servo_model
+                .iter()
+                .map(|reason| format!("\nno servo models: {reason}\n")),
+        );
+        text
+    }
+}

@@ -1,0 +1,58 @@
+//! The linear model of a data set, with the advice that its files ask for.
+
+use crate::data::dataset::Dataset;
+use anyhow::{Context, Result};
+use servoid_identification::results::{Advice, Check};
+use servoid_identification::{Identification, Options, identify_explained};
+use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
+
+/// Identifies data; its advice becomes the model's.
+///
+/// # Errors
+/// That of the identification, behind the `name` of the data.
+pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Identification> {
+    let found = identify_explained(&data.record, options);
+    let mut found = found.with_context(|| name.to_owned())?;
+    found.model.advice.extend(data.about.advice.iter().cloned());
+    let doubtful = unlikely_period(data.record.sample_period_s());
+    found.model.advice.splice(0..0, doubtful);
+    if data.about.inexact_clock {
+        let [slow, fast] = INTERNAL_CLOCK_ERROR;
+        found.model.metrics = found.model.metrics.with_clock_error(slow, fast);
+    }
+    Ok(found)
+}
+
+/// Sample periods of recordings of a servo \[s\]: with a longer one its motion is over between two samples, and no converter for
+/// servos has a shorter one.
+const PERIODS_S: std::ops::RangeInclusive<f64> = 20e-6..=0.2;
+
+/// That no servo is recorded with this time between samples.
+fn unlikely_period(seconds: f64) -> Option<Advice> {
+    if PERIODS_S.contains(&seconds) {
+        return None;
+    }
+    let (limit, rather) = match seconds > *PERIODS_S.end() {
+        true => (*PERIODS_S.end(), 1e-3 * seconds),
+        false => (*PERIODS_S.start(), 1e3 * seconds),
+    };
+    Some(Advice::new(
+        Check::Period,
+        format!(
+            "The time between samples is taken to be {seconds} s, which is not that of a recording of a servo: all times and frequencies \
+             follow from it."
+        ),
+        seconds,
+        limit,
+        format!(
+            "State it in seconds: --period {} if it is {} ms.",
+            rounded(rather),
+            rounded(1e3 * rather)
+        ),
+    ))
+}
+
+/// The first digits of a number.
+fn rounded(number: f64) -> f64 {
+    (number * 1e9).round() / 1e9
+}

@@ -1,0 +1,17 @@
+//! What the commands and the Python package do with data and models: identification with all that may follow it, comparison
+//! and validation, each with the document that `--json` prints, and recordings of simulated servos.
+
+mod comparison;
+mod identification;
+mod identified;
+mod json;
+pub mod servo_fit;
+mod simulation;
+mod validation;
+
+pub use comparison::{Compared, compared};
+pub use identification::{Identified, IdentifiedDocument, IdentifyRequest};
+pub use identified::identified;
+pub use json::to_json;
+pub use simulation::SimulatedServo;
+pub use validation::Validated;

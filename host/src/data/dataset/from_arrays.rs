@@ -1,0 +1,63 @@
+//! Arrays of samples, as programs hand them over.
+
+use super::about::About;
+use super::error::DatasetError;
+use super::from_tables::note_sentinel_value;
+use super::loaded::{Loaded, run};
+
+/// Runs of one servo under one condition.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Arrays {
+    /// What they are called in sentences.
+    pub name: String,
+    /// Time between samples \[s\].
+    pub period_s: f64,
+    /// From an edge of the input to the first sample that carries it \[s\].
+    pub phase_s: f64,
+    /// The runs.
+    pub runs: Vec<ArrayRun>,
+    /// The name or gain of the controller that drove each run, where several did; else empty.
+    pub controllers: Vec<f64>,
+    /// The unit of the input, where it is known.
+    pub input_unit: Option<String>,
+    /// The unit of the output, where it is known.
+    pub output_unit: Option<String>,
+}
+
+/// One run: input and output, NaN where a sample is missing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ArrayRun {
+    /// The command.
+    pub input: Vec<f64>,
+    /// The measured motion.
+    pub output: Vec<f64>,
+    /// The input during at least the settling time before the run, where that is known.
+    pub at_rest: Option<f64>,
+}
+
+impl Arrays {
+    pub(super) fn loaded(self) -> Result<Loaded, DatasetError> {
+        let mut about = About {
+            input_unit: self.input_unit,
+            output_unit: self.output_unit,
+            ..About::default()
+        };
+        let mut runs = Vec::new();
+        for (arrays, number) in self.runs.into_iter().zip(1..) {
+            let place = format!("run {number}");
+            for (name, column) in [("input", &arrays.input), ("output", &arrays.output)] {
+                note_sentinel_value(&mut about, &place, name, column);
+            }
+            let next = run(arrays.input, arrays.output, arrays.at_rest);
+            runs.push(next.map_err(|error| DatasetError::Data(place, error))?);
+        }
+        Ok(Loaded {
+            runs,
+            controllers: self.controllers,
+            rest: Vec::new(),
+            period_s: self.period_s,
+            phase_s: self.phase_s,
+            about,
+        })
+    }
+}

@@ -1,0 +1,231 @@
+"""Comparison of two sides, and validation of a model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import _servoid
+from ._document import Document
+from ._model import Advice, Model, Withdrawn, advice, withdrawn
+from ._recording import as_recording, of_arrays
+
+
+class Comparison(Document):
+    """The comparison of two servos, or of one under two conditions. :func:`compare` gives it."""
+
+    def __init__(self, document: str, text: str) -> None:
+        super().__init__(document)
+        self.__dict__["_summary"] = text
+
+    @property
+    def verdict(self) -> str:
+        """``"different"``, ``"same"`` or ``"undecided"``, against :attr:`margin_percent`."""
+        return str(self._fields["verdict"])
+
+    @property
+    def margin_percent(self) -> float:
+        """The largest difference that still counts as the same (% of the step)."""
+        return float(self._fields["margin_percent"])
+
+    @property
+    def level(self) -> float | None:
+        """Level of every bound; ``None`` where they are withdrawn."""
+        level: float | None = (self._fields["bounds"] or {}).get("level")
+        return level
+
+    @property
+    def withdrawn(self) -> Withdrawn | None:
+        """Why there are no bounds, and so no verdict; ``None`` where they hold."""
+        return withdrawn(self._fields)
+
+    @property
+    def difference_percent(self) -> tuple[float, float] | None:
+        """The largest difference of the step responses is at least and at most this (% of the step); ``None`` without bounds."""
+        bounds = self._fields["bounds"]
+        if bounds is None:
+            return None
+        found = bounds["difference_percent"]
+        return found["at_least"], found["at_most"]
+
+    @property
+    def of(self) -> str:
+        """What the verdict is of: ``"runs"`` (these recordings), or ``"servos"`` with three or more runs a side."""
+        return str(self._fields["of"])
+
+    @property
+    def p_value(self) -> float | None:
+        """Probability of such a difference by scatter between runs; ``None`` with fewer than three runs a side."""
+        found: float | None = self._fields["p_value"]
+        return found
+
+    @property
+    def advice(self) -> tuple[Advice, ...]:
+        """What the recordings cannot answer."""
+        return advice(self._fields)
+
+    @property
+    def summary(self) -> str:
+        """The text that the command line prints."""
+        return str(self.__dict__["_summary"])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Comparison, (self._text, self.summary))
+
+    def __repr__(self) -> str:
+        return f"<Comparison: {self.verdict} (of {'the servos' if self.of == 'servos' else 'these recordings'}; margin {self.margin_percent:g} %)>\n{self._fields['summary']}"
+
+
+class Validation(Document):
+    """How well a model predicts data that it was not identified from. :func:`validate` gives it."""
+
+    def __init__(self, document: str, text: str) -> None:
+        super().__init__(document)
+        self.__dict__["_summary"] = text
+
+    @property
+    def fit_percent(self) -> float:
+        """100 for a perfect prediction, 0 for one no better than the mean (%)."""
+        return float(self._fields["fit_percent"])
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square of the error (unit of the output)."""
+        return float(self._fields["rmse"])
+
+    @property
+    def bias(self) -> float:
+        """Mean of measured less predicted (unit of the output)."""
+        return float(self._fields["bias"])
+
+    @property
+    def samples_used(self) -> int:
+        """Number of samples with a prediction."""
+        return int(self._fields["samples_used"])
+
+    @property
+    def servo_model(self) -> dict[str, Any] | None:
+        """The same of the servo model, where there is one."""
+        found: dict[str, Any] | None = self.to_dict().get("servo_model")
+        return found
+
+    @property
+    def advice(self) -> tuple[Advice, ...]:
+        """That the model comes from these very samples, and what the files ask for."""
+        return advice(self._fields)
+
+    @property
+    def summary(self) -> str:
+        """The text that the command line prints."""
+        return str(self.__dict__["_summary"])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Validation, (self._text, self.summary))
+
+    def __repr__(self) -> str:
+        return f"<Validation: fit {self.fit_percent:.2f} %, error {self.rmse:.3g} rms, {self.samples_used} samples>"
+
+
+def compare(
+    a: Any,
+    b: Any,
+    *,
+    margin: float = 5.0,
+    level: float = 0.99,
+    zero_sd: float = 0.0,
+    servo_model: bool = False,
+    **reading: Any,
+) -> Comparison:
+    """Compare two servos, or one servo under two conditions.
+
+    Parameters
+    ----------
+    a, b : Recording, path, list of paths, or Model
+        The reference condition and the other: recordings on both sides, or models on both. Recordings give more: up and down
+        strokes apart, and the rest positions.
+    margin : float
+        The largest difference that still counts as the same (% of the step).
+    level : float
+        Confidence level of every bound.
+    zero_sd : float
+        Standard deviation of the sensor's zero between the two sides (unit of the output).
+    servo_model : bool
+        Also compare the servos as machines. That is done by itself where the step responses have no bounds.
+    **reading
+        Options of :func:`read`, where the sides name files.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    ServoidError
+        A side cannot be identified, or the two have different units or sample periods.
+
+    Examples
+    --------
+    >>> import servoid
+    >>> found = servoid.compare(servoid.simulate("bench"), servoid.simulate("aircraft"))
+    >>> found.verdict
+    'different'
+    """
+    options = {"margin": margin, "level": level, "zero_sd": zero_sd, "servo_model": servo_model}
+    if isinstance(a, Model) and isinstance(b, Model):
+        return Comparison(*_servoid.compare_models(a._core, b._core, options))
+    if isinstance(a, Model) or isinstance(b, Model):
+        raise _servoid.ServoidError(
+            "one side is a model: compare two models, or recordings on both sides"
+        )
+    sides = [as_recording(side, dict(reading))._data for side in (a, b)]
+    return Comparison(*_servoid.compare(sides[0], sides[1], options))
+
+
+def validate(model: Model, u: Any, y: Any = None, *, at_rest: float | None = None, **reading: Any) -> Validation:
+    """Compare a model with data that it was not identified from.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    u, y : array_like, or lists of them
+        Command and measured motion at the model's sample period. Without ``y``, ``u`` is a :class:`Recording`, or what
+        :func:`read` takes; files are read as those of the model were, where the options leave it open.
+    at_rest : float, optional
+        The input during at least the settling time before each run.
+    **reading
+        Options of :func:`read`, where ``u`` names files.
+
+    Returns
+    -------
+    Validation
+
+    Raises
+    ------
+    ServoidError
+        The data have other units or another sample period, or are shorter than the history that the model needs.
+
+    Examples
+    --------
+    >>> import servoid
+    >>> model = servoid.identify(servoid.simulate("bench", seed=1))
+    >>> servoid.validate(model, servoid.simulate("bench", seed=2)).fit_percent > 95
+    True
+    """
+    if y is None:
+        options = dict(reading) if at_rest is None else {"at_rest": at_rest, **reading}
+        recording = as_recording(u, options, like=model)
+    else:
+        if reading:
+            raise TypeError(f"validate() of arrays got unexpected options {', '.join(sorted(reading))}")
+        units = model.units
+        recording = of_arrays(
+            u,
+            y,
+            period=model.sample_period_s,
+            phase=model.sample_phase_s,
+            at_rest=at_rest,
+            controllers=None,
+            input_unit=units.get("input"),
+            output_unit=units.get("output"),
+        )
+    return Validation(*_servoid.validate(model._core, recording._data))

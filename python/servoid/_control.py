@@ -1,0 +1,52 @@
+"""Models as objects of python-control."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._servoid import ServoidError
+
+if TYPE_CHECKING:
+    from ._model import Model
+
+# Order of the Padé approximation of a delay: to a tenth of a degree up to the bandwidth of a servo.
+PADE_ORDER = 3
+
+
+def to_control(model: Model, kind: str) -> Any:
+    """The object of this kind."""
+    import control
+
+    if kind == "frd":
+        return control.FRD(model.frequency.response, model.frequency.omega_rad_s)
+    impulse, period = model.impulse_response, model.sample_period_s
+    last = len(impulse) - 1
+    if kind == "tf":
+        return control.TransferFunction(impulse, [1.0] + [0.0] * last, period)
+    if kind == "ss":
+        # A shift register of past inputs.
+        past = np.eye(last, k=-1)
+        newest = np.eye(last, 1)
+        return control.StateSpace(past, newest, impulse[np.newaxis, 1:], impulse[:1, np.newaxis], period)
+    if kind == "flight":
+        return _flight(model)
+    raise ServoidError(f"there is no kind {kind!r}: choose frd, tf, ss or flight")
+
+
+def _flight(model: Model) -> Any:
+    import control
+
+    found = model.flight_model
+    if found is None:
+        raise ServoidError("the model has no low-order model: identify with flight_model=True")
+    transfer = found["transfer"]
+    system = control.TransferFunction([transfer["gain"]], [1.0])
+    if transfer.get("oscillator") is not None:
+        omega, damping = transfer["oscillator"]["omega_rad_s"], transfer["oscillator"]["damping"]
+        system = system * control.TransferFunction([omega**2], [1.0, 2.0 * damping * omega, omega**2])
+    if transfer.get("lag_s") is not None:
+        system = system * control.TransferFunction([1.0], [transfer["lag_s"], 1.0])
+    delay = control.TransferFunction(*control.pade(transfer["delay_s"], PADE_ORDER))
+    return system * delay

@@ -1,0 +1,124 @@
+"""Identification."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from . import _servoid
+from ._model import Model
+from ._recording import READ_OPTIONS, Recording, as_recording, of_arrays
+
+
+def identify(
+    u: Any,
+    y: Any = None,
+    *,
+    period: float | None = None,
+    phase: float = 0.0,
+    at_rest: float | Sequence[float | None] | None = None,
+    controllers: Sequence[float] | None = None,
+    input_unit: str | None = None,
+    output_unit: str | None = None,
+    settling: int | str = "auto",
+    frequencies: int | str = "auto",
+    noise_order: int | str = "auto",
+    level: float = 0.99,
+    detrend: str = "auto",
+    explain: bool = False,
+    flight_model: bool = False,
+    servo_model: bool = False,
+    limits: bool = False,
+    **reading: Any,
+) -> Model:
+    """Identify the servo behind input and output, with bounds.
+
+    Parameters
+    ----------
+    u, y : array_like, or lists of them
+        Command and measured motion, evenly sampled; NaN or masked where a sample is missing. Several runs of the same servo are
+        lists of arrays; runs are never joined end to end. Without ``y``, ``u`` is a :class:`Recording`, or what :func:`read`
+        takes: a path, a list of paths, or a table of pandas.
+    period : float
+        Time between samples (s).
+    phase : float
+        From an edge of the command to the first sample that follows it (s).
+    at_rest : float, or one for each run, optional
+        The input during at least the settling time before the run. A wrong value is far worse than none.
+    controllers : sequence of float, optional
+        Name or gain of the controller that drove each run, where several drove the same mechanism.
+    input_unit, output_unit : str, optional
+        Units, such as ``"deg"``.
+    settling : int or "auto"
+        Settling time N (samples).
+    frequencies : int, "auto" or "narrow"
+        Number n of frequencies, odd and at most N.
+    noise_order : int or "auto"
+        Order d of the noise model; 0 is white noise.
+    level : float
+        Confidence level of every bound, from 0.5 to 0.99999.
+    detrend : {"auto", "none", "offset", "linear"}
+        What is taken out of the output of each run.
+    explain, flight_model, servo_model, limits : bool
+        Also: why this structure, a low-order model, the servo as a machine, and motion that is not linear. The servo model is
+        looked for by itself where the linear model has no bounds, which takes some seconds.
+    **reading
+        Options of :func:`read`, where ``u`` names files.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    ServoidError
+        The data do not determine a model, or an option does not fit; the text names the remedy.
+
+    Examples
+    --------
+    >>> import servoid
+    >>> u, y = servoid.simulate("linear").runs[0]
+    >>> model = servoid.identify([u[:1800], u[1800:]], [y[:1800], y[1800:]], period=0.002)
+    >>> 0.9 < model.metrics.dc_gain.lower < model.metrics.dc_gain.upper < 1.1
+    True
+    >>> servoid.identify(u, y[:-1], period=0.002)
+    Traceback (most recent call last):
+        ...
+    servoid.ServoidError: run 1: the input has 3600 samples and the output 3599: give one input value for each ...
+    """
+    if y is None:
+        _refuse_options_of_arrays(phase, controllers, input_unit, output_unit)
+        options = {"period": period, "at_rest": at_rest, **reading}
+        recording = as_recording(u, {name: value for name, value in options.items() if value is not None})
+    else:
+        if reading:
+            raise TypeError(f"identify() of arrays got unexpected options {', '.join(sorted(reading))}")
+        recording = of_arrays(
+            u,
+            y,
+            period=period,
+            phase=phase,
+            at_rest=at_rest,
+            controllers=controllers,
+            input_unit=input_unit,
+            output_unit=output_unit,
+        )
+    options = {
+        "settling": str(settling),
+        "frequencies": str(frequencies),
+        "noise_order": str(noise_order),
+        "detrend": detrend,
+        "level": level,
+        "explain": explain,
+        "flight_model": flight_model,
+        "servo_model": servo_model,
+        "limits": limits,
+    }
+    return Model(_servoid.identify(recording._data, options))
+
+
+def _refuse_options_of_arrays(phase: float, *others: Any) -> None:
+    if phase != 0.0 or any(other is not None for other in others):
+        raise _servoid.ServoidError(
+            "phase, controllers and units are of arrays: a recording has its own (files name controllers by a column)"
+        )

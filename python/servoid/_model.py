@@ -1,0 +1,581 @@
+"""The model of an identification, and its parts."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _servoid
+from ._arrays import is_list_of_runs, samples
+from ._document import Column, Document, column, column_or_none
+from ._servo_model import ServoModel
+
+if TYPE_CHECKING:
+    from ._comparison import Validation
+
+
+@dataclass(frozen=True)
+class Withdrawn:
+    """Why no bounds can be given.
+
+    Attributes
+    ----------
+    reason : str
+        A stable name, such as ``"errors_not_noise"``.
+    because : str
+        The reason in a few words.
+    """
+
+    reason: str
+    because: str
+
+
+def withdrawn(fields: dict[str, Any]) -> Withdrawn | None:
+    """The reason that stands beside bounds."""
+    found = fields.get("withdrawn")
+    return None if found is None else Withdrawn(found["reason"], found["because"])
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A value between two bounds at the level of its model.
+
+    Attributes
+    ----------
+    value : float or None
+        Best estimate; ``None`` where the data do not determine it.
+    lower, upper : float or None
+        Bounds; ``None`` where they are withdrawn, or where nothing bounds the value on that side.
+    """
+
+    value: float | None
+    lower: float | None
+    upper: float | None
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """Gain, times and frequencies of the response, each with its interval; times count from the edge of the command.
+
+    Attributes
+    ----------
+    dc_gain : Interval
+        Final value of the step response (output per input).
+    delay_s, t50_s, rise_time_s, settling_time_s : Interval
+        Time to 5 %, to 50 %, from 10 to 90 %, and until the response stays within 2 % (s).
+    overshoot_percent : Interval
+        Highest point above the final value (% of it).
+    bandwidth_rad_s, phase_minus_90_rad_s : Interval
+        Where the magnitude has fallen by 3 dB, and where the phase reaches -90 degrees (rad/s).
+    withheld : str or None
+        Why metrics are left out.
+    level : float or None
+        Level of the intervals; ``None`` where bounds are withdrawn.
+    """
+
+    dc_gain: Interval
+    delay_s: Interval
+    t50_s: Interval
+    rise_time_s: Interval
+    settling_time_s: Interval
+    overshoot_percent: Interval
+    bandwidth_rad_s: Interval
+    phase_minus_90_rad_s: Interval
+    withheld: str | None
+    level: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class StepResponse:
+    """Response to a unit step of the command.
+
+    Attributes
+    ----------
+    time_s, value : ndarray
+        Time since the step, counted in samples (s), and the response (output per input).
+    level : float or None
+        Level of the bounds; ``None`` where they are withdrawn, and with it all that follows.
+    lower, upper : ndarray or None
+        Bounds for the whole curve at once.
+    pointwise_lower, pointwise_upper : ndarray or None
+        Bounds for each point by itself.
+    sd : ndarray or None
+        Standard deviation of each value.
+    """
+
+    time_s: Column
+    value: Column
+    level: float | None
+    lower: Column | None
+    upper: Column | None
+    pointwise_lower: Column | None
+    pointwise_upper: Column | None
+    sd: Column | None
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyResponse:
+    """Response of the samples to sines.
+
+    Attributes
+    ----------
+    omega_rad_s : ndarray
+        Frequencies (rad/s).
+    response : ndarray of complex
+        Gain and phase as complex numbers (output per input).
+    magnitude_db, phase_deg : ndarray
+        The same in decibels and in degrees of phase.
+    level : float or None
+        Level of the bounds; ``None`` where they are withdrawn, and with it the bounds of magnitude and phase.
+    """
+
+    omega_rad_s: Column
+    response: NDArray[np.complex128]
+    magnitude_db: Column
+    phase_deg: Column
+    level: float | None
+    magnitude_db_lower: Column | None
+    magnitude_db_upper: Column | None
+    phase_deg_lower: Column | None
+    phase_deg_upper: Column | None
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Settling time N (samples), number of frequencies n, noise order d, and who chose them."""
+
+    settling_samples: int
+    frequencies: int
+    noise_order: int
+    selected_by: str
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How well the model reproduces its record: 100 (1 - \\|y - ŷ\\| / \\|y - mean y\\|), and the error (rms, unit of the output)."""
+
+    simulation_percent: float
+    one_step_percent: float
+    rmse: float
+    samples_used: int
+    samples_missing: int
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Autoregressive noise 1/D(z): d_1, d_2, ... of D, and the standard deviation of its white part."""
+
+    ar: tuple[float, ...]
+    sigma: float
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """Probabilities of the tests of the residuals; ``None`` where a test was not possible."""
+
+    whiteness_p: float | None
+    input_correlation_p: float | None
+    linearity_p: float | None
+
+
+@dataclass(frozen=True)
+class Advice:
+    """A finding about data or model.
+
+    Attributes
+    ----------
+    check : str
+        A stable name.
+    finding, do : str
+        What was found, and what to do.
+    value, threshold : float or None
+        What was measured, and the limit that it is beyond.
+    """
+
+    check: str
+    finding: str
+    value: float | None
+    threshold: float | None
+    do: str
+
+
+def advice(fields: dict[str, Any]) -> tuple[Advice, ...]:
+    """The findings of a document."""
+    return tuple(
+        Advice(item["check"], item["finding"], item.get("value"), item.get("threshold"), item["do"])
+        for item in fields.get("advice", ())
+    )
+
+
+def interval(fields: dict[str, Any]) -> Interval:
+    """A value with its bounds, where it has some."""
+    return Interval(fields.get("value"), fields.get("lower"), fields.get("upper"))
+
+
+_METRICS = (
+    "dc_gain",
+    "delay_s",
+    "t50_s",
+    "rise_time_s",
+    "settling_time_s",
+    "overshoot_percent",
+    "bandwidth_rad_s",
+    "phase_minus_90_rad_s",
+)
+
+
+def metrics(fields: dict[str, Any]) -> Metrics:
+    """The metrics of a document."""
+    level = (fields["bounds"] or {}).get("level")
+    intervals = {name: interval(fields[name]) for name in _METRICS}
+    return Metrics(**intervals, withheld=fields["withheld"], level=level)
+
+
+def step_response(fields: dict[str, Any]) -> StepResponse:
+    """The step response of a document."""
+    bounds = fields["bounds"] or {}
+    whole, each = bounds.get("simultaneous", {}), bounds.get("pointwise", {})
+    return StepResponse(
+        column(fields["time_s"]),
+        column(fields["value"]),
+        bounds.get("level"),
+        column_or_none(whole.get("lower")),
+        column_or_none(whole.get("upper")),
+        column_or_none(each.get("lower")),
+        column_or_none(each.get("upper")),
+        column_or_none(bounds.get("sd")),
+    )
+
+
+class Model(Document):
+    """A servo as it was identified. :func:`identify` gives it, and :meth:`load` reads it from a file.
+
+    Attributes are those of the document (docs/results.md), as objects with arrays.
+
+    Examples
+    --------
+    >>> import servoid
+    >>> model = servoid.identify(servoid.simulate("bench"))
+    >>> model.level, model.withdrawn
+    (0.99, None)
+    >>> bool((model.step.lower <= model.step.upper).all())
+    True
+    """
+
+    _core: _servoid.Model
+
+    def __init__(self, core: _servoid.Model) -> None:
+        super().__init__(core.document)
+        self.__dict__["_core"] = core
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Model:
+        """Read a model that :meth:`save` or ``servoid identify -o`` has written.
+
+        Parameters
+        ----------
+        path : path
+            The file.
+
+        Returns
+        -------
+        Model
+
+        Raises
+        ------
+        ServoidError
+            The file is no model, contradicts itself, or was made by a newer servoid.
+        """
+        return cls(_servoid.Model.read(os.fspath(path)))
+
+    @classmethod
+    def from_json(cls, text: str) -> Model:
+        """The model of a document, as :meth:`load` reads it from a file.
+
+        Parameters
+        ----------
+        text : str
+            The document.
+
+        Returns
+        -------
+        Model
+
+        Raises
+        ------
+        ServoidError
+            As :meth:`load`.
+        """
+        return cls(_servoid.Model.parse(text, "the document"))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Model.from_json, (self._text,))
+
+    @property
+    def sample_period_s(self) -> float:
+        """Time between samples (s)."""
+        return float(self._fields["sample_period_s"])
+
+    @property
+    def sample_phase_s(self) -> float:
+        """From an edge of the command to the first sample that follows it (s)."""
+        return float(self._fields.get("sample_phase_s", 0.0))
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of ``input`` and ``output``, where they are known."""
+        return dict(self._fields.get("units", {}))
+
+    @property
+    def structure(self) -> Structure:
+        """Settling time, number of frequencies and noise order."""
+        return Structure(**self._fields["structure"])
+
+    @cached_property
+    def theta(self) -> Column:
+        """G_0, Re G_1, Im G_1, ... (output per input)."""
+        return column(self._fields["theta"])
+
+    @cached_property
+    def covariance(self) -> Column | None:
+        """Covariance of :attr:`theta`; ``None`` where bounds are withdrawn."""
+        return column_or_none((self._fields["bounds"] or {}).get("covariance"))
+
+    @property
+    def level(self) -> float | None:
+        """Level of all bounds; ``None`` where they are withdrawn."""
+        level: float | None = (self._fields["bounds"] or {}).get("level")
+        return level
+
+    @property
+    def withdrawn(self) -> Withdrawn | None:
+        """Why no bounds can be given; ``None`` where they hold."""
+        return withdrawn(self._fields)
+
+    @property
+    def linear(self) -> bool:
+        """Whether nothing was found that makes the response one of this motion alone."""
+        return bool(self._fields["linear"])
+
+    @property
+    def offset(self) -> float:
+        """Output with the input at 0."""
+        return float(self._fields["offset"])
+
+    @property
+    def noise(self) -> Noise:
+        """The noise of the output."""
+        found = self._fields["noise"]
+        return Noise(tuple(found["ar"]), found["sigma"])
+
+    @cached_property
+    def step(self) -> StepResponse:
+        """Response to a unit step."""
+        return step_response(self._fields["step"])
+
+    @cached_property
+    def frequency(self) -> FrequencyResponse:
+        """Frequency response."""
+        found = self._fields["frequency"]
+        bounds = found["bounds"] or {}
+        response = np.array(found["re"]) + 1j * np.array(found["im"])
+        response.flags.writeable = False
+        return FrequencyResponse(
+            column(found["omega_rad_s"]),
+            response,
+            column(found["magnitude_db"]),
+            column(found["phase_deg"]),
+            bounds.get("level"),
+            column_or_none(bounds.get("magnitude_db_lower")),
+            column_or_none(bounds.get("magnitude_db_upper")),
+            column_or_none(bounds.get("phase_deg_lower")),
+            column_or_none(bounds.get("phase_deg_upper")),
+        )
+
+    @cached_property
+    def metrics(self) -> Metrics:
+        """Gain, delay, rise time and the like, with intervals."""
+        return metrics(self._fields["metrics"])
+
+    @property
+    def fit(self) -> Fit:
+        """How well the model reproduces its record."""
+        return Fit(**{name: self._fields["fit"][name] for name in Fit.__dataclass_fields__})
+
+    @property
+    def residuals(self) -> Residuals:
+        """Tests of the residuals."""
+        found = self._fields["residuals"]
+        return Residuals(*(found.get(name) for name in Residuals.__dataclass_fields__))
+
+    @property
+    def advice(self) -> tuple[Advice, ...]:
+        """Findings, and what to do about them."""
+        return advice(self._fields)
+
+    @cached_property
+    def servo_model(self) -> ServoModel | None:
+        """The servo as a machine, where it was looked for and found."""
+        found = self._fields.get("servo_model")
+        return None if found is None else ServoModel(found, self._core)
+
+    @property
+    def no_servo_model(self) -> str | None:
+        """Why there is no servo model though one was looked for."""
+        reason: str | None = self._fields.get("no_servo_model")
+        return reason
+
+    @property
+    def flight_model(self) -> dict[str, Any] | None:
+        """The low-order model (``flight_model=True``), as in the document."""
+        found: dict[str, Any] | None = self.to_dict().get("flight_model")
+        return found
+
+    @property
+    def explanation(self) -> dict[str, Any] | None:
+        """The choice of the structure (``explain=True``), as in the document."""
+        found: dict[str, Any] | None = self.to_dict().get("explanation")
+        return found
+
+    @property
+    def limits(self) -> dict[str, Any] | None:
+        """Rate limits, hysteresis and ends of the travel (``limits=True``), as in the document."""
+        found: dict[str, Any] | None = self.to_dict().get("limits")
+        return found
+
+    @property
+    def impulse_response(self) -> Column:
+        """Differences of the step response from sample to sample (output per input)."""
+        return column(np.diff(self.step.value, prepend=0.0))
+
+    @property
+    def summary(self) -> str:
+        """The text that the command line prints."""
+        return self._core.summary
+
+    def simulate(self, u: Any, *, at_rest: float | None = None) -> Any:
+        """The output that the linear model gives for an input.
+
+        Parameters
+        ----------
+        u : array_like, or list of them
+            The input at the model's sample period, NaN where it is missing; several runs as a list.
+        at_rest : float, optional
+            The input during at least the settling time before the first sample.
+
+        Returns
+        -------
+        ndarray, or list of them
+            The output, NaN where the history of the input is not known: at the beginning without ``at_rest``.
+
+        Raises
+        ------
+        ServoidError
+            The input is no column of numbers.
+
+        Examples
+        --------
+        >>> import servoid
+        >>> model = servoid.identify(servoid.simulate("linear"))
+        >>> y = model.simulate([1.0] * len(model.step.value), at_rest=0.0)
+        >>> bool(abs(y - model.offset - model.step.value).max() < 1e-9)
+        True
+        """
+        if is_list_of_runs(u):
+            return [self.simulate(one, at_rest=at_rest) for one in u]
+        return self._core.simulate(samples("input", u), at_rest)
+
+    def predict(self, u: Any, y: Any = None, *, at_rest: float | None = None) -> Any:
+        """The output predicted one step ahead from the input and the measured output; without ``y``, :meth:`simulate`.
+
+        Parameters
+        ----------
+        u, y : array_like, or lists of them
+            Input and measured output at the model's sample period, NaN where a sample is missing.
+        at_rest : float, optional
+            The input during at least the settling time before the first sample.
+
+        Returns
+        -------
+        ndarray, or list of them
+            The predicted output, NaN where the past is not known.
+
+        Raises
+        ------
+        ServoidError
+            The columns have different lengths, or are no numbers.
+        """
+        if y is None:
+            return self.simulate(u, at_rest=at_rest)
+        if is_list_of_runs(u):
+            return [self.predict(one, other, at_rest=at_rest) for one, other in zip(u, y, strict=True)]
+        return self._core.predict(samples("input", u), samples("output", y), at_rest)
+
+    def validate(self, *source: Any, **options: Any) -> Validation:
+        """Compare the model with data that it was not identified from; see :func:`servoid.validate`."""
+        from ._comparison import validate
+
+        return validate(self, *source, **options)
+
+    def plot(self, ax: Any = None, *, label: str = "step response") -> Any:
+        """Draw the step response with its band. Needs matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw; a new figure without it.
+        label : str
+            Name in the legend.
+
+        Returns
+        -------
+        matplotlib Axes
+        """
+        from ._plot import step
+
+        return step(self, ax, label)
+
+    def to_control(self, kind: str = "frd") -> Any:
+        """The model as an object of python-control.
+
+        Parameters
+        ----------
+        kind : {"frd", "tf", "ss", "flight"}
+            ``"frd"``: the frequency response. ``"tf"`` and ``"ss"``: the step response's own discrete system, as a transfer
+            function and in state space. ``"flight"``: the continuous low-order model, its delay by a Padé approximation of third
+            order (identify with ``flight_model=True``).
+
+        Returns
+        -------
+        control.FRD, control.TransferFunction or control.StateSpace
+            Output per input; the offset is left out.
+
+        Raises
+        ------
+        ServoidError
+            There is no such kind, or no low-order model.
+        """
+        from ._control import to_control
+
+        return to_control(self, kind)
+
+    def __repr__(self) -> str:
+        if self.withdrawn:
+            bounds = f"no bounds: {self.withdrawn.because}"
+        else:
+            bounds = f"bounds at {100 * float(self.level or 0):g} %"
+        findings = len(self.advice)
+        notes = f", {findings} finding{'s' if findings != 1 else ''} in .advice" if findings else ""
+        return f"<Model of {self._core.name} ({bounds}{notes})>\n{self._core.sentence}"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{_escaped(repr(self))}</pre>\n{self._core.step_svg()}"
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

@@ -1,0 +1,143 @@
+"""The forecast of a run."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from . import _servoid
+from ._document import Document
+from ._model import Withdrawn, withdrawn
+
+
+class Plan(Document):
+    """The forecast of a run: the width of its band, and the questions that it cannot answer. :func:`plan` gives it."""
+
+    def __init__(self, document: str, text: str, figure: str) -> None:
+        super().__init__(document)
+        self.__dict__["_summary"] = text
+        self.__dict__["_figure"] = figure
+
+    @property
+    def run_s(self) -> float:
+        """Length of a run with its rest (s)."""
+        return float(self._fields["run_s"])
+
+    @property
+    def widest_percent(self) -> float | None:
+        """Half width of the band where it is widest (% of the step); ``None`` where there will be no bounds."""
+        found: float | None = (self._fields["band"] or {}).get("widest_percent")
+        return found
+
+    @property
+    def withdrawn(self) -> Withdrawn | None:
+        """Why there will be no bounds; ``None`` where there will be."""
+        return withdrawn(self._fields)
+
+    @property
+    def runs_needed(self) -> int | None:
+        """Number of runs that reach the band that is wanted; ``None`` where none is wanted, or a hundred do not."""
+        found = self._fields["needed"]
+        return None if found is None else int(found["runs"])
+
+    @property
+    def summary(self) -> str:
+        """The text that the command line prints."""
+        return str(self.__dict__["_summary"])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Plan, (self._text, self.summary, self.__dict__["_figure"]))
+
+    def __repr__(self) -> str:
+        band = "no bounds" if self.widest_percent is None else f"band +-{self.widest_percent:.2g} % of the step"
+        return f"<Plan: {self._fields['description']}; {band}>"
+
+    def _repr_html_(self) -> str:
+        return str(self.__dict__["_figure"])
+
+
+def plan(
+    servo: str = "bench",
+    *,
+    model: str | os.PathLike[str] | None = None,
+    noise: float | None = None,
+    band: float | None = None,
+    repeat: int = 1,
+    level: float = 0.99,
+    servo_model: bool = False,
+    reference: str = "staircase",
+    amplitude: float | None = None,
+    hold: float | None = None,
+    length: float | None = None,
+    levels: int | None = None,
+    prbs_seed: int | None = None,
+    frequencies: tuple[float, float] | None = None,
+) -> Plan:
+    """Forecast a run before it takes place.
+
+    Parameters
+    ----------
+    servo : str
+        The servo that is assumed: bench, aircraft or linear, or the file of a model with a servo model.
+    model : path, optional
+        Take the linear part of the servo and its noise from this model file instead.
+    noise : float, optional
+        Standard deviation of white noise that is assumed instead (degrees).
+    band : float, optional
+        Half width of the band that is wanted (% of the step).
+    repeat : int
+        Number of runs.
+    level : float
+        Confidence level of every bound.
+    servo_model : bool
+        Also identify a simulated run as a machine.
+    reference, amplitude, hold, length, levels, prbs_seed, frequencies
+        The reference, as in :func:`simulate`.
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    ServoidError
+        There is no such servo or reference, or such a run could not be identified.
+
+    Examples
+    --------
+    >>> import servoid
+    >>> servoid.plan("linear").widest_percent < 2
+    True
+    """
+    options = {
+        "model": None if model is None else os.fspath(model),
+        "servo": servo,
+        "noise": noise,
+        "band": band,
+        "repeat": repeat,
+        "level": level,
+        "servo_model": servo_model,
+    }
+    run = reference_options(reference, amplitude, hold, length, levels, prbs_seed, frequencies)
+    return Plan(*_servoid.plan(run, options))
+
+
+def reference_options(
+    reference: str,
+    amplitude: float | None,
+    hold: float | None,
+    length: float | None,
+    levels: int | None,
+    prbs_seed: int | None,
+    frequencies: tuple[float, float] | None,
+) -> dict[str, Any]:
+    """The options of a reference, by name."""
+    return {
+        "reference": reference,
+        "amplitude": amplitude,
+        "hold": hold,
+        "length": length,
+        "levels": levels,
+        "prbs_seed": prbs_seed,
+        "frequencies": frequencies,
+    }

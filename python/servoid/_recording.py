@@ -1,0 +1,276 @@
+"""Recordings: files, tables in memory, and arrays of samples."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from . import _servoid
+from ._arrays import is_list_of_runs, samples
+from ._document import Column
+
+if TYPE_CHECKING:
+    from ._model import Model
+
+Path = str | os.PathLike[str]
+
+
+class Run(NamedTuple):
+    """One uninterrupted experiment.
+
+    Attributes
+    ----------
+    input, output : ndarray
+        Command and measured motion, one value for each sample, NaN where one is missing; read-only.
+    """
+
+    input: Column
+    output: Column
+
+
+class Recording:
+    """The runs of one servo under one condition. :func:`read` and :func:`simulate` give them.
+
+    Examples
+    --------
+    >>> import servoid
+    >>> recording = servoid.simulate("bench")
+    >>> recording.sample_period_s
+    0.002
+    >>> recording.runs[0].input.shape
+    (3600,)
+    """
+
+    __slots__ = ("_data",)
+    _data: _servoid.Data
+
+    def __init__(self, data: _servoid.Data) -> None:
+        object.__setattr__(self, "_data", data)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError("a Recording cannot be changed")
+
+    @property
+    def name(self) -> str:
+        """The files, for sentences."""
+        return self._data.name
+
+    @property
+    def sample_period_s(self) -> float:
+        """Time between samples (s)."""
+        return self._data.sample_period_s
+
+    @property
+    def sample_phase_s(self) -> float:
+        """From an edge of the command to the first sample that follows it (s)."""
+        return self._data.sample_phase_s
+
+    @property
+    def samples(self) -> int:
+        """Number of samples of all runs, missing ones included."""
+        return self._data.samples[0]
+
+    @property
+    def samples_missing(self) -> int:
+        """Number of samples that lack the input or the output."""
+        return self._data.samples[1]
+
+    @property
+    def input_unit(self) -> str | None:
+        """The unit of the command, where it is known."""
+        return self._data.units[0]
+
+    @property
+    def output_unit(self) -> str | None:
+        """The unit of the motion, where it is known."""
+        return self._data.units[1]
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What a user should know about the files: guessed periods, gaps, partial recordings."""
+        return tuple(self._data.remarks)
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """The runs, as new arrays (the library keeps its own)."""
+        runs = tuple(Run(*columns) for columns in self._data.runs())
+        for run in runs:
+            run.input.flags.writeable = False
+            run.output.flags.writeable = False
+        return runs
+
+    def __repr__(self) -> str:
+        runs = len(self._data.runs()) if self.samples else 0
+        missing = f", {self.samples_missing} missing" if self.samples_missing else ""
+        return (
+            f"<Recording {self.name}: {runs} run{'s' if runs != 1 else ''}, {self.samples} samples{missing}, "
+            f"every {1e3 * self.sample_period_s:g} ms>"
+        )
+
+
+def read(
+    *paths: Path,
+    input: str | None = None,
+    output: str | None = None,
+    period: float | None = None,
+    time: str | None = None,
+    time_unit: str | None = None,
+    run: str | None = None,
+    controller: str | None = None,
+    at_rest: float | None = None,
+    with_rest: bool = False,
+) -> Recording:
+    """Read recordings of servoid, CSV files of other programs, or a table of pandas.
+
+    Several files are several runs of the same servo under the same condition. The options are those of the command line.
+
+    Parameters
+    ----------
+    *paths : path or DataFrame
+        Files, or one table.
+    input, output : str, optional
+        Columns of command and motion, for files that servoid has not recorded.
+    period : float, optional
+        Time between rows (s); without it, from a column of time.
+    time : str, optional
+        Column of time, where its name is not recognised.
+    time_unit : {"s", "ms", "us", "ns"}, optional
+        Unit of a column of time whose name does not have it.
+    run : str, optional
+        Column whose value changes where a new run begins.
+    controller : str, optional
+        Column with the name or gain of the controller that drove the run.
+    at_rest : float, optional
+        The input during at least the settling time before each run. A wrong value is far worse than none.
+    with_rest : bool
+        Use the rest around the reference of servoid's recordings too.
+
+    Returns
+    -------
+    Recording
+
+    Raises
+    ------
+    ServoidError
+        A file cannot be read as a recording; the text names the remedy.
+
+    Examples
+    --------
+    >>> import pandas, servoid
+    >>> table = pandas.DataFrame({"time_s": [0.0, 0.01, 0.02, 0.03], "u": [0, 1, 1, 1], "y": [0.0, 0.0, 0.4, 0.9]})
+    >>> servoid.read(table, input="u", output="y")
+    <Recording table: 1 run, 4 samples, every 10 ms>
+    """
+    options = {
+        "input": input,
+        "output": output,
+        "period": period,
+        "time": time,
+        "time_unit": time_unit,
+        "run": run,
+        "controller": controller,
+        "at_rest": at_rest,
+        "with_rest": with_rest,
+    }
+    if any(hasattr(path, "to_csv") for path in paths):
+        if len(paths) != 1:
+            raise _servoid.ServoidError(
+                "give one table; its runs are named by a column (run=)"
+            )
+        return Recording(_of_table(paths[0], options))
+    return Recording(_servoid.Data.read([os.fspath(path) for path in paths], options))
+
+
+def of_bytes(content: bytes, name: str) -> Recording:
+    """The content of a recording of servoid, which is called ``name``."""
+    options = dict.fromkeys(READ_OPTIONS) | {"with_rest": False}
+    return Recording(_servoid.Data.of_table(content, name, options))
+
+
+def _of_table(table: Any, options: dict[str, Any]) -> _servoid.Data:
+    # An index with a name is a column; one without is the number of the row.
+    text = table.to_csv(index=any(name is not None for name in table.index.names))
+    return _servoid.Data.of_table(text.encode(), "table", options)
+
+
+def of_arrays(
+    u: Any,
+    y: Any,
+    *,
+    period: float | None,
+    phase: float,
+    at_rest: float | Sequence[float | None] | None,
+    controllers: Sequence[float] | None,
+    input_unit: str | None,
+    output_unit: str | None,
+) -> Recording:
+    """The runs of arrays."""
+    if period is None:
+        raise _servoid.ServoidError(
+            "say how far apart the samples are: period=, in seconds"
+        )
+    several = is_list_of_runs(u)
+    inputs, outputs = (u, y) if several else ([u], [y])
+    if several and not (is_list_of_runs(y) and len(y) == len(u)):
+        raise _servoid.ServoidError(
+            "u has several runs: give y as a list of as many arrays"
+        )
+    runs = [
+        (samples("input", one), samples("output", other))
+        for one, other in zip(inputs, outputs)
+    ]
+    each = (
+        list(at_rest) if isinstance(at_rest, Sequence) else [at_rest for _ in runs]
+    )
+    names = [] if controllers is None else [float(name) for name in controllers]
+    if len(each) != len(runs) or (names and len(names) != len(runs)):
+        raise _servoid.ServoidError(
+            f"there are {len(runs)} runs: give one value of at_rest and of controllers for each"
+        )
+    if not phase >= 0.0 or phase == float("inf"):
+        raise _servoid.ServoidError(
+            f"a phase of {phase} s is not a time after an edge: it must be 0 or more"
+        )
+    options = {
+        "period": float(period),
+        "phase": float(phase),
+        "at_rest": each,
+        "controllers": names,
+        "input_unit": input_unit,
+        "output_unit": output_unit,
+    }
+    return Recording(_servoid.Data.of_arrays(runs, "arrays", options))
+
+
+def as_recording(source: Any, options: dict[str, Any], like: Model | None = None) -> Recording:
+    """A recording: itself, or the files that are named."""
+    if isinstance(source, Recording):
+        if any(value not in (None, False) for value in options.values()):
+            raise _servoid.ServoidError(
+                "a recording has been read already: give the options on reading to servoid.read"
+            )
+        return source
+    if hasattr(source, "to_csv"):
+        return read(source, **options)
+    paths = [source] if isinstance(source, (str, os.PathLike)) else list(source)
+    if like is None:
+        return read(*paths, **options)
+    given = {name: options.get(name) for name in READ_OPTIONS}
+    given["with_rest"] = bool(given["with_rest"])
+    return Recording(
+        _servoid.Data.read_as([os.fspath(path) for path in paths], given, like._core)
+    )
+
+
+READ_OPTIONS = (
+    "input",
+    "output",
+    "period",
+    "time",
+    "time_unit",
+    "run",
+    "controller",
+    "at_rest",
+    "with_rest",
+)

@@ -1,0 +1,162 @@
+"""The servo as a machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from . import _servoid
+from ._arrays import samples
+from ._document import Column
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A property of the servo as a machine.
+
+    Attributes
+    ----------
+    name, unit : str
+        What it is; units as in the document, such as ``"per_second_squared"``.
+    determined : bool
+        Whether the recording determines it.
+    value : float
+        Best estimate.
+    lower, upper : float or None
+        Bounds; ``None`` where they are withdrawn, or nothing bounds the value on that side.
+    """
+
+    name: str
+    unit: str
+    determined: bool
+    value: float
+    lower: float | None
+    upper: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class ServoResponse:
+    """A simulated response with its band, which is that of the servo's motion, without the noise of a sensor.
+
+    Attributes
+    ----------
+    value : ndarray
+        The output, one value for each sample.
+    lower, upper : ndarray or None
+        Bounds for each sample by itself; ``None`` where they are withdrawn.
+    withdrawn : tuple of str, or None
+        Stable name of the reason why there is no band, and the reason in a few words.
+    """
+
+    value: Column
+    lower: Column | None
+    upper: Column | None
+    withdrawn: tuple[str, str] | None
+
+
+class ServoModel:
+    """A nonlinear model of motor, controller and load: ``model.servo_model``, where it was found.
+
+    Examples
+    --------
+    >>> import servoid
+    >>> stairs = servoid.simulate("bench", reference="stairs", amplitude=20, length=20)
+    >>> servo = servoid.identify(stairs, servo_model=True).servo_model
+    >>> response = servo.simulate([0.0] * 10 + [10.0] * 90)
+    >>> response.value.shape
+    (100,)
+    """
+
+    __slots__ = ("_core", "_fields")
+    _core: _servoid.Model
+    _fields: dict[str, Any]
+
+    def __init__(self, fields: dict[str, Any], core: _servoid.Model) -> None:
+        object.__setattr__(self, "_fields", fields)
+        object.__setattr__(self, "_core", core)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError("a ServoModel is a result and cannot be changed")
+
+    @property
+    def sample_period_s(self) -> float:
+        """Time between samples (s)."""
+        return float(self._fields["sample_period_s"])
+
+    @property
+    def terms(self) -> dict[str, Any]:
+        """The terms of the equation that prediction needs, as in the document."""
+        return dict(self._fields["terms"])
+
+    @property
+    def controllers(self) -> tuple[float, ...]:
+        """Names of the controllers; empty where all runs had the same one."""
+        return tuple(self._fields["controller_names"])
+
+    @property
+    def level(self) -> float | None:
+        """Level of the intervals; ``None`` where bounds are withdrawn."""
+        level: float | None = (self._fields["bounds"] or {}).get("level")
+        return level
+
+    @property
+    def withdrawn(self) -> dict[str, str] | None:
+        """Why no bounds can be given (``reason`` and ``because``); ``None`` where they hold."""
+        reason: dict[str, str] | None = self._fields.get("withdrawn")
+        return None if reason is None else dict(reason)
+
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """Delay, top speed, dead band and the like, by name."""
+        found = {}
+        for fields in self._fields["quantities"]:
+            bounds = fields.get("bounds") or {}
+            found[fields["name"]] = Quantity(
+                fields["name"],
+                fields["unit"],
+                fields["determined"],
+                fields["value"],
+                bounds.get("lower"),
+                bounds.get("upper"),
+            )
+        return found
+
+    @property
+    def fit(self) -> dict[str, float]:
+        """How well it follows the record, and what it had not seen of it, as in the document."""
+        return dict(self._fields["fit"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The part ``servo_model`` of the document."""
+        import copy
+
+        return copy.deepcopy(self._fields)
+
+    def simulate(self, u: Any, *, controller: float | None = None) -> ServoResponse:
+        """The response to an input, from rest at its first value.
+
+        Parameters
+        ----------
+        u : array_like
+            The input at the model's sample period.
+        controller : float, optional
+            The controller, where the model has several.
+
+        Returns
+        -------
+        ServoResponse
+            The band is withdrawn where the command runs further ahead of the servo than in the recording.
+
+        Raises
+        ------
+        ServoidError
+            The input is no column of numbers or lacks a sample; there is no such controller.
+        """
+        value, half_width, reason = self._core.servo_response(samples("input", u), controller)
+        if half_width is None:
+            return ServoResponse(value, None, None, reason)
+        return ServoResponse(value, value - half_width, value + half_width, None)
+
+    def __repr__(self) -> str:
+        names = ", ".join(name for name, found in self.quantities.items() if found.determined)
+        return f"<ServoModel: predicts {self.fit['held_out_percent']:.1f} % of what it had not seen; determined: {names}>"

@@ -1,0 +1,197 @@
+//! Models: their document, and what can be computed with them.
+
+use crate::compute::compute;
+use crate::error::raised;
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use servoid::data::model_file::ModelFile;
+use servoid::presentation::plots::{self, Named};
+use servoid::presentation::summary::{self, Extent};
+use servoid_identification::Run;
+use servoid_identification::results::{Bounds, Reason, Withdrawn};
+use std::path::Path;
+
+/// A model as its document has it.
+#[pyclass(frozen, module = "servoid._servoid")]
+pub(crate) struct Model {
+    pub(crate) file: ModelFile,
+    pub(crate) name: String,
+    document: String,
+    summary: Option<String>,
+}
+
+impl Model {
+    /// The model of a document. The `summary` of an identification has more than that of its document.
+    pub(crate) fn of(
+        document: String,
+        name: String,
+        summary: Option<String>,
+    ) -> anyhow::Result<Self> {
+        let file = ModelFile::parse(&document, Path::new(&name))?;
+        Ok(Self {
+            file,
+            name,
+            document,
+            summary,
+        })
+    }
+
+    fn run(
+        input: &PyReadonlyArray1<'_, f64>,
+        output: Vec<f64>,
+        at_rest: Option<f64>,
+    ) -> PyResult<Run> {
+        let run = Run::new(input.as_array().to_vec(), output).map_err(raised)?;
+        Ok(match at_rest {
+            Some(input) => run.with_input_at_rest(input),
+            None => run,
+        })
+    }
+}
+
+type Response<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Option<Bound<'py, PyArray1<f64>>>,
+    Option<(String, String)>,
+);
+
+#[pymethods]
+impl Model {
+    /// The model of a document; errors call it `name`.
+    #[staticmethod]
+    fn parse(py: Python<'_>, document: String, name: String) -> PyResult<Self> {
+        py.detach(|| Self::of(document, name, None)).map_err(raised)
+    }
+
+    /// The model in a file.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: std::path::PathBuf) -> PyResult<Self> {
+        let read = || -> anyhow::Result<Self> {
+            let (document, name) = (servoid::data::model_file::read_text(&path)?, path.display());
+            Self::of(document, name.to_string(), None)
+        };
+        py.detach(read).map_err(raised)
+    }
+
+    /// What the model, or its data, are called.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The JSON that the program writes.
+    #[getter]
+    fn document(&self) -> &str {
+        &self.document
+    }
+
+    /// What kind of servo, how fast, how sure.
+    #[getter]
+    fn sentence(&self) -> String {
+        summary::model_sentence(&self.file.model, self.file.metadata.units())
+    }
+
+    /// The text that the program prints.
+    #[getter]
+    fn summary(&self) -> PyResult<String> {
+        if let Some(summary) = &self.summary {
+            return Ok(summary.clone());
+        }
+        let (model, units) = (&self.file.model, self.file.metadata.units());
+        let mut text = summary::of_model(&self.name, model, units, Extent::default());
+        let servo = self.file.servo_model().map_err(raised)?;
+        text.extend(servo.map(|servo| summary::of_servo_model(&servo.model, units, false)));
+        Ok(text)
+    }
+
+    /// The step response with its band, drawn.
+    fn step_svg(&self) -> PyResult<String> {
+        let model = Named {
+            name: "model",
+            model: &self.file.model,
+        };
+        let units = self.file.metadata.units();
+        let figure = plots::step_response("step", "Step response", &[model], units);
+        plots::draw(&figure).map_err(|error| raised(anyhow::anyhow!("{error}")))
+    }
+
+    /// The output for an input, NaN where the input's history is not known.
+    fn simulate<'py>(
+        &self,
+        py: Python<'py>,
+        input: PyReadonlyArray1<'py, f64>,
+        at_rest: Option<f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let unknown = vec![f64::NAN; input.as_array().len()];
+        let run = Self::run(&input, unknown, at_rest)?;
+        let output = py.detach(|| self.file.model.simulate(&run));
+        Ok(PyArray1::from_vec(py, output))
+    }
+
+    /// The output predicted one step ahead.
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        input: PyReadonlyArray1<'py, f64>,
+        output: PyReadonlyArray1<'py, f64>,
+        at_rest: Option<f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let run = Self::run(&input, output.as_array().to_vec(), at_rest)?;
+        let predicted = py.detach(|| self.file.model.predict(&run));
+        Ok(PyArray1::from_vec(py, predicted))
+    }
+
+    /// The response of the servo model to an input from rest at its first value, the half width of its band, and why there is
+    /// no band.
+    fn servo_response<'py>(
+        &self,
+        py: Python<'py>,
+        input: PyReadonlyArray1<'py, f64>,
+        controller: Option<f64>,
+    ) -> PyResult<Response<'py>> {
+        let found = self.file.servo_model().map_err(raised)?;
+        let found =
+            found.ok_or_else(|| raised(anyhow::anyhow!("{} has no servo model", self.name)))?;
+        let known = &found.controller_names;
+        let number = match controller {
+            None if known.len() > 1 => Err(raised(anyhow::anyhow!(
+                "the servo model has the controllers {known:?}: choose one (controller=)"
+            ))),
+            None => Ok(0),
+            Some(name) => known
+                .iter()
+                .position(|other| *other == name)
+                .ok_or_else(|| {
+                    raised(anyhow::anyhow!(
+                        "the servo model has no controller {name}: it has {known:?}"
+                    ))
+                }),
+        }?;
+        // It checks that the values can be computed with; a servo model knows no missing input.
+        let unknown = vec![f64::NAN; input.as_array().len()];
+        let run = Self::run(&input, unknown, None)?;
+        if run.is_empty() || run.input().iter().any(|value| value.is_nan()) {
+            return Err(raised(anyhow::anyhow!(
+                "the servo model needs an input without missing samples"
+            )));
+        }
+        let response = compute(py, move |_| Ok(found.model.respond(run.input(), number)))?;
+        let half_width = match response.half_width {
+            Bounds::Valid(half_width) => Ok(half_width),
+            Bounds::Withdrawn(reason) => Err(reason),
+        };
+        let value = PyArray1::from_vec(py, response.value);
+        Ok(match half_width {
+            Ok(half_width) => (value, Some(PyArray1::from_vec(py, half_width)), None),
+            Err(reason) => (value, None, Some(in_words(reason)?)),
+        })
+    }
+}
+
+/// The stable name of a reason, and the reason in a few words.
+fn in_words(reason: Reason) -> PyResult<(String, String)> {
+    let document = serde_json::to_value(Withdrawn(reason)).map_err(raised)?;
+    let field = |name: &str| document.get(name)?.as_str().map(str::to_owned);
+    let name = field("reason").unwrap_or_default();
+    Ok((name, reason.because().to_owned()))
+}

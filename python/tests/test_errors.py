@@ -1,0 +1,113 @@
+"""Wrong arguments are exceptions with sentences; nothing panics."""
+
+import json
+
+import numpy as np
+import pytest
+
+import servoid
+
+RANDOM = np.random.default_rng(18)
+U = np.repeat(RANDOM.integers(-1, 2, size=25).astype(float), 20)
+Y = np.convolve(U, np.full(10, 0.1))[: len(U)] + 1e-3 * RANDOM.normal(size=len(U))
+
+
+@pytest.mark.parametrize(
+    ("u", "y", "options", "sentence"),
+    [
+        (U, Y[:-1], {}, "the input has 500 samples and the output 499"),
+        (U, np.full(500, np.nan), {}, "the output has no value that is a number"),
+        (U, np.zeros(500), {}, "the output never moves"),
+        (np.zeros(500), Y, {}, "the input never moves"),
+        (U, np.where(U > 0, np.inf, Y), {}, "infinite"),
+        (U.reshape(10, 50), Y, {}, "shape"),
+        (U, ["a"] * 500, {}, "something else than numbers"),
+        (U, Y + 1j, {}, "something else than numbers"),
+        ([], [], {}, "no value"),
+        ([U, U], [Y], {}, "as many arrays"),
+        (U, Y, {"period": np.nan}, "sample period"),
+        (U, Y, {"period": 0.0}, "sample period"),
+        (U, Y, {"period": -1.0}, "sample period"),
+        (U, Y, {"period": None}, "period="),
+        (U, Y, {"phase": -1.0}, "phase"),
+        (U, Y, {"phase": np.nan}, "phase"),
+        (U, Y, {"level": 1.5}, "confidence level"),
+        (U, Y, {"level": np.nan}, "confidence level"),
+        (U, Y, {"settling": 2}, "settling time of 2"),
+        (U, Y, {"settling": "long"}, "auto"),
+        (U, Y, {"frequencies": 4, "settling": 9}, "odd"),
+        (U, Y, {"noise_order": 99}, "noise order"),
+        (U, Y, {"at_rest": [0.0, 0.0]}, "each"),
+        (U, Y, {"controllers": [1.0, 2.0]}, "each"),
+        (U[:40], Y[:40], {}, "samples"),
+    ],
+)
+def test_wrong_arguments_are_sentences(u, y, options, sentence):
+    with pytest.raises(servoid.ServoidError, match=sentence):
+        servoid.identify(u, y, **{"period": 0.01, **options})
+
+
+def test_wrong_types_are_type_errors():
+    with pytest.raises(TypeError):
+        servoid.identify(U, Y, period=0.01, colour="red")
+    with pytest.raises(TypeError):
+        servoid.identify(U, Y, period=0.01, detrend=7)
+
+
+def test_arrays_of_any_layout_and_number_are_taken():
+    usual = servoid.identify(U, Y, period=0.01)
+    both = np.stack([U, Y], axis=1)
+    assert servoid.identify(both[:, 0], both[:, 1], period=0.01) == usual
+    assert servoid.identify(U[::-1][::-1], Y.astype(">f8"), period=0.01) == usual
+    assert servoid.identify(U.astype(np.int8), Y, period=0.01) == usual
+
+
+def test_files_that_are_no_recordings_are_refused(tmp_path):
+    with pytest.raises(servoid.ServoidError, match="nowhere.csv"):
+        servoid.read(tmp_path / "nowhere.csv")
+    strange = tmp_path / "strange.csv"
+    strange.write_bytes(bytes(range(256)))
+    with pytest.raises(servoid.ServoidError, match="strange.csv"):
+        servoid.read(strange, input="u", output="y")
+    with pytest.raises(servoid.ServoidError, match="unit of time"):
+        servoid.read(strange, time_unit="h")
+    with pytest.raises(servoid.ServoidError, match="no simulated servo"):
+        servoid.simulate("rudder")
+    with pytest.raises(servoid.ServoidError, match="limits"):
+        servoid.simulate("bench", amplitude=80)
+
+
+def test_models_of_other_versions_and_damaged_ones_are_refused():
+    document = servoid.identify(U, Y, period=0.01).to_dict()
+    with pytest.raises(servoid.ServoidError, match="newer servoid"):
+        servoid.Model.from_json(json.dumps({**document, "schema": 99}))
+    for damage in ({"theta": [1.0]}, {"step": None}, {"sample_period_s": -1.0}, {"structure": {}}):
+        with pytest.raises(servoid.ServoidError):
+            servoid.Model.from_json(json.dumps({**document, **damage}))
+    with pytest.raises(servoid.ServoidError, match="no model"):
+        servoid.Model.from_json("[1, 2]")
+
+
+def test_results_cannot_be_changed():
+    model = servoid.identify(U, Y, period=0.01)
+    with pytest.raises(AttributeError):
+        model.offset = 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        model.step.value[0] = 1.0
+    with pytest.raises(AttributeError):
+        model.metrics.dc_gain = None
+
+
+def test_bounds_that_are_withdrawn_are_none_everywhere():
+    # A servo that follows a random walk of its own: its errors are no noise.
+    generator = np.random.default_rng(5)
+    y = np.convolve(U, np.full(10, 0.1))[: len(U)]
+    stuck = np.where(np.abs(y - 0.5) < 0.3, np.roll(y, 7), y) ** 3 + 1e-6 * generator.normal(size=len(U))
+    model = servoid.identify(np.cumsum(U - 0.5) * 0.02, stuck, period=0.01)
+    assert model.withdrawn is not None, "the case no longer has what it is for"
+    assert model.level is None and model.covariance is None and model.metrics.level is None
+    step, frequency = model.step, model.frequency
+    for bound in (step.lower, step.upper, step.pointwise_lower, step.pointwise_upper, step.sd, frequency.phase_deg_lower):
+        assert bound is None
+    assert model.metrics.dc_gain.lower is None and model.metrics.dc_gain.upper is None
+    assert model.withdrawn.because in repr(model)
