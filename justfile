@@ -47,3 +47,8 @@ deny:
 # the licences and bills of materials of what is linked, after a change of Cargo.lock
 third-party:
     .ci/third_party
+
+# undefined behaviour in what reads the wire, without the tests that are too long for an interpreter
+miri:
+    rustup toolchain install nightly --profile minimal --component miri,rust-src
+    PROPTEST_CASES=8 MIRIFLAGS=-Zmiri-disable-isolation CARGO_TARGET_DIR=target/miri cargo +nightly miri test -p servoid-protocol --lib -- --skip reference --skip every_pattern --skip no_changed_byte --skip no_junk
