@@ -79,7 +79,7 @@ impl Default for ServoModelOptions {
 /// ```
 ///
 /// # Errors
-/// The record has too few samples, an output that hardly moves, or too many controllers.
+/// The record has too few samples, or too many controllers.
 pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, Error> {
     fit_watched(record, options, &())
 }
@@ -109,11 +109,6 @@ pub fn fit_watched(
     }
     let period_s = record.sample_period_s();
     let shown = Shown::by(&parts, period_s);
-    // Squares of motions below 1e-154 are zero, and every servo would follow them.
-    if !shown.output_square.is_normal() {
-        let value = parts[0].output[0];
-        return Err(Error::ConstantOutput { value });
-    }
     let mut ladder = Ladder {
         stretches: &mut parts,
         fold_of: &fold_of,

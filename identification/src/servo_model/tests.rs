@@ -291,10 +291,6 @@ fn what_cannot_be_fitted_is_refused_with_a_sentence() {
     let short = Record::from_slices(PERIOD_S, &strokes(60), &strokes(60)).unwrap();
     assert!(fit(&short, &ServoModelOptions::default()).is_err());
     let input = strokes(400);
-    let tiny: Vec<f64> = input.iter().map(|u| 1e-300 * u).collect();
-    let tiny = Record::from_slices(PERIOD_S, &input, &tiny).unwrap();
-    let error = fit(&tiny, &ServoModelOptions::default()).unwrap_err();
-    assert!(error.to_string().contains("never moves"), "{error}");
     let runs: Vec<Run> = (0..40)
         .map(|_| Run::new(input.clone(), input.clone()).unwrap())
         .collect();
