@@ -1,10 +1,10 @@
 //! The sentences of advice on a comparison.
 
 use super::motion::Motion;
-use super::outcome::{Comparison, Levels, Sides, Subject};
+use super::outcome::{Comparison, Levels, Sides, Subject, Verdict};
 use super::pair::Identified;
 use crate::nonlinear::Limits;
-use crate::results::{Advice, Check, Model};
+use crate::results::{Advice, Bounds, Check, Model};
 use crate::thresholds::LEVELS_FOR_ENDS;
 
 /// That the sides had different references.
@@ -91,6 +91,18 @@ pub(super) fn gather(
             fewest as f64,
             3.0,
             "Record three or more runs a side, five for the sharper test.",
+        ));
+    }
+    if let (Subject::Servos, Verdict::Undecided, Bounds::Valid(bounds)) =
+        (comparison.of, comparison.verdict, comparison.bounds)
+    {
+        let most = bounds.difference_percent.at_most;
+        advice.push(Advice::new(
+            Check::Runs,
+            format!("The runs, {fewest} a side, scatter so much that {most:.1} % of the step is possible."),
+            most,
+            comparison.margin_percent,
+            "Record more runs a side: five leave less than half as much open as three.",
         ));
     }
     let rested = |side: &&Identified<'_>| {
