@@ -30,7 +30,7 @@ from ._model import (
     Withdrawn,
 )
 from ._plan import Plan, plan
-from ._recording import Recording, Run, read
+from ._recording import Recording, Run, read, recording
 from ._servo_model import Quantity, ServoModel, ServoResponse
 from ._servoid import ServoidError
 from ._simulate import simulate
@@ -63,6 +63,7 @@ __all__ = [
     "identify",
     "plan",
     "read",
+    "recording",
     "simulate",
     "validate",
 ]

@@ -7,7 +7,8 @@ from typing import Any
 from . import _servoid
 from ._document import Document
 from ._model import Advice, Model, Withdrawn, advice, withdrawn
-from ._recording import as_recording, of_arrays
+from ._recording import as_recording
+from ._recording import recording as of_arrays
 
 
 class Comparison(Document):
@@ -141,7 +142,8 @@ def compare(
     ----------
     a, b : Recording, path, list of paths, or Model
         The reference condition and the other: recordings on both sides, or models on both. Recordings give more: up and down
-        strokes apart, and the rest positions.
+        strokes apart, the rest positions, and with three or more runs a side the scatter of the runs. :func:`recording` makes one
+        of arrays.
     margin : float
         The largest difference that still counts as the same (% of the step).
     level : float

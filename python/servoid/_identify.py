@@ -7,7 +7,8 @@ from typing import Any
 
 from . import _servoid
 from ._model import Model
-from ._recording import READ_OPTIONS, Recording, as_recording, of_arrays
+from ._recording import READ_OPTIONS, Recording, as_recording
+from ._recording import recording as of_arrays
 
 
 def identify(
@@ -114,7 +115,9 @@ def identify(
         "servo_model": servo_model,
         "limits": limits,
     }
-    return Model(_servoid.identify(recording._data, options))
+    # How files were read is said where it was not said before.
+    remarks = () if isinstance(u, Recording) else recording.remarks
+    return Model(_servoid.identify(recording._data, options), remarks)
 
 
 def _refuse_options_of_arrays(phase: float, *others: Any) -> None:

@@ -269,9 +269,16 @@ class Model(Document):
 
     _core: _servoid.Model
 
-    def __init__(self, core: _servoid.Model) -> None:
+    def __init__(self, core: _servoid.Model, remarks: tuple[str, ...] = ()) -> None:
         super().__init__(core.document)
         self.__dict__["_core"] = core
+        self.__dict__["_remarks"] = remarks
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """How :func:`identify` read the files that it was given."""
+        found: tuple[str, ...] = self.__dict__["_remarks"]
+        return found
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Model:
@@ -571,7 +578,11 @@ class Model(Document):
             bounds = f"bounds at {100 * float(self.level or 0):g} %"
         findings = len(self.advice)
         notes = f", {findings} finding{'s' if findings != 1 else ''} in .advice" if findings else ""
-        return f"<Model of {self._core.name} ({bounds}{notes})>\n{self._core.sentence}"
+        lines = [f"<Model of {self._core.name} ({bounds}{notes})>"]
+        if self.servo_model is not None:
+            lines.append(self.summary.split("\n\n")[0] + " It is in .servo_model.")
+        lines += [self._core.sentence, *self.remarks]
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         return f"<pre>{_escaped(repr(self))}</pre>\n{self._core.step_svg()}"

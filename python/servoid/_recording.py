@@ -194,18 +194,42 @@ def _of_table(table: Any, options: dict[str, Any]) -> _servoid.Data:
     return _servoid.Data.of_table(text.encode(), "table", options)
 
 
-def of_arrays(
+def recording(
     u: Any,
     y: Any,
     *,
-    period: float | None,
-    phase: float,
-    at_rest: float | Sequence[float | None] | None,
-    controllers: Sequence[float] | None,
-    input_unit: str | None,
-    output_unit: str | None,
+    period: float | None = None,
+    phase: float = 0.0,
+    at_rest: float | Sequence[float | None] | None = None,
+    controllers: Sequence[float] | None = None,
+    input_unit: str | None = None,
+    output_unit: str | None = None,
 ) -> Recording:
-    """The runs of arrays."""
+    """Make a recording of arrays, as :func:`compare` takes them.
+
+    Parameters
+    ----------
+    u, y : array_like, or lists of them
+        Command and measured motion, one array for each run; NaN or masked where a sample is missing.
+    period, phase, at_rest, controllers, input_unit, output_unit
+        As those of :func:`identify`.
+
+    Returns
+    -------
+    Recording
+
+    Raises
+    ------
+    ServoidError
+        The arrays do not fit each other, or the period is missing.
+
+    Examples
+    --------
+    >>> import servoid
+    >>> u, y = servoid.simulate("linear").runs[0]
+    >>> len(servoid.recording([u, u], [y, y], period=0.002).runs)
+    2
+    """
     if period is None:
         raise _servoid.ServoidError(
             "say how far apart the samples are: period=, in seconds"
@@ -253,7 +277,12 @@ def as_recording(source: Any, options: dict[str, Any], like: Model | None = None
         return source
     if hasattr(source, "to_csv"):
         return read(source, **options)
-    paths = [source] if isinstance(source, (str, os.PathLike)) else list(source)
+    paths = [source] if isinstance(source, (str, os.PathLike)) else source
+    if not (isinstance(paths, Sequence) and all(isinstance(path, (str, os.PathLike)) for path in paths)):
+        raise _servoid.ServoidError(
+            f"a recording is a file, a list of files or a table of pandas, and here {type(source).__name__}: "
+            "make one of arrays with servoid.recording(u, y, period=...)"
+        )
     if like is None:
         return read(*paths, **options)
     given = {name: options.get(name) for name in READ_OPTIONS}

@@ -111,3 +111,11 @@ def test_bounds_that_are_withdrawn_are_none_everywhere():
         assert bound is None
     assert model.metrics.dc_gain.lower is None and model.metrics.dc_gain.upper is None
     assert model.withdrawn.because in repr(model)
+
+
+def test_sides_that_are_arrays_are_refused_with_the_remedy() -> None:
+    u, y = servoid.simulate("linear").runs[0]
+    with pytest.raises(servoid.ServoidError, match=r"servoid\.recording\(u, y, period="):
+        servoid.compare((u, y), (u, y))
+    a, b = (servoid.recording(*servoid.simulate("linear", seed=seed).runs[0], period=0.002) for seed in (1, 2))
+    assert servoid.compare(a, b).of == "runs"
