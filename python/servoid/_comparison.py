@@ -5,18 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from . import _servoid
-from ._document import Document
+from ._document import Printed
 from ._model import Advice, Model, Withdrawn, advice, withdrawn
 from ._recording import as_recording
 from ._recording import recording as of_arrays
 
 
-class Comparison(Document):
+class Comparison(Printed):
     """The comparison of two servos, or of one under two conditions. :func:`compare` gives it."""
-
-    def __init__(self, document: str, text: str) -> None:
-        super().__init__(document)
-        self.__dict__["_summary"] = text
 
     @property
     def verdict(self) -> str:
@@ -64,24 +60,13 @@ class Comparison(Document):
         """What the recordings cannot answer."""
         return advice(self._fields)
 
-    @property
-    def summary(self) -> str:
-        """The text that the command line prints."""
-        return str(self.__dict__["_summary"])
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return (Comparison, (self._text, self.summary))
-
     def __repr__(self) -> str:
-        return f"<Comparison: {self.verdict} (of {'the servos' if self.of == 'servos' else 'these recordings'}; margin {self.margin_percent:g} %)>\n{self._fields['summary']}"
+        of = "the servos" if self.of == "servos" else "these recordings"
+        return f"<Comparison: {self.verdict} (of {of}; margin {self.margin_percent:g} %)>\n{self._fields['summary']}"
 
 
-class Validation(Document):
+class Validation(Printed):
     """How well a model predicts data that it was not identified from. :func:`validate` gives it."""
-
-    def __init__(self, document: str, text: str) -> None:
-        super().__init__(document)
-        self.__dict__["_summary"] = text
 
     @property
     def fit_percent(self) -> float:
@@ -113,14 +98,6 @@ class Validation(Document):
     def advice(self) -> tuple[Advice, ...]:
         """That the model comes from these very samples, and what the files ask for."""
         return advice(self._fields)
-
-    @property
-    def summary(self) -> str:
-        """The text that the command line prints."""
-        return str(self.__dict__["_summary"])
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return (Validation, (self._text, self.summary))
 
     def __repr__(self) -> str:
         return f"<Validation: fit {self.fit_percent:.2f} %, error {self.rmse:.3g} rms, {self.samples_used} samples>"

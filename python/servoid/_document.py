@@ -79,3 +79,19 @@ class Document:
         """
         with Path(path).open("w" if force else "x", encoding="utf-8", newline="\n") as file:
             file.write(self._text)
+
+
+class Printed(Document):
+    """A document with the text that the command line prints of it."""
+
+    def __init__(self, document: str, text: str) -> None:
+        super().__init__(document)
+        self.__dict__["_summary"] = text
+
+    @property
+    def summary(self) -> str:
+        """The text that the command line prints."""
+        return str(self.__dict__["_summary"])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (self._text, self.summary))

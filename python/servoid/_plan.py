@@ -6,16 +6,15 @@ import os
 from typing import Any
 
 from . import _servoid
-from ._document import Document
+from ._document import Printed
 from ._model import Withdrawn, withdrawn
 
 
-class Plan(Document):
+class Plan(Printed):
     """The forecast of a run: the width of its band, and the questions that it cannot answer. :func:`plan` gives it."""
 
     def __init__(self, document: str, text: str, figure: str) -> None:
-        super().__init__(document)
-        self.__dict__["_summary"] = text
+        super().__init__(document, text)
         self.__dict__["_figure"] = figure
 
     @property
@@ -39,11 +38,6 @@ class Plan(Document):
         """Number of runs that reach the band that is wanted; ``None`` where none is wanted, or a hundred do not."""
         found = self._fields["needed"]
         return None if found is None else int(found["runs"])
-
-    @property
-    def summary(self) -> str:
-        """The text that the command line prints."""
-        return str(self.__dict__["_summary"])
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Plan, (self._text, self.summary, self.__dict__["_figure"]))

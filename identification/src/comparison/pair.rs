@@ -3,10 +3,11 @@
 use super::outcome::{Asymmetry, Levels};
 use crate::data::Record;
 use crate::error::Error;
+use crate::estimation::FsfBasis;
 use crate::identify::identify_runs;
-use crate::nonlinear::{DirectionModel, Limits, split_by_direction};
+use crate::nonlinear::{DirectionModel, Limits, split_by_direction, split_with};
 use crate::numerics::pointwise_critical;
-use crate::options::{Frequencies, Options, Settling};
+use crate::options::{Frequencies, NoiseOrder, Options, Settling};
 use crate::results::{Bounds, Interval, Model};
 
 /// One side, identified.
@@ -35,6 +36,21 @@ impl<'a> Identified<'a> {
             options: *options,
             alone,
         })
+    }
+
+    /// Each run as a record of its own.
+    pub(super) fn run_records(&self) -> impl Iterator<Item = Result<Record, Error>> {
+        let (period_s, phase_s) = (self.record.sample_period_s(), self.record.sample_phase_s());
+        self.record.runs().iter().map(move |run| {
+            Ok(Record::new(period_s, vec![run.clone()])?.with_sample_phase(phase_s))
+        })
+    }
+
+    /// A model of each run alone, whose bounds hold if those of the side do.
+    pub(super) fn splits_of_runs(&self, basis: FsfBasis) -> Result<Vec<DirectionModel>, Error> {
+        self.run_records()
+            .map(|run| split_with(&run?, basis, NoiseOrder::Auto, self.model.level()))
+            .collect()
     }
 
     pub(super) fn asymmetric(&self) -> bool {

@@ -8,11 +8,8 @@ use super::difference::Curves;
 use super::pair::Identified;
 use super::shift::shift;
 use super::welch::Welch;
-use crate::data::{Record, Run};
 use crate::error::Error;
 use crate::identify::identify_runs;
-use crate::nonlinear::split_with;
-use crate::options::NoiseOrder;
 use crate::thresholds::RUNS_FOR_MEAN;
 
 /// Ways in which curves scatter independently, each of which may miss (Bonferroni): how far the servo goes, and when. Of 120 pairs
@@ -30,10 +27,8 @@ impl RunMeans {
     /// strokes apart.
     pub(super) fn of(sides: [&Identified<'_>; 2], split: bool, level: f64) -> Option<Self> {
         let [a, b] = sides.map(|side| {
-            let runs = side.record.runs();
-            let curves = runs.iter().map(|run| curves(side, run, split).ok());
-            let enough = runs.len() >= RUNS_FOR_MEAN;
-            enough.then(|| curves.collect::<Option<Vec<Curves>>>())?
+            let enough = side.record.runs().len() >= RUNS_FOR_MEAN;
+            enough.then(|| curves(side, split).ok())?
         });
         Some(Self {
             sides: [a?, b?],
@@ -79,15 +74,14 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The curves of one run alone, by the structure of the comparison.
-fn curves(side: &Identified<'_>, run: &Run, split: bool) -> Result<Curves, Error> {
-    let record = Record::new(side.record.sample_period_s(), vec![run.clone()])?
-        .with_sample_phase(side.record.sample_phase_s());
+/// The curves of each run alone, by the structure of the comparison.
+fn curves(side: &Identified<'_>, split: bool) -> Result<Vec<Curves>, Error> {
     if split {
-        let basis = side.model.basis()?;
-        let model = split_with(&record, basis, NoiseOrder::Auto, side.model.level())?;
-        return Ok(Curves::of_split(&model));
+        let models = side.splits_of_runs(side.model.basis()?)?;
+        return Ok(models.iter().map(Curves::of_split).collect());
     }
-    let model = identify_runs(&record, &side.options)?.model;
-    Curves::of_model(&model, side.model.structure.settling_samples)
+    let points = side.model.structure.settling_samples;
+    side.run_records()
+        .map(|run| Curves::of_model(&identify_runs(&run?, &side.options)?.model, points))
+        .collect()
 }

@@ -11,11 +11,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::pair::{Identified, ends};
 use super::welch::Welch;
-use crate::data::Record;
 use crate::error::Error;
-use crate::estimation::FsfBasis;
-use crate::nonlinear::{DirectionModel, split_with};
-use crate::options::NoiseOrder;
+use crate::nonlinear::DirectionModel;
 
 /// Runs a side needed for t tests, and for permutations: with four, the smallest possible p is
 /// 2/70.
@@ -33,7 +30,7 @@ pub(super) fn p_value(a: &Identified<'_>, b: &Identified<'_>) -> Result<Option<f
     }
     let ends = ends(a.record);
     let basis = a.model.basis()?;
-    let (a, b) = (models(a, basis)?, models(b, basis)?);
+    let (a, b) = (a.splits_of_runs(basis)?, b.splits_of_runs(basis)?);
     if fewest >= RUNS.1 {
         return Ok(Some(permutation(&a, &b)));
     }
@@ -48,17 +45,6 @@ pub(super) fn p_value(a: &Identified<'_>, b: &Identified<'_>) -> Result<Option<f
         })
         .fold(1.0, f64::min);
     Ok(Some((10.0 * smallest).min(1.0)))
-}
-
-/// A model of each run of a side alone, whose bounds hold if those of the side do.
-fn models(side: &Identified<'_>, basis: FsfBasis) -> Result<Vec<DirectionModel>, Error> {
-    let record = side.record;
-    let alone = |run: &crate::data::Run| {
-        let record = Record::new(record.sample_period_s(), vec![run.clone()])?
-            .with_sample_phase(record.sample_phase_s());
-        split_with(&record, basis, NoiseOrder::Auto, side.model.level())
-    };
-    record.runs().iter().map(alone).collect()
 }
 
 /// Times of 10, 50 and 90 % and the peak, up and down, and both levels at rest.
