@@ -42,7 +42,7 @@ fn a_line_that_loses_and_corrupts_five_in_a_hundred_is_never_silently_wrong() {
 
 #[test]
 fn a_hopeless_line_is_never_silently_wrong() {
-    tally(0..200, Faults::of_rate(0.3));
+    tally(0..60, Faults::of_rate(0.3));
 }
 
 /// Does something to the line between the host and a rig at one moment.

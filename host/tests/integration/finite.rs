@@ -8,7 +8,7 @@ use serde_json::Value;
 use std::fmt::Write;
 use std::path::Path;
 
-const SAMPLES: usize = 800;
+const SAMPLES: usize = 500;
 
 /// Larger than the square of any value or gain of these recordings, up to some 1e16.
 const ABSURD: f64 = 1e36;

@@ -1,8 +1,4 @@
-//! Whether the errors hold what the equation does not have: score tests.
-//!
-//! Columns that such a thing would leave are added to the regression of the errors on the derivatives of the fit, all
-//! whitened by the noise at rest. If the equation is right, the reduction of the sum of squares over σ² follows χ² with
-//! as many degrees of freedom as there are columns (C. R. Rao 1948).
+//! Whether the errors hold what the equation does not have, by [score tests](super::score_test).
 //!
 //! Whatever is missing, such as another filter or a load of another shape, leaves errors at certain times after the command
 //! changes: sums of these changes over a few stretches of time, as they are, by size and by size squared. Play in the gears leaves
@@ -10,12 +6,9 @@
 
 use super::coordinates::Point;
 use super::discrepancy::WINDOWS;
-use super::noise_at_rest::NoiseAtRest;
+use super::score_test::score_test;
 use super::stretches::Stretch;
 use super::uncertainty::Uncertainty;
-use crate::numerics::{chi_square_upper_tail, cholesky, forward_solve};
-use crate::thresholds::SERVO_LACK_OF_FIT;
-use faer::Mat;
 
 /// Columns: each stretch of time with the change, its size, and its square with the sign.
 const OF_COMMAND: usize = 3 * WINDOWS;
@@ -54,46 +47,8 @@ fn beyond_chance<const N: usize>(
     let Some(noise) = &found.at_rest else {
         return false;
     };
-    let count = point.values.len();
-    let (normal, products) = whitened_products(found, noise, columns, count);
-    reduction(&normal, &products, count).is_some_and(|reduction| {
-        chi_square_upper_tail(reduction / (noise.sigma * noise.sigma), N) < SERVO_LACK_OF_FIT
-    })
-}
-
-/// Products of the whitened columns, those of the derivatives first, with each other and with the errors.
-fn whitened_products<const N: usize>(
-    found: &Uncertainty,
-    noise: &NoiseAtRest,
-    columns: &[Vec<[f64; N]>],
-    count: usize,
-) -> (Mat<f64>, Vec<f64>) {
-    let (d, all) = (&noise.filter, count + N);
-    let mut normal = Mat::<f64>::zeros(all, all);
-    let mut products = vec![0.0; all];
-    for (rows, columns) in found.rows.iter().zip(columns) {
-        let column = |k: usize, i: usize| match i.checked_sub(count) {
-            None => rows[k].slope[i],
-            Some(added) => columns[k][added],
-        };
-        for k in d.len() - 1..rows.len() {
-            let white = |of: &dyn Fn(usize) -> f64| -> f64 {
-                d.iter().enumerate().map(|(lag, d)| d * of(k - lag)).sum()
-            };
-            let error = white(&|k| rows[k].error);
-            if error.is_nan() {
-                continue;
-            }
-            let row: Vec<f64> = (0..all).map(|i| white(&|k| column(k, i))).collect();
-            for i in 0..all {
-                products[i] += row[i] * error;
-                for j in 0..=i {
-                    normal[(i, j)] += row[i] * row[j];
-                }
-            }
-        }
-    }
-    (normal, products)
+    score_test(&found.rows, point.values.len(), columns, noise)
+        .is_some_and(|score| score.is_beyond_chance())
 }
 
 /// For each sample the sums of earlier changes of the command, over windows of `window` samples.
@@ -129,28 +84,6 @@ fn play(output: &[f64], width: f64) -> Vec<[f64; 1]> {
     };
     output.iter().map(lag).collect()
 }
-
-/// What the columns after the first `count` take from the sum of squares beyond what these take. Columns are scaled to one
-/// first; those that are not seen get a small pivot and take nothing.
-fn reduction(normal: &Mat<f64>, products: &[f64], count: usize) -> Option<f64> {
-    let size = normal.nrows();
-    let scale = |i: usize| match normal[(i, i)].sqrt() {
-        0.0 => 1.0,
-        scale => scale,
-    };
-    let correlation = Mat::from_fn(size, size, |i, j| {
-        let (low, high) = (i.min(j), i.max(j));
-        let entry = normal[(high, low)] / (scale(low) * scale(high));
-        if i == j { entry + PIVOT } else { entry }
-    });
-    let scaled: Vec<f64> = (0..size).map(|i| products[i] / scale(i)).collect();
-    let lower = cholesky(&correlation)?;
-    let own = forward_solve(&lower, &scaled);
-    Some(own[count..].iter().map(|z| z * z).sum())
-}
-
-/// Added to each pivot, so that combinations of other columns take next to nothing.
-const PIVOT: f64 = 1e-9;
 
 #[cfg(test)]
 mod tests {

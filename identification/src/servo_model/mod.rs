@@ -8,6 +8,7 @@
 
 mod beside_linear;
 mod coordinates;
+mod current_limit;
 mod descent_step;
 mod discrepancy;
 mod error_row;
@@ -20,6 +21,7 @@ mod motion;
 mod noise_at_rest;
 mod possible_servo;
 mod quantities;
+mod score_test;
 mod search;
 mod start;
 mod stretches;

@@ -4,9 +4,11 @@
 //! covariance is H⁻¹ M H⁻¹ with H = J'J and M the covariance of J'e, where J are the derivatives of the outputs.
 //! M follows from the noise model; and from the products J'e of the blocks, which allow for noise that changes
 //! with the motion (P. J. Huber 1967; a sandwich by blocks). The larger of the two holds in every direction. What the
-//! equation may lack without the record showing it is added as an error that is constant over windows.
+//! equation may lack without the record showing it is added as an error that is constant over windows, and as that of a
+//! limit of the current.
 
 use super::coordinates::Point;
+use super::current_limit::current_limit;
 use super::descent_step::MOST;
 use super::discrepancy;
 use super::error_row::Row;
@@ -42,6 +44,8 @@ pub(super) struct Uncertainty {
     pub(super) at_rest: Option<NoiseAtRest>,
     /// Samples over which errors of the equation are taken as constant.
     pub(super) window: usize,
+    /// Whether the errors are those of a limit of the current, beyond chance.
+    pub(super) has_current_limit: bool,
     /// Upper limit of the root mean square of the error of the equation \[output\].
     pub(super) discrepancy: f64,
 }
@@ -101,7 +105,13 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     let modelled = by_noise_model(&rows, &ar, sigma, point.values.len());
     let blockwise = by_blocks(problem, &rows, blocks, point.values.len());
     let unseen = by_windows(&rows, window, discrepancy, point.values.len());
-    let middle = larger(&part(&modelled), &part(&blockwise)) + part(&unseen);
+    let current_limit = at_rest
+        .as_ref()
+        .and_then(|noise| current_limit(problem.stretches, point, &problem.grid, &rows, noise));
+    let hidden = current_limit.iter().map(|limit| &limit.hidden);
+    let hidden = sum_of_products(point.values.len(), hidden);
+    let of_equation = part(&unseen) + part(&hidden);
+    let middle = larger(&part(&modelled), &part(&blockwise)) + of_equation;
     let mut covariance = Mat::zeros(seen.len(), seen.len());
     if let Some(lower) = cholesky(&part(&normal)) {
         let inverse = inverse_of_square(&lower);
@@ -121,6 +131,7 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
         motion,
         at_rest,
         window,
+        has_current_limit: current_limit.is_some_and(|limit| limit.is_seen),
         discrepancy,
     }
 }

@@ -23,7 +23,8 @@ pub(super) fn against(stretches: &[Stretch], point: &Point, found: &Uncertainty)
         return Some(Reason::InputUnexcited);
     }
     let follow = lack_of_fit::follows_command(stretches, point, found)
-        || lack_of_fit::has_play(point, found);
+        || lack_of_fit::has_play(point, found)
+        || found.has_current_limit;
     (follow || grows_with_motion(found)).then_some(Reason::ErrorsNotNoise)
 }
 

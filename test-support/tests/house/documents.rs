@@ -1,8 +1,8 @@
-//! The glossary and the method name files and modules that exist.
+//! The documents name files, modules and tests that exist.
 
-use crate::words::REPLACED;
+use crate::words::{REPLACED, texts};
 use crate::workspace;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 fn document(name: &str) -> String {
     std::fs::read_to_string(workspace().join("docs").join(name)).unwrap()
@@ -45,5 +45,46 @@ fn every_module_that_the_method_names_exists() {
         .filter_map(|rest| Some(rest.split_once("`]")?.0.replace("::", "/")))
         .filter(|module| !exists(module))
         .collect();
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
+/// The words in backticks of a document, without its blocks of code.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+#[test]
+fn every_test_and_file_that_a_promise_names_exists() {
+    let text = document("reliability.md");
+    let mut files = Vec::new();
+    texts(Path::new(""), &mut files);
+    let rust = files
+        .iter()
+        .filter(|file| file.extension() == Some("rs".as_ref()));
+    let sources: Vec<String> = rust
+        .map(|file| std::fs::read_to_string(workspace().join(file)).unwrap())
+        .collect();
+    let mut missing = Vec::new();
+    let mut tests = 0;
+    for word in quoted(&text) {
+        let is_path = word.contains('/') && word.ends_with(".rs");
+        if is_path && !workspace().join(word).exists() {
+            missing.push(word);
+        }
+        let name = word.trim_end_matches("...");
+        let is_name = name
+            .chars()
+            .all(|letter| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_');
+        if !is_name || name.matches('_').count() < 2 {
+            continue;
+        }
+        tests += 1;
+        let whole = if name == word { "(" } else { "" };
+        let definition = format!("fn {name}{whole}");
+        if !sources.iter().any(|source| source.contains(&definition)) {
+            missing.push(word);
+        }
+    }
+    assert!(tests > 50, "{tests}");
     assert!(missing.is_empty(), "{missing:#?}");
 }

@@ -41,7 +41,7 @@ fn has_word(line: &str, word: &str) -> bool {
 }
 
 /// All files of code and text below `folder`, by their paths in the workspace.
-fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
+pub fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(workspace().join(folder)).expect("the folder can be read") {
         let entry = entry.expect("an entry can be read");
         let name = entry.file_name().into_string().expect("the name is UTF-8");
