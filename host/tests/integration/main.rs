@@ -25,6 +25,7 @@ mod models;
 mod no_bounds;
 mod plan;
 mod references;
+mod release;
 mod report;
 mod results;
 mod safekeeping;
