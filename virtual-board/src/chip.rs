@@ -412,6 +412,11 @@ impl Chip {
         }
     }
 
+    /// The content of the main memory.
+    pub fn flash(&self) -> &[u8] {
+        self.flash.bytes()
+    }
+
     /// Whether the bootloader runs, and not the program.
     pub fn in_bootloader(&self) -> bool {
         self.bootloader.is_some()

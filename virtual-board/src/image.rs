@@ -3,7 +3,7 @@
 use crate::memory::{RAM_BYTES, RAM_START};
 use crate::rtt::Log;
 use defmt_decoder::Table;
-use object::elf::SHF_ALLOC;
+use object::elf::{ELFMAG, SHF_ALLOC};
 use object::read::elf::ElfFile32;
 use object::{Endianness, Object, ObjectSection, ObjectSymbol, SectionFlags};
 use servoid_flash_image::FlashImage;
@@ -40,7 +40,7 @@ pub struct Image {
     pub(crate) log: Option<Log>,
     /// Bytes of flash that the program uses.
     pub flash_used: u32,
-    /// Bytes of static memory that the program's variables use; the rest is for its stack.
+    /// Bytes of static memory that the program's variables use, as an ELF file says; the rest is for its stack.
     pub ram_used: u32,
 }
 
@@ -65,11 +65,18 @@ impl Image {
         }
     }
 
-    /// Parses an ELF file.
+    /// Parses an ELF file; or the bytes of the flash, which have no table of a log.
     pub fn parse(elf: &[u8]) -> Result<Self, ImageError> {
         let wrong = |what: &dyn std::fmt::Display| ImageError::Tables(what.to_string());
         let flash = FlashImage::from_file(elf)?.bytes().to_vec();
         let flash_used = flash.len() as u32;
+        if !elf.starts_with(&ELFMAG) {
+            return Ok(Self {
+                flash,
+                flash_used,
+                ..Self::erased()
+            });
+        }
         let file = ElfFile32::<Endianness>::parse(elf).map_err(|e| wrong(&e))?;
         let control_block = file.symbol_by_name(RTT).map(|rtt| rtt.address() as u32);
         let table =

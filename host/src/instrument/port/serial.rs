@@ -1,9 +1,10 @@
 //! A board on a serial port.
 
 use super::byte_stream::Port;
+use super::control_line::ControlLine;
 use super::open_error::OpenError;
 use super::timed_read::{SHORTEST_TIMEOUT, none_if_timed_out};
-use serialport::ErrorKind;
+use serialport::{ErrorKind, Parity};
 use std::io::{Read, Write};
 use std::time::{Duration, Instant};
 
@@ -56,6 +57,18 @@ impl Port for SerialPort {
     fn write_all(&mut self, bytes: &[u8]) -> std::io::Result<()> {
         self.port.set_timeout(Duration::from_secs(1))?;
         self.port.write_all(bytes)
+    }
+
+    fn set_even_parity(&mut self, on: bool) -> std::io::Result<()> {
+        let parity = if on { Parity::Even } else { Parity::None };
+        Ok(self.port.set_parity(parity)?)
+    }
+
+    fn set_control_line(&mut self, line: ControlLine, set: bool) -> std::io::Result<()> {
+        Ok(match line {
+            ControlLine::Rts => self.port.write_request_to_send(set)?,
+            ControlLine::Dtr => self.port.write_data_terminal_ready(set)?,
+        })
     }
 
     fn now(&self) -> Duration {

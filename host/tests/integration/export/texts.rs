@@ -1,7 +1,7 @@
 //! What the exports say, and what must not get into them.
 
 use super::{SUBJECT, must, works};
-use crate::support::missing;
+use servoid_test_support::tools::missing;
 use crate::support::{arg, refusal, run, servoid};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
