@@ -3,9 +3,9 @@
 //! `cargo fw` makes an ELF file, which holds tables for debuggers beside the program. What a chip gets of it, and what its
 //! SHA-256 is taken of, are the bytes of its flash alone.
 
+use object::Endianness;
 use object::elf::PT_LOAD;
 use object::read::elf::{ElfFile32, ProgramHeader};
-use object::Endianness;
 use sha2::{Digest, Sha256};
 
 /// Start of the flash (RM0008 3.3.3; datasheet DS5319, memory mapping).
@@ -138,8 +138,8 @@ fn loaded(elf: &[u8]) -> Result<Vec<u8>, ImageError> {
         let data = data.map_err(|()| wrong(&"it is cut off"))?;
         let begin = at.checked_sub(FLASH_START).map(|begin| begin as usize);
         let begin = begin.filter(|begin| begin + length <= FLASH_BYTES as usize);
-        let begin =
-            begin.ok_or_else(|| wrong(&format!("{length} bytes at {at:#x} are not in its flash")))?;
+        let begin = begin
+            .ok_or_else(|| wrong(&format!("{length} bytes at {at:#x} are not in its flash")))?;
         bytes.resize(bytes.len().max(begin + length), ERASED);
         if let Some(place) = bytes.get_mut(begin..begin + length) {
             place.copy_from_slice(data);
@@ -175,7 +175,10 @@ mod tests {
     #[test]
     fn the_digest_is_of_the_bytes() {
         let image = FlashImage::from_file(&raw(8)).unwrap();
-        assert_eq!(image.sha256(), "ac2fbb021cf436536f7d7d9af877597a9d70e29bec6860a992e111ad17298039");
+        assert_eq!(
+            image.sha256(),
+            "ac2fbb021cf436536f7d7d9af877597a9d70e29bec6860a992e111ad17298039"
+        );
     }
 
     #[test]

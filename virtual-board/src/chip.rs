@@ -163,11 +163,7 @@ impl Chip {
             debugger,
             p: Peripherals::new(&rcc, options.lsi_hz, Dbgmcu::new(debugger)),
             rcc,
-            signature: Signature::new(
-                unique_id,
-                options.flash_kib,
-                options.identity_at_any_clock,
-            ),
+            signature: Signature::new(unique_id, options.flash_kib, options.identity_at_any_clock),
             ram,
             flash: FlashMemory::new(program, options.flash_kib, options.read_protected),
             product_id: options.product_id,

@@ -19,17 +19,18 @@ use std::path::PathBuf;
 
 /// Write the firmware into a board, over the wires of the rig
 #[derive(Debug, Args)]
-#[command(after_help = "The chip's own bootloader does it: set the board's jumper BOOT0 to 1, press reset, and start. When it is
-done, set BOOT0 back to 0, or the next reset starts the bootloader again. Servo unplugged, please: its
-signal line is not driven meanwhile.
+#[command(
+    after_help = "Unplug the servo: its signal line is not driven meanwhile. Set the board's jumper BOOT0 to 1, press \
+its reset, and start: the chip's own bootloader does it. Afterwards set BOOT0 back to 0, or the next \
+reset starts the bootloader again.
 
-Where the adapter has RTS or DTR at BOOT0 or reset, name the lines. '!' turns one around: most pins
-are low while their line is set.
+Where lines of the adapter are at BOOT0 and reset, --boot0 and --reset name them, and no hand is needed.
 
 Examples:
   servoid flash --port /dev/ttyUSB0
   servoid flash --port /dev/ttyUSB0 --boot0 '!rts' --reset dtr
-  servoid flash --dry-run                                        the image inside, with its SHA-256")]
+  servoid flash --dry-run                                        the image inside, with its SHA-256"
+)]
 pub(super) struct Flash {
     /// Port of the board: a serial device, or tcp:HOST:PORT (with even parity behind it)
     #[arg(long, short, value_parser = completion_values::port(), hide_possible_values = true, required_unless_present = "dry_run")]
@@ -57,7 +58,6 @@ pub(super) struct Flash {
 #[derive(Serialize)]
 struct ImageFacts {
     bytes: usize,
-    pages: u32,
     sha256: String,
 }
 
@@ -77,7 +77,6 @@ impl Flash {
         let image = self.image()?;
         let facts = ImageFacts {
             bytes: image.bytes().len(),
-            pages: image.pages(),
             sha256: image.sha256(),
         };
         match &self.port {
@@ -92,7 +91,8 @@ impl Flash {
                 "this program was built without an image: 'cargo fw' builds one and the next build of servoid has it inside, or name one by --image FILE",
             );
         };
-        let content = input_file::read(file)?;
+        let content = input_file::read(file);
+        let content = content.with_context(|| format!("{file:?} cannot be read"))?;
         FlashImage::from_file(&content).with_context(|| format!("{file:?} cannot be written"))
     }
 
@@ -140,7 +140,9 @@ impl Flash {
         if self.boot0.is_none() {
             text += "BOOT0 is still at 1: set its jumper back to 0 now, or the next reset starts the bootloader\n";
         }
-        text += &self.talk.next(format_args!("servoid info --port {address}"));
+        text += &self
+            .talk
+            .next(format_args!("servoid info --port {address}"));
         self.talk.result(text, &done)
     }
 }
@@ -161,12 +163,8 @@ fn no_answer(mut port: Box<dyn Port>, address: &str) -> anyhow::Error {
 }
 
 fn describe_image(facts: &ImageFacts) -> String {
-    let ImageFacts {
-        bytes,
-        pages,
-        sha256,
-    } = facts;
-    format!("image     {bytes} bytes, {pages} pages of 1 KiB\nSHA-256   {sha256}\n")
+    let ImageFacts { bytes, sha256 } = facts;
+    format!("image     {bytes} bytes of flash\nSHA-256   {sha256}\n")
 }
 
 fn describe(done: &Done<'_>) -> String {
@@ -184,7 +182,7 @@ fn describe(done: &Done<'_>) -> String {
     };
     let again = match written_again {
         0 => String::new(),
-        pages => format!("; {pages} pages had to be written again: the line is bad"),
+        times => format!("; {times} times a page had to be written again: the line is bad"),
     };
     let stale = explain(done.mismatches);
     format!(

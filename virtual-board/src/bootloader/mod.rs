@@ -234,7 +234,9 @@ impl Bootloader {
                 self.go_on(State::Command, &[ACK]);
             }
             (State::Address(command), [address @ .., _]) if sum == 0 => {
-                let address = address.iter().fold(0, |at, byte| at << 8 | u32::from(*byte));
+                let address = address
+                    .iter()
+                    .fold(0, |at, byte| at << 8 | u32::from(*byte));
                 self.address(*command, address, memories);
             }
             (State::Data(at), [_, data @ .., _]) if sum == 0 => self.write(*at, data, memories),
@@ -292,7 +294,7 @@ impl Bootloader {
         if !aligned {
             return self.refuse();
         }
-        if address >= FLASH_START && address < SYSTEM_MEMORY {
+        if (FLASH_START..SYSTEM_MEMORY).contains(&address) {
             self.busy_until += WRITE_HALF_WORD * (data.len() as Ticks / 2);
             memories.flash.write(address, data);
         } else {

@@ -68,9 +68,7 @@ impl Bench {
 #[test]
 fn it_says_who_it_is() {
     let mut bench = Bench::new(false);
-    let commands = [
-        0, 1, 2, 0x11, 0x21, 0x31, 0x43, 0x63, 0x73, 0x82, 0x92,
-    ];
+    let commands = [0, 1, 2, 0x11, 0x21, 0x31, 0x43, 0x63, 0x73, 0x82, 0x92];
     let expected = [&[ACK, 11, 0x22][..], &commands, &[ACK]].concat();
     assert_eq!(bench.command(0), expected);
     assert_eq!(bench.command(1), [ACK, 0x22, 0, 0, ACK]);
@@ -98,7 +96,10 @@ fn flash_is_erased_by_pages_or_whole_and_takes_its_time() {
     assert_eq!(bench.summed(&[1, 1, 200]), [ACK]);
     // Page 200 is not there.
     assert_eq!(bench.now - before, ERASE + 5 * BYTE);
-    assert_eq!(bench.read(FLASH_START + 1022, 4), [0xaa, 0xaa, ERASED, ERASED]);
+    assert_eq!(
+        bench.read(FLASH_START + 1022, 4),
+        [0xaa, 0xaa, ERASED, ERASED]
+    );
     assert_eq!(bench.command(0x43), [ACK]);
     assert_eq!(bench.say(&[0xff, 0]), [ACK]);
     assert_eq!(bench.read(FLASH_START, 2), [ERASED; 2]);
@@ -136,7 +137,10 @@ fn it_jumps_to_programs_only() {
     let mut bench = Bench::new(false);
     assert_eq!(bench.at(0x21, SYSTEM_MEMORY), [NACK]);
     assert_eq!(bench.at(0x21, FLASH_START), [ACK]);
-    assert_eq!(bench.bootloader.end(bench.now), Some(End::Jump(FLASH_START)));
+    assert_eq!(
+        bench.bootloader.end(bench.now),
+        Some(End::Jump(FLASH_START))
+    );
 }
 
 #[test]

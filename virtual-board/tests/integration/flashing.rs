@@ -10,6 +10,7 @@ use servoid::instrument::port::{ControlLine, Port};
 use servoid_flash_image::{ERASED, FLASH_START, FlashImage, PAGE_BYTES};
 use servoid_test_support::tools::missing;
 use servoid_test_support::virtual_board::{SharedBoard, options};
+use std::cell::Cell;
 use std::io;
 use std::process::Command;
 use std::time::Duration;
@@ -26,10 +27,10 @@ fn the_image() -> FlashImage {
     FlashImage::from_file(&elf).unwrap()
 }
 
-/// A program of two and a half pages that stays where it starts, at the place behind its two words.
+/// A program of a page and a third that stays where it starts, at the place behind its two words.
 fn small_image(seed: u64) -> FlashImage {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut bytes: Vec<u8> = (0..2 * PAGE_BYTES + 600).map(|_| random.random()).collect();
+    let mut bytes: Vec<u8> = (0..PAGE_BYTES + 350).map(|_| random.random()).collect();
     bytes[..4].copy_from_slice(&0x2000_2000u32.to_le_bytes());
     bytes[4..8].copy_from_slice(&(FLASH_START + 9).to_le_bytes());
     // b .
@@ -165,9 +166,18 @@ fn what_is_no_good_board_is_left_as_it_was_and_named() {
         SharedBoard::from(VirtualBoard::new(held, &options).unwrap())
     };
     let changes: [(fn(&mut BoardOptions), &str); 4] = [
-        (|o| o.product_id = 0x413, "STM32F405 or STM32F407 (product id 0x413)"),
-        (|o| o.flash_kib = 2, "needs 3 KiB of flash, and this chip has 2 KiB"),
-        (|o| o.read_protected = true, "'--unlock' removes that, and erases all"),
+        (
+            |o| o.product_id = 0x413,
+            "STM32F405 or STM32F407 (product id 0x413)",
+        ),
+        (
+            |o| o.flash_kib = 1,
+            "needs 2 KiB of flash, and this chip has 1 KiB",
+        ),
+        (
+            |o| o.read_protected = true,
+            "'--unlock' removes that, and erases all",
+        ),
         (|o| o.boot0 = false, "set the board's BOOT0 to 1"),
     ];
     for (change, expected) in changes {
@@ -180,10 +190,27 @@ fn what_is_no_good_board_is_left_as_it_was_and_named() {
 }
 
 #[test]
+fn somebody_may_end_it() {
+    let board = erased(&with_boot0(&[]));
+    let asked = Cell::new(false);
+    let mut hand = Hand {
+        show: &mut |progress| asked.set(matches!(progress, Progress::Written(4096..))),
+        stop: &|| asked.get(),
+    };
+    let port = &mut board.port();
+    let result = flash(port, &the_image(), BootLines::default(), false, &mut hand);
+    assert!(matches!(result, Err(FlashError::Stopped(State::Empty))));
+    board.with(|board| assert_eq!(board.chip().flash()[..8], [ERASED; 8]));
+}
+
+#[test]
 fn a_board_that_falls_silent_is_named() {
     let board = erased(&with_boot0(&["host-silent@1"]));
     let error = flash_board(&board, &the_image()).unwrap_err();
-    assert!(matches!(error, FlashError::FellSilent(State::Empty)), "{error}");
+    assert!(
+        matches!(error, FlashError::FellSilent(State::Empty)),
+        "{error}"
+    );
 }
 
 #[test]
@@ -222,7 +249,7 @@ fn a_cable_that_is_pulled_half_way_leaves_no_half_program_that_starts() {
     let (old, new) = (small_image(4), small_image(5));
     let mut left = [0; 3];
     let held = || Image::parse(old.bytes()).unwrap();
-    for bytes in (0..120).step_by(8).chain((120..4_200).step_by(120)) {
+    for bytes in (0..120).step_by(8).chain((120..2_100).step_by(60)) {
         let board = VirtualBoard::new(held(), &with_boot0(&[])).unwrap();
         let board = SharedBoard::from(board);
         let mut port = Pulled(board.port(), bytes);
@@ -257,19 +284,19 @@ struct Outcomes {
     longest_s: f64,
 }
 
-/// Disturbs each byte in both directions, up to one in two hundred flipped, lost and inserted each, and one in eight hundred
-/// late by up to half a second. No run may start anything but the whole program, or end without a word.
+/// Runs over lines that disturb each byte, in both directions: up to one in two hundred flipped, lost and inserted each,
+/// and one in eight hundred late by up to half a second. No run may start anything but the whole program, or end without a word.
 #[test]
 fn a_thousand_runs_over_bad_lines_start_nothing_wrong_and_all_end() {
     let mut outcomes = Outcomes::default();
     for seed in 0..1_000 {
-        let rate = [0.0, 1e-4, 5e-4, 2e-3, 5e-3][seed as usize % 5];
+        let rate = [0.0, 2e-4, 5e-4, 1e-3, 5e-3][seed as usize % 5];
         run_over_bad_line(seed, rate, &mut outcomes);
     }
     println!("flash: {outcomes:?}");
     assert_eq!(outcomes.started + outcomes.ended_with_a_sentence, 1_000);
-    // Those that end with a sentence have lost their first byte, mostly, or the last one of them.
-    assert!(outcomes.started > 900, "{outcomes:?}");
+    // A bootloader whose first byte was disturbed hears nothing any more: somebody has to press reset.
+    assert!(outcomes.started > 950, "{outcomes:?}");
     assert!(outcomes.written_again > 0, "{outcomes:?}");
 }
 
@@ -295,7 +322,10 @@ fn run_over_bad_line(seed: u64, rate: f64, outcomes: &mut Outcomes) {
         let started = !board.chip().in_bootloader();
         let whole = holds(board, &image);
         let head_is_erased = board.chip().flash()[..8] == [ERASED; 8];
-        assert!(whole || head_is_erased, "{seed}: half a program would start");
+        assert!(
+            whole || head_is_erased,
+            "{seed}: half a program would start"
+        );
         if started {
             assert!(whole, "{seed}: started half a program");
             let at = board.core().registers().r[15] & !1;

@@ -77,13 +77,19 @@ impl Exchange<'_> {
         self.command(code::WRITE)?;
         self.address(address)?;
         let half_words = bytes.len() as u32 / 2;
-        self.message(&[&[count(bytes.len())?], bytes].concat(), HALF_WORD * half_words)
+        self.message(
+            &[&[count(bytes.len())?], bytes].concat(),
+            HALF_WORD * half_words,
+        )
     }
 
     /// Erase Memory (3.7): these pages, in this order.
     pub(super) fn erase(&mut self, pages: &[u8]) -> Result<(), Failure> {
         self.command(code::ERASE)?;
-        self.message(&[&[count(pages.len())?], pages].concat(), ERASE * pages.len() as u32)
+        self.message(
+            &[&[count(pages.len())?], pages].concat(),
+            ERASE * pages.len() as u32,
+        )
     }
 
     /// Go (3.5): starts the program with its vector table at the address.

@@ -16,7 +16,9 @@ impl fmt::Display for State {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Untouched => "the board holds what it held before",
-            Self::Empty => "the board holds no program that starts, and moves nothing",
+            Self::Empty => {
+                "the board holds no program that starts, and moves nothing until it is flashed"
+            }
         })
     }
 }
@@ -77,7 +79,9 @@ pub enum FlashError {
     )]
     FellSilent(State),
     /// The port is gone.
-    #[error("the connection broke ({1}): check the cable, press reset with BOOT0 at 1, and start again; {0}")]
+    #[error(
+        "the connection broke ({1}): check the cable, press reset with BOOT0 at 1, and start again; {0}"
+    )]
     Broken(State, std::io::Error),
     /// Answers come, and are wrong again and again.
     #[error(

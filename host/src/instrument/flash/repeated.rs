@@ -51,7 +51,7 @@ impl<'p> Repeated<'p> {
         }
     }
 
-    /// Waits for the bootloader, at most for `patience`; `waiting` is called in each silent round.
+    /// Waits for the bootloader, at most for `patience`; `waiting` is called in each silent round but the first ones.
     pub(super) fn synchronise(
         &mut self,
         patience: Duration,
@@ -68,7 +68,9 @@ impl<'p> Repeated<'p> {
             if self.exchange.port.now() >= until {
                 break;
             }
-            waiting();
+            if round >= FILLED_FROM {
+                waiting();
+            }
         }
         Err(FlashError::NoAnswer)
     }
@@ -143,12 +145,12 @@ impl<'p> Repeated<'p> {
 
     /// What the bootloader says of itself.
     pub(super) fn version(&mut self) -> Result<Option<Version>, FlashError> {
-        self.twice("tell its version", |rom| rom.get())
+        self.twice("name its version", |rom| rom.get())
     }
 
     /// What the chip is.
     pub(super) fn product_id(&mut self) -> Result<Option<u16>, FlashError> {
-        self.twice("tell what chip it is", |rom| rom.get_id())
+        self.twice("name the chip", |rom| rom.get_id())
     }
 
     /// Bytes of the memory; `None` where the chip does not show them.

@@ -20,10 +20,13 @@ impl SerialPort {
     pub(super) fn open(name: &str) -> Result<Self, OpenError> {
         // The library locks the device itself (flock and TIOCEXCL on Unix), which holds against a privileged user
         // too, and leaves nothing behind.
-        let port = serialport::new(name, BAUD_RATE)
+        let mut port = serialport::new(name, BAUD_RATE)
             .timeout(Duration::from_secs(1))
             .open()
             .map_err(|error| refusal(name, &error))?;
+        // Systems set RTS and DTR when a port is opened. Where DTR is at the board's reset, that would hold the board;
+        // BOOT0 at RTS is right so. A port without such lines needs nothing.
+        let _no_such_line = port.write_data_terminal_ready(false);
         Ok(Self {
             port,
             opened: Instant::now(),
