@@ -4,7 +4,7 @@ use super::bootloader::code;
 use super::error::FlashError;
 use super::repeated::Repeated;
 use serde::Serialize;
-use servoid_flash_image::FlashImage;
+use servoid_flash_image::{FLASH_START, FlashImage};
 
 /// The chip at the other end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -37,7 +37,10 @@ const OTHERS: [(u16, &str); 10] = [
 /// Size of the flash in KiB (RM0008 30.1.1), in the system memory.
 const FLASH_SIZE: u32 = 0x1fff_f7e0;
 
-/// What a read-protected chip shows of its flash: nothing.
+/// A look at the flash, which a protected chip refuses (bytes).
+const WORD: usize = 4;
+
+/// What there is at the other end.
 pub(super) enum Look {
     /// The program can be written.
     Ready(ChipFound),
@@ -62,16 +65,24 @@ pub(super) fn look(rom: &mut Repeated<'_>, image: &FlashImage) -> Result<Look, F
         bootloader: version.version,
         flash_kib: None,
     };
-    let Some(size) = rom.read(FLASH_SIZE, 2)? else {
+    if rom.read(FLASH_START, WORD)?.is_none() {
         return Ok(Look::Protected(chip));
-    };
-    if let [low, high] = size[..] {
-        let kib = u16::from_le_bytes([low, high]);
-        chip.flash_kib = Some(kib).filter(|kib| *kib != u16::MAX && *kib != 0);
     }
+    chip.flash_kib = flash_kib(rom)?;
     let needed = image.pages();
     match chip.flash_kib {
         Some(kib) if u32::from(kib) < needed => Err(FlashError::TooSmall { kib, needed }),
         _ => Ok(Look::Ready(chip)),
     }
+}
+
+/// Size of the flash, where the chip shows it: not every clone does.
+fn flash_kib(rom: &mut Repeated<'_>) -> Result<Option<u16>, FlashError> {
+    let size = match rom.read(FLASH_SIZE, 2) {
+        Err(FlashError::BadLine { .. }) => None,
+        other => other?,
+    };
+    let bytes = size.and_then(|size| <[u8; 2]>::try_from(size).ok());
+    let kib = bytes.map(u16::from_le_bytes);
+    Ok(kib.filter(|kib| *kib != u16::MAX && *kib != 0))
 }
