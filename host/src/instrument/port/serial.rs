@@ -68,10 +68,11 @@ impl Port for SerialPort {
     }
 
     fn set_control_line(&mut self, line: ControlLine, set: bool) -> std::io::Result<()> {
-        Ok(match line {
+        match line {
             ControlLine::Rts => self.port.write_request_to_send(set)?,
             ControlLine::Dtr => self.port.write_data_terminal_ready(set)?,
-        })
+        }
+        Ok(())
     }
 
     fn now(&self) -> Duration {
