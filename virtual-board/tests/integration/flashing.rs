@@ -156,16 +156,19 @@ fn lines_of_the_adapter_set_boot0_and_reset() {
     }
 }
 
+/// What makes a board another one.
+type Change = fn(&mut BoardOptions);
+
 #[test]
 fn what_is_no_good_board_is_left_as_it_was_and_named() {
     let image = small_image(2);
-    let board = |change: fn(&mut BoardOptions)| {
+    let board = |change: Change| {
         let mut options = with_boot0(&[]);
         change(&mut options);
         let held = Image::parse(small_image(1).bytes()).unwrap();
         SharedBoard::from(VirtualBoard::new(held, &options).unwrap())
     };
-    let changes: [(fn(&mut BoardOptions), &str); 4] = [
+    let changes: [(Change, &str); 4] = [
         (
             |o| o.product_id = 0x413,
             "STM32F405 or STM32F407 (product id 0x413)",
