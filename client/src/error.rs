@@ -41,7 +41,7 @@ pub enum ClientError {
     RunForgotten,
     /// The rig was built for other messages.
     #[error(
-        "the rig speaks another protocol (its schema is {rig:016x}, this servoid's is {host:016x}): flash the firmware of this version with 'cargo fw-flash'"
+        "the rig speaks another protocol (its schema is {rig:016x}, this servoid's is {host:016x}): flash the firmware of this version with 'servoid flash'"
     )]
     SchemaDiffers {
         /// The rig's schema hash.
@@ -51,7 +51,7 @@ pub enum ClientError {
     },
     /// The rig's clock is not the one that times in a recording are made of.
     #[error(
-        "the rig's {field} is {rig}, this servoid's {host}: {meaning}; flash the firmware of this version with 'cargo fw-flash'"
+        "the rig's {field} is {rig}, this servoid's {host}: {meaning}; flash the firmware of this version with 'servoid flash'"
     )]
     TimingDiffers {
         /// Its name in [`servoid_protocol::Hello`].
@@ -70,7 +70,7 @@ pub enum ClientError {
     RunOfAnother,
     /// It says what cannot be true of the run that it was asked for.
     #[error(
-        "the rig contradicts the command: {0}; neither its program nor what came can be trusted: flash the firmware of this version with 'cargo fw-flash'"
+        "the rig contradicts the command: {0}; neither its program nor what came can be trusted: flash the firmware of this version with 'servoid flash'"
     )]
     Contradiction(Contradiction),
     /// The rig says no.

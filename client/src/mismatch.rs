@@ -24,7 +24,7 @@ pub struct Mismatch {
 pub fn mismatches(hello: &Hello) -> Vec<Mismatch> {
     let update = match hello.protocol_version > PROTOCOL_VERSION {
         true => "the rig is the newer one: update servoid",
-        false => "the rig is the older one: flash this version's firmware with 'cargo fw-flash'",
+        false => "the rig is the older one: flash this version's firmware with 'servoid flash'",
     };
     let fields = [
         (

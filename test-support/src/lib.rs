@@ -8,6 +8,7 @@
 //! - [`hard_lines`]: recordings with glitches, tails, jitter, hum and runs that differ, for [`coverage`].
 //! - [`servo_means`]: comparisons of servos whose runs scatter.
 //! - [`arguments`]: the arguments of these examples.
+//! - [`tools`]: what a test does whose tool is not there.
 //! - `bad_line` (feature `rig`): a port that loses, damages and delays frames by chance.
 //! - `trials` (feature `rig`): captures over bad lines, killed captures, recordings of simulated rigs and
 //!   whether they are what the board sampled.
@@ -24,6 +25,7 @@ pub mod metrics_coverage;
 pub mod plants;
 pub mod servo_means;
 pub mod servos;
+pub mod tools;
 #[cfg(feature = "rig")]
 pub mod trials;
 #[cfg(feature = "board")]

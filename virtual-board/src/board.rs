@@ -4,6 +4,7 @@
 //! While the core sleeps, time jumps from event to event. This makes a simulated second cost some hundredths of a
 //! second, and changes nothing, because a sleeping core does nothing.
 
+use crate::bootloader::End;
 use crate::bus::SharedChip;
 use crate::chip::Chip;
 use crate::cpu::rsemu::RsemuCore;
@@ -70,6 +71,11 @@ pub struct VirtualBoard<C: Core = RsemuCore> {
     steps: u32,
     log_at: Ticks,
     awake_cycles: u64,
+    /// The level of BOOT0, and whether the reset pin is held low.
+    boot0: bool,
+    held_in_reset: bool,
+    /// Whether the bootloader runs.
+    in_bootloader: bool,
 }
 
 impl VirtualBoard {
@@ -105,10 +111,12 @@ impl<C: Core> VirtualBoard<C> {
         }
         plans.sort_by_key(|&(at, _)| at);
         let ram = Ram::new(options.ram_bytes);
-        let chip = Arc::new(SharedChip::new(Chip::new(options, ram.clone())?));
+        let chip = Chip::new(options, ram.clone(), &image.flash)?;
+        let program = chip.flash.bytes().to_vec();
+        let chip = Arc::new(SharedChip::new(chip));
         let bus: Arc<dyn Bus> = chip.clone();
         Ok(Self {
-            core: core(&image.flash, &ram, &bus),
+            core: core(&program, &ram, &bus),
             chip,
             log: image.log,
             drains_log: options.drains_log,
@@ -126,6 +134,9 @@ impl<C: Core> VirtualBoard<C> {
             steps: 0,
             log_at: 0,
             awake_cycles: 0,
+            boot0: options.boot0,
+            held_in_reset: false,
+            in_bootloader: false,
         })
     }
 
@@ -154,6 +165,19 @@ impl<C: Core> VirtualBoard<C> {
         self.chip.lock()
     }
 
+    /// Sets the level of BOOT0, which the next reset looks at.
+    pub fn set_boot0(&mut self, high: bool) {
+        self.boot0 = high;
+    }
+
+    /// Holds the reset pin low, or lets it go.
+    pub fn hold_reset(&mut self, low: bool) {
+        if std::mem::replace(&mut self.held_in_reset, low) && !low && self.power {
+            self.reset(ResetReason::Pin);
+            self.update_core();
+        }
+    }
+
     /// Sends `bytes`; they take their time on the line.
     pub fn write(&mut self, bytes: &[u8]) {
         self.chip.lock().line.host_writes(bytes, self.now);
@@ -162,7 +186,7 @@ impl<C: Core> VirtualBoard<C> {
 
     /// Copies the bytes received at the host; returns how many. No time passes.
     pub fn take(&mut self, buffer: &mut [u8]) -> usize {
-        self.chip.lock().line.host_reads(buffer)
+        self.chip.lock().line.host_reads(buffer, self.now)
     }
 
     /// Waits until bytes have come and copies them to `buffer`; returns how many, or 0 when at least
@@ -177,7 +201,12 @@ impl<C: Core> VirtualBoard<C> {
             if count > 0 || self.now >= deadline {
                 return count;
             }
-            self.run_until(deadline.min(self.now + READ_SLICE));
+            // In the bootloader no instruction is executed that could bring an event forward.
+            let slice = match self.in_bootloader {
+                true => self.next_event.max(self.now + 1),
+                false => self.now + READ_SLICE,
+            };
+            self.run_until(deadline.min(slice));
         }
     }
 
@@ -187,7 +216,7 @@ impl<C: Core> VirtualBoard<C> {
             if self.steps == 0 || self.now >= self.next_event || self.chip.take_touched() {
                 self.look_around();
             }
-            if self.power && !self.stuck {
+            if self.power && !self.stuck && !self.held_in_reset && !self.in_bootloader {
                 self.step(end);
             } else {
                 self.now = self.next_event.max(self.now + 1).min(end);
@@ -236,8 +265,18 @@ impl<C: Core> VirtualBoard<C> {
         let mut chip = self.chip.lock();
         chip.advance(self.now);
         let expired = chip.p.iwdg.expires().is_some_and(|at| self.now >= at);
-        let asked = self.power && self.core.wants_reset();
+        let asked = self.power && !self.in_bootloader && self.core.wants_reset();
+        let left = chip.leave_bootloader(self.now);
         drop(chip);
+        match left {
+            Some(End::Jump(table)) => {
+                let flash = self.chip.lock().flash.bytes().to_vec();
+                self.core.program(&flash);
+                self.core.jump(table);
+            }
+            Some(End::Reset) => self.reset(ResetReason::Software),
+            None => {}
+        }
         if expired {
             self.reset(ResetReason::Watchdog);
         } else if asked {
@@ -258,6 +297,7 @@ impl<C: Core> VirtualBoard<C> {
         let events = [chip.next_event(), chip.p.iwdg.expires(), plan];
         let next = events.into_iter().flatten().min();
         self.next_event = next.map_or(self.log_at, |next| next.min(self.log_at));
+        self.in_bootloader = chip.in_bootloader();
         self.nmi = chip.rcc.nmi();
         self.core.set_line(Line::Nmi, self.nmi);
         let interrupts = chip.interrupts();
@@ -306,7 +346,10 @@ impl<C: Core> VirtualBoard<C> {
             log.restart();
         }
         self.stuck = false;
-        self.chip.lock().reset(reason, self.now);
+        let mut chip = self.chip.lock();
+        chip.reset(reason, self.boot0, self.now);
+        self.core.program(chip.flash.bytes());
+        drop(chip);
         self.core.reset();
         self.interrupts = 0;
     }

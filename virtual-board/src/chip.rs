@@ -12,9 +12,11 @@
 mod pulse_line;
 mod sampling_capacitor;
 
+use crate::bootloader::{self, Bootloader, End, Memories};
 use crate::fault::Fault;
-use crate::line::Line;
-use crate::memory::Ram;
+use crate::flash_memory::FlashMemory;
+use crate::line::{BIT, Line};
+use crate::memory::{RAM_START, Ram};
 use crate::options::BoardOptions;
 use crate::peripherals::Moment;
 use crate::peripherals::adc::{Adc, Event};
@@ -29,7 +31,7 @@ use crate::peripherals::pwr::Pwr;
 use crate::peripherals::rcc::{Rcc, Sources};
 use crate::peripherals::signature::Signature;
 use crate::peripherals::tim::{Tim, TriggerOutput};
-use crate::peripherals::usart::Usart;
+use crate::peripherals::usart::{self, Usart};
 use crate::plant::Plant;
 use crate::record::{Irregularity, Record, ResetReason};
 use crate::supply::Supply;
@@ -111,6 +113,11 @@ pub struct Chip {
     pub(crate) p: Peripherals,
     pub(crate) signature: Signature,
     ram: Ram,
+    /// The main memory.
+    pub(crate) flash: FlashMemory,
+    product_id: u16,
+    /// The bootloader, while it runs.
+    bootloader: Option<Bootloader>,
     /// Servo and sensor.
     plant: Plant,
     /// The line to the host.
@@ -134,7 +141,7 @@ pub struct Chip {
 
 impl Chip {
     /// A chip without supply; [`reset`](Self::reset) switches it on.
-    pub fn new(options: &BoardOptions, ram: Ram) -> Result<Self, OptionsError> {
+    pub fn new(options: &BoardOptions, ram: Ram, program: &[u8]) -> Result<Self, OptionsError> {
         let (mut simulation, faults) = (options.simulation.clone(), &options.faults);
         simulation
             .faults
@@ -156,8 +163,11 @@ impl Chip {
             debugger,
             p: Peripherals::new(&rcc, options.lsi_hz, Dbgmcu::new(debugger)),
             rcc,
-            signature: Signature::new(unique_id, options.identity_at_any_clock),
+            signature: Signature::new(unique_id, options.flash_kib, options.identity_at_any_clock),
             ram,
+            flash: FlashMemory::new(program, options.flash_kib, options.read_protected),
+            product_id: options.product_id,
+            bootloader: None,
             plant: Plant::new(&simulation)?,
             line: Line::new(faults, simulation.seed),
             record: Record {
@@ -177,8 +187,8 @@ impl Chip {
     }
 
     /// Everything but the memory goes to its reset state (7.1.1). All pins float, so a pulse under
-    /// way ends.
-    pub fn reset(&mut self, reason: ResetReason, now: Ticks) {
+    /// way ends. Where BOOT0 is high, the bootloader runs next (3.4).
+    pub fn reset(&mut self, reason: ResetReason, boot0: bool, now: Ticks) {
         let mut dbgmcu = std::mem::take(&mut self.p.dbgmcu);
         if reason == ResetReason::PowerOn {
             self.ram.forget();
@@ -186,6 +196,11 @@ impl Chip {
         }
         self.rcc.reset(reason);
         self.p = Peripherals::new(&self.rcc, self.lsi_hz, dbgmcu);
+        self.bootloader = boot0.then(|| Bootloader::new(self.product_id));
+        self.line.set_frame_bits(match boot0 {
+            true => bootloader::FRAME_BITS,
+            false => usart::FRAME_BITS,
+        });
         self.advance_detector(now);
         self.follow_pulse(now);
         self.record.resets.push((now, reason));
@@ -194,6 +209,7 @@ impl Chip {
     /// The supply is gone: the peripherals stand still and all pins float.
     pub fn switch_off(&mut self, now: Ticks) {
         self.rcc.switch_off();
+        self.bootloader = None;
         self.p = Peripherals::new(&self.rcc, self.lsi_hz, Dbgmcu::default());
         self.follow_pulse(now);
     }
@@ -261,6 +277,7 @@ impl Chip {
             self.p.adc.next_event(),
             self.p.usart.next_event(),
             self.line.next_event(),
+            self.bootloader.as_ref().and_then(Bootloader::next_event),
         ]
         .into_iter()
         .flatten()
@@ -391,8 +408,56 @@ impl Chip {
         }
     }
 
+    /// The content of the main memory.
+    pub fn flash(&self) -> &[u8] {
+        self.flash.bytes()
+    }
+
+    /// Whether the bootloader runs, and not the program.
+    pub fn in_bootloader(&self) -> bool {
+        self.bootloader.is_some()
+    }
+
+    /// What comes after the bootloader, where it has just ended: the program with its vector table at an address, or a
+    /// reset. The bootloader leaves the PLL in use, and its variables in the memory.
+    pub(crate) fn leave_bootloader(&mut self, now: Ticks) -> Option<End> {
+        let end = self.bootloader.as_ref()?.end(now)?;
+        self.bootloader = None;
+        self.line.set_frame_bits(usart::FRAME_BITS);
+        if let End::Jump(_) = end {
+            self.rcc.leave_bootloader(now);
+            self.distribute_clocks(now);
+            for word in (RAM_START..bootloader::OWN_RAM).step_by(4) {
+                // The range is the memory's own.
+                let _ = self.ram.write(word, 4, 0xb007_10ad);
+            }
+        }
+        Some(end)
+    }
+
+    /// The bootloader finds the bit rate of the host.
+    fn advance_bootloader(&mut self, now: Ticks) {
+        let Some(bootloader) = &mut self.bootloader else {
+            return;
+        };
+        let memories = &mut Memories {
+            flash: &mut self.flash,
+            ram: &self.ram,
+            signature: &self.signature,
+        };
+        if let Some(byte) = bootloader.advance(now, memories) {
+            self.line.board_writes(byte, BIT, now);
+        }
+        if let Some((byte, _)) = self.line.arrive(now, BIT) {
+            bootloader.receive(byte, now, memories);
+        }
+    }
+
     /// TX is PA9, RX is PA10.
     fn advance_usart(&mut self, now: Ticks) {
+        if self.bootloader.is_some() {
+            return self.advance_bootloader(now);
+        }
         let [port_a, ..] = &self.p.gpio;
         let transmits = port_a.mode(9) == Mode::AlternatePushPull;
         let receives = port_a.mode(10) == Mode::Input;
@@ -402,7 +467,7 @@ impl Chip {
             self.moment(now)
                 .against_manual(!transmits, "TX is not an alternate output (9.1.11)");
             if transmits {
-                self.line.board_writes(byte, bit_time);
+                self.line.board_writes(byte, bit_time, now);
             }
         }
         if let Some((byte, damaged)) = self.line.arrive(now, bit_time)

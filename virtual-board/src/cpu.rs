@@ -66,4 +66,11 @@ pub trait Core {
 
     /// Resets the core; it starts at the reset vector with the next step.
     fn reset(&mut self);
+
+    /// The flash has this content from the next reset or jump on.
+    fn program(&mut self, flash: &[u8]);
+
+    /// Has the core start as the bootloader starts it: with stack and start from the vector table at an address, and
+    /// with the bootloader's own memory at address 0, and so its vector table.
+    fn jump(&mut self, table: u32);
 }

@@ -24,6 +24,8 @@ pub enum Disturbance {
     Drop,
     /// Another byte is inserted before it.
     Inject,
+    /// It comes up to half a second late, and so does what is behind it.
+    Late,
 }
 
 /// An injected fault.
@@ -45,7 +47,7 @@ pub enum Disturbance {
 /// | `hard-fault@S`                   | the processor meets a hard fault                           |
 /// | `stray-interrupt@S`              | an interrupt without a handler is raised                   |
 /// | `debugger-halts@S`               | a debugger, attached from the beginning, halts the processor and leaves |
-/// | `flip:P`, `drop:P`, `inject:P`   | each byte, in both directions, is disturbed with probability P |
+/// | `flip:P`, `drop:P`, `inject:P`, `late:P` | each byte, in both directions, is disturbed with probability P |
 /// | `to-board-flip:P`, `to-host-drop:P`, … | the same in one direction                            |
 ///
 /// ```
@@ -105,7 +107,7 @@ pub const BROWN_OUT: Duration = Duration::from_millis(100);
 #[error(
     "there is no fault '{0}': choose no-crystal, no-pll, crystal-stops@S, sensor-open@S, sensor-short@S, \
      host-silent@S, cpu-stuck@S, brown-out@S, supply-sags@S, reset-pin@S, hard-fault@S, stray-interrupt@S or \
-     debugger-halts@S with S in seconds (sensor-open@S-T or supply-sags@S-T if it is repaired at T), or flip:P, drop:P or inject:P with P from 0 to 1, \
+     debugger-halts@S with S in seconds (sensor-open@S-T or supply-sags@S-T if it is repaired at T), or flip:P, drop:P, inject:P or late:P with P from 0 to 1, \
      each with to-board- or to-host- before it if it is one direction only"
 )]
 pub struct FaultError(String);
@@ -170,6 +172,7 @@ fn on_the_line(name: &str, probability: &str) -> Option<Fault> {
         "flip" => Disturbance::Flip,
         "drop" => Disturbance::Drop,
         "inject" => Disturbance::Inject,
+        "late" => Disturbance::Late,
         _ => return None,
     };
     (0.0..=1.0).contains(&probability).then_some(Fault::Line {

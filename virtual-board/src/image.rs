@@ -1,11 +1,12 @@
 //! The flash image: its bytes, and the table of its log.
 
-use crate::memory::{FLASH_BYTES, FLASH_START, RAM_BYTES, RAM_START};
+use crate::memory::{RAM_BYTES, RAM_START};
 use crate::rtt::Log;
 use defmt_decoder::Table;
-use object::elf::{PT_LOAD, SHF_ALLOC};
-use object::read::elf::{ElfFile32, ProgramHeader};
+use object::elf::{ELFMAG, SHF_ALLOC};
+use object::read::elf::ElfFile32;
 use object::{Endianness, Object, ObjectSection, ObjectSymbol, SectionFlags};
+use servoid_flash_image::FlashImage;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -23,20 +24,23 @@ pub enum ImageError {
         /// The error of the system.
         source: std::io::Error,
     },
-    /// It is not an ELF file for this chip.
+    /// It is no program for this chip.
+    #[error(transparent)]
+    NotAnImage(#[from] servoid_flash_image::ImageError),
+    /// Its tables cannot be read.
     #[error("this is no image for an STM32F103C8: {0}")]
-    NotAnImage(String),
+    Tables(String),
 }
 
 /// A program for the chip.
 pub struct Image {
-    /// The contents of the flash.
+    /// The contents of the flash, from its start on.
     pub(crate) flash: Vec<u8>,
     /// The log, if the program has one.
     pub(crate) log: Option<Log>,
     /// Bytes of flash that the program uses.
     pub flash_used: u32,
-    /// Bytes of static memory that the program's variables use; the rest is for its stack.
+    /// Bytes of static memory that the program's variables use, as an ELF file says; the rest is for its stack.
     pub ram_used: u32,
 }
 
@@ -50,34 +54,30 @@ impl Image {
         Self::parse(&bytes)
     }
 
-    /// Parses an ELF file.
+    /// A chip without a program: its flash is erased.
+    #[must_use]
+    pub fn erased() -> Self {
+        Self {
+            flash: Vec::new(),
+            log: None,
+            flash_used: 0,
+            ram_used: 0,
+        }
+    }
+
+    /// Parses an ELF file; or the bytes of the flash, which have no table of a log.
     pub fn parse(elf: &[u8]) -> Result<Self, ImageError> {
-        let wrong = |what: &dyn std::fmt::Display| ImageError::NotAnImage(what.to_string());
+        let wrong = |what: &dyn std::fmt::Display| ImageError::Tables(what.to_string());
+        let flash = FlashImage::from_file(elf)?.bytes().to_vec();
+        let flash_used = flash.len() as u32;
+        if !elf.starts_with(&ELFMAG) {
+            return Ok(Self {
+                flash,
+                flash_used,
+                ..Self::erased()
+            });
+        }
         let file = ElfFile32::<Endianness>::parse(elf).map_err(|e| wrong(&e))?;
-        // Erased flash is all ones (PM0075).
-        let mut flash = vec![0xff; FLASH_BYTES as usize];
-        let mut flash_used = 0;
-        for header in file.elf_program_headers() {
-            let endian = file.endian();
-            if header.p_type(endian) != PT_LOAD || header.p_filesz(endian) == 0 {
-                continue;
-            }
-            // A flash tool writes to the physical address, initial values included.
-            let (at, length) = (header.p_paddr(endian), header.p_filesz(endian));
-            let data = header
-                .data(endian, elf)
-                .map_err(|()| wrong(&"it is cut off"))?;
-            let place = at
-                .checked_sub(FLASH_START)
-                .map(|offset| offset as usize)
-                .and_then(|offset| flash.get_mut(offset..offset + length as usize))
-                .ok_or_else(|| wrong(&format!("{length} bytes at {at:#x} are not in its flash")))?;
-            place.copy_from_slice(data);
-            flash_used += length;
-        }
-        if flash_used == 0 {
-            return Err(wrong(&"there is no program in it"));
-        }
         let control_block = file.symbol_by_name(RTT).map(|rtt| rtt.address() as u32);
         let table =
             Table::parse(elf).map_err(|e| wrong(&format!("its log cannot be read: {e}")))?;

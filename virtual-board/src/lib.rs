@@ -15,8 +15,10 @@
 //! A function that is not modelled is reported when the program uses it. Not modelled at all: most analog effects,
 //! contention on the buses, the few cycles from one timer to another.
 
+mod bootloader;
 mod bus;
 mod chip;
+mod flash_memory;
 mod line;
 mod options;
 mod peripherals;

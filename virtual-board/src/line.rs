@@ -2,7 +2,7 @@
 
 use crate::fault::{Direction, Disturbance, Fault};
 use crate::peripherals::usart::FRAME_BITS;
-use crate::time::{TICKS_PER_SECOND, Ticks};
+use crate::time::{TICKS_PER_SECOND, Ticks, milliseconds};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::VecDeque;
@@ -13,16 +13,23 @@ pub const BIT: Ticks = TICKS_PER_SECOND / 115_200;
 /// Largest difference of the bit rates (percent): beyond it, the last bits of a byte are sampled in their neighbours (RM0008 27.3.5, table of the receiver's tolerance).
 const TOLERANCE: Ticks = 3;
 
+/// The longest time that a byte is late.
+const LATEST: Ticks = milliseconds(500);
+
 /// The line.
 #[derive(Debug)]
 pub struct Line {
     disturbances: Vec<(Option<Direction>, Disturbance, f64)>,
     random: ChaCha8Rng,
     silent_from: Ticks,
+    /// Bits of the host's bytes.
+    frame_bits: Ticks,
     to_board: VecDeque<u8>,
     /// When the first byte of `to_board` is complete.
     arrives: Option<Ticks>,
     to_host: VecDeque<u8>,
+    /// Until then the host receives nothing.
+    to_host_from: Ticks,
 }
 
 impl Line {
@@ -32,9 +39,11 @@ impl Line {
             disturbances: Vec::new(),
             random: ChaCha8Rng::seed_from_u64(seed),
             silent_from: Ticks::MAX,
+            frame_bits: FRAME_BITS,
             to_board: VecDeque::new(),
             arrives: None,
             to_host: VecDeque::new(),
+            to_host_from: 0,
         };
         for fault in faults {
             match *fault {
@@ -52,18 +61,25 @@ impl Line {
         line
     }
 
+    /// The host's bytes have so many bits from now on.
+    pub fn set_frame_bits(&mut self, bits: Ticks) {
+        self.frame_bits = bits;
+    }
+
     /// The host sends bytes; they take their time.
     pub fn host_writes(&mut self, bytes: &[u8], now: Ticks) {
         if now >= self.silent_from {
             return;
         }
+        let mut late = 0;
         for &byte in bytes {
-            let passed = self.disturb(byte, Direction::ToBoard);
+            let passed = self.disturb(byte, Direction::ToBoard, &mut late);
             self.to_board.extend(passed);
         }
         if self.arrives.is_none() && !self.to_board.is_empty() {
-            self.arrives = Some(now + FRAME_BITS * BIT);
+            self.arrives = Some(now + self.frame_bits * BIT);
         }
+        self.arrives = self.arrives.map(|at| at + late);
     }
 
     /// When the next byte is complete at the board.
@@ -77,20 +93,27 @@ impl Line {
         self.arrives.take_if(|at| *at == now)?;
         let byte = self.to_board.pop_front()?;
         if !self.to_board.is_empty() {
-            self.arrives = Some(now + FRAME_BITS * BIT);
+            self.arrives = Some(now + self.frame_bits * BIT);
         }
         Some(through(byte, bit_time))
     }
 
     /// A byte from the board, sent with this bit time, is complete at the host.
-    pub fn board_writes(&mut self, byte: u8, bit_time: Ticks) {
+    pub fn board_writes(&mut self, byte: u8, bit_time: Ticks, now: Ticks) {
         let (byte, _) = through(byte, bit_time);
-        let passed = self.disturb(byte, Direction::ToHost);
+        let mut late = 0;
+        let passed = self.disturb(byte, Direction::ToHost, &mut late);
         self.to_host.extend(passed);
+        if late > 0 {
+            self.to_host_from = now + late;
+        }
     }
 
     /// Copies the bytes received at the host; returns how many.
-    pub fn host_reads(&mut self, buffer: &mut [u8]) -> usize {
+    pub fn host_reads(&mut self, buffer: &mut [u8], now: Ticks) -> usize {
+        if now < self.to_host_from {
+            return 0;
+        }
         let count = buffer.len().min(self.to_host.len());
         for (slot, byte) in buffer.iter_mut().zip(self.to_host.drain(..count)) {
             *slot = byte;
@@ -98,8 +121,13 @@ impl Line {
         count
     }
 
-    /// A byte after its disturbance.
-    fn disturb(&mut self, byte: u8, direction: Direction) -> impl Iterator<Item = u8> + use<> {
+    /// A byte after its disturbance; how late it is, in `late`.
+    fn disturb(
+        &mut self,
+        byte: u8,
+        direction: Direction,
+        late: &mut Ticks,
+    ) -> impl Iterator<Item = u8> + use<> {
         let (mut before, mut byte) = (None, Some(byte));
         for (only, disturbance, probability) in &self.disturbances {
             let hit = self.random.random_bool(*probability);
@@ -112,6 +140,7 @@ impl Line {
                 }
                 Disturbance::Drop => byte = None,
                 Disturbance::Inject => before = Some(self.random.next_u32() as u8),
+                Disturbance::Late => *late = self.random.random_range(0..LATEST),
             }
         }
         before.into_iter().chain(byte)
@@ -157,9 +186,9 @@ mod tests {
             (BIT * 103 / 100, true),
             (BIT * 104 / 100, false),
         ] {
-            line.board_writes(0x55, bit_time);
+            line.board_writes(0x55, bit_time, 0);
             let mut byte = [0];
-            line.host_reads(&mut byte);
+            line.host_reads(&mut byte, 0);
             assert_eq!(byte == [0x55], good, "{bit_time}");
         }
     }
@@ -180,6 +209,17 @@ mod tests {
             // An injected byte may be 0x3c as well: 4 of 1000.
             assert!(good.abs_diff(intact) < 150, "{fault}");
         }
+    }
+
+    #[test]
+    fn what_is_late_comes_all_the_same() {
+        let mut line = with(&["late:1"]);
+        line.board_writes(7, BIT, 0);
+        let mut byte = [0];
+        assert_eq!(line.host_reads(&mut byte, 0), 0);
+        assert_eq!(line.host_reads(&mut byte, LATEST), 1);
+        let arrived = send(&mut line, &[1]);
+        assert!(arrived[0].0 > 10 * BIT && arrived[0].1 == 1);
     }
 
     #[test]

@@ -29,14 +29,26 @@ struct Cli {
     #[arg(long)]
     seed: Option<u64>,
     /// The image to run; without it, the one that 'cargo fw' has built
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "erased")]
     elf: Option<PathBuf>,
+    /// Begin without a program in the flash
+    #[arg(long)]
+    erased: bool,
+    /// Hold BOOT0 high, so that a reset starts the chip's bootloader: for 'servoid flash', or stm32flash -m 8n1
+    #[arg(long)]
+    boot0: bool,
+    /// Protect the flash against reading it out
+    #[arg(long)]
+    read_protected: bool,
+    /// What the bootloader says that the chip is, such as 0x413
+    #[arg(long, value_name = "ID", value_parser = product_id)]
+    product_id: Option<u16>,
     /// Run in real time; without it, up to twice as fast
     #[arg(long)]
     realtime: bool,
     /// Fault to inject: no-crystal, no-pll, crystal-stops@S, sensor-open@S, sensor-short@S, host-silent@S, cpu-stuck@S,
     /// brown-out@S, supply-sags@S, reset-pin@S, hard-fault@S, stray-interrupt@S, debugger-halts@S (S in seconds), flip:P,
-    /// drop:P, inject:P (P for each byte; with to-board- or to-host- before it, in one direction). May be given several
+    /// drop:P, inject:P, late:P (P for each byte; with to-board- or to-host- before it, in one direction). May be given several
     /// times
     #[arg(long, value_name = "FAULT")]
     fault: Vec<Fault>,
@@ -48,9 +60,15 @@ struct Cli {
 fn main() -> Result<()> {
     let cli = Cli::parse();
     let mut options = BoardOptions::new(simulation(&cli)?);
-    let image = Image::read(&find_image(cli.elf.as_deref())?)?;
+    let image = match cli.erased {
+        true => Image::erased(),
+        false => Image::read(&find_image(cli.elf.as_deref())?)?,
+    };
     options.faults.clone_from(&cli.fault);
     options.keeps_signals = false;
+    options.boot0 = cli.boot0;
+    options.read_protected = cli.read_protected;
+    options.product_id = cli.product_id.unwrap_or(options.product_id);
     let mut board = VirtualBoard::new(image, &options)?;
 
     let stop = Arc::new(AtomicBool::new(false));
@@ -64,6 +82,12 @@ fn main() -> Result<()> {
     };
     let should_stop = || stop.load(Ordering::Relaxed);
     serve(&mut board, end.as_mut(), pace, &should_stop, &mut report).context("the port is gone")
+}
+
+fn product_id(text: &str) -> Result<u16, String> {
+    let digits = text.strip_prefix("0x");
+    let id = digits.and_then(|digits| u16::from_str_radix(digits, 16).ok());
+    id.ok_or_else(|| "it must be a hexadecimal number such as 0x410".to_owned())
 }
 
 fn simulation(cli: &Cli) -> Result<SimulationOptions> {

@@ -4,10 +4,8 @@ use rsemu::core::space::RamStore;
 use rsemu::core::value::{Endian, Width};
 use std::sync::Arc;
 
-/// Start of the flash (RM0008 3.3.3; datasheet DS5319, memory mapping).
-pub const FLASH_START: u32 = 0x0800_0000;
-/// Its size: 64 KiB.
-pub const FLASH_BYTES: u32 = 64 * 1024;
+pub use servoid_flash_image::{FLASH_BYTES, FLASH_START};
+
 /// Start of the static memory.
 pub const RAM_START: u32 = 0x2000_0000;
 /// Its size: 20 KiB.

@@ -1,7 +1,7 @@
 //! The options of a board.
 
 use crate::fault::Fault;
-use crate::memory::RAM_BYTES;
+use crate::memory::{FLASH_BYTES, RAM_BYTES};
 use crate::time::{Ticks, microseconds};
 use servoid_simulator::SimulationOptions;
 
@@ -26,6 +26,14 @@ pub struct BoardOptions {
     pub pull_down: bool,
     /// Static memory of the chip (bytes): some that are sold as an STM32F103C8 have half of its 20 KiB.
     pub ram_bytes: u32,
+    /// Flash of the chip (KiB).
+    pub flash_kib: u16,
+    /// What the bootloader answers when it is asked for the chip: 0x410 is an STM32F10xxx of medium density (AN2606).
+    pub product_id: u16,
+    /// Whether the flash is protected against reading it out.
+    pub read_protected: bool,
+    /// Whether BOOT0 is high: a reset then starts the bootloader.
+    pub boot0: bool,
     /// Whether the unique number can be read at any clock: on some clones it reads as all ones above 24 MHz.
     pub identity_at_any_clock: bool,
     /// Whether every access to the flash waits, as if there was no prefetch buffer: two for each instruction, one for
@@ -53,6 +61,10 @@ impl BoardOptions {
             clock_switching: microseconds(5),
             pull_down: true,
             ram_bytes: RAM_BYTES,
+            flash_kib: (FLASH_BYTES / 1024) as u16,
+            product_id: 0x410,
+            read_protected: false,
+            boot0: false,
             identity_at_any_clock: true,
             slow_flash: false,
             drains_log: true,

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
+static LISTENS: AtomicBool = AtomicBool::new(false);
 static IN_TIME: AtomicBool = AtomicBool::new(false);
 static LEAVES_PARTIAL: AtomicBool = AtomicBool::new(false);
 
@@ -19,6 +20,10 @@ const INTERRUPTED: i32 = 130;
 
 /// From now on [`asked`] reports the first Ctrl-C, SIGTERM or SIGHUP, and the second one ends the program at once.
 pub(super) fn listen() -> Result<()> {
+    // A process may run several commands, and has one handler.
+    if LISTENS.swap(true, Ordering::SeqCst) {
+        return Ok(());
+    }
     ctrlc::set_handler(ask).context("Ctrl-C cannot be caught")
 }
 

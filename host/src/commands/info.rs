@@ -192,7 +192,8 @@ fn describe_fault(fault: &LastFault) -> String {
 }
 
 /// The mismatches, field by field.
-fn explain(mismatches: &[Mismatch]) -> String {
+/// Why a rig does not go with this program; empty where it does.
+pub(super) fn explain(mismatches: &[Mismatch]) -> String {
     if mismatches.is_empty() {
         return String::new();
     }

@@ -9,6 +9,7 @@ mod ctrl_c;
 mod demo;
 mod export;
 mod file_size_limit;
+mod flash;
 mod identify;
 mod info;
 mod init;
@@ -59,6 +60,7 @@ enum Command {
     Demo(demo::Demo),
     Ports(ports::Ports),
     Info(info::Info),
+    Flash(flash::Flash),
     Init(init::Init),
     Calibrate(calibrate::Calibrate),
     Plan(plan::PlanArgs),
@@ -84,6 +86,7 @@ impl Cli {
             Command::Demo(command) => command.run(),
             Command::Ports(command) => command.run(),
             Command::Info(command) => command.run(),
+            Command::Flash(command) => command.run(),
             Command::Init(command) => command.run(),
             Command::Calibrate(command) => command.run(),
             Command::Plan(command) => command.run(),

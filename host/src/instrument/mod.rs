@@ -1,6 +1,7 @@
-//! The rig at the other end of a port: references, conversation, calibration, live estimate, simulated servos.
+//! The rig at the other end of a port: references, conversation, calibration, flashing, live estimate, simulated servos.
 
 pub mod calibration;
+pub mod flash;
 pub mod live;
 pub mod port;
 pub mod reference;

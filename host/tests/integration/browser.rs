@@ -5,7 +5,8 @@
 //! access (its Content-Security-Policy), so that a wish for it is an error in the browser's console.
 
 use crate::report::embedded;
-use crate::support::{arg, missing, run};
+use crate::support::{arg, run};
+use servoid_test_support::tools::missing;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};

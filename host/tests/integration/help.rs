@@ -31,7 +31,7 @@ fn words(line: &str) -> Vec<String> {
     let mut quoted = false;
     for letter in line.chars() {
         match letter {
-            '"' => quoted = !quoted,
+            '"' | '\'' => quoted = !quoted,
             ' ' if !quoted => words.push(String::new()),
             letter => words.last_mut().unwrap().push(letter),
         }

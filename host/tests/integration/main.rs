@@ -11,6 +11,7 @@ mod errors;
 mod export;
 mod files;
 mod finite;
+mod flash;
 mod foreign;
 mod help;
 mod hostile;

@@ -1,7 +1,6 @@
 //! What the tests have in common.
 
 use assert_cmd::Command;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -40,18 +39,6 @@ pub fn refusal(args: &[&str]) -> String {
         return sentence.to_owned();
     }
     errors
-}
-
-/// A tool that a test needs is not on this machine: the test has not tested. That is a failure where `CI` is
-/// set, so that no test is green for ever because nobody installed its tool.
-pub fn missing(test: &str, reason: &str) {
-    assert!(std::env::var_os("CI").is_none(), "{test}: {reason}");
-    skipped(test, reason);
-}
-
-/// Says on the terminal why a test has not tested: past the capture that hides what passing tests print.
-pub fn skipped(test: &str, reason: &str) {
-    let _infallible = writeln!(std::io::stderr(), "SKIPPED {test}: {reason}");
 }
 
 /// A recording that came with the tests.

@@ -5,8 +5,9 @@ use std::fs;
 use toml::{Table, Value};
 
 /// The crates and those that each may use, the lowest first.
-const CRATES: [(&str, &[&str]); 10] = [
+const CRATES: [(&str, &[&str]); 11] = [
     ("fft", &[]),
+    ("flash-image", &[]),
     ("dynamics", &[]),
     ("protocol", &[]),
     ("firmware", &["servoid-protocol"]),
@@ -23,12 +24,20 @@ const CRATES: [(&str, &[&str]); 10] = [
             "servoid-dynamics",
             "servoid-fft",
             "servoid-firmware",
+            "servoid-flash-image",
             "servoid-identification",
             "servoid-protocol",
             "servoid-simulator",
         ],
     ),
-    ("virtual-board", &["servoid-protocol", "servoid-simulator"]),
+    (
+        "virtual-board",
+        &[
+            "servoid-flash-image",
+            "servoid-protocol",
+            "servoid-simulator",
+        ],
+    ),
     ("python", &["servoid", "servoid-identification"]),
 ];
 

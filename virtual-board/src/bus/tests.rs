@@ -21,8 +21,8 @@ impl Rig {
     fn new() -> Self {
         let ram = Ram::default();
         let options = BoardOptions::new("linear?noise=none&seed=7".parse().unwrap());
-        let mut chip = Chip::new(&options, ram.clone()).unwrap();
-        chip.reset(ResetReason::PowerOn, 0);
+        let mut chip = Chip::new(&options, ram.clone(), &[]).unwrap();
+        chip.reset(ResetReason::PowerOn, false, 0);
         Self {
             shared: SharedChip::new(chip),
             ram,
@@ -220,7 +220,7 @@ fn a_reset_cuts_the_pulse_and_stops_everything() {
     let start = rig.now;
     rig.run(210);
     let now = rig.now;
-    rig.shared.lock().reset(ResetReason::Watchdog, now);
+    rig.shared.lock().reset(ResetReason::Watchdog, false, now);
     rig.run(1_000);
     let chip = rig.shared.lock();
     let last = chip.record.pulses.last().unwrap();
@@ -252,8 +252,8 @@ fn a_line_without_its_resistor_floats_by_chance() {
             let servo = format!("linear?noise=none&seed={seed}");
             let mut options = BoardOptions::new(servo.parse().unwrap());
             options.pull_down = pull_down;
-            let mut chip = Chip::new(&options, Ram::default()).unwrap();
-            chip.reset(ResetReason::PowerOn, 0);
+            let mut chip = Chip::new(&options, Ram::default(), &[]).unwrap();
+            chip.reset(ResetReason::PowerOn, false, 0);
             chip.high_for(0).is_some()
         })
     };

@@ -25,8 +25,14 @@ const WINDOWS: [(u32, u64); 3] = [
     (0xe004_2000, 0x1000),
 ];
 
+/// The system memory, which has the bootloader (AN2606).
+const SYSTEM_MEMORY_BYTES: usize = 2 * 1024;
+
 /// A core, its flash and its memory.
 pub struct RsemuCore {
+    ram: Ram,
+    bus: Arc<dyn Bus>,
+    flash: Arc<RomStore>,
     space: Arc<AddressSpace>,
     core: ArmV7m,
     /// Refused accesses, and whether the core was in its fault handler or locked up, when last
@@ -45,28 +51,14 @@ impl RsemuCore {
     /// # Panics
     /// Never: the regions of the memory map do not overlap.
     pub fn new(flash: &[u8], ram: &Ram, bus: &Arc<dyn Bus>) -> Self {
-        let rom = Arc::new(RomStore::from_slice(flash));
-        let space = AddressSpace::new("chip", 32);
-        {
-            let mut map = space.topology();
-            let mut add = |region: Region, base: u32| {
-                let added = map.map(region, u64::from(base));
-                assert!(added.is_ok(), "the memory map overlaps at {base:#x}");
-            };
-            let flash = |name| Region::rom(name, rom.clone(), RomWrite::Fault);
-            add(flash("flash"), FLASH_START);
-            // 3.4: the boot pins of a board in use map the flash to address 0.
-            add(flash("boot"), 0);
-            add(Region::ram("sram", ram.store()), RAM_START);
-            for (base, length) in WINDOWS {
-                let bus = bus.clone();
-                let window = Arc::new(Window { base, bus });
-                add(Region::io("peripherals", length, window), base);
-            }
-        }
-        let space = Arc::new(space);
+        let flash = Arc::new(RomStore::from_slice(flash));
+        // 3.4: the boot pins of a board in use map the flash to address 0.
+        let space = space(&flash, &flash, ram, bus);
         Self {
             core: core(&space),
+            ram: ram.clone(),
+            bus: bus.clone(),
+            flash,
             space,
             seen: (0, false),
             waiting: Vec::new(),
@@ -78,9 +70,44 @@ impl RsemuCore {
         self.core.set_reg(13, address);
     }
 
+    /// Starts at the reset vector of what is at address 0.
+    fn start(&mut self, boot: &Arc<RomStore>) {
+        self.space = space(&self.flash, boot, &self.ram, &self.bus);
+        self.core = core(&self.space);
+        self.seen = (0, false);
+        self.waiting.clear();
+    }
+
     fn in_it_block(&self) -> bool {
         self.core.regs().xpsr & IT_STATE != 0
     }
+}
+
+/// The memory map, with `boot` at address 0.
+fn space(
+    flash: &Arc<RomStore>,
+    boot: &Arc<RomStore>,
+    ram: &Ram,
+    bus: &Arc<dyn Bus>,
+) -> Arc<AddressSpace> {
+    let space = AddressSpace::new("chip", 32);
+    {
+        let mut map = space.topology();
+        let mut add = |region: Region, base: u32| {
+            let added = map.map(region, u64::from(base));
+            assert!(added.is_ok(), "the memory map overlaps at {base:#x}");
+        };
+        let rom = |name, rom: &Arc<RomStore>| Region::rom(name, rom.clone(), RomWrite::Fault);
+        add(rom("flash", flash), FLASH_START);
+        add(rom("boot", boot), 0);
+        add(Region::ram("sram", ram.store()), RAM_START);
+        for (base, length) in WINDOWS {
+            let bus = bus.clone();
+            let window = Arc::new(Window { base, bus });
+            add(Region::io("peripherals", length, window), base);
+        }
+    }
+    Arc::new(space)
 }
 
 fn core(space: &Arc<AddressSpace>) -> ArmV7m {
@@ -160,9 +187,25 @@ impl Core for RsemuCore {
     }
 
     fn reset(&mut self) {
-        self.core = core(&self.space);
-        self.seen = (0, false);
-        self.waiting.clear();
+        self.start(&self.flash.clone());
+    }
+
+    fn program(&mut self, flash: &[u8]) {
+        if self.flash.as_bytes() != flash {
+            self.flash = Arc::new(RomStore::from_slice(flash));
+        }
+    }
+
+    fn jump(&mut self, table: u32) {
+        let mut system = vec![0xff; SYSTEM_MEMORY_BYTES];
+        let begin = table.wrapping_sub(FLASH_START) as usize;
+        let vectors = self.flash.as_bytes().get(begin..begin + 8);
+        // With these two words the reset of a core does what the bootloader does: it takes the stack and jumps. All other
+        // vectors lead nowhere, so a program that leaves the table where it is fails at its first interrupt.
+        if let (Some(start), Some(vectors)) = (system.get_mut(..8), vectors) {
+            start.copy_from_slice(vectors);
+        }
+        self.start(&Arc::new(RomStore::from_slice(&system)));
     }
 }
 

@@ -147,6 +147,19 @@ impl Rcc {
         self.csr = before | flag | PIN;
     }
 
+    /// The clocks as the bootloader leaves them to a program: 24 MHz from the PLL on the internal oscillator (AN2606), with
+    /// the clocks of its port and of USART1 on. AN3155 says that it resets what it has used; stm32duino found the PLL in
+    /// use all the same (pull request 1653).
+    pub fn leave_bootloader(&mut self, now: Ticks) {
+        const PLL_BY_SIX: u32 = 4 << 18;
+        const PLL: u32 = 2;
+        self.cr |= 1 << PLLON;
+        self.cfgr = PLL_BY_SIX | PLL;
+        self.source = PLL;
+        self.pll_since = now.saturating_sub(PLL_LOCK);
+        self.enr[Domain::Apb2 as usize] = 1 << 14 | 1 << 2;
+    }
+
     fn ready(on: bool, since: Ticks, startup: Ticks, now: Ticks) -> bool {
         on && now >= since + startup
     }

@@ -5,6 +5,7 @@
 mod chain;
 mod cli;
 mod faults;
+mod flashing;
 mod health;
 mod identification;
 mod lockstep;

@@ -21,10 +21,18 @@ fn with_board(end: impl HostEnd + Send, host: impl FnOnce()) {
     with(&options("linear?seed=1", &[]), end, host);
 }
 
-/// Runs a board behind `end` while `host` talks to it, for 30 s at most.
-fn with(options: &BoardOptions, mut end: impl HostEnd + Send, host: impl FnOnce()) {
+/// Runs a board behind `end` while `host` talks to it.
+fn with(options: &BoardOptions, end: impl HostEnd + Send, host: impl FnOnce()) {
     // Not in the thread: building the image may take longer than a host waits.
-    let mut board = VirtualBoard::new(image(), options).unwrap();
+    serving(VirtualBoard::new(image(), options).unwrap(), end, host);
+}
+
+/// Runs `board` behind `end` while `host` talks to it, for 30 s at most; returns it.
+pub fn serving(
+    mut board: VirtualBoard,
+    mut end: impl HostEnd + Send,
+    host: impl FnOnce(),
+) -> VirtualBoard {
     let done = AtomicBool::new(false);
     let deadline = Instant::now() + Duration::from_secs(30);
     std::thread::scope(|scope| {
@@ -49,6 +57,7 @@ fn with(options: &BoardOptions, mut end: impl HostEnd + Send, host: impl FnOnce(
         let _done = Done(&done);
         host();
     });
+    board
 }
 
 /// Half a second of reference, with a short rest around it: real time passes here.
@@ -101,7 +110,7 @@ fn over_a_pseudo_terminal() {
 }
 
 /// Runs the program `servoid`.
-fn servoid(line: &str) -> Result<String, String> {
+pub fn servoid(line: &str) -> Result<String, String> {
     let words = std::iter::once("servoid").chain(line.split_whitespace());
     let cli = Cli::try_parse_from(words).unwrap();
     cli.run().map_err(|error| format!("{error:#}"))

@@ -47,6 +47,15 @@ impl<A: Around> Core for Stepped<A> {
         self.core.reset();
     }
 
+    fn program(&mut self, flash: &[u8]) {
+        self.core.program(flash);
+    }
+
+    fn jump(&mut self, table: u32) {
+        self.around.reset();
+        self.core.jump(table);
+    }
+
     fn set_line(&mut self, line: Line, level: bool) {
         self.core.set_line(line, level);
     }

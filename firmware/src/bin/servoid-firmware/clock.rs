@@ -11,6 +11,21 @@ use stm32f1xx_hal::rcc::{Config, Rcc};
 /// 2 ms (datasheet, table of HSE characteristics).
 const CRYSTAL_POLLS: u32 = 50_000;
 
+/// Brings the clocks to where a reset leaves them (7.3.1, 7.3.2).
+///
+/// The chip's own bootloader may start this program with the PLL on and in use (stm32duino found it so, with its vector
+/// table in place, which the runtime's `set-vtor` mends). The PLL must not be changed while it is on, and some clones show
+/// their number at a slow clock only.
+pub fn as_after_reset(rcc: &RCC) {
+    rcc.cr().modify(|_, w| w.hsion().set_bit());
+    while rcc.cr().read().hsirdy().bit_is_clear() {}
+    rcc.cfgr().modify(|_, w| w.sw().hsi());
+    while !rcc.cfgr().read().sws().is_hsi() {}
+    rcc.cr().modify(|_, w| w.pllon().clear_bit());
+    while rcc.cr().read().pllrdy().bit_is_set() {}
+    rcc.cfgr().reset();
+}
+
 /// Starts the clocks; returns them and their source.
 ///
 /// From both sources the timers' clock is a whole number of MHz, so they count whole microseconds, and the ADC's

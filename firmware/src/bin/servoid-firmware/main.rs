@@ -114,6 +114,7 @@ async fn main(_spawner: Spawner) {
         last_fault: last_fault::take(),
     };
     debugger::prepare(&p.DBGMCU);
+    clock::as_after_reset(&p.RCC);
     let signature = identity::read_signature(&p.DBGMCU);
     let (mut rcc, source) = clock::start(p.RCC, p.FLASH);
     supply::watch(&p.PWR, &p.EXTI, &mut rcc);

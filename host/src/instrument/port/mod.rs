@@ -10,6 +10,7 @@
 //! Code that talks to a rig sees a [`Port`], whichever of them it is.
 
 mod byte_stream;
+mod control_line;
 mod open_error;
 mod serial;
 mod simulated;
@@ -17,6 +18,7 @@ mod tcp;
 mod timed_read;
 
 pub use byte_stream::Port;
+pub use control_line::ControlLine;
 pub use open_error::OpenError;
 pub use serial::BAUD_RATE;
 

@@ -1,9 +1,10 @@
 //! A board on a serial port.
 
 use super::byte_stream::Port;
+use super::control_line::ControlLine;
 use super::open_error::OpenError;
 use super::timed_read::{SHORTEST_TIMEOUT, none_if_timed_out};
-use serialport::ErrorKind;
+use serialport::{ErrorKind, Parity};
 use std::io::{Read, Write};
 use std::time::{Duration, Instant};
 
@@ -19,10 +20,13 @@ impl SerialPort {
     pub(super) fn open(name: &str) -> Result<Self, OpenError> {
         // The library locks the device itself (flock and TIOCEXCL on Unix), which holds against a privileged user
         // too, and leaves nothing behind.
-        let port = serialport::new(name, BAUD_RATE)
+        let mut port = serialport::new(name, BAUD_RATE)
             .timeout(Duration::from_secs(1))
             .open()
             .map_err(|error| refusal(name, &error))?;
+        // Systems set RTS and DTR when a port is opened. Where DTR is at the board's reset, that would hold the board;
+        // BOOT0 at RTS is right so. A port without such lines needs nothing.
+        let _no_such_line = port.write_data_terminal_ready(false);
         Ok(Self {
             port,
             opened: Instant::now(),
@@ -56,6 +60,19 @@ impl Port for SerialPort {
     fn write_all(&mut self, bytes: &[u8]) -> std::io::Result<()> {
         self.port.set_timeout(Duration::from_secs(1))?;
         self.port.write_all(bytes)
+    }
+
+    fn set_even_parity(&mut self, on: bool) -> std::io::Result<()> {
+        let parity = if on { Parity::Even } else { Parity::None };
+        Ok(self.port.set_parity(parity)?)
+    }
+
+    fn set_control_line(&mut self, line: ControlLine, set: bool) -> std::io::Result<()> {
+        match line {
+            ControlLine::Rts => self.port.write_request_to_send(set)?,
+            ControlLine::Dtr => self.port.write_data_terminal_ready(set)?,
+        }
+        Ok(())
     }
 
     fn now(&self) -> Duration {

@@ -7,7 +7,7 @@ use servoid_client::ClientError;
 pub enum TalkError {
     /// Not a byte came from this port.
     #[error(
-        "nothing on {0} answers: check that the board has power, is flashed with servoid-firmware, and that RX and TX are crossed"
+        "nothing on {0} answers: check that the board has power, that 'servoid flash' has written its firmware and its BOOT0 is at 0, and that RX and TX are crossed"
     )]
     Silent(String),
     /// So many bytes came from this port, but none of them make sense.

@@ -1,7 +1,7 @@
 //! The C header, compiled as strictly as C99 goes.
 
 use super::{SUBJECT, apart, export, largest_error, must, rows, trial, works};
-use crate::support::missing;
+use servoid_test_support::tools::missing;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;

@@ -1,7 +1,7 @@
 //! The JSBSim system, in an aircraft that has nothing else.
 
 use super::{SUBJECT, export, must, rows, works};
-use crate::support::missing;
+use servoid_test_support::tools::missing;
 use std::process::Command;
 
 /// An aircraft with the system of a servo.

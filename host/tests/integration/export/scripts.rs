@@ -1,7 +1,7 @@
 //! The scripts, in Python, Octave and Julia.
 
 use super::{SUBJECT, apart, export, largest_error, must, rows, trial, works};
-use crate::support::{missing, skipped};
+use servoid_test_support::tools::{missing, skipped};
 use std::fmt::Write;
 use std::process::Command;
 

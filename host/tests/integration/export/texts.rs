@@ -1,8 +1,8 @@
 //! What the exports say, and what must not get into them.
 
 use super::{SUBJECT, must, works};
-use crate::support::missing;
 use crate::support::{arg, refusal, run, servoid};
+use servoid_test_support::tools::missing;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;

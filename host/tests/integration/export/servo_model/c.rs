@@ -2,7 +2,7 @@
 
 use super::super::{must, rows, works};
 use super::subjects::{Exported, SERVOS, from_ends};
-use crate::support::missing;
+use servoid_test_support::tools::missing;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;

@@ -4,7 +4,7 @@ use super::super::jsbsim::AIRCRAFT;
 use super::super::scripts::literal;
 use super::super::{must, rows, works};
 use super::subjects::SERVOS;
-use crate::support::missing;
+use servoid_test_support::tools::missing;
 use std::process::Command;
 
 /// Prints the position after each step; JSBSim counts time up before it computes.

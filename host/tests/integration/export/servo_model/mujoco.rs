@@ -3,7 +3,7 @@
 use super::super::scripts::literal;
 use super::super::{must, rows, works};
 use super::subjects::SERVOS;
-use crate::support::missing;
+use servoid_test_support::tools::missing;
 use std::fmt::Write;
 use std::process::Command;
 

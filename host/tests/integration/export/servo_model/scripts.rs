@@ -3,7 +3,7 @@
 use super::super::scripts::{JULIA_SYNTAX, literal};
 use super::super::{must, rows, works};
 use super::subjects::{Exported, SERVOS, from_ends};
-use crate::support::{missing, skipped};
+use servoid_test_support::tools::{missing, skipped};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
