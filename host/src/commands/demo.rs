@@ -83,7 +83,8 @@ impl Demo {
         };
         replace.write_json(Some(&self.out.join("summary.json")), &summary)?;
         let (first, second) = (bench.part(), aircraft.part());
-        let figures = plots::paper(&first.subject, Some(&second.subject));
+        let figures = plots::paper(&first.subject, Some(&second.subject), true);
+        let figures: Vec<plots::Figure> = figures.into_iter().map(|found| found.figure).collect();
         let quiet = Output {
             talk: Talk {
                 quiet: true,

@@ -5,19 +5,10 @@ use super::text::{escape, rows_of};
 use crate::presentation::summary;
 use servoid_identification::results::Bounds;
 
-/// What kind of servo each is, in a sentence or two.
-pub(super) fn sentences(page: &Page<'_>) -> String {
-    let several = page.second.is_some();
-    let sentence = |part: &Part<'_>| {
-        let found = part.servo_model?;
-        let text = escape(&summary::servo_sentence(&found.model, part.subject.units));
-        let name = match several {
-            true => format!("{}: ", escape(part.subject.name)),
-            false => String::new(),
-        };
-        Some(format!("<p class=\"verdict servo\">{name}{text}</p>\n"))
-    };
-    page.parts().filter_map(sentence).collect()
+/// What kind of servo it is, in a sentence or two.
+pub(super) fn sentence(part: &Part<'_>) -> Option<String> {
+    let found = part.servo_model?;
+    Some(summary::servo_sentence(&found.model, part.subject.units))
 }
 
 /// The quantities of each servo, and of two beside each other.

@@ -5,6 +5,7 @@ use servoid_identification::flight_model::FlightModel;
 use servoid_identification::nonlinear::{DirectionModel, Limits, Symmetry};
 use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::thresholds::ASYMMETRY_FALSE_ALARM;
+use std::f64::consts::TAU;
 
 /// A low-order model for a flight simulation.
 #[must_use]
@@ -37,7 +38,11 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
             (Some(lower), None) => format!("{} or more", number(lower)),
             _ => format!("{} .. {}", end(lower), end(upper)),
         };
-        let line = format!("  {name:22} {:>10} {unit:5} {bounds}", number(value));
+        let hertz = match unit {
+            "rad/s" => format!("  = {:.3} Hz", value / TAU),
+            _ => String::new(),
+        };
+        let line = format!("  {name:22} {:>10} {unit:5} {bounds}{hertz}", number(value));
         text += &format!("{}\n", line.trim_end());
     }
     for tried in &flight.tried {

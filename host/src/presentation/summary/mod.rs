@@ -2,6 +2,8 @@
 
 mod beyond;
 mod comparison;
+mod headline;
+mod key_figures;
 mod layout;
 mod metrics;
 mod model_sentence;
@@ -20,7 +22,12 @@ pub use servo_model::{of_servo_model, servo_sentence};
 pub(crate) use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,
 };
-pub(crate) use layout::wrapped;
+pub(crate) use headline::{headline_of_comparison, headline_of_model};
+pub(crate) use key_figures::{
+    KEY_FIGURES, KeyFigure, of_both, of_both_machines, of_comparison as key_figures_of_comparison,
+    of_machine, of_response,
+};
+pub(crate) use layout::{listed_words, wrapped};
 pub(crate) use metrics::{difference_rows, metric_rows};
 pub(crate) use numbers::{decimals, head_of_bounds, percent, probability};
 pub(crate) use servo_model::{

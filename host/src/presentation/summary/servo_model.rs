@@ -1,5 +1,6 @@
 //! The servo as a machine, as text for a terminal.
 
+use super::layout::listed_words;
 use super::numbers::head_of_bounds;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval};
@@ -19,13 +20,21 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
     };
     let unit = |unit: Option<&str>| unit.map(|unit| format!(" {unit}")).unwrap_or_default();
     let (command, output) = (unit(units.input), unit(units.output));
+    let turn = |speed: f64| {
+        let seconds = seconds_per_60_degrees(speed, units);
+        seconds.map_or_else(String::new, |seconds| format!(" ({seconds})"))
+    };
     let speeds = of("top speed upwards").zip(of("top speed downwards"));
     let kind = match speeds {
-        Some((up, down)) if up == down => format!("limited to {}{output}/s", four_digits(up)),
+        Some((up, down)) if up == down => {
+            format!("limited to {}{output}/s{}", four_digits(up), turn(up))
+        }
         Some((up, down)) => format!(
-            "limited to {}{output}/s upwards and {} downwards",
+            "limited to {}{output}/s{} upwards and {}{output}/s{} downwards",
             four_digits(up),
-            four_digits(down)
+            turn(up),
+            four_digits(down),
+            turn(down)
         ),
         None if model.terms.limit => "limited in its drive".to_owned(),
         None => "linear".to_owned(),
@@ -41,12 +50,10 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
     let delay =
         of("delay").map(|delay_s| format!("answers {} ms late", four_digits(1e3 * delay_s)));
     let parts = [rest, load.map(str::to_owned), delay].into_iter().flatten();
-    let all: Vec<String> = std::iter::once(format!("This servo is {kind}"))
-        .chain(parts)
-        .collect();
+    let all: Vec<String> = std::iter::once(format!("is {kind}")).chain(parts).collect();
     format!(
-        "{}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{}",
-        all.join(", "),
+        "This servo {}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{}",
+        listed_words(&all),
         model.fit.held_out_percent,
         better_linear(model).unwrap_or_default()
     )
@@ -185,8 +192,28 @@ fn row(quantity: &Quantity, units: Units<'_>) -> String {
         unit,
         interval,
     } = quantity_row(quantity, units);
-    let line = format!("  {name:34} {value:>12} {unit:8} {interval}");
+    let turn = per_60_degrees(quantity, units).map(|turn| format!("  = {turn}"));
+    let line = format!(
+        "  {name:34} {value:>12} {unit:8} {interval}{}",
+        turn.unwrap_or_default()
+    );
     format!("{}\n", line.trim_end())
+}
+
+/// A speed that the record determines, as the time for 60 degrees, which data sheets give.
+pub(super) fn per_60_degrees(quantity: &Quantity, units: Units<'_>) -> Option<String> {
+    let is_speed = quantity.unit == Unit::OutputPerSecond && quantity.determined;
+    is_speed.then(|| seconds_per_60_degrees(quantity.value, units))?
+}
+
+/// "0.148 s/60°" of a speed; `None` where the output is not known to be an angle.
+fn seconds_per_60_degrees(speed: f64, units: Units<'_>) -> Option<String> {
+    let turn = match units.output? {
+        "deg" | "°" | "degree" | "degrees" => 60.0,
+        "rad" => 60f64.to_radians(),
+        _ => return None,
+    };
+    (speed > 0.0).then(|| format!("{:.3} s/60°", turn / speed))
 }
 
 /// Factor to the unit that people use, and its name.
