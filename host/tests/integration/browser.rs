@@ -249,7 +249,7 @@ fn every_plot_is_drawn_and_nothing_goes_wrong() {
 }
 
 /// Asks each page, once its first figure is there, how far down the parts of its first screen reach.
-const FIRST_SCREENS: &str = r#"<script>
+const FIRST_SCREENS: &str = r##"<script>
 "use strict";
 (async () => {
   for (const frame of document.querySelectorAll("iframe")) {
@@ -261,7 +261,7 @@ const FIRST_SCREENS: &str = r#"<script>
     frame.dataset.screen = [curves, inner().querySelectorAll(".key dd").length, ...parts.map(bottom)].join(" ");
   }
 })();
-</script>"#;
+</script>"##;
 
 /// The page with its first figure alone: the others are below the first screen, and take their time.
 fn first_figure_only(page: &str) -> String {
@@ -269,7 +269,9 @@ fn first_figure_only(page: &str) -> String {
     let start = "id=\"figures\">";
     let (before, rest) = page.split_once(start).unwrap();
     let (_, after) = rest.split_once("</script>").unwrap();
-    let first = serde_json::json!([all[0]]).to_string().replace('<', "\\u003c");
+    let first = serde_json::json!([all[0]])
+        .to_string()
+        .replace('<', "\\u003c");
     format!("{before}{start}{first}</script>{after}")
 }
 
@@ -277,7 +279,16 @@ fn first_figure_only(page: &str) -> String {
 fn simulated(dir: &Path, servo: &str, seed: u64) -> PathBuf {
     let file = dir.join(format!("{servo}-{seed}.csv"));
     let port = format!("sim:{servo}?seed={seed}");
-    run(&["capture", "-q", "--port", &port, "--condition", "bench", "-o", arg(&file)]);
+    run(&[
+        "capture",
+        "-q",
+        "--port",
+        &port,
+        "--condition",
+        "bench",
+        "-o",
+        arg(&file),
+    ]);
     file
 }
 
@@ -294,14 +305,25 @@ fn the_first_screen_is_the_answer_on_a_desk_and_on_a_telephone() {
     let stairs = data("dcmotor_position_stairs.csv");
     let short = dir.path().join("short.csv");
     // Too few strokes for bounds, so that a side of the comparison has none.
-    let rows: Vec<String> = std::fs::read_to_string(&stairs).unwrap().lines().take(151).map(str::to_owned).collect();
+    let rows: Vec<String> = std::fs::read_to_string(&stairs)
+        .unwrap()
+        .lines()
+        .take(151)
+        .map(str::to_owned)
+        .collect();
     std::fs::write(&short, rows.join("\n")).unwrap();
     let named = ["--input", "u", "--output", "y"];
     let pages: [(&str, Vec<&str>); 4] = [
         ("one linear servo", vec![arg(&linear)]),
-        ("a servo model", [&[arg(&stairs), "--servo-model"], &named[..]].concat()),
+        (
+            "a servo model",
+            [&[arg(&stairs), "--servo-model"], &named[..]].concat(),
+        ),
         ("a comparison", vec![arg(&linear), arg(&aircraft)]),
-        ("a comparison without bounds", [&[arg(&stairs), arg(&short)], &named[..]].concat()),
+        (
+            "a comparison without bounds",
+            [&[arg(&stairs), arg(&short)], &named[..]].concat(),
+        ),
     ];
     let mut frames = String::from("<!DOCTYPE html><html><body>");
     for (_, files) in &pages {
@@ -310,18 +332,29 @@ fn the_first_screen_is_the_answer_on_a_desk_and_on_a_telephone() {
         let page = first_figure_only(&std::fs::read_to_string(&out).unwrap());
         let page = page.replace('&', "&amp;").replace('"', "&quot;");
         for width in [1280, 400] {
-            frames += &format!("<iframe width=\"{width}\" height=\"800\" srcdoc=\"{page}\"></iframe>");
+            frames +=
+                &format!("<iframe width=\"{width}\" height=\"800\" srcdoc=\"{page}\"></iframe>");
         }
     }
     let around = dir.path().join("around.html");
     std::fs::write(&around, frames + FIRST_SCREENS + "</body></html>").unwrap();
-    let options = ["--dump-dom", "--virtual-time-budget=30000", "--window-size=1300,900"];
+    let options = [
+        "--dump-dom",
+        "--virtual-time-budget=30000",
+        "--window-size=1300,900",
+    ];
     let (dom, _) = browse(browser, dir.path(), &around, &options);
     let mut seen = dom.split("data-screen=\"").skip(1);
     for (kind, _) in &pages {
         for width in [1280, 400] {
-            let numbers = seen.next().and_then(|rest| rest.split('"').next()).unwrap_or_default();
-            let numbers: Vec<i32> = numbers.split(' ').map(|n| n.parse().unwrap_or(-1)).collect();
+            let numbers = seen
+                .next()
+                .and_then(|rest| rest.split('"').next())
+                .unwrap_or_default();
+            let numbers: Vec<i32> = numbers
+                .split(' ')
+                .map(|n| n.parse().unwrap_or(-1))
+                .collect();
             let [curves, figures, verdict, picture, key] = numbers[..] else {
                 panic!("{kind}, {width}: {numbers:?}");
             };
