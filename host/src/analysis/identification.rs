@@ -146,7 +146,10 @@ impl Identified {
         text.extend(
             servo_model.map(|servo| summary::of_servo_model(&servo.model, units, self.explain)),
         );
-        text.extend(no_servo_model.map(|reason| format!("\nno servo model: {reason}\n")));
+        text.extend(no_servo_model.map(|reason| {
+            let line = format!("no servo model: {reason}");
+            format!("\n{}\n", summary::wrapped(&line, 0))
+        }));
         text.extend(self.explanation().map(|e| explanation::as_text(e, model)));
         text.extend(flight_model.map(summary::of_flight_model));
         text.extend(no_flight_model.map(|reason| format!("\nno low-order model: {reason}\n")));

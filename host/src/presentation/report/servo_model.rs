@@ -59,9 +59,13 @@ fn table(part: &Part<'_>) -> Option<String> {
         .iter()
         .map(|quantity| row(summary::quantity_row(quantity, units)))
         .collect();
+    let advice: String = summary::what_to_record(&model.quantities)
+        .iter()
+        .map(|advice| format!("<p>{}</p>\n", escape(advice)))
+        .collect();
     let fit = &model.fit;
     Some(format!(
-        "<h2>The servo as a machine: {}</h2>\n<p class=\"faint\">{}; fit {:.2} %, {:.2} % of parts that it had not seen (a linear servo of second order: {:.2} %).{}</p>\n<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th><th>value</th><th></th><th>{}</th></tr>\n{rows}</table></div>\n",
+        "<h2>The servo as a machine: {}</h2>\n<p class=\"faint\">{}; fit {:.2} %, {:.2} % of parts that it had not seen (a linear servo of second order: {:.2} %).{}</p>\n<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th><th>value</th><th></th><th>{}</th></tr>\n{rows}</table></div>\n{advice}",
         escape(part.subject.name),
         summary::terms_in_words(model.terms),
         fit.simulation_percent,

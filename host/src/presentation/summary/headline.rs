@@ -4,7 +4,7 @@ use super::comparison::subject_in_words;
 use super::model_sentence::certainty;
 use super::numbers::percent;
 use servoid_identification::comparison::{Comparison, ComparisonBounds, Verdict};
-use servoid_identification::results::{Bounds, Interval, Model};
+use servoid_identification::results::{Advice, Bounds, Check, Interval, Model};
 
 /// How fast a servo is, and how sure that is.
 pub(crate) fn headline_of_model(model: &Model) -> String {
@@ -22,6 +22,10 @@ pub(crate) fn headline_of_model(model: &Model) -> String {
 
 /// Whether two differ, and by how much; `a` and `b` are their names.
 pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
+    let same = |item: &&Advice| item.check == Check::SameData;
+    if let Some(item) = found.advice.iter().find(same) {
+        return format!("{} {}", item.finding, item.remedy);
+    }
     let Bounds::Valid(bounds) = &found.bounds else {
         let reason = found.bounds.withdrawn().map(|reason| reason.because());
         return format!(

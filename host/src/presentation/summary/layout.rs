@@ -49,6 +49,12 @@ mod tests {
     use super::*;
 
     #[test]
+    fn lists_end_with_and() {
+        assert_eq!(listed_words(&["a"]), "a");
+        assert_eq!(listed_words(&["a", "b", "c"]), "a, b and c");
+    }
+
+    #[test]
     fn long_lines_are_broken_between_words_and_lose_none() {
         let lines = wrapped(&("word ".repeat(60) + "end"), 4);
         assert!(lines.lines().count() > 2 && lines.lines().all(|line| line.len() <= LINE));

@@ -32,6 +32,7 @@ pub(crate) use metrics::{difference_rows, metric_rows};
 pub(crate) use numbers::{decimals, head_of_bounds, percent, probability};
 pub(crate) use servo_model::{
     QuantityRow, four_digits, quantities, quantity_row, quantity_text, terms_in_words,
+    what_to_record,
 };
 
 use crate::data::units::Units;

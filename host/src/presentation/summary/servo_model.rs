@@ -1,6 +1,6 @@
 //! The servo as a machine, as text for a terminal.
 
-use super::layout::listed_words;
+use super::layout::{listed_words, wrapped};
 use super::numbers::head_of_bounds;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval};
@@ -91,6 +91,9 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
         );
     }
     text += &quantities(&model.quantities, level, units);
+    for advice in what_to_record(&model.quantities) {
+        text += &format!("  {}\n", wrapped(advice, 2));
+    }
     if explain {
         text +=
             "\n  terms that were tried: fit of parts that they had not seen, and of the whole\n";
@@ -146,6 +149,48 @@ pub(crate) fn quantities(all: &[Quantity], level: Bounds<f64>, units: Units<'_>)
     text
 }
 
+/// Said of a quantity that the record leaves open.
+const NOT_DETERMINED: &str = "not determined by this recording";
+
+/// An interval whose ends are so far apart says nothing.
+const WORTH_PRINTING: f64 = 1000.0;
+
+/// Quantities that a recording may leave open, by the beginnings of their names, and the one that would show them.
+const WHAT_SHOWS: [(&[&str], &str); 3] = [
+    (
+        &["top speed", "acceleration", "error of full drive"],
+        "Top speed and acceleration show in large strokes: record steps over most of the travel, each held until the servo rests.",
+    ),
+    (
+        &["bandwidth", "damping"],
+        "Bandwidth and damping show in small quick strokes: record steps or random levels of a few degrees, sampled every 5 ms or faster.",
+    ),
+    (
+        &[
+            "dead band",
+            "resting error",
+            "friction",
+            "load",
+            "gain",
+            "offset",
+        ],
+        "Friction, dead band, load and gain show at rest: record stairs of at least four levels, each reached from both sides and held until the servo rests.",
+    ),
+];
+
+/// What to record for the quantities that this recording leaves open.
+pub(crate) fn what_to_record(quantities: &[Quantity]) -> Vec<&'static str> {
+    let open = |names: &&[&str]| {
+        let mut left_open = quantities.iter().filter(|found| !found.determined);
+        left_open.any(|found| names.iter().any(|name| found.name.starts_with(name)))
+    };
+    WHAT_SHOWS
+        .iter()
+        .filter(|(names, _)| open(names))
+        .map(|(_, advice)| *advice)
+        .collect()
+}
+
 /// A quantity as a row of a table.
 pub(crate) struct QuantityRow {
     /// What it is.
@@ -164,13 +209,16 @@ pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow
     let shown = |value: f64| four_digits(scale * value);
     let interval = quantity.interval.valid().map(|found: &Interval| {
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), shown);
-        let open = match (found.lower, found.upper) {
-            (None, None) => String::new(),
-            (lower, upper) => format!("{} .. {}", end(lower), end(upper)),
-        };
-        match quantity.determined {
-            true => open,
-            false => format!("not determined by this recording {open}"),
+        match (quantity.determined, found.lower, found.upper) {
+            (_, None, None) => String::new(),
+            (true, lower, upper) => format!("{} .. {}", end(lower), end(upper)),
+            (false, Some(lower), None) => format!("{NOT_DETERMINED}: {} or more", shown(lower)),
+            (false, lower, upper) => match lower.zip(upper) {
+                Some((lower, upper)) if upper < WORTH_PRINTING * lower => {
+                    format!("{NOT_DETERMINED}: {} .. {}", shown(lower), shown(upper))
+                }
+                _ => NOT_DETERMINED.to_owned(),
+            },
         }
     });
     let value = match quantity.determined {
@@ -180,7 +228,12 @@ pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow
     QuantityRow {
         name: quantity.name.clone(),
         value,
-        unit,
+        // A unit beside no number would read as one.
+        unit: if quantity.determined {
+            unit
+        } else {
+            String::new()
+        },
         interval: interval.unwrap_or_default().trim_end().to_owned(),
     }
 }
@@ -283,4 +336,46 @@ pub(crate) fn four_digits(value: f64) -> String {
         0
     };
     format!("{value:.*}", digits.clamp(0, 9) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn quantity(name: &str, determined: bool, lower: f64, upper: f64) -> Quantity {
+        Quantity {
+            name: name.to_owned(),
+            unit: Unit::OutputPerSecond,
+            determined,
+            value: 400.0,
+            interval: Bounds::Valid(Interval::new(400.0, lower, upper)),
+        }
+    }
+
+    #[test]
+    fn what_is_not_determined_has_no_senseless_interval_and_says_what_to_record() {
+        let degrees = Units {
+            input: Some("deg"),
+            output: Some("deg"),
+        };
+        let absurd = quantity("damping ratio", false, 3e-19, 8e19);
+        let row = quantity_row(&absurd, degrees);
+        assert_eq!((row.value.as_str(), row.unit.as_str()), ("-", ""));
+        assert_eq!(row.interval, "not determined by this recording");
+        let open = quantity("top speed upwards", false, 210.0, f64::NAN);
+        assert_eq!(
+            quantity_row(&open, degrees).interval,
+            "not determined by this recording: 210.0 or more"
+        );
+        let advice = what_to_record(&[absurd, open]);
+        assert_eq!(advice.len(), 2);
+        assert!(advice[0].contains("large strokes") && advice[1].contains("small quick strokes"));
+        let known = quantity("top speed upwards", true, 390.0, 410.0);
+        assert!(what_to_record(std::slice::from_ref(&known)).is_empty());
+        assert_eq!(
+            per_60_degrees(&known, degrees).as_deref(),
+            Some("0.150 s/60°")
+        );
+        assert_eq!(per_60_degrees(&known, Units::default()), None);
+    }
 }

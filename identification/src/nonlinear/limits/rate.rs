@@ -153,7 +153,7 @@ impl Rate {
         let exponent = self.exponent.value.unwrap_or(0.0);
         match self.verdict {
             RateVerdict::Proportional => format!(
-                "No rate limit {direction} up to {speed:.1} per second: the speed grows with the stroke."
+                "No rate limit {direction}, to {speed:.1} per second at least: the speed grows with the stroke."
             ),
             RateVerdict::Limited => {
                 format!("Rate limit {direction} of {speed:.1} per second.")
