@@ -303,26 +303,26 @@ fn the_first_screen_is_the_answer_on_a_desk_and_on_a_telephone() {
     let dir = tempfile::tempdir().unwrap();
     let [linear, aircraft] = ["linear", "aircraft"].map(|servo| simulated(dir.path(), servo, 1));
     let stairs = data("dcmotor_position_stairs.csv");
-    let short = dir.path().join("short.csv");
-    // Too few strokes for bounds, so that a side of the comparison has none.
-    let rows: Vec<String> = std::fs::read_to_string(&stairs)
-        .unwrap()
-        .lines()
-        .take(151)
-        .map(str::to_owned)
-        .collect();
-    std::fs::write(&short, rows.join("\n")).unwrap();
-    let named = ["--input", "u", "--output", "y"];
+    let withdrawn = data("model-schema-2-withdrawn.json");
+    let other = dir.path().join("other.json");
+    std::fs::copy(&withdrawn, &other).unwrap();
     let pages: [(&str, Vec<&str>); 4] = [
         ("one linear servo", vec![arg(&linear)]),
         (
             "a servo model",
-            [&[arg(&stairs), "--servo-model"], &named[..]].concat(),
+            vec![
+                arg(&stairs),
+                "--servo-model",
+                "--input",
+                "u",
+                "--output",
+                "y",
+            ],
         ),
         ("a comparison", vec![arg(&linear), arg(&aircraft)]),
         (
             "a comparison without bounds",
-            [&[arg(&stairs), arg(&short)], &named[..]].concat(),
+            vec![arg(&withdrawn), arg(&other)],
         ),
     ];
     let mut frames = String::from("<!DOCTYPE html><html><body>");
