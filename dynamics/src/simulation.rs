@@ -23,15 +23,11 @@ const FINENESS: f64 = 0.05;
 /// Shortest and longest step \[s\].
 const STEP_S: (f64, f64) = (0.2e-3, 5e-3);
 
-/// Most steps in a sample period: what is faster does not show in samples so far apart.
-const MOST_STEPS: f64 = 100.0;
-
 impl Grid {
     /// The grid for a servo of the stiffness `stiffness` (1/s²).
     pub fn for_stiffness(period_s: f64, phase_s: f64, stiffness: f64) -> Self {
         let step_s = FINENESS / stiffness.sqrt();
-        let step_s = step_s.clamp(STEP_S.0, STEP_S.1);
-        Self::new(period_s, phase_s, step_s.max(period_s / MOST_STEPS))
+        Self::new(period_s, phase_s, step_s.clamp(STEP_S.0, STEP_S.1))
     }
 
     /// With half as many steps, and four times the error.

@@ -29,6 +29,9 @@ const seen = document.documentElement.dataset, frame = document.querySelector("i
   seen.traces = plots.map((plot) => plot.id + ":" + plot.dataset.traces).join(" ");
   seen.wide = plots.filter((plot) => plot.querySelector(".main-svg").getBoundingClientRect().right > page.innerWidth).map((plot) => plot.id).join(" ");
   seen.buttons = [...plots[1].querySelectorAll(".modebar-btn")].map((button) => button.dataset.title).join();
+  page.Plotly.Fx.hover(plots[0], { xval: 80 }, ["xy"]);
+  while (!plots[0].querySelector(".hoverlayer text")) await new Promise((done) => setTimeout(done, 20));
+  seen.hover = [...plots[0].querySelectorAll(".hoverlayer text")].map((text) => text.textContent).join(" | ");
   for (const format of ["svg", "png"]) {
     const image = await page.Plotly.toImage(plots[0], { format, width: 600, height: 400 });
     seen[format] = image.slice(0, 20) + " " + image.length;
@@ -216,6 +219,12 @@ fn every_plot_is_drawn_and_nothing_goes_wrong() {
             attribute(&dom, "wide"),
             "",
             "{width}: plots beyond the edge"
+        );
+        // The value and its band, in milliseconds.
+        let hover = attribute(&dom, "hover");
+        assert!(
+            hover.contains(" ms | ") && hover.contains(" .. "),
+            "{width}: {hover}"
         );
         let drawn: Vec<&str> = attribute(&dom, "traces").split(' ').collect();
         assert_eq!(drawn, expected, "{width}");

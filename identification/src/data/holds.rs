@@ -217,8 +217,8 @@ mod tests {
 
     #[test]
     fn a_run_that_begins_with_its_step_has_that_stroke_where_the_input_before_is_stated() {
-        let input = vec![4.0; 50];
-        let output: Vec<f64> = (0..50)
+        let input: Vec<f64> = (0..60).map(|k| if k < 50 { 4.0 } else { 5.0 }).collect();
+        let output: Vec<f64> = (0..60)
             .map(|k| (f64::from(k - 5) * 0.25).clamp(0.0, 4.0))
             .collect();
         let found = |run: Run| strokes(&Record::new(0.01, vec![run]).unwrap(), 40);

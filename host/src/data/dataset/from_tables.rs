@@ -275,7 +275,7 @@ impl Spacing {
 
 /// A stated period that is so many times as long or as short as that of a column of time is a slip, such as milliseconds for
 /// seconds.
-const GROSSLY: f64 = 5.0;
+const GROSSLY: f64 = 20.0;
 
 /// Six digits.
 fn rounded(number: f64) -> f64 {

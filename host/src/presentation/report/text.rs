@@ -104,13 +104,21 @@ fn metrics(page: &Page<'_>) -> (String, String) {
             (summary::difference_rows(found, &gain), remark)
         }
         _ => {
-            let remark = compared.map(|_| {
+            let compared = compared.map(|_| {
                 let why = summary::NOT_COMPARED;
                 format!("{why} The metrics of each side are those of its own model.")
             });
+            let withheld = page.parts().filter_map(|part| {
+                let line = summary::withheld_line(&part.subject.model.metrics)?;
+                Some(match page.second {
+                    Some(_) => format!("{}: {line}.", part.subject.name),
+                    None => format!("{line}."),
+                })
+            });
+            let remarks: Vec<String> = compared.into_iter().chain(withheld).collect();
             (
                 summary::metric_rows(&metrics, &gain),
-                remark.unwrap_or_default(),
+                escape(&remarks.join(" ")),
             )
         }
     };

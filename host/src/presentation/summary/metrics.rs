@@ -152,15 +152,18 @@ pub(super) fn table(model: &Model, units: Units<'_>) -> String {
         let line = format!("  {:22} {value:>10} {unit:5} {bounds}{radians}", row.name);
         text += &format!("{}\n", line.trim_end());
     }
-    if let Some(reason) = metrics.withheld {
-        let which = match metrics.dc_gain.value {
-            Some(_) => "the others",
-            None => "all",
-        };
-        let because = reason.because();
-        text += &format!("  {which} are withheld: {because} (see the advice)\n");
-    }
+    text.extend(withheld_line(metrics).map(|line| format!("  {line}\n")));
     text
+}
+
+/// Which metrics are withheld, and why, where some are.
+pub(crate) fn withheld_line(metrics: &Metrics) -> Option<String> {
+    let because = metrics.withheld?.because();
+    let which = match metrics.dc_gain.value {
+        Some(_) => "the others",
+        None => "all",
+    };
+    Some(format!("{which} are withheld: {because} (see the advice)"))
 }
 
 /// A line of a table of numbers with bounds.
@@ -173,14 +176,17 @@ pub(crate) struct TableRow {
 
 /// Metrics side by side. The gain has the unit `gain`, empty where there is none.
 pub(crate) fn metric_rows(metrics: &[&Metrics], gain: &str) -> Vec<TableRow> {
-    let row = |row: &MetricEntry| TableRow {
-        label: row.label(gain),
-        cells: metrics
-            .iter()
-            .map(|metrics| row.cell(&(row.of)(metrics)))
-            .collect(),
+    // What is withheld is said once, and has no row.
+    let withheld = metrics.iter().any(|metrics| metrics.withheld.is_some());
+    let row = |row: &MetricEntry| {
+        let intervals: Vec<Interval> = metrics.iter().map(|metrics| (row.of)(metrics)).collect();
+        let shown = !withheld || intervals.iter().any(|found| found.value.is_some());
+        shown.then(|| TableRow {
+            label: row.label(gain),
+            cells: intervals.iter().map(|found| row.cell(found)).collect(),
+        })
     };
-    ROWS.iter().map(row).collect()
+    ROWS.iter().filter_map(row).collect()
 }
 
 /// The metrics of both sides of a comparison and the second less the first. The gain has the unit `gain`, empty

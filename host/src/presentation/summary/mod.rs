@@ -28,7 +28,7 @@ pub(crate) use key_figures::{
     of_machine, of_response,
 };
 pub(crate) use layout::{listed_words, wrapped};
-pub(crate) use metrics::{difference_rows, metric_rows};
+pub(crate) use metrics::{difference_rows, metric_rows, withheld_line};
 pub(crate) use numbers::{decimals, head_of_bounds, percent, probability};
 pub(crate) use servo_model::{
     QuantityRow, four_digits, quantities, quantity_row, quantity_text, terms_in_words,

@@ -40,6 +40,7 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
         None => "linear".to_owned(),
     };
     let rest = of("resting error by friction")
+        .filter(|error| *error > 0.0)
         .map(|error| format!("rests within {}{command} of its target", four_digits(error)));
     let load = match model.terms.load {
         LoadKind::None => None,

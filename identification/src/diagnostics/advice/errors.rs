@@ -174,19 +174,19 @@ pub(super) fn gain_may_be_zero(evidence: &Evidence<'_>) -> Option<Advice> {
     let metrics = &evidence.model.metrics;
     let gain = metrics.dc_gain.value?;
     let bounds = metrics.dc_gain.lower.zip(metrics.dc_gain.upper);
-    let range = bounds.map_or_else(String::new, |(lower, upper)| {
-        format!(" ({lower:.3} .. {upper:.3})")
-    });
+    let which = bounds.map_or_else(
+        || "which may be zero".to_owned(),
+        |(lower, upper)| format!("whose bounds ({lower:.3} .. {upper:.3}) contain zero"),
+    );
     (metrics.withheld == Some(Withheld::GainMayBeZero)).then(|| {
         Advice::new(
             Check::GainMayBeZero,
             format!(
-                "Delay, rise time, overshoot and the other metrics are left out: they are relative to the gain, whose bounds{range} \
-                 contain zero."
+                "Delay, rise time, overshoot and the other metrics are left out: they are relative to the gain, {which}."
             ),
             gain,
             0.0,
-            "Record larger strokes, or more of them, each held until the servo rests: that narrows the bounds of the gain.",
+            "Record larger strokes, or more of them, each held until the servo rests.",
         )
     })
 }
