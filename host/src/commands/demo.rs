@@ -103,10 +103,10 @@ impl Demo {
         })?;
         replace.write(&self.out.join(REPORT), &page)?;
         let text = format!(
-            "{}\n{}\nThe first is the bench, the second the aircraft.\n{}\n\nrecordings, models, comparison.json, summary.json and {} plots are in {}\nopen {} in a browser to look around, or see a step response here: servoid identify {}\n",
+            "The first is the bench, the second the aircraft.\n{}\n\n{}\n{}\nrecordings, models, comparison.json, summary.json and {} plots are in {}\nopen {} in a browser to look around, or see a step response here: servoid identify {}\n",
+            summary::wrapped(&comparison.summary, 0),
             summary::table_of_comparison("bench", "aircraft", &comparison),
             paper_values::as_table(&summary.paper),
-            summary::wrapped(&comparison.summary, 0),
             figures.len(),
             self.out.display(),
             self.out.join(REPORT).display(),

@@ -8,6 +8,11 @@ use servoid_identification::results::{Advice, Bounds, Check, Interval, Model};
 
 /// How fast a servo is, and how sure that is.
 pub(crate) fn headline_of_model(model: &Model) -> String {
+    // A period that cannot be makes all times wrong.
+    let period = |item: &&Advice| item.check == Check::Period;
+    if let Some(item) = model.advice.iter().find(period) {
+        return format!("{} {}", item.finding, item.remedy);
+    }
     let ms = |time: Interval| time.value.map(|seconds| format!("{:.0} ms", 1e3 * seconds));
     let half = ms(model.metrics.t50_s).map(|time| format!("is half way after {time}"));
     let settled = ms(model.metrics.settling_time_s)

@@ -99,7 +99,7 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     let known: Vec<&Quantity> = OF_A_MACHINE
         .iter()
         .filter(|name| !(same_both_ways && **name == "top speed downwards"))
-        .filter_map(|name| named(&name))
+        .filter_map(named)
         .collect();
     // What the recording determines comes first.
     let (determined, open): (Vec<&Quantity>, Vec<&Quantity>) =
@@ -294,7 +294,7 @@ pub(crate) fn of_both_machines(
     // What both recordings determine comes first.
     let (both, one): (Vec<_>, Vec<_>) = OF_A_MACHINE
         .iter()
-        .filter_map(|name| named(&name))
+        .filter_map(named)
         .partition(|(_, pair)| pair.a.is_some() && pair.b.is_some());
     let [a, b] = models.map(|model| format!("{:.1}", model.fit.held_out_percent));
     let fits = fit_figure(format!("{a} → {b} %"));
