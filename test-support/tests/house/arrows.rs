@@ -144,6 +144,7 @@ const ROOMS: [(&str, &[&str]); 9] = [
     (
         "python",
         &[
+            "arguments",
             "error",
             "compute",
             "model",

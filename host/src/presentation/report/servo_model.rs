@@ -1,15 +1,9 @@
-//! The servo as a machine in the page: what kind of servo it is, and its quantities with their intervals.
+//! The servo as a machine in the page: its quantities with their intervals.
 
 use super::content::{Page, Part};
 use super::text::{escape, rows_of};
 use crate::presentation::summary;
 use servoid_identification::results::Bounds;
-
-/// What kind of servo it is, in a sentence or two.
-pub(super) fn sentence(part: &Part<'_>) -> Option<String> {
-    let found = part.servo_model?;
-    Some(summary::servo_sentence(&found.model, part.subject.units))
-}
 
 /// The quantities of each servo, and of two beside each other.
 pub(super) fn tables(page: &Page<'_>) -> String {

@@ -1,7 +1,6 @@
 //! The page's text: verdict, metrics, advice, provenance.
 
 use super::content::{Facts, Page, Part};
-use super::servo_model;
 use crate::presentation::paper_values::Fact;
 use crate::presentation::summary::{self, TableRow};
 use servoid_identification::results::{Advice, Bounds};
@@ -51,10 +50,11 @@ fn of_one(part: &Part<'_>, has_other: bool) -> String {
         many => format!(", {many} runs"),
     };
     let seconds = model.fit.samples_used as f64 * model.sample_period_s;
-    let as_machine = match has_other {
-        true => servo_model::sentence(part).map(|sentence| escape(&sentence) + " "),
-        false => None,
-    };
+    let sentence = part
+        .servo_model
+        .filter(|_| has_other)
+        .map(|found| summary::servo_sentence(&found.model, part.subject.units));
+    let as_machine = sentence.map(|sentence| escape(&sentence) + " ");
     let linear = match part.servo_model {
         Some(_) => "As a linear servo: ",
         None => "",

@@ -288,7 +288,11 @@ pub(crate) fn of_both_machines(
         KeyFigure {
             label: pair.name.clone(),
             value: with_unit(value, &unit),
-            below: below.unwrap_or_else(|| "no interval".to_owned()),
+            below: match (below, pair.a.and(pair.b)) {
+                (Some(below), _) => below,
+                (None, Some(_)) => "no interval".to_owned(),
+                (None, None) => "not determined".to_owned(),
+            },
         }
     };
     // What both recordings determine comes first.
