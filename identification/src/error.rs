@@ -203,6 +203,17 @@ pub enum Error {
         /// Controllers that a model takes.
         most: usize,
     },
+    /// The samples are too far apart for a servo model.
+    #[error(
+        "its samples are {period_s} s apart, and the motion of a servo is over between two of them: a servo model needs samples \
+         every {longest_s} s or closer; state the period in seconds if that is not what it is"
+    )]
+    PeriodTooLong {
+        /// The sample period \[s\].
+        period_s: f64,
+        /// The longest that a servo model takes \[s\].
+        longest_s: f64,
+    },
     /// Moments lack lags for the settling time and noise order that are asked for.
     #[error(
         "the moments have {lags} lags of the input and need {needed}: collect them with more lags, or state a \

@@ -17,8 +17,7 @@ PADE_ORDER = 3
 
 def to_control(model: Model, kind: str) -> Any:
     """The object of this kind."""
-    import control
-
+    control = _python_control()
     if kind == "frd":
         return control.FRD(model.frequency.response, model.frequency.omega_rad_s)
     impulse, period = model.impulse_response, model.sample_period_s
@@ -35,9 +34,16 @@ def to_control(model: Model, kind: str) -> Any:
     raise ServoidError(f"there is no kind {kind!r}: choose frd, tf, ss or flight")
 
 
-def _flight(model: Model) -> Any:
-    import control
+def _python_control() -> Any:
+    try:
+        import control
+    except ImportError as error:
+        raise ImportError("to_control() needs python-control: pip install control") from error
+    return control
 
+
+def _flight(model: Model) -> Any:
+    control = _python_control()
     found = model.flight_model
     if found is None:
         raise ServoidError("the model has no low-order model: identify with flight_model=True")

@@ -1,5 +1,6 @@
 //! Recordings: files, tables in memory, and arrays.
 
+use crate::arguments::in_python;
 use crate::compute::compute;
 use crate::error::raised;
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -186,7 +187,8 @@ impl Data {
     /// What a user should know about the files.
     #[getter]
     fn remarks(&self) -> Vec<String> {
-        self.0.dataset.about.remarks.clone()
+        let remarks = self.0.dataset.about.remarks.iter();
+        remarks.map(|remark| in_python(remark)).collect()
     }
 
     /// Input and output of each run.

@@ -13,6 +13,7 @@
     clippy::unwrap_used
 )]
 
+mod arguments;
 mod compute;
 mod data;
 mod error;

@@ -1,6 +1,8 @@
 """Wrong arguments are exceptions with sentences; nothing panics."""
 
 import json
+import sys
+import time
 
 import numpy as np
 import pytest
@@ -45,6 +47,37 @@ Y = np.convolve(U, np.full(10, 0.1))[: len(U)] + 1e-3 * RANDOM.normal(size=len(U
 def test_wrong_arguments_are_sentences(u, y, options, sentence):
     with pytest.raises(servoid.ServoidError, match=sentence):
         servoid.identify(u, y, **{"period": 0.01, **options})
+
+
+@pytest.mark.parametrize(
+    ("table", "options", "sentence"),
+    [
+        ("a,b\n0,1\n1,2\n", {"input": "a", "output": "b"}, "time=COLUMN, or say how far apart the rows are with period=SECONDS"),
+        ("u,Meas angle\n0,1\n1,2\n", {}, 'add: input="u", output="Meas angle", period=SECONDS'),
+        ("t,u,y\n0,1,1\n5,2,2\n10,3,3\n", {"input": "u", "output": "y"}, 'time_unit="ms", time_unit="us" or time_unit="s"'),
+        ("t_s,u,y\n0,1,1\n0.005,2,2\n0.01,3,3\n", {"input": "u", "output": "y", "period": 5.0}, "leave period out"),
+    ],
+)
+def test_sentences_name_arguments_and_not_options_of_the_command_line(tmp_path, table, options, sentence):
+    file = tmp_path / "mine.csv"
+    file.write_text(table)
+    with pytest.raises(servoid.ServoidError) as raised:
+        servoid.read(file, **options)
+    assert sentence in str(raised.value)
+    assert "--" not in str(raised.value)
+
+
+def test_milliseconds_for_seconds_are_answered_at_once():
+    started = time.monotonic()
+    model = servoid.identify(np.tile(U, 6), np.tile(Y, 6) + 0.1 * np.sin(np.arange(3000) / 7.0) ** 3, period=5.0, servo_model=True)
+    assert time.monotonic() - started < 20.0
+    assert any(advice["check"] == "period" for advice in model.to_dict()["advice"])
+
+
+def test_without_python_control_it_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "control", None)
+    with pytest.raises(ImportError, match="pip install control"):
+        servoid.identify(U, Y, period=0.01).to_control()
 
 
 def test_wrong_types_are_type_errors():

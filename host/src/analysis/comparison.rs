@@ -12,6 +12,7 @@ use servoid_identification::comparison::{
     Comparison, ComparisonOptions, ServoModelComparison, compare, compare_models,
     compare_servo_models,
 };
+use servoid_identification::results::Advice;
 use servoid_identification::servo_model::Watch;
 
 /// Compares the data of two sides. The most important advice comes first: that both have the same samples.
@@ -33,10 +34,20 @@ pub fn compared(
     let found = compare(&a.record, &b.record, &options);
     let mut found = found.with_context(|| names.join(" against "))?;
     let [prints_a, prints_b] = [a, b].map(|side| fingerprint::of(&side.record));
-    let same = fingerprint::advice_on_sides(&prints_a, &prints_b);
-    found.advice.splice(0..0, same);
+    say_first(
+        &mut found,
+        fingerprint::advice_on_sides(&prints_a, &prints_b),
+    );
     found.advice.extend(a.about.other_calibration(&b.about));
     Ok(found)
+}
+
+/// Puts a finding that makes all others worthless before them, and before the verdict.
+fn say_first(found: &mut Comparison, finding: Option<Advice>) {
+    if let Some(advice) = &finding {
+        found.summary = format!("{} {}", advice.finding, found.summary);
+    }
+    found.advice.splice(0..0, finding);
 }
 
 /// The comparison as its document has it.
@@ -101,9 +112,8 @@ impl Compared {
         a.metadata.same_units(names[0], &b.metadata, names[1])?;
         let found = compare_models(&a.model, &b.model, options);
         let mut found = found.with_context(|| names.join(" against "))?;
-        // The most important advice comes first.
         let same = fingerprint::advice_on_sides(&a.fingerprints, &b.fingerprints);
-        found.advice.splice(0..0, same);
+        say_first(&mut found, same);
         let servos = [a.servo_model()?, b.servo_model()?];
         for (name, servo) in names.iter().zip(&servos) {
             if servo_model && servo.is_none() {

@@ -132,7 +132,10 @@ impl Identified {
         let (flight_model, no_flight_model) = parts(&self.flight_model);
         let (servo_model, no_servo_model) = parts(&self.servo_model);
         let mut text = String::new();
-        text.extend(servo_model.map(|servo| summary::servo_sentence(&servo.model, units) + "\n\n"));
+        text.extend(servo_model.map(|servo| {
+            let sentence = summary::servo_sentence(&servo.model, units);
+            summary::wrapped(&sentence, 0) + "\n\n"
+        }));
         // A step response of which not even the times are findings is no picture of the servo.
         let picture = match picture && model.metrics.withheld.is_none() {
             true => scope::step_as_text(&model.step, PICTURE.0, PICTURE.1),
@@ -146,7 +149,10 @@ impl Identified {
         text.extend(
             servo_model.map(|servo| summary::of_servo_model(&servo.model, units, self.explain)),
         );
-        text.extend(no_servo_model.map(|reason| format!("\nno servo model: {reason}\n")));
+        text.extend(no_servo_model.map(|reason| {
+            let line = format!("no servo model: {reason}");
+            format!("\n{}\n", summary::wrapped(&line, 0))
+        }));
         text.extend(self.explanation().map(|e| explanation::as_text(e, model)));
         text.extend(flight_model.map(summary::of_flight_model));
         text.extend(no_flight_model.map(|reason| format!("\nno low-order model: {reason}\n")));

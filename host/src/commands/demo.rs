@@ -83,7 +83,8 @@ impl Demo {
         };
         replace.write_json(Some(&self.out.join("summary.json")), &summary)?;
         let (first, second) = (bench.part(), aircraft.part());
-        let figures = plots::paper(&first.subject, Some(&second.subject));
+        let figures = plots::paper(&first.subject, Some(&second.subject), true);
+        let figures: Vec<plots::Figure> = figures.into_iter().map(|found| found.figure).collect();
         let quiet = Output {
             talk: Talk {
                 quiet: true,
@@ -102,10 +103,10 @@ impl Demo {
         })?;
         replace.write(&self.out.join(REPORT), &page)?;
         let text = format!(
-            "{}\n{}\nThe first is the bench, the second the aircraft.\n{}\n\nrecordings, models, comparison.json, summary.json and {} plots are in {}\nopen {} in a browser to look around, or see a step response here: servoid identify {}\n",
+            "The first is the bench, the second the aircraft.\n{}\n\n{}\n{}\nrecordings, models, comparison.json, summary.json and {} plots are in {}\nopen {} in a browser to look around, or see a step response here: servoid identify {}\n",
+            summary::wrapped(&comparison.summary, 0),
             summary::table_of_comparison("bench", "aircraft", &comparison),
             paper_values::as_table(&summary.paper),
-            summary::wrapped(&comparison.summary, 0),
             figures.len(),
             self.out.display(),
             self.out.join(REPORT).display(),

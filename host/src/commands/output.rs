@@ -31,13 +31,35 @@ pub fn print_remark(line: impl Display) {
     };
 }
 
-/// Prints a result on standard output.
+/// Prints a result on standard output. On a terminal that has colours, and whose user has not declined them (`NO_COLOR`), findings
+/// stand out.
 ///
 /// # Errors
 /// Those of standard output.
 pub fn print_result(result: &str) -> std::io::Result<()> {
-    std::io::stdout().write_all(harmless(result).as_bytes())
+    let text = harmless(result);
+    let text = match dialoguer::console::colors_enabled() {
+        true => Cow::Owned(with_findings_in_colour(&text)),
+        false => text,
+    };
+    std::io::stdout().write_all(text.as_bytes())
 }
+
+/// The text, with the lines in colour that begin findings.
+fn with_findings_in_colour(text: &str) -> String {
+    let line = |line: &str| match line.starts_with(FINDING) {
+        true => format!("{FINDING_COLOUR}{}{PLAIN}\n", line.trim_end_matches('\n')),
+        false => line.to_owned(),
+    };
+    text.split_inclusive('\n').map(line).collect()
+}
+
+/// What findings begin with.
+const FINDING: &str = "  ! ";
+
+/// Bold yellow, and back (ECMA-48, section 8.3.117).
+const FINDING_COLOUR: &str = "\x1b[1;33m";
+const PLAIN: &str = "\x1b[0m";
 
 /// A text that a terminal only shows. Names of files and what files say may hold commands for it, or turn the
 /// direction of the text around; these are written as JSON writes them.
@@ -156,4 +178,19 @@ impl Output {
 pub(super) fn make_folder(folder: &Path) -> Result<()> {
     let made = std::fs::create_dir_all(folder);
     made.with_context(|| format!("the folder {folder:?} cannot be made"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FINDING_COLOUR, PLAIN, with_findings_in_colour};
+
+    #[test]
+    fn the_first_line_of_a_finding_is_coloured_and_nothing_else() {
+        let text = "gain 1\n\n  ! not linear\n    look there\n";
+        let coloured = with_findings_in_colour(text);
+        assert_eq!(
+            coloured,
+            format!("gain 1\n\n{FINDING_COLOUR}  ! not linear{PLAIN}\n    look there\n")
+        );
+    }
 }

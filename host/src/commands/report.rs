@@ -71,12 +71,8 @@ impl Report {
                 servos.collect::<Result<_>>()?
             }
         };
-        // Two curves need two names.
-        if let [first, second] = &mut servos[..]
-            && first.name == second.name
-        {
-            first.name.push_str(" 1");
-            second.name.push_str(" 2");
+        if let ([first, second], [a, b]) = (&mut servos[..], &sides[..]) {
+            distinguish([first, second], [a, b]);
         }
         let comparison = match &servos[..] {
             [a, b] => comparison(a, b, self.margin, talk)?,
@@ -132,6 +128,19 @@ impl Report {
             None => {}
         }
         Ok(servo)
+    }
+}
+
+/// Gives two servos two names: those of their files where the conditions are the same.
+fn distinguish([first, second]: [&mut Servo; 2], files: [&[PathBuf]; 2]) {
+    if first.name == second.name
+        && let [[a, ..], [b, ..]] = files
+    {
+        (first.name, second.name) = (stem(a), stem(b));
+    }
+    if first.name == second.name {
+        first.name.push_str(" 1");
+        second.name.push_str(" 2");
     }
 }
 

@@ -3,7 +3,9 @@
 use super::band_width::BandWidths;
 use super::forecast::Plan;
 use super::spectrum::Density;
-use crate::presentation::plots::{Band, Curve, Figure, Ink, Legend, Panel};
+use crate::presentation::plots::{
+    Band, Curve, Figure, Ink, Legend, Panel, SINCE_EDGE_LABEL, milliseconds,
+};
 use crate::presentation::summary;
 use servoid_identification::results::StepBounds;
 
@@ -31,7 +33,7 @@ pub fn figure(plan: &Plan, name: &str) -> Figure {
         )
     };
     let step = &plan.step;
-    let times = || step.time_s.iter().copied();
+    let times = || step.time_s.iter().copied().map(milliseconds);
     let band = |(widths, bounds): (&BandWidths, &StepBounds)| {
         let whole = &bounds.simultaneous;
         let name = format!(
@@ -42,11 +44,14 @@ pub fn figure(plan: &Plan, name: &str) -> Figure {
     };
     let expected = plan.band.valid().zip(step.bounds.valid());
     let value = times().zip(step.value.iter().copied());
-    let x_label = "time since the edge of the command (s)";
     let response = Panel {
         bands: expected.map(band).into_iter().collect(),
         curves: vec![Curve::solid(plan.servo.as_str(), Ink::Model, value)],
-        ..Panel::new(x_label, "response to a unit step", Legend::LowerRight)
+        ..Panel::new(
+            SINCE_EDGE_LABEL,
+            "response to a unit step",
+            Legend::LowerRight,
+        )
     };
     Figure::new(name, &plan.description, vec![spectrum, response])
 }

@@ -5,7 +5,7 @@
 //! access (its Content-Security-Policy), so that a wish for it is an error in the browser's console.
 
 use crate::report::embedded;
-use crate::support::{arg, run};
+use crate::support::{arg, data, run};
 use servoid_test_support::tools::missing;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -29,7 +29,10 @@ const seen = document.documentElement.dataset, frame = document.querySelector("i
   const plots = [...frame.contentDocument.querySelectorAll(".figure")];
   seen.traces = plots.map((plot) => plot.id + ":" + plot.dataset.traces).join(" ");
   seen.wide = plots.filter((plot) => plot.querySelector(".main-svg").getBoundingClientRect().right > page.innerWidth).map((plot) => plot.id).join(" ");
-  seen.buttons = [...plots[0].querySelectorAll(".modebar-btn")].map((button) => button.dataset.title).join();
+  seen.buttons = [...plots[1].querySelectorAll(".modebar-btn")].map((button) => button.dataset.title).join();
+  page.Plotly.Fx.hover(plots[0], { xval: 80 }, ["xy"]);
+  while (!plots[0].querySelector(".hoverlayer text")) await new Promise((done) => setTimeout(done, 20));
+  seen.hover = [...plots[0].querySelectorAll(".hoverlayer text")].map((text) => text.textContent).join(" | ");
   for (const format of ["svg", "png"]) {
     const image = await page.Plotly.toImage(plots[0], { format, width: 600, height: 400 });
     seen[format] = image.slice(0, 20) + " " + image.length;
@@ -173,8 +176,8 @@ fn every_plot_is_drawn_and_nothing_goes_wrong() {
     let figures = embedded(&text, "figures");
     let figures = figures.as_array().unwrap();
     assert!(
-        figures.len() >= 14,
-        "Figs 4-12, difference, structure, residuals, runs"
+        figures.len() >= 15,
+        "the answer, Figs 4-12, difference, structure, residuals, runs"
     );
 
     let expected: Vec<String> = figures
@@ -189,7 +192,7 @@ fn every_plot_is_drawn_and_nothing_goes_wrong() {
         .collect();
 
     // Wide and light, and as narrow as a telephone and dark.
-    for (width, scheme, dark) in [(1200, "1", "false"), (360, "0", "true")] {
+    for (width, scheme, dark) in [(1280, "1", "false"), (400, "0", "true")] {
         let around = dir.path().join("around.html");
         std::fs::write(&around, probed(&text, width)).unwrap();
         let options = [
@@ -217,6 +220,12 @@ fn every_plot_is_drawn_and_nothing_goes_wrong() {
             attribute(&dom, "wide"),
             "",
             "{width}: plots beyond the edge"
+        );
+        // The value and its band, in milliseconds.
+        let hover = attribute(&dom, "hover");
+        assert!(
+            hover.contains(" ms | ") && hover.contains(" .. "),
+            "{width}: {hover}"
         );
         let drawn: Vec<&str> = attribute(&dom, "traces").split(' ').collect();
         assert_eq!(drawn, expected, "{width}");
@@ -247,4 +256,122 @@ fn every_plot_is_drawn_and_nothing_goes_wrong() {
         "{} bytes",
         printed.len()
     );
+}
+
+/// Asks each page, once its first figure is there, how far down the parts of its first screen reach.
+const FIRST_SCREENS: &str = r##"<script>
+"use strict";
+(async () => {
+  for (const frame of document.querySelectorAll("iframe")) {
+    const inner = () => frame.contentDocument;
+    while (!inner()?.documentElement?.dataset.drawn) await new Promise((done) => setTimeout(done, 20));
+    const bottom = (element) => element ? Math.ceil(element.getBoundingClientRect().bottom) : -1;
+    const curves = inner().querySelectorAll("#answer g.trace").length;
+    const parts = [...inner().querySelectorAll("#verdict"), inner().querySelector("#answer .main-svg"), inner().querySelector(".key")];
+    frame.dataset.screen = [curves, inner().querySelectorAll(".key dd").length, ...parts.map(bottom)].join(" ");
+  }
+})();
+</script>"##;
+
+/// The page with its first figure alone: the others are below the first screen, and take their time.
+fn first_figure_only(page: &str) -> String {
+    let all = embedded(page, "figures");
+    let start = "id=\"figures\">";
+    let (before, rest) = page.split_once(start).unwrap();
+    let (_, after) = rest.split_once("</script>").unwrap();
+    let first = serde_json::json!([all[0]])
+        .to_string()
+        .replace('<', "\\u003c");
+    format!("{before}{start}{first}</script>{after}")
+}
+
+/// A recording by another seed, to have two of a kind.
+fn simulated(dir: &Path, servo: &str, seed: u64) -> PathBuf {
+    let file = dir.join(format!("{servo}-{seed}.csv"));
+    let port = format!("sim:{servo}?seed={seed}");
+    run(&[
+        "capture",
+        "-q",
+        "--port",
+        &port,
+        "--condition",
+        "bench",
+        "-o",
+        arg(&file),
+    ]);
+    file
+}
+
+#[test]
+fn the_first_screen_is_the_answer_on_a_desk_and_on_a_telephone() {
+    let Some(browser) = chromium() else {
+        return missing(
+            "the first screen of the report",
+            "there is no chromium (apt-get install chromium)",
+        );
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let [linear, aircraft] = ["linear", "aircraft"].map(|servo| simulated(dir.path(), servo, 1));
+    let stairs = data("dcmotor_position_stairs.csv");
+    let withdrawn = data("model-schema-2-withdrawn.json");
+    let other = dir.path().join("other.json");
+    std::fs::copy(&withdrawn, &other).unwrap();
+    let pages: [(&str, Vec<&str>); 4] = [
+        ("one linear servo", vec![arg(&linear)]),
+        (
+            "a servo model",
+            vec![
+                arg(&stairs),
+                "--servo-model",
+                "--input",
+                "u",
+                "--output",
+                "y",
+            ],
+        ),
+        ("a comparison", vec![arg(&linear), arg(&aircraft)]),
+        (
+            "a comparison without bounds",
+            vec![arg(&withdrawn), arg(&other)],
+        ),
+    ];
+    let mut frames = String::from("<!DOCTYPE html><html><body>");
+    for (_, files) in &pages {
+        let out = dir.path().join("page.html");
+        run(&[&["report", "-q", "--force", "-o", arg(&out)], &files[..]].concat());
+        let page = first_figure_only(&std::fs::read_to_string(&out).unwrap());
+        let page = page.replace('&', "&amp;").replace('"', "&quot;");
+        for width in [1280, 400] {
+            frames +=
+                &format!("<iframe width=\"{width}\" height=\"800\" srcdoc=\"{page}\"></iframe>");
+        }
+    }
+    let around = dir.path().join("around.html");
+    std::fs::write(&around, frames + FIRST_SCREENS + "</body></html>").unwrap();
+    let options = [
+        "--dump-dom",
+        "--virtual-time-budget=30000",
+        "--window-size=1300,900",
+    ];
+    let (dom, _) = browse(browser, dir.path(), &around, &options);
+    let mut seen = dom.split("data-screen=\"").skip(1);
+    for (kind, _) in &pages {
+        for width in [1280, 400] {
+            let numbers = seen
+                .next()
+                .and_then(|rest| rest.split('"').next())
+                .unwrap_or_default();
+            let numbers: Vec<i32> = numbers
+                .split(' ')
+                .map(|n| n.parse().unwrap_or(-1))
+                .collect();
+            let [curves, figures, verdict, picture, key] = numbers[..] else {
+                panic!("{kind}, {width}: {numbers:?}");
+            };
+            assert!(curves >= 1 && figures == 6, "{kind}, {width}: {numbers:?}");
+            for bottom in [verdict, picture, key] {
+                assert!((1..=800).contains(&bottom), "{kind}, {width}: {numbers:?}");
+            }
+        }
+    }
 }

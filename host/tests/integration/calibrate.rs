@@ -108,6 +108,34 @@ fn angles_that_are_assumed_are_labelled() {
 }
 
 #[test]
+fn doubtful_angles_are_written_without_a_terminal_only_on_request() {
+    let dir = tempfile::tempdir().unwrap();
+    let rig = dir.path().join("rig.toml");
+    let before = "port = \"sim:bench\"\n";
+    std::fs::write(&rig, before).unwrap();
+    let args = [
+        "calibrate",
+        "--rig",
+        arg(&rig),
+        "--update",
+        "--no-travel",
+        "--angles=-16,-8,0,8,16",
+    ];
+    let refused = refusal(&args);
+    assert!(
+        refused.contains("disagrees with the rig file") && refused.contains("--yes"),
+        "{refused}"
+    );
+    assert_eq!(std::fs::read_to_string(&rig).unwrap(), before);
+    run(&[&args[..], &["-q", "--yes"]].concat());
+    assert!(
+        std::fs::read_to_string(&rig)
+            .unwrap()
+            .contains("degrees_per_count")
+    );
+}
+
+#[test]
 fn a_rig_that_cannot_be_calibrated_is_refused_in_a_sentence() {
     for (options, word) in [
         (&["--port", "sim:bench"][..], "--angles"),

@@ -24,6 +24,8 @@ mod linearity;
 mod mixes;
 mod models;
 mod no_bounds;
+#[cfg(unix)]
+mod pages;
 mod plan;
 mod references;
 mod release;

@@ -89,7 +89,10 @@ fn runs_on_both_sides_are_compared_and_every_figure_of_the_paper_is_named() {
     let page = std::fs::read_to_string(&out).unwrap();
     assert!(page.len() < 8_000_000, "{} bytes", page.len());
     for number in 4..=12 {
-        assert!(page.contains(&format!("Fig. {number}: ")), "Fig. {number}");
+        assert!(
+            page.contains(&format!("Fig. {number} of the paper: ")),
+            "Fig. {number}"
+        );
     }
     assert!(page.contains("<b>different</b>") && page.contains("margin 4 %"));
     let figures = embedded(&page, "figures");

@@ -105,24 +105,40 @@ pub(crate) fn strokes(record: &Record, settling: usize) -> Vec<Stroke> {
     let mut strokes = Vec::new();
     for run in record.runs() {
         let holds = holds(run, EXACTLY);
+        strokes.extend(from_stated_rest(run, holds.first(), settling, period));
         for pair in holds.windows(2) {
             let (before, after) = (&pair[0], &pair[1]);
             let isolated = after.before.is_some()
                 && 2 * before.samples.len() >= settling
                 && after.samples.len() >= settling;
-            if isolated && let Some(stroke) = measure(run, before, after, period) {
-                strokes.push(stroke);
+            if isolated && let Some(start) = mean_output(run, last_quarter(&before.samples)) {
+                // From standstill: a fast servo has left it by the first sample after the edge.
+                let first = after.samples.start - before.samples.len().min(3);
+                strokes.extend(measure(run, (first, start), after, period));
             }
         }
     }
     strokes
 }
 
-fn measure(run: &Run, before: &Hold, after: &Hold, period: f64) -> Option<Stroke> {
-    let start = mean_output(run, last_quarter(&before.samples))?;
+/// The stroke with which a run begins, where the input before it is stated: its servo is at rest in the first sample, which no
+/// answer has reached yet.
+fn from_stated_rest(
+    run: &Run,
+    hold: Option<&Hold>,
+    settling: usize,
+    period: f64,
+) -> Option<Stroke> {
+    let isolated = |hold: &&Hold| {
+        hold.samples.start == 0 && hold.before.is_some() && hold.samples.len() >= settling
+    };
+    let start = run.output().first().copied().filter(|y| y.is_finite())?;
+    measure(run, (0, start), hold.filter(isolated)?, period)
+}
+
+/// The stroke to the hold `after`, from the output `start` at rest; its motion is read from the sample `first` on.
+fn measure(run: &Run, (first, start): (usize, f64), after: &Hold, period: f64) -> Option<Stroke> {
     let travel = mean_output(run, last_quarter(&after.samples))? - start;
-    // From standstill: a fast servo has left it by the first sample after the edge.
-    let first = after.samples.start - before.samples.len().min(3);
     let relative: Vec<f64> = run.output()[first..after.samples.end]
         .windows(3)
         .map(|w| (w.iter().sum::<f64>() / 3.0 - start) / travel)
@@ -138,7 +154,7 @@ fn measure(run: &Run, before: &Hold, after: &Hold, period: f64) -> Option<Stroke
         let duration = (crossing(to)? - crossing(from)?) * period;
         (duration > 0.0).then(|| (to - from) * travel.abs() / duration)
     };
-    let size = after.level - before.level;
+    let size = after.level - after.before?;
     Some(Stroke {
         size,
         travel: travel * size.signum(),
@@ -197,5 +213,20 @@ mod tests {
         assert_abs_diff_eq!(found[0].speed, 25.0, epsilon = 1e-9);
         assert_abs_diff_eq!(found[0].mid_speed, 25.0, epsilon = 1e-9);
         assert!(strokes(&record, 60).is_empty());
+    }
+
+    #[test]
+    fn a_run_that_begins_with_its_step_has_that_stroke_where_the_input_before_is_stated() {
+        let input: Vec<f64> = (0..60).map(|k| if k < 50 { 4.0 } else { 5.0 }).collect();
+        let output: Vec<f64> = (0..60)
+            .map(|k| (f64::from(k - 5) * 0.25).clamp(0.0, 4.0))
+            .collect();
+        let found = |run: Run| strokes(&Record::new(0.01, vec![run]).unwrap(), 40);
+        let run = Run::new(input, output).unwrap();
+        assert!(found(run.clone()).is_empty());
+        assert!(found(run.clone().with_input_at_rest(4.0)).is_empty());
+        let stroke = found(run.with_input_at_rest(0.0))[0];
+        assert_abs_diff_eq!(stroke.size, 4.0, epsilon = 1e-9);
+        assert_abs_diff_eq!(stroke.speed, 25.0, epsilon = 1e-9);
     }
 }

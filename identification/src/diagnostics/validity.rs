@@ -4,6 +4,7 @@
 //! Nothing else makes bounds valid; everything else derives its own from the level that is given here.
 
 use crate::diagnostics::misfit::Misfit;
+use crate::diagnostics::rise_at_end::rise_at_end;
 use crate::estimation::{Excitation, FsfBasis};
 use crate::results::{Bounds, Interval, Metrics, Reason, SelectedBy, Withheld};
 use crate::thresholds::DISAGREEMENT;
@@ -83,11 +84,16 @@ impl Validity {
             _ if left_out_above_hz.is_some() && missing > DISAGREEMENT => {
                 (Some(Withheld::FrequenciesLeftOut), false)
             }
-            // Where estimators disagree, neither's times are findings. The final value may be one all the same.
+            // Where estimators disagree, neither's times are findings. The final value may be one all the same, unless both
+            // take an unfinished response for it.
             Some(misfit) => {
                 let last = evidence.step.last().zip(misfit.other_step.last());
                 let agree = |(a, b): (&f64, &f64)| (a - b).abs() <= DISAGREEMENT * a.abs();
-                (Some(Withheld::EstimatorsDisagree), last.is_some_and(agree))
+                let has_end = rise_at_end(evidence.step).is_none();
+                (
+                    Some(Withheld::EstimatorsDisagree),
+                    has_end && last.is_some_and(agree),
+                )
             }
             None => (None, true),
         };

@@ -22,6 +22,8 @@ pub enum Check {
     /// Whether the metrics rest on frequencies that the input excites.
     #[serde(alias = "untold")]
     UnexcitedMetrics,
+    /// Whether the gain is known to differ from zero.
+    GainMayBeZero,
     /// Whether the response is over within the settling time.
     Settled,
     /// Whether the input repeats itself.

@@ -23,8 +23,12 @@ use crate::results::{Bounds, Noise, fit_percent, pointwise_critical};
 use faer::Mat;
 use servoid_dynamics::Grid;
 
-/// Longest step of the integration in the search from far away \[s\].
-const SEARCH_STEP_S: f64 = 3e-3;
+/// Longest step of the integration in the search from far away \[s\], and the most steps in a sample period: what is faster does
+/// not show in samples so far apart.
+const SEARCH_STEPS: (f64, f64) = (3e-3, 16.0);
+
+/// Longest sample period \[s\].
+const LONGEST_PERIOD_S: f64 = 0.5;
 
 /// Errors beyond this many standard deviations of the output are clipped: a servo that is lost counts, but does not decide.
 pub(super) const CLIP: f64 = 0.5;
@@ -79,9 +83,15 @@ impl Default for ServoModelOptions {
 /// ```
 ///
 /// # Errors
-/// The record has too few samples, or too many controllers.
+/// The record has too few samples, or too many controllers, or its samples are too far apart.
 pub fn fit(record: &Record, options: &ServoModelOptions) -> Result<ServoModel, Error> {
     fit_watched(record, options, &())
+}
+
+/// Longest step of the integration in the search \[s\].
+fn search_step_s(period_s: f64) -> f64 {
+    let (longest_s, most) = SEARCH_STEPS;
+    longest_s.max(period_s / most)
 }
 
 /// [`fit`] under the eyes of the caller, who may end the search.
@@ -108,11 +118,17 @@ pub fn fit_watched(
         });
     }
     let period_s = record.sample_period_s();
+    if period_s > LONGEST_PERIOD_S {
+        return Err(Error::PeriodTooLong {
+            period_s,
+            longest_s: LONGEST_PERIOD_S,
+        });
+    }
     let shown = Shown::by(&parts, period_s);
     let mut ladder = Ladder {
         stretches: &mut parts,
         fold_of: &fold_of,
-        grid: Grid::new(period_s, record.sample_phase_s(), SEARCH_STEP_S),
+        grid: Grid::new(period_s, record.sample_phase_s(), search_step_s(period_s)),
         shown,
         clip: CLIP * shown.output_sd,
         longest_delay_s: longest_delay_s(period_s),

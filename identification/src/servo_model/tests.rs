@@ -302,3 +302,11 @@ fn what_cannot_be_fitted_is_refused_with_a_sentence() {
     let error = fit(&many, &options).unwrap_err().to_string();
     assert!(error.contains("40 controllers"), "{error}");
 }
+
+#[test]
+fn samples_too_far_apart_for_a_servo_are_refused_before_the_search() {
+    let input = strokes(600);
+    let record = Record::from_slices(5.0, &input, &input).unwrap();
+    let refused = fit(&record, &ServoModelOptions::default()).unwrap_err();
+    assert!(refused.to_string().contains("5 s apart"), "{refused}");
+}

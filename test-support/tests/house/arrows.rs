@@ -146,6 +146,7 @@ const ROOMS: [(&str, &[&str]); 9] = [
     (
         "python",
         &[
+            "arguments",
             "error",
             "compute",
             "model",

@@ -81,6 +81,9 @@ pub(super) struct Calibrate {
     /// kept beside it
     #[arg(long, conflicts_with = "out")]
     update: bool,
+    /// Write the result even where it disagrees with the rig file
+    #[arg(long)]
+    yes: bool,
     #[command(flatten)]
     output: Output,
 }
@@ -134,6 +137,9 @@ impl Calibrate {
             }
             _ => None,
         };
+        if let Some(path) = target.filter(|_| !asked && !self.yes && !measured.doubts.is_empty()) {
+            self.require_consent(path, &text)?;
+        }
         match target {
             Some(path) => {
                 self.write(path, &before, &measured)?;
@@ -146,6 +152,18 @@ impl Calibrate {
         let mut text = if printed { String::new() } else { text };
         text.extend(target.map(|path| self.output.talk.next(next(path, &source.file))));
         self.output.talk.result(text, &measured)
+    }
+
+    /// Fails unless somebody at the terminal wants a doubtful result in the file at `path`.
+    fn require_consent(&self, path: &Path, text: &str) -> Result<()> {
+        print_remark(text);
+        let question = format!("Write into {} all the same", path.display());
+        if prompts::is_terminal() && prompts::confirm(&question)? {
+            return Ok(());
+        }
+        bail!(
+            "nothing was written, because the result disagrees with the rig file (see above): check the angles, or add --yes to write it all the same"
+        );
     }
 
     /// Whether somebody at the terminal reads the angles.

@@ -10,6 +10,8 @@ use servoid_protocol::timing::FRAME_US;
 pub struct About {
     /// Whether all files are recordings of servoid, whose command changes with the pulse frame only.
     pub by_servoid: bool,
+    /// Whether all files are recordings of servoid's staircase, the reference of the paper.
+    pub staircase: bool,
     /// The unit of what was commanded, where the files state it and agree.
     pub input_unit: Option<String>,
     /// The unit of what was measured, where the files state it and agree.
@@ -87,6 +89,7 @@ impl About {
             }
         };
         self.by_servoid &= other.by_servoid;
+        self.staircase &= other.staircase;
         self.inexact_clock |= other.inexact_clock;
         agree(&mut self.input_unit, other.input_unit);
         agree(&mut self.output_unit, other.output_unit);

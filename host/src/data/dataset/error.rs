@@ -88,6 +88,18 @@ pub enum DatasetFault {
         "has in column {0:?} {1}; say how far apart the rows are meant to be with --period SECONDS"
     )]
     UnevenTime(String, TimeFault),
+    /// A period that the column of time contradicts (s).
+    #[error(
+        "has rows {found} s apart by its column {column:?}, and --period {stated} says {stated} s: leave --period out to take the column, or state {found} if seconds were meant; where the column is not the time, name another one with --time COLUMN"
+    )]
+    PeriodAgainstTime {
+        /// As stated.
+        stated: f64,
+        /// The column of time.
+        column: String,
+        /// As the column has it.
+        found: f64,
+    },
     /// A column of time whose unit is not certain.
     #[error(
         "has a column {column:?} without a unit, and its steps of {step} are long for seconds: say --time-unit ms, --time-unit us or --time-unit s"

@@ -80,6 +80,7 @@ fn about(
     provenance.extend(header.facts());
     let mut about = About {
         by_servoid: true,
+        staircase: header.is_of_staircase(),
         input_unit: Some("deg".to_owned()),
         output_unit: Some("deg".to_owned()),
         condition: Some(header.condition.clone()).filter(|c| !c.is_empty()),

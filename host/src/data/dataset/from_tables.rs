@@ -181,7 +181,7 @@ impl Spacing {
     fn of(clock: Option<Clock<'_>>, options: &DatasetOptions) -> Result<Self, DatasetFault> {
         if let Some(period_s) = options.period_s {
             let (time, remark) = match clock {
-                Some(clock) => Self::beside_stated(period_s, clock, options),
+                Some(clock) => Self::beside_stated(period_s, clock, options)?,
                 None => (None, None),
             };
             return Ok(Self {
@@ -231,9 +231,9 @@ impl Spacing {
         period_s: f64,
         Clock { name, unit, times }: Clock<'_>,
         options: &DatasetOptions,
-    ) -> (Option<TimeColumn>, Option<String>) {
+    ) -> Result<(Option<TimeColumn>, Option<String>), DatasetFault> {
         let Some(times) = times else {
-            return (None, None);
+            return Ok((None, None));
         };
         let unit = options.time_unit.or(unit);
         let possible = unit
@@ -241,9 +241,22 @@ impl Spacing {
             .map_or(TimeUnit::value_variants(), std::slice::from_ref);
         let agrees = |unit: &TimeUnit| TimeColumn::with_step(&times, period_s / unit.seconds());
         if let Some(column) = possible.iter().find_map(agrees) {
-            return (Some(column), None);
+            return Ok((Some(column), None));
         }
         let column = TimeColumn::new(times).ok();
+        let apart = |found: &TimeColumn, unit: &TimeUnit| found.step() * unit.seconds();
+        let near = |seconds: f64| (1.0 / GROSSLY..GROSSLY).contains(&(period_s / seconds));
+        if let Some(found) = &column
+            && !possible.iter().any(|unit| near(apart(found, unit)))
+        {
+            // A column without a unit is one of seconds where its steps are short enough for that.
+            let unit = unit.unwrap_or(TimeUnit::Seconds);
+            return Err(DatasetFault::PeriodAgainstTime {
+                stated: period_s,
+                column: name.to_owned(),
+                found: rounded(apart(found, &unit)),
+            });
+        }
         let remark = match &column {
             Some(column) => {
                 let unit = unit.map_or(String::new(), |unit| format!(" {}", unit.names().0));
@@ -256,8 +269,17 @@ impl Spacing {
                 "column {name:?} is too uneven to say where rows are missing, and is not used"
             ),
         };
-        (column, Some(remark))
+        Ok((column, Some(remark)))
     }
+}
+
+/// A stated period that is so many times as long or as short as that of a column of time is a slip, such as milliseconds for
+/// seconds.
+const GROSSLY: f64 = 20.0;
+
+/// Six digits.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
 }
 
 /// Gaps that a column of time shows, and runs that the user has not named.

@@ -94,3 +94,31 @@ fn columns_that_are_not_named_are_asked_for() {
         "{error}"
     );
 }
+
+#[test]
+fn a_period_in_milliseconds_is_refused_where_the_column_of_time_shows_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows: String = (0..100)
+        .map(|k| format!("{:.3},{},{}\n", 0.005 * f64::from(k), k % 7, k % 5))
+        .collect();
+    let with = |head: &str, period_s: f64| {
+        let path = write(dir.path(), "a.csv", &format!("{head},u,y\n{rows}"));
+        let options = DatasetOptions {
+            period_s: Some(period_s),
+            ..named()
+        };
+        load(&[path], &options)
+    };
+    for head in ["t", "time_s"] {
+        let refused = with(head, 5.0).unwrap_err().to_string();
+        assert!(
+            refused.contains("rows 0.005 s apart") && refused.contains("--period 5 says 5 s"),
+            "{refused}"
+        );
+    }
+    // A little off is a remark, and the period that was stated is taken.
+    let near = with("time_s", 0.0051).unwrap();
+    assert_eq!(near.record.sample_period_s(), 0.0051);
+    // A column without a unit may be one of milliseconds.
+    assert!(with("t", 5e-6).is_ok());
+}

@@ -164,6 +164,12 @@ impl Header {
         self.clock == format!("{:?}", ClockSource::InternalRc)
     }
 
+    /// Whether the reference is a staircase, the one of the paper.
+    pub fn is_of_staircase(&self) -> bool {
+        let kind = self.reference.as_ref().and_then(|table| table.get("kind"));
+        kind.and_then(Value::as_str) == Some("staircase")
+    }
+
     /// The keys and values, in the file's order. A header always has a form in TOML.
     fn fields(&self) -> Table {
         Table::try_from(self).unwrap_or_default()

@@ -5,7 +5,7 @@ use servoid_protocol::reference::{MAX_STEPS, Reference};
 
 /// A reference in one line, for people: its name, its numbers, how long it takes.
 pub fn describe(reference: &Reference, us_per_degree: f64) -> String {
-    let degrees = |us: u16| f64::from(us) / us_per_degree.abs();
+    let degrees = |us: u16| (1e3 * f64::from(us) / us_per_degree.abs()).round() / 1e3;
     let hertz = |millihertz: u16| f64::from(millihertz) * 1e-3;
     let numbers = match reference {
         Reference::Staircase(s) => format!(

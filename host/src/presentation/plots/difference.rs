@@ -1,6 +1,6 @@
 //! The difference of two servos: the second step response less the first, with bounds and margin.
 
-use super::figure::{Band, Curve, Figure, Ink, Legend, Panel};
+use super::figure::{Band, Curve, Figure, Ink, Legend, Panel, SINCE_EDGE_LABEL, milliseconds};
 use crate::presentation::summary::percent;
 use servoid_identification::comparison::{Comparison, CurveBounds, Direction};
 
@@ -10,15 +10,14 @@ use servoid_identification::comparison::{Comparison, CurveBounds, Direction};
 #[must_use]
 pub fn difference(name: &str, title: &str, a: &str, b: &str, found: &Comparison) -> Figure {
     let y_label = format!("{b} - {a} (% of the step)");
-    let x_label = "time since the edge of the command (s)";
-    let mut panel = Panel::new(x_label, y_label, Legend::Above);
+    let mut panel = Panel::new(SINCE_EDGE_LABEL, y_label, Legend::Above);
     for curve in &found.curves {
         let (stroke, ink) = match curve.stroke {
             Direction::Both => ("difference", Ink::Model),
             Direction::Up => ("up strokes", Ink::Model),
             Direction::Down => ("down strokes", Ink::SecondModel),
         };
-        let times = || curve.time_s.iter().copied();
+        let times = || curve.time_s.iter().copied().map(milliseconds);
         let band = |(level, bounds): (f64, &CurveBounds)| {
             let name = format!("{stroke}: everywhere at once, {} %", percent(level));
             Band::between(name, ink, times(), &bounds.lower, &bounds.upper)
@@ -30,7 +29,10 @@ pub fn difference(name: &str, title: &str, a: &str, b: &str, found: &Comparison)
         panel.curves.push(Curve::solid(stroke, ink, points));
     }
     let times = found.curves.first().map_or(&[][..], |curve| &curve.time_s);
-    let ends = || times.first().into_iter().chain(times.last()).copied();
+    let ends = || {
+        let ends = times.first().into_iter().chain(times.last());
+        ends.copied().map(milliseconds)
+    };
     let margin = found.margin_percent;
     for (level, name) in [
         (margin, format!("margin, {margin} %")),

@@ -148,6 +148,14 @@ impl Figure {
     }
 }
 
+/// The label of an axis of time after an edge.
+pub(crate) const SINCE_EDGE_LABEL: &str = "time since the edge of the command (ms)";
+
+/// A time in the unit of [`SINCE_EDGE_LABEL`].
+pub(crate) fn milliseconds(seconds: f64) -> f64 {
+    1e3 * seconds
+}
+
 /// The label of a phase.
 pub(crate) const PHASE_LABEL: &str = "phase (deg)";
 

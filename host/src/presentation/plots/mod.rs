@@ -4,6 +4,7 @@
 //! that show whether the results can be trusted. [`draw`] turns a figure into SVG; the report turns the same
 //! figures into interactive ones.
 
+mod answer;
 mod difference;
 mod figure;
 mod held_out;
@@ -12,19 +13,23 @@ mod residuals;
 mod response;
 mod scatter;
 mod signals;
+mod strokes;
 mod structure;
 mod svg;
 mod ticks;
 
+pub use answer::{Answer, answer};
 pub use difference::difference;
 pub use figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Named, Panel};
 pub use held_out::{HeldOutPrediction, held_out};
-pub use paper_figures::{Subject, identification, paper};
+pub use paper_figures::{Kind, PaperFigure, Subject, identification, paper};
 pub use residuals::residuals;
 pub use response::{bode, step_response};
 pub use scatter::run_scatter;
 pub use signals::{input_output, validation};
+pub use strokes::NamedServo;
 pub use structure::structure;
 pub use svg::draw;
 
+pub(crate) use figure::{SINCE_EDGE_LABEL, milliseconds};
 pub(crate) use signals::MOST_RUNS;

@@ -72,52 +72,140 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// The paper's Figs 4-7 of one servo and, where there is a second one, Figs 8-12 as well. As in the
-/// paper, the second one's results are drawn with the first one's.
+/// What a figure of the paper shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Command and position.
+    Measurement,
+    /// The step response.
+    Step,
+    /// The frequency response.
+    Frequency,
+    /// The model against its measurement.
+    Validation,
+    /// The first model against the second measurement.
+    FirstOnSecond,
+}
+
+/// One of the paper's figures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PaperFigure {
+    /// The drawing.
+    pub figure: Figure,
+    /// What it shows.
+    pub kind: Kind,
+    /// Whether it is one of the second servo.
+    pub of_second: bool,
+}
+
+/// The figures that the paper has of one servo, Figs 4-7, and of two: Figs 8-12 as well. As in the paper, the second one's
+/// results are drawn with the first one's. `numbered` names the paper's figures, which says something only of its experiment.
 #[must_use]
-pub fn paper(first: &Subject<'_>, second: Option<&Subject<'_>>) -> Vec<Figure> {
-    let mut all = of_one(first, &[first.named()], ["04", "05", "06", "07"]);
+pub fn paper(
+    first: &Subject<'_>,
+    second: Option<&Subject<'_>>,
+    numbered: bool,
+) -> Vec<PaperFigure> {
+    let of_first = Series {
+        subject: first,
+        models: &[first.named()],
+        numbers: numbered.then_some(["04", "05", "06", "07"]),
+        of_second: false,
+    };
+    let mut all = of_first.figures();
     if let Some(second) = second {
-        let both = [first.named(), second.named()];
-        let mut later = of_one(second, &both, ["08", "10", "11", "12"]);
+        let of_second = Series {
+            subject: second,
+            models: &[first.named(), second.named()],
+            numbers: numbered.then_some(["08", "10", "11", "12"]),
+            of_second: true,
+        };
+        let mut later = of_second.figures();
         if let Some(run) = second.first_run() {
-            let (name, unit) = ("fig-09-first-on-second", second.units.output);
-            let title = format!("Fig. 9: {} model on {} data", first.name, second.name);
-            later.insert(1, validation(name, &title, &[first.named()], run, unit));
+            let (name, title) = labels(
+                numbered.then_some("09"),
+                "first-on-second",
+                &format!("{} model on {} data", first.name, second.name),
+            );
+            let figure = PaperFigure {
+                figure: validation(&name, &title, &[first.named()], run, second.units.output),
+                kind: Kind::FirstOnSecond,
+                of_second: true,
+            };
+            let behind_measurement = usize::from(second.record.is_some());
+            later.insert(behind_measurement, figure);
         }
         all.extend(later);
     }
     all
 }
 
-/// Measurement, step response, frequency response and validation of one servo, with these numbers
-/// of the paper's figures.
-fn of_one(subject: &Subject<'_>, models: &[Named<'_>], numbers: [&str; 4]) -> Vec<Figure> {
-    let (own, units) = (subject.name, subject.units);
-    let names: Vec<&str> = models.iter().map(|m| m.name).collect();
-    let names = names.join(" and ");
-    let texts = [
-        ("measurement", format!("{own}, reference and measurement")),
-        ("step-response", format!("step response, {names}")),
-        ("frequency-response", format!("frequency response, {names}")),
-        (
-            "validation",
-            format!("model against measurement, {names} on {own} data"),
+/// Name and title of a figure, with its number in the paper where that says something.
+fn labels(number: Option<&str>, name: &str, title: &str) -> (String, String) {
+    match number {
+        None => (name.to_owned(), title.to_owned()),
+        Some(number) => (
+            format!("fig-{number}-{name}"),
+            format!(
+                "Fig. {} of the paper: {title}",
+                number.trim_start_matches('0')
+            ),
         ),
-    ];
-    let mut labels = numbers
-        .into_iter()
-        .zip(texts)
-        .map(|(number, (kind, text))| {
-            let title = format!("Fig. {}: {text}", number.trim_start_matches('0'));
-            (format!("fig-{number}-{kind}"), title)
-        });
-    let [io, step, frequency, fit] = std::array::from_fn(|_| labels.next().unwrap_or_default());
-    let measurement = |record| input_output(&io.0, &io.1, record, units);
-    let validated = |run| validation(&fit.0, &fit.1, models, run, units.output);
-    let mut figures: Vec<Figure> = subject.record.map(measurement).into_iter().collect();
-    figures.push(step_response(&step.0, &step.1, models, units));
-    figures.push(bode(&frequency.0, &frequency.1, models));
-    figures.extend(subject.first_run().map(validated));
-    figures
+    }
+}
+
+/// Measurement, step response, frequency response and validation of one servo.
+struct Series<'a> {
+    subject: &'a Subject<'a>,
+    /// The models that are drawn.
+    models: &'a [Named<'a>],
+    /// The numbers of the four figures in the paper.
+    numbers: Option<[&'static str; 4]>,
+    of_second: bool,
+}
+
+impl Series<'_> {
+    fn figures(&self) -> Vec<PaperFigure> {
+        let (own, units, models) = (self.subject.name, self.subject.units, self.models);
+        let names: Vec<&str> = models.iter().map(|model| model.name).collect();
+        let names = names.join(" and ");
+        let label = |index: usize, name: &str, title: &str| {
+            let number = self.numbers.and_then(|all| all.get(index).copied());
+            let name = match (number, self.of_second) {
+                (None, false) => format!("{name}-first"),
+                (None, true) => format!("{name}-second"),
+                (Some(_), _) => name.to_owned(),
+            };
+            labels(number, &name, title)
+        };
+        let mut figures = Vec::new();
+        let mut add = |kind: Kind, figure: Figure| {
+            let of_second = self.of_second;
+            figures.push(PaperFigure {
+                figure,
+                kind,
+                of_second,
+            });
+        };
+        if let Some(record) = self.subject.record {
+            let title = format!("reference and measurement, {own}");
+            let (name, title) = label(0, "measurement", &title);
+            add(
+                Kind::Measurement,
+                input_output(&name, &title, record, units),
+            );
+        }
+        let (name, title) = label(1, "step-response", &format!("step response, {names}"));
+        add(Kind::Step, step_response(&name, &title, models, units));
+        let title = format!("frequency response, {names}");
+        let (name, title) = label(2, "frequency-response", &title);
+        add(Kind::Frequency, bode(&name, &title, models));
+        if let Some(run) = self.subject.first_run() {
+            let title = format!("model against measurement, {names} on {own} data");
+            let (name, title) = label(3, "validation", &title);
+            let figure = validation(&name, &title, models, run, units.output);
+            add(Kind::Validation, figure);
+        }
+        figures
+    }
 }

@@ -1,9 +1,13 @@
 //! Responses of models: to a step, and to sines.
 
-use super::figure::{Band, Curve, Figure, INKS, Legend, Named, PHASE_LABEL, Panel, with_unit};
+use super::figure::{
+    Band, Curve, Figure, INKS, Legend, Named, PHASE_LABEL, Panel, SINCE_EDGE_LABEL, milliseconds,
+    with_unit,
+};
 use crate::data::units::Units;
 use crate::presentation::summary::percent;
-use servoid_identification::results::{Bounds, FrequencyResponse};
+use servoid_identification::results::{Bounds, FrequencyResponse, Model};
+use std::f64::consts::TAU;
 
 /// The name of a response in a legend.
 fn in_legend<T>(name: &str, bounds: &Bounds<T>) -> String {
@@ -16,31 +20,14 @@ fn in_legend<T>(name: &str, bounds: &Bounds<T>) -> String {
 /// Figs 5 and 10: the step response, with its bounds where they hold.
 #[must_use]
 pub fn step_response(name: &str, title: &str, models: &[Named<'_>], units: Units<'_>) -> Figure {
-    let y_label = with_unit("response to a unit step", units.gain().as_deref());
-    let x_label = "time since the edge of the command (s)";
-    let mut panel = Panel::new(x_label, y_label, Legend::LowerRight);
+    let mut panel = step_panel(models, units);
     for (Named { name, model }, ink) in models.iter().zip(INKS) {
-        let (step, timing) = (&model.step, model.timing());
-        let times = || (0..).map(|m| timing.seconds(f64::from(m)));
-        let line = |values: &[f64]| times().zip(values.to_vec());
-        let legend = in_legend(name, &step.bounds);
-        panel
-            .curves
-            .push(Curve::solid(legend, ink, line(&step.value)));
-        let Bounds::Valid(bounds) = &step.bounds else {
+        let Bounds::Valid(bounds) = &model.step.bounds else {
             continue;
         };
-        let (each, whole) = (&bounds.pointwise, &bounds.simultaneous);
-        let level = percent(bounds.level);
-        let band = format!("{name}: the whole curve, {level} %");
-        panel.bands.push(Band::between(
-            band,
-            ink,
-            times(),
-            &whole.lower,
-            &whole.upper,
-        ));
-        let point = format!("{name}: each point, {level} %");
+        let each = &bounds.pointwise;
+        let line = |values: &[f64]| step_times(model).zip(values.to_vec());
+        let point = format!("{name}: each point, {} %", percent(bounds.level));
         panel.curves.extend([
             Curve::dashed(point, ink, line(&each.lower)),
             Curve::dashed("", ink, line(&each.upper)),
@@ -49,13 +36,46 @@ pub fn step_response(name: &str, title: &str, models: &[Named<'_>], units: Units
     Figure::new(name, title, vec![panel])
 }
 
+/// Sample times of a step response, for its axis.
+fn step_times(model: &Model) -> impl Iterator<Item = f64> + use<> {
+    let timing = model.timing();
+    (0..).map(move |m| milliseconds(timing.seconds(f64::from(m))))
+}
+
+/// Step responses, each with the bounds of the whole curve where they hold.
+pub(super) fn step_panel(models: &[Named<'_>], units: Units<'_>) -> Panel {
+    let y_label = with_unit("response to a unit step", units.gain().as_deref());
+    let mut panel = Panel::new(SINCE_EDGE_LABEL, y_label, Legend::LowerRight);
+    for (Named { name, model }, ink) in models.iter().zip(INKS) {
+        let (step, times) = (&model.step, || step_times(model));
+        let line = |values: &[f64]| times().zip(values.to_vec());
+        let legend = in_legend(name, &step.bounds);
+        panel
+            .curves
+            .push(Curve::solid(legend, ink, line(&step.value)));
+        let Bounds::Valid(bounds) = &step.bounds else {
+            continue;
+        };
+        let whole = &bounds.simultaneous;
+        let band = format!("{name}: the whole curve, {} %", percent(bounds.level));
+        panel.bands.push(Band::between(
+            band,
+            ink,
+            times(),
+            &whole.lower,
+            &whole.upper,
+        ));
+    }
+    panel
+}
+
 /// Figs 6 and 11: magnitude and phase of the servo, freed of the hold and the phase of the samples, with
 /// their bounds where they hold.
 #[must_use]
 pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     let panel = |y_label: &str| Panel {
         x_logarithmic: true,
-        ..Panel::new("frequency (rad/s)", y_label, Legend::UpperRight)
+        ..Panel::new("frequency (Hz)", y_label, Legend::UpperRight)
     };
     let (mut magnitude, mut phase) = (panel("magnitude (dB)"), panel(PHASE_LABEL));
     for (Named { name, model }, ink) in models.iter().zip(INKS) {
@@ -64,10 +84,10 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
         let f = &own.unwrap_or_else(|_| model.frequency.clone());
         let shown = shown_frequencies(f);
         let part = |values: &[f64]| values.get(shown.clone()).unwrap_or_default().to_vec();
-        let omega = part(&f.omega_rad_s);
+        let hertz: Vec<f64> = part(&f.omega_rad_s).iter().map(|w| w / TAU).collect();
         let legend = in_legend(name, &f.bounds);
         let curve =
-            |values: &[f64]| Curve::solid(&legend, ink, omega.iter().copied().zip(part(values)));
+            |values: &[f64]| Curve::solid(&legend, ink, hertz.iter().copied().zip(part(values)));
         magnitude.curves.push(curve(&f.magnitude_db));
         phase.curves.push(curve(&f.phase_deg));
         let Bounds::Valid(bounds) = &f.bounds else {
@@ -75,7 +95,7 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
         };
         let band = |lower: &[f64], upper: &[f64]| {
             let name = format!("{name}: {} %", percent(bounds.level));
-            Band::between(name, ink, omega.clone(), &part(lower), &part(upper))
+            Band::between(name, ink, hertz.clone(), &part(lower), &part(upper))
         };
         // Where zero is possible, minus infinity would flatten everything else.
         let floor = part(&f.magnitude_db).into_iter().fold(0.0, f64::min) - 10.0;

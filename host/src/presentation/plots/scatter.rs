@@ -1,6 +1,8 @@
 //! How runs of one servo differ among themselves.
 
-use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel, with_unit};
+use super::figure::{
+    Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel, SINCE_EDGE_LABEL, milliseconds, with_unit,
+};
 use crate::presentation::summary::{percent, probability};
 use servoid_identification::diagnostics::{Difference, RunComparison, RunDifference};
 use servoid_identification::results::{Model, StepBounds, pointwise_critical};
@@ -111,7 +113,7 @@ fn curves(alone: &[Model], level: Option<f64>) -> Option<Panel> {
         let point = |m: usize| {
             let half = share * bounds.iter().map(|b| half_of(b, m)).sum::<f64>() / count;
             let half = 100.0 * half / gain;
-            (timing.seconds(m as f64), -half, half)
+            (milliseconds(timing.seconds(m as f64)), -half, half)
         };
         Band {
             name: format!("noise alone, the whole curve, {} %", percent(level)),
@@ -123,14 +125,22 @@ fn curves(alone: &[Model], level: Option<f64>) -> Option<Panel> {
     let mean: Vec<f64> = mean.collect();
     let run = |((model, ink), number): ((&Model, &Ink), usize)| {
         let difference = model.step.value.iter().zip(&mean).zip(0..);
-        let percent = |((g, mean), m)| (timing.seconds(f64::from(m)), 100.0 * (g - mean) / gain);
+        let percent = |((g, mean), m)| {
+            (
+                milliseconds(timing.seconds(f64::from(m))),
+                100.0 * (g - mean) / gain,
+            )
+        };
         Curve::solid(format!("run {number}"), *ink, difference.map(percent))
     };
     let runs = alone.iter().zip(RUNS.iter().cycle()).zip(1..);
-    let x_label = "time since the edge of the command (s)";
     Some(Panel {
         bands: level.zip(bounds).map(band).into_iter().collect(),
         curves: runs.map(run).collect(),
-        ..Panel::new(x_label, "run - mean (% of the step)", Legend::Above)
+        ..Panel::new(
+            SINCE_EDGE_LABEL,
+            "run - mean (% of the step)",
+            Legend::Above,
+        )
     })
 }

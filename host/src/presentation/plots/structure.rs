@@ -1,7 +1,9 @@
 //! The choice of structure as a picture: a panel for each choice that was made from the data, and
 //! what is left of the response at the end of the settling time.
 
-use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
+use super::figure::{
+    Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel, SINCE_EDGE_LABEL, milliseconds,
+};
 use servoid_identification::diagnostics::{Bank, Choice, Explanation};
 use servoid_identification::results::{Model, ParameterBounds, pointwise_critical};
 use servoid_identification::thresholds::MARGIN;
@@ -61,9 +63,10 @@ fn tail(model: &Model) -> Option<Panel> {
     let (last, final_value) = (step.len().checked_sub(1)?, *step.last()?);
     let percent = |x: f64| 100.0 * x / final_value.abs();
     let timing = model.timing();
+    let ms = |m: usize| milliseconds(timing.seconds(m as f64));
     let points: Vec<(usize, f64, f64)> = (last / 2..=last)
         .zip(step.iter().skip(last / 2))
-        .map(|(m, value)| (m, timing.seconds(m as f64), value - final_value))
+        .map(|(m, value)| (m, ms(m), value - final_value))
         .collect();
     let band = |bounds: &ParameterBounds| -> Option<Band> {
         let half = half_widths_to_last(model, bounds)?;
@@ -85,7 +88,7 @@ fn tail(model: &Model) -> Option<Panel> {
             Curve::dashed("", Ink::Reference, points.iter().map(|&(_, t, _)| (t, 0.0))),
         ],
         ..Panel::new(
-            "time since the edge of the command (s)",
+            SINCE_EDGE_LABEL,
             "still to go (% of the step)",
             Legend::UpperRight,
         )

@@ -24,6 +24,8 @@ pub struct Part<'a> {
     pub servo_model: Option<&'a ServoModelDocument>,
     /// A stretch that the models had not seen, where both were identified without one.
     pub held_out: Option<&'a HeldOutPrediction>,
+    /// Whether it was recorded with the paper's reference: servoid's own staircase.
+    pub staircase: bool,
     /// Units, and the hold of the command.
     pub metadata: &'a ModelMetadata,
     /// The origin of the data, file by file.

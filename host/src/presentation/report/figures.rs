@@ -1,8 +1,8 @@
-//! The report's figures in order, with captions.
+//! The report's figures below its first screen, in order, with captions.
 
 use super::content::{Page, Part};
 use super::text::escape;
-use crate::presentation::plots::{self, Figure, MOST_RUNS};
+use crate::presentation::plots::{self, Figure, Kind, MOST_RUNS, PaperFigure};
 use crate::presentation::summary;
 
 /// A figure, and a sentence or two below it.
@@ -43,9 +43,11 @@ pub(super) fn all(page: &Page<'_>) -> Vec<Shown> {
         }));
     }
     let second = page.second.as_ref().map(|part| &part.subject);
-    for figure in plots::paper(&page.first.subject, second) {
-        let caption = caption(&figure, page);
-        all.push(Shown::new(figure, caption));
+    // The paper's numbers say something of its own experiment only.
+    let numbered = page.parts().all(|part| part.staircase);
+    for found in plots::paper(&page.first.subject, second, numbered) {
+        let caption = caption(&found, page);
+        all.push(Shown::new(found.figure, caption));
     }
     for (part, place) in page.parts().zip(["first", "second"]) {
         all.extend(diagnostics(part, place));
@@ -93,13 +95,9 @@ fn diagnostics(part: &Part<'_>, place: &str) -> Vec<Shown> {
 }
 
 /// A sentence on bounds below a figure of the models of this page: `whole` where all of them have bounds.
-fn of_bounds(figure: &Figure, page: &Page<'_>, whole: &str) -> String {
-    // Up to Fig. 6 only the first servo is drawn.
-    let drawn = if figure.name.as_str() < "fig-07" {
-        1
-    } else {
-        2
-    };
+fn of_bounds(found: &PaperFigure, page: &Page<'_>, whole: &str) -> String {
+    // The figures of the first servo show it alone.
+    let drawn = if found.of_second { 2 } else { 1 };
     let (with, without): (Vec<&Part<'_>>, Vec<&Part<'_>>) = page
         .parts()
         .take(drawn)
@@ -107,7 +105,7 @@ fn of_bounds(figure: &Figure, page: &Page<'_>, whole: &str) -> String {
     let names: Vec<&str> = without.iter().map(|part| part.subject.name).collect();
     let none = format!(
         "No bounds can be given for {}: the advice has the reason.",
-        names.join(" and ")
+        summary::listed_words(&names)
     );
     match (with.is_empty(), without.is_empty()) {
         (_, true) => whole.to_owned(),
@@ -116,46 +114,45 @@ fn of_bounds(figure: &Figure, page: &Page<'_>, whole: &str) -> String {
     }
 }
 
-fn caption(figure: &Figure, page: &Page<'_>) -> String {
-    let of = |part: &str| figure.name.contains(part);
-    if of("measurement") {
-        let part = if of("fig-08") {
-            page.second.as_ref()
-        } else {
-            Some(&page.first)
-        };
-        let record = part.and_then(|part| part.subject.record);
-        return match record.map_or(0, |record| record.runs().len()) {
-            runs if runs > MOST_RUNS => {
-                format!("The command and the position; of {runs} runs, the first {MOST_RUNS}.")
-            }
-            _ => "The command and the position.".to_owned(),
-        };
-    }
-    if of("step") {
-        let bounds = "The area holds the whole curve, the dashed lines each point by itself.";
-        return format!(
-            "The response to a step of 1 at time 0. {}",
-            of_bounds(figure, page, bounds)
-        );
-    }
-    if of("frequency") {
-        let bounds = of_bounds(
-            figure,
-            page,
-            "The areas are bounds for each frequency by itself.",
-        );
-        return format!(
-            "Bode plot of the servo's own response, freed of the hold of the samples. {bounds}"
-        );
-    }
-    let caption = match of("fig-09") {
-        true => {
-            "The first servo's model, driven by the second's command: the error of flying by the bench model."
+fn caption(found: &PaperFigure, page: &Page<'_>) -> String {
+    match found.kind {
+        Kind::Measurement => of_measurement(found, page),
+        Kind::Step => {
+            let bounds = "The area holds the whole curve, the dashed lines each point by itself.";
+            format!(
+                "The response to a step of 1 at time 0. {}",
+                of_bounds(found, page, bounds)
+            )
         }
-        false => "Simulated from the reference alone, on the first run; below, the residuals.",
+        Kind::Frequency => {
+            let bounds = "The areas are bounds for each frequency by itself.";
+            format!(
+                "Bode plot of the servo's own response, freed of the hold of the samples (1 Hz is 6.283 rad/s). {}",
+                of_bounds(found, page, bounds)
+            )
+        }
+        Kind::FirstOnSecond => {
+            "The first servo's model, driven by the second's command: the error of flying by the bench model."
+                .to_owned()
+        }
+        Kind::Validation => {
+            "Simulated from the reference alone, on the first run; below, the residuals.".to_owned()
+        }
+    }
+}
+
+fn of_measurement(found: &PaperFigure, page: &Page<'_>) -> String {
+    let part = match found.of_second {
+        true => page.second.as_ref(),
+        false => Some(&page.first),
     };
-    caption.to_owned()
+    let record = part.and_then(|part| part.subject.record);
+    match record.map_or(0, |record| record.runs().len()) {
+        runs if runs > MOST_RUNS => {
+            format!("The command and the position; of {runs} runs, the first {MOST_RUNS}.")
+        }
+        _ => "The command and the position.".to_owned(),
+    }
 }
 
 /// Places for the figures in the page, and an index of them.

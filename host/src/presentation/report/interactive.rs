@@ -50,7 +50,7 @@ pub(super) fn plotly_json(figure: &Figure) -> Value {
         put(&mut layout, &format!("yaxis{suffix}"), y_axis);
         // The legend names what the panels above have not named.
         let named: Vec<&str> = figure.panels.iter().take(index).flat_map(names).collect();
-        traces.extend(panel_traces(panel, &suffix, &named));
+        traces.extend(panel_traces(panel, &suffix, &named, traces.len()));
     }
     let panels = figure.panels.len();
     json!({ "data": traces, "layout": layout, "name": figure.name, "panels": panels })
@@ -109,9 +109,12 @@ fn text(plain: &str) -> String {
     text.replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// The traces of one panel; `named` has been in the legend before.
-fn panel_traces(panel: &Panel, suffix: &str, named: &[&str]) -> Vec<Value> {
-    let hover = format!("%{{y:.4~g}}{}", unit(&panel.y_label));
+/// The traces of one panel; `named` has been in the legend before, and `before` traces are in the figure already.
+fn panel_traces(panel: &Panel, suffix: &str, named: &[&str], before: usize) -> Vec<Value> {
+    let unit = unit(&panel.y_label);
+    let hover = format!("%{{y:.4~g}}{unit}");
+    let hover_in_band =
+        format!("%{{y:.4~g}} (%{{customdata[0]:.4~g}} .. %{{customdata[1]:.4~g}}){unit}");
     let complete = |mut trace: Value, name: &str, in_legend: bool| {
         put(&mut trace, "xaxis", format!("x{suffix}"));
         put(&mut trace, "yaxis", format!("y{suffix}"));
@@ -123,6 +126,10 @@ fn panel_traces(panel: &Panel, suffix: &str, named: &[&str]) -> Vec<Value> {
         // A curve without a name is the other edge of a named one, or a line to guide the eye.
         match name {
             "" => put(&mut trace, "hoverinfo", "skip"),
+            _ if trace.get("within").is_some() => {
+                put(&mut trace, "hovertemplate", hover_in_band.clone());
+            }
+            _ if trace.get("hoverinfo").is_some() => {}
             _ => put(&mut trace, "hovertemplate", hover.clone()),
         }
         trace
@@ -133,14 +140,30 @@ fn panel_traces(panel: &Panel, suffix: &str, named: &[&str]) -> Vec<Value> {
         place(&mut trace, x, logarithmic);
         traces.push(complete(trace, name, in_legend));
     };
-    for band in &panel.bands {
+    let claimed = |index: usize| {
+        panel
+            .curves
+            .iter()
+            .any(|c| band_of(c, panel) == Some(index))
+    };
+    for (index, band) in panel.bands.iter().enumerate() {
         let x = || band.points.iter().map(|p| p.0).collect();
-        add(edge(band, false), x(), &band.name, false);
-        add(edge(band, true), x(), &band.name, true);
+        for upper in [false, true] {
+            let mut edge = edge(band, upper);
+            if claimed(index) {
+                put(&mut edge, "hoverinfo", "skip");
+            }
+            add(edge, x(), &band.name, upper);
+        }
     }
     for curve in &panel.curves {
+        let mut drawn = line(curve);
+        if let Some(band) = band_of(curve, panel) {
+            // A band has two traces, the lower edge first.
+            put(&mut drawn, "within", before + 2 * band);
+        }
         add(
-            line(curve),
+            drawn,
             curve.points.iter().map(|p| p.0).collect(),
             &curve.name,
             true,
@@ -157,7 +180,16 @@ fn panel_traces(panel: &Panel, suffix: &str, named: &[&str]) -> Vec<Value> {
     traces
 }
 
-/// The lower edge of a band, or the upper one with the area between the two.
+/// The band of a curve among those of its panel: the one of its colour, over the same x.
+fn band_of(curve: &Curve, panel: &Panel) -> Option<usize> {
+    let own = |band: &Band| !curve.dashed && band.ink == curve.ink;
+    let found = panel.bands.iter().position(own)?;
+    let points = panel.bands.get(found).map(|band| band.points.len());
+    (points == Some(curve.points.len())).then_some(found)
+}
+
+/// The lower edge of a band, or the upper one with the area between the two. Where the band has a curve, the pointer reads the
+/// edges there: the page's script gives them to the curve.
 fn edge(band: &Band, upper: bool) -> Value {
     let bound = |&(_, low, high): &(f64, f64, f64)| rounded(if upper { high } else { low });
     json!({

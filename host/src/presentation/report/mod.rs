@@ -1,9 +1,10 @@
-//! One page with all results: the verdict, the metrics with their intervals, the advice, the paper's figures to
-//! zoom in, and the origin of the data. It needs no network, no server and no other file.
+//! One page with all results: first the verdict with its picture and six numbers, then words, advice, tables, figures to zoom
+//! in, and the origin of the data. It needs no network, no server and no other file.
 //!
 //! A page has at most 8 MB: 1 for the plotting library, up to 1 for models, the rest for figures,
 //! whose long signals are thinned out and of whose runs only the first are drawn.
 
+mod answer;
 mod content;
 mod figures;
 mod interactive;
@@ -29,18 +30,18 @@ const PAGE: &str = include_str!("page.html");
 /// # Errors
 /// When a number has no form in JSON.
 pub fn page(page: &Page<'_>) -> Result<String> {
-    let figures = figures::all(page);
-    let drawn: Vec<_> = figures
-        .iter()
-        .map(|shown| interactive::plotly_json(&shown.figure))
+    let (first, figures) = (answer::picture(page), figures::all(page));
+    let drawn: Vec<_> = std::iter::once(&first)
+        .chain(figures.iter().map(|shown| &shown.figure))
+        .map(interactive::plotly_json)
         .collect();
     let (models, remark) = models_in_page(page)?;
     let body = [
-        servo_model::sentences(page),
-        text::verdict(page),
-        text::numbers(page),
-        servo_model::tables(page),
+        answer::screen(page),
+        text::words(page),
         text::advice(page),
+        servo_model::tables(page),
+        text::numbers(page),
         figures::places(&figures),
         text::structure(page),
         text::provenance(page),

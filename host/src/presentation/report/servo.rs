@@ -75,6 +75,7 @@ impl Servo {
             runs: &self.runs,
             servo_model: self.servo_model.as_ref(),
             held_out: self.held_out.as_ref(),
+            staircase: data.is_some_and(|data| data.about.staircase),
             metadata: &self.metadata,
             provenance: data.map_or(&[][..], |data: &Dataset| -> &[Facts] {
                 &data.about.provenance

@@ -1,24 +1,9 @@
-//! The servo as a machine in the page: what kind of servo it is, and its quantities with their intervals.
+//! The servo as a machine in the page: its quantities with their intervals.
 
 use super::content::{Page, Part};
 use super::text::{escape, rows_of};
 use crate::presentation::summary;
 use servoid_identification::results::Bounds;
-
-/// What kind of servo each is, in a sentence or two.
-pub(super) fn sentences(page: &Page<'_>) -> String {
-    let several = page.second.is_some();
-    let sentence = |part: &Part<'_>| {
-        let found = part.servo_model?;
-        let text = escape(&summary::servo_sentence(&found.model, part.subject.units));
-        let name = match several {
-            true => format!("{}: ", escape(part.subject.name)),
-            false => String::new(),
-        };
-        Some(format!("<p class=\"verdict servo\">{name}{text}</p>\n"))
-    };
-    page.parts().filter_map(sentence).collect()
-}
 
 /// The quantities of each servo, and of two beside each other.
 pub(super) fn tables(page: &Page<'_>) -> String {
@@ -68,9 +53,13 @@ fn table(part: &Part<'_>) -> Option<String> {
         .iter()
         .map(|quantity| row(summary::quantity_row(quantity, units)))
         .collect();
+    let advice: String = summary::what_to_record(&model.quantities)
+        .iter()
+        .map(|advice| format!("<p>{}</p>\n", escape(advice)))
+        .collect();
     let fit = &model.fit;
     Some(format!(
-        "<h2>The servo as a machine: {}</h2>\n<p class=\"faint\">{}; fit {:.2} %, {:.2} % of parts that it had not seen (a linear servo of second order: {:.2} %).{}</p>\n<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th><th>value</th><th></th><th>{}</th></tr>\n{rows}</table></div>\n",
+        "<h2>The servo as a machine: {}</h2>\n<p class=\"faint\">{}; fit {:.2} %, {:.2} % of parts that it had not seen (a linear servo of second order: {:.2} %).{}</p>\n<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th><th>value</th><th></th><th>{}</th></tr>\n{rows}</table></div>\n{advice}",
         escape(part.subject.name),
         summary::terms_in_words(model.terms),
         fit.simulation_percent,

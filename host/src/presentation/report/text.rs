@@ -3,7 +3,7 @@
 use super::content::{Facts, Page, Part};
 use crate::presentation::paper_values::Fact;
 use crate::presentation::summary::{self, TableRow};
-use servoid_identification::results::Bounds;
+use servoid_identification::results::{Advice, Bounds};
 
 /// Text without the characters that have a meaning in HTML.
 pub(super) fn escape(text: &str) -> String {
@@ -17,24 +17,22 @@ pub(super) fn json_in_page(value: &impl serde::Serialize) -> anyhow::Result<Stri
     Ok(serde_json::to_string(value)?.replace('<', "\\u003c"))
 }
 
-/// The data of each side, and the verdict on two.
-pub(super) fn verdict(page: &Page<'_>) -> String {
-    let mut body: String = page.parts().map(data_and_bounds).collect();
+/// What the first screen says in short: each servo by itself, and the two together.
+pub(super) fn words(page: &Page<'_>) -> String {
+    let mut body = "<h2>In words</h2>\n".to_owned();
+    body.extend(page.parts().map(|part| of_one(part, page.second.is_some())));
     if let (Some(found), Some(second)) = (page.comparison, page.second) {
-        let verdict = summary::verdict(found.verdict);
         let [first, second] = [&page.first, &second].map(|part| escape(part.subject.name));
-        // A number and its unit stay on one line.
-        let sentence = escape(&found.summary)
-            .replace(" %", "&nbsp;%")
-            .replace(" ms", "&nbsp;ms");
         body += &format!(
-            "<p class=\"verdict {verdict}\"><b>{verdict}</b> (the first is {first}, the second {second}). {sentence}</p>\n"
+            "<p>The first is {first}, the second {second}. {}</p>\n",
+            escape(&found.summary)
         );
     }
     body
 }
 
-fn data_and_bounds(part: &Part<'_>) -> String {
+/// The data of one side, and what its models say. One servo's servo model has spoken on the first screen.
+fn of_one(part: &Part<'_>, has_other: bool) -> String {
     let (name, model) = (escape(part.subject.name), part.subject.model);
     let files = part
         .provenance
@@ -52,17 +50,20 @@ fn data_and_bounds(part: &Part<'_>) -> String {
         many => format!(", {many} runs"),
     };
     let seconds = model.fit.samples_used as f64 * model.sample_period_s;
-    let data = format!("<p><b>{name}</b>: from {from}{runs}, {seconds:.1} s used.</p>\n");
-    data + &match model.level() {
-        Bounds::Withdrawn(reason) => format!(
-            "<p class=\"verdict different\">{name}: no bounds can be given, as {} (see the advice).</p>\n",
-            reason.because()
-        ),
-        Bounds::Valid(_) if !model.linear => format!(
-            "<p class=\"verdict undecided\">{name}: not linear; the bounds are those of the linear description that fits this reference best (see the advice).</p>\n"
-        ),
-        Bounds::Valid(_) => String::new(),
-    }
+    let sentence = part
+        .servo_model
+        .filter(|_| has_other)
+        .map(|found| summary::servo_sentence(&found.model, part.subject.units));
+    let as_machine = sentence.map(|sentence| escape(&sentence) + " ");
+    let linear = match part.servo_model {
+        Some(_) => "As a linear servo: ",
+        None => "",
+    };
+    format!(
+        "<p><b>{name}</b>, from {from}{runs}, {seconds:.1} s used. {}{linear}{}</p>\n",
+        as_machine.unwrap_or_default(),
+        escape(&summary::model_sentence(model, part.subject.units))
+    )
 }
 
 /// Metrics of one servo, or of two with their difference; further results of a comparison; the paper's values.
@@ -103,13 +104,21 @@ fn metrics(page: &Page<'_>) -> (String, String) {
             (summary::difference_rows(found, &gain), remark)
         }
         _ => {
-            let remark = compared.map(|_| {
+            let compared = compared.map(|_| {
                 let why = summary::NOT_COMPARED;
                 format!("{why} The metrics of each side are those of its own model.")
             });
+            let withheld = page.parts().filter_map(|part| {
+                let line = summary::withheld_line(&part.subject.model.metrics)?;
+                Some(match page.second {
+                    Some(_) => format!("{}: {line}.", part.subject.name),
+                    None => format!("{line}."),
+                })
+            });
+            let remarks: Vec<String> = compared.into_iter().chain(withheld).collect();
             (
                 summary::metric_rows(&metrics, &gain),
-                remark.unwrap_or_default(),
+                escape(&remarks.join(" ")),
             )
         }
     };
@@ -136,7 +145,7 @@ pub(super) fn rows_of(rows: &[TableRow]) -> String {
 }
 
 /// The unit of the gain, where all parts have the same units.
-fn common_gain(page: &Page<'_>) -> String {
+pub(super) fn common_gain(page: &Page<'_>) -> String {
     let first = page.first.subject.units;
     let alike = page.parts().all(|part| part.subject.units == first);
     let gain = if alike { first.gain() } else { None };
@@ -172,27 +181,60 @@ fn table(facts: &[(String, String)]) -> String {
     format!("<div class=\"wide\"><table>\n{rows}</table></div>\n")
 }
 
-/// The advice of both models and of the comparison.
+/// What was found by one check: the side, and the finding.
+type Findings<'a> = Vec<(&'a str, &'a Advice)>;
+
+/// The advice of both models and of the comparison, each check once.
 pub(super) fn advice(page: &Page<'_>) -> String {
-    let of_parts = page
-        .parts()
-        .map(|part| (part.subject.name, &part.subject.model.advice));
-    let of_comparison = page
-        .comparison
-        .map(|found| ("the comparison", &found.advice));
-    let mut body = String::new();
-    for (name, advice) in of_parts
-        .chain(of_comparison)
-        .filter(|(_, advice)| !advice.is_empty())
-    {
-        body += &format!("<h2>Advice: {}</h2>\n<ul class=\"advice\">\n", escape(name));
-        for item in advice {
-            let (finding, remedy) = (escape(&item.finding), escape(&item.remedy));
-            body += &format!("<li><b>{finding}</b><br>{remedy}</li>\n");
+    let mut checks: Vec<Findings<'_>> = Vec::new();
+    let of_parts = page.parts().flat_map(|part| {
+        let advice = part.subject.model.advice.iter();
+        advice.map(|item| (part.subject.name, item))
+    });
+    for (name, item) in of_parts {
+        let known = |found: &&mut Findings<'_>| found.iter().any(|(_, a)| a.check == item.check);
+        match checks.iter_mut().find(known) {
+            Some(found) => found.push((name, item)),
+            None => checks.push(vec![(name, item)]),
         }
-        body += "</ul>\n";
     }
-    body
+    // The comparison repeats what it finds of a side, whose model has said it.
+    let said = |item: &Advice| {
+        checks
+            .iter()
+            .flatten()
+            .any(|(_, own)| own.check == item.check)
+    };
+    let of_comparison = page.comparison.into_iter().flat_map(|found| &found.advice);
+    let further: Vec<Findings<'_>> = of_comparison
+        .filter(|item| !said(item))
+        .map(|item| vec![("", item)])
+        .collect();
+    let items: String = checks
+        .iter()
+        .chain(&further)
+        .map(|found| of_check(found, page.second.is_some()))
+        .collect();
+    match items.is_empty() {
+        true => items,
+        false => format!("<h2>Advice</h2>\n<ul class=\"advice\">\n{items}</ul>\n"),
+    }
+}
+
+/// The findings of one check, of each side by its name where there are two, and each remedy once.
+fn of_check(found: &Findings<'_>, two_sides: bool) -> String {
+    let mut remedies: Vec<&str> = found.iter().map(|(_, item)| item.remedy.as_str()).collect();
+    remedies.dedup();
+    let finding = |(name, item): &(&str, &Advice)| match two_sides && !name.is_empty() {
+        true => format!("{name}: {}", item.finding),
+        false => item.finding.clone(),
+    };
+    let findings: Vec<String> = found.iter().map(|one| escape(&finding(one))).collect();
+    format!(
+        "<li><b>{}</b><br>{}</li>\n",
+        findings.join("<br>"),
+        escape(&remedies.join(" "))
+    )
 }
 
 /// The choice of the models' structures, in words.

@@ -1,10 +1,12 @@
 //! Results beyond the linear response, as text for a terminal: low-order models, strokes by direction, limits.
 
+use super::layout::wrapped;
 use super::numbers::{head_of_bounds, probability};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::nonlinear::{DirectionModel, Limits, Symmetry};
 use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::thresholds::ASYMMETRY_FALSE_ALARM;
+use std::f64::consts::TAU;
 
 /// A low-order model for a flight simulation.
 #[must_use]
@@ -37,7 +39,11 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
             (Some(lower), None) => format!("{} or more", number(lower)),
             _ => format!("{} .. {}", end(lower), end(upper)),
         };
-        let line = format!("  {name:22} {:>10} {unit:5} {bounds}", number(value));
+        let hertz = match unit {
+            "rad/s" => format!("  = {:.3} Hz", value / TAU),
+            _ => String::new(),
+        };
+        let line = format!("  {name:22} {:>10} {unit:5} {bounds}{hertz}", number(value));
         text += &format!("{}\n", line.trim_end());
     }
     for tried in &flight.tried {
@@ -76,14 +82,42 @@ pub fn of_limits(
             ),
         },
     );
-    let statements = limits.statements();
-    let lines = statements
-        .iter()
-        .map(|statement| format!("  {statement}\n"));
     format!(
-        "\nlimits of a linear model ({units})\n  {strokes}\n{}",
-        lines.collect::<String>()
+        "\nlimits of a linear model ({units})\n  {}\n{}",
+        wrapped(&strokes, 2),
+        findings_on_limits(limits)
     )
+}
+
+/// The findings on limits, and below those that are open what to record, once for neighbours that need the same.
+fn findings_on_limits(limits: &Limits) -> String {
+    let [up, down] =
+        [&limits.rate_up, &limits.rate_down].map(|rate| (&rate.statement, &rate.remedy));
+    let hysteresis = (&limits.hysteresis.statement, &limits.hysteresis.remedy);
+    let ends = limits.ends.iter().flatten();
+    let ends = ends.map(|end| (&end.statement, &end.remedy));
+    let all: Vec<(&String, &Option<String>)> =
+        [up, down, hysteresis].into_iter().chain(ends).collect();
+    let mut text = String::new();
+    for (index, (statement, remedy)) in all.iter().enumerate() {
+        let finding = match remedy {
+            Some(remedy) => without_remedy(statement, remedy),
+            None => (*statement).clone(),
+        };
+        text += &format!("  {}\n", wrapped(&finding, 4));
+        let next = all.get(index + 1).and_then(|(_, next)| next.as_ref());
+        if let Some(remedy) = remedy.as_ref().filter(|remedy| next != Some(*remedy)) {
+            text += &format!("    {}\n", wrapped(remedy, 4));
+        }
+    }
+    text
+}
+
+/// The finding alone of a statement that ends with its remedy.
+fn without_remedy(statement: &str, remedy: &str) -> String {
+    let end = statement.len().saturating_sub(remedy.len() + 2);
+    let finding = statement.get(..end).unwrap_or(statement);
+    format!("{finding}.")
 }
 
 /// Whether up and down strokes differ, and whether by enough to matter.

@@ -75,13 +75,19 @@ pub(crate) fn verdict(verdict: Verdict) -> &'static str {
     }
 }
 
+/// What a verdict is of.
+pub(super) fn subject_in_words(found: &Comparison) -> &'static str {
+    match (found.of, &found.motions) {
+        (Subject::Servos, _) => "of the servos",
+        (Subject::Runs, Some(_)) => "of these recordings",
+        (Subject::Runs, None) => "of these models",
+    }
+}
+
 /// The results beside the metrics: names and values.
 pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
     let (verdict, margin) = (verdict(found.verdict), found.margin_percent);
-    let of = match found.of {
-        Subject::Servos => "of the servos",
-        Subject::Runs => "of these recordings",
-    };
+    let of = subject_in_words(found);
     let margin = format!("{verdict} ({of}; margin {margin} % of the step)");
     let mut facts = vec![("verdict".to_owned(), margin)];
     let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));

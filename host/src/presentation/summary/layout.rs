@@ -14,6 +14,16 @@ pub(super) fn findings(advice: &[Advice]) -> String {
     advice.iter().map(finding).collect()
 }
 
+/// "a, b and c".
+pub(crate) fn listed_words(words: &[impl AsRef<str>]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match &words[..] {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
 /// The text in lines of [`LINE`] letters, all but the first indented.
 pub(crate) fn wrapped(text: &str, indent: usize) -> String {
     let mut lines = String::new();
@@ -37,6 +47,12 @@ pub(crate) fn wrapped(text: &str, indent: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lists_end_with_and() {
+        assert_eq!(listed_words(&["a"]), "a");
+        assert_eq!(listed_words(&["a", "b", "c"]), "a, b and c");
+    }
 
     #[test]
     fn long_lines_are_broken_between_words_and_lose_none() {

@@ -1,14 +1,12 @@
 //! Tables of gain, delay, rise time and the like.
 
-use std::f64::consts::TAU;
-
 use super::numbers::{decimals, head_of_bounds};
 use crate::data::units::Units;
 use servoid_identification::comparison::Comparison;
 use servoid_identification::results::{Interval, Metrics, Model};
 
 /// One line of a table of metrics.
-struct MetricEntry {
+pub(super) struct MetricEntry {
     /// As the model's document calls it.
     key: &'static str,
     name: &'static str,
@@ -30,10 +28,10 @@ const ROWS: [MetricEntry; 8] = [
         ("ms", 1e3, 1),
         |m| m.settling_time_s,
     ),
-    row("bandwidth_rad_s", "bandwidth (-3 dB)", RAD_S, |m| {
+    row("bandwidth_rad_s", "bandwidth (-3 dB)", HERTZ, |m| {
         m.bandwidth_rad_s
     }),
-    row("phase_minus_90_rad_s", "-90 deg of phase at", RAD_S, |m| {
+    row("phase_minus_90_rad_s", "-90 deg of phase at", HERTZ, |m| {
         m.phase_minus_90_rad_s
     }),
 ];
@@ -42,7 +40,7 @@ const ROWS: [MetricEntry; 8] = [
 type Unit = (&'static str, f64, usize);
 
 const MS: Unit = ("ms", 1e3, 2);
-const RAD_S: Unit = ("rad/s", 1.0, 2);
+const HERTZ: Unit = ("Hz", std::f64::consts::TAU.recip(), 3);
 
 const fn row(
     key: &'static str,
@@ -58,7 +56,27 @@ const fn row(
     }
 }
 
+/// The metric that the model's document calls `key`.
+pub(super) fn entry(key: &str) -> Option<&'static MetricEntry> {
+    ROWS.iter().find(|row| row.key == key)
+}
+
 impl MetricEntry {
+    /// Its name, without a unit.
+    pub(super) fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Whether the model's document calls it so.
+    pub(super) fn is(&self, key: &str) -> bool {
+        self.key == key
+    }
+
+    /// Of a model.
+    pub(super) fn of(&self, metrics: &Metrics) -> Interval {
+        (self.of)(metrics)
+    }
+
     /// A number with the digits that `like` has.
     fn number(&self, value: f64, like: f64) -> String {
         let (_, scale, digits) = self.unit;
@@ -71,12 +89,12 @@ impl MetricEntry {
         format!("{:.digits$}", value * scale)
     }
 
-    fn value(&self, value: Option<f64>) -> String {
+    pub(super) fn value(&self, value: Option<f64>) -> String {
         value.map_or_else(|| "-".to_owned(), |value| self.number(value, value))
     }
 
     /// The unit, that of a gain being `gain`.
-    fn unit_with<'a>(&self, gain: &'a str) -> &'a str {
+    pub(super) fn unit_with<'a>(&self, gain: &'a str) -> &'a str {
         if self.key == "dc_gain" {
             gain
         } else {
@@ -93,7 +111,7 @@ impl MetricEntry {
     }
 
     /// Value and bounds.
-    fn cell(&self, interval: &Interval) -> (String, String) {
+    pub(super) fn cell(&self, interval: &Interval) -> (String, String) {
         (self.value(interval.value), self.bounds(interval))
     }
 
@@ -127,22 +145,25 @@ pub(super) fn table(model: &Model, units: Units<'_>) -> String {
             None if bounds.is_empty() => missing,
             _ => &bounds,
         };
-        let hertz = match (row.unit, interval.value) {
-            (RAD_S, Some(value)) => format!("  = {:.2} Hz", value / TAU),
+        let radians = match (row.unit, interval.value) {
+            (HERTZ, Some(value)) => format!("  = {value:.2} rad/s"),
             _ => String::new(),
         };
-        let line = format!("  {:22} {value:>10} {unit:5} {bounds}{hertz}", row.name);
+        let line = format!("  {:22} {value:>10} {unit:5} {bounds}{radians}", row.name);
         text += &format!("{}\n", line.trim_end());
     }
-    if let Some(reason) = metrics.withheld {
-        let which = match metrics.dc_gain.value {
-            Some(_) => "the others",
-            None => "all",
-        };
-        let because = reason.because();
-        text += &format!("  {which} are withheld: {because} (see the advice)\n");
-    }
+    text.extend(withheld_line(metrics).map(|line| format!("  {line}\n")));
     text
+}
+
+/// Which metrics are withheld, and why, where some are.
+pub(crate) fn withheld_line(metrics: &Metrics) -> Option<String> {
+    let because = metrics.withheld?.because();
+    let which = match metrics.dc_gain.value {
+        Some(_) => "the others",
+        None => "all",
+    };
+    Some(format!("{which} are withheld: {because} (see the advice)"))
 }
 
 /// A line of a table of numbers with bounds.
@@ -155,14 +176,17 @@ pub(crate) struct TableRow {
 
 /// Metrics side by side. The gain has the unit `gain`, empty where there is none.
 pub(crate) fn metric_rows(metrics: &[&Metrics], gain: &str) -> Vec<TableRow> {
-    let row = |row: &MetricEntry| TableRow {
-        label: row.label(gain),
-        cells: metrics
-            .iter()
-            .map(|metrics| row.cell(&(row.of)(metrics)))
-            .collect(),
+    // What is withheld is said once, and has no row.
+    let withheld = metrics.iter().any(|metrics| metrics.withheld.is_some());
+    let row = |row: &MetricEntry| {
+        let intervals: Vec<Interval> = metrics.iter().map(|metrics| (row.of)(metrics)).collect();
+        let shown = !withheld || intervals.iter().any(|found| found.value.is_some());
+        shown.then(|| TableRow {
+            label: row.label(gain),
+            cells: intervals.iter().map(|found| row.cell(found)).collect(),
+        })
     };
-    ROWS.iter().map(row).collect()
+    ROWS.iter().filter_map(row).collect()
 }
 
 /// The metrics of both sides of a comparison and the second less the first. The gain has the unit `gain`, empty

@@ -2,6 +2,8 @@
 
 mod beyond;
 mod comparison;
+mod headline;
+mod key_figures;
 mod layout;
 mod metrics;
 mod model_sentence;
@@ -20,17 +22,23 @@ pub use servo_model::{of_servo_model, servo_sentence};
 pub(crate) use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,
 };
-pub(crate) use layout::wrapped;
-pub(crate) use metrics::{difference_rows, metric_rows};
+pub(crate) use headline::{headline_of_comparison, headline_of_model};
+pub(crate) use key_figures::{
+    KEY_FIGURES, KeyFigure, of_both, of_both_machines, of_comparison as key_figures_of_comparison,
+    of_machine, of_response,
+};
+pub(crate) use layout::{listed_words, wrapped};
+pub(crate) use metrics::{difference_rows, metric_rows, withheld_line};
 pub(crate) use numbers::{decimals, head_of_bounds, percent, probability};
 pub(crate) use servo_model::{
     QuantityRow, four_digits, quantities, quantity_row, quantity_text, terms_in_words,
+    what_to_record,
 };
 
 use crate::data::units::Units;
 use layout::findings;
 use numbers::rounded;
-use servoid_identification::results::{Advice, Bounds, Model, SelectedBy, Validation};
+use servoid_identification::results::{Advice, Bounds, Check, Model, SelectedBy, Validation};
 
 /// The level of a model's bounds, as text.
 pub(crate) fn level_text(model: &Model) -> String {
@@ -53,7 +61,17 @@ pub struct Extent<'a> {
 #[must_use]
 pub fn of_model(source: &str, model: &Model, units: Units<'_>, extent: Extent<'_>) -> String {
     let sentence = wrapped(&model_sentence(model, units), 0);
-    let mut text = format!("{source}\n{sentence}\n{}", extent.picture);
+    // A period that cannot be makes all times below it wrong.
+    let (first, advice): (Vec<Advice>, Vec<Advice>) = model
+        .advice
+        .iter()
+        .cloned()
+        .partition(|item| item.check == Check::Period);
+    let first = match findings(&first) {
+        none if none.is_empty() => none,
+        some => some + "\n",
+    };
+    let mut text = format!("{source}\n{first}{sentence}\n{}", extent.picture);
     match model.level() {
         Bounds::Withdrawn(reason) => {
             let because = reason.because();
@@ -76,7 +94,7 @@ pub fn of_model(source: &str, model: &Model, units: Units<'_>, extent: Extent<'_
     for (name, value) in facts {
         text += &format!("  {name:11} {value}\n");
     }
-    text + &findings(&model.advice)
+    text + &findings(&advice)
 }
 
 /// Samples, structure, fit and residuals, by name.
@@ -164,7 +182,16 @@ pub fn of_validation(
             format!("servo model:  {servo}linear model: {linear}")
         }
     };
-    text + &findings(advice)
+    let best = servo_model.map_or(validation.fit_percent, |servo| {
+        servo.fit_percent.max(validation.fit_percent)
+    });
+    let foreign = match best < 0.0 {
+        true => {
+            "\n  ! The model predicts this recording worse than its mean does.\n    Check that the servo, the columns and their units are those of the model.\n"
+        }
+        false => "",
+    };
+    text + foreign + &findings(advice)
 }
 
 fn validation_line(validation: &Validation, unit: Option<&str>) -> String {

@@ -52,7 +52,8 @@ fn motion(model: &Model, units: Units<'_>) -> String {
 /// An overshoot that is none to the eye (% of the final value).
 const NO_OVERSHOOT_PERCENT: f64 = 0.5;
 
-fn certainty(model: &Model) -> String {
+/// How sure the step response is.
+pub(super) fn certainty(model: &Model) -> String {
     match &model.step.bounds {
         Bounds::Valid(bounds) => {
             let linear = match model.linear {

@@ -1,5 +1,6 @@
 //! The servo as a machine, as text for a terminal.
 
+use super::layout::{listed_words, wrapped};
 use super::numbers::head_of_bounds;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval};
@@ -19,18 +20,27 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
     };
     let unit = |unit: Option<&str>| unit.map(|unit| format!(" {unit}")).unwrap_or_default();
     let (command, output) = (unit(units.input), unit(units.output));
+    let turn = |speed: f64| {
+        let seconds = seconds_per_60_degrees(speed, units);
+        seconds.map_or_else(String::new, |seconds| format!(" ({seconds})"))
+    };
     let speeds = of("top speed upwards").zip(of("top speed downwards"));
     let kind = match speeds {
-        Some((up, down)) if up == down => format!("limited to {}{output}/s", four_digits(up)),
+        Some((up, down)) if up == down => {
+            format!("limited to {}{output}/s{}", four_digits(up), turn(up))
+        }
         Some((up, down)) => format!(
-            "limited to {}{output}/s upwards and {} downwards",
+            "limited to {}{output}/s{} upwards and {}{output}/s{} downwards",
             four_digits(up),
-            four_digits(down)
+            turn(up),
+            four_digits(down),
+            turn(down)
         ),
         None if model.terms.limit => "limited in its drive".to_owned(),
         None => "linear".to_owned(),
     };
     let rest = of("resting error by friction")
+        .filter(|error| *error > 0.0)
         .map(|error| format!("rests within {}{command} of its target", four_digits(error)));
     let load = match model.terms.load {
         LoadKind::None => None,
@@ -41,12 +51,10 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
     let delay =
         of("delay").map(|delay_s| format!("answers {} ms late", four_digits(1e3 * delay_s)));
     let parts = [rest, load.map(str::to_owned), delay].into_iter().flatten();
-    let all: Vec<String> = std::iter::once(format!("This servo is {kind}"))
-        .chain(parts)
-        .collect();
+    let all: Vec<String> = std::iter::once(format!("is {kind}")).chain(parts).collect();
     format!(
-        "{}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{}",
-        all.join(", "),
+        "This servo {}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{}",
+        listed_words(&all),
         model.fit.held_out_percent,
         better_linear(model).unwrap_or_default()
     )
@@ -84,6 +92,9 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
         );
     }
     text += &quantities(&model.quantities, level, units);
+    for advice in what_to_record(&model.quantities) {
+        text += &format!("  {}\n", wrapped(advice, 2));
+    }
     if explain {
         text +=
             "\n  terms that were tried: fit of parts that they had not seen, and of the whole\n";
@@ -139,6 +150,48 @@ pub(crate) fn quantities(all: &[Quantity], level: Bounds<f64>, units: Units<'_>)
     text
 }
 
+/// Said of a quantity that the record leaves open.
+const NOT_DETERMINED: &str = "not determined by this recording";
+
+/// An interval whose ends are so far apart says nothing.
+const WORTH_PRINTING: f64 = 1000.0;
+
+/// Quantities that a recording may leave open, by the beginnings of their names, and the one that would show them.
+const WHAT_SHOWS: [(&[&str], &str); 3] = [
+    (
+        &["top speed", "acceleration", "error of full drive"],
+        "Top speed and acceleration show in large strokes: record steps over most of the travel, each held until the servo rests.",
+    ),
+    (
+        &["bandwidth", "damping"],
+        "Bandwidth and damping show in small quick strokes: record steps or random levels of a few degrees, sampled every 5 ms or faster.",
+    ),
+    (
+        &[
+            "dead band",
+            "resting error",
+            "friction",
+            "load",
+            "gain",
+            "offset",
+        ],
+        "Friction, dead band, load and gain show at rest: record stairs of at least four levels, each reached from both sides and held until the servo rests.",
+    ),
+];
+
+/// What to record for the quantities that this recording leaves open.
+pub(crate) fn what_to_record(quantities: &[Quantity]) -> Vec<&'static str> {
+    let open = |names: &&[&str]| {
+        let mut left_open = quantities.iter().filter(|found| !found.determined);
+        left_open.any(|found| names.iter().any(|name| found.name.starts_with(name)))
+    };
+    WHAT_SHOWS
+        .iter()
+        .filter(|(names, _)| open(names))
+        .map(|(_, advice)| *advice)
+        .collect()
+}
+
 /// A quantity as a row of a table.
 pub(crate) struct QuantityRow {
     /// What it is.
@@ -157,13 +210,16 @@ pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow
     let shown = |value: f64| four_digits(scale * value);
     let interval = quantity.interval.valid().map(|found: &Interval| {
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), shown);
-        let open = match (found.lower, found.upper) {
-            (None, None) => String::new(),
-            (lower, upper) => format!("{} .. {}", end(lower), end(upper)),
-        };
-        match quantity.determined {
-            true => open,
-            false => format!("not determined by this recording {open}"),
+        match (quantity.determined, found.lower, found.upper) {
+            (_, None, None) => String::new(),
+            (true, lower, upper) => format!("{} .. {}", end(lower), end(upper)),
+            (false, Some(lower), None) => format!("{NOT_DETERMINED}: {} or more", shown(lower)),
+            (false, lower, upper) => match lower.zip(upper) {
+                Some((lower, upper)) if upper < WORTH_PRINTING * lower => {
+                    format!("{NOT_DETERMINED}: {} .. {}", shown(lower), shown(upper))
+                }
+                _ => NOT_DETERMINED.to_owned(),
+            },
         }
     });
     let value = match quantity.determined {
@@ -173,7 +229,12 @@ pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow
     QuantityRow {
         name: quantity.name.clone(),
         value,
-        unit,
+        // A unit beside no number would read as one.
+        unit: if quantity.determined {
+            unit
+        } else {
+            String::new()
+        },
         interval: interval.unwrap_or_default().trim_end().to_owned(),
     }
 }
@@ -185,8 +246,28 @@ fn row(quantity: &Quantity, units: Units<'_>) -> String {
         unit,
         interval,
     } = quantity_row(quantity, units);
-    let line = format!("  {name:34} {value:>12} {unit:8} {interval}");
+    let turn = per_60_degrees(quantity, units).map(|turn| format!("  = {turn}"));
+    let line = format!(
+        "  {name:34} {value:>12} {unit:8} {interval}{}",
+        turn.unwrap_or_default()
+    );
     format!("{}\n", line.trim_end())
+}
+
+/// A speed that the record determines, as the time for 60 degrees, which data sheets give.
+pub(super) fn per_60_degrees(quantity: &Quantity, units: Units<'_>) -> Option<String> {
+    let is_speed = quantity.unit == Unit::OutputPerSecond && quantity.determined;
+    is_speed.then(|| seconds_per_60_degrees(quantity.value, units))?
+}
+
+/// "0.148 s/60°" of a speed; `None` where the output is not known to be an angle.
+fn seconds_per_60_degrees(speed: f64, units: Units<'_>) -> Option<String> {
+    let turn = match units.output? {
+        "deg" | "°" | "degree" | "degrees" => 60.0,
+        "rad" => 60f64.to_radians(),
+        _ => return None,
+    };
+    (speed > 0.0).then(|| format!("{:.3} s/60°", turn / speed))
 }
 
 /// Factor to the unit that people use, and its name.
@@ -256,4 +337,46 @@ pub(crate) fn four_digits(value: f64) -> String {
         0
     };
     format!("{value:.*}", digits.clamp(0, 9) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn quantity(name: &str, determined: bool, lower: f64, upper: f64) -> Quantity {
+        Quantity {
+            name: name.to_owned(),
+            unit: Unit::OutputPerSecond,
+            determined,
+            value: 400.0,
+            interval: Bounds::Valid(Interval::new(400.0, lower, upper)),
+        }
+    }
+
+    #[test]
+    fn what_is_not_determined_has_no_senseless_interval_and_says_what_to_record() {
+        let degrees = Units {
+            input: Some("deg"),
+            output: Some("deg"),
+        };
+        let absurd = quantity("damping ratio", false, 3e-19, 8e19);
+        let row = quantity_row(&absurd, degrees);
+        assert_eq!((row.value.as_str(), row.unit.as_str()), ("-", ""));
+        assert_eq!(row.interval, "not determined by this recording");
+        let open = quantity("top speed upwards", false, 210.0, f64::NAN);
+        assert_eq!(
+            quantity_row(&open, degrees).interval,
+            "not determined by this recording: 210.0 or more"
+        );
+        let advice = what_to_record(&[absurd, open]);
+        assert_eq!(advice.len(), 2);
+        assert!(advice[0].contains("large strokes") && advice[1].contains("small quick strokes"));
+        let known = quantity("top speed upwards", true, 390.0, 410.0);
+        assert!(what_to_record(std::slice::from_ref(&known)).is_empty());
+        assert_eq!(
+            per_60_degrees(&known, degrees).as_deref(),
+            Some("0.150 s/60°")
+        );
+        assert_eq!(per_60_degrees(&known, Units::default()), None);
+    }
 }

@@ -6,7 +6,7 @@ use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::largest_root;
 use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
-use crate::results::{Advice, Check};
+use crate::results::{Advice, Check, Withheld};
 use crate::thresholds::{
     DISAGREEMENT, FEW_DEGREES, MATERIAL_MISFIT_PERCENT, RESIDUAL_SIGNIFICANCE, SLOW_ROOT,
     STEPS_FOLLOWED, UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,
@@ -165,6 +165,28 @@ pub(super) fn metrics(evidence: &Evidence<'_>) -> Option<Advice> {
             apart,
             DISAGREEMENT,
             "Record steps that are held until the servo rests.",
+        )
+    })
+}
+
+/// Metrics that are relative to a gain that may be none.
+pub(super) fn gain_may_be_zero(evidence: &Evidence<'_>) -> Option<Advice> {
+    let metrics = &evidence.model.metrics;
+    let gain = metrics.dc_gain.value?;
+    let bounds = metrics.dc_gain.lower.zip(metrics.dc_gain.upper);
+    let which = bounds.map_or_else(
+        || "which may be zero".to_owned(),
+        |(lower, upper)| format!("whose bounds ({lower:.3} .. {upper:.3}) contain zero"),
+    );
+    (metrics.withheld == Some(Withheld::GainMayBeZero)).then(|| {
+        Advice::new(
+            Check::GainMayBeZero,
+            format!(
+                "Delay, rise time, overshoot and the other metrics are left out: they are relative to the gain, {which}."
+            ),
+            gain,
+            0.0,
+            "Record larger strokes, or more of them, each held until the servo rests.",
         )
     })
 }

@@ -25,6 +25,7 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
         excitation::left_out(evidence),
         excitation::smooth(evidence),
         errors::metrics(evidence),
+        errors::gain_may_be_zero(evidence),
         excitation::metrics(evidence),
         response::settled(evidence),
         response::slow_end(evidence),
@@ -103,6 +104,30 @@ mod tests {
         let few = slow(&model(300, 0.95)).unwrap();
         assert!(few.contains("itself uncertain by"), "{few}");
         assert_eq!(slow(&model(4000, 0.5)), None);
+    }
+
+    #[test]
+    fn metrics_that_are_left_out_for_a_gain_that_may_be_zero_have_advice() {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let input: Vec<f64> = (0..400).map(|k| f64::from(k / 20 * 7 % 5 % 2)).collect();
+        // A pulse after each change of the input, and no gain at rest.
+        let output: Vec<f64> = (0..400)
+            .map(|k: usize| {
+                let noise = 0.05 * random.sample::<f64, _>(StandardNormal);
+                input[k] - input[k.saturating_sub(5)] + noise
+            })
+            .collect();
+        let options = Options {
+            settling: Settling::Samples(15),
+            ..Options::default()
+        };
+        let record = Record::from_slices(0.01, &input, &output).unwrap();
+        let model = identify(&record, &options).unwrap();
+        assert_eq!(
+            model.metrics.withheld,
+            Some(crate::results::Withheld::GainMayBeZero)
+        );
+        assert!(checks(&model).contains(&&Check::GainMayBeZero));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Findings on the response: whether it is over, and which part of it was left out.
 
 use super::evidence::{Evidence, two_digits};
+use crate::diagnostics::rise_at_end;
 use crate::options::Frequencies;
 use crate::results::{Advice, Check, SelectedBy};
 use crate::selection::{Choice, hidden_end};
@@ -37,28 +38,9 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// The share of its largest value by which a step response still rises at its end, between means of eighths: a bank of few frequencies
-/// has ripple.
-fn rise_at_end(evidence: &Evidence<'_>) -> Option<f64> {
-    let step = &evidence.model.step.value;
-    let eighth = step.len() / 8;
-    let mean = |from_end: usize| {
-        let end = step.len() - from_end * eighth;
-        step[end - eighth..end].iter().sum::<f64>() / eighth as f64
-    };
-    if eighth == 0 {
-        return None;
-    }
-    let last = mean(0);
-    let [first, second] = [mean(1) - mean(2), last - mean(1)].map(|rise| rise / last);
-    let whole = first + second;
-    // A servo that rings rises and falls.
-    (first.min(second) > 0.25 * whole && whole > STILL_RISING).then_some(whole)
-}
-
 /// An integrator, or a record that is too short for its servo.
 pub(super) fn still_rising(evidence: &Evidence<'_>) -> Option<Advice> {
-    let rise = rise_at_end(evidence)?;
+    let rise = rise_at_end(&evidence.model.step.value)?;
     let seconds = evidence.model.step.value.len() as f64 * evidence.model.sample_period_s;
     Some(Advice::new(
         Check::StillRising,

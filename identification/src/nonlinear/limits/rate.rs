@@ -64,6 +64,9 @@ pub struct Rate {
     pub remedy: Option<String>,
 }
 
+/// Sizes of strokes are equal but for rounding where they differ by less, as a share.
+const EQUAL_SIZES: f64 = 1e-6;
+
 impl Rate {
     /// Of the strokes of one direction.
     pub(crate) fn new(direction: &str, strokes: &[Stroke], level: f64) -> Self {
@@ -89,6 +92,9 @@ impl Rate {
         if strokes.len() < STROKES_FOR_RATE || sizes.1 < SIZES_FOR_RATE * sizes.0 {
             let seen = match strokes.len() {
                 0 => "no stroke that began and ended at rest".to_owned(),
+                count if sizes.1 - sizes.0 <= EQUAL_SIZES * sizes.1 => {
+                    format!("{count} isolated strokes, all of {:.3}", sizes.1)
+                }
                 count => format!(
                     "{count} isolated strokes of {:.3} to {:.3}",
                     sizes.0, sizes.1
@@ -153,7 +159,7 @@ impl Rate {
         let exponent = self.exponent.value.unwrap_or(0.0);
         match self.verdict {
             RateVerdict::Proportional => format!(
-                "No rate limit {direction} up to {speed:.1} per second: the speed grows with the stroke."
+                "No rate limit {direction}, to {speed:.1} per second at least: the speed grows with the stroke."
             ),
             RateVerdict::Limited => {
                 format!("Rate limit {direction} of {speed:.1} per second.")

@@ -1,0 +1,65 @@
+//! The answer in a sentence or two, for the head of a page.
+
+use super::comparison::subject_in_words;
+use super::model_sentence::certainty;
+use super::numbers::percent;
+use servoid_identification::comparison::{Comparison, ComparisonBounds, Verdict};
+use servoid_identification::results::{Advice, Bounds, Check, Interval, Model};
+
+/// How fast a servo is, and how sure that is.
+pub(crate) fn headline_of_model(model: &Model) -> String {
+    // A period that cannot be makes all times wrong.
+    let period = |item: &&Advice| item.check == Check::Period;
+    if let Some(item) = model.advice.iter().find(period) {
+        return format!("{} {}", item.finding, item.remedy);
+    }
+    let ms = |time: Interval| time.value.map(|seconds| format!("{:.0} ms", 1e3 * seconds));
+    let half = ms(model.metrics.t50_s).map(|time| format!("is half way after {time}"));
+    let settled = ms(model.metrics.settling_time_s)
+        .map(|time| format!("stays within 2 % of its end after {time}"));
+    let parts: Vec<String> = half.into_iter().chain(settled).collect();
+    let motion = match parts.is_empty() {
+        true => String::new(),
+        false => format!("After a step the servo {}. ", parts.join(" and ")),
+    };
+    motion + &certainty(model)
+}
+
+/// Whether two differ, and by how much; `a` and `b` are their names.
+pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
+    let same = |item: &&Advice| item.check == Check::SameData;
+    if let Some(item) = found.advice.iter().find(same) {
+        return format!("{} {}", item.finding, item.remedy);
+    }
+    let Bounds::Valid(bounds) = &found.bounds else {
+        let reason = found.bounds.withdrawn().map(|reason| reason.because());
+        return format!(
+            "No verdict on {a} and {b}: for at least one of them no bounds can be given, because {}.",
+            reason.unwrap_or_default()
+        );
+    };
+    let ComparisonBounds {
+        level,
+        difference_percent: apart,
+        ..
+    } = bounds;
+    let (least, most, margin) = (apart.at_least, apart.at_most, found.margin_percent);
+    let sure = format!("{} % sure", percent(*level));
+    let of = subject_in_words(found);
+    if found.descriptions_of_different_motions {
+        return format!(
+            "No verdict on {a} and {b}: their references differ and a servo is not linear, so what differs may be the motion and not the servo."
+        );
+    }
+    match found.verdict {
+        Verdict::Different => format!(
+            "{a} and {b} are {least:.1} to {most:.1} % of the step apart where they differ most ({sure}, said {of}); {margin} % would have counted as the same."
+        ),
+        Verdict::Same => format!(
+            "{a} and {b} are nowhere more than {most:.1} % of the step apart ({sure}, said {of}); up to {margin} % counts as the same."
+        ),
+        Verdict::Undecided => format!(
+            "{a} and {b} are {least:.1} to {most:.1} % of the step apart where they differ most ({sure}, said {of}), and the margin of {margin} % lies between."
+        ),
+    }
+}

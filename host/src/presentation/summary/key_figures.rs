@@ -1,0 +1,311 @@
+//! The six numbers that people ask for first, of one servo or of two.
+
+use super::comparison::verdict;
+use super::metrics::{self, MetricEntry};
+use super::numbers::{percent, with_bounds};
+use super::servo_model::{four_digits, per_60_degrees, quantity_row, scale_and_unit};
+use crate::data::units::Units;
+use servoid_identification::comparison::{Comparison, QuantityPair, ServoModelComparison};
+use servoid_identification::results::{Interval, Metrics, Model};
+use servoid_identification::servo_model::{Quantity, ServoModel};
+
+/// A number for people.
+pub(crate) struct KeyFigure {
+    /// What it is.
+    pub label: String,
+    /// The number with its unit.
+    pub value: String,
+    /// Its bounds, or what else is known of it.
+    pub below: String,
+}
+
+/// So many are shown.
+pub(crate) const KEY_FIGURES: usize = 6;
+
+/// Of one linear response.
+const OF_A_RESPONSE: [&str; KEY_FIGURES] = [
+    "delay_s",
+    "rise_time_s",
+    "settling_time_s",
+    "overshoot_percent",
+    "bandwidth_rad_s",
+    "dc_gain",
+];
+
+/// Beside the largest difference and the delay between two.
+const OF_A_DIFFERENCE: [&str; KEY_FIGURES - 2] = [
+    "rise_time_s",
+    "overshoot_percent",
+    "bandwidth_rad_s",
+    "dc_gain",
+];
+
+/// Of a servo as a machine: those that it has, in this order.
+const OF_A_MACHINE: [&str; 10] = [
+    "top speed upwards",
+    "top speed downwards",
+    "delay",
+    "bandwidth at small signals",
+    "damping ratio",
+    "resting error by friction",
+    "dead band, to each side",
+    "gain",
+    "error of full drive",
+    "offset",
+];
+
+/// Text of a value that no data support.
+const NONE: &str = "-";
+
+/// Of a linear model.
+pub(crate) fn of_response(model: &Model, units: Units<'_>) -> Vec<KeyFigure> {
+    let gain = units.gain().unwrap_or_default();
+    let figure = |entry: &MetricEntry| {
+        let (value, bounds) = entry.cell(&entry.of(&model.metrics));
+        let below = match (value.as_str(), bounds.is_empty()) {
+            (NONE, true) => reason_of_none(&model.metrics).to_owned(),
+            (_, true) => "no bounds".to_owned(),
+            _ => bounds,
+        };
+        KeyFigure {
+            label: entry.name().to_owned(),
+            value: with_unit(value, entry.unit_with(&gain)),
+            below,
+        }
+    };
+    let entries = OF_A_RESPONSE.into_iter().filter_map(metrics::entry);
+    entries.map(figure).collect()
+}
+
+fn reason_of_none(metrics: &Metrics) -> &'static str {
+    match metrics.withheld {
+        Some(_) => "withheld",
+        None => "not reached",
+    }
+}
+
+/// A unit beside no number would read as one.
+fn with_unit(value: String, unit: &str) -> String {
+    match (value.as_str(), unit) {
+        (NONE, _) | (_, "") => value,
+        _ => format!("{value} {unit}"),
+    }
+}
+
+/// Of a servo as a machine.
+pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure> {
+    let named = |name: &&str| model.quantities.iter().find(|found| found.name == **name);
+    let same_both_ways = top_speeds(model).is_some_and(|[up, down]| up == down);
+    let known: Vec<&Quantity> = OF_A_MACHINE
+        .iter()
+        .filter(|name| !(same_both_ways && **name == "top speed downwards"))
+        .filter_map(named)
+        .collect();
+    // What the recording determines comes first.
+    let (determined, open): (Vec<&Quantity>, Vec<&Quantity>) =
+        known.into_iter().partition(|found| found.determined);
+    let figure = |quantity: &&Quantity| {
+        let row = quantity_row(quantity, units);
+        let turn = per_60_degrees(quantity, units);
+        let below = match (row.interval.is_empty(), turn) {
+            (_, _) if !quantity.determined => "not determined".to_owned(),
+            (true, None) => "no interval".to_owned(),
+            (true, Some(turn)) => turn,
+            (false, None) => row.interval,
+            (false, Some(turn)) => format!("{}; {turn}", row.interval),
+        };
+        KeyFigure {
+            label: match row.name.as_str() {
+                "top speed upwards" if same_both_ways => "top speed".to_owned(),
+                name => name.to_owned(),
+            },
+            value: with_unit(row.value, &row.unit),
+            below,
+        }
+    };
+    let fit = fit_figure(format!("{:.1} %", model.fit.held_out_percent));
+    let mut all: Vec<KeyFigure> = determined.iter().map(figure).collect();
+    all.truncate(KEY_FIGURES - 1);
+    all.push(fit);
+    all.extend(open.iter().map(figure));
+    all.truncate(KEY_FIGURES);
+    all
+}
+
+/// How well parts of the record are predicted that a fit has not seen.
+fn fit_figure(value: String) -> KeyFigure {
+    KeyFigure {
+        label: "predicts unseen parts to".to_owned(),
+        value,
+        below: "of the motion".to_owned(),
+    }
+}
+
+fn top_speeds(model: &ServoModel) -> Option<[f64; 2]> {
+    let of = |name: &str| {
+        let found = model.quantities.iter().find(|found| found.name == name);
+        found.map(|found| found.value)
+    };
+    Some([of("top speed upwards")?, of("top speed downwards")?])
+}
+
+/// Of a comparison, which has bounds.
+pub(crate) fn of_comparison(b: &str, found: &Comparison, units: Units<'_>) -> Vec<KeyFigure> {
+    let gain = units.gain().unwrap_or_default();
+    let mut all = Vec::with_capacity(KEY_FIGURES);
+    if let Some(bounds) = found.bounds.valid() {
+        let largest = &bounds.difference_percent;
+        all.push(KeyFigure {
+            label: "largest difference".to_owned(),
+            value: format!("{:.1} .. {:.1} %", largest.at_least, largest.at_most),
+            below: format!(
+                "of the step, {} %: {}",
+                percent(bounds.level),
+                verdict(found.verdict)
+            ),
+        });
+        let shift = |shift: &Interval| {
+            with_bounds(shift, " ms", |seconds| format!("{:+.1}", 1e3 * seconds))
+        };
+        let (value, below) = match &found.curves[..] {
+            [up, down] => (
+                shift_alone(&up.delay_shift_s, &down.delay_shift_s),
+                "strokes up / down".to_owned(),
+            ),
+            [both] => match shift(&both.delay_shift_s).split_once(" (") {
+                Some((value, bounds)) => {
+                    (value.to_owned(), bounds.trim_end_matches(')').to_owned())
+                }
+                None => (NONE.to_owned(), String::new()),
+            },
+            _ => (NONE.to_owned(), String::new()),
+        };
+        all.push(KeyFigure {
+            label: format!("{b} is behind by"),
+            value,
+            below,
+        });
+    }
+    let figure = |entry: &MetricEntry| {
+        let difference = found.differences.iter().find(|d| entry.is(&d.metric))?;
+        let (value, bounds) = entry.cell(&Interval {
+            value: difference.difference,
+            lower: difference.lower,
+            upper: difference.upper,
+        });
+        Some(KeyFigure {
+            label: entry.name().to_owned(),
+            value: with_unit(
+                side_by_side(entry, [difference.a, difference.b]),
+                entry.unit_with(&gain),
+            ),
+            below: match bounds.is_empty() {
+                true => NONE.to_owned(),
+                false => format!("{}{value} ({bounds})", sign(difference.difference)),
+            },
+        })
+    };
+    let entries = OF_A_DIFFERENCE.into_iter().filter_map(metrics::entry);
+    all.extend(entries.filter_map(figure));
+    all
+}
+
+/// "+10.1 / -4.0 ms"
+fn shift_alone(up: &Interval, down: &Interval) -> String {
+    let [up, down] = [up, down].map(|shift| {
+        shift
+            .value
+            .map_or(NONE.to_owned(), |seconds| format!("{:+.1}", 1e3 * seconds))
+    });
+    format!("{up} / {down} ms")
+}
+
+fn sign(value: Option<f64>) -> &'static str {
+    match value {
+        Some(value) if value > 0.0 => "+",
+        _ => "",
+    }
+}
+
+/// "54.1 → 61.3"; "-" where neither is there.
+fn side_by_side(entry: &MetricEntry, [a, b]: [Option<f64>; 2]) -> String {
+    match a.or(b) {
+        None => NONE.to_owned(),
+        Some(_) => format!("{} → {}", entry.value(a), entry.value(b)),
+    }
+}
+
+/// Of two linear models that are not compared.
+pub(crate) fn of_both(models: [&Model; 2], gain: &str) -> Vec<KeyFigure> {
+    let figure = |entry: &MetricEntry| {
+        let values = models.map(|model| entry.of(&model.metrics).value);
+        let value = side_by_side(entry, values);
+        let below = match (value.as_str(), models) {
+            (NONE, [a, _]) => reason_of_none(&a.metrics).to_owned(),
+            _ => "no bounds".to_owned(),
+        };
+        KeyFigure {
+            label: entry.name().to_owned(),
+            value: with_unit(value, entry.unit_with(gain)),
+            below,
+        }
+    };
+    let entries = OF_A_RESPONSE.into_iter().filter_map(metrics::entry);
+    entries.map(figure).collect()
+}
+
+/// Of two servos as machines.
+pub(crate) fn of_both_machines(
+    found: &ServoModelComparison,
+    models: [&ServoModel; 2],
+    units: Units<'_>,
+) -> Vec<KeyFigure> {
+    let named = |name: &&str| {
+        let index = found
+            .quantities
+            .iter()
+            .position(|pair| pair.name == **name)?;
+        Some((index, found.quantities.get(index)?))
+    };
+    let figure = |(index, pair): (usize, &QuantityPair)| {
+        let (scale, unit) = scale_and_unit(pair.unit, units);
+        let shown = |value: Option<f64>| value.map_or(NONE.to_owned(), |v| four_digits(scale * v));
+        let value = match pair.a.or(pair.b) {
+            None => NONE.to_owned(),
+            Some(_) => format!("{} → {}", shown(pair.a), shown(pair.b)),
+        };
+        let difference = found
+            .bounds
+            .valid()
+            .and_then(|bounds| bounds.differences.get(index)?.difference);
+        let below = difference.and_then(|difference| {
+            Some(format!(
+                "difference {} .. {}",
+                shown(Some(difference.lower?)),
+                shown(Some(difference.upper?))
+            ))
+        });
+        KeyFigure {
+            label: pair.name.clone(),
+            value: with_unit(value, &unit),
+            below: match (below, pair.a.and(pair.b)) {
+                (Some(below), _) => below,
+                (None, Some(_)) => "no interval".to_owned(),
+                (None, None) => "not determined".to_owned(),
+            },
+        }
+    };
+    // What both recordings determine comes first.
+    let (both, one): (Vec<_>, Vec<_>) = OF_A_MACHINE
+        .iter()
+        .filter_map(named)
+        .partition(|(_, pair)| pair.a.is_some() && pair.b.is_some());
+    let [a, b] = models.map(|model| format!("{:.1}", model.fit.held_out_percent));
+    let fits = fit_figure(format!("{a} → {b} %"));
+    let mut all: Vec<KeyFigure> = both.into_iter().map(figure).collect();
+    all.truncate(KEY_FIGURES - 1);
+    all.push(fits);
+    all.extend(one.into_iter().map(figure));
+    all.truncate(KEY_FIGURES);
+    all
+}

@@ -1,0 +1,100 @@
+//! Options of the command line in a sentence, as arguments of Python: `--period 0.02` is `period=0.02`.
+
+/// Options that are arguments too, and take a value.
+const VALUED: [&str; 14] = [
+    "input",
+    "output",
+    "period",
+    "time",
+    "time-unit",
+    "run",
+    "controller",
+    "at-rest",
+    "settling",
+    "frequencies",
+    "noise-order",
+    "level",
+    "detrend",
+    "margin",
+];
+
+/// Options that are arguments too, and true where they are given.
+const FLAGS: [&str; 5] = [
+    "explain",
+    "servo-model",
+    "flight-model",
+    "limits",
+    "with-rest",
+];
+
+/// Values that are words.
+const WORDS: [&str; 9] = [
+    "s", "ms", "us", "ns", "auto", "none", "offset", "linear", "narrow",
+];
+
+/// The sentence with arguments where it names options.
+pub(crate) fn in_python(sentence: &str) -> String {
+    let (mut text, mut rest, mut follows_argument) = (String::new(), sentence, false);
+    while let Some((before, after)) = rest.split_once(MARK) {
+        // One option behind another is one argument behind another.
+        text.push_str(match follows_argument && before == " " {
+            true => ", ",
+            false => before,
+        });
+        let found = argument(after);
+        follows_argument = found.is_some();
+        rest = match found {
+            Some((argument, behind)) => {
+                text += &argument;
+                behind
+            }
+            None => {
+                text += MARK;
+                after
+            }
+        };
+    }
+    text + rest
+}
+
+/// What options begin with.
+const MARK: &str = "--";
+
+/// The argument for the option at the beginning of `text`, and what is behind; `None` for an option that is none in Python.
+fn argument(text: &str) -> Option<(String, &str)> {
+    let end = text.find(|c: char| !c.is_ascii_lowercase() && c != '-');
+    let (option, behind) = text.split_at(end.unwrap_or(text.len()));
+    let name = option.replace('-', "_");
+    if FLAGS.contains(&option) {
+        return Some((format!("{name}=True"), behind));
+    }
+    VALUED.contains(&option).then(|| match value(behind) {
+        Some((value, behind)) => (format!("{name}={value}"), behind),
+        None => (name, behind),
+    })
+}
+
+/// The value of an option at the beginning of `text`, as Python writes it, and what is behind.
+fn value(text: &str) -> Option<(String, &str)> {
+    let text = text.strip_prefix(' ')?;
+    if let Some((quoted, behind)) = text
+        .strip_prefix('\'')
+        .and_then(|rest| rest.split_once('\''))
+    {
+        return Some((format!("{quoted:?}"), behind));
+    }
+    let end = text.find([' ', ',', ';', ':', ')']).unwrap_or(text.len());
+    let (word, behind) = text.split_at(end);
+    let (word, behind) = match word.strip_suffix('.') {
+        Some(short) => (short, text.split_at(short.len()).1),
+        None => (word, behind),
+    };
+    let placeholder = !word.is_empty() && word.chars().all(|c| c.is_ascii_uppercase());
+    if placeholder || word.parse::<f64>().is_ok() {
+        return Some((word.to_owned(), behind));
+    }
+    // A name of a column stands before another option or at the end; any other word goes on with the sentence.
+    let ends_here = behind.is_empty() || behind.starts_with(" --");
+    (WORDS.contains(&word) || (ends_here && !word.is_empty()))
+        .then(|| (format!("{word:?}"), behind))
+}
