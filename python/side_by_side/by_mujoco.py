@@ -28,8 +28,9 @@ SERVO = """
 QUANTITIES = (
     ("stiffness", 1e3, 1.0, 0.05, 20.0),
     ("damping", 1e2, 0.5, 0.05, 5.0),
-    ("delay", 1e-2, 1.0, 0.0, 10.0),
-    ("force", 1e5, 1.0, 0.01, 10.0),
+    ("delay", 1e-2, 1.5, 0.0, 10.0),
+    ("force", 1e4, 1.0, 0.05, 10.0),
+    ("drag", 1e1, 1.0, 0.01, 50.0),
 )
 
 
@@ -42,6 +43,8 @@ def change(name, unit):
             sysid.apply_dgain(spec, "servo", value)
         elif name == "delay":
             servo.delay = value
+        elif name == "drag":
+            spec.joint("shaft").damping[0] = value
         else:
             servo.forcerange = [-value, value]
 
@@ -62,9 +65,9 @@ def identify(task):
     sequences = sysid.ModelSequences("servo", spec, names, [start] * len(names), inputs, outputs)
     residual = sysid.build_residual_fn(models_sequences=[sequences])
     parameters = sysid.ParameterDict()
-    for name, unit, first, lowest, highest in QUANTITIES[: 4 if task.limited else 3]:
+    for name, unit, first, lowest, highest in QUANTITIES[: 5 if task.limited else 3]:
         parameters.add(sysid.Parameter(name, first, lowest, highest, modifier=change(name, unit)))
-    found, result = sysid.optimize(parameters, residual, verbose=False, max_iters=50, x_scale="jac")
+    found, result = sysid.optimize(parameters, residual, "scipy", verbose=False, max_iters=50, diff_step=1e-3)
 
     def respond(x, u):
         found.update_from_vector(x)

@@ -22,11 +22,11 @@ class Task:
 
     name: str
     period_s: float
-    # Samples after which a response is over, for tools that want to be told.
+    # Samples after which a response is over, for tools that ask for it.
     settling: int
     # Input (and output) at rest before each run, where they are known.
     before: float | None
-    # Whether the drive is known to come to its limit, for tools that want to be told.
+    # Whether the drive is known to come to its limit, for tools that ask for it.
     limited: bool
     seen: list[tuple[np.ndarray, np.ndarray]]
     unseen: list[tuple[np.ndarray, np.ndarray]]
