@@ -117,7 +117,12 @@ def main():
         parser.error(f"there is no tool {', '.join(sorted(unknown))}: choose from {', '.join(TOOLS)}")
     print(HEAD)
     for name in options.tools or TOOLS:
-        print(printed(row(name, options.seeds)), flush=True)
+        try:
+            found = row(name, options.seeds)
+        except ModuleNotFoundError as missing:
+            remedy = "pip install -r python/side_by_side/requirements.txt"
+            parser.exit(1, f"the row of {name} cannot be made, since the package {missing.name} is not installed: {remedy}\n")
+        print(printed(found), flush=True)
 
 
 if __name__ == "__main__":
