@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from . import _servoid
 from ._arrays import samples
 from ._document import Column
@@ -132,13 +134,15 @@ class ServoModel:
 
         return copy.deepcopy(self._fields)
 
-    def simulate(self, u: Any, *, controller: float | None = None) -> ServoResponse:
-        """The response to an input, from rest at its first value.
+    def simulate(self, u: Any, *, at_rest: float | None = None, controller: float | None = None) -> ServoResponse:
+        """The response to an input, from rest.
 
         Parameters
         ----------
         u : array_like
             The input at the model's sample period.
+        at_rest : float, optional
+            The input before the first sample, at which the servo had come to rest; without it, the first value of ``u``.
         controller : float, optional
             The controller, where the model has several.
 
@@ -152,7 +156,12 @@ class ServoModel:
         ServoidError
             The input is no column of numbers or lacks a sample; there is no such controller.
         """
-        value, half_width, reason = self._core.servo_response(samples("input", u), controller)
+        column = samples("input", u)
+        if at_rest is not None:
+            column = np.concatenate([[float(at_rest)], column])
+        value, half_width, reason = self._core.servo_response(column, controller)
+        if at_rest is not None:
+            value, half_width = value[1:], None if half_width is None else half_width[1:]
         if half_width is None:
             return ServoResponse(value, None, None, reason)
         return ServoResponse(value, value - half_width, value + half_width, None)

@@ -134,5 +134,10 @@ def test_a_servo_model_is_that_of_the_program(tmp_path):
     assert servo is not None and servo.quantities["delay"].value > 0.0
     response = servo.simulate([0.0] * 50 + [10.0] * 150)
     assert response.lower is not None and (response.lower <= response.value).all()
+    stepped = servo.simulate([10.0] * 150, at_rest=0.0)
+    known = servo.simulate([0.0] + [10.0] * 150)
+    np.testing.assert_array_equal(stepped.value, known.value[1:])
+    np.testing.assert_array_equal(stepped.lower, known.lower[1:])
+    assert stepped.value[0] == pytest.approx(0.0, abs=0.1) and stepped.value[-1] == pytest.approx(10.0, abs=0.1)
     beyond = servo.simulate([0.0] * 50 + [500.0] * 150)
     assert beyond.lower is None and beyond.withdrawn is not None and beyond.withdrawn[0] == "beyond_record"

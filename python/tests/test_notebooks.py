@@ -1,0 +1,53 @@
+"""The notebooks run as they stand, and print what is stored in them."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+NOTEBOOKS = Path(__file__).parent.parent / "notebooks"
+NEEDED = ("ipykernel", "jsbsim", "matplotlib", "nbclient")
+# One run takes some seconds; a kernel that hangs ends here.
+LIMIT_S = 100
+
+
+def printed(cell):
+    """What a cell has printed and shown, without its figures: their pixels are matplotlib's."""
+    texts = [output["text"] for output in cell.get("outputs", []) if output["output_type"] == "stream"]
+    results = [
+        output["data"]["text/plain"] for output in cell.get("outputs", []) if output["output_type"] == "execute_result"
+    ]
+    return "".join(texts + results)
+
+
+def figures(cell):
+    """Number of figures of a cell."""
+    return sum("image/png" in output.get("data", {}) for output in cell.get("outputs", []))
+
+
+@pytest.mark.parametrize("name", ["tutorial", "paper"])
+def test_a_notebook_prints_what_is_stored_in_it(name, tmp_path):
+    for needed in NEEDED:
+        if "CI" not in os.environ:
+            pytest.importorskip(needed, reason=f"SKIPPED: the notebooks need {needed}")
+    import nbclient
+    import nbformat
+    from jupyter_client.manager import AsyncKernelManager
+
+    stored = nbformat.read(NOTEBOOKS / f"{name}.ipynb", as_version=4)
+    run = nbformat.from_dict(stored)
+    for cell in run.cells:
+        cell.pop("outputs", None)
+        if cell.cell_type == "code":
+            cell.outputs = []
+    # A kernel behind files and not ports: nothing of it can be reached from elsewhere.
+    manager = AsyncKernelManager(kernel_name="python3", transport="ipc", ip=str(tmp_path / "kernel"))
+    nbclient.NotebookClient(run, km=manager, timeout=LIMIT_S).execute()
+    for before, after in zip(stored.cells, run.cells, strict=True):
+        assert (printed(after), figures(after)) == (printed(before), figures(before)), before.source
+    assert sum(map(figures, run.cells)) > 3
+
+
+@pytest.mark.parametrize("name", ["tutorial", "paper"])
+def test_a_notebook_is_small(name):
+    assert (NOTEBOOKS / f"{name}.ipynb").stat().st_size < 300_000
