@@ -1,59 +1,22 @@
 //! A limit of the motor's current, which the equation does not have.
 //!
 //! It limits the torque to a share of what full drive gives at standstill, so that strokes begin and end with a smaller
-//! acceleration. A fit takes most of that for a longer delay and other top speeds, and the errors that are left are
-//! small. They have a known shape, which is looked for; and what may hide below the noise is part of every interval.
+//! acceleration. A fit takes most of that for a longer delay and other top speeds.
 
 use super::coordinates::Point;
-use super::descent_step::MOST;
-use super::error_row::Row;
-use super::noise_at_rest::NoiseAtRest;
-use super::score_test::score_test;
 use super::stretches::Stretch;
 use servoid_dynamics::{Grid, ServoParameters, State, Stepper};
 
 /// The largest torque, as a share of that of full drive at standstill. One share stands for all: limits have one shape.
 const SHARE: f64 = 0.7;
 
-/// The standard deviation of what a limit takes before a record is looked at, relative to that of [`SHARE`]: half of full
-/// drive takes about twice as much.
-const BEFOREHAND: f64 = 2.0;
-
-/// What a record says of a limit of the current.
-pub(super) struct CurrentLimit {
-    /// Whether the errors are those of one, beyond chance.
-    pub(super) is_seen: bool,
-    /// J'e for an error of the size that may hide in the record, by coordinate.
-    pub(super) hidden: [f64; MOST],
-}
-
-/// Looks for a limit in the errors of `point`; `None` where its drive has none of its own.
-pub(super) fn current_limit(
+/// What the limit would take from the simulated output of `point`, by stretch and sample \[output\]; `None` where the drive has no
+/// limit of its own, and nothing is known of the torque.
+pub(super) fn shortfall(
     stretches: &[Stretch],
     point: &Point,
     grid: &Grid,
-    rows: &[Vec<Row>],
-    noise: &NoiseAtRest,
-) -> Option<CurrentLimit> {
-    let columns = shortfall(stretches, point, grid)?;
-    let score = score_test(rows, point.values.len(), &columns, noise)?;
-    let size = (score.information + BEFOREHAND.powi(-2)).powf(-0.5);
-    let mut hidden = [0.0; MOST];
-    let samples = rows.iter().flatten().zip(columns.iter().flatten());
-    for (row, [column]) in samples.filter(|(row, _)| !row.error.is_nan()) {
-        for (hidden, slope) in hidden.iter_mut().zip(row.slope) {
-            *hidden += size * column * slope;
-        }
-    }
-    Some(CurrentLimit {
-        is_seen: score.is_beyond_chance(),
-        hidden,
-    })
-}
-
-/// What the limit would take from the simulated output of `point`, by stretch and sample \[output\]; `None` where the drive has no
-/// limit of its own, and nothing is known of the torque.
-fn shortfall(stretches: &[Stretch], point: &Point, grid: &Grid) -> Option<Vec<Vec<[f64; 1]>>> {
+) -> Option<Vec<Vec<[f64; 1]>>> {
     let of_stretch = |stretch: &Stretch| {
         let servo = point.physics(stretch.controller, |_, value| value);
         let most = servo.limit?.up * SHARE;

@@ -4,15 +4,15 @@
 //! covariance is H⁻¹ M H⁻¹ with H = J'J and M the covariance of J'e, where J are the derivatives of the outputs.
 //! M follows from the noise model; and from the products J'e of the blocks, which allow for noise that changes
 //! with the motion (P. J. Huber 1967; a sandwich by blocks). The larger of the two holds in every direction. What the
-//! equation may lack without the record showing it is added as an error that is constant over windows, and as that of a
-//! limit of the current.
+//! equation may lack without the record showing it is added as an error that is constant over windows, and as those of
+//! [parts of a known shape](super::hidden_parts).
 
 use super::coordinates::Point;
-use super::current_limit::current_limit;
 use super::descent_step::MOST;
 use super::discrepancy;
 use super::error_row::Row;
 use super::fit::Problem;
+use super::hidden_parts::hidden_parts;
 use super::motion::Motion;
 use super::noise_at_rest::NoiseAtRest;
 use super::possible_servo::PossibleServo;
@@ -44,8 +44,8 @@ pub(super) struct Uncertainty {
     pub(super) at_rest: Option<NoiseAtRest>,
     /// Samples over which errors of the equation are taken as constant.
     pub(super) window: usize,
-    /// Whether the errors are those of a limit of the current, beyond chance.
-    pub(super) has_current_limit: bool,
+    /// Whether the errors are those of a part that the equation does not have, beyond chance.
+    pub(super) has_hidden_part: bool,
     /// Upper limit of the root mean square of the error of the equation \[output\].
     pub(super) discrepancy: f64,
 }
@@ -105,10 +105,10 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     let modelled = by_noise_model(&rows, &ar, sigma, point.values.len());
     let blockwise = by_blocks(problem, &rows, blocks, point.values.len());
     let unseen = by_windows(&rows, window, discrepancy, point.values.len());
-    let current_limit = at_rest
-        .as_ref()
-        .and_then(|noise| current_limit(problem.stretches, point, &problem.grid, &rows, noise));
-    let hidden = current_limit.iter().map(|limit| &limit.hidden);
+    let hidden_parts = at_rest.as_ref().map_or_else(Vec::new, |noise| {
+        hidden_parts(problem.stretches, point, &problem.grid, &rows, noise)
+    });
+    let hidden = hidden_parts.iter().map(|part| &part.hidden);
     let hidden = sum_of_products(point.values.len(), hidden);
     let of_equation = part(&unseen) + part(&hidden);
     let middle = larger(&part(&modelled), &part(&blockwise)) + of_equation;
@@ -131,7 +131,7 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
         motion,
         at_rest,
         window,
-        has_current_limit: current_limit.is_some_and(|limit| limit.is_seen),
+        has_hidden_part: hidden_parts.iter().any(|part| part.is_seen),
         discrepancy,
     }
 }

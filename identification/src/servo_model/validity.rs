@@ -24,7 +24,7 @@ pub(super) fn against(stretches: &[Stretch], point: &Point, found: &Uncertainty)
     }
     let follow = lack_of_fit::follows_command(stretches, point, found)
         || lack_of_fit::has_play(point, found)
-        || found.has_current_limit;
+        || found.has_hidden_part;
     (follow || grows_with_motion(found)).then_some(Reason::ErrorsNotNoise)
 }
 

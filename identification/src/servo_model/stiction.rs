@@ -1,0 +1,52 @@
+//! Friction at rest that is gone at a lower speed than the equation has it, or that the fit has left out.
+
+use super::coordinates::Point;
+use super::stretches::Stretch;
+use servoid_dynamics::{AtRest, Friction, Grid, ServoParameters, simulate};
+
+/// The speed at which half of the excess is gone, as a share of the top speed: a fifth of the equation's. One share stands for all:
+/// below it the shaft hardly moves.
+const SPEED_SHARE: f64 = 0.01;
+
+/// The excess over friction in motion, where the fit has found less.
+const EXCESS: f64 = 1.0;
+
+/// What such friction would take from the simulated output of `point`, by stretch and sample \[output\]; `None` for a servo
+/// without friction or without a top speed.
+pub(super) fn shortfall(
+    stretches: &[Stretch],
+    point: &Point,
+    grid: &Grid,
+) -> Option<Vec<Vec<[f64; 1]>>> {
+    let of_stretch = |stretch: &Stretch| {
+        let servo = point.physics(stretch.controller, |_, value| value);
+        let sticking = ServoParameters {
+            friction: Some(sticking(&servo)?),
+            ..servo
+        };
+        let [free, stuck] = [servo, sticking].map(|servo| outputs(&servo, stretch, grid));
+        Some(free.iter().zip(stuck).map(|(y, z)| [y - z]).collect())
+    };
+    stretches.iter().map(of_stretch).collect()
+}
+
+/// The friction of a servo, with more of it at rest and at the lowest speeds alone.
+fn sticking(servo: &ServoParameters) -> Option<Friction<f64>> {
+    let (friction, limit) = (servo.friction?, servo.limit?);
+    let speed = SPEED_SHARE * limit.up / limit.motor_damping;
+    let excess = friction
+        .at_rest
+        .map_or(EXCESS, |found| found.excess.max(EXCESS));
+    speed.is_finite().then_some(Friction {
+        at_rest: Some(AtRest { excess, speed }),
+        ..friction
+    })
+}
+
+fn outputs(servo: &ServoParameters, stretch: &Stretch, grid: &Grid) -> Vec<f64> {
+    let mut outputs = Vec::with_capacity(stretch.input.len());
+    simulate(servo, grid, &stretch.start, &stretch.input, |_, y| {
+        outputs.push(y);
+    });
+    outputs
+}
