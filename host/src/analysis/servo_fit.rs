@@ -9,9 +9,9 @@ use servoid_identification::servo_model::{self, ServoModelOptions, Watch};
 use servoid_identification::{Options, Record, Run, identify};
 
 /// Whether a servo model is looked for: on request, and where the linear result has no bounds, which leaves its user with
-/// little.
+/// little. Where the input follows the output the motion is that of a loop, and a model of it would be none of the servo.
 pub fn is_wanted(asked: bool, linear_bounds: Option<Reason>) -> bool {
-    asked || linear_bounds.is_some()
+    asked || linear_bounds.is_some_and(|reason| reason != Reason::InputFollowsOutput)
 }
 
 /// What was found of the servo as a machine.
@@ -138,4 +138,17 @@ fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<
         by_linear,
         by_servo,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_servo_is_looked_for_where_it_helps_and_not_behind_a_closed_loop() {
+        assert!(!is_wanted(false, None));
+        assert!(is_wanted(false, Some(Reason::ErrorsNotNoise)));
+        assert!(!is_wanted(false, Some(Reason::InputFollowsOutput)));
+        assert!(is_wanted(true, Some(Reason::InputFollowsOutput)));
+    }
 }

@@ -126,7 +126,7 @@ impl Flash {
         let seconds = (port.now() - begin).as_secs_f64();
         let rig = RigClient::connect(port, address);
         let rig = rig.context(
-            "the program is written and compared, but does not answer: set BOOT0 to 0 and press reset, then 'servoid info' shows it",
+            "the program is written and compared, but does not answer: set BOOT0 to 0 and press reset, then 'servoid info' shows it, unless the image is not servoid's",
         )?;
         let mismatches = mismatches(rig.hello());
         let done = Done {

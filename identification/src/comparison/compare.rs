@@ -59,8 +59,13 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     let mut comparison = of_curves([&a.model, &b.model], &curves, runs.as_ref(), options);
     comparison.runs = [a.record.runs().len(), b.record.runs().len()];
     comparison.p_value = match scatter::p_value(&a, &b) {
-        // A single run may be too short for a model of its own; then there is no test.
-        Err(Error::TooFewSamples { .. } | Error::OneDirection) => None,
+        // A single run may be too short for a model of its own, or one step from rest, which is constant; then there is no test.
+        Err(
+            Error::TooFewSamples { .. }
+            | Error::OneDirection
+            | Error::ConstantInput { .. }
+            | Error::ConstantOutput { .. },
+        ) => None,
         other => other?,
     };
     comparison.split = split.is_some();

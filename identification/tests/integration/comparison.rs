@@ -399,3 +399,23 @@ fn a_side_that_rests_elsewhere_is_named_though_the_step_responses_are_the_same()
     let found = compare(&a, &plain(&servo, 3), &options()).unwrap();
     assert!(!found.advice.iter().any(|a| a.check == Check::Zeros));
 }
+
+/// Each run is one step from rest, so its command alone is constant.
+#[test]
+fn runs_of_one_step_each_are_compared_as_recordings() {
+    let servo = servo();
+    let side = |first: u64| {
+        let runs = (0..4).map(|k| {
+            let level = if k % 2 == 0 { 5.0 } else { -5.0 };
+            let input = vec![level; 600];
+            let clean = respond_by_stroke(&servo, &servo, &input, 0.0, 0.0);
+            let run = Run::new(input, measured(&clean, 1.0, first + k)).unwrap();
+            run.with_input_at_rest(0.0)
+        });
+        Record::new(PERIOD, runs.collect()).unwrap()
+    };
+    let found = compare(&side(300), &side(310), &options()).unwrap();
+    assert_eq!(found.runs, [4, 4]);
+    assert_eq!(found.p_value, None);
+    assert_eq!(found.of, Subject::Runs);
+}

@@ -65,7 +65,7 @@ impl Export<'_> {
     /// part of the file.
     pub(super) fn statement(&self, held: bool) -> Vec<String> {
         let mut paragraphs = vec![format!(
-            "{}: servo model, exported by servoid {} from {}.",
+            "{}: linear model of a servo, exported by servoid {} from {}.",
             self.name,
             env!("CARGO_PKG_VERSION"),
             self.source

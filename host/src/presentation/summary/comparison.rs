@@ -117,7 +117,10 @@ pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(
         None if found.motions.is_none() => {
             "not tested: needs the recordings of three runs a side".to_owned()
         }
-        None => format!("not tested: needs three runs a side (here {runs_a} and {runs_b})"),
+        None if runs_a.min(runs_b) < 3 => {
+            format!("not tested: needs three runs a side (here {runs_a} and {runs_b})")
+        }
+        None => "not tested: some of the runs show no response by themselves".to_owned(),
     };
     add("chance, scatter of runs", chance);
     if let Some(over) = &found.over_prediction {
