@@ -3,6 +3,7 @@
 use super::completion_values;
 use super::output::Talk;
 use crate::data::clock_error::internal_clock_error;
+use crate::instrument::flash::embedded_image;
 use crate::instrument::port;
 use crate::instrument::rig::{ClientError, Mismatch, RigClient, TalkError, mismatches};
 use anyhow::Result;
@@ -33,6 +34,8 @@ struct Identity<'a> {
     mismatches: &'a [Mismatch],
     status: Option<Status>,
     health: Option<Health>,
+    /// Of the image inside this program; `None` where it was built without one.
+    image_sha256: Option<String>,
 }
 
 impl Info {
@@ -52,8 +55,10 @@ impl Info {
         let status = schema_equal.then(|| client.status()).transpose()?;
         let health = schema_equal.then(|| client.health()).transpose()?;
         let mismatches = mismatches(&hello);
+        let image_sha256 = embedded_image().map(|image| image.sha256());
         let text = describe(&hello, status.as_ref(), client.rejects())
             + &health.as_ref().map_or_else(String::new, describe_health)
+            + &describe_image(image_sha256.as_deref())
             + &explain(&mismatches);
         let answer = Identity {
             hello: &hello,
@@ -61,9 +66,20 @@ impl Info {
             mismatches: &mismatches,
             status,
             health,
+            image_sha256,
         };
         self.talk.result(text, &answer)
     }
+}
+
+/// The image that `servoid flash` would write; a board does not say which bytes it holds.
+fn describe_image(sha256: Option<&str>) -> String {
+    sha256.map_or_else(String::new, |sha256| {
+        format!(
+            "{:16} SHA-256 {sha256}, which 'servoid flash' writes\n",
+            "image inside"
+        )
+    })
 }
 
 fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> String {
