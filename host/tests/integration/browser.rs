@@ -162,13 +162,19 @@ fn made_page(dir: &Path) -> PathBuf {
     page
 }
 
+/// The browser; where there is none, `test` is said to be missing it.
+fn chromium_for(test: &str) -> Option<&'static str> {
+    let browser = chromium();
+    if browser.is_none() {
+        missing(test, "there is no chromium (apt-get install chromium)");
+    }
+    browser
+}
+
 #[test]
 fn every_plot_is_drawn_and_nothing_goes_wrong() {
-    let Some(browser) = chromium() else {
-        return missing(
-            "the report in a browser",
-            "there is no chromium (apt-get install chromium)",
-        );
+    let Some(browser) = chromium_for("the report in a browser") else {
+        return;
     };
     let dir = tempfile::tempdir().unwrap();
     let page = made_page(dir.path());
@@ -304,11 +310,8 @@ fn simulated(dir: &Path, servo: &str, seed: u64) -> PathBuf {
 
 #[test]
 fn the_first_screen_is_the_answer_on_a_desk_and_on_a_telephone() {
-    let Some(browser) = chromium() else {
-        return missing(
-            "the first screen of the report",
-            "there is no chromium (apt-get install chromium)",
-        );
+    let Some(browser) = chromium_for("the first screen of the report") else {
+        return;
     };
     let dir = tempfile::tempdir().unwrap();
     let [linear, aircraft] = ["linear", "aircraft"].map(|servo| simulated(dir.path(), servo, 1));

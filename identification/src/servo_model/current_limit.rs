@@ -3,28 +3,23 @@
 //! It limits the torque to a share of what full drive gives at standstill, so that strokes begin and end with a smaller
 //! acceleration. A fit takes most of that for a longer delay and other top speeds.
 
-use super::coordinates::Point;
 use super::stretches::Stretch;
 use servoid_dynamics::{Grid, ServoParameters, State, Stepper};
 
 /// The largest torque, as a share of that of full drive at standstill. One share stands for all: limits have one shape.
 const SHARE: f64 = 0.7;
 
-/// What the limit would take from the simulated output of `point`, by stretch and sample \[output\]; `None` where the drive has no
-/// limit of its own, and nothing is known of the torque.
+/// What the limit would take from the output of `servo` in each sample of a stretch \[output\]; `None` where the drive has no limit of its
+/// own, and nothing is known of the torque.
 pub(super) fn shortfall(
-    stretches: &[Stretch],
-    point: &Point,
+    servo: &ServoParameters,
+    stretch: &Stretch,
     grid: &Grid,
-) -> Option<Vec<Vec<[f64; 1]>>> {
-    let of_stretch = |stretch: &Stretch| {
-        let servo = point.physics(stretch.controller, |_, value| value);
-        let most = servo.limit?.up * SHARE;
-        let free = Weak::new(servo, f64::INFINITY, grid).outputs(stretch);
-        let limited = Weak::new(servo, most, grid).outputs(stretch);
-        Some(free.iter().zip(limited).map(|(y, z)| [y - z]).collect())
-    };
-    stretches.iter().map(of_stretch).collect()
+) -> Option<Vec<f64>> {
+    let most = servo.limit?.up * SHARE;
+    let free = Weak::new(*servo, f64::INFINITY, grid).outputs(stretch);
+    let limited = Weak::new(*servo, most, grid).outputs(stretch);
+    Some(free.iter().zip(limited).map(|(y, z)| y - z).collect())
 }
 
 /// A servo whose motor has a largest torque.

@@ -10,10 +10,13 @@ use super::noise_at_rest::NoiseAtRest;
 use super::score_test::score_test;
 use super::stretches::Stretch;
 use super::{current_limit, stiction};
-use servoid_dynamics::Grid;
+use servoid_dynamics::{Grid, ServoParameters};
 
 /// The standard deviation of the size of a part before a record is looked at, relative to that of its shape.
 const BEFOREHAND: f64 = 2.0;
+
+/// What a part would take from the output of a servo in each sample of a stretch \[output\]; `None` for a servo that cannot have it.
+type Shortfall = fn(&ServoParameters, &Stretch, &Grid) -> Option<Vec<f64>>;
 
 /// What a record says of a part.
 pub(super) struct HiddenPart {
@@ -31,16 +34,17 @@ pub(super) fn hidden_parts(
     rows: &[Vec<Row>],
     noise: &NoiseAtRest,
 ) -> Vec<HiddenPart> {
-    let shapes = [
-        current_limit::shortfall(stretches, point, grid),
-        stiction::shortfall(stretches, point, grid),
-    ];
-    let looked_for = |shape: Vec<Vec<[f64; 1]>>| part(&shape, point.values.len(), rows, noise);
-    shapes
-        .into_iter()
-        .flatten()
-        .filter_map(looked_for)
-        .collect()
+    let shortfalls: [Shortfall; 2] = [current_limit::shortfall, stiction::shortfall];
+    let looked_for = |shortfall: Shortfall| {
+        let of_stretch = |stretch: &Stretch| {
+            let servo = point.physics(stretch.controller, |_, value| value);
+            let samples = shortfall(&servo, stretch, grid)?;
+            Some(samples.into_iter().map(|error| [error]).collect())
+        };
+        let shape: Vec<_> = stretches.iter().map(of_stretch).collect::<Option<_>>()?;
+        part(&shape, point.values.len(), rows, noise)
+    };
+    shortfalls.into_iter().filter_map(looked_for).collect()
 }
 
 /// A part that takes `shape`, by stretch and sample, from the output.

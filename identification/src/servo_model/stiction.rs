@@ -1,6 +1,5 @@
 //! Friction at rest that is gone at a lower speed than the equation has it, or that the fit has left out.
 
-use super::coordinates::Point;
 use super::stretches::Stretch;
 use servoid_dynamics::{AtRest, Friction, Grid, ServoParameters, simulate};
 
@@ -11,23 +10,19 @@ const SPEED_SHARE: f64 = 0.01;
 /// The excess over friction in motion, where the fit has found less.
 const EXCESS: f64 = 1.0;
 
-/// What such friction would take from the simulated output of `point`, by stretch and sample \[output\]; `None` for a servo
-/// without friction or without a top speed.
+/// What such friction would take from the output of `servo` in each sample of a stretch \[output\]; `None` for a servo without friction or
+/// without a top speed.
 pub(super) fn shortfall(
-    stretches: &[Stretch],
-    point: &Point,
+    servo: &ServoParameters,
+    stretch: &Stretch,
     grid: &Grid,
-) -> Option<Vec<Vec<[f64; 1]>>> {
-    let of_stretch = |stretch: &Stretch| {
-        let servo = point.physics(stretch.controller, |_, value| value);
-        let sticking = ServoParameters {
-            friction: Some(sticking(&servo)?),
-            ..servo
-        };
-        let [free, stuck] = [servo, sticking].map(|servo| outputs(&servo, stretch, grid));
-        Some(free.iter().zip(stuck).map(|(y, z)| [y - z]).collect())
+) -> Option<Vec<f64>> {
+    let sticking = ServoParameters {
+        friction: Some(sticking(servo)?),
+        ..*servo
     };
-    stretches.iter().map(of_stretch).collect()
+    let [free, stuck] = [servo, &sticking].map(|servo| outputs(servo, stretch, grid));
+    Some(free.iter().zip(stuck).map(|(y, z)| y - z).collect())
 }
 
 /// The friction of a servo, with more of it at rest and at the lowest speeds alone.
