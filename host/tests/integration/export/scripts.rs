@@ -53,7 +53,7 @@ sys.path.insert(0, sys.argv[1])
 import servo_bench_1 as servo
 show = lambda values: print(*(repr(float(v)) for v in np.ravel(values)))
 ones = np.ones(len(servo.STEP))
-assert 'servo model' in servo.__doc__
+assert 'linear model of a servo' in servo.__doc__
 show(servo.simulate(TRIAL))
 if servo.control is not None:
     import control
