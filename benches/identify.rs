@@ -84,9 +84,9 @@ fn slices(samples: usize) -> (Vec<f64>, Vec<f64>) {
     Servo::new().take(samples).unzip()
 }
 
-fn record(samples: usize) -> Record {
+fn record(samples: usize) -> Record<'static> {
     let (u, y) = slices(samples);
-    Record::from_slices(PERIOD, &u, &y).expect("a simulated record is sound")
+    Record::of_run(PERIOD, u, y).expect("a simulated record is sound")
 }
 
 fn fixed() -> Options {
@@ -106,7 +106,7 @@ fn whole(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(samples as u64));
         group.bench_function(format!("{samples} samples in at most {limit}"), |bencher| {
             bencher.iter(|| {
-                let record = Record::from_slices(PERIOD, black_box(&u), &y).unwrap();
+                let record = Record::of_run(PERIOD, black_box(&u), &y).unwrap();
                 identify(&record, &fixed()).unwrap()
             });
         });
@@ -207,14 +207,15 @@ fn servo_model(criterion: &mut Criterion) {
 }
 
 /// 60 degrees a second at the most upwards, 80 downwards.
-fn speed_limited(samples: usize) -> Record {
-    let input = &sizes(1.0, 120)[..samples];
-    let clean = limited(0.7, 50.0, Limit::Rate(60.0, 80.0), input, 0.0);
+fn speed_limited(samples: usize) -> Record<'static> {
+    let mut input = sizes(1.0, 120);
+    input.truncate(samples);
+    let clean = limited(0.7, 50.0, Limit::Rate(60.0, 80.0), &input, 0.0);
     let output = measured(&clean, 1.0, 3);
-    Record::from_slices(PERIOD, input, &output).expect("a simulated record is sound")
+    Record::of_run(PERIOD, input, output).expect("a simulated record is sound")
 }
 
-fn loaded_runs() -> Record {
+fn loaded_runs() -> Record<'static> {
     const RUN: usize = 152;
     const RUN_PERIOD: f64 = 0.02;
     let servo = ServoParameters {

@@ -16,9 +16,9 @@ use servoid_test_support::servos::{
 /// A servo as a function of its input and where it starts.
 type Servo = dyn Fn(&[f64], f64) -> Vec<f64> + Sync;
 
-fn identified(input: &[f64], clean: &[f64], seed: u64) -> (Record, Model) {
+fn identified(input: &[f64], clean: &[f64], seed: u64) -> (Record<'static>, Model) {
     let record =
-        Record::from_slices(PERIOD, input, &measured(clean, 1.0, seed)).expect("simulated");
+        Record::of_run(PERIOD, input.to_vec(), measured(clean, 1.0, seed)).expect("simulated");
     let model = identify(&record, &Options::default()).expect("well excited");
     (record, model)
 }
@@ -144,8 +144,7 @@ fn comparisons(pairs: u64) {
             .into_par_iter()
             .map(|seed| {
                 let record = |clean: &[f64], seed| {
-                    Record::from_slices(PERIOD, &input, &measured(clean, 1.0, seed))
-                        .expect("simulated")
+                    Record::of_run(PERIOD, &input, measured(clean, 1.0, seed)).expect("simulated")
                 };
                 let (a, b) = (record(&clean, 2 * seed), record(&changed, 2 * seed + 1));
                 compare(&a, &b, &ComparisonOptions::default()).expect("well excited")

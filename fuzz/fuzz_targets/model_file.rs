@@ -34,7 +34,7 @@ fuzz_target!(|text: &str| {
     assert!(!summary::of_model("x", &model, Units::default(), all).is_empty());
 
     let input: Vec<f64> = (0..200).map(|k| f64::from(k / 7 % 2)).collect();
-    let record = Record::from_slices(model.sample_period_s, &input, &input);
+    let record = Record::of_run(model.sample_period_s, &input, &input);
     if let Ok(found) = record.and_then(|record| model.validate(&record)) {
         let _ = summary::of_validation(&found, None, None, &model.advice);
     }

@@ -7,8 +7,7 @@ from typing import Any
 
 from . import _servoid
 from ._model import Model
-from ._recording import READ_OPTIONS, Recording, as_recording
-from ._recording import recording as of_arrays
+from ._recording import ARRAYS, READ_OPTIONS, Recording, array_runs, as_recording
 
 
 def identify(
@@ -87,24 +86,7 @@ def identify(
         ...
     servoid.ServoidError: run 1: the input has 3600 samples and the output 3599: give one input value for each ...
     """
-    if y is None:
-        _refuse_options_of_arrays(phase, controllers, input_unit, output_unit)
-        options = {"period": period, "at_rest": at_rest, **reading}
-        recording = as_recording(u, {name: value for name, value in options.items() if value is not None})
-    else:
-        if reading:
-            raise TypeError(f"identify() of arrays got unexpected options {', '.join(sorted(reading))}")
-        recording = of_arrays(
-            u,
-            y,
-            period=period,
-            phase=phase,
-            at_rest=at_rest,
-            controllers=controllers,
-            input_unit=input_unit,
-            output_unit=output_unit,
-        )
-    options = {
+    wanted = {
         "settling": str(settling),
         "frequencies": str(frequencies),
         "noise_order": str(noise_order),
@@ -115,9 +97,27 @@ def identify(
         "servo_model": servo_model,
         "limits": limits,
     }
-    # How files were read is said where it was not said before.
-    remarks = () if isinstance(u, Recording) else recording.remarks
-    return Model(_servoid.identify(recording._data, options), remarks)
+    if y is None:
+        _refuse_options_of_arrays(phase, controllers, input_unit, output_unit)
+        options = {"period": period, "at_rest": at_rest, **reading}
+        recording = as_recording(u, {name: value for name, value in options.items() if value is not None})
+        # How files were read is said where it was not said before.
+        said = isinstance(u, Recording)
+        return Model(_servoid.identify(recording._data, wanted), () if said else recording.remarks)
+    if reading:
+        raise TypeError(f"identify() of arrays got unexpected options {', '.join(sorted(reading))}")
+    runs, of_arrays = array_runs(
+        u,
+        y,
+        period=period,
+        phase=phase,
+        at_rest=at_rest,
+        controllers=controllers,
+        input_unit=input_unit,
+        output_unit=output_unit,
+    )
+    core, remarks = _servoid.identify_arrays(runs, ARRAYS, of_arrays, wanted)
+    return Model(core, tuple(remarks))
 
 
 def _refuse_options_of_arrays(phase: float, *others: Any) -> None:

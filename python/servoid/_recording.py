@@ -230,6 +230,35 @@ def recording(
     >>> len(servoid.recording([u, u], [y, y], period=0.002).runs)
     2
     """
+    runs, options = array_runs(
+        u,
+        y,
+        period=period,
+        phase=phase,
+        at_rest=at_rest,
+        controllers=controllers,
+        input_unit=input_unit,
+        output_unit=output_unit,
+    )
+    return Recording(_servoid.Data.of_arrays(runs, ARRAYS, options))
+
+
+ARRAYS = "arrays"
+"""What data are called that come as arrays."""
+
+
+def array_runs(
+    u: Any,
+    y: Any,
+    *,
+    period: float | None,
+    phase: float,
+    at_rest: float | Sequence[float | None] | None,
+    controllers: Sequence[float] | None,
+    input_unit: str | None,
+    output_unit: str | None,
+) -> tuple[list[tuple[Column, Column]], dict[str, Any]]:
+    """The columns of each run, and what the library wants to know of them. Arrays of float64 are not copied."""
     if period is None:
         raise _servoid.ServoidError(
             "say how far apart the samples are: period=, in seconds"
@@ -264,7 +293,7 @@ def recording(
         "input_unit": input_unit,
         "output_unit": output_unit,
     }
-    return Recording(_servoid.Data.of_arrays(runs, "arrays", options))
+    return runs, options
 
 
 def as_recording(source: Any, options: dict[str, Any], like: Model | None = None) -> Recording:

@@ -14,6 +14,7 @@ __all__ = [
     "compare",
     "compare_models",
     "identify",
+    "identify_arrays",
     "plan",
     "run_program",
     "simulate",
@@ -76,6 +77,12 @@ class Model:
     ) -> tuple[_Column, _Column | None, tuple[str, str] | None]: ...
 
 def identify(data: Data, options: _Options) -> Model: ...
+def identify_arrays(
+    runs: Sequence[tuple[_Column, _Column]],
+    name: str,
+    arrays: _Options,
+    options: _Options,
+) -> tuple[Model, list[str]]: ...
 def compare(a: Data, b: Data, options: _Options) -> tuple[str, str]: ...
 def compare_models(a: Model, b: Model, options: _Options) -> tuple[str, str]: ...
 def validate(model: Model, data: Data) -> tuple[str, str]: ...

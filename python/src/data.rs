@@ -6,12 +6,13 @@ use crate::error::raised;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use servoid::data::dataset::{self, ArrayRun, Arrays, Dataset, DatasetOptions, TimeUnit};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A data set, and how it was read.
 pub(crate) struct Source {
-    pub(crate) dataset: Dataset,
+    pub(crate) dataset: Dataset<'static>,
     pub(crate) name: String,
     pub(crate) read_as: DatasetOptions,
 }
@@ -61,7 +62,7 @@ impl ReadOptions {
 /// Runs as arrays, one entry of each list for each run.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct ArrayOptions {
+pub(crate) struct ArrayOptions {
     period: f64,
     phase: f64,
     at_rest: Vec<Option<f64>>,
@@ -70,8 +71,46 @@ struct ArrayOptions {
     output_unit: Option<String>,
 }
 
+/// Input and output of one run, as arrays of the caller.
+pub(crate) type ArrayColumns<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
+
+impl ArrayOptions {
+    /// These runs, which are called `name`. Only arrays with gaps between their values are copied.
+    pub(crate) fn with_runs<'a>(self, name: &str, runs: &'a [ArrayColumns<'_>]) -> Arrays<'a> {
+        let runs = runs.iter().zip(self.at_rest);
+        let runs = runs.map(|((input, output), at_rest)| ArrayRun {
+            input: lent(input),
+            output: lent(output),
+            at_rest,
+        });
+        Arrays {
+            name: name.to_owned(),
+            period_s: self.period,
+            phase_s: self.phase,
+            runs: runs.collect(),
+            controllers: self.controllers,
+            input_unit: self.input_unit,
+            output_unit: self.output_unit,
+        }
+    }
+}
+
+/// The values of an array, without a copy where they lie next to each other.
+pub(crate) fn lent<'a>(array: &'a PyReadonlyArray1<'_, f64>) -> Cow<'a, [f64]> {
+    match array.as_slice() {
+        Ok(values) => values.into(),
+        Err(_) => array.as_array().to_vec().into(),
+    }
+}
+
+/// What a user should know about the data.
+pub(crate) fn remarks(dataset: &Dataset) -> Vec<String> {
+    let remarks = dataset.about.remarks.iter();
+    remarks.map(|remark| in_python(remark)).collect()
+}
+
 impl Data {
-    fn of(dataset: Dataset, name: String, read_as: DatasetOptions) -> Self {
+    fn of(dataset: Dataset<'static>, name: String, read_as: DatasetOptions) -> Self {
         Self(Arc::new(Source {
             dataset,
             name,
@@ -125,29 +164,15 @@ impl Data {
         })
     }
 
-    /// Arrays of samples. They are copied once: the caller may change them while another thread computes.
+    /// Arrays of samples, copied: the data outlive the call, and do not change with the arrays of the caller.
     #[staticmethod]
     fn of_arrays(
         py: Python<'_>,
-        runs: Vec<(PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)>,
+        runs: Vec<ArrayColumns<'_>>,
         name: String,
         options: ArrayOptions,
     ) -> PyResult<Self> {
-        let runs = runs.iter().zip(options.at_rest);
-        let runs = runs.map(|((input, output), at_rest)| ArrayRun {
-            input: input.as_array().to_vec(),
-            output: output.as_array().to_vec(),
-            at_rest,
-        });
-        let arrays = Arrays {
-            name: name.clone(),
-            period_s: options.period,
-            phase_s: options.phase,
-            runs: runs.collect(),
-            controllers: options.controllers,
-            input_unit: options.input_unit,
-            output_unit: options.output_unit,
-        };
+        let arrays = options.with_runs(&name, &runs).into_owned();
         let dataset = py.detach(|| dataset::of_arrays(arrays)).map_err(raised)?;
         Ok(Self::of(dataset, name, DatasetOptions::default()))
     }
@@ -187,8 +212,7 @@ impl Data {
     /// What a user should know about the files.
     #[getter]
     fn remarks(&self) -> Vec<String> {
-        let remarks = self.0.dataset.about.remarks.iter();
-        remarks.map(|remark| in_python(remark)).collect()
+        remarks(&self.0.dataset)
     }
 
     /// Input and output of each run.

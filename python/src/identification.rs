@@ -1,11 +1,12 @@
 //! Identification.
 
-use crate::compute::compute;
-use crate::data::Data;
+use crate::compute::{Interrupted, compute, compute_borrowed};
+use crate::data::{ArrayColumns, ArrayOptions, Data, remarks};
 use crate::error::raised;
 use crate::model::Model;
 use pyo3::prelude::*;
 use servoid::analysis::{Identified, IdentifyRequest, to_json};
+use servoid::data::dataset::{self, Dataset, DatasetOptions};
 use servoid_identification::Options;
 
 /// The options of `servoid identify`, as texts where it takes words.
@@ -55,10 +56,39 @@ pub(crate) fn identify(
     let source = data.get().0.clone();
     let request = options.request()?;
     compute(py, move |interrupted| {
-        let (data, name) = (&source.dataset, &source.name);
-        let found = Identified::of(data, name, &request, || interrupted)?;
-        let document = to_json(&found.document(data, source.read_as.clone()))?;
-        let summary = found.as_text(data, name, false);
-        Model::of(document, name.clone(), Some(summary))
+        let (data, read_as) = (&source.dataset, source.read_as.clone());
+        identified(data, &source.name, read_as, &request, interrupted)
     })
+}
+
+/// The model of arrays, and what a user should know about them. Arrays of the caller are read where they are.
+#[pyfunction]
+pub(crate) fn identify_arrays(
+    py: Python<'_>,
+    runs: Vec<ArrayColumns<'_>>,
+    name: String,
+    arrays: ArrayOptions,
+    options: IdentifyOptions,
+) -> PyResult<(Model, Vec<String>)> {
+    let request = options.request()?;
+    let arrays = arrays.with_runs(&name, &runs);
+    compute_borrowed(py, |interrupted| {
+        let data = dataset::of_arrays(arrays)?;
+        let read_as = DatasetOptions::default();
+        let model = identified(&data, &name, read_as, &request, interrupted)?;
+        Ok((model, remarks(&data)))
+    })
+}
+
+fn identified(
+    data: &Dataset,
+    name: &str,
+    read_as: DatasetOptions,
+    request: &IdentifyRequest,
+    interrupted: Interrupted,
+) -> anyhow::Result<Model> {
+    let found = Identified::of(data, name, request, || interrupted)?;
+    let document = to_json(&found.document(data, read_as))?;
+    let summary = found.as_text(data, name, false);
+    Model::of(document, name.to_owned(), Some(summary))
 }

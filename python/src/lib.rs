@@ -31,7 +31,7 @@ mod _servoid {
     #[pymodule_export]
     use crate::error::ServoidError;
     #[pymodule_export]
-    use crate::identification::identify;
+    use crate::identification::{identify, identify_arrays};
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]

@@ -1,6 +1,7 @@
 //! Models: their document, and what can be computed with them.
 
 use crate::compute::compute;
+use crate::data::lent;
 use crate::error::raised;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -9,6 +10,7 @@ use servoid::presentation::plots::{self, Named};
 use servoid::presentation::summary::{self, Extent};
 use servoid_identification::Run;
 use servoid_identification::results::{Bounds, Reason, Withdrawn};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// A model as its document has it.
@@ -36,12 +38,12 @@ impl Model {
         })
     }
 
-    fn run(
-        input: &PyReadonlyArray1<'_, f64>,
-        output: Vec<f64>,
+    fn run<'a>(
+        input: Cow<'a, [f64]>,
+        output: Cow<'a, [f64]>,
         at_rest: Option<f64>,
-    ) -> PyResult<Run> {
-        let run = Run::new(input.as_array().to_vec(), output).map_err(raised)?;
+    ) -> PyResult<Run<'a>> {
+        let run = Run::new(input, output).map_err(raised)?;
         Ok(match at_rest {
             Some(input) => run.with_input_at_rest(input),
             None => run,
@@ -123,7 +125,7 @@ impl Model {
         at_rest: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let unknown = vec![f64::NAN; input.as_array().len()];
-        let run = Self::run(&input, unknown, at_rest)?;
+        let run = Self::run(lent(&input), unknown.into(), at_rest)?;
         let output = py.detach(|| self.file.model.simulate(&run));
         Ok(PyArray1::from_vec(py, output))
     }
@@ -136,7 +138,7 @@ impl Model {
         output: PyReadonlyArray1<'py, f64>,
         at_rest: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let run = Self::run(&input, output.as_array().to_vec(), at_rest)?;
+        let run = Self::run(lent(&input), lent(&output), at_rest)?;
         let predicted = py.detach(|| self.file.model.predict(&run));
         Ok(PyArray1::from_vec(py, predicted))
     }
@@ -169,7 +171,7 @@ impl Model {
         }?;
         // It checks that the values can be computed with; a servo model knows no missing input.
         let unknown = vec![f64::NAN; input.as_array().len()];
-        let run = Self::run(&input, unknown, None)?;
+        let run = Self::run(lent(&input), unknown.into(), None)?.into_owned();
         if run.is_empty() || run.input().iter().any(|value| value.is_nan()) {
             return Err(raised(anyhow::anyhow!(
                 "the servo model needs an input without missing samples"

@@ -141,3 +141,12 @@ def test_a_servo_model_is_that_of_the_program(tmp_path):
     assert stepped.value[0] == pytest.approx(0.0, abs=0.1) and stepped.value[-1] == pytest.approx(10.0, abs=0.1)
     beyond = servo.simulate([0.0] * 50 + [500.0] * 150)
     assert beyond.lower is None and beyond.withdrawn is not None and beyond.withdrawn[0] == "beyond_record"
+
+
+def test_arrays_are_read_alike_wherever_their_values_lie():
+    u, y = servoid.simulate("linear").runs[0]
+    whole = servoid.identify(u, y, period=0.002)
+    table = np.column_stack([u, y])
+    assert servoid.identify(table[:, 0], table[:, 1], period=0.002).to_dict() == whole.to_dict()
+    recorded = servoid.recording(u, y, period=0.002)
+    assert servoid.identify(recorded).to_dict() == whole.to_dict()

@@ -108,8 +108,7 @@ impl Loop {
             }
         }
         Trial {
-            record: Record::from_slices(PERIOD, &input, &output)
-                .expect("a simulated record is sound"),
+            record: Record::of_run(PERIOD, input, output).expect("a simulated record is sound"),
             truth: step,
         }
     }

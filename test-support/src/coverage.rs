@@ -31,7 +31,7 @@ pub struct Case {
 
 /// One recording of a servo whose response to a step is known.
 pub struct Trial {
-    pub record: Record,
+    pub record: Record<'static>,
     /// The exact response to a unit step from sample 0 on, longer than any N.
     pub truth: Vec<f64>,
 }
@@ -185,8 +185,7 @@ impl Case {
         };
         let output = simulate(self.plant, self.noise, &input, self.scale, &mut random);
         Trial {
-            record: Record::from_slices(PERIOD, &input, &output)
-                .expect("a simulated record is sound"),
+            record: Record::of_run(PERIOD, input, output).expect("a simulated record is sound"),
             truth: self.plant.step(LONGEST_TRUTH),
         }
     }

@@ -206,7 +206,7 @@ fn output(clean: &[f64], sensor: Sensor, seed: u64) -> Vec<f64> {
 }
 
 fn outcome(truth: &Truth, input: &[f64], output: &[f64]) -> Outcome {
-    let record = Record::from_slices(PERIOD, input, output).unwrap();
+    let record = Record::of_run(PERIOD, input, output).unwrap();
     let model = identify(&record, &Options::default()).unwrap();
     let m = &model.metrics;
     let intervals: [Interval; 6] = [

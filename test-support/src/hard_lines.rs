@@ -122,7 +122,7 @@ impl HardLine {
         }
     }
 
-    fn run(&self, random: &mut ChaCha8Rng) -> Run {
+    fn run(&self, random: &mut ChaCha8Rng) -> Run<'static> {
         let mut input = match self.drive {
             Drive::Staircase => staircase(),
             Drive::Prbs => prbs(random),

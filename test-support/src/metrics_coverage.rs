@@ -62,7 +62,7 @@ pub fn run(case: &Case, runs: u64, seed: u64) -> [Coverage; 8] {
         .into_par_iter()
         .map(|k| {
             let output = measured(&clean, case.noise, seed + k);
-            let record = Record::from_slices(PERIOD, &input, &output)
+            let record = Record::of_run(PERIOD, &input, &output)
                 .unwrap()
                 .with_sample_phase(case.sample_phase_s);
             let options = Options {

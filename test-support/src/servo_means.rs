@@ -47,7 +47,7 @@ impl Means {
         [first, second]
     }
 
-    fn record(&self, servo: &Linear, random: &mut ChaCha8Rng) -> Record {
+    fn record(&self, servo: &Linear, random: &mut ChaCha8Rng) -> Record<'static> {
         let input = staircase();
         let run = |_| {
             let mut servo = servo.clone();
@@ -55,7 +55,7 @@ impl Means {
             servo.delay_s += self.delay_sd_s * normal(random);
             let clean = servo.respond(&input, -5.0, 0.0);
             let seed = rand::Rng::next_u64(random);
-            Run::new(input.as_slice(), measured(&clean, 1.0, seed)).expect("one length")
+            Run::new(input.clone(), measured(&clean, 1.0, seed)).expect("one length")
         };
         let runs: Vec<Run> = (0..self.runs).map(run).collect();
         Record::new(PERIOD, runs).expect("it moves")

@@ -92,7 +92,7 @@ fn fit(
 
 /// The run, with the command before it that would have held the linear servo at the first output, where nothing else is
 /// stated: the servo model begins there too, and a linear model that waits for its history would know nothing of a short run.
-fn from_rest(run: &Run, linear: &Model) -> Run {
+fn from_rest<'a>(run: &Run<'a>, linear: &Model) -> Run<'a> {
     let held_by = |output: f64, gain: f64| (output - linear.offset) / gain;
     let before = run.output().first().zip(linear.step.value.last());
     match before.map(|(output, gain)| held_by(*output, *gain)) {

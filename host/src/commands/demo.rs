@@ -138,7 +138,7 @@ impl Demo {
     }
 
     /// Captures a simulated servo and identifies it.
-    fn measure(&self, condition: &str) -> Result<(Servo, Record)> {
+    fn measure(&self, condition: &str) -> Result<(Servo, Record<'static>)> {
         let talk = self.output.talk;
         let files = [self.out.join(format!("{condition}.csv"))];
         let job = CaptureJob {

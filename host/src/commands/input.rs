@@ -87,7 +87,7 @@ impl TableArgs {
     }
 
     /// The runs of these files together.
-    pub(super) fn load(&self, files: &[PathBuf], talk: Talk) -> Result<Dataset> {
+    pub(super) fn load(&self, files: &[PathBuf], talk: Talk) -> Result<Dataset<'static>> {
         self.load_as(&DatasetOptions::default(), files, talk)
     }
 
@@ -98,7 +98,7 @@ impl TableArgs {
         model: &DatasetOptions,
         files: &[PathBuf],
         talk: Talk,
-    ) -> Result<Dataset> {
+    ) -> Result<Dataset<'static>> {
         let data = dataset::load_as(files, &self.options(), model)?;
         data.about
             .remarks
@@ -108,7 +108,11 @@ impl TableArgs {
     }
 
     /// The two sides of a comparison.
-    pub(super) fn load_sides(&self, sides: [&[PathBuf]; 2], talk: Talk) -> Result<[Dataset; 2]> {
+    pub(super) fn load_sides(
+        &self,
+        sides: [&[PathBuf]; 2],
+        talk: Talk,
+    ) -> Result<[Dataset<'static>; 2]> {
         let sides = dataset::load_sides(sides, &self.options())?;
         let remarks = sides.iter().flat_map(|side| &side.about.remarks);
         remarks.for_each(|remark| talk.say(remark));

@@ -109,7 +109,7 @@ impl Report {
         Ok(servo)
     }
 
-    fn servo(&self, files: &[PathBuf], data: Dataset) -> Result<Servo> {
+    fn servo(&self, files: &[PathBuf], data: Dataset<'static>) -> Result<Servo> {
         let (options, talk) = (Options::default(), self.output.talk);
         let found = identified(&data, &listed(files), &options)?;
         let machine =

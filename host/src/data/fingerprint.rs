@@ -101,7 +101,7 @@ fn runs(count: usize) -> String {
 mod tests {
     use super::*;
 
-    fn record(runs: &[[f64; 3]]) -> Record {
+    fn record(runs: &[[f64; 3]]) -> Record<'static> {
         let run = |output: &[f64; 3]| Run::new(vec![1.0, 2.0, 3.0], output.to_vec()).unwrap();
         Record::new(0.002, runs.iter().map(run).collect()).unwrap()
     }

@@ -9,11 +9,11 @@ const RUNS: usize = 4;
 
 /// A stretch, and the data without it.
 #[derive(Clone, Debug)]
-pub struct HeldOut {
+pub struct HeldOut<'a> {
     /// The data without the stretch.
-    pub rest: Dataset,
+    pub rest: Dataset<'a>,
     /// The whole run to which it belongs.
-    pub run: Run,
+    pub run: Run<'a>,
     /// The name of what drove that run; `None` where all runs have the same.
     pub controller: Option<f64>,
     /// The samples of the run that are held out.
@@ -22,17 +22,17 @@ pub struct HeldOut {
     pub words: &'static str,
 }
 
-impl HeldOut {
+impl<'a> HeldOut<'a> {
     /// Holds out the last run of four or more, else the last fifth of the last run. A controller that drives no other run
     /// is not held out. `None` where nothing can be identified from the rest.
     #[must_use]
-    pub fn of(data: &Dataset) -> Option<Self> {
+    pub fn of(data: &'a Dataset) -> Option<Self> {
         let runs = data.record.runs();
         let spared = (0..runs.len())
             .rev()
             .find(|&run| runs.len() >= RUNS && data.controllers.drives_another_than(run));
         let number = spared.or(runs.len().checked_sub(1))?;
-        let run = runs.get(number)?.clone();
+        let run = runs.get(number)?;
         let (first, words) = match spared {
             Some(run) if run + 1 == runs.len() => (0, "the last run"),
             Some(_) => (0, "one run"),
@@ -58,7 +58,7 @@ impl HeldOut {
             },
             samples: first..run.len(),
             controller: data.controllers.of_run(number),
-            run,
+            run: run.clone(),
             words,
         })
     }
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
     use crate::data::dataset::{About, Controllers};
 
-    fn data(runs: usize, controllers: &[f64]) -> Dataset {
+    fn data(runs: usize, controllers: &[f64]) -> Dataset<'static> {
         let run = |k: usize| {
             let u: Vec<f64> = (0..10).map(|j| ((j + k) % 3) as f64).collect();
             Run::new(u.clone(), u).unwrap()
@@ -85,21 +85,24 @@ mod tests {
 
     #[test]
     fn of_many_runs_one_is_held_out_and_of_few_the_end() {
-        let one = HeldOut::of(&data(1, &[])).unwrap();
+        let [one, many] = [1, 5].map(|runs| data(runs, &[]));
+        let one = HeldOut::of(&one).unwrap();
         assert_eq!(one.samples, 8..10);
         assert_eq!(one.rest.record.samples(), 8);
         assert_eq!(one.rest.record.sample_phase_s(), 0.002);
-        let many = HeldOut::of(&data(5, &[])).unwrap();
+        let many = HeldOut::of(&many).unwrap();
         assert_eq!((many.samples, many.words), (0..10, "the last run"));
         assert_eq!(many.rest.record.runs().len(), 4);
     }
 
     #[test]
     fn a_controller_that_drives_no_other_run_stays() {
-        let all = HeldOut::of(&data(4, &[400.0, 400.0, 400.0, 800.0])).unwrap();
+        let all = data(4, &[400.0, 400.0, 400.0, 800.0]);
+        let all = HeldOut::of(&all).unwrap();
         assert_eq!(all.controller, Some(400.0));
         assert_eq!(all.rest.controllers.names(), [400.0, 800.0]);
-        let none = HeldOut::of(&data(4, &[1.0, 2.0, 3.0, 4.0])).unwrap();
+        let none = data(4, &[1.0, 2.0, 3.0, 4.0]);
+        let none = HeldOut::of(&none).unwrap();
         assert_eq!(none.controller, Some(4.0));
         assert_eq!(none.samples, 8..10);
         assert_eq!(none.rest.controllers.names(), [1.0, 2.0, 3.0, 4.0]);

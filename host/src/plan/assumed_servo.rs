@@ -64,7 +64,7 @@ impl AssumedServo {
             input.extend(angles.iter().map(|_| degrees(offset)));
             output.extend(angles);
         }
-        let record = Record::from_slices(f64::from(SAMPLE_US) * 1e-6, &input, &output)?;
+        let record = Record::of_run(f64::from(SAMPLE_US) * 1e-6, &input, &output)?;
         Ok(Self {
             name: format!("the simulated servo '{name}'"),
             model: identify(&record, &Options::default())?,

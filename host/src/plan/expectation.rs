@@ -20,7 +20,7 @@ pub(super) struct Expectation {
     /// One identification of simulated runs.
     pub example: Model,
     /// The record of these runs.
-    pub record: Record,
+    pub record: Record<'static>,
 }
 
 /// Widths of single runs scatter by some 20 %. A band wider than this factor times its noise part is wider
@@ -53,7 +53,8 @@ impl Expectation {
             let model = expected_model(&example, &record, &assumed.model, level)?;
             all.push((model, example, record));
         }
-        let is_bounded = |(model, ..): &(Model, Model, Record)| model.bounds.valid().is_some();
+        let is_bounded =
+            |(model, ..): &(Model, Model, Record<'static>)| model.bounds.valid().is_some();
         let bounded = 2 * all.iter().filter(|one| is_bounded(one)).count() > all.len();
         all.retain(|one| is_bounded(one) == bounded);
         all.sort_by_key(|(model, ..)| model.structure.settling_samples);

@@ -69,7 +69,7 @@ impl ServoQuantities {
 }
 
 /// Every so many samples of each run.
-fn thinned(record: &Record, every: usize) -> Result<Record, Error> {
+fn thinned(record: &Record, every: usize) -> Result<Record<'static>, Error> {
     let thin = |values: &[f64]| -> Vec<f64> { values.iter().step_by(every).copied().collect() };
     let runs: Result<Vec<Run>, Error> = record
         .runs()

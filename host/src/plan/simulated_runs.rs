@@ -23,7 +23,7 @@ pub(super) fn input(request: &PlanRequest) -> Vec<f64> {
 }
 
 /// Runs of the assumed servo, from rest at neutral.
-pub(super) fn simulated(request: &PlanRequest, seed: u64) -> Result<Record, Error> {
+pub(super) fn simulated(request: &PlanRequest, seed: u64) -> Result<Record<'static>, Error> {
     let input = input(request);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let runs: Result<Vec<Run>, Error> = (0..request.runs)

@@ -232,7 +232,7 @@ fn use_model(text: &str) {
         !summary::of_model("m", &model, Units::default(), summary::Extent::default()).is_empty()
     );
     let input: Vec<f64> = (0..100).map(|k| f64::from(k / 7 % 2)).collect();
-    if let Ok(record) = Record::from_slices(model.sample_period_s, &input, &input) {
+    if let Ok(record) = Record::of_run(model.sample_period_s, &input, &input) {
         let _may_not_apply = model.validate(&record);
     }
     let other = read(&SCHEMA_1).unwrap().model;

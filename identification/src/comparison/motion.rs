@@ -91,7 +91,7 @@ mod tests {
 
     fn of(input: Vec<f64>) -> Motion {
         let output: Vec<f64> = (0..input.len()).map(|k| (k % 7) as f64).collect();
-        Motion::of(&Record::from_slices(0.01, &input, &output).unwrap())
+        Motion::of(&Record::of_run(0.01, &input, &output).unwrap())
     }
 
     fn square(amplitude: f64, hold: usize) -> Motion {

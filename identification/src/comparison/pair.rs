@@ -12,7 +12,7 @@ use crate::results::{Bounds, Interval, Model};
 
 /// One side, identified.
 pub(super) struct Identified<'a> {
-    pub(super) record: &'a Record,
+    pub(super) record: &'a Record<'a>,
     pub(super) model: Model,
     pub(super) split: Option<DirectionModel>,
     /// How the model was identified, with the structure of both sides.
@@ -22,7 +22,7 @@ pub(super) struct Identified<'a> {
 }
 
 impl<'a> Identified<'a> {
-    fn new(record: &'a Record, alone: Model, options: &Options) -> Result<Self, Error> {
+    fn new(record: &'a Record<'a>, alone: Model, options: &Options) -> Result<Self, Error> {
         let mut model = identify_runs(record, options)?.model;
         if let Bounds::Withdrawn(reason) = alone.level() {
             model.withdraw(reason);
@@ -39,7 +39,7 @@ impl<'a> Identified<'a> {
     }
 
     /// Each run as a record of its own.
-    pub(super) fn run_records(&self) -> impl Iterator<Item = Result<Record, Error>> {
+    pub(super) fn run_records(&self) -> impl Iterator<Item = Result<Record<'_>, Error>> {
         let (period_s, phase_s) = (self.record.sample_period_s(), self.record.sample_phase_s());
         self.record.runs().iter().map(move |run| {
             Ok(Record::new(period_s, vec![run.clone()])?.with_sample_phase(phase_s))
@@ -114,8 +114,8 @@ impl<'a> Identified<'a> {
 /// Both sides with one structure: the longer settling time of the two, as far as the references of
 /// both distinguish lags.
 pub(super) fn identified<'a>(
-    a: &'a Record,
-    b: &'a Record,
+    a: &'a Record<'a>,
+    b: &'a Record<'a>,
     options: &Options,
 ) -> Result<(Identified<'a>, Identified<'a>), Error> {
     same_period(a.sample_period_s(), b.sample_period_s())?;

@@ -207,7 +207,7 @@ mod tests {
         let output: Vec<f64> = (0..80)
             .map(|k| (f64::from(k - 35) * 0.25).clamp(0.0, 4.0))
             .collect();
-        let record = Record::from_slices(0.01, &input, &output).unwrap();
+        let record = Record::of_run(0.01, &input, &output).unwrap();
         let found = strokes(&record, 40);
         assert_eq!(found.len(), 1);
         assert_abs_diff_eq!(found[0].speed, 25.0, epsilon = 1e-9);

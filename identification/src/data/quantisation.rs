@@ -122,7 +122,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     /// A square wave of height 10 behind a lag, under uniform noise, in steps of 0.04.
-    fn record(noise: f64) -> Record {
+    fn record(noise: f64) -> Record<'static> {
         let mut random = ChaCha8Rng::seed_from_u64(1);
         let input: Vec<f64> = (0..2000).map(|k| f64::from(k / 100 % 2) * 10.0).collect();
         let mut y = 0.0;
@@ -134,7 +134,7 @@ mod tests {
                 (seen / 0.04).round() * 0.04
             })
             .collect();
-        Record::from_slices(0.002, &input, &output).unwrap()
+        Record::of_run(0.002, input, output).unwrap()
     }
 
     #[test]
@@ -153,7 +153,7 @@ mod tests {
     fn an_output_without_steps_has_no_resolution() {
         let input: Vec<f64> = (0..500).map(|k| f64::from(k / 50 % 2)).collect();
         let output: Vec<f64> = (0..500).map(|k| (f64::from(k) * 0.37).sin()).collect();
-        let record = Record::from_slices(0.002, &input, &output).unwrap();
+        let record = Record::of_run(0.002, input, output).unwrap();
         assert_eq!(Quantisation::of(&record, 0.0), None);
     }
 }

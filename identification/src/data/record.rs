@@ -4,6 +4,7 @@
 //! y(k) = φ(k)'θ + v(k) needs the output at k and the input at k, k-1, ..., so a gap removes only the rows
 //! whose history it interrupts.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::data::timing::Timing;
@@ -16,20 +17,25 @@ const LARGEST: f64 = 1e18;
 /// Least motion of a column: what moves less, in whatever unit, is the rounding of a computation.
 const SMALLEST: f64 = 1e-18;
 
-/// One uninterrupted experiment: input and output, sample by sample.
+/// One uninterrupted experiment: input and output, sample by sample. Columns of the caller are borrowed where they are
+/// slices, and never copied as long as they stay as they are.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Run {
-    input: Vec<f64>,
-    output: Vec<f64>,
+pub struct Run<'a> {
+    input: Cow<'a, [f64]>,
+    output: Cow<'a, [f64]>,
     at_rest: Option<f64>,
 }
 
-impl Run {
-    /// Pairs input u and output y, one value of each per sample, NaN where a sample is missing.
+impl<'a> Run<'a> {
+    /// Pairs input u and output y, one value of each per sample, NaN where a sample is missing. Each is a vector, or a slice
+    /// that is borrowed.
     ///
     /// # Errors
     /// The two differ in length, or a value is infinite or beyond 1e18 (the run is then called run 1).
-    pub fn new(input: impl Into<Vec<f64>>, output: impl Into<Vec<f64>>) -> Result<Self, Error> {
+    pub fn new(
+        input: impl Into<Cow<'a, [f64]>>,
+        output: impl Into<Cow<'a, [f64]>>,
+    ) -> Result<Self, Error> {
         let (input, output) = (input.into(), output.into());
         if input.len() != output.len() {
             return Err(Error::LengthMismatch {
@@ -69,14 +75,37 @@ impl Run {
         debug_assert_eq!(output.len(), self.output.len());
         Self {
             input: self.input.clone(),
-            output,
+            output: output.into(),
+            at_rest: self.at_rest,
+        }
+    }
+
+    /// The same run, with its columns borrowed.
+    fn borrowed(&self) -> Run<'_> {
+        Run {
+            input: Cow::Borrowed(&self.input),
+            output: Cow::Borrowed(&self.output),
+            at_rest: self.at_rest,
+        }
+    }
+
+    /// The run with columns of its own.
+    #[must_use]
+    pub fn into_owned(self) -> Run<'static> {
+        Run {
+            input: self.input.into_owned().into(),
+            output: self.output.into_owned().into(),
             at_rest: self.at_rest,
         }
     }
 
     /// The run with the inputs that are missing between two equal ones: a reference that is held is known there.
-    fn with_held_input(&self) -> Self {
-        let mut input = self.input.clone();
+    fn with_held_input(&self) -> Run<'_> {
+        let mut run = self.borrowed();
+        if !run.input.iter().any(|u| u.is_nan()) {
+            return run;
+        }
+        let input = run.input.to_mut();
         let mut last: Option<usize> = None;
         for k in 0..input.len() {
             if input[k].is_nan() {
@@ -88,10 +117,7 @@ impl Run {
             }
             last = Some(k);
         }
-        Self {
-            input,
-            ..self.clone()
-        }
+        run
     }
 
     /// The input u, one value per sample, NaN where missing.
@@ -123,7 +149,7 @@ impl Run {
     pub fn missing(&self) -> usize {
         self.input
             .iter()
-            .zip(&self.output)
+            .zip(self.output.iter())
             .filter(|(u, y)| u.is_nan() || y.is_nan())
             .count()
     }
@@ -134,11 +160,11 @@ impl Run {
     ///
     /// # Panics
     /// When `range` reaches beyond the run.
-    pub fn part(&self, range: Range<usize>) -> Self {
-        Self {
+    pub fn part(&self, range: Range<usize>) -> Run<'_> {
+        Run {
             at_rest: self.at_rest.filter(|_| range.start == 0),
-            input: self.input[range.clone()].to_vec(),
-            output: self.output[range].to_vec(),
+            input: Cow::Borrowed(&self.input[range.clone()]),
+            output: Cow::Borrowed(&self.output[range]),
         }
     }
 
@@ -155,7 +181,7 @@ impl Run {
         };
         // The first row whose history no earlier gap interrupts.
         let mut from = history.max(outputs - 1);
-        let samples = self.input.iter().zip(&self.output).enumerate();
+        let samples = self.input.iter().zip(self.output.iter()).enumerate();
         for (k, (u, y)) in samples.filter(|(_, (u, y))| u.is_nan() || y.is_nan()) {
             if from < k {
                 spans.push(from..k);
@@ -192,19 +218,19 @@ impl Run {
 /// # Ok::<(), servoid_identification::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Record {
+pub struct Record<'a> {
     sample_period_s: f64,
     sample_phase_s: f64,
-    runs: Vec<Run>,
-    rest: Vec<Run>,
+    runs: Vec<Run<'a>>,
+    rest: Vec<Run<'a>>,
 }
 
-impl Record {
+impl<'a> Record<'a> {
     /// A record of several runs.
     ///
     /// # Errors
     /// The period is not positive; a column is all missing; input or output never change.
-    pub fn new(sample_period_s: f64, runs: Vec<Run>) -> Result<Self, Error> {
+    pub fn new(sample_period_s: f64, runs: Vec<Run<'a>>) -> Result<Self, Error> {
         if !(sample_period_s > 0.0 && sample_period_s.is_finite()) {
             return Err(Error::SamplePeriod(sample_period_s));
         }
@@ -242,13 +268,13 @@ impl Record {
     /// estimated from them. They show the noise at standstill, which the errors in motion are compared with
     /// ([`StandstillNoise`](crate::diagnostics::StandstillNoise)).
     #[must_use]
-    pub fn with_rest(mut self, rest: Vec<Run>) -> Self {
+    pub fn with_rest(mut self, rest: Vec<Run<'a>>) -> Self {
         self.rest = rest;
         self
     }
 
     /// The recordings at a constant input around the runs.
-    pub fn rest(&self) -> &[Run] {
+    pub fn rest(&self) -> &[Run<'a>] {
         &self.rest
     }
 
@@ -269,7 +295,11 @@ impl Record {
     ///
     /// # Errors
     /// As [`Run::new`] and [`Record::new`].
-    pub fn from_slices(sample_period_s: f64, input: &[f64], output: &[f64]) -> Result<Self, Error> {
+    pub fn of_run(
+        sample_period_s: f64,
+        input: impl Into<Cow<'a, [f64]>>,
+        output: impl Into<Cow<'a, [f64]>>,
+    ) -> Result<Self, Error> {
         Self::new(sample_period_s, vec![Run::new(input, output)?])
     }
 
@@ -283,7 +313,7 @@ impl Record {
         /// A staircase has two levels, and one before it.
         const FEW: usize = 3;
         const MANY: usize = 20;
-        let count = |column: fn(&Run) -> &[f64], most: usize| {
+        let count = |column: for<'r> fn(&'r Run<'a>) -> &'r [f64], most: usize| {
             let mut values = std::collections::HashSet::new();
             let mut all = self.runs.iter().flat_map(column).filter(|v| !v.is_nan());
             while values.len() <= most
@@ -308,7 +338,7 @@ impl Record {
     }
 
     /// The same with other runs.
-    pub(crate) fn with_runs(&self, runs: Vec<Run>) -> Self {
+    pub(crate) fn with_runs(&self, runs: Vec<Run<'a>>) -> Self {
         Self {
             runs,
             ..self.clone()
@@ -316,12 +346,16 @@ impl Record {
     }
 
     /// The same with the inputs that are missing between two equal ones.
-    pub(crate) fn with_held_inputs(&self) -> Self {
-        self.with_runs(self.runs.iter().map(Run::with_held_input).collect())
+    pub(crate) fn with_held_inputs(&self) -> Record<'_> {
+        Record {
+            runs: self.runs.iter().map(Run::with_held_input).collect(),
+            rest: self.rest.iter().map(Run::borrowed).collect(),
+            ..*self
+        }
     }
 
     /// The runs, in the order given.
-    pub fn runs(&self) -> &[Run] {
+    pub fn runs(&self) -> &[Run<'a>] {
         &self.runs
     }
 
@@ -346,10 +380,10 @@ impl Record {
 }
 
 /// Requires that a column has values and is not constant. [`Run::new`] has checked their magnitude.
-fn check_column(
-    runs: &[Run],
+fn check_column<'a>(
+    runs: &[Run<'a>],
     column: &'static str,
-    values: fn(&Run) -> &[f64],
+    values: for<'r> fn(&'r Run<'a>) -> &'r [f64],
     constant: fn(f64) -> Error,
 ) -> Result<(), Error> {
     let mut present = runs.iter().flat_map(values).filter(|value| !value.is_nan());
@@ -383,8 +417,24 @@ mod tests {
     }
 
     #[test]
+    fn slices_are_read_where_they_are_and_copied_only_to_be_filled() {
+        let (input, output) = ([0.0, 1.0, f64::NAN, 1.0], [0.0, 0.1, 0.2, 0.3]);
+        let record = Record::of_run(0.1, &input, &output).unwrap();
+        let run = &record.runs()[0];
+        assert_eq!(run.input().as_ptr(), input.as_ptr());
+        assert_eq!(run.output().as_ptr(), output.as_ptr());
+        assert_eq!(run.part(1..3).output().as_ptr(), output[1..].as_ptr());
+        let held = record.with_held_inputs();
+        assert_eq!(held.runs()[0].input(), [0.0, 1.0, 1.0, 1.0]);
+        assert_eq!(held.runs()[0].output().as_ptr(), output.as_ptr());
+        let complete = Record::of_run(0.1, &output, &output).unwrap();
+        let held = complete.with_held_inputs();
+        assert_eq!(held.runs()[0].input().as_ptr(), output.as_ptr());
+    }
+
+    #[test]
     fn unusable_columns_are_named() {
-        let record = |u: &[f64], y: &[f64]| Record::from_slices(0.1, u, y).unwrap_err();
+        let record = |u: &[f64], y: &[f64]| Record::of_run(0.1, u, y).unwrap_err();
         assert_eq!(
             record(&[1.0, 1.0], &[0.0, 1.0]),
             Error::ConstantInput { value: 1.0 }
@@ -418,7 +468,7 @@ mod tests {
             }
         );
         for period in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            let error = Record::from_slices(period, &[0.0, 1.0], &[0.0, 1.0]).unwrap_err();
+            let error = Record::of_run(period, &[0.0, 1.0], &[0.0, 1.0]).unwrap_err();
             assert!(matches!(error, Error::SamplePeriod(_)));
         }
     }

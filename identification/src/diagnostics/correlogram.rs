@@ -126,7 +126,7 @@ mod tests {
     use rand_distr::StandardNormal;
 
     /// A servo of first order with noise that remembers `memory` of its last value.
-    fn record(seed: u64, memory: f64) -> Record {
+    fn record(seed: u64, memory: f64) -> Record<'static> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let u: Vec<f64> = (0..2000)
             .scan(1.0, |u, _| {
@@ -144,7 +144,7 @@ mod tests {
                 servo + noise
             })
             .collect();
-        Record::from_slices(0.01, &u, &y).unwrap()
+        Record::of_run(0.01, u, y).unwrap()
     }
 
     fn identified(record: &Record, order: NoiseOrder) -> Model {

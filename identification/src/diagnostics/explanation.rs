@@ -250,7 +250,7 @@ mod tests {
                 Some(*y + 0.01 * ((k * 7919 % 101) as f64 / 50.0 - 1.0))
             })
             .collect();
-        let record = Record::from_slices(0.01, &u, &y).unwrap();
+        let record = Record::of_run(0.01, &u, &y).unwrap();
         let found = identify_explained(&record, &Options::default()).unwrap();
         let sentences = found.explanation.sentences(&found.model);
         for (beginning, sentence) in ["Settling time:", "Frequencies:", "Noise:", "Arithmetic:"]

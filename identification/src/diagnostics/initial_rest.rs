@@ -94,7 +94,7 @@ mod tests {
     use crate::{Options, identify};
 
     /// A first-order servo that has rested at 2 and then gets random levels.
-    fn record(stated: f64) -> Record {
+    fn record(stated: f64) -> Record<'static> {
         let level = |k: usize| (k / 9 * 7919 % 101) as f64 / 25.0;
         let input: Vec<f64> = (0..900).map(level).collect();
         let mut s = 2.0;

@@ -66,7 +66,7 @@ struct Columns {
 impl Columns {
     /// `None` where the input explains a trend by itself.
     fn new<'a>(
-        runs: impl Iterator<Item = &'a Run>,
+        runs: impl Iterator<Item = &'a Run<'a>>,
         moments: &Moments,
         fit: &GlsFit,
     ) -> Option<Self> {
@@ -110,7 +110,7 @@ impl Columns {
 
 /// The slopes that the errors of `fit` leave for a regression with a trend of each of `runs`.
 pub(crate) fn slopes_left(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> RunTrends {
-    let Some(columns) = Columns::new(runs.iter().map(|run| &*run.run), moments, fit) else {
+    let Some(columns) = Columns::new(runs.iter().map(|run| &run.run), moments, fit) else {
         return vec![0.0; runs.len()];
     };
     let d = noise_filter(&fit.ar);

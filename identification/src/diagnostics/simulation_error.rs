@@ -2,8 +2,6 @@
 //!
 //! Tests of the errors look at the beginning of a record only.
 
-use std::borrow::Cow;
-
 use faer::Mat;
 
 use crate::data::{Moments, Record, Run};
@@ -22,7 +20,7 @@ pub(crate) const SAMPLES: usize = 1 << 15;
 
 /// One run, or its beginning; simulation and errors are relative to the centre of the moments.
 pub(crate) struct Simulated<'a> {
-    pub(crate) run: Cow<'a, Run>,
+    pub(crate) run: Run<'a>,
     /// ŷ(k); NaN where an input is missing.
     pub(crate) output: Vec<f64>,
     /// y(k) - ŷ(k); NaN where either is missing.
@@ -90,7 +88,7 @@ pub(crate) fn explained_by_runs(runs: &[Simulated<'_>]) -> f64 {
 
 /// The runs of a record up to [`SAMPLES`], by the response of `fit`, which is one of `moments`.
 pub(crate) fn simulated<'a>(
-    record: &'a Record,
+    record: &'a Record<'a>,
     moments: &Moments,
     fit: &GlsFit,
 ) -> Vec<Simulated<'a>> {
@@ -99,7 +97,7 @@ pub(crate) fn simulated<'a>(
 
 /// All runs of a record, as [`simulated`].
 pub(crate) fn simulated_whole<'a>(
-    record: &'a Record,
+    record: &'a Record<'a>,
     moments: &Moments,
     fit: &GlsFit,
 ) -> Vec<Simulated<'a>> {
@@ -108,7 +106,7 @@ pub(crate) fn simulated_whole<'a>(
 
 fn simulated_up_to<'a>(
     samples: usize,
-    record: &'a Record,
+    record: &'a Record<'a>,
     moments: &Moments,
     fit: &GlsFit,
 ) -> Vec<Simulated<'a>> {
@@ -141,16 +139,12 @@ fn simulated_up_to<'a>(
 }
 
 /// The first `samples` samples of `runs`, run by run.
-pub(crate) fn beginnings(runs: &[Run], samples: usize) -> impl Iterator<Item = Cow<'_, Run>> {
+pub(crate) fn beginnings<'a>(runs: &'a [Run<'a>], samples: usize) -> impl Iterator<Item = Run<'a>> {
     runs.iter()
         .scan(samples, |left, run| {
             let taken = run.len().min(*left);
             *left -= taken;
-            Some(if taken == run.len() {
-                Cow::Borrowed(run)
-            } else {
-                Cow::Owned(run.part(0..taken))
-            })
+            Some(run.part(0..taken))
         })
         .filter(|run| !run.is_empty())
 }

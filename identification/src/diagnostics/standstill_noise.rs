@@ -52,8 +52,8 @@ pub(crate) fn against_standstill(
 ) -> Option<StandstillNoise> {
     let rest: Vec<_> = beginnings(rest, SAMPLES).collect();
     let recorded = Recorded {
-        runs: runs.iter().map(|simulated| &*simulated.run).collect(),
-        rest: rest.iter().map(|run| &**run).collect(),
+        runs: runs.iter().map(|simulated| &simulated.run).collect(),
+        rest: rest.iter().collect(),
     };
     let noise = StandstillModel::of(&recorded, fit.coordinates.basis.settling())?;
     let order = noise.ar.len();
@@ -90,9 +90,9 @@ fn sum_of_squares<'a>(runs: impl Iterator<Item = &'a [f64]>) -> f64 {
 
 /// The data of the comparison.
 struct Recorded<'a> {
-    runs: Vec<&'a Run>,
+    runs: Vec<&'a Run<'a>>,
     /// Recorded around the runs.
-    rest: Vec<&'a Run>,
+    rest: Vec<&'a Run<'a>>,
 }
 
 /// The noise at standstill.
@@ -346,8 +346,9 @@ mod tests {
                 .collect();
             let all = Run::new(input, output).unwrap();
             let end = all.len() - REST;
-            runs.push(all.part(REST..end));
-            rest.extend([all.part(0..REST), all.part(end..all.len())]);
+            let part = |samples| all.part(samples).into_owned();
+            runs.push(part(REST..end));
+            rest.extend([part(0..REST), part(end..all.len())]);
         }
         let record = Record::new(0.01, runs).unwrap().with_rest(rest);
         identify(&record, &Options::default()).unwrap()
@@ -396,7 +397,7 @@ mod tests {
             .enumerate()
             .map(|(k, s)| s + 0.01 * (k * 7919 % 101) as f64)
             .collect();
-        let record = Record::from_slices(0.01, &input, &output).unwrap();
+        let record = Record::of_run(0.01, &input, &output).unwrap();
         let model = identify(&record, &Options::default()).unwrap();
         assert_eq!(model.residuals.rest_p, None);
     }

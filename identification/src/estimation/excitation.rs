@@ -100,7 +100,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn of(input: &[f64]) -> Excitation {
-        let record = Record::from_slices(0.002, input, input).unwrap();
+        let record = Record::of_run(0.002, input, input).unwrap();
         Excitation::of(&Moments::of_record(&record, 100, 1))
     }
 

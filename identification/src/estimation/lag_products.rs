@@ -189,7 +189,7 @@ mod tests {
     fn equations_from_turned_products_are_those_from_whole_matrices() {
         let input: Vec<f64> = (0..900).map(|k| f64::from(k * k / 700 % 3)).collect();
         let output: Vec<f64> = input.iter().map(|u| 0.3 * u).collect();
-        let record = Record::from_slices(0.002, &input, &output).unwrap();
+        let record = Record::of_run(0.002, &input, &output).unwrap();
         let moments = Moments::of_record(&record, 44, 5);
         for (settling, frequencies) in [(40, 15), (40, 39), (39, 1)] {
             let basis = FsfBasis::new(settling, frequencies).unwrap();

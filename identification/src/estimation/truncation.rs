@@ -257,7 +257,7 @@ mod tests {
 
     /// A noise-free record of a first-order lag whose impulse response has 101 samples, under edges that
     /// a filter has rounded.
-    fn record(impulse: &[f64]) -> Record {
+    fn record(impulse: &[f64]) -> Record<'static> {
         let edges: Vec<f64> = (0..2500).map(|k| f64::from(k * k / 9000 % 2)).collect();
         let mut state = 0.0;
         let input: Vec<f64> = edges
@@ -268,7 +268,7 @@ mod tests {
             })
             .collect();
         let output = causal_filter(impulse, &input, Some(0.0));
-        Record::from_slices(0.01, &input, &output).unwrap()
+        Record::of_run(0.01, input, output).unwrap()
     }
 
     #[test]
@@ -316,7 +316,7 @@ mod tests {
     #[test]
     fn a_sine_between_the_frequencies_of_a_bank_leaves_no_bound() {
         let input: Vec<f64> = (0..2000).map(|k| (0.37 * f64::from(k)).sin()).collect();
-        let record = Record::from_slices(0.01, &input, &input).unwrap();
+        let record = Record::of_run(0.01, &input, &input).unwrap();
         let moments = Moments::of_record(&record, 101, 1);
         let basis = FsfBasis::new(101, 3).unwrap();
         let (theta, sd) = ([1.0; 3], [0.0; 3]);

@@ -126,7 +126,7 @@ impl FlightModel {
 ///     let noise = 0.01 * ((k * 7919 % 101) as f64 - 50.0) / 50.0;
 ///     4.5 + noise + past.map(|&e| (u[e] - u[e - 1]) * servo.step(0.002 * (k - e) as f64)).sum::<f64>()
 /// }).collect();
-/// let record = Record::from_slices(0.002, &u, &y)?;
+/// let record = Record::of_run(0.002, &u, &y)?;
 /// let options = Options { settling: Settling::Samples(101), ..Options::default() };
 /// let model = identify(&record, &options)?;
 /// let flight = flight_model::fit(&record, &model, &FlightModelOptions::default())?;
@@ -160,7 +160,7 @@ pub fn fit(
 /// # }).collect();
 /// # let options = Options { settling: Settling::Samples(101), ..Options::default() };
 /// use servoid_identification::flight_model::{self, FlightModelOptions};
-/// let model = identify(&Record::from_slices(0.002, &u, &y)?, &options)?;
+/// let model = identify(&Record::of_run(0.002, &u, &y)?, &options)?;
 /// let flight = flight_model::of_model(&model, &FlightModelOptions::default())?;
 /// // A tenth of the way in each sample: a lag of 2 ms / -ln 0.9.
 /// assert!((flight.transfer.lag_s.unwrap() - 0.019).abs() < 2e-4);

@@ -153,7 +153,7 @@ impl Projection {
 
 /// The record with a stated history: before the first sample the input stood still, which only responses
 /// longer than N depend on. Rows without a history of N samples stay out.
-pub(crate) fn with_history(record: &Record, settling: usize) -> Result<Record, Error> {
+pub(crate) fn with_history<'a>(record: &'a Record, settling: usize) -> Result<Record<'a>, Error> {
     let runs = record.runs().iter().map(|run| {
         if run.input_at_rest().is_some() {
             return Ok(run.clone());

@@ -42,7 +42,7 @@ impl Disturbances {
     }
 
     /// The runs of a record that they were taken out of, with their offsets again.
-    pub(super) fn with_offsets(&self, record: &Record) -> Vec<Run> {
+    pub(super) fn with_offsets<'a>(&self, record: &Record<'a>) -> Vec<Run<'a>> {
         let runs = record.runs().iter().enumerate();
         runs.map(|(index, run)| match self.offsets.get(index) {
             Some(offset) => run.with_output(run.output().iter().map(|y| y + offset).collect()),
@@ -52,11 +52,11 @@ impl Disturbances {
     }
 
     /// `record` without them.
-    pub(super) fn removed_from(&self, record: &Record) -> Record {
+    pub(super) fn removed_from<'a>(&self, record: &Record<'a>) -> Record<'a> {
         if self.is_without_errors() && self.offsets.is_empty() && self.trends.is_empty() {
             return record.clone();
         }
-        let mut runs: Vec<Run> = record.runs().to_vec();
+        let mut runs: Vec<Run<'a>> = record.runs().to_vec();
         for (index, run) in runs.iter_mut().enumerate() {
             let hum = |k: usize| self.hum.iter().map(|line| line.at(index, k)).sum::<f64>();
             let offset = self.offsets.get(index).copied().unwrap_or(0.0);

@@ -8,7 +8,7 @@ use crate::options::Options;
 #[derive(Clone, Copy)]
 pub(super) struct Task<'a> {
     /// `None` where moments came without their record.
-    pub(super) record: Option<&'a Record>,
+    pub(super) record: Option<&'a Record<'a>>,
     pub(super) options: &'a Options,
     /// Whether bounds are those of the servo's mean, or those of its runs.
     pub(super) of_servo: bool,

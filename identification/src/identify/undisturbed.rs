@@ -17,15 +17,15 @@ use crate::options::{Detrend, Options};
 const TURNS: usize = 5;
 
 /// A record without its disturbances, and the fit to it.
-pub(super) struct Undisturbed {
-    pub(super) record: Record,
+pub(super) struct Undisturbed<'a> {
+    pub(super) record: Record<'a>,
     pub(super) disturbances: Disturbances,
     pub(super) candidate: Candidate,
     pub(super) estimate: Estimate,
 }
 
-impl Undisturbed {
-    pub(super) fn of(record: &Record, options: &Options) -> Result<Self, Error> {
+impl<'a> Undisturbed<'a> {
+    pub(super) fn of(record: &'a Record, options: &Options) -> Result<Self, Error> {
         let complete = record.with_held_inputs();
         let mut found = Self::without(Disturbances::default(), &complete, options)?;
         for _ in 0..TURNS {
@@ -50,7 +50,7 @@ impl Undisturbed {
 
     /// With all that may be errors of the model: without the offsets and trends of runs alone.
     pub(super) fn with_errors(
-        record: &Record,
+        record: &'a Record,
         options: &Options,
         found: &Disturbances,
     ) -> Result<Self, Error> {
@@ -64,7 +64,7 @@ impl Undisturbed {
 
     fn without(
         disturbances: Disturbances,
-        complete: &Record,
+        complete: &Record<'a>,
         options: &Options,
     ) -> Result<Self, Error> {
         let record = disturbances.removed_from(complete);

@@ -105,8 +105,8 @@ impl Model {
     /// # use servoid_identification::{identify, Options, Record, Settling, Frequencies, NoiseOrder};
     /// # let u: Vec<f64> = (0..400).map(|k| f64::from(k * k / 35 % 2)).collect();
     /// # let y: Vec<f64> = u.iter().scan(0.0, |y, u| { *y += 0.3 * (u - *y); Some(*y) }).collect();
-    /// let seen = Record::from_slices(0.01, &u[..200], &y[..200])?;
-    /// let unseen = Record::from_slices(0.01, &u[200..], &y[200..])?;
+    /// let seen = Record::of_run(0.01, u[..200], &y[..200])?;
+    /// let unseen = Record::of_run(0.01, u[200..], &y[200..])?;
     /// let options = Options { settling: Settling::Samples(31), ..Options::default() };
     /// let model = identify(&seen, &options)?;
     /// assert!(model.validate(&unseen)?.fit_percent > 99.0);
@@ -158,7 +158,7 @@ mod tests {
 
     /// Two lags of 5 samples behind random levels of 5 samples each, 200 samples of which are not
     /// recorded; a little noise. With one lag the first sample would determine the whole state.
-    fn run(seed: u64, rest: bool, samples: usize) -> Run {
+    fn run(seed: u64, rest: bool, samples: usize) -> Run<'static> {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         let before = 200;
         let mut input: Vec<f64> = Vec::new();
@@ -179,8 +179,8 @@ mod tests {
             })
             .collect();
         Run::new(
-            &input[before..before + samples],
-            &output[before..before + samples],
+            input[before..before + samples].to_vec(),
+            output[before..before + samples].to_vec(),
         )
         .unwrap()
     }

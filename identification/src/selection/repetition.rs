@@ -84,7 +84,7 @@ mod tests {
             level = -level;
         }
         input.truncate(samples);
-        let record = Record::from_slices(0.002, &input, &input).unwrap();
+        let record = Record::of_run(0.002, &input, &input).unwrap();
         repeats_after(&Moments::of_record(&record, 157, 9), 149)
     }
 
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn a_smooth_input_does_not_repeat_itself() {
         let wave: Vec<f64> = (0..3000).map(|k| (f64::from(k) * 0.05).sin()).collect();
-        let record = Record::from_slices(0.002, &wave, &wave).unwrap();
+        let record = Record::of_run(0.002, &wave, &wave).unwrap();
         assert_eq!(
             repeats_after(&Moments::of_record(&record, 157, 9), 149),
             None

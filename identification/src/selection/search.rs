@@ -9,7 +9,7 @@ pub(crate) struct Search<'a> {
     /// With `longest` input lags and those that the noise order needs.
     pub(crate) moments: &'a Moments,
     /// `None` where moments came without their record: then other moments cannot be collected.
-    pub(crate) record: Option<&'a Record>,
+    pub(crate) record: Option<&'a Record<'a>>,
     /// The longest N considered \[samples, odd\].
     pub(crate) longest: usize,
     /// Order of the noise model.

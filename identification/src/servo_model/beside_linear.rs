@@ -49,7 +49,7 @@ type Outputs = Vec<Vec<f64>>;
 
 /// A record dealt to folds.
 struct Dealt<'a> {
-    record: &'a Record,
+    record: &'a Record<'a>,
     stretches: Vec<Stretch>,
     fold_of: Vec<usize>,
     grid: Grid,
@@ -59,7 +59,7 @@ struct Dealt<'a> {
 
 impl<'a> Dealt<'a> {
     /// As the ladder deals it, with the starts of `servo`.
-    fn new(record: &'a Record, controllers: &[usize], servo: &ServoModel) -> Self {
+    fn new(record: &'a Record<'a>, controllers: &[usize], servo: &ServoModel) -> Self {
         let (mut parts, fold_of) = stretches(record, controllers);
         let grid = servo.grid(record.timing());
         find_starts(&mut parts, &servo.point(), &grid);
@@ -141,7 +141,7 @@ impl<'a> Dealt<'a> {
     }
 
     /// The record without the outputs of a fold; `None` where nothing is left to identify.
-    fn without(&self, fold: usize) -> Option<Record> {
+    fn without(&self, fold: usize) -> Option<Record<'a>> {
         let runs = self.record.runs().iter();
         let mut outputs: Outputs = runs.map(|run| run.output().to_vec()).collect();
         for part in &self.stretches {
@@ -151,15 +151,8 @@ impl<'a> Dealt<'a> {
                 }
             }
         }
-        let of = |(run, output): (&Run, Vec<f64>)| {
-            let left = Run::new(run.input(), output).ok()?;
-            Some(match run.input_at_rest() {
-                Some(before) => left.with_input_at_rest(before),
-                None => left,
-            })
-        };
         let runs = self.record.runs().iter().zip(outputs);
-        let runs: Vec<Run> = runs.map(of).collect::<Option<_>>()?;
+        let runs = runs.map(|(run, output)| run.with_output(output)).collect();
         let left = Record::new(self.record.sample_period_s(), runs).ok()?;
         Some(left.with_sample_phase(self.record.sample_phase_s()))
     }

@@ -76,7 +76,7 @@ impl Default for ServoModelOptions {
 ///     *y += (0.2 * (u - *y)).clamp(-0.3, 0.3);
 ///     Some(*y)
 /// }).collect();
-/// let record = Record::from_slices(0.01, &u, &y)?;
+/// let record = Record::of_run(0.01, &u, &y)?;
 /// let servo = fit(&record, &ServoModelOptions::default())?;
 /// assert!(servo.terms.limit && servo.fit.simulation_percent > 95.0);
 /// # Ok::<(), servoid_identification::Error>(())

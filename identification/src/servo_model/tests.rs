@@ -174,7 +174,7 @@ fn a_limited_servo_is_found_again() {
         ..Terms::default()
     };
     let (servo, input) = (point(terms, value), strokes(2000));
-    let record = Record::from_slices(PERIOD_S, &input, &noisy(&servo, &input, 1)).unwrap();
+    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 1)).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
     assert_eq!(found.terms, terms);
     assert!(found.fit.held_out_percent > 98.5, "{:?}", found.fit);
@@ -205,7 +205,7 @@ fn a_limited_servo_is_found_again() {
 #[test]
 fn a_linear_servo_stays_linear() {
     let (servo, input) = (point(Terms::default(), value), strokes(2000));
-    let record = Record::from_slices(PERIOD_S, &input, &noisy(&servo, &input, 2)).unwrap();
+    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 2)).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
     assert!(found.is_linear(), "{:?}", found.terms);
 }
@@ -222,7 +222,7 @@ fn two_levels_have_no_intervals() {
     let input: Vec<f64> = (0..2000)
         .map(|k| if k / 150 % 2 == 0 { -5.0 } else { 5.0 })
         .collect();
-    let record = Record::from_slices(PERIOD_S, &input, &noisy(&servo, &input, 3)).unwrap();
+    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 3)).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
     assert_eq!(found.covariance.withdrawn(), Some(Reason::InputUnexcited));
     assert!(
@@ -263,16 +263,16 @@ fn recordings_of_poor_quality_give_finite_numbers() {
     ];
     let mut records: Vec<Record> = outputs
         .iter()
-        .map(|output| Record::from_slices(PERIOD_S, &input, output).unwrap())
+        .map(|output| Record::of_run(PERIOD_S, &input, output).unwrap())
         .collect();
     let gaps: Vec<f64> = input
         .iter()
         .enumerate()
         .map(|(k, u)| if k % 211 == 7 { f64::NAN } else { *u })
         .collect();
-    records.push(Record::from_slices(PERIOD_S, &gaps, &good).unwrap());
+    records.push(Record::of_run(PERIOD_S, gaps, good).unwrap());
     let single = [vec![0.0; 40], vec![5.0; 100]].concat();
-    records.push(Record::from_slices(PERIOD_S, &single, &noisy(&servo, &single, 5)).unwrap());
+    records.push(Record::of_run(PERIOD_S, &single, noisy(&servo, &single, 5)).unwrap());
     for (number, record) in records.iter().enumerate() {
         let found = fit(record, &ServoModelOptions::default()).unwrap();
         assert!(
@@ -288,7 +288,7 @@ fn recordings_of_poor_quality_give_finite_numbers() {
 
 #[test]
 fn what_cannot_be_fitted_is_refused_with_a_sentence() {
-    let short = Record::from_slices(PERIOD_S, &strokes(60), &strokes(60)).unwrap();
+    let short = Record::of_run(PERIOD_S, strokes(60), strokes(60)).unwrap();
     assert!(fit(&short, &ServoModelOptions::default()).is_err());
     let input = strokes(400);
     let runs: Vec<Run> = (0..40)
@@ -306,7 +306,7 @@ fn what_cannot_be_fitted_is_refused_with_a_sentence() {
 #[test]
 fn samples_too_far_apart_for_a_servo_are_refused_before_the_search() {
     let input = strokes(600);
-    let record = Record::from_slices(5.0, &input, &input).unwrap();
+    let record = Record::of_run(5.0, &input, &input).unwrap();
     let refused = fit(&record, &ServoModelOptions::default()).unwrap_err();
     assert!(refused.to_string().contains("5 s apart"), "{refused}");
 }

@@ -16,10 +16,10 @@ use servoid_test_support::plants::{
     Noise, PERIOD, Plant, low_passed, normal, random, simulate, staircase,
 };
 
-fn record(noise: Noise, seed: u64) -> Record {
+fn record(noise: Noise, seed: u64) -> Record<'static> {
     let input = staircase();
     let output = simulate(Plant::A, noise, &input, 1.0, &mut random(seed));
-    Record::from_slices(PERIOD, &input, &output).unwrap()
+    Record::of_run(PERIOD, input, output).unwrap()
 }
 
 fn fixed(settling: usize, frequencies: usize, order: usize) -> Options {
@@ -153,7 +153,7 @@ fn counts_of_a_converter_far_from_zero_cost_no_accuracy() {
         .iter()
         .map(|y| 2048.0 + (27.0 * y).round())
         .collect();
-    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let record = Record::of_run(PERIOD, input, output).unwrap();
     let fast = identify_explained(&record, &fixed(100, 31, 2)).unwrap();
     assert_eq!(fast.explanation.path, Solver::Moments);
     let factor = triangular_factor(&record, &Moments::of_record(&record, 102, 3));
@@ -181,7 +181,7 @@ fn counts_of_a_converter_far_from_zero_cost_no_accuracy() {
 fn an_ill_conditioned_input_goes_through_qr_and_three_sines_are_refused() {
     let input = low_passed(&staircase(), 20.0);
     let output = simulate(Plant::A, Noise::White, &input, 1.0, &mut random(6));
-    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let record = Record::of_run(PERIOD, input, output).unwrap();
     match identify_explained(&record, &fixed(100, 99, 0)) {
         Ok(identification) => {
             assert_eq!(identification.explanation.path, Solver::Qr);
@@ -208,7 +208,7 @@ fn an_ill_conditioned_input_goes_through_qr_and_three_sines_are_refused() {
         })
         .collect();
     let output = simulate(Plant::A, Noise::White, &sines, 1.0, &mut random(6));
-    let record = Record::from_slices(PERIOD, &sines, &output).unwrap();
+    let record = Record::of_run(PERIOD, sines, output).unwrap();
     let error = identify(&record, &fixed(100, 31, 0)).unwrap_err();
     assert!(
         matches!(error, Error::NotExcited { asked: 31, excited, .. } if excited <= 7),
@@ -257,7 +257,7 @@ fn a_known_gain_comes_back_within_its_bounds_in_white_and_coloured_noise() {
 fn a_record_without_noise_gives_the_exact_response() {
     let input = staircase();
     let output = Plant::A.respond(&input);
-    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let record = Record::of_run(PERIOD, input, output).unwrap();
     for options in [Options::default(), fixed(401, 401, 0)] {
         let model = identify(&record, &options).unwrap();
         for (m, truth) in Plant::A.step(model.step.value.len()).iter().enumerate() {
@@ -315,7 +315,7 @@ fn a_million_samples_lose_no_accuracy() {
             Some(*state + 0.05 * normal(&mut noise))
         })
         .collect();
-    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let record = Record::of_run(PERIOD, input, output).unwrap();
     let moments = Moments::of_record(&record, 33, 3);
     let factor = triangular_factor(&record, &moments);
     let options = GlsOptions {

@@ -24,7 +24,7 @@ fn step(m: usize) -> f64 {
 }
 
 /// `samples` of random levels of ±5 and what the servo above answers, with white noise.
-fn record(seed: u64, samples: usize) -> Record {
+fn record(seed: u64, samples: usize) -> Record<'static> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let input: Vec<f64> = (0..samples.div_ceil(HOLD))
         .map(|_| if random.random() { 5.0 } else { -5.0 })
@@ -42,7 +42,7 @@ fn record(seed: u64, samples: usize) -> Record {
             y + NOISE * noise
         })
         .collect();
-    Record::from_slices(PERIOD, &input, &output).unwrap()
+    Record::of_run(PERIOD, input, output).unwrap()
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn a_response_of_few_samples_has_bounds_that_hold() {
 }
 
 /// Runs of one step each, after `rest` samples of rest, of a servo with a lag of 20 samples.
-fn steps(seed: u64, runs: usize, rest: usize) -> Record {
+fn steps(seed: u64, runs: usize, rest: usize) -> Record<'static> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let runs = (0..runs).map(|index| {
         let level = if index % 2 == 0 { 5.0 } else { -5.0 };
@@ -125,7 +125,7 @@ fn step_tests_are_records_of_all_frequencies_however_many_there_are() {
 
 /// Temperature of a heater after one step down and one up: two slow lags behind a quick one, read to
 /// a quarter of a degree under slow drift.
-fn heater() -> Record {
+fn heater() -> Record<'static> {
     let mut random = ChaCha8Rng::seed_from_u64(9_700);
     let levels = [(9.0, 200), (4.0, 200), (8.0, 26)];
     let input: Vec<f64> = levels
@@ -146,7 +146,7 @@ fn heater() -> Record {
             4.0f64.recip() * (4.0 * temperature).round()
         })
         .collect();
-    Record::from_slices(2.0, &input, &output).unwrap()
+    Record::of_run(2.0, input, output).unwrap()
 }
 
 #[test]

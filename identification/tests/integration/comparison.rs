@@ -33,7 +33,7 @@ fn record(
     zero: f64,
     seeds: std::ops::Range<u64>,
     scatter: f64,
-) -> Record {
+) -> Record<'static> {
     let input = staircase();
     let runs = seeds.map(|seed| {
         let part =
@@ -48,12 +48,12 @@ fn record(
             .iter()
             .map(|y| y + zero)
             .collect();
-        Run::new(input.as_slice(), measured(&clean, 1.0, seed)).unwrap()
+        Run::new(input.clone(), measured(&clean, 1.0, seed)).unwrap()
     });
     Record::new(PERIOD, runs.collect()).unwrap()
 }
 
-fn plain(servo: &Linear, seed: u64) -> Record {
+fn plain(servo: &Linear, seed: u64) -> Record<'static> {
     record(servo, servo, 0.0, seed..seed + 1, 0.0)
 }
 
@@ -356,7 +356,7 @@ fn one_servo_under_two_references_is_not_called_two_servos() {
     let under = |size: f64, limit: f64, seed: u64| {
         let input: Vec<f64> = staircase().iter().map(|u| size * u).collect();
         let clean = limited(0.7, 60.0, Limit::Rate(limit, limit), &input, input[0]);
-        Record::from_slices(PERIOD, &input, &measured(&clean, 1.0, seed)).unwrap()
+        Record::of_run(PERIOD, input, measured(&clean, 1.0, seed)).unwrap()
     };
     let options = ComparisonOptions {
         input_unit: "deg".to_owned(),

@@ -120,7 +120,7 @@ fn a_low_passed_input_has_no_bounds_and_says_so() {
     };
     for seed in 0..4 {
         let output = simulate(Plant::A, Noise::White, &input, 1.0, &mut random(seed));
-        let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+        let record = Record::of_run(PERIOD, &input, output).unwrap();
         let model = identify(&record, &options).unwrap();
         assert!(model.structure.frequencies < model.structure.settling_samples);
         assert_eq!(model.bounds.withdrawn(), Some(Reason::InputUnexcited));
@@ -146,7 +146,7 @@ fn a_low_passed_input_has_no_bounds_and_says_so() {
 fn narrow_is_narrower_and_labelled() {
     let input = staircase();
     let output = simulate(Plant::A, Noise::White, &input, 1.0, &mut random(3));
-    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let record = Record::of_run(PERIOD, input, output).unwrap();
     let settling = Settling::Samples(151);
     let full = identify(
         &record,
@@ -173,7 +173,7 @@ fn narrow_is_narrower_and_labelled() {
 }
 
 /// Runs of one servo, some with another gain.
-fn runs(gains: &[f64], seed: u64) -> Record {
+fn runs(gains: &[f64], seed: u64) -> Record<'static> {
     let mut random = random(seed);
     let input = staircase();
     let runs = gains.iter().map(|gain| {
@@ -246,7 +246,7 @@ fn errors_that_are_not_noise_withdraw_the_label_and_honest_noise_does_not() {
             x + 1e-4 * normal(&mut noise)
         })
         .collect();
-    let record = Record::from_slices(0.01, &input, &output).unwrap();
+    let record = Record::of_run(0.01, input, output).unwrap();
     let found = identify_explained(&record, &Options::default()).unwrap();
     let errors = found.explanation.model_errors.as_ref();
     assert!(
@@ -279,7 +279,7 @@ fn errors_that_are_not_noise_withdraw_the_label_and_honest_noise_does_not() {
 fn a_reference_that_repeats_itself_compares_as_far_as_it_goes() {
     let record = |input: &[f64], seed| {
         let output = simulate(Plant::B, Noise::White, input, 1.0, &mut random(seed));
-        Record::from_slices(PERIOD, input, &output).unwrap()
+        Record::of_run(PERIOD, input.to_vec(), output).unwrap()
     };
     let (whole, repeats) = (record(&staircase(), 1), record(&square(), 2));
     for (a, b) in [(&whole, &repeats), (&repeats, &whole)] {

@@ -13,7 +13,7 @@ fn options(detrend: Detrend) -> Options {
 }
 
 /// A recording whose output drifts by `change` from its beginning to its end.
-fn drifting(change: f64, noise: Noise, seed: u64) -> Record {
+fn drifting(change: f64, noise: Noise, seed: u64) -> Record<'static> {
     let input = staircase();
     let output = simulate(Plant::A, noise, &input, 1.0, &mut random(seed));
     let samples = output.len() as f64;
@@ -21,7 +21,7 @@ fn drifting(change: f64, noise: Noise, seed: u64) -> Record {
         .zip(output)
         .map(|(k, y)| y + change * f64::from(k) / samples)
         .collect();
-    Record::from_slices(PERIOD, &input, &output).unwrap()
+    Record::of_run(PERIOD, input, output).unwrap()
 }
 
 fn holds(model: &Model) -> bool {
@@ -81,7 +81,7 @@ fn an_integrator_is_named() {
             sum
         })
         .collect();
-    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let record = Record::of_run(PERIOD, input, output).unwrap();
     let model = identify(&record, &options(Detrend::Auto)).unwrap();
     let checks: Vec<&Check> = model.advice.iter().map(|found| &found.check).collect();
     assert_eq!(checks[0], &Check::StillRising, "{checks:?}");
@@ -91,7 +91,7 @@ fn an_integrator_is_named() {
 fn swapped_columns_are_refused() {
     let input = staircase();
     let output = simulate(Plant::A, Noise::White, &input, 1.0, &mut random(60));
-    let swapped = Record::from_slices(PERIOD, &output, &input).unwrap();
+    let swapped = Record::of_run(PERIOD, output, input).unwrap();
     assert!(matches!(
         identify(&swapped, &Options::default()),
         Err(Error::Swapped { levels: 3 })
@@ -105,7 +105,7 @@ fn a_coarse_sensor_is_not_taken_for_a_reference() {
         .map(|k| 1.2 * (0.02 * f64::from(k)).sin())
         .collect();
     let output: Vec<f64> = input.iter().map(|u| u.round()).collect();
-    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let record = Record::of_run(PERIOD, input, output).unwrap();
     let found = identify(&record, &options(Detrend::Auto));
     assert!(!matches!(found, Err(Error::Swapped { .. })), "{found:?}");
 }
@@ -119,7 +119,7 @@ fn a_motion_near_the_smallest_number_is_none() {
             .into_iter()
             .map(|y| scale * y)
             .collect();
-        let refused = Record::from_slices(PERIOD, &input, &output).unwrap_err();
+        let refused = Record::of_run(PERIOD, input, output).unwrap_err();
         assert_eq!(refused, Error::ConstantOutput { value: 0.0 }, "{scale}");
     }
 }

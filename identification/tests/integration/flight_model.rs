@@ -13,7 +13,7 @@ fn flight(
     phase: f64,
     seed: u64,
 ) -> FlightModel {
-    let record = Record::from_slices(PERIOD, &staircase(), &measured(clean, 1.0, seed))
+    let record = Record::of_run(PERIOD, staircase(), measured(clean, 1.0, seed))
         .unwrap()
         .with_sample_phase(phase);
     let options = Options {
@@ -67,7 +67,7 @@ fn parameters_are_held_by_their_intervals_even_where_the_bank_is_small_and_short
 fn without_the_record_a_complete_bank_gives_the_same_model() {
     let servo = Linear::second_order(0.97, 0.0255, 0.5, 60.0);
     let clean = servo.respond(&staircase(), -5.0, 0.0005);
-    let record = Record::from_slices(PERIOD, &staircase(), &measured(&clean, 1.0, 7))
+    let record = Record::of_run(PERIOD, staircase(), measured(&clean, 1.0, 7))
         .unwrap()
         .with_sample_phase(0.0005);
     let model = identify(&record, &Options::default()).unwrap();

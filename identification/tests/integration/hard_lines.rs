@@ -19,7 +19,7 @@ fn line(of: impl Fn(&Hardship) -> bool) -> HardLine {
 }
 
 fn identified(output: &[f64]) -> Model {
-    let record = Record::from_slices(PERIOD, &staircase(), output).unwrap();
+    let record = Record::of_run(PERIOD, staircase(), output).unwrap();
     identify(&record, &options()).unwrap()
 }
 
@@ -73,7 +73,7 @@ fn hum_is_taken_out_and_named() {
     for (k, y) in output.iter_mut().enumerate() {
         *y += 0.12 * (std::f64::consts::TAU * 50.0 * k as f64 * PERIOD).sin();
     }
-    let record = Record::from_slices(PERIOD, &staircase(), &output).unwrap();
+    let record = Record::of_run(PERIOD, staircase(), output).unwrap();
     let found = identify_explained(&record, &options()).unwrap();
     let [hum] = found.explanation.hum[..] else {
         panic!("{:?}", found.explanation.hum);
@@ -135,7 +135,7 @@ fn a_withdrawn_response_says_that_it_is_not_over() {
             0.9 * fast + 0.1 * slow + v
         })
         .collect();
-    let record = Record::from_slices(PERIOD, &input, &output).unwrap();
+    let record = Record::of_run(PERIOD, input, output).unwrap();
     let model = identify(&record, &Options::default()).unwrap();
     assert_eq!(model.bounds.withdrawn(), Some(Reason::ResponseNotOver));
 }

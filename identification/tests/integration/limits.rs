@@ -9,7 +9,7 @@ use servoid_test_support::servos::{
 };
 
 fn limits_of(input: &[f64], clean: &[f64], settling: usize, seed: u64) -> Limits {
-    let record = Record::from_slices(PERIOD, input, &measured(clean, 1.0, seed)).unwrap();
+    let record = Record::of_run(PERIOD, input, measured(clean, 1.0, seed)).unwrap();
     let options = Options {
         settling: Settling::Samples(settling),
         ..Options::default()

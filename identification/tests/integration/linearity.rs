@@ -10,7 +10,7 @@ use servoid_test_support::servos::{
 };
 
 fn identified(input: &[f64], clean: &[f64], seed: u64) -> Model {
-    let record = Record::from_slices(PERIOD, input, &measured(clean, 1.0, seed)).unwrap();
+    let record = Record::of_run(PERIOD, input, measured(clean, 1.0, seed)).unwrap();
     identify(&record, &Options::default()).unwrap()
 }
 

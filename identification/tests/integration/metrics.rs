@@ -14,7 +14,7 @@ fn servo(zeta: f64) -> Linear {
 /// Identified without noise: what is left is how the figures are read.
 fn noise_free(servo: &Linear, phase: f64) -> Model {
     let input = staircase();
-    let record = Record::from_slices(PERIOD, &input, &servo.respond(&input, -5.0, phase))
+    let record = Record::of_run(PERIOD, &input, servo.respond(&input, -5.0, phase))
         .unwrap()
         .with_sample_phase(phase);
     let options = Options {

@@ -17,8 +17,8 @@ fn motor() -> (Vec<f64>, Vec<f64>) {
 fn the_first_half_of_a_motor_recording_predicts_the_second() {
     let (u, y) = motor();
     let half = u.len() / 2;
-    let seen = Record::from_slices(0.02, &u[..half], &y[..half]).unwrap();
-    let unseen = Record::from_slices(0.02, &u[half..], &y[half..]).unwrap();
+    let seen = Record::of_run(0.02, &u[..half], &y[..half]).unwrap();
+    let unseen = Record::of_run(0.02, &u[half..], &y[half..]).unwrap();
     // Plain FIR least squares of 50 lags reaches 96.4 %.
     for (settling, wanted) in [("50", 95.0), ("auto", 95.9)] {
         let options = Options {

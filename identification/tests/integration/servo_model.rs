@@ -27,7 +27,7 @@ fn percent(servo: &ServoModel, kind: LinearKind) -> f64 {
 }
 
 /// A linear servo of second order, which had stood at 0.
-fn second_order() -> Record {
+fn second_order() -> Record<'static> {
     let servo = Linear::second_order(0.97, 0.0213, 0.7, 50.0);
     let input = command();
     let output = measured(&servo.respond(&input, 0.0, 0.0), 1.0, 1);
@@ -112,7 +112,7 @@ fn what_the_linear_model_has_not_seen_is_left_out_in_fact() {
 fn a_limited_servo_is_predicted_better_by_the_servo_model() {
     let input = command();
     let clean = limited(0.7, 60.0, Limit::Rate(150.0, 100.0), &input, 0.0);
-    let record = Record::from_slices(PERIOD, &input, &measured(&clean, 1.0, 2)).unwrap();
+    let record = Record::of_run(PERIOD, input, measured(&clean, 1.0, 2)).unwrap();
     let (_, servo) = both(&record);
     let found = servo.linear_models.as_ref().unwrap();
     assert_eq!(found.samples_used, servo.fit.samples_used);
@@ -133,7 +133,7 @@ fn a_servo_that_the_equation_lacks_is_better_described_by_the_linear_model() {
     let input = command();
     let output = measured(&servo.respond(&input, 0.0, 0.0), 0.3, 3);
     let from = 120 + 30;
-    let record = Record::from_slices(PERIOD, &input[from..], &output[from..]).unwrap();
+    let record = Record::of_run(PERIOD, &input[from..], &output[from..]).unwrap();
     let (linear, servo) = both(&record);
     let found = servo.linear_models.as_ref().unwrap();
     let better = servo.better_linear_percent();

@@ -9,7 +9,7 @@ use servoid_test_support::servos::{Linear, PERIOD, measured};
 const SAMPLES: usize = 3600;
 
 /// A servo of two lags, 52 and 8 ms, at the sum of sines of these amplitudes and frequencies \[Hz\].
-fn under_sines(sines: &[(f64, f64)]) -> Record {
+fn under_sines(sines: &[(f64, f64)]) -> Record<'static> {
     let servo = Linear::second_order(1.0, 0.0, 1.5, 50.0);
     let input: Vec<f64> = (0..SAMPLES)
         .map(|k| {
@@ -18,7 +18,7 @@ fn under_sines(sines: &[(f64, f64)]) -> Record {
         })
         .collect();
     let clean = servo.respond(&input, 0.0, 0.0);
-    Record::from_slices(PERIOD, &input, &measured(&clean, 1.0, 7)).unwrap()
+    Record::of_run(PERIOD, input, measured(&clean, 1.0, 7)).unwrap()
 }
 
 #[test]

@@ -20,7 +20,7 @@ fn fixed() -> Options {
 fn a_live_collection_ends_with_the_model_of_the_record() {
     let input = staircase();
     let output = simulate(Plant::A, Noise::Ar2, &input, 1.0, &mut random(8));
-    let record = Record::from_slices(PERIOD, &input, &output)
+    let record = Record::of_run(PERIOD, &input, &output)
         .unwrap()
         .with_sample_phase(0.0005);
     let mut stream = MomentStream::new(PERIOD, 102, 3).with_sample_phase(0.0005);

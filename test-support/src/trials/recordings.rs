@@ -15,7 +15,7 @@ const TIMING: (f64, f64) = (0.002, 0.0005);
 
 /// `reference`, as recorded on the simulated servo `servo` (as after `sim:`, without a seed) with this
 /// seed.
-pub fn recording(servo: &str, reference: Reference, seed: u64) -> Record {
+pub fn recording(servo: &str, reference: Reference, seed: u64) -> Record<'static> {
     let separator = if servo.contains('?') { '&' } else { '?' };
     let options: SimulationOptions = format!("{servo}{separator}seed={seed}")
         .parse()
@@ -34,8 +34,9 @@ pub fn recording(servo: &str, reference: Reference, seed: u64) -> Record {
     let rest = usize::from(ROLL_FRAMES) * SAMPLES_PER_FRAME;
     let all = Run::new(input, output).expect("one length");
     let (begin, end) = (rest, all.len() - rest);
-    Record::new(TIMING.0, vec![all.part(begin..end)])
+    let part = |samples| all.part(samples).into_owned();
+    Record::new(TIMING.0, vec![part(begin..end)])
         .expect("it moves")
         .with_sample_phase(TIMING.1)
-        .with_rest(vec![all.part(0..begin), all.part(end..all.len())])
+        .with_rest(vec![part(0..begin), part(end..all.len())])
 }

@@ -4,10 +4,11 @@ use super::about::About;
 use super::error::DatasetError;
 use super::from_tables::note_sentinel_value;
 use super::loaded::{Loaded, run};
+use std::borrow::Cow;
 
 /// Runs of one servo under one condition.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Arrays {
+pub struct Arrays<'a> {
     /// What they are called in sentences.
     pub name: String,
     /// Time between samples \[s\].
@@ -15,7 +16,7 @@ pub struct Arrays {
     /// From an edge of the input to the first sample that carries it \[s\].
     pub phase_s: f64,
     /// The runs.
-    pub runs: Vec<ArrayRun>,
+    pub runs: Vec<ArrayRun<'a>>,
     /// The name or gain of the controller that drove each run, where several did; else empty.
     pub controllers: Vec<f64>,
     /// The unit of the input, where it is known.
@@ -24,19 +25,33 @@ pub struct Arrays {
     pub output_unit: Option<String>,
 }
 
-/// One run: input and output, NaN where a sample is missing.
+/// One run: input and output, NaN where a sample is missing. Slices are not copied.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ArrayRun {
+pub struct ArrayRun<'a> {
     /// The command.
-    pub input: Vec<f64>,
+    pub input: Cow<'a, [f64]>,
     /// The measured motion.
-    pub output: Vec<f64>,
+    pub output: Cow<'a, [f64]>,
     /// The input during at least the settling time before the run, where that is known.
     pub at_rest: Option<f64>,
 }
 
-impl Arrays {
-    pub(super) fn loaded(self) -> Result<Loaded, DatasetError> {
+impl<'a> Arrays<'a> {
+    /// The same, with the samples copied.
+    #[must_use]
+    pub fn into_owned(self) -> Arrays<'static> {
+        let runs = self.runs.into_iter().map(|run| ArrayRun {
+            input: run.input.into_owned().into(),
+            output: run.output.into_owned().into(),
+            at_rest: run.at_rest,
+        });
+        Arrays {
+            runs: runs.collect(),
+            ..self
+        }
+    }
+
+    pub(super) fn loaded(self) -> Result<Loaded<'a>, DatasetError> {
         let mut about = About {
             input_unit: self.input_unit,
             output_unit: self.output_unit,

@@ -18,7 +18,7 @@ pub(super) fn from_recording(
     recording: &Recording,
     path: &Path,
     options: &DatasetOptions,
-) -> Result<Loaded, DatasetFault> {
+) -> Result<Loaded<'static>, DatasetFault> {
     let header = &recording.header;
     let range = match options.with_rest {
         true => 0..u64::MAX,

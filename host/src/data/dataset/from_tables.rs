@@ -17,7 +17,7 @@ pub(super) fn from_table(
     table: &Table,
     path: &Path,
     options: &DatasetOptions,
-) -> Result<Loaded, DatasetFault> {
+) -> Result<Loaded<'static>, DatasetFault> {
     let (Some(input), Some(output)) = (&options.input, &options.output) else {
         return Err(DatasetFault::Unnamed {
             columns: table.columns_clause(),

@@ -5,6 +5,7 @@ use super::error::{DatasetError, DatasetFault};
 use crate::data::file_error::FileError;
 use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::{Error, Run};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Periods that differ by less are the same: it is far below what any result resolves, and above
@@ -13,19 +14,19 @@ const PERIOD_TOLERANCE: f64 = 1e-3;
 
 /// Without any file there are no runs, which a record refuses.
 #[derive(Default)]
-pub(super) struct Loaded {
-    pub(super) runs: Vec<Run>,
+pub(super) struct Loaded<'a> {
+    pub(super) runs: Vec<Run<'a>>,
     /// What the controller of each run is called; empty where no column says it.
     pub(super) controllers: Vec<f64>,
     /// What was recorded around them while the input stood still.
-    pub(super) rest: Vec<Run>,
+    pub(super) rest: Vec<Run<'a>>,
     pub(super) period_s: f64,
     /// From a change of the input to the first sample that carries it (s).
     pub(super) phase_s: f64,
     pub(super) about: About,
 }
 
-impl Loaded {
+impl Loaded<'_> {
     /// Adds the runs of `next`, which is the file `path`; these are of the files `earlier`.
     pub(super) fn append(
         &mut self,
@@ -57,7 +58,11 @@ impl Loaded {
 }
 
 /// A run of these columns.
-pub(super) fn run(input: Vec<f64>, output: Vec<f64>, at_rest: Option<f64>) -> Result<Run, Error> {
+pub(super) fn run<'a>(
+    input: impl Into<Cow<'a, [f64]>>,
+    output: impl Into<Cow<'a, [f64]>>,
+    at_rest: Option<f64>,
+) -> Result<Run<'a>, Error> {
     let run = Run::new(input, output)?;
     Ok(match at_rest {
         Some(input) => run.with_input_at_rest(input),

@@ -35,9 +35,9 @@ use std::path::{Path, PathBuf};
 
 /// A record, and where it comes from.
 #[derive(Clone, Debug)]
-pub struct Dataset {
+pub struct Dataset<'a> {
     /// The runs.
-    pub record: Record,
+    pub record: Record<'a>,
     /// What drove them.
     pub controllers: Controllers,
     /// Where they come from.
@@ -45,8 +45,8 @@ pub struct Dataset {
 }
 
 /// Reads files, each one run or more, into one record.
-pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset, DatasetError> {
-    let mut all: Option<Loaded> = None;
+pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset<'static>, DatasetError> {
+    let mut all: Option<Loaded<'static>> = None;
     for (index, path) in paths.iter().enumerate() {
         // A run that counts twice would make bounds narrower than they are.
         let earlier = paths.get(..index).unwrap_or_default();
@@ -68,7 +68,7 @@ pub fn of_bytes(
     bytes: Vec<u8>,
     path: &Path,
     options: &DatasetOptions,
-) -> Result<Dataset, DatasetError> {
+) -> Result<Dataset<'static>, DatasetError> {
     let loaded = of_content(bytes, path, options).map_err(FileError::at(path))?;
     together(loaded, &path.display().to_string())
 }
@@ -77,13 +77,13 @@ pub fn of_bytes(
 ///
 /// # Errors
 /// Columns of unequal lengths, infinite values, a column that never changes, a period that is none.
-pub fn of_arrays(arrays: Arrays) -> Result<Dataset, DatasetError> {
+pub fn of_arrays(arrays: Arrays<'_>) -> Result<Dataset<'_>, DatasetError> {
     let name = arrays.name.clone();
     together(arrays.loaded()?, &name)
 }
 
 /// The data set of all runs, which are called `names`.
-fn together(all: Loaded, names: &str) -> Result<Dataset, DatasetError> {
+fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetError> {
     let Loaded {
         runs,
         controllers,
@@ -111,7 +111,7 @@ pub fn load_as(
     paths: &[PathBuf],
     options: &DatasetOptions,
     like: &DatasetOptions,
-) -> Result<Dataset, DatasetError> {
+) -> Result<Dataset<'static>, DatasetError> {
     let joined = options.clone().or(like);
     if joined == *options {
         return load(paths, options);
@@ -130,8 +130,8 @@ pub fn load_as(
 pub fn load_sides(
     sides: [&[PathBuf]; 2],
     options: &DatasetOptions,
-) -> Result<[Dataset; 2], DatasetError> {
-    let as_recordings = |paths: &[PathBuf]| -> Result<Dataset, DatasetError> {
+) -> Result<[Dataset<'static>; 2], DatasetError> {
+    let as_recordings = |paths: &[PathBuf]| -> Result<Dataset<'static>, DatasetError> {
         let plain = DatasetOptions {
             with_rest: options.with_rest,
             ..DatasetOptions::default()
@@ -156,7 +156,7 @@ fn has_other_columns(error: &DatasetError) -> bool {
     matches!(error, DatasetError::File(file) if matches!(file.fault, DatasetFault::OtherColumns { .. }))
 }
 
-fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded, DatasetFault> {
+fn load_one(path: &Path, options: &DatasetOptions) -> Result<Loaded<'static>, DatasetFault> {
     let bytes = input_file::read(path).map_err(TableFault::Unreadable)?;
     of_content(bytes, path, options)
 }
@@ -165,7 +165,7 @@ fn of_content(
     bytes: Vec<u8>,
     path: &Path,
     options: &DatasetOptions,
-) -> Result<Loaded, DatasetFault> {
+) -> Result<Loaded<'static>, DatasetFault> {
     let named = options.input.is_some() || options.output.is_some();
     let is_recording = recording::is_recording(&bytes);
     if is_recording && !named {

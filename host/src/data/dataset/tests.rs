@@ -7,7 +7,7 @@ fn write(dir: &Path, name: &str, text: &str) -> PathBuf {
     path
 }
 
-fn fault_of(loaded: Result<Dataset, DatasetError>) -> DatasetFault {
+fn fault_of(loaded: Result<Dataset<'static>, DatasetError>) -> DatasetFault {
     match loaded.unwrap_err() {
         DatasetError::File(file) => file.fault,
         other => panic!("{other}"),

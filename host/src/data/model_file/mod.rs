@@ -34,7 +34,7 @@ pub struct ModelDocument<'a> {
         serialize_with = "as_fingerprints",
         skip_serializing_if = "Option::is_none"
     )]
-    pub record: Option<&'a Record>,
+    pub record: Option<&'a Record<'a>>,
     /// The servo model beside the linear one, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo_model: Option<&'a ServoModelDocument>,

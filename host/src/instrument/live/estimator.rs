@@ -234,7 +234,7 @@ mod tests {
         let second = live.estimate().unwrap();
         assert_eq!((first.samples, second.samples), (2000, 2400));
         assert!(second.half_width_percent() < first.half_width_percent());
-        let record = Record::from_slices(0.002, &u, &y).unwrap();
+        let record = Record::of_run(0.002, &u, &y).unwrap();
         let options = Options {
             settling: Settling::Samples(first.step.value.len()),
             ..Options::default()
@@ -273,7 +273,7 @@ mod tests {
             settling: Settling::Samples(settling),
             ..Options::default()
         };
-        let record = Record::from_slices(0.002, &u, &y).unwrap();
+        let record = Record::of_run(0.002, &u, &y).unwrap();
         let whole = identify(&record, &options).unwrap();
         for (live, whole) in upper(&step.step).iter().zip(upper(&whole.step)) {
             assert!((live - whole).abs() < 1e-4, "{live} {whole}");
@@ -312,7 +312,7 @@ mod tests {
         let mut live = Estimator::new(0.002, Options::default());
         live.push(&u, &y);
         let found = live.estimate_anew().unwrap();
-        let record = Record::from_slices(0.002, &u, &y).unwrap();
+        let record = Record::of_run(0.002, &u, &y).unwrap();
         let step = identify(&record, &Options::default()).unwrap().step;
         let bounds = step.bounds.valid().unwrap();
         assert!(bounds.rounding_bias > 0.0);

@@ -54,7 +54,7 @@ pub struct Subject<'a> {
     /// Its model.
     pub model: &'a Model,
     /// The record it was identified from, where that is at hand.
-    pub record: Option<&'a Record>,
+    pub record: Option<&'a Record<'a>>,
     /// The units of its record, where they are known.
     pub units: Units<'a>,
 }
@@ -67,7 +67,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    fn first_run(&self) -> Option<&'a Run> {
+    fn first_run(&self) -> Option<&'a Run<'a>> {
         self.record.and_then(|record| record.runs().first())
     }
 }

@@ -19,7 +19,7 @@ pub struct Servo {
     /// The choice of its structure; not known of a model from a file.
     pub explanation: Option<Explanation>,
     /// The data of its identification; not known of a model from a file.
-    pub data: Option<Dataset>,
+    pub data: Option<Dataset<'static>>,
     /// The servo as a machine, where that was found.
     pub servo_model: Option<ServoModelDocument>,
     /// A stretch that the models had not seen, where both were identified without one.
@@ -47,7 +47,7 @@ impl Servo {
 
     /// The identification of `data`; its runs are identified one by one as well.
     #[must_use]
-    pub fn of_data(name: String, data: Dataset, found: Identification) -> Self {
+    pub fn of_data(name: String, data: Dataset<'static>, found: Identification) -> Self {
         Self {
             name,
             runs: runs_alone(&data.record, &found.model).unwrap_or_default(),

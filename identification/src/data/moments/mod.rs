@@ -63,7 +63,7 @@ mod tests {
         }
     }
 
-    fn gappy_record() -> Record {
+    fn gappy_record() -> Record<'static> {
         let run = |seed: u64, samples: usize| {
             let mut state = seed;
             let mut noise = || {

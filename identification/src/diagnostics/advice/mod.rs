@@ -79,11 +79,7 @@ mod tests {
             settling: Settling::Samples(41),
             ..Options::default()
         };
-        identify(
-            &Record::from_slices(0.01, &input, &output).unwrap(),
-            &options,
-        )
-        .unwrap()
+        identify(&Record::of_run(0.01, &input, &output).unwrap(), &options).unwrap()
     }
 
     fn checks(model: &Model) -> Vec<&Check> {
@@ -121,7 +117,7 @@ mod tests {
             settling: Settling::Samples(15),
             ..Options::default()
         };
-        let record = Record::from_slices(0.01, &input, &output).unwrap();
+        let record = Record::of_run(0.01, &input, &output).unwrap();
         let model = identify(&record, &options).unwrap();
         assert_eq!(
             model.metrics.withheld,

@@ -17,7 +17,7 @@ use rand_distr::{Distribution, StandardNormal};
 const SETTLING: usize = 11;
 
 /// A run of a first-order servo whose output is bent by `bend` s², under noise of first order.
-fn run(seed: u64, samples: usize, bend: f64) -> Run {
+fn run(seed: u64, samples: usize, bend: f64) -> Run<'static> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
     // Levels from 3 to 5, held long enough for the servo to come near them.
@@ -36,13 +36,13 @@ fn run(seed: u64, samples: usize, bend: f64) -> Run {
 }
 
 /// One run from rest, one with a sample missing.
-fn record(bend: f64) -> Record {
+fn record(bend: f64) -> Record<'static> {
     let first = run(1, 150, bend);
     let rest = first.input()[0];
     let second = run(2, 130, bend);
     let mut holed = second.output().to_vec();
     holed[60] = f64::NAN;
-    let second = Run::new(second.input(), holed).unwrap();
+    let second = second.with_output(holed);
     Record::new(0.01, vec![first.with_input_at_rest(rest), second]).unwrap()
 }
 
@@ -214,7 +214,7 @@ fn a_run_that_is_too_short_or_does_not_move_hides_no_finding() {
     let bent = record(0.3);
     let mut runs = bent.runs().to_vec();
     let level = runs[0].input()[0];
-    runs.push(runs[0].part(0..4));
+    runs.push(bent.runs()[0].part(0..4));
     runs.push(
         Run::new(vec![level; 60], vec![level + 0.3 * level * level; 60])
             .unwrap()

@@ -130,7 +130,7 @@ impl SplitFit {
 ///     *y += if u > y { 0.3 } else { 0.1 } * (u - *y);
 ///     Some(*y + 0.01 * ((k * 7919 % 101) as f64 - 50.0) / 50.0)
 /// }).collect();
-/// let record = Record::from_slices(0.002, &u, &y)?;
+/// let record = Record::of_run(0.002, &u, &y)?;
 /// let options = Options { settling: Settling::Samples(81), ..Options::default() };
 /// let both = split_by_direction(&record, &identify(&record, &options)?)?;
 /// assert!(both.asymmetric() && both.up.value[5] > both.down.value[5] + 0.2);

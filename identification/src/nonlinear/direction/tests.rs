@@ -25,7 +25,7 @@ fn model(up: &Linear, down: &Linear, zero: f64, seed: u64, level: f64) -> Direct
         .iter()
         .map(|y| y + zero)
         .collect();
-    let record = Record::from_slices(PERIOD, &input, &measured(&clean, 1.0, seed)).unwrap();
+    let record = Record::of_run(PERIOD, input, measured(&clean, 1.0, seed)).unwrap();
     split_with(
         &record,
         FsfBasis::full(SETTLING).unwrap(),

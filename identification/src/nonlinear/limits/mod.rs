@@ -49,7 +49,7 @@ impl Limits {
     /// let y: Vec<f64> = u.iter().enumerate().scan(0.0, |y, (k, u)| {
     ///     *y += 0.2 * (u - *y); Some(*y + 0.002 * ((k * 7919 % 101) as f64 - 50.0) / 50.0)
     /// }).collect();
-    /// let record = Record::from_slices(0.002, &u, &y)?;
+    /// let record = Record::of_run(0.002, &u, &y)?;
     /// let options = Options { settling: Settling::Samples(61), ..Options::default() };
     /// let limits = Limits::of(&record, &identify(&record, &options)?, options.level);
     /// assert_eq!(limits.rate_up.verdict, RateVerdict::Proportional);
@@ -106,8 +106,8 @@ fn settling(model: &Model) -> usize {
 
 /// The runs less the motion that the linear model predicts, y(k) - (ŷ(k) - c - G0 u(k)), so that ringing
 /// does not pass for rest. Missing where the model has no full history.
-fn without_motion(record: &Record, model: &Model) -> Vec<Run> {
-    let still = |run: &Run| {
+fn without_motion<'a>(record: &'a Record, model: &Model) -> Vec<Run<'a>> {
+    let still = |run: &'a Run| {
         let moving = model.simulate(run);
         let output: Vec<f64> = (0..run.len())
             .map(|k| run.output()[k] - (moving[k] - model.offset - model.theta[0] * run.input()[k]))

@@ -113,7 +113,7 @@ mod tests {
             }
         }
         identify(
-            &Record::from_slices(PERIOD, &input, &output).unwrap(),
+            &Record::of_run(PERIOD, &input, &output).unwrap(),
             &Options::default(),
         )
         .unwrap()

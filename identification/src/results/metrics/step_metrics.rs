@@ -313,11 +313,7 @@ mod tests {
             settling: Settling::Samples(151),
             ..Options::default()
         };
-        identify(
-            &Record::from_slices(0.002, &input, &output).unwrap(),
-            &options,
-        )
-        .unwrap()
+        identify(&Record::of_run(0.002, &input, &output).unwrap(), &options).unwrap()
     }
 
     #[test]

@@ -127,7 +127,7 @@ fn linear_servos_stay_linear() {
         let noise = NoiseKind::ALL[(*seed % 2) as usize].draw(&mut random, input.len());
         let clean = truth.response(&input, PERIOD_S);
         let output: Vec<f64> = clean.iter().zip(noise).map(|(y, v)| y + v).collect();
-        let record = Record::from_slices(PERIOD_S, &input, &output).unwrap();
+        let record = Record::of_run(PERIOD_S, &input, &output).unwrap();
         fit(&record, &ServoModelOptions::default())
             .unwrap()
             .is_linear()

@@ -62,7 +62,7 @@ pub(super) struct Band {
 
 impl Case {
     /// The servo, its recording and the noise in it.
-    fn recorded(&self) -> (Truth, Record, Vec<f64>) {
+    fn recorded(&self) -> (Truth, Record<'static>, Vec<f64>) {
         let truth = servo(self.kind, self.servo);
         let stream = 10_000 * self.run + 10 * self.reference as u64 + self.noise as u64;
         let mut random = ChaCha8Rng::seed_from_u64(self.servo);
