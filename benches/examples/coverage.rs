@@ -1,12 +1,12 @@
 //! Measures by simulation how often the bands hold what they should, and prints the table of the
 //! documentation as markdown.
 //!
-//! `cargo run --release -p servoid-benches --example coverage -- [RUNS] [FILTER] [narrow]`
+//! `cargo run --release -p servoid-benches --example coverage -- [RUNS] [FILTER] [auto|narrow] [stable]`
 //! with 300 runs a case by default; FILTER keeps the lines that contain it, such as `Staircase | A` or `Glitches`;
-//! `narrow` takes the narrow number of frequencies. The last sentence is the overall rate of false alarms of the
+//! `narrow` takes the narrow number of frequencies, `stable` the stable prior. The last sentence is the overall rate of false alarms of the
 //! lines shown.
 
-use servoid_identification::{Frequencies, Options};
+use servoid_identification::{Frequencies, Options, Prior};
 use servoid_test_support::arguments;
 use servoid_test_support::coverage::{Case, Line, Reference, measure};
 use servoid_test_support::hard_lines::hard_lines;
@@ -20,6 +20,9 @@ fn main() {
         frequencies: arguments.next().map_or(Frequencies::Auto, |word| {
             word.parse().expect("auto, narrow or an odd number")
         }),
+        prior: arguments
+            .next()
+            .map_or(Prior::None, |word| word.parse().expect("none or stable")),
         ..Options::default()
     };
     println!("{}", Line::HEADING);

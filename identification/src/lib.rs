@@ -43,4 +43,4 @@ pub use error::Error;
 pub use identify::{
     Identification, expected_model, identify, identify_explained, identify_moments,
 };
-pub use options::{Detrend, Frequencies, NoiseOrder, Options, Settling};
+pub use options::{Detrend, Frequencies, NoiseOrder, Options, Prior, Settling};

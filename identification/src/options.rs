@@ -76,6 +76,17 @@ pub enum Detrend {
     Linear,
 }
 
+/// What is known of the response before the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Prior {
+    /// Nothing but that it is over after N: the paper's way.
+    #[default]
+    None,
+    /// It dies out and is smooth, as much as the data say. Bounds are narrower by a factor of 1.1 to 4; they rest on the response
+    /// being of that kind.
+    Stable,
+}
+
 /// Options of [`crate::identify()`]. `Options::default()` leaves every choice to the data, at 99 %.
 ///
 /// ```
@@ -98,6 +109,8 @@ pub struct Options {
     pub longest_settling: Option<usize>,
     /// Offsets and trends of runs.
     pub detrend: Detrend,
+    /// What is known of the response before the data.
+    pub prior: Prior,
 }
 
 impl Default for Options {
@@ -109,6 +122,7 @@ impl Default for Options {
             level: 0.99,
             longest_settling: None,
             detrend: Detrend::Auto,
+            prior: Prior::None,
         }
     }
 }
@@ -200,6 +214,29 @@ impl FromStr for Detrend {
                 wanted: "`auto`, `none`, `offset` or `linear`",
             }),
         }
+    }
+}
+
+impl FromStr for Prior {
+    type Err = ParseOptionError;
+    fn from_str(given: &str) -> Result<Self, Self::Err> {
+        match given {
+            "none" => Ok(Self::None),
+            "stable" => Ok(Self::Stable),
+            _ => Err(ParseOptionError {
+                given: given.to_owned(),
+                wanted: "`none` or `stable`",
+            }),
+        }
+    }
+}
+
+impl fmt::Display for Prior {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::None => "none",
+            Self::Stable => "stable",
+        })
     }
 }
 

@@ -8,6 +8,12 @@
 //! them is measured by the example `coverage`, stated in docs/method.md ("False alarms in all") and held by the
 //! test `bands_of_automatic_structure_hold_as_often_as_they_say`.
 
+/// Standard deviations by which the response under the stable prior may differ from that without it.
+///
+/// Protects: a response that does not die out evenly, such as one that rests for a while and moves again, from a band that is too
+/// narrow. Evidence: table "Stable prior" of docs/method.md.
+pub const PRIOR_CONTRADICTED: f64 = 4.0;
+
 // The choice of the settling time.
 
 /// Standard deviations from its final value at which a response counts as still moving.

@@ -25,6 +25,7 @@ def identify(
     noise_order: int | str = "auto",
     level: float = 0.99,
     detrend: str = "auto",
+    prior: str = "none",
     explain: bool = False,
     flight_model: bool = False,
     servo_model: bool = False,
@@ -59,6 +60,9 @@ def identify(
         Confidence level of every bound, from 0.5 to 0.99999.
     detrend : {"auto", "none", "offset", "linear"}
         What is taken out of the output of each run.
+    prior : {"none", "stable"}
+        What is known of the response before the data: that it is over after N, or that it dies out and is smooth. Bounds are narrower
+        then, and hold for such responses.
     explain, flight_model, servo_model, limits : bool
         Also: why this structure, a low-order model, the servo as a machine, and motion that is not linear. The servo model is
         looked for by itself where the linear model has no bounds, which takes some seconds.
@@ -91,6 +95,7 @@ def identify(
         "frequencies": str(frequencies),
         "noise_order": str(noise_order),
         "detrend": detrend,
+        "prior": prior,
         "level": level,
         "explain": explain,
         "flight_model": flight_model,

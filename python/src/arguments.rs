@@ -1,7 +1,7 @@
 //! Options of the command line in a sentence, as arguments of Python: `--period 0.02` is `period=0.02`.
 
 /// Options that are arguments too, and take a value.
-const VALUED: [&str; 14] = [
+const VALUED: [&str; 15] = [
     "input",
     "output",
     "period",
@@ -15,6 +15,7 @@ const VALUED: [&str; 14] = [
     "noise-order",
     "level",
     "detrend",
+    "prior",
     "margin",
 ];
 
@@ -28,8 +29,8 @@ const FLAGS: [&str; 5] = [
 ];
 
 /// Values that are words.
-const WORDS: [&str; 9] = [
-    "s", "ms", "us", "ns", "auto", "none", "offset", "linear", "narrow",
+const WORDS: [&str; 10] = [
+    "s", "ms", "us", "ns", "auto", "none", "offset", "linear", "narrow", "stable",
 ];
 
 /// The sentence with arguments where it names options.

@@ -17,6 +17,7 @@ pub(crate) struct IdentifyOptions {
     frequencies: String,
     noise_order: String,
     detrend: String,
+    prior: String,
     level: f64,
     explain: bool,
     flight_model: bool,
@@ -31,6 +32,7 @@ impl IdentifyOptions {
             frequencies: self.frequencies.parse().map_err(raised)?,
             noise_order: self.noise_order.parse().map_err(raised)?,
             detrend: self.detrend.parse().map_err(raised)?,
+            prior: self.prior.parse().map_err(raised)?,
             level: self.level,
             ..Options::default()
         };

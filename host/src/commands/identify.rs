@@ -9,7 +9,7 @@ use crate::data::dataset::{Dataset, listed};
 use crate::presentation::plots::{self, Figure};
 use anyhow::Result;
 use clap::Args;
-use servoid_identification::{Detrend, Frequencies, NoiseOrder, Options, Settling};
+use servoid_identification::{Detrend, Frequencies, NoiseOrder, Options, Prior, Settling};
 use std::path::PathBuf;
 
 /// Identify the servo's step and frequency response, with bounds
@@ -44,6 +44,10 @@ pub(super) struct Identify {
     /// offsets where the runs differ, and lines where the output drifts
     #[arg(long, default_value_t = Detrend::Auto, value_name = "auto|none|offset|linear")]
     detrend: Detrend,
+    /// What is known of the response before the data. none: that it is over after N. stable: that it dies out and is smooth, as
+    /// much as the data say; bounds are narrower then, and hold for such responses
+    #[arg(long, default_value_t = Prior::None, value_name = "none|stable")]
+    prior: Prior,
     /// Explain the structure: the candidates, and the reason for the choice
     #[arg(long)]
     explain: bool,
@@ -79,6 +83,7 @@ impl Identify {
             noise_order: self.noise_order,
             level: self.level,
             detrend: self.detrend,
+            prior: self.prior,
             ..Options::default()
         };
         if let Err(error) = options.check() {

@@ -9,6 +9,7 @@ use crate::diagnostics::initial_rest::Contradicted;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::outliers::TakenOut;
+use crate::diagnostics::prior::PriorOutcome;
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::diagnostics::slow_end::SlowEnd;
 use crate::diagnostics::uneven_noise::UnevenNoise;
@@ -120,6 +121,9 @@ pub struct Explanation {
     /// Whether the input follows the output; `None` where the errors are no noise.
     #[serde(default)]
     pub feedback: Option<Feedback>,
+    /// What became of the stable prior; `None` where it was not asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prior: Option<PriorOutcome>,
     /// How the runs compare; `None` with fewer than two.
     pub runs: Option<RunComparison>,
 }
@@ -171,6 +175,7 @@ impl Explanation {
         if let Some(uneven) = &self.uneven_noise {
             sentences.push(uneven.in_words());
         }
+        sentences.extend(self.prior.as_ref().map(PriorOutcome::in_words));
         if let Some(errors) = &self.model_errors {
             sentences.push(match errors.candidates.len() {
                 0 => "The errors are not noise, and no part of the record shows how well a model predicts \

@@ -10,6 +10,7 @@ mod least_squares;
 mod nested_banks;
 mod noise_model;
 mod qr;
+mod stable_prior;
 mod truncation;
 mod variance;
 
@@ -31,5 +32,6 @@ pub(crate) use noise_model::{
 };
 #[cfg(test)]
 pub(crate) use qr::triangular_factor;
+pub(crate) use stable_prior::Regularised;
 pub(crate) use truncation::{FIRST_ORDER, SECOND_ORDER, Truncation};
 pub(crate) use variance::CurveVariance;

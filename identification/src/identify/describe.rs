@@ -215,6 +215,7 @@ pub(super) fn explanation(
         uneven_noise: fitted.uneven,
         slow_end: fitted.slow_end,
         feedback: fitted.feedback,
+        prior: None,
         runs,
     }
 }

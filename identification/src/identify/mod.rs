@@ -15,6 +15,7 @@ mod expected;
 mod fitted;
 mod gates;
 mod plan;
+mod prior;
 mod responses;
 mod task;
 mod undisturbed;
@@ -117,7 +118,8 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
 
 fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
     let samples = first.candidate.moments.samples();
-    let mut fitted = gates::pass(task, first)?.with_honest_covariance(task);
+    let fitted = gates::pass(task, first)?.with_honest_covariance(task);
+    let (mut fitted, prior) = prior::under_prior(task, fitted);
     let mut described = Described::new(task, &fitted);
     let runs = task.record.and_then(|record| {
         RunComparison::of(&described.model, &task.disturbances.with_offsets(record))
@@ -132,7 +134,10 @@ fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
         mut model,
     } = described;
     model.residuals = assess::residuals(task, &fitted, &model);
-    let explanation = describe::explanation(task, fitted, &responses, &allowances, (&model, runs));
+    let explanation = Explanation {
+        prior,
+        ..describe::explanation(task, fitted, &responses, &allowances, (&model, runs))
+    };
     model.advice = gather_advice(&Evidence {
         model: &model,
         validity: &validity,

@@ -266,6 +266,7 @@ fn one_run_a_side_is_a_verdict_on_the_recordings() {
 
 /// The verdict and its interval are those of the means of the servos, with the scatter of their runs.
 #[test]
+#[ignore = "ten seconds: cargo test -p servoid-identification --test integration -- --ignored several_runs_a_side"]
 fn several_runs_a_side_are_a_verdict_on_the_servos() {
     // At the margin, where a verdict is wrong most easily: the gain is 4.3 % less, and the response overshoots by 16 %.
     let at_margin = Means {

@@ -12,6 +12,7 @@ mod limits;
 mod linearity;
 mod metrics;
 mod poor_records;
+mod prior;
 mod real_data;
 mod servo_model;
 mod smooth;

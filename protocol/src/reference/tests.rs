@@ -87,7 +87,7 @@ const LONGEST_RUN: u32 = u16::MAX as u32;
 
 proptest! {
     // Each case may be as long as the longest run.
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
     fn length_expansion_and_extremes_agree(reference in any_reference()) {
         let frames = reference.frames();

@@ -1,0 +1,100 @@
+//! The lowest point of a smooth function of a handful of numbers (Broyden, Fletcher, Goldfarb and Shanno 1970).
+
+use faer::Mat;
+
+use crate::numerics::{dot, times};
+
+/// Largest number of steps. A good start needs about fifteen.
+const STEPS: usize = 60;
+/// Largest change of a number in one step: they are logarithms.
+const LONGEST_STEP: f64 = 1.5;
+/// Decrease of -2 ln likelihood that no longer matters.
+const CONVERGED: f64 = 1e-2;
+
+/// Goes down from `start`. `value` gives the function and its gradient, or `None` where it cannot be computed.
+pub(super) fn descend(
+    value: impl Fn(&[f64]) -> Option<(f64, Vec<f64>)>,
+    start: &[f64],
+) -> Option<(Vec<f64>, f64)> {
+    let size = start.len();
+    let mut at = start.to_vec();
+    let (mut best, mut gradient) = value(&at)?;
+    let unit = |scale: f64| Mat::from_fn(size, size, |i, j| if i == j { scale } else { 0.0 });
+    let mut inverse = unit(1.0 / dot(&gradient, &gradient).sqrt().max(1.0));
+    for _ in 0..STEPS {
+        let mut step: Vec<f64> = times(&inverse, &gradient).iter().map(|s| -s).collect();
+        let mut slope = dot(&step, &gradient);
+        if slope >= 0.0 {
+            inverse = unit(1.0 / dot(&gradient, &gradient).sqrt().max(1.0));
+            step = times(&inverse, &gradient).iter().map(|s| -s).collect();
+            slope = dot(&step, &gradient);
+        }
+        let longest = step.iter().fold(0.0, |a: f64, s| a.max(s.abs()));
+        let shorten = (LONGEST_STEP / longest).min(1.0);
+        step.iter_mut().for_each(|s| *s *= shorten);
+        slope *= shorten;
+        let Some((factor, next, found)) = along(&value, &at, &step, best, slope) else {
+            break;
+        };
+        let moved: Vec<f64> = step.iter().map(|s| factor * s).collect();
+        let turned: Vec<f64> = found.1.iter().zip(&gradient).map(|(a, b)| a - b).collect();
+        let decrease = best - found.0;
+        (at, best, gradient) = (next, found.0, found.1);
+        if decrease < CONVERGED {
+            break;
+        }
+        update(&mut inverse, &moved, &turned);
+    }
+    Some((at, best))
+}
+
+type Found = (f64, Vec<f64>);
+
+/// The first of ever shorter steps that descends enough (Armijo).
+fn along(
+    value: &impl Fn(&[f64]) -> Option<Found>,
+    at: &[f64],
+    step: &[f64],
+    best: f64,
+    slope: f64,
+) -> Option<(f64, Vec<f64>, Found)> {
+    let halves = std::iter::successors(Some(1.0), |factor| Some(factor / 3.0)).take(8);
+    halves.into_iter().find_map(|factor: f64| {
+        let next: Vec<f64> = at.iter().zip(step).map(|(x, s)| x + factor * s).collect();
+        let found = value(&next).filter(|found| found.0 <= best + 1e-4 * factor * slope)?;
+        Some((factor, next, found))
+    })
+}
+
+/// H becomes (I - s y'/y's) H (I - y s'/y's) + s s'/y's, where the curvature along the step is positive.
+fn update(inverse: &mut Mat<f64>, moved: &[f64], turned: &[f64]) {
+    let curvature = dot(moved, turned);
+    if curvature <= 1e-12 {
+        return;
+    }
+    let turned_by_inverse = times(inverse, turned);
+    let stretch = 1.0 + dot(turned, &turned_by_inverse) / curvature;
+    *inverse = Mat::from_fn(moved.len(), moved.len(), |i, j| {
+        inverse[(i, j)]
+            + (stretch * moved[i] * moved[j]
+                - turned_by_inverse[i] * moved[j]
+                - moved[i] * turned_by_inverse[j])
+                / curvature
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CONVERGED, descend};
+
+    #[test]
+    fn the_bottom_of_a_bent_valley_is_found() {
+        let rosenbrock = |x: &[f64]| {
+            let (a, b) = (1.0 - x[0], x[1] - x[0] * x[0]);
+            let gradient = vec![-2.0 * a - 400.0 * x[0] * b, 200.0 * b];
+            Some((a * a + 100.0 * b * b, gradient))
+        };
+        let (at, value) = descend(rosenbrock, &[-1.2, 1.0]).unwrap();
+        assert!(value < CONVERGED, "{at:?}: {value}");
+    }
+}

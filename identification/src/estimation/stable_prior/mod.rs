@@ -1,0 +1,155 @@
+//! A prior of impulse responses that die out and are smooth, found from the data (empirical Bayes).
+//!
+//! The estimate of the complete bank, h with covariance V, is free: N numbers without any relation to each other. Every
+//! servo's response dies out, and its neighbours resemble each other: h ~ N(0, K). The numbers of K maximise the marginal
+//! likelihood of the free estimate, h ~ N(0, K + V), and the response is
+//!
+//! ```text
+//! E = K (K + V)^-1 h,   covariance K - K (K + V)^-1 K = K (K + V)^-1 V
+//! ```
+//!
+//! which is the least-squares estimate with the prior as a further row for each lag. The offset has no prior. K is the sum of a fast
+//! kernel and a slow one: with a single one, a servo that creeps at the end has bands that miss it. A slow end of a few percent is
+//! [expected](slow_end) before the data.
+//!
+//! Sources: T. Chen, H. Ohlsson and L. Ljung, Automatica 2012; G. Pillonetto, F. Dinuzzo, T. Chen, G. De Nicolao and L. Ljung,
+//! Automatica 2014.
+
+mod contradiction;
+mod descent;
+mod evidence;
+mod kernel;
+mod objective;
+mod slow_end;
+mod uncertain;
+
+use faer::Mat;
+
+use crate::estimation::GlsFit;
+use crate::numerics::{dot, inverse_of_lower};
+use contradiction::contradiction;
+use descent::descend;
+use evidence::{Free, kernels_of};
+use kernel::Kernel;
+use objective::Objective;
+use slow_end::SlowEnd;
+
+/// Time constants from which the search sets out, as shares of N.
+const DECAYS: [f64; 3] = [0.04, 0.1, 0.25];
+/// How much longer neighbours resemble each other than the response lasts, at the start.
+const LENGTH: f64 = 2.0;
+
+/// A fit under the prior.
+pub(crate) struct Regularised {
+    /// Coordinates and offset.
+    coordinates: Vec<f64>,
+    /// Covariance of both, over the variance of ε.
+    covariance: Mat<f64>,
+    /// The kernels, fast and slow.
+    kernels: Vec<Kernel>,
+    /// The largest difference of the step responses with and without prior, in standard deviations.
+    pub(crate) contradiction: f64,
+}
+
+impl Regularised {
+    /// Of a fit to a complete bank. `None` where the prior's numbers cannot be found.
+    pub(crate) fn of(fit: &GlsFit) -> Option<Self> {
+        let size = fit.coordinates.len();
+        let all = fit.noise_covariance();
+        let covariance = all.as_ref().submatrix(0, 0, size, size).to_owned();
+        let sd = fit.variance.sqrt();
+        let response: Vec<f64> = fit.solution.response().iter().map(|h| h / sd).collect();
+        let free = Free {
+            response: &response,
+            covariance: &covariance,
+        };
+        let (objective, numbers) = found_numbers(free)?;
+        let (marginal, ..) = objective.at(&numbers)?;
+        let whiten = inverse_of_lower(&marginal.factor);
+        let mut prior = Mat::<f64>::zeros(size, size);
+        marginal.kernels.iter().for_each(|kernel| prior += kernel);
+        let of_prior = &whiten * &prior;
+        let of_noise = &whiten * all.as_ref().submatrix(0, 0, size, size + 1);
+        // With the offset: its variance less what the response explains of it.
+        let mut posterior = Mat::<f64>::zeros(size + 1, size + 1);
+        let block = of_prior.transpose() * &of_noise;
+        let explained = of_noise.transpose() * &of_noise;
+        for j in 0..=size {
+            for i in 0..=size {
+                posterior[(i, j)] = match (i, j) {
+                    (i, j) if i < size && j < size => (block[(i, j)] + block[(j, i)]) / 2.0,
+                    (i, j) if i < size => block[(i, j)],
+                    (i, j) if j < size => block[(j, i)],
+                    (i, j) => all[(i, j)] - explained[(i, j)],
+                };
+            }
+        }
+        let directions = uncertain::directions(&objective, &numbers)?;
+        let block = &directions * directions.transpose();
+        for j in 0..size {
+            for i in 0..size {
+                posterior[(i, j)] += block[(i, j)];
+            }
+        }
+        let mean = marginal.mean();
+        let offset = dot(of_noise.col_as_slice(size), &marginal.whitened);
+        let mut coordinates: Vec<f64> = mean.iter().map(|h| sd * h).collect();
+        coordinates.push(fit.solution.offset() - sd * offset);
+        Some(Self {
+            contradiction: contradiction(&response, &mean, &of_noise),
+            coordinates,
+            covariance: posterior,
+            kernels: kernels_of(&numbers),
+        })
+    }
+
+    /// Time constants of the two kernels, the shorter first \[samples\].
+    pub(crate) fn time_constants(&self) -> Vec<f64> {
+        let mut all: Vec<f64> = self.kernels.iter().map(Kernel::time_constant).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    }
+
+    /// The fit becomes that under the prior.
+    pub(crate) fn carry_into(self, fit: &mut GlsFit) {
+        fit.solution.coordinates = self.coordinates;
+        fit.solution.inverse = self.covariance;
+        fit.further.noise = None;
+    }
+}
+
+/// The objective, and the numbers of the two kernels that minimise it.
+fn found_numbers(free: Free<'_>) -> Option<(Objective<'_>, Vec<f64>)> {
+    let mut objective = Objective {
+        free,
+        slow_end: None,
+    };
+    let starts = DECAYS.iter().map(|share| start(&objective.free, *share));
+    let first = starts.min_by(|a, b| objective.of_one(a).total_cmp(&objective.of_one(b)))?;
+    let (single, _) = descend(|numbers| objective.value(numbers), &first.numbers())?;
+    let (marginal, ..) = objective.at(&single)?;
+    let slow_end = SlowEnd {
+        gain: marginal.mean().iter().sum(),
+    };
+    let fast = Kernel::of(&single);
+    let both = [fast.numbers(), slow_end.expected(&fast).numbers()].concat();
+    objective.slow_end = Some(slow_end);
+    let (both, _) = descend(|numbers| objective.value(numbers), &both)?;
+    Some((objective, both))
+}
+
+/// A kernel of this time constant, as large as the response.
+fn start(free: &Free<'_>, share: f64) -> Kernel {
+    let samples = free.response.len() as f64;
+    let decay = share * samples;
+    // The sum of the variances, decay c, is that of the squares of the response.
+    let size = dot(free.response, free.response) / decay;
+    Kernel {
+        log_size: size.max(f64::MIN_POSITIVE).ln(),
+        log_decay: decay.ln(),
+        log_length: (LENGTH * decay).ln(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,61 @@
+//! The fit under the prior against the slow way.
+
+use super::evidence::Free;
+use super::*;
+use approx::assert_relative_eq;
+
+const SAMPLES: usize = 24;
+
+fn covariance() -> Mat<f64> {
+    Mat::from_fn(SAMPLES, SAMPLES, |i, j| {
+        0.02 * 0.6f64.powi(i.abs_diff(j) as i32)
+    })
+}
+
+fn response() -> Vec<f64> {
+    (0..SAMPLES)
+        .map(|k| (-(k as f64) / 5.0).exp() + 0.1 * (1.7 * k as f64).sin())
+        .collect()
+}
+
+fn kernels() -> [Kernel; 2] {
+    [[-1.0, 1.2, 2.0], [-4.0, 2.5, 3.0]].map(|numbers: [f64; 3]| Kernel::of(&numbers))
+}
+
+#[test]
+fn the_kernel_is_its_formula() {
+    let kernel = Kernel::of(&[0.3f64.ln(), 5f64.ln(), 8f64.ln()]);
+    let found = kernel.covariance(6);
+    let (decay, likeness) = ((-1.0f64 / 5.0).exp(), (-1.0f64 / 8.0).exp());
+    for (i, j) in [(0usize, 0usize), (2, 5), (5, 1)] {
+        let (a, b) = (i as f64 + 1.0, j as f64 + 1.0);
+        let expected = 0.3 * decay.powf((a + b) / 2.0) * likeness.powf((a - b).abs());
+        assert_relative_eq!(found[(i, j)], expected, max_relative = 1e-12);
+    }
+}
+
+#[test]
+fn the_gradient_is_the_quotient_of_differences() {
+    let (covariance, response) = (covariance(), response());
+    let free = Free {
+        response: &response,
+        covariance: &covariance,
+    };
+    let numbers: Vec<f64> = kernels().iter().flat_map(Kernel::numbers).collect();
+    let objective = Objective {
+        free,
+        slow_end: Some(SlowEnd { gain: 3.0 }),
+    };
+    let value = |numbers: &[f64]| objective.value(numbers).unwrap().0;
+    let (_, found) = objective.value(&numbers).unwrap();
+    for k in 0..numbers.len() {
+        let at = |side: f64| {
+            let mut moved = numbers.clone();
+            moved[k] += side;
+            value(&moved)
+        };
+        // Central differences with a step of 1e-5 are good to 1e-9 of the third derivative.
+        let expected = (at(1e-5) - at(-1e-5)) / 2e-5;
+        assert_relative_eq!(found[k], expected, max_relative = 1e-5, epsilon = 1e-6);
+    }
+}

@@ -1,0 +1,71 @@
+//! The stable prior in place of a decided N, where it was asked for.
+//!
+//! Under the prior a long N costs nothing, and a narrow band is hurt by an N that cuts the response off. So N is twice the one that
+//! was chosen, as far as the record allows.
+
+use super::estimate::Estimate;
+use super::fitted::Fitted;
+use super::task::Task;
+use crate::diagnostics::PriorOutcome;
+use crate::estimation::{FsfBasis, Regularised};
+use crate::options::{NoiseOrder, Prior, Settling};
+use crate::selection::{longest_settling, odd_at_most};
+use crate::thresholds::PRIOR_CONTRADICTED;
+
+/// N under the prior, in those without, as far as the record allows.
+const LONGER: usize = 4;
+
+/// The fit under the prior, or `fitted` where there is none or it does not hold; and what became of it, where it was asked for.
+pub(super) fn under_prior(task: &Task<'_>, fitted: Fitted) -> (Fitted, Option<PriorOutcome>) {
+    if task.options.prior == Prior::None {
+        return (fitted, None);
+    }
+    if fitted.misfit.is_some() || !fitted.candidate.plan.basis.is_complete() {
+        return (fitted, Some(PriorOutcome::NotApplicable));
+    }
+    let longer = with_longer_settling(task, &fitted);
+    let wide = longer.as_ref().unwrap_or(&fitted);
+    let Some(regularised) = Regularised::of(&wide.estimate.fit) else {
+        return (fitted, Some(PriorOutcome::NotFound));
+    };
+    let contradiction = regularised.contradiction;
+    if contradiction > PRIOR_CONTRADICTED {
+        return (fitted, Some(PriorOutcome::Contradicted { contradiction }));
+    }
+    let mut found = longer.unwrap_or(fitted);
+    let period_s = found.candidate.moments.sample_period_s();
+    let constants = regularised.time_constants().into_iter();
+    let outcome = PriorOutcome::Used {
+        time_constants_s: constants.map(|samples| samples * period_s).collect(),
+        contradiction,
+    };
+    regularised.carry_into(&mut found.estimate.fit);
+    (found, Some(outcome))
+}
+
+/// The same choice with a longer N; `None` where N was given, or the record does not determine so much.
+fn with_longer_settling(task: &Task<'_>, fitted: &Fitted) -> Option<Fitted> {
+    if task.options.settling != Settling::Auto {
+        return None;
+    }
+    let settling = fitted.candidate.plan.basis.settling();
+    let longest = longest_settling(task.record?, task.options.longest_settling).ok()?;
+    let longer = odd_at_most((LONGER * settling).min(longest));
+    if longer <= settling {
+        return None;
+    }
+    let order = NoiseOrder::Order(fitted.estimate.fit.ar.len());
+    let basis = FsfBasis::full(longer).ok()?;
+    let candidate = fitted.candidate.with(task, basis, order);
+    let estimate = Estimate::new(&candidate.plan, &candidate.moments, task.record).ok()?;
+    let found = Fitted {
+        candidate,
+        estimate,
+        linearity: fitted.linearity,
+        misfit: None,
+        slow_end: fitted.slow_end,
+        feedback: fitted.feedback,
+        uneven: None,
+    };
+    Some(found.with_honest_covariance(task))
+}
