@@ -53,7 +53,7 @@ impl Rig {
     }
 
     fn trigger(&mut self) {
-        self.adc.trigger_by_tim3(&mut self.bench.at(self.now));
+        self.adc.trigger_by_tim3(0, &mut self.bench.at(self.now));
     }
 
     /// Runs until nothing is left to do; each input has the code of its number. Times of the DMA
