@@ -33,7 +33,8 @@ pub fn run<S>(program: SpawnToken<S>) -> ! {
     // SAFETY: this function never returns, so the executor lives for ever.
     let executor: &'static raw::Executor = unsafe { &*core::ptr::from_mut(&mut executor) };
     executor.spawner().spawn(program);
-    let mut woken = count();
+    // The timer has no clock yet, and begins with 0.
+    let mut woken = 0;
     loop {
         // SAFETY: only here, and not within itself: the program does not poll.
         unsafe { executor.poll() };

@@ -160,6 +160,14 @@ impl RigClient {
         }
     }
 
+    /// Lets `time` pass.
+    ///
+    /// # Errors
+    /// When the line is gone.
+    pub fn pause(&mut self, time: Duration) -> Result<(), TalkError> {
+        self.driver.pause(time)
+    }
+
     /// Requests that were sent again, as their answer had not come in time.
     pub fn requests_repeated(&self) -> u32 {
         self.driver.client.requests_repeated()
