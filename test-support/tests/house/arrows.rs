@@ -17,6 +17,7 @@ const ROOMS: [(&str, &[&str]); 9] = [
             "reference",
             "hello",
             "health",
+            "loopback",
             "message",
             "schema",
         ],
@@ -47,6 +48,7 @@ const ROOMS: [(&str, &[&str]); 9] = [
         &[
             "board",
             "limits",
+            "loopback",
             "history",
             "outbox",
             "run",

@@ -321,3 +321,122 @@ fn check(
         passed,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::measured::{Level, MeasuredPulse};
+    use super::*;
+    use servoid_protocol::hello::{ResetCause, Text16};
+    use servoid_protocol::loopback::Vitals;
+    use servoid_protocol::message::{Activity, Status};
+    use servoid_protocol::schema::{PROTOCOL_VERSION, SCHEMA_HASH};
+    use servoid_protocol::{Counts, Health, Hello};
+
+    /// As on a good board.
+    fn good() -> Measured {
+        let hello = Hello {
+            protocol_version: PROTOCOL_VERSION,
+            schema_hash: SCHEMA_HASH,
+            board: Text16::new("bench"),
+            build: Text16::new("0"),
+            unique_id: [7; 12],
+            clock: ClockSource::Crystal,
+            reset_cause: ResetCause::PowerOn,
+            frame_us: 20_000,
+            sample_us: 2_000,
+            first_sample_us: 500,
+            aperture_us: 84,
+            oversampling: 4,
+            full_scale_counts: 16_380,
+            shortest_pulse_us: 800,
+            longest_pulse_us: 2_200,
+            history_frames: 256,
+        };
+        let status = Status {
+            activity: Activity::Idle,
+            sensor: Counts(0),
+            frames_since_start: 100,
+            frames_lost_on_board: 2,
+            rejects: 3,
+            backlog_high_water: 0,
+        };
+        let vitals = Vitals {
+            frames: 100,
+            awake_us: u32::MAX - 5_000,
+            stack_bytes: 10_240,
+            stack_unused: 3_600,
+        };
+        // 7 % of a hundred frames, across the end of the count.
+        let later = Vitals {
+            frames: 200,
+            awake_us: vitals.awake_us.wrapping_add(140_000),
+            ..vitals
+        };
+        let level = |share| Level {
+            share,
+            sd_counts: 2.0,
+        };
+        Measured {
+            hello,
+            status_before: status,
+            status_after: status,
+            health: Health {
+                bandgap: 23_800,
+                ..Health::default()
+            },
+            vitals_before: vitals,
+            vitals_after: later,
+            vitals_at_end: later,
+            frame_ms: Some([19.99, 20.01]),
+            pin_before: 0.0,
+            unseen: None,
+            pulses: vec![MeasuredPulse {
+                asked_us: 1_500,
+                width_us: Some(1_500.5),
+            }],
+            probe_holds_us: Some(20.5),
+            sampled_us: Some(18_586),
+            high: Some(level(0.662)),
+            low: Some(level(0.0)),
+            requests: 500,
+            requests_repeated: 0,
+            unreadable: 0,
+        }
+    }
+
+    fn faults(measured: &Measured) -> Vec<&'static str> {
+        measured.findings().iter().map(|f| f.fault).collect()
+    }
+
+    /// What the models of the chip cannot have: the others are found on the virtual board.
+    #[test]
+    fn each_fault_is_named_alone() {
+        assert_eq!(faults(&good()), [""; 0]);
+        assert!((good().load_percent().unwrap() - 7.0).abs() < 1e-9);
+        type Change = fn(&mut Measured);
+        let cases: [(&str, Change); 8] = [
+            ("stack", |m| m.vitals_at_end.stack_unused = 1_000),
+            ("stack", |m| m.vitals_at_end.stack_bytes = 0),
+            ("processor_load", |m| m.vitals_after.awake_us += 400_000),
+            ("frames_lost", |m| m.status_after.frames_lost_on_board += 1),
+            ("line", |m| m.status_after.rejects += 1),
+            ("frame_period", |m| m.frame_ms = None),
+            ("frame_period", |m| m.frame_ms = Some([19.7, 20.3])),
+            ("wire_loose", |m| m.unseen = Some(Unseen::Lost)),
+        ];
+        for (fault, change) in cases {
+            let mut measured = good();
+            change(&mut measured);
+            assert_eq!(faults(&measured), [fault]);
+        }
+    }
+
+    /// A virtual board that runs twice as fast is no bad crystal.
+    #[test]
+    fn frames_of_half_the_length_have_a_remark() {
+        let mut measured = good();
+        measured.frame_ms = Some([9.99, 10.01]);
+        let says = &measured.findings()[0].says;
+        assert!(says.contains("--realtime"), "{says}");
+    }
+}
