@@ -73,7 +73,11 @@ impl Report {
             hello.build.as_str()
         );
         for check in &self.checks {
-            let verdict = if check.passed { "ok" } else { "FAILED" };
+            let verdict = match (check.passed, check.measured) {
+                (true, _) => "ok",
+                (false, Some(_)) => "FAILED",
+                (false, None) => "not measured",
+            };
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
@@ -95,7 +99,7 @@ impl Report {
 /// An interval as its middle, and how far its ends are from it.
 fn shown(measured: Option<[f64; 2]>, digits: usize) -> String {
     let Some([least, most]) = measured else {
-        return "not measured".to_owned();
+        return "-".to_owned();
     };
     let (middle, reach) = ((least + most) / 2.0, (most - least) / 2.0);
     match reach > 0.0 {
