@@ -38,8 +38,8 @@ pub(super) fn frame_period(stamps: &[Stamp], stated_s: f64) -> Option<[f64; 2]> 
         complete_by.fold(f64::INFINITY, f64::min) - not_before.fold(f64::NEG_INFINITY, f64::max)
     };
     let [least, most] = WIDEST.map(|factor| factor * stated_s);
-    let best = highest(&room, least, most);
-    (room(best) >= 0.0).then(|| [border(&room, best, least), border(&room, best, most)])
+    let best = highest(room, least, most);
+    (room(best) >= 0.0).then(|| [border(room, best, least), border(room, best, most)])
 }
 
 /// Where a concave function is highest.
