@@ -48,6 +48,9 @@ pub struct Quantity {
     pub interval: Bounds<Interval>,
 }
 
+/// The name of the only quantity that is a time from the edge of a command.
+pub(super) const DELAY: &str = "delay";
+
 /// Ratio of the upper bound to the lower from which on a positive quantity is not determined: neither order of magnitude nor
 /// anything that follows from it is then known.
 const UNDETERMINED_RATIO: f64 = 10.0;
@@ -91,7 +94,7 @@ const fn define(
 
 /// All quantities, in the order in which they are shown.
 const DEFINITIONS: &[Definition] = &[
-    define("delay", Unit::Seconds, Domain::NotNegative, |p| {
+    define(DELAY, Unit::Seconds, Domain::NotNegative, |p| {
         Some(p.delay_s)
     }),
     define("gain", Unit::OutputPerCommand, Domain::Any, |p| {

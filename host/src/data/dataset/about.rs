@@ -29,6 +29,8 @@ pub struct About {
     pub calibrations: Vec<SensorCalibration>,
     /// Whether the clock of a recording was the internal oscillator of its board.
     pub inexact_clock: bool,
+    /// The sensor's true delay is at most this far from the one that was taken out (s).
+    pub sensor_delay_uncertainty_s: f64,
 }
 
 /// Where counts are degrees.
@@ -91,6 +93,11 @@ impl About {
         self.by_servoid &= other.by_servoid;
         self.staircase &= other.staircase;
         self.inexact_clock |= other.inexact_clock;
+        let (mine, theirs) = (
+            self.sensor_delay_uncertainty_s,
+            other.sensor_delay_uncertainty_s,
+        );
+        self.sensor_delay_uncertainty_s = mine.max(theirs);
         agree(&mut self.input_unit, other.input_unit);
         agree(&mut self.output_unit, other.output_unit);
         agree(&mut self.condition, other.condition);
@@ -127,6 +134,8 @@ impl From<&About> for ModelMetadata {
         // A recording of servoid was commanded by pulses, which change with the frame only.
         let pulse_frame_s = about.by_servoid.then_some(RIG_FRAME_S);
         let (input, output) = (about.input_unit.clone(), about.output_unit.clone());
-        Self::new(input, output, pulse_frame_s)
+        let mut metadata = Self::new(input, output, pulse_frame_s);
+        metadata.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s;
+        metadata
     }
 }
