@@ -85,6 +85,9 @@ fn a_stated_delay_is_taken_out_and_its_uncertainty_is_in_all_times_from_the_edge
     let ([low, value, high], found) = (low_order(&exact), low_order(&stated));
     assert!((found[1] - value).abs() < 1e-4, "{found:?} {value}");
     assert!((high - low + 0.002 - (found[2] - found[0])).abs() < 1e-4);
+    let sides = [&at("exact.csv"), &at("stated.csv")].map(|file| arg(file).to_owned());
+    let compared = run(&["compare", &sides[0], &sides[1], "--json"]);
+    assert!(compared.contains("sensors of different delays, 0 and 4 ms"));
     let advised = |model: &Value| model["advice"].to_string().contains("sensor_delay");
     assert_eq!(
         [&exact, &stated, &unstated].map(advised),

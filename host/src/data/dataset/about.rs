@@ -31,6 +31,8 @@ pub struct About {
     pub inexact_clock: bool,
     /// The sensor's true delay is at most this far from the one that was taken out (s).
     pub sensor_delay_uncertainty_s: f64,
+    /// The delays that were taken out of the recordings (s).
+    pub sensor_delays_s: Vec<f64>,
 }
 
 /// Where counts are degrees.
@@ -63,6 +65,26 @@ impl About {
             percent,
             0.0,
             "Calibrate once ('servoid calibrate'), and capture both sides with the same rig file, unless the sensors differ.",
+        ))
+    }
+
+    /// That the recordings of two sides were made by sensors of different delays.
+    pub(crate) fn other_sensor_delay(&self, other: &Self) -> Option<Advice> {
+        let with_others = |a| other.sensor_delays_s.iter().map(move |b| (a, b));
+        let mut pairs = self.sensor_delays_s.iter().flat_map(with_others);
+        let (a, b) = pairs.find(|(a, b)| a != b)?;
+        let known = 1e3 * (self.sensor_delay_uncertainty_s + other.sensor_delay_uncertainty_s);
+        Some(Advice::new(
+            Check::SensorDelay,
+            format!(
+                "The sides were recorded by sensors of different delays, {} and {} ms: both were taken out, and their difference is known to {known} ms. \
+                 The delay shift and the differences of times do not allow for that.",
+                1e3 * a,
+                1e3 * b
+            ),
+            known,
+            0.0,
+            "Record both sides with one sensor.",
         ))
     }
 
@@ -102,6 +124,7 @@ impl About {
         agree(&mut self.output_unit, other.output_unit);
         agree(&mut self.condition, other.condition);
         self.calibrations.extend(other.calibrations);
+        self.sensor_delays_s.extend(other.sensor_delays_s);
         self.provenance.extend(other.provenance);
         self.remarks.extend(other.remarks);
         self.advice.extend(other.advice);

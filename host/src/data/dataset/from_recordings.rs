@@ -63,6 +63,7 @@ pub(super) fn from_recording(
         phase_s: delay.phase_s,
         about: About {
             sensor_delay_uncertainty_s: delay.uncertainty_s,
+            sensor_delays_s: vec![delay.delay_s],
             ..about(recording, path, options, scale.unhealthy(rows), &still)
         },
     })
