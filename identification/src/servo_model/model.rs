@@ -3,7 +3,7 @@
 use super::coordinates::{Coordinate, Point, Terms};
 use super::descent_step::MOST;
 use super::motion::largest_error;
-use super::quantities::{DELAY, Quantity};
+use super::quantities::{Quantity, widen_delay};
 use super::start::find_starts;
 use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
@@ -239,10 +239,7 @@ impl ServoModel {
     /// is taken for. The covariance is that of the noise alone.
     #[must_use]
     pub fn with_delay_error(mut self, seconds: f64) -> Self {
-        for quantity in self.quantities.iter_mut().filter(|q| q.name == DELAY) {
-            let interval = quantity.interval;
-            quantity.interval = interval.map(|found| found.widened(seconds));
-        }
+        widen_delay(&mut self.quantities, seconds);
         self
     }
 

@@ -1,5 +1,6 @@
 //! Where data come from, as far as the files state it.
 
+use super::sensor_delay::in_ms;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::results::{Advice, Check};
@@ -73,14 +74,14 @@ impl About {
         let with_others = |a| other.sensor_delays_s.iter().map(move |b| (a, b));
         let mut pairs = self.sensor_delays_s.iter().flat_map(with_others);
         let (a, b) = pairs.find(|(a, b)| a != b)?;
-        let known = 1e3 * (self.sensor_delay_uncertainty_s + other.sensor_delay_uncertainty_s);
+        let known = in_ms(self.sensor_delay_uncertainty_s + other.sensor_delay_uncertainty_s);
         Some(Advice::new(
             Check::SensorDelay,
             format!(
                 "The sides were recorded by sensors of different delays, {} and {} ms: both were taken out, and their difference is known to {known} ms. \
                  The delay shift and the differences of times do not allow for that.",
-                1e3 * a,
-                1e3 * b
+                in_ms(*a),
+                in_ms(*b)
             ),
             known,
             0.0,

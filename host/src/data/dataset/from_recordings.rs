@@ -4,7 +4,7 @@ use super::about::{About, SensorCalibration};
 use super::error::DatasetFault;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
-use super::sensor_delay::SensorDelay;
+use super::sensor_delay::{SensorDelay, in_ms};
 use crate::data::clock_error::internal_clock_error;
 use crate::data::degrees::DegreeScale;
 use crate::data::frozen_sensor::{FrozenSensor, StandStill};
@@ -111,7 +111,7 @@ fn about(
         ),
     }
     let [delay_ms, uncertainty_ms] =
-        [header.sensor_delay_s, header.sensor_delay_uncertainty_s].map(|s| 1e3 * s);
+        [header.sensor_delay_s, header.sensor_delay_uncertainty_s].map(in_ms);
     if delay_ms > 0.0 || uncertainty_ms > 0.0 {
         about.add(
             Check::SensorDelay,

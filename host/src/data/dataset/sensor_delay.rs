@@ -50,6 +50,11 @@ impl SensorDelay {
     }
 }
 
+/// A time for a sentence, without the digits that its arithmetic has added (ms).
+pub(super) fn in_ms(seconds: f64) -> f64 {
+    (1e6 * seconds).round() / 1e3
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -82,6 +87,13 @@ mod tests {
         let output = [1.0, 2.0, 3.0];
         assert_eq!(delay(0.004).taken_out(&output, 1), [3.0]);
         assert!(delay(0.004).taken_out(&output, 2)[1].is_nan());
+    }
+
+    #[test]
+    fn milliseconds_are_as_they_were_stated() {
+        for ms in [1.1, 0.7, 0.15, 4.0, 0.0] {
+            assert_eq!(in_ms(1e-3 * ms), ms);
+        }
     }
 
     #[test]
