@@ -289,7 +289,7 @@ fn quarter_turn(response: &FrequencyResponse, later_s: f64) -> Option<f64> {
             return None;
         };
         let share = (phase + 90.0) / (phase - next_phase);
-        (phase > -90.0 && next_phase <= -90.0).then(|| omega + share * (next_omega - omega))
+        (phase > -90.0 && next_phase <= -90.0).then_some(omega + share * (next_omega - omega))
     })
 }
 
