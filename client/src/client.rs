@@ -171,6 +171,11 @@ impl Client {
         self.line.decoder.rejects()
     }
 
+    /// Requests that were sent again, as their answer had not come in time.
+    pub fn requests_repeated(&self) -> u32 {
+        self.line.repeated
+    }
+
     /// Frames of the run that had to be asked for again.
     pub fn frames_asked_again(&self) -> u32 {
         self.line.asked_again

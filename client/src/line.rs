@@ -21,6 +21,8 @@ pub(crate) struct Line {
     pub bytes_received: u64,
     pub outgoing: VecDeque<Vec<u8>>,
     pub events: VecDeque<Event>,
+    /// Requests that were sent again.
+    pub repeated: u32,
     /// The limits that the rig was last asked to keep.
     pub armed: Option<Arm>,
     session: u16,
@@ -40,6 +42,7 @@ impl Line {
             bytes_received: 0,
             outgoing: VecDeque::new(),
             events: VecDeque::new(),
+            repeated: 0,
             armed: None,
             session,
             next_id: 0,
@@ -122,6 +125,7 @@ impl Line {
             return None;
         }
         if pending.sent < pending.attempts {
+            self.repeated += 1;
             self.send(pending);
             return None;
         }

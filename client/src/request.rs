@@ -1,5 +1,6 @@
 //! A request that waits for its answer.
 
+use servoid_protocol::loopback::{LoopbackFrame, Vitals};
 use servoid_protocol::message::{Command, Outcome, Refusal, Request, RigMessage, Status};
 use servoid_protocol::{Health, Hello};
 use std::time::Duration;
@@ -26,6 +27,10 @@ pub enum Answer {
     Status(Status),
     /// Answer to [`Command::Health`].
     Health(Health),
+    /// Answer to [`Command::Vitals`].
+    Vitals(Vitals),
+    /// Answer to [`Command::Loopback`].
+    Loopback(LoopbackFrame),
 }
 
 /// A request that was sent and has no answer yet.
@@ -46,7 +51,7 @@ impl PendingRequest {
 
     /// The answer, if `message` is it.
     ///
-    /// A `Hello`, `Status` or `Health` carries no id: one that was asked for earlier and comes late is taken
+    /// A `Hello`, `Status`, `Health`, `Vitals` or `Loopback` carries no id: one that was asked for earlier and comes late is taken
     /// for the answer too.
     pub(crate) fn answer_in(&self, message: &RigMessage) -> Option<Answer> {
         let asked = (self.request.session, self.request.id);
@@ -54,6 +59,8 @@ impl PendingRequest {
             (RigMessage::Hello(hello), Command::Hello) => Some(Answer::Hello(hello)),
             (RigMessage::Status(status), Command::Status) => Some(Answer::Status(status)),
             (RigMessage::Health(health), Command::Health) => Some(Answer::Health(health)),
+            (RigMessage::Vitals(vitals), Command::Vitals) => Some(Answer::Vitals(vitals)),
+            (RigMessage::Loopback(frame), Command::Loopback(_)) => Some(Answer::Loopback(frame)),
             (
                 RigMessage::Reply {
                     session,
@@ -76,6 +83,8 @@ pub(crate) fn name(command: &Command) -> &'static str {
         Command::Unused | Command::Hello => "say who it is",
         Command::Status => "say how it is",
         Command::Health => "say how its board is",
+        Command::Vitals => "say how its processor is",
+        Command::Loopback(_) => "test itself",
         Command::Arm(_) => "arm",
         Command::Disarm => "disarm",
         Command::Start(_) => "start the run",

@@ -2,6 +2,7 @@
 
 use servoid_protocol::health::LastFault;
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
+use servoid_protocol::loopback::{Probe, Vitals};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_protocol::{Counts, PulseWidth};
 
@@ -50,6 +51,17 @@ pub struct CapturedFrame {
     pub samples: [Counts; SAMPLES_PER_FRAME],
     /// The board's own supply in this frame.
     pub supply: Supply,
+    /// What the board saw of its own timing.
+    pub timing: FrameTiming,
+}
+
+/// What a board saw of its own timing in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameTiming {
+    /// When the processor had the frame's last sample (µs after the frame edge).
+    pub sampled_us: u16,
+    /// The newest probe, if one was asked for.
+    pub probe: Option<Probe>,
 }
 
 /// The board's own supply in a frame. The readings of the converter are relative to it.
@@ -85,6 +97,15 @@ pub trait Board {
 
     /// The pulse from the next frame edge on; `None` for no pulse.
     fn set_pulse(&mut self, pulse: Option<PulseWidth>);
+
+    /// Takes one more conversion in each frame from now on, at this instant (µs after the frame edge), for a self-test. It
+    /// takes the place of the reference voltage's. A board that cannot do it leaves it.
+    fn set_probe(&mut self, _at_us: Option<u16>) {}
+
+    /// What the board measures of its own processor; zeros where it does not.
+    fn vitals(&mut self) -> Vitals {
+        Vitals::default()
+    }
 
     /// Feeds the watchdog. Called once for each captured frame.
     fn feed_watchdog(&mut self);

@@ -29,6 +29,7 @@
 pub mod board;
 pub mod history;
 pub mod limits;
+mod loopback;
 mod outbox;
 pub mod rig;
 mod run;
@@ -36,6 +37,6 @@ pub mod serve;
 mod session;
 mod supply_meter;
 
-pub use board::{Board, CapturedFrame, ChipIdentity, Identity, Link, Supply};
+pub use board::{Board, CapturedFrame, ChipIdentity, FrameTiming, Identity, Link, Supply};
 pub use rig::Rig;
 pub use serve::serve;

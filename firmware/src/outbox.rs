@@ -18,6 +18,8 @@ pub(crate) enum Answer {
     Hello,
     Status,
     Health,
+    Vitals,
+    Loopback,
     Reply {
         session: u16,
         id: u16,

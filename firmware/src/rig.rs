@@ -12,17 +12,22 @@
 //! | Armed     | neutral   | new limits | -> Running  | (1)    | -> Idle  |                    |
 //! | Running   | reference | `Running`  | `Running`   | -> Ended (2) | sends `Ended`, -> Idle | -> Ended |
 //! | Ended     | neutral   | -> Armed   | -> Running  | (1)    | -> Idle  |                    |
+//! | Self-test | as asked  | -> Armed   | `NotArmed`  | (1)    | -> Idle  | -> Idle            |
 //!
 //! 1. Done for the last run, which has ended; `UnknownRun` for others.
 //! 2. `UnknownRun` for another run.
 //!
-//! `KeepAlive`, `Status`, `Health` and `Hello` change no state; `Resend` is refused as `UnknownRun` unless it names the present run
+//! `KeepAlive`, `Status`, `Health`, `Vitals` and `Hello` change no state; `Loopback` begins the self-test of an idle rig, or changes
+//! what it does, and is refused as `Running` in other states; `Resend` is refused as `UnknownRun` unless it names the present run
 //! or the last one. Conditions of the transitions:
 //!
 //! | transition | needs                                                                                |
 //! |------------|--------------------------------------------------------------------------------------|
 //! | -> Armed   | a new request of the session at most 2 s ago; an equal schema hash; [`Limits`] within the board's; every sample of the newest frame in the sensor's range, and the board's supply not too low in it |
+//! | -> Self-test | a new request of the session at most 2 s ago; an equal schema hash; a pulse within the board's limits; the newest frame shows the pulse line: low, and high in the first sample where there was a pulse; the supply not too low |
 //! | -> Running | a new request of the session at most 2 s and one lease ago; a reference that is well formed, fits the frame index and stays within the limits; a run number other than the last; sensor and supply as for arming |
+//!
+//! The self-test ends as well with three frames in a row that do not show the pulse line.
 //!
 //! # Leases
 //!
@@ -37,6 +42,7 @@
 use crate::board::{CapturedFrame, ChipIdentity, Identity};
 use crate::history::{self, History};
 use crate::limits::{LONGEST_PULSE, Limits, SHORTEST_PULSE};
+use crate::loopback::{self, SelfTest};
 use crate::outbox::{Answer, Item, Outbox};
 use crate::run::Run;
 use crate::session::{Admission, Session};
@@ -44,6 +50,7 @@ use crate::supply_meter::SupplyMeter;
 use servoid_protocol::health::{Health, LastFault};
 use servoid_protocol::hello::Text16;
 use servoid_protocol::lease::LEASE_FRAMES;
+use servoid_protocol::loopback::{Loopback, LoopbackFrame, Vitals};
 use servoid_protocol::message::{
     Activity, Arm, Command, EndReason, Ended, Outcome, Refusal, Request, RigMessage, Start, Status,
 };
@@ -62,6 +69,7 @@ enum State {
     Armed(Limits),
     Running(Limits, Run),
     Ended(Limits, Ended),
+    SelfTest(SelfTest),
 }
 
 /// The rig.
@@ -83,6 +91,8 @@ pub struct Rig {
     chip: ChipIdentity,
     last_fault: Option<LastFault>,
     supply: SupplyMeter,
+    vitals: Vitals,
+    wants_vitals: bool,
 }
 
 impl Rig {
@@ -103,6 +113,8 @@ impl Rig {
             chip: identity.chip,
             last_fault: identity.last_fault,
             supply: SupplyMeter::default(),
+            vitals: Vitals::default(),
+            wants_vitals: false,
         }
     }
 
@@ -122,8 +134,15 @@ impl Rig {
                 self.end(reason);
             }
         }
+        let full_scale = Counts(self.hello.full_scale_counts);
+        if let State::SelfTest(test) = &mut self.state
+            && !test.goes_on(frame, self.heard_at, full_scale)
+        {
+            self.state = State::Idle;
+        }
         match &self.state {
             State::Idle => None,
+            State::SelfTest(test) => Some(test.asked.pulse),
             State::Armed(limits) | State::Ended(limits, _) => Some(limits.neutral),
             State::Running(limits, run) => Some(run.next_pulse(limits)),
         }
@@ -173,12 +192,34 @@ impl Rig {
         if outcome != TOO_LATE {
             self.heard_at = self.newest_number();
         }
-        self.outbox.answer(match request.command {
-            Command::Hello => Answer::Hello,
-            Command::Status => Answer::Status,
-            Command::Health => Answer::Health,
+        self.wants_vitals |= request.command == Command::Vitals;
+        self.outbox.answer(match (request.command, outcome) {
+            (Command::Hello, _) => Answer::Hello,
+            (Command::Status, _) => Answer::Status,
+            (Command::Health, _) => Answer::Health,
+            (Command::Vitals, _) => Answer::Vitals,
+            (Command::Loopback(_), Outcome::Done) => Answer::Loopback,
             _ => reply(outcome),
         });
+    }
+
+    /// The instant of the probe that the self-test asks for (µs after the frame edge).
+    pub fn probe_us(&self) -> Option<u16> {
+        match &self.state {
+            State::SelfTest(test) => Some(test.asked.probe_us),
+            _ => None,
+        }
+    }
+
+    /// Whether the host has asked for what the board measures of its processor: see [`Self::set_vitals`].
+    pub fn wants_vitals(&self) -> bool {
+        self.wants_vitals
+    }
+
+    /// Takes what the board measures of its processor, for the answer that waits.
+    pub fn set_vitals(&mut self, vitals: Vitals) {
+        self.wants_vitals = false;
+        self.vitals = vitals;
     }
 
     /// Counts `rejects` more unreadable requests.
@@ -212,6 +253,11 @@ impl Rig {
             Answer::Hello => RigMessage::Hello(self.hello),
             Answer::Status => RigMessage::Status(self.status()),
             Answer::Health => RigMessage::Health(self.health()),
+            Answer::Vitals => RigMessage::Vitals(Vitals {
+                frames: self.newest.map_or(0, |frame| frame.number.wrapping_add(1)),
+                ..self.vitals
+            }),
+            Answer::Loopback => RigMessage::Loopback(self.loopback_frame()),
             Answer::Reply {
                 session,
                 id,
@@ -245,6 +291,10 @@ impl Rig {
     fn is_held(&self) -> bool {
         let limits = match &self.state {
             State::Idle => return false,
+            State::SelfTest(_) => {
+                let newest = self.newest.as_ref();
+                return newest.is_some_and(|frame| loopback::is_held(frame, self.heard_at));
+            }
             State::Armed(limits) | State::Running(limits, _) | State::Ended(limits, _) => limits,
         };
         let newest = self.newest.as_ref();
@@ -259,6 +309,7 @@ impl Rig {
                 State::Armed(_) => Activity::Armed,
                 State::Running(_, run) => run.activity(),
                 State::Ended(_, ended) => Activity::Ended(*ended),
+                State::SelfTest(_) => Activity::Loopback,
             },
             sensor: newest
                 .and_then(|frame| frame.samples.last().copied())
@@ -267,6 +318,18 @@ impl Rig {
             frames_lost_on_board: self.frames_lost,
             rejects: self.rejects,
             backlog_high_water: self.outbox.backlog_high_water,
+        }
+    }
+
+    fn loopback_frame(&self) -> LoopbackFrame {
+        let newest = self.newest.as_ref();
+        let timing = newest.map(|frame| frame.timing).unwrap_or_default();
+        LoopbackFrame {
+            number: self.newest_number(),
+            pulse: newest.and_then(|frame| frame.pulse),
+            samples: newest.map(|frame| frame.samples).unwrap_or_default(),
+            sampled_us: timing.sampled_us,
+            probe: timing.probe,
         }
     }
 
@@ -287,7 +350,9 @@ impl Rig {
             | Command::Hello
             | Command::Status
             | Command::Health
+            | Command::Vitals
             | Command::KeepAlive => Ok(()),
+            Command::Loopback(asked) => self.test_itself(asked),
             Command::Arm(arm) => self.arm(arm),
             Command::Disarm => {
                 self.end(EndReason::Disarmed);
@@ -322,9 +387,24 @@ impl Rig {
         Ok(())
     }
 
+    /// Begins the self-test, or changes what it does.
+    fn test_itself(&mut self, asked: &Loopback) -> Result<(), Refusal> {
+        if !matches!(self.state, State::Idle | State::SelfTest(_)) {
+            return Err(Refusal::Running);
+        }
+        if asked.schema_hash != SCHEMA_HASH {
+            return Err(Refusal::SchemaDiffers);
+        }
+        self.require_alive(LEASE_FRAMES)?;
+        let newest = self.newest.as_ref().ok_or(Refusal::SensorOutOfRange)?;
+        let full_scale = Counts(self.hello.full_scale_counts);
+        self.state = State::SelfTest(SelfTest::new(*asked, newest, full_scale)?);
+        Ok(())
+    }
+
     fn start(&mut self, start: &Start) -> Result<(), Refusal> {
         let limits = match &self.state {
-            State::Idle => return Err(Refusal::NotArmed),
+            State::Idle | State::SelfTest(_) => return Err(Refusal::NotArmed),
             State::Running(..) => return Err(Refusal::Running),
             State::Armed(limits) | State::Ended(limits, _) => *limits,
         };

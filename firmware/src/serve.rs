@@ -20,6 +20,7 @@ pub async fn serve<B: Board, L: Link>(board: &mut B, link: &mut L) -> ! {
         let received = match select(board.next_frame(), link.receive(&mut bytes)).await {
             Either::First(frame) => {
                 board.set_pulse(rig.on_frame(&frame));
+                board.set_probe(rig.probe_us());
                 board.feed_watchdog();
                 match poll_once(link.receive(&mut bytes)) {
                     Poll::Ready(received) => Some(received),
@@ -30,6 +31,9 @@ pub async fn serve<B: Board, L: Link>(board: &mut B, link: &mut L) -> ! {
         };
         if let Some(received) = received.and_then(|count| bytes.get(..count)) {
             on_bytes(&mut rig, &mut decoder, received);
+            if rig.wants_vitals() {
+                rig.set_vitals(board.vitals());
+            }
         }
         board.show_armed(rig.is_armed());
         flush(&mut rig, link);

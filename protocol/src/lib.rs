@@ -18,6 +18,7 @@
 //! | [`lease`]     | the time for which a rig goes on without a request from its host           |
 //! | [`hello`]     | the identity of a rig, in a layout that never changes                      |
 //! | [`health`]    | the chip, its supply and its last fault: what the frozen identity has no room for |
+//! | [`loopback`]  | the self-test of a board that is wired to itself                            |
 //! | [`message`]   | requests and answers                                                       |
 //! | [`schema`]    | a hash over all messages: with unequal ones a rig does not arm             |
 //! | [`framing`]   | messages to bytes and back: postcard, CRC-32, COBS, zero bytes around      |
@@ -41,6 +42,7 @@ pub mod framing;
 pub mod health;
 pub mod hello;
 pub mod lease;
+pub mod loopback;
 pub mod message;
 pub mod reference;
 pub mod schema;

@@ -20,6 +20,7 @@
 use crate::framing::CRC;
 use crate::health::Health;
 use crate::hello::Hello;
+use crate::loopback::{Loopback, LoopbackFrame, Vitals};
 use crate::reference::Reference;
 use crate::timing::SAMPLES_PER_FRAME;
 use crate::units::{Counts, PulseWidth};
@@ -73,6 +74,11 @@ pub enum Command {
     },
     /// Answered with [`RigMessage::Health`].
     Health,
+    /// Answered with [`RigMessage::Vitals`].
+    Vitals,
+    /// The self-test: make these pulses, as long as the board sees them at its sensor's pin. Answered with
+    /// [`RigMessage::Loopback`], unless it is refused.
+    Loopback(Loopback),
 }
 
 /// The limits of a servo and its sensor, and the lease: all that a rig needs before it makes a pulse.
@@ -133,7 +139,7 @@ pub enum RigMessage {
     Unused,
     /// Answer to [`Command::Hello`].
     Hello(Hello),
-    /// Answer to every request but `Hello`, `Status` and `Health`.
+    /// Answer to every request but `Hello`, `Status`, `Health`, `Vitals`, and a `Loopback` that is not refused.
     Reply {
         /// The request's session.
         session: u16,
@@ -150,6 +156,10 @@ pub enum RigMessage {
     Ended(Ended),
     /// Answer to [`Command::Health`].
     Health(Health),
+    /// Answer to [`Command::Vitals`].
+    Vitals(Vitals),
+    /// Answer to [`Command::Loopback`].
+    Loopback(LoopbackFrame),
 }
 
 /// The outcome of a request.
@@ -255,6 +265,8 @@ pub enum Activity {
     },
     /// Pulses at neutral; the last run is over.
     Ended(Ended),
+    /// The self-test.
+    Loopback,
 }
 
 /// The state of the rig and its link.

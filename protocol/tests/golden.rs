@@ -7,6 +7,7 @@
 use servoid_protocol::framing::CRC;
 use servoid_protocol::health::{FaultKind, Health, LastFault};
 use servoid_protocol::hello::Text16;
+use servoid_protocol::loopback::{Loopback, LoopbackFrame, Probe, Vitals};
 use servoid_protocol::message::{Arm, Ended, Start};
 use servoid_protocol::reference::{Multisine, Prbs, Staircase, Stairs, Step, Steps, Sweep};
 use servoid_protocol::{
@@ -182,6 +183,76 @@ fn health() {
         },
         &[
             0x00, 0x0a, 0x02, 0x01, 0x06, 0x01, 0x0b, 0x63, 0x57, 0x1a, 0x8e, 0x00,
+        ],
+    );
+}
+
+#[test]
+fn the_self_test() {
+    let loopback = Loopback {
+        schema_hash: 0x0123_4567_89ab_cdef,
+        pulse: PulseWidth(1_500),
+        probe_us: 19_980,
+    };
+    require_request(
+        1,
+        8,
+        Command::Loopback(loopback),
+        &[
+            0x00, 0x16, 0x01, 0x08, 0x0b, 0xef, 0x9b, 0xaf, 0xcd, 0xf8, 0xac, 0xd1, 0x91, 0x01,
+            0xdc, 0x0b, 0x8c, 0x9c, 0x01, 0x05, 0xc6, 0xe8, 0xb9, 0x00,
+        ],
+    );
+    require_request(
+        1,
+        7,
+        Command::Vitals,
+        &[0x00, 0x08, 0x01, 0x07, 0x0a, 0xfc, 0xcc, 0x17, 0x51, 0x00],
+    );
+    let mut samples = [Counts(3); 10];
+    let before = LoopbackFrame {
+        number: 500,
+        pulse: None,
+        samples,
+        sampled_us: 18_585,
+        probe: None,
+    };
+    require_message(
+        RigMessage::Loopback(before),
+        &[
+            0x00, 0x04, 0x08, 0xf4, 0x03, 0x0e, 0x03, 0x03, 0x03, 0x03, 0x03, 0x03, 0x03, 0x03,
+            0x03, 0x03, 0x99, 0x91, 0x01, 0x05, 0x6d, 0xd5, 0x0e, 0x52, 0x00,
+        ],
+    );
+    samples[0] = Counts(10_843);
+    let frame = LoopbackFrame {
+        pulse: Some(PulseWidth(1_500)),
+        samples,
+        probe: Some(Probe {
+            at_us: 19_980,
+            code: 2_712,
+        }),
+        ..before
+    };
+    require_message(
+        RigMessage::Loopback(frame),
+        &[
+            0x00, 0x1f, 0x08, 0xf4, 0x03, 0x01, 0xdc, 0x0b, 0xdb, 0x54, 0x03, 0x03, 0x03, 0x03,
+            0x03, 0x03, 0x03, 0x03, 0x03, 0x99, 0x91, 0x01, 0x01, 0x8c, 0x9c, 0x01, 0x98, 0x15,
+            0xda, 0x4e, 0x97, 0x6b, 0x00,
+        ],
+    );
+    let vitals = Vitals {
+        frames: 500,
+        awake_us: 123_456,
+        stack_bytes: 10_240,
+        stack_unused: 3_608,
+    };
+    require_message(
+        RigMessage::Vitals(vitals),
+        &[
+            0x00, 0x0f, 0x07, 0xf4, 0x03, 0xc0, 0xc4, 0x07, 0x80, 0x50, 0x98, 0x1c, 0x95, 0x3d,
+            0xfb, 0x9c, 0x00,
         ],
     );
 }

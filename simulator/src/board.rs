@@ -3,7 +3,7 @@
 use crate::apparatus::{Apparatus, SimulatedFrame};
 use crate::options::{OptionsError, SimulationOptions};
 use crate::sensor::{FULL_SCALE, OVERSAMPLING};
-use servoid_firmware::{Board, CapturedFrame, ChipIdentity, Identity, Supply};
+use servoid_firmware::{Board, CapturedFrame, ChipIdentity, FrameTiming, Identity, Supply};
 use servoid_protocol::PulseWidth;
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use std::cell::Cell;
@@ -89,6 +89,7 @@ impl Board for SimulatedBoard {
             pulse: frame.pulse,
             samples: frame.samples,
             supply: Supply::default(),
+            timing: FrameTiming::default(),
         }
     }
 

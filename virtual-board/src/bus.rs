@@ -130,6 +130,7 @@ impl Chip {
             Unit::Tim2 => {
                 let trigger = p.tim2.write(offset, value, m)?;
                 self.on_tim2_trigger(trigger, now);
+                self.follow_probe(now);
                 Some(())
             }
             Unit::Tim3 => {

@@ -16,6 +16,7 @@ use crate::bootloader::{self, Bootloader, End, Memories};
 use crate::fault::Fault;
 use crate::flash_memory::FlashMemory;
 use crate::line::{BIT, Line};
+use crate::loop_wire::LoopWire;
 use crate::memory::{RAM_START, Ram};
 use crate::options::BoardOptions;
 use crate::peripherals::Moment;
@@ -36,7 +37,7 @@ use crate::plant::Plant;
 use crate::record::{Irregularity, Record, ResetReason};
 use crate::supply::Supply;
 use crate::time::Ticks;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sampling_capacitor::SamplingCapacitor;
 use servoid_simulator::OptionsError;
@@ -133,6 +134,11 @@ pub struct Chip {
     high_since: Option<Ticks>,
     pull_down: bool,
     sensor_supply_error: f64,
+    /// The wire of the self-test, in the sensor's place.
+    loop_wire: Option<LoopWire>,
+    samples_late: Ticks,
+    /// Level of the reference of TIM2's channel 1, which starts injected conversions.
+    probe: bool,
     capacitor: SamplingCapacitor,
     /// Level of PA1 while nothing drives it and no resistor pulls it.
     floating: bool,
@@ -151,12 +157,13 @@ impl Chip {
             }));
         let mut unique_id = *b"virt        ";
         unique_id[4..].copy_from_slice(&simulation.seed.to_le_bytes());
-        let rcc = Rcc::new(Sources::new(
+        let sources = Sources::new(
             !faults.contains(&Fault::NoCrystal),
             !faults.contains(&Fault::NoPll),
             options.hsi_error,
             options.clock_switching,
-        ));
+        );
+        let rcc = Rcc::new(sources.with_crystal(options.crystal_error));
         let debugger = faults.iter().any(|f| matches!(f, Fault::DebuggerHalts(_)));
         Ok(Self {
             lsi_hz: options.lsi_hz,
@@ -174,12 +181,15 @@ impl Chip {
                 keeps_signals: options.keeps_signals,
                 ..Record::default()
             },
-            supply: Supply::new(faults),
+            supply: Supply::new(options.supply_millivolts, faults),
             detector: false,
             detector_at: None,
             high_since: None,
             pull_down: options.pull_down,
             sensor_supply_error: options.sensor_supply_error,
+            loop_wire: options.loop_wire.clone(),
+            samples_late: options.samples_late,
+            probe: false,
             capacitor: SamplingCapacitor::new(options.source_ohms),
             floating: false,
             chance: ChaCha8Rng::seed_from_u64(simulation.seed),
@@ -293,6 +303,7 @@ impl Chip {
             self.advance_detector(now);
             let trigger = self.p.tim2.advance(now);
             self.on_tim2_trigger(trigger, now);
+            self.follow_probe(now);
             self.follow_pulse(now);
             let trigger = self.p.tim3.advance(now);
             self.on_tim3_trigger(trigger, now);
@@ -309,10 +320,22 @@ impl Chip {
         }
     }
 
+    /// A rise of the reference of TIM2's channel 1 starts an injected conversion (11.7).
+    pub(crate) fn follow_probe(&mut self, now: Ticks) {
+        let level = self.p.tim2.output(1, now).unwrap_or(false);
+        if level && !self.probe {
+            let record = &mut self.record;
+            let m = &mut Moment { now, record };
+            self.p.adc.trigger_by_tim2_channel_1(m);
+        }
+        self.probe = level;
+    }
+
     pub(crate) fn on_tim3_trigger(&mut self, trigger: TriggerOutput, now: Ticks) {
         if trigger {
             let record = &mut self.record;
-            self.p.adc.trigger_by_tim3(&mut Moment { now, record });
+            let m = &mut Moment { now, record };
+            self.p.adc.trigger_by_tim3(self.samples_late, m);
             let answered = self.p.tim4.trigger(TIM3_AT_OTHERS, now);
             self.moment(now)
                 .not_modelled(answered, "the trigger output of TIM4");
@@ -378,6 +401,10 @@ impl Chip {
                 let analog = port_a.mode(4) == Mode::Analog;
                 self.moment(now)
                     .against_manual(!analog, "an ADC input that is not analog (9.1.12)");
+                if let Some(wire) = &self.loop_wire {
+                    let chance = self.chance.random_range(-1.0..=1.0);
+                    return wire.code(now, millivolts, chance);
+                }
                 let at_5_v = f64::from(self.plant.code(now, index));
                 code((at_5_v * (1.0 + self.sensor_supply_error)).round() as u64)
             }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use virtual_board::server::{HostEnd, Pace, TcpServer, serve};
-use virtual_board::{BoardOptions, Fault, Image, VirtualBoard};
+use virtual_board::{BoardOptions, Fault, Image, LoopWire, VirtualBoard};
 
 /// A virtual STM32F103 with a simulated servo, which runs the flash image
 ///
@@ -52,6 +52,10 @@ struct Cli {
     /// times
     #[arg(long, value_name = "FAULT")]
     fault: Vec<Fault>,
+    /// Wire of the self-test from PA1 to PA4, in the sensor's place: divider, straight, open or 3v3, and behind commas noise=MV,
+    /// capacitor=NF, falls-late=US
+    #[arg(long, value_name = "WIRE")]
+    loopback: Option<LoopWire>,
     /// Listen at this network address instead of a pseudo-terminal
     #[arg(long, value_name = "HOST:PORT")]
     tcp: Option<String>,
@@ -66,6 +70,7 @@ fn main() -> Result<()> {
     };
     options.faults.clone_from(&cli.fault);
     options.keeps_signals = false;
+    options.loop_wire.clone_from(&cli.loopback);
     options.boot0 = cli.boot0;
     options.read_protected = cli.read_protected;
     options.product_id = cli.product_id.unwrap_or(options.product_id);

@@ -1,7 +1,9 @@
 //! The options of a board.
 
 use crate::fault::Fault;
+use crate::loop_wire::LoopWire;
 use crate::memory::{FLASH_BYTES, RAM_BYTES};
+use crate::supply::NOMINAL;
 use crate::time::{Ticks, microseconds};
 use servoid_simulator::SimulationOptions;
 
@@ -20,6 +22,8 @@ pub struct BoardOptions {
     pub lsi_hz: u32,
     /// Error of the internal oscillator's 8 MHz, relative: -0.02 to 0.025 by the datasheet.
     pub hsi_error: f64,
+    /// Error of the crystal's 8 MHz, relative.
+    pub crystal_error: f64,
     /// Time from a write of SW in RCC_CFGR to the switch of the system clock, for which the manual gives none.
     pub clock_switching: Ticks,
     /// Whether a resistor pulls PA1 to ground. Without it, the level of the line while nothing drives it is by chance.
@@ -45,6 +49,12 @@ pub struct BoardOptions {
     pub source_ohms: f64,
     /// Error of the sensor's 5 V, relative: USB allows -0.05 to 0.05. The sensor's output is proportional to it.
     pub sensor_supply_error: f64,
+    /// The wire of the self-test, in the sensor's place.
+    pub loop_wire: Option<LoopWire>,
+    /// The 3.3 V, as they are (mV).
+    pub supply_millivolts: u64,
+    /// Time by which the samples are late.
+    pub samples_late: Ticks,
     /// Whether pulses and conversions are recorded.
     pub keeps_signals: bool,
 }
@@ -58,6 +68,7 @@ impl BoardOptions {
             faults: Vec::new(),
             lsi_hz: 40_000,
             hsi_error: 0.0,
+            crystal_error: 0.0,
             clock_switching: microseconds(5),
             pull_down: true,
             ram_bytes: RAM_BYTES,
@@ -70,6 +81,9 @@ impl BoardOptions {
             drains_log: true,
             source_ohms: DIVIDER_OHMS,
             sensor_supply_error: 0.0,
+            loop_wire: None,
+            supply_millivolts: NOMINAL,
+            samples_late: 0,
             keeps_signals: true,
         }
     }

@@ -4,7 +4,7 @@ use crate::fault::Fault;
 use crate::time::{Ticks, milliseconds};
 
 /// The supply as it should be (mV).
-const NOMINAL: u64 = 3_300;
+pub(crate) const NOMINAL: u64 = 3_300;
 /// The supply while it sags (mV): above the brown-out reset (DS5319: 1.8 to 2.0 V), and more than the converter needs.
 const SAGGED: u64 = 2_600;
 /// Time that it takes to fall or to rise.
@@ -15,17 +15,20 @@ const RAMP: Ticks = milliseconds(5);
 pub struct Supply {
     /// When each begins to fall, and when it begins to rise.
     sags: Vec<(Ticks, Ticks)>,
+    /// Without a sag (mV).
+    usual: u64,
 }
 
 impl Supply {
-    /// The supply with the sags among `faults`.
-    pub fn new(faults: &[Fault]) -> Self {
+    /// A supply of `usual` mV, with the sags among `faults`.
+    pub fn new(usual: u64, faults: &[Fault]) -> Self {
         let sags = faults.iter().filter_map(|fault| match *fault {
             Fault::SupplySags { from, to } => Some((from, to)),
             _ => None,
         });
         Self {
             sags: sags.collect(),
+            usual,
         }
     }
 
@@ -37,12 +40,12 @@ impl Supply {
             fall.saturating_sub(rise)
         });
         let fallen = fallen.max().unwrap_or(0);
-        NOMINAL - ((NOMINAL - SAGGED) * fallen).div_ceil(RAMP)
+        self.usual - ((self.usual - SAGGED) * fallen).div_ceil(RAMP)
     }
 
     /// The first time after `now` at which the voltage falls below or rises to `threshold` (mV).
     pub fn crosses(&self, threshold: u64, now: Ticks) -> Option<Ticks> {
-        let part = RAMP * (NOMINAL - threshold) / (NOMINAL - SAGGED) + 1;
+        let part = RAMP * self.usual.saturating_sub(threshold) / (self.usual - SAGGED) + 1;
         let crossings = self.sags.iter().flat_map(|(from, to)| {
             [
                 from.checked_add(part),
@@ -60,7 +63,7 @@ mod tests {
     #[test]
     fn a_sag_falls_stays_and_rises() {
         let sag = "supply-sags@1-2".parse().unwrap();
-        let supply = Supply::new(&[sag]);
+        let supply = Supply::new(NOMINAL, &[sag]);
         for (ms, millivolts) in [
             (0, 3_300),
             (1_000, 3_300),
@@ -75,6 +78,6 @@ mod tests {
         let above = supply.crosses(2_800, below).unwrap();
         assert!(supply.millivolts(above - 10) < 2_800 && supply.millivolts(above) >= 2_800);
         assert_eq!(supply.crosses(2_800, above), None);
-        assert_eq!(Supply::new(&[]).crosses(2_800, 0), None);
+        assert_eq!(Supply::new(NOMINAL, &[]).crosses(2_800, 0), None);
     }
 }

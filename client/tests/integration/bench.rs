@@ -2,7 +2,7 @@
 
 use crate::line::{Faults, Line};
 use servoid_client::{Client, ClientError, Connect, Event};
-use servoid_firmware::{CapturedFrame, ChipIdentity, Identity, Rig, Supply};
+use servoid_firmware::{CapturedFrame, ChipIdentity, FrameTiming, Identity, Rig, Supply};
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::lease::LEASE_FRAMES;
 use servoid_protocol::message::{Arm, Command, RigMessage, Start};
@@ -234,6 +234,7 @@ impl Bench {
             pulse: self.pulse,
             samples: std::array::from_fn(|j| sample(j as u32)),
             supply: Supply::default(),
+            timing: FrameTiming::default(),
         };
         self.pulse = self.rig.on_frame(&frame);
         self.log.push(frame);

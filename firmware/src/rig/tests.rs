@@ -5,6 +5,7 @@ mod ends;
 mod everything;
 mod late;
 mod link;
+mod loopback;
 mod losses;
 mod model;
 mod references;
@@ -13,7 +14,7 @@ mod sessions;
 mod walk;
 
 use super::*;
-use crate::board::Supply;
+use crate::board::{FrameTiming, Supply};
 use servoid_protocol::hello::{ClockSource, ResetCause};
 use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
 use servoid_protocol::message::{Frame, RunCheck};
@@ -80,6 +81,8 @@ struct Bench {
     sent: Vec<RigMessage>,
     /// The board's supply in the next frames.
     supply: Supply,
+    /// What the board sees of its timing in them.
+    timing: FrameTiming,
 }
 
 impl Bench {
@@ -88,6 +91,7 @@ impl Bench {
             rig: Rig::new(&identity()),
             number: 0,
             supply: Supply::default(),
+            timing: FrameTiming::default(),
             on_line: None,
             id: 0,
             sent: Vec::new(),
@@ -158,6 +162,7 @@ impl Bench {
             pulse: applied,
             samples,
             supply: self.supply,
+            timing: self.timing,
         });
         self.number = self.number.wrapping_add(1);
         self.flush();
@@ -174,6 +179,7 @@ impl Bench {
                 pulse: self.on_line,
                 samples: HEALTHY,
                 supply: Supply::default(),
+                timing: self.timing,
             });
             self.number = self.number.wrapping_add(1);
         }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::board::{CapturedFrame, ChipIdentity, Identity, Supply};
+use crate::board::{CapturedFrame, ChipIdentity, FrameTiming, Identity, Supply};
 use core::future::poll_fn;
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::message::{Activity, Arm, Command, RigMessage};
@@ -109,6 +109,7 @@ fn frame(number: u32) -> CapturedFrame {
         pulse: None,
         samples: [Counts(8_000); 10],
         supply: Supply::default(),
+        timing: FrameTiming::default(),
     }
 }
 

@@ -39,6 +39,7 @@ pub fn compared(
         fingerprint::advice_on_sides(&prints_a, &prints_b),
     );
     found.advice.extend(a.about.other_calibration(&b.about));
+    found.advice.extend(a.about.other_sensor_delay(&b.about));
     Ok(found)
 }
 

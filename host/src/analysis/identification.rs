@@ -183,7 +183,8 @@ fn fit_flight_model(
         frame_period_s: ModelMetadata::from(&data.about).pulse_frame_s,
         ..FlightModelOptions::default()
     };
-    flight_model::fit(&data.record, model, &options)
+    let fitted = flight_model::fit(&data.record, model, &options)?;
+    Ok(fitted.with_delay_error(data.about.sensor_delay_uncertainty_s))
 }
 
 /// The model as `--json` prints it and `-o` writes it, with the further results that were asked for.

@@ -2,7 +2,7 @@
 
 use crate::data::dataset::Dataset;
 use anyhow::{Context, Result};
-use servoid_identification::results::{Advice, Check};
+use servoid_identification::results::{Advice, Check, Metrics, Model};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 
@@ -20,7 +20,19 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
         let [slow, fast] = INTERNAL_CLOCK_ERROR;
         found.model.metrics = found.model.metrics.with_clock_error(slow, fast);
     }
+    found.model.metrics = with_sensor_delay(&found.model, data.about.sensor_delay_uncertainty_s);
     Ok(found)
+}
+
+/// The metrics, with intervals that allow for what is not known of the sensor's delay.
+fn with_sensor_delay(model: &Model, uncertainty_s: f64) -> Metrics {
+    if uncertainty_s == 0.0 {
+        return model.metrics;
+    }
+    let response = model.servo_response(&model.frequency.omega_rad_s);
+    // Without the servo's own response that of its samples says as well how fast the phase falls.
+    let response = response.as_ref().unwrap_or(&model.frequency);
+    model.metrics.with_delay_error(uncertainty_s, response)
 }
 
 /// Sample periods of recordings of a servo \[s\]: with a longer one its motion is over between two samples, and no converter for

@@ -84,6 +84,7 @@ fn fit(
         None => servo_model::fit_watched(&data.record, &options, search),
     };
     let model = model.map_err(|error| error.to_string())?;
+    let model = model.with_delay_error(data.about.sensor_delay_uncertainty_s);
     Ok(ServoModelDocument {
         model,
         controller_names: names,

@@ -252,6 +252,7 @@ fn activity(activity: &Activity) -> String {
     match activity {
         Activity::Idle => "idle, no pulses".to_owned(),
         Activity::Armed => "armed, at neutral".to_owned(),
+        Activity::Loopback => "testing itself".to_owned(),
         Activity::Running { run, frames } => format!("run {run}, {frames} frames so far"),
         Activity::Ended(ended) => {
             let (run, reason, frames) = (ended.run, ended.reason, ended.frames);

@@ -6,10 +6,11 @@ use super::ports;
 use super::prompts::Asker;
 use super::rig_args::FOUND;
 use super::rig_wizard::{
-    Range, RigAnswers, check_condition, check_name, check_neutral, check_pulses,
+    Range, RigAnswers, check_condition, check_delay, check_name, check_neutral, check_pulses,
     check_sensor_degrees, check_travel, check_us_per_degree, check_volts,
 };
 use crate::data::rig_file::RigFile;
+use crate::data::sensor_preset::SensorKind;
 use anyhow::Result;
 use clap::{Args, ValueHint};
 use serde::Serialize;
@@ -23,6 +24,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Examples:
   servoid init
   servoid init --yes --port sim:bench
+  servoid init --sensor-kind as5600
   servoid init --condition aircraft --travel=-20:20 -o aircraft.toml
   servoid init --yes --servo \"ALIGN DS610\" --neutral 1520 --pulses 900:2100 -o bench.toml")]
 pub(super) struct Init {
@@ -68,15 +70,25 @@ struct Given {
     /// default amplitude of a reference]
     #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true)]
     travel: Option<Range>,
-    /// Name of the sensor [default: Honeywell RTY120]
+    /// Kind of sensor: rty, as5600, as5600-fast, linear or potentiometer; sets the defaults of all that follows [default: rty]
+    #[arg(long, value_name = "KIND")]
+    sensor_kind: Option<SensorKind>,
+    /// Name of the sensor [default: that of its kind]
     #[arg(long, value_name = "NAME")]
     sensor: Option<String>,
-    /// Output of the sensor at the ends of its range (V) [default: 0.5:4.5]
+    /// Output of the sensor at the ends of its range (V) [default: that of its kind]
     #[arg(long, value_name = "LOW:HIGH")]
     sensor_volts: Option<Range>,
-    /// Angle between these two outputs (degrees); negative where the output falls as the angle grows [default: 120]
+    /// Angle between these two outputs (degrees); negative where the output falls as the angle grows [default: that of its
+    /// kind]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     sensor_degrees: Option<f64>,
+    /// Time by which the sensor's reading lags behind the shaft (ms) [default: that of its kind]
+    #[arg(long, value_name = "MS")]
+    sensor_delay: Option<f64>,
+    /// How far the true delay may be from that (ms) [default: that of its kind]
+    #[arg(long, value_name = "MS")]
+    sensor_delay_uncertainty: Option<f64>,
 }
 
 /// The result as `--json` prints it.
@@ -133,6 +145,15 @@ const US_PER_DEGREE: Question = (
     "µs for one degree (negative: longer pulses turn it to negative angles)",
 );
 const TRAVEL: Question = ("--travel", "Travel of the linkage from neutral (degrees)");
+const SENSOR_KIND: &str = "Kind of the angle sensor (docs/wiring.md has a drawing for each)";
+const SENSOR_DELAY: Question = (
+    "--sensor-delay",
+    "Time by which its reading lags behind the shaft (ms)",
+);
+const SENSOR_DELAY_UNCERTAINTY: Question = (
+    "--sensor-delay-uncertainty",
+    "How far the true delay may be from that (ms)",
+);
 const SENSOR: Question = ("--sensor", "Name of the angle sensor");
 const VOLTS: Question = (
     "--sensor-volts",
@@ -167,8 +188,14 @@ impl Given {
             check_us_per_degree,
         )?;
         asker.ask(self.travel, TRAVEL, &mut to.travel_deg, check_travel)?;
+        to.take_sensor(match self.sensor_kind {
+            Some(kind) => kind,
+            None => ask_sensor_kind(asker)?,
+        });
+        let preset = to.sensor_kind.preset();
         asker.ask(self.sensor, SENSOR, &mut to.sensor, |name| check_name(name))?;
-        asker.ask(self.sensor_volts, VOLTS, &mut to.sensor_volts, check_volts)?;
+        let volts = |volts: &Range| check_volts(volts, &preset);
+        asker.ask(self.sensor_volts, VOLTS, &mut to.sensor_volts, volts)?;
         let degrees = &mut to.sensor_degrees;
         asker.ask(
             self.sensor_degrees,
@@ -176,8 +203,23 @@ impl Given {
             degrees,
             check_sensor_degrees,
         )?;
+        let [delay, uncertainty] = &mut to.sensor_delay_ms;
+        asker.ask(self.sensor_delay, SENSOR_DELAY, delay, check_delay)?;
+        asker.ask(
+            self.sensor_delay_uncertainty,
+            SENSOR_DELAY_UNCERTAINTY,
+            uncertainty,
+            check_delay,
+        )?;
         Ok(to)
     }
+}
+
+/// The kind of the sensor, chosen from those that are known.
+fn ask_sensor_kind(asker: &Asker) -> Result<SensorKind> {
+    let items = SensorKind::ALL.map(|kind| kind.preset().words.to_owned());
+    let chosen = asker.choose(SENSOR_KIND, &items, 0)?;
+    Ok(SensorKind::ALL.into_iter().nth(chosen).unwrap_or_default())
 }
 
 /// The port of the rig, chosen from those that answer and others; `None` where it is not known yet.

@@ -25,6 +25,7 @@ mod reference_args;
 mod report;
 mod rig_args;
 mod rig_wizard;
+mod selftest;
 mod servo_search;
 mod simulate;
 mod validate;
@@ -32,6 +33,7 @@ mod value_parsers;
 
 pub use output::{print_remark, print_result};
 pub use partial_recording::PartialRecording;
+use selftest::FailedSelfTest;
 
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -61,6 +63,8 @@ enum Command {
     Ports(ports::Ports),
     Info(info::Info),
     Flash(flash::Flash),
+    #[command(name = "selftest")]
+    SelfTest(selftest::SelfTest),
     Init(init::Init),
     Calibrate(calibrate::Calibrate),
     Plan(plan::PlanArgs),
@@ -87,6 +91,7 @@ impl Cli {
             Command::Ports(command) => command.run(),
             Command::Info(command) => command.run(),
             Command::Flash(command) => command.run(),
+            Command::SelfTest(command) => command.run(),
             Command::Init(command) => command.run(),
             Command::Calibrate(command) => command.run(),
             Command::Plan(command) => command.run(),
@@ -115,7 +120,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
                 Some(result) => print(result, PartialRecording::EXIT_CODE),
                 None => fail(&error, PartialRecording::EXIT_CODE),
             },
-            None => fail(&error, FAILURE),
+            None => {
+                if let Some(failed) = error.downcast_ref::<FailedSelfTest>() {
+                    print(failed.result(), FAILURE);
+                }
+                fail(&error, FAILURE)
+            }
         },
     }
 }

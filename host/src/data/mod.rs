@@ -4,6 +4,7 @@ pub mod dataset;
 pub mod model_file;
 pub mod recording;
 pub mod rig_file;
+pub mod sensor_preset;
 pub mod table;
 
 pub(crate) mod clock_error;

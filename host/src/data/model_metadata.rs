@@ -8,6 +8,9 @@ use serde_json::Value;
 /// Pulse frames that a servo may have \[s\]; beyond a second it is a slip.
 pub const PULSE_FRAMES_S: std::ops::RangeInclusive<f64> = 0.0..=1.0;
 
+/// Delays that a sensor may have \[s\].
+const SENSOR_DELAYS_S: std::ops::RangeInclusive<f64> = 0.0..=0.1;
+
 /// Names of the units of a model's command and position.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct UnitNames {
@@ -31,6 +34,15 @@ pub struct ModelMetadata {
     /// The time for which a pulse frame holds a command \[s\], 0 where commands take effect at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pulse_frame_s: Option<f64>,
+    /// The delay of the sensor that was taken out is at most this far from the true one \[s\].
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub sensor_delay_uncertainty_s: f64,
+}
+
+/// What is not stated is left out.
+#[expect(clippy::trivially_copy_pass_by_ref)] // serde passes references
+fn is_zero(seconds: &f64) -> bool {
+    *seconds == 0.0
 }
 
 impl ModelMetadata {
@@ -39,6 +51,7 @@ impl ModelMetadata {
         Self {
             units: UnitNames { input, output },
             pulse_frame_s,
+            sensor_delay_uncertainty_s: 0.0,
         }
     }
 
@@ -53,7 +66,13 @@ impl ModelMetadata {
     /// ```
     pub fn in_document(document: &Value) -> Self {
         let found = Self::deserialize(document).unwrap_or_default();
+        let delay_s = found.sensor_delay_uncertainty_s;
         Self {
+            // What is no time of a sensor is passed over, as other fields are.
+            sensor_delay_uncertainty_s: match SENSOR_DELAYS_S.contains(&delay_s) {
+                true => delay_s,
+                false => 0.0,
+            },
             pulse_frame_s: found
                 .pulse_frame_s
                 .filter(|frame| PULSE_FRAMES_S.contains(frame)),

@@ -17,6 +17,8 @@
 //! zero_sd_deg = 0.1           # how well the zero is known (standard deviation)
 //! scale_sd_percent = 0.5      # how well the scale is known (standard deviation)
 //! healthy_counts = [1000, 15380]
+//! delay_ms = 4.0              # by which the reading lags behind the shaft
+//! delay_uncertainty_ms = 2.0  # the true delay is at most this far from it
 //!
 //! [limits]
 //! shortest_us = 1400          # the board will not leave these, whatever it is asked for
@@ -86,6 +88,10 @@ pub struct SensorSection {
     pub scale_sd_percent: f64,
     /// Smallest and largest reading of a healthy sensor (counts).
     pub healthy_counts: [u16; 2],
+    /// Time by which the reading lags behind the shaft (ms).
+    pub delay_ms: f64,
+    /// The true delay is at most this far from it (ms).
+    pub delay_uncertainty_ms: f64,
 }
 
 /// Volts of the sensor at the ends of its range, and the range (deg): Honeywell RTY, 120 degrees, 0.5 to
@@ -98,26 +104,28 @@ pub const FULL_SCALE_VOLTS: f64 = 5.0;
 /// Standard deviations of zero and scale before a calibration; see [`SensorSection::from_data_sheet`].
 const UNCALIBRATED_ZERO_SD_DEG: f64 = 4.0;
 const UNCALIBRATED_SCALE_SD_PERCENT: f64 = 5.0;
+/// A sensor that lags by more shows no servo (ms).
+pub(crate) const LONGEST_DELAY_MS: f64 = 100.0;
 /// Four conversions of 12 bits, summed: 4096 steps each, of which the last reads 4095.
 const FULL_SCALE_COUNTS: f64 = 4.0 * 4096.0;
 
 impl Default for SensorSection {
     /// The paper's sensor behind the divider of the wiring guide.
     fn default() -> Self {
-        Self::from_data_sheet(RTY_VOLTS, RTY_DEGREES)
+        Self::from_data_sheet(RTY_VOLTS, RTY_DEGREES, FULL_SCALE_VOLTS)
     }
 }
 
 impl SensorSection {
-    /// A linear sensor behind the divider of the wiring guide, with `volts` at the low and the high end of
+    /// A linear sensor whose `full_scale_volts` are the converter's full scale, as 5 V are behind the divider of the wiring guide, with `volts` at the low and the high end of
     /// a range of `degrees`, negative where the volts fall as the angle grows; 0 degrees are in its
     /// middle.
     ///
     /// Nothing is measured on this rig yet. The sensor's output is proportional to its supply, and USB may have 4.75 to
     /// 5.25 V: 5 % of the scale, and with it 3.75 degrees of the paper's sensor at its middle, to which the mounting of
-    /// the sensor comes.
-    pub fn from_data_sheet(volts: [f64; 2], degrees: f64) -> Self {
-        let counts_per_volt = FULL_SCALE_COUNTS / FULL_SCALE_VOLTS;
+    /// the sensor comes. No delay is known.
+    pub fn from_data_sheet(volts: [f64; 2], degrees: f64, full_scale_volts: f64) -> Self {
+        let counts_per_volt = FULL_SCALE_COUNTS / full_scale_volts;
         let [low, high] = volts.map(|volts| volts * counts_per_volt);
         Self {
             name: String::new(),
@@ -130,6 +138,8 @@ impl SensorSection {
                 (low / 2.0) as u16,
                 ((high + FULL_SCALE_COUNTS) / 2.0) as u16,
             ],
+            delay_ms: 0.0,
+            delay_uncertainty_ms: 0.0,
         }
     }
 }
@@ -227,6 +237,15 @@ impl RigFile {
         if !spread(sensor.zero_sd_deg) || !spread(sensor.scale_sd_percent) {
             return Err("sensor.zero_sd_deg and sensor.scale_sd_percent must be 0 or more");
         }
+        let delays = [sensor.delay_ms, sensor.delay_uncertainty_ms];
+        if !delays
+            .iter()
+            .all(|ms| (0.0..=LONGEST_DELAY_MS).contains(ms))
+        {
+            return Err(
+                "sensor.delay_ms and sensor.delay_uncertainty_ms must be milliseconds, 0 to 100",
+            );
+        }
         if sensor.healthy_counts[0] >= sensor.healthy_counts[1] {
             return Err("sensor.healthy_counts must be [smallest, largest]");
         }
@@ -310,6 +329,11 @@ mod tests {
             ("[sensor]\nzero_counts = 1e308", "zero_counts"),
             ("[sensor]\nzero_counts = -1", "zero_counts"),
             ("[sensor]\nzero_sd_deg = -1", "zero_sd_deg"),
+            ("[sensor]\ndelay_ms = -1", "delay_ms"),
+            (
+                "[sensor]\ndelay_uncertainty_ms = nan",
+                "delay_uncertainty_ms",
+            ),
             ("[servo]\nneutral = 1500", "neutral"),
             ("[limits]\nshortest_us = 99999", "shortest_us"),
             ("servo = 3", "servo"),

@@ -1,4 +1,4 @@
-//! The rig at the other end of a port: references, conversation, calibration, flashing, live estimate, simulated servos.
+//! The rig at the other end of a port: references, conversation, calibration, flashing, self-test, live estimate, simulated servos.
 
 pub mod calibration;
 pub mod flash;
@@ -6,4 +6,5 @@ pub mod live;
 pub mod port;
 pub mod reference;
 pub mod rig;
+pub mod selftest;
 pub mod simulated_servo;

@@ -110,6 +110,12 @@ fn without_a_terminal_nothing_is_asked_and_wrong_answers_are_explained() {
         (&["--yes", "--us-per-degree", "0"], "--us-per-degree"),
         (&["--yes", "--travel=5:20"], "below 0"),
         (&["--yes", "--pulses", "1500"], "colon"),
+        (&["--yes", "--sensor-kind", "hall"], "as5600-fast"),
+        (&["--yes", "--sensor-delay", "101"], "milliseconds"),
+        (
+            &["--yes", "--sensor-kind", "as5600", "--sensor-volts", "0:5"],
+            "0 to 3.3 V",
+        ),
     ] {
         let said = refusal(&[&["init", "-o", arg(&file)], options].concat());
         assert!(said.contains(word), "{options:?}: {said}");
@@ -139,15 +145,22 @@ mod at_a_terminal {
         session.answer("µs for one degree", "ten");
         session.answer("a number is needed", "-9.5");
         session.answer("Travel of the linkage", "-20:20");
+        session.answer("Kind of the angle sensor", ENTER_ONLY);
         session.answer("Name of the angle sensor", ENTER_ONLY);
         session.answer("Output of the sensor", ENTER_ONLY);
         session.answer("Degrees between these", ENTER_ONLY);
+        session.answer("Time by which its reading lags", "-1");
+        session.answer("milliseconds from 0 to 100", "1.5");
+        session.answer("How far the true delay may be", ENTER_ONLY);
         assert!(session.end().success(), "{}", session.seen());
         session.wait_for("the next command", |seen| {
             seen.contains("next: servoid calibrate --rig")
         });
         let rig = RigFile::read(&file).unwrap();
         assert_eq!(rig.name, "the lab's");
+        // A simulated sensor does not lag, unless its user says so.
+        let sensor = &rig.sensor;
+        assert_eq!((sensor.delay_ms, sensor.delay_uncertainty_ms), (1.5, 0.0));
         assert_eq!(
             (rig.servo.neutral_us, rig.servo.us_per_degree),
             (1520, -9.5)
@@ -177,15 +190,20 @@ mod at_a_terminal {
             "Pulse at 0 degrees",
             "µs for one degree",
             "Travel of the linkage",
+            "Kind of the angle sensor",
             "Name of the angle sensor",
             "Output of the sensor",
             "Degrees between these",
+            "Time by which its reading lags",
+            "How far the true delay may be",
         ] {
             session.answer(question, ENTER_ONLY);
         }
         assert!(session.end().success(), "{}", session.seen());
         let rig = RigFile::read(&file).unwrap();
         assert_eq!(rig.port, None);
+        // The data sheet of the usual sensor.
+        assert_eq!(rig.sensor.delay_ms, 4.0);
         assert_eq!(
             (rig.limits.shortest_us, rig.limits.longest_us),
             (1400, 1600)

@@ -35,6 +35,7 @@ mod safekeeping;
 mod same_data;
 #[cfg(target_os = "linux")]
 mod scope;
+mod sensor_delay;
 mod servo_model;
 mod servo_model_uses;
 mod sessions;

@@ -103,6 +103,14 @@ impl FlightModel {
             && bounds
     }
 
+    /// The same with an interval of the delay that allows for output that was recorded up to `seconds` earlier or later than it
+    /// is taken for. The covariance is that of the noise alone.
+    #[must_use]
+    pub fn with_delay_error(mut self, seconds: f64) -> Self {
+        self.delay_s = self.delay_s.widened(seconds);
+        self
+    }
+
     fn intervals(&self) -> impl Iterator<Item = Interval> {
         let of_some_orders = [self.omega_rad_s, self.damping, self.lag_s];
         let of_all = [self.gain, self.delay_s];

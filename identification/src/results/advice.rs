@@ -97,6 +97,8 @@ pub enum Check {
     Unproved,
     /// The recording's clock was inexact, so all its times are.
     InexactClock,
+    /// The sensor's own delay, which was taken out.
+    SensorDelay,
     /// Stretches in which the sensor's reading stood still though the command changed.
     FrozenSensor,
     /// One that this version does not know.

@@ -3,7 +3,7 @@
 use super::coordinates::{Coordinate, Point, Terms};
 use super::descent_step::MOST;
 use super::motion::largest_error;
-use super::quantities::Quantity;
+use super::quantities::{Quantity, widen_delay};
 use super::start::find_starts;
 use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
@@ -233,6 +233,14 @@ impl ServoModel {
             spread.push(quadratic(covariance, &y.slope).max(0.0).sqrt());
         });
         (value, spread)
+    }
+
+    /// The same with an interval of the delay that allows for output that was recorded up to `seconds` earlier or later than it
+    /// is taken for. The covariance is that of the noise alone.
+    #[must_use]
+    pub fn with_delay_error(mut self, seconds: f64) -> Self {
+        widen_delay(&mut self.quantities, seconds);
+        self
     }
 
     /// The output of each run of a record, simulated from its input and its first samples. NaN where an input is missing,

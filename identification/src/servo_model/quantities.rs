@@ -48,6 +48,17 @@ pub struct Quantity {
     pub interval: Bounds<Interval>,
 }
 
+/// The name of the only quantity that is a time from the edge of a command.
+const DELAY: &str = "delay";
+
+/// Allows for output that was recorded up to `seconds` earlier or later than it is taken for.
+pub(super) fn widen_delay(quantities: &mut [Quantity], seconds: f64) {
+    for quantity in quantities.iter_mut().filter(|q| q.name == DELAY) {
+        let interval = quantity.interval;
+        quantity.interval = interval.map(|found| found.widened(seconds));
+    }
+}
+
 /// Ratio of the upper bound to the lower from which on a positive quantity is not determined: neither order of magnitude nor
 /// anything that follows from it is then known.
 const UNDETERMINED_RATIO: f64 = 10.0;
@@ -91,7 +102,7 @@ const fn define(
 
 /// All quantities, in the order in which they are shown.
 const DEFINITIONS: &[Definition] = &[
-    define("delay", Unit::Seconds, Domain::NotNegative, |p| {
+    define(DELAY, Unit::Seconds, Domain::NotNegative, |p| {
         Some(p.delay_s)
     }),
     define("gain", Unit::OutputPerCommand, Domain::Any, |p| {
@@ -329,4 +340,34 @@ impl Definition {
 pub(super) fn values(point: &Point) -> Vec<(&'static str, f64)> {
     let of = |definition: &Definition| Some((definition.name, definition.value(point)?));
     DEFINITIONS.iter().filter_map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::Reason;
+
+    #[test]
+    fn the_delay_alone_is_wider_and_only_where_bounds_hold() {
+        let quantity = |name: &str, interval| Quantity {
+            name: name.to_owned(),
+            unit: Unit::Seconds,
+            determined: true,
+            value: 0.02,
+            interval,
+        };
+        let found = Interval::new(0.02, 0.019, 0.021);
+        let withdrawn = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+        let mut quantities = [
+            quantity("delay", Bounds::Valid(found)),
+            quantity("rise time", Bounds::Valid(found)),
+            quantity("delay", withdrawn),
+        ];
+        widen_delay(&mut quantities, 0.005);
+        let [delay, other, none] = quantities.map(|quantity| quantity.interval);
+        let wider = delay.into_valid().unwrap();
+        assert!((wider.lower.unwrap() - 0.014).abs() < 1e-12, "{wider:?}");
+        assert!((wider.upper.unwrap() - 0.026).abs() < 1e-12, "{wider:?}");
+        assert_eq!((other, none), (Bounds::Valid(found), withdrawn));
+    }
 }

@@ -55,6 +55,9 @@ impl Chip {
             None => {}
         }
         let level = line.unwrap_or(self.floating);
+        if let Some(wire) = &mut self.loop_wire {
+            wire.follow(level, now);
+        }
         match (level, self.high_since) {
             (true, None) => self.high_since = Some(now),
             (false, Some(rise)) => {

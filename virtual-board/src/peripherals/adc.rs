@@ -41,7 +41,9 @@ const VREFINT_SAMPLING: Ticks = TICKS_PER_SECOND / 1_000_000 * 171 / 10;
 
 /// EXTSEL of TIM3's trigger output (11.7, table of external triggers for regular channels).
 const TIM3_TRGO: u32 = 0b100;
-/// EXTSEL of SWSTART.
+/// JEXTSEL of channel 1 of TIM2 (11.7, table of external triggers for injected channels).
+const TIM2_CC1: u32 = 0b011;
+/// EXTSEL of SWSTART, and JEXTSEL of JSWSTART.
 const SOFTWARE: u32 = 0b111;
 
 /// Time from power-up until conversions are exact (DS5319, table of ADC characteristics).
@@ -163,15 +165,23 @@ impl Adc {
         });
     }
 
-    /// The trigger output of TIM3 fired.
-    pub fn trigger_by_tim3(&mut self, m: &mut Moment<'_>) {
+    /// The trigger output of TIM3 fired; the ADC is `late` to hear it.
+    pub fn trigger_by_tim3(&mut self, late: Ticks, m: &mut Moment<'_>) {
         let listens = bit(self.cr2, EXTTRIG) && field(self.cr2, 17, 3) == TIM3_TRGO;
         if listens && bit(self.cr2, ADON) {
-            self.start(m);
+            self.start(late, m);
         }
     }
 
-    fn start(&mut self, m: &mut Moment<'_>) {
+    /// The reference of channel 1 of TIM2 rose.
+    pub fn trigger_by_tim2_channel_1(&mut self, m: &mut Moment<'_>) {
+        let listens = bit(self.cr2, JEXTTRIG) && field(self.cr2, 12, 3) == TIM2_CC1;
+        if listens && bit(self.cr2, ADON) {
+            self.start_injected(m);
+        }
+    }
+
+    fn start(&mut self, late: Ticks, m: &mut Moment<'_>) {
         if self.scan.is_some() {
             m.report(Irregularity::TriggerWhileBusy);
             return;
@@ -180,7 +190,7 @@ impl Adc {
         let long = bit(self.cr1, SCAN) && self.length() > 12;
         m.not_modelled(long, "a sequence of more than twelve");
         self.sr |= STRT;
-        self.begin(0, m.now + TRIGGER_LATENCY * self.clock);
+        self.begin(0, m.now + late + TRIGGER_LATENCY * self.clock);
     }
 
     /// Begins the injected conversion (11.3.9): with JL = 0 it is that of JSQ4 (11.12.12).
@@ -338,10 +348,10 @@ impl Adc {
         let before = self.read(offset::CR2, m.now).unwrap_or_default();
         let was_on = bit(before, ADON);
         m.not_modelled(bit(value, 1), "continuous conversions");
-        let triggered = bit(value, JEXTTRIG) && field(value, 12, 3) != SOFTWARE;
+        let other = !matches!(field(value, 12, 3), TIM2_CC1 | SOFTWARE);
         m.not_modelled(
-            triggered,
-            "injected conversions by another trigger than software",
+            bit(value, JEXTTRIG) && other,
+            "this trigger of injected conversions",
         );
         let source = field(value, 17, 3);
         let other = bit(value, EXTTRIG) && !matches!(source, TIM3_TRGO | SOFTWARE);
@@ -369,12 +379,13 @@ impl Adc {
         }
         let by_adon = was_on && value == before;
         let by_software = bit(value, SWSTART) && bit(value, EXTTRIG) && source == SOFTWARE;
-        if bit(value, JSWSTART) && bit(value, JEXTTRIG) {
+        let injects = bit(value, JEXTTRIG) && field(value, 12, 3) == SOFTWARE;
+        if bit(value, JSWSTART) && injects {
             self.start_injected(m);
         }
         if by_adon || by_software {
             m.report(Irregularity::StartedBySoftware);
-            self.start(m);
+            self.start(0, m);
         }
     }
 }

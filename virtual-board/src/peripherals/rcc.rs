@@ -12,8 +12,6 @@ const PLL_LOCK: Ticks = microseconds(200);
 const LSI_STARTUP: Ticks = microseconds(85);
 
 const MHZ: u64 = 1_000_000;
-/// A cycle of the crystal of the usual boards: 8 MHz.
-const CRYSTAL: Ticks = TICKS_PER_SECOND / (8 * MHZ);
 
 /// Limits of the clocks (7.2): shortest cycles of the system clock and of APB1.
 const SYSCLK_LIMIT: Ticks = TICKS_PER_SECOND / (72 * MHZ);
@@ -26,6 +24,8 @@ pub struct Sources {
     pub crystal: bool,
     /// Whether the PLL locks.
     pub pll: bool,
+    /// A cycle of the crystal; a multiple of nine ticks, as the PLL multiplies by up to nine.
+    pub external: Ticks,
     /// A cycle of the internal oscillator; a multiple of eight ticks.
     pub internal: Ticks,
     /// From a write of SW to the switch of the clock. The manual gives no time.
@@ -40,9 +40,20 @@ impl Sources {
         Self {
             crystal,
             pll,
+            external: 9 * (TICKS_PER_SECOND / (72 * MHZ)),
             internal: 8 * eighth.round() as Ticks,
             switching,
         }
+    }
+}
+
+impl Sources {
+    /// The same with a crystal that is off by `error` of its 8 MHz.
+    #[must_use]
+    pub fn with_crystal(mut self, error: f64) -> Self {
+        let ninth = TICKS_PER_SECOND as f64 / (72e6 * (1.0 + error));
+        self.external = 9 * ninth.round() as Ticks;
+        self
     }
 }
 
@@ -179,8 +190,8 @@ impl Rcc {
     fn pll(&self) -> Option<Ticks> {
         let source = match (bit(self.cfgr, 16), bit(self.cfgr, 17)) {
             (false, _) => 2 * self.sources.internal,
-            (true, true) => 2 * CRYSTAL,
-            (true, false) => CRYSTAL,
+            (true, true) => 2 * self.sources.external,
+            (true, false) => self.sources.external,
         };
         // 1110 and 1111 are both 16.
         let factor = Ticks::from((field(self.cfgr, 18, 4) + 2).min(16));
@@ -191,7 +202,7 @@ impl Rcc {
     fn cycle(&self, source: u32) -> Option<Ticks> {
         match source {
             0 => Some(self.sources.internal),
-            1 => Some(CRYSTAL),
+            1 => Some(self.sources.external),
             _ => self.pll(),
         }
     }

@@ -142,9 +142,10 @@ fn load_and_memory() {
     let (flash, ram) = (image.flash_used, image.ram_used);
     let (least, _) = load(false);
     let (most, memory) = load(true);
-    // The stack grows down from the middle; what it never reached is as the supply left it.
-    let untouched = memory.iter().take_while(|&&b| b == memory[0]);
-    let stack = RAM_BYTES / 2 - untouched.count() as u32;
+    // The stack grows down from the middle; what it never reached has the program's pattern.
+    let words: Vec<_> = memory.chunks(4).collect();
+    let untouched = words.iter().take_while(|&&word| word == words[0]);
+    let stack = RAM_BYTES / 2 - 4 * untouched.count() as u32;
     let percent = |cycles: u64| 100.0 * cycles as f64 / 1_440_000.0;
     println!(
         "processor: {least} to {most} cycles per frame while a run is under way, {:.2} to {:.2} %",

@@ -12,6 +12,7 @@ mod lockstep;
 mod losses;
 mod ports;
 mod references;
+mod selftest;
 mod soak;
 mod start;
 mod stepped;

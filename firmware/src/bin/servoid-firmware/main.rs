@@ -13,7 +13,8 @@
 //! ```
 //!
 //! The processor is not in the timing path. 1.4 ms before each edge it takes the samples of the last frame and
-//! prepares the pulse of the next one. Then the ADC measures the chip's reference voltage, between two samples.
+//! prepares the pulse of the next one. Then the ADC measures the chip's reference voltage, between two samples; in a
+//! self-test it takes a probe of PA4 instead, which channel 1 of TIM2 starts.
 //!
 //! Section numbers in the comments are those of the reference manual RM0008; docs/hardware.md has what was held against
 //! other sources.
@@ -41,9 +42,11 @@
 #![no_main]
 #![allow(unsafe_code)] // registers; each block names the section of the manual that allows it
 
+mod awake;
 mod clock;
 mod debugger;
 mod identity;
+mod injected;
 mod last_fault;
 mod line;
 mod pulse;
@@ -51,15 +54,16 @@ mod safety;
 mod sampling;
 mod serial;
 mod small_part;
+mod stack;
 mod supply;
 mod timing;
 mod watchdog;
 
 use defmt_rtt as _;
-use embassy_executor::Spawner;
 use servoid_firmware::{Board, CapturedFrame, Identity, serve};
 use servoid_protocol::PulseWidth;
 use servoid_protocol::hello::{ClockSource, ResetCause};
+use servoid_protocol::loopback::Vitals;
 use stm32f1xx_hal::gpio::{Output, PC13, PushPull};
 use stm32f1xx_hal::pac::Peripherals;
 use stm32f1xx_hal::prelude::*;
@@ -93,6 +97,20 @@ impl Board for Stm32f103 {
         pulse::set(pulse);
     }
 
+    fn set_probe(&mut self, at_us: Option<u16>) {
+        injected::ask(at_us);
+    }
+
+    fn vitals(&mut self) -> Vitals {
+        let (stack_bytes, stack_unused) = stack::room_and_unused();
+        Vitals {
+            frames: self.newest.map_or(0, |newest| newest.wrapping_add(1)),
+            awake_us: awake::awake_us(),
+            stack_bytes,
+            stack_unused,
+        }
+    }
+
     fn feed_watchdog(&mut self) {
         self.watchdog.feed();
     }
@@ -102,13 +120,23 @@ impl Board for Stm32f103 {
     }
 }
 
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    match program() {
+        Ok(token) => awake::run(token),
+        // It is the first one, so there is room.
+        Err(_) => safety::give_up(),
+    }
+}
+
 /// Starts the hardware in the order of the timing chain, then serves for ever.
-#[embassy_executor::main]
-async fn main(_spawner: Spawner) {
+#[embassy_executor::task]
+async fn program() {
     let Some(p) = Peripherals::take() else {
         safety::give_up()
     };
     let watchdog = watchdog::start(p.IWDG);
+    stack::paint();
     let start = identity::Start {
         reset_cause: identity::take_reset_cause(&p.RCC),
         last_fault: last_fault::take(),

@@ -1,10 +1,11 @@
 //! Sampling: ADC1 by trigger, DMA into a ring of two frames, one interrupt for each frame.
 
+use crate::injected::Injected;
 use crate::{pulse, supply, timing};
 use core::cell::UnsafeCell;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
-use servoid_firmware::CapturedFrame;
+use servoid_firmware::{CapturedFrame, FrameTiming};
 use servoid_protocol::Counts;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use stm32f1xx_hal::pac::{ADC1, DMA1, Interrupt, NVIC, interrupt};
@@ -95,6 +96,15 @@ fn calibrate(adc: &ADC1, cycles_per_microsecond: u32) {
     while adc.cr2().read().cal().bit_is_set() {}
 }
 
+/// Prepares a probe: a single injected conversion of the sensor's pin, which channel 1 of TIM2 starts (11.7, table of external
+/// triggers for injected channels; 11.12.12). The ADC must be idle.
+pub fn prepare_probe(adc: &ADC1) {
+    // SAFETY: channel 4 exists.
+    adc.jsqr().write(|w| unsafe { w.jsq4().bits(CHANNEL) });
+    // Not with ADON alone: another bit changes, so nothing starts (11.12.3).
+    adc.cr2().modify(|_, w| w.jextsel().tim2cc1());
+}
+
 /// DMA1 channel 1 belongs to ADC1 (13.3.7).
 fn arm_dma(adc: &ADC1, dma: DMA1) {
     let channel = dma.ch1();
@@ -124,6 +134,7 @@ fn arm_dma(adc: &ADC1, dma: DMA1) {
 fn DMA1_CHANNEL1() {
     // Frames that were complete at the last call.
     static mut COMPLETE: u32 = 0;
+    static mut INJECTED: Injected = Injected::new();
 
     // SAFETY: only this handler clears the flags of channel 1 (13.4.2), by writing 1 to them.
     let dma = unsafe { DMA1::steal() };
@@ -153,16 +164,20 @@ fn DMA1_CHANNEL1() {
     });
     // If the next frame has begun already, the pulse is not that of this frame. Its first sample may be under way, too.
     if since_edge_us >= timing::LAST_SAMPLE_US {
-        // SAFETY: the ADC is not changed after the start, and only this handler starts an injected conversion: one that
-        // is over long before the next sample.
+        // SAFETY: after the start only this handler changes the ADC, and only its injected conversion: one that is over long
+        // before the next sample.
         let adc = unsafe { ADC1::steal() };
-        let bandgap = supply::take_bandgap(&adc);
+        let injected = INJECTED.next(&adc);
         // A full queue loses the frame; the gap in the numbers shows it.
         let _ = FRAMES.try_send(CapturedFrame {
             number,
             pulse,
             samples: samples(half),
-            supply: supply::of_frame(bandgap),
+            supply: supply::of_frame(injected.bandgap),
+            timing: FrameTiming {
+                sampled_us: since_edge_us,
+                probe: injected.probe,
+            },
         });
     }
 }

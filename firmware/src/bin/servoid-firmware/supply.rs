@@ -35,19 +35,21 @@ pub fn take_low() -> bool {
 }
 
 /// Prepares the conversion of the reference voltage, as a single injected one that software starts (11.3.9, 11.12.12).
-/// It does not touch the sequence of the sensor.
+/// It does not touch the sequence of the sensor. The ADC must be idle.
 pub fn prepare_bandgap(adc: &ADC1) {
     // The longest sampling time, 20 µs; the reference voltage needs 17.1 µs at most (datasheet).
     adc.smpr1().write(|w| w.smp17().cycles239_5());
     // SAFETY: channel 17 exists.
     adc.jsqr().write(|w| unsafe { w.jsq4().bits(VREFINT) });
+    // Always with another bit: a write that leaves all as it is would start a conversion of the sensor (11.12.3).
+    if !adc.cr2().read().jextsel().is_jswstart() {
+        adc.cr2().modify(|_, w| w.jextsel().jswstart());
+    }
 }
 
-/// Takes the result of the last conversion, and starts the next one. It takes 21 µs.
-pub fn take_bandgap(adc: &ADC1) -> u16 {
-    let bandgap = adc.jdr1().read().jdata().bits();
+/// Starts the conversion. It takes 21 µs.
+pub fn start_bandgap(adc: &ADC1) {
     adc.cr2().modify(|_, w| w.jswstart().set_bit());
-    bandgap
 }
 
 /// The supply in a frame.

@@ -99,6 +99,25 @@ pub fn frames_triggered() -> u16 {
     tim4.cnt().read().cnt().bits() / SAMPLES_PER_FRAME as u16
 }
 
+/// Begins to trigger the ADC by channel 1, at this time after each frame edge from the next one on: the reference of PWM mode 2
+/// rises there (15.3.9, 11.7). The channel's pin is no output, so nothing comes out.
+pub fn begin_trigger(tim2: &TIM2, at_us: u16) {
+    move_trigger(tim2, at_us);
+    tim2.ccmr1_output()
+        .modify(|_, w| w.oc1m().pwm_mode2().oc1pe().set_bit());
+    tim2.ccer().modify(|_, w| w.cc1e().set_bit());
+}
+
+/// Moves the trigger; preloaded, so it takes effect at the next frame edge.
+pub fn move_trigger(tim2: &TIM2, at_us: u16) {
+    tim2.ccr1().write(|w| w.ccr().set(at_us)); // 15.4.13
+}
+
+/// Ends the triggers.
+pub fn end_trigger(tim2: &TIM2) {
+    tim2.ccer().modify(|_, w| w.cc1e().clear_bit());
+}
+
 impl Chain {
     /// Starts both timers with one write. Sampling has to be armed before.
     ///

@@ -5,9 +5,10 @@ mod range;
 pub(super) use range::{RANGE_FORM, Range};
 
 use crate::data::rig_file::{
-    FULL_SCALE_VOLTS, LimitsSection, RTY_DEGREES, RTY_VOLTS, RigFile, RigFileError, SensorSection,
-    ServoSection,
+    LONGEST_DELAY_MS, LimitsSection, RigFile, RigFileError, SensorSection, ServoSection,
 };
+use crate::data::sensor_preset::{SensorKind, SensorPreset};
+use crate::instrument::port::is_simulated;
 use crate::presentation::template;
 use servoid_firmware::limits::{LONGEST_PULSE, SHORTEST_PULSE};
 use std::path::Path;
@@ -31,12 +32,16 @@ pub(super) struct RigAnswers {
     pub pulses_us: Range,
     /// Travel of the linkage from neutral (deg).
     pub travel_deg: Range,
+    /// Kind of the sensor.
+    pub sensor_kind: SensorKind,
     /// Name of the sensor.
     pub sensor: String,
     /// Output of the sensor at the ends of its range (V).
     pub sensor_volts: Range,
     /// Angle between these outputs (deg); negative where the output falls as the angle grows.
     pub sensor_degrees: f64,
+    /// Time by which the reading lags behind the shaft, and how far the true one may be from it (ms).
+    pub sensor_delay_ms: [f64; 2],
 }
 
 /// Travel of a linkage of unknown travel (deg): twice the default amplitude of a reference, and little enough for
@@ -50,7 +55,8 @@ impl Default for RigAnswers {
     /// The paper's servo and sensor, as in [`RigFile::default`].
     fn default() -> Self {
         let (servo, limits) = (ServoSection::default(), LimitsSection::default());
-        let [low, high] = RTY_VOLTS;
+        let sensor = SensorKind::default().preset();
+        let [low, high] = sensor.volts;
         Self {
             name: "my rig".into(),
             port: None,
@@ -63,9 +69,11 @@ impl Default for RigAnswers {
                 high: limits.longest_us.into(),
             },
             travel_deg: DEFAULT_TRAVEL_DEG,
-            sensor: "Honeywell RTY120".into(),
+            sensor_kind: SensorKind::default(),
+            sensor: sensor.name.into(),
             sensor_volts: Range { low, high },
-            sensor_degrees: RTY_DEGREES,
+            sensor_degrees: sensor.degrees,
+            sensor_delay_ms: sensor.delay_ms,
         }
     }
 }
@@ -127,12 +135,21 @@ pub(super) fn check_travel(travel: &Range) -> Checked {
     })
 }
 
-/// Volts at the ends of the sensor's range.
-pub(super) fn check_volts(volts: &Range) -> Checked {
-    require(volts.low >= 0.0 && volts.high <= FULL_SCALE_VOLTS, || {
+/// Volts at the ends of the range of a sensor of this kind.
+pub(super) fn check_volts(volts: &Range, preset: &SensorPreset) -> Checked {
+    let full_scale = preset.full_scale_volts;
+    require(volts.low >= 0.0 && volts.high <= full_scale, || {
+        let [low, high] = preset.volts;
         format!(
-            "it must be a range within the divider's 0 to {FULL_SCALE_VOLTS} V, such as 0.5:4.5"
+            "it must be a range within the 0 to {full_scale} V that the converter reads of this sensor, such as {low}:{high}"
         )
+    })
+}
+
+/// Delay of the sensor, or how far it is known.
+pub(super) fn check_delay(ms: &f64) -> Checked {
+    require((0.0..=LONGEST_DELAY_MS).contains(ms), || {
+        format!("it must be a number of milliseconds from 0 to {LONGEST_DELAY_MS}")
     })
 }
 
@@ -148,6 +165,31 @@ fn require(holds: bool, sentence: impl FnOnce() -> String) -> Checked {
 }
 
 impl RigAnswers {
+    /// Takes what is known of a kind of sensor. The one of a simulated rig reads the angle at once.
+    pub(super) fn take_sensor(&mut self, kind: SensorKind) {
+        let preset = kind.preset();
+        let [low, high] = preset.volts;
+        self.sensor_kind = kind;
+        self.sensor = preset.name.into();
+        self.sensor_volts = Range { low, high };
+        self.sensor_degrees = preset.degrees;
+        self.sensor_delay_ms = match self.port.as_deref().is_some_and(is_simulated) {
+            true => [0.0, 0.0],
+            false => preset.delay_ms,
+        };
+    }
+
+    fn sensor_section(&self) -> SensorSection {
+        let Range { low, high } = self.sensor_volts;
+        let preset = self.sensor_kind.preset();
+        let [delay_ms, delay_uncertainty_ms] = self.sensor_delay_ms;
+        SensorSection {
+            delay_ms,
+            delay_uncertainty_ms,
+            ..preset.section([low, high], self.sensor_degrees)
+        }
+    }
+
     /// Limits within the servo's pulses and the travel of the linkage (µs), rounded inwards to whole
     /// microseconds.
     fn limits_us(&self) -> [u16; 2] {
@@ -164,7 +206,7 @@ impl RigAnswers {
         let quoted = |text: &str| toml_edit::Value::from(text).to_string();
         let number = |number: f64| toml_edit::Value::from(number).to_string();
         let Range { low, high } = self.sensor_volts;
-        let sensor = SensorSection::from_data_sheet([low, high], self.sensor_degrees);
+        let sensor = self.sensor_section();
         let [shortest, longest] = self.limits_us();
         let port = self
             .port
@@ -187,6 +229,8 @@ impl RigAnswers {
             ("degrees_per_count", number(sensor.degrees_per_count)),
             ("zero_sd_deg", number(sensor.zero_sd_deg)),
             ("scale_sd_percent", number(sensor.scale_sd_percent)),
+            ("delay_ms", number(sensor.delay_ms)),
+            ("delay_uncertainty_ms", number(sensor.delay_uncertainty_ms)),
             ("healthy_counts", format!("{:?}", sensor.healthy_counts)),
             ("travel", self.travel_in_words()),
             ("shortest_us", shortest.to_string()),

@@ -1,4 +1,5 @@
 use super::*;
+use crate::data::rig_file::FULL_SCALE_VOLTS;
 use crate::instrument::reference::ReferenceSpec;
 
 impl RigAnswers {
@@ -12,8 +13,9 @@ impl RigAnswers {
         check_us_per_degree(&self.us_per_degree)?;
         check_travel(&self.travel_deg)?;
         check_name(&self.sensor)?;
-        check_volts(&self.sensor_volts)?;
-        check_sensor_degrees(&self.sensor_degrees)
+        check_volts(&self.sensor_volts, &self.sensor_kind.preset())?;
+        check_sensor_degrees(&self.sensor_degrees)?;
+        self.sensor_delay_ms.iter().try_for_each(check_delay)
     }
 }
 
@@ -36,6 +38,9 @@ fn default_answers_are_the_default_rig() {
     assert_eq!(rig.servo, default.servo);
     let sensor = SensorSection {
         name: rig.sensor.name.clone(),
+        // Of its data sheet; without a rig file no delay is known.
+        delay_ms: 4.0,
+        delay_uncertainty_ms: 2.0,
         ..default.sensor
     };
     assert_eq!(rig.sensor, sensor);
@@ -53,6 +58,8 @@ fn each_answer_arrives_whatever_is_in_it() {
         us_per_degree: -9.5,
         pulses_us: "900:2100".parse().unwrap(),
         travel_deg: "-20:30".parse().unwrap(),
+        sensor_kind: SensorKind::Linear,
+        sensor_delay_ms: [1.5, 0.25],
         sensor: "H".into(),
         sensor_volts: "0.25:4.75".parse().unwrap(),
         sensor_degrees: -90.0,
@@ -72,6 +79,10 @@ fn each_answer_arrives_whatever_is_in_it() {
         (1235, 1710)
     );
     assert!(text.contains("From -20.0 to 30.0 degrees"), "{text}");
+    assert_eq!(
+        [rig.sensor.delay_ms, rig.sensor.delay_uncertainty_ms],
+        [1.5, 0.25]
+    );
     let scale = rig.sensor_scale();
     let counts = |volts: f64| volts / FULL_SCALE_VOLTS * 4.0 * 4096.0;
     let at = |volts: f64| (counts(volts) - scale.zero_counts) * scale.degrees_per_count;
@@ -82,7 +93,7 @@ fn each_answer_arrives_whatever_is_in_it() {
 #[test]
 fn each_mistake_has_its_sentence() {
     type Change = fn(&mut RigAnswers);
-    let cases: [(Change, &str); 10] = [
+    let cases: [(Change, &str); 11] = [
         (|a| a.name = "a\nb".into(), "one line"),
         (|a| a.condition = " ".into(), "needs a name"),
         (|a| a.pulses_us = "700:2000".parse().unwrap(), "800 to 2200"),
@@ -91,7 +102,8 @@ fn each_mistake_has_its_sentence() {
         (|a| a.us_per_degree = 0.0, "10 µs"),
         (|a| a.us_per_degree = f64::NAN, "10 µs"),
         (|a| a.travel_deg = "5:20".parse().unwrap(), "below 0"),
-        (|a| a.sensor_volts = "0.5:5.5".parse().unwrap(), "divider"),
+        (|a| a.sensor_volts = "0.5:5.5".parse().unwrap(), "0 to 5 V"),
+        (|a| a.sensor_delay_ms = [1.0, -1.0], "milliseconds"),
         (|a| a.sensor_degrees = 0.0, "3600"),
     ];
     for (change, word) in cases {
@@ -99,5 +111,28 @@ fn each_mistake_has_its_sentence() {
         change(&mut answers);
         let said = answers.check().unwrap_err();
         assert!(said.contains(word), "{said}");
+    }
+}
+
+/// A simulated rig reads the angle at once; on a board the sensor lags by its data sheet.
+#[test]
+fn each_kind_of_sensor_has_its_scale_and_its_delay() {
+    for kind in SensorKind::ALL {
+        for (port, lags) in [(None, true), (Some("sim:bench".to_owned()), false)] {
+            let mut answers = RigAnswers {
+                port,
+                ..RigAnswers::default()
+            };
+            answers.take_sensor(kind);
+            answers.check().unwrap();
+            let (_, rig) = answers.to_rig_file("rig.toml".as_ref()).unwrap();
+            let preset = kind.preset();
+            let expected = if lags { preset.delay_ms } else { [0.0, 0.0] };
+            let sensor = &rig.sensor;
+            assert_eq!([sensor.delay_ms, sensor.delay_uncertainty_ms], expected);
+            let [low, high] = preset.volts;
+            let counts = (high - low) / preset.full_scale_volts * 4.0 * 4096.0;
+            assert!((sensor.degrees_per_count * counts - preset.degrees).abs() < 1e-9);
+        }
     }
 }

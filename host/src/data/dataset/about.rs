@@ -1,5 +1,6 @@
 //! Where data come from, as far as the files state it.
 
+use super::sensor_delay::in_ms;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::results::{Advice, Check};
@@ -29,6 +30,10 @@ pub struct About {
     pub calibrations: Vec<SensorCalibration>,
     /// Whether the clock of a recording was the internal oscillator of its board.
     pub inexact_clock: bool,
+    /// The sensor's true delay is at most this far from the one that was taken out (s).
+    pub sensor_delay_uncertainty_s: f64,
+    /// The delays that were taken out of the recordings (s).
+    pub sensor_delays_s: Vec<f64>,
 }
 
 /// Where counts are degrees.
@@ -64,6 +69,26 @@ impl About {
         ))
     }
 
+    /// That the recordings of two sides were made by sensors of different delays.
+    pub(crate) fn other_sensor_delay(&self, other: &Self) -> Option<Advice> {
+        let with_others = |a| other.sensor_delays_s.iter().map(move |b| (a, b));
+        let mut pairs = self.sensor_delays_s.iter().flat_map(with_others);
+        let (a, b) = pairs.find(|(a, b)| a != b)?;
+        let known = in_ms(self.sensor_delay_uncertainty_s + other.sensor_delay_uncertainty_s);
+        Some(Advice::new(
+            Check::SensorDelay,
+            format!(
+                "The sides were recorded by sensors of different delays, {} and {} ms: both were taken out, and their difference is known to {known} ms. \
+                 The delay shift and the differences of times do not allow for that.",
+                in_ms(*a),
+                in_ms(*b)
+            ),
+            known,
+            0.0,
+            "Record both sides with one sensor.",
+        ))
+    }
+
     /// The unit of the input of both, empty where they do not have one in common.
     pub(crate) fn input_unit_with(&self, other: &Self) -> String {
         in_common(&self.input_unit, &other.input_unit)
@@ -91,10 +116,16 @@ impl About {
         self.by_servoid &= other.by_servoid;
         self.staircase &= other.staircase;
         self.inexact_clock |= other.inexact_clock;
+        let (mine, theirs) = (
+            self.sensor_delay_uncertainty_s,
+            other.sensor_delay_uncertainty_s,
+        );
+        self.sensor_delay_uncertainty_s = mine.max(theirs);
         agree(&mut self.input_unit, other.input_unit);
         agree(&mut self.output_unit, other.output_unit);
         agree(&mut self.condition, other.condition);
         self.calibrations.extend(other.calibrations);
+        self.sensor_delays_s.extend(other.sensor_delays_s);
         self.provenance.extend(other.provenance);
         self.remarks.extend(other.remarks);
         self.advice.extend(other.advice);
@@ -127,6 +158,8 @@ impl From<&About> for ModelMetadata {
         // A recording of servoid was commanded by pulses, which change with the frame only.
         let pulse_frame_s = about.by_servoid.then_some(RIG_FRAME_S);
         let (input, output) = (about.input_unit.clone(), about.output_unit.clone());
-        Self::new(input, output, pulse_frame_s)
+        let mut metadata = Self::new(input, output, pulse_frame_s);
+        metadata.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s;
+        metadata
     }
 }

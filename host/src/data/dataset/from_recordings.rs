@@ -4,10 +4,11 @@ use super::about::{About, SensorCalibration};
 use super::error::DatasetFault;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
+use super::sensor_delay::{SensorDelay, in_ms};
 use crate::data::clock_error::internal_clock_error;
 use crate::data::degrees::DegreeScale;
 use crate::data::frozen_sensor::{FrozenSensor, StandStill};
-use crate::data::recording::{Completeness, ReadFault, Recording};
+use crate::data::recording::{Completeness, Recording};
 use servoid_identification::results::Check;
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
@@ -33,19 +34,19 @@ pub(super) fn from_recording(
             begins: range.start,
         });
     }
-    let phase_s = header.sample_phase_s;
-    if !(phase_s >= 0.0 && phase_s.is_finite()) {
-        let reason = "sample_phase_s is no time after an edge".to_owned();
-        return Err(ReadFault::DamagedHeader(1, reason).into());
-    }
+    let delay = SensorDelay::of(header)?;
     let still = stand_stills(recording);
-    let (input, mut output) = scale.columns(rows);
+    let (input, _) = scale.columns(rows);
+    // What the sensor shows late of the end comes after it.
+    let later = range.end.saturating_add(delay.samples as u64);
+    let (_, mut output) = scale.columns(recording.rows_of(range.start..later));
     let first = rows.first().map_or(0, |row| row.sample);
     for (sample, position) in (first..).zip(&mut output) {
         if still.iter().any(|still| still.samples.contains(&sample)) {
             *position = f64::NAN;
         }
     }
+    let output = delay.taken_out(&output, input.len());
     // What was recorded before and after the reference shows the noise of a servo at rest.
     let mut rest = Vec::new();
     for range in [0..range.start, range.end..u64::MAX] {
@@ -59,8 +60,12 @@ pub(super) fn from_recording(
         runs: vec![run(input, output, options.at_rest)?],
         rest,
         period_s: header.sample_period_s,
-        phase_s,
-        about: about(recording, path, options, scale.unhealthy(rows), &still),
+        phase_s: delay.phase_s,
+        about: About {
+            sensor_delay_uncertainty_s: delay.uncertainty_s,
+            sensor_delays_s: vec![delay.delay_s],
+            ..about(recording, path, options, scale.unhealthy(rows), &still)
+        },
     })
 }
 
@@ -104,6 +109,20 @@ fn about(
             [rows as f64, samples_meant(recording)],
             "The missing rows are left out and the bounds are as wide as that makes them; capture again for the rest.",
         ),
+    }
+    let [delay_ms, uncertainty_ms] =
+        [header.sensor_delay_s, header.sensor_delay_uncertainty_s].map(in_ms);
+    if delay_ms > 0.0 || uncertainty_ms > 0.0 {
+        about.add(
+            Check::SensorDelay,
+            format!(
+                "{shown} was recorded by a sensor that lags by {delay_ms} ms, known to {uncertainty_ms} ms: all times count from the shaft, and their \
+                 intervals are wider by {uncertainty_ms} ms; the responses as a whole may be that much earlier or later, and what the sensor \
+                 smooths is still in them"
+            ),
+            [delay_ms, uncertainty_ms],
+            "Where this matters, measure the sensor's delay, and state it in the rig file (sensor.delay_ms, sensor.delay_uncertainty_ms).",
+        );
     }
     if header.has_inexact_clock() {
         about.inexact_clock = true;

@@ -13,6 +13,7 @@ mod from_recordings;
 mod from_tables;
 mod loaded;
 mod options;
+mod sensor_delay;
 mod sentinel_values;
 pub(crate) mod suggestion;
 mod time_column;

@@ -82,6 +82,12 @@ pub struct Header {
     pub scale_sd_percent: f64,
     /// Smallest and largest reading of a healthy sensor (counts), where they were written down.
     pub healthy_counts: Option<[u16; 2]>,
+    /// Time by which the sensor's reading lags behind the shaft (s).
+    #[serde(skip_serializing_if = "is_zero")]
+    pub sensor_delay_s: f64,
+    /// The true delay is at most this far from it (s).
+    #[serde(skip_serializing_if = "is_zero")]
+    pub sensor_delay_uncertainty_s: f64,
     /// Whether each row has a check of its own; the writer sees to it.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub row_checks: bool,
@@ -119,6 +125,8 @@ impl Default for Header {
             zero_sd_deg: rig.sensor.zero_sd_deg,
             scale_sd_percent: rig.sensor.scale_sd_percent,
             healthy_counts: None,
+            sensor_delay_s: 0.0,
+            sensor_delay_uncertainty_s: 0.0,
             row_checks: false,
         }
     }
@@ -155,6 +163,8 @@ impl Header {
             zero_sd_deg: rig.sensor.zero_sd_deg,
             scale_sd_percent: rig.sensor.scale_sd_percent,
             healthy_counts: Some(rig.sensor.healthy_counts),
+            sensor_delay_s: 1e-3 * rig.sensor.delay_ms,
+            sensor_delay_uncertainty_s: 1e-3 * rig.sensor.delay_uncertainty_ms,
             ..Self::default()
         }
     }
@@ -216,6 +226,12 @@ impl Header {
         let crc32 = format!("{:08x}", crc32fast::hash(lines.as_bytes()));
         (format!("{lines}# {HEADER_CRC} = \"{crc32}\"\n"), crc32)
     }
+}
+
+/// What is not stated is left out.
+#[expect(clippy::trivially_copy_pass_by_ref)] // serde passes references
+fn is_zero(seconds: &f64) -> bool {
+    *seconds == 0.0
 }
 
 /// From an edge to the moment that a sample stands for (s): the mean of the ends of its conversions.

@@ -4,6 +4,7 @@ use super::driver::Driver;
 use super::talk_error::TalkError;
 use crate::instrument::port::{Port, is_simulated};
 use servoid_client::{Answer, Client, ClientError, Connect, Event};
+use servoid_protocol::loopback::{Loopback, LoopbackFrame, Vitals};
 use servoid_protocol::message::{Arm, Command, Start, Status};
 use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::{Health, Hello, Rejects};
@@ -131,6 +132,45 @@ impl RigClient {
             Answer::Health(health) => Ok(health),
             _ => Err(no_answer()),
         }
+    }
+
+    /// What the rig's board measures of its processor.
+    ///
+    /// # Errors
+    /// When it does not answer.
+    pub fn vitals(&mut self) -> Result<Vitals, TalkError> {
+        self.driver.client.request(Command::Vitals, self.now());
+        match self.answer()? {
+            Answer::Vitals(vitals) => Ok(vitals),
+            _ => Err(no_answer()),
+        }
+    }
+
+    /// Has a board test itself, and gives its newest frame.
+    ///
+    /// # Errors
+    /// When it refuses, or does not answer.
+    pub fn loopback(&mut self, loopback: Loopback) -> Result<LoopbackFrame, TalkError> {
+        self.driver
+            .client
+            .request(Command::Loopback(loopback), self.now());
+        match self.answer()? {
+            Answer::Loopback(frame) => Ok(frame),
+            _ => Err(no_answer()),
+        }
+    }
+
+    /// Lets `time` pass.
+    ///
+    /// # Errors
+    /// When the line is gone.
+    pub fn pause(&mut self, time: Duration) -> Result<(), TalkError> {
+        self.driver.pause(time)
+    }
+
+    /// Requests that were sent again, as their answer had not come in time.
+    pub fn requests_repeated(&self) -> u32 {
+        self.driver.client.requests_repeated()
     }
 
     /// Has the rig do something; returns when it has done it.

@@ -15,6 +15,21 @@ pub(super) struct Driver {
 }
 
 impl Driver {
+    /// Lets `time` pass; what comes meanwhile is heard.
+    pub(super) fn pause(&mut self, time: Duration) -> Result<(), TalkError> {
+        let until = self.port.now().saturating_add(time);
+        let mut buffer = [0; 512];
+        loop {
+            let now = self.port.now();
+            if now >= until {
+                return Ok(());
+            }
+            let count = self.port.read(&mut buffer, until - now)?;
+            let bytes = buffer.get(..count).unwrap_or_default();
+            self.client.handle(bytes, self.port.now());
+        }
+    }
+
     /// What happens next, waiting up to `timeout` for it; `None` as well where the client has nothing to
     /// do.
     pub(super) fn next_event(&mut self, timeout: Duration) -> Result<Option<Event>, TalkError> {

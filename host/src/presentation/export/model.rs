@@ -36,7 +36,9 @@ impl<'a> Export<'a> {
         };
         let low_order = match fitted {
             Some(fitted) => Ok(fitted),
-            None => flight_model::of_model(model, &options).map_err(|error| error.to_string()),
+            None => flight_model::of_model(model, &options)
+                .map(|flight| flight.with_delay_error(metadata.sensor_delay_uncertainty_s))
+                .map_err(|error| error.to_string()),
         };
         Self {
             name,

@@ -47,6 +47,17 @@ impl Interval {
         }
     }
 
+    /// The interval with its bounds `by` further out; one that is not negative stays so.
+    #[must_use]
+    pub(crate) fn widened(self, by: f64) -> Self {
+        let below = |lower: f64| (lower - by).max(lower.min(0.0));
+        Self {
+            lower: self.lower.map(below),
+            upper: self.upper.map(|upper| upper + by),
+            ..self
+        }
+    }
+
     /// The same interval in another unit: a rising function of value and bounds. What has no finite number there becomes
     /// `None`.
     pub(crate) fn map(self, of: impl Fn(f64) -> f64) -> Self {

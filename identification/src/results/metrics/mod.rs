@@ -48,6 +48,7 @@ mod step_metrics;
 use serde::{Deserialize, Serialize};
 
 use crate::options::LEVELS;
+use crate::results::frequency_response::FrequencyResponse;
 use crate::results::validity::{Bounds, Reason};
 
 use measured::Measured;
@@ -221,6 +222,34 @@ impl Metrics {
         self
     }
 
+    /// The same with intervals that allow for output that was recorded up to `seconds` earlier or later than it is taken for: of the
+    /// times from the edge, and of the frequency of a phase. `response` is that of the servo.
+    #[must_use]
+    pub fn with_delay_error(mut self, seconds: f64, response: &FrequencyResponse) -> Self {
+        for time in [
+            &mut self.settling_time_s,
+            &mut self.delay_s,
+            &mut self.t50_s,
+        ] {
+            *time = time.widened(seconds);
+        }
+        let at = |later_s: f64| quarter_turn(response, later_s);
+        let frequency = &mut self.phase_minus_90_rad_s;
+        // Without a crossing in the response nothing says by how much it moves.
+        let moved = |to: Option<f64>| Some((to? / at(0.0)?).abs());
+        (frequency.lower, frequency.upper) = (
+            frequency
+                .lower
+                .zip(moved(at(seconds)))
+                .map(|(lower, by)| lower * by.min(1.0)),
+            frequency
+                .upper
+                .zip(moved(at(-seconds)))
+                .map(|(upper, by)| upper * by.max(1.0)),
+        );
+        self
+    }
+
     /// The values without their bounds.
     pub(crate) fn withdrawn(mut self, reason: Reason) -> Self {
         for interval in [
@@ -250,9 +279,64 @@ impl Metrics {
     }
 }
 
+/// Where the phase of a response that comes `later_s` later first reaches -90 degrees \[rad/s\].
+fn quarter_turn(response: &FrequencyResponse, later_s: f64) -> Option<f64> {
+    let lag = |(omega, phase): (&f64, &f64)| (*omega, phase - (omega * later_s).to_degrees());
+    let points = response.omega_rad_s.iter().zip(&response.phase_deg);
+    let points: Vec<_> = points.map(lag).collect();
+    points.windows(2).find_map(|pair| {
+        let &[(omega, phase), (next_omega, next_phase)] = pair else {
+            return None;
+        };
+        let share = (phase + 90.0) / (phase - next_phase);
+        (phase > -90.0 && next_phase <= -90.0).then_some(omega + share * (next_omega - omega))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A delay of 10 ms and a lag of 20 ms: -90 degrees where ω 0.01 + atan(ω 0.02) is a quarter turn.
+    #[test]
+    fn a_delay_error_widens_times_from_the_edge_and_the_quarter_turn() {
+        let omega_rad_s: Vec<f64> = (1..2_000).map(|k| 0.1 * f64::from(k)).collect();
+        let phase = |omega: f64| -(omega * 0.01 + (omega * 0.02).atan()).to_degrees();
+        let response = FrequencyResponse {
+            re: Vec::new(),
+            im: Vec::new(),
+            magnitude_db: Vec::new(),
+            phase_deg: omega_rad_s.iter().map(|&omega| phase(omega)).collect(),
+            omega_rad_s,
+            bounds: Bounds::Withdrawn(Reason::ErrorsNotNoise),
+        };
+        let quarter = quarter_turn(&response, 0.0).unwrap();
+        assert!((phase(quarter) + 90.0).abs() < 1e-3, "{quarter}");
+        let later = quarter_turn(&response, 0.001).unwrap();
+        assert!((phase(later) - (later * 0.001).to_degrees() + 90.0).abs() < 1e-3);
+
+        let mut metrics = Metrics::withheld(
+            Interval::new(1.0, 0.9, 1.1),
+            Withheld::GainMayBeZero,
+            Bounds::Valid(MetricBounds { level: 0.99 }),
+        );
+        let time = Interval::new(0.03, 0.029, 0.031);
+        (metrics.delay_s, metrics.rise_time_s) = (time, time);
+        metrics.t50_s = Interval::new(0.001, 0.0005, 0.0015);
+        metrics.phase_minus_90_rad_s = Interval::new(quarter, quarter - 1.0, quarter + 1.0);
+        let widened = metrics.with_delay_error(0.001, &response);
+        let close = |a: Option<f64>, b: f64| (a.unwrap() - b).abs() < 1e-12;
+        assert!(close(widened.delay_s.lower, 0.028) && close(widened.delay_s.upper, 0.032));
+        assert!(close(widened.t50_s.lower, 0.0) && close(widened.t50_s.upper, 0.0025));
+        assert_eq!(
+            (widened.rise_time_s, widened.dc_gain),
+            (time, metrics.dc_gain)
+        );
+        let [lower, upper] = [-1.0, 1.0].map(|by| quarter + by);
+        let moved = widened.phase_minus_90_rad_s;
+        assert!(close(moved.lower, lower * later / quarter), "{moved:?}");
+        assert!(moved.upper.unwrap() > upper);
+    }
 
     /// A clock that is 2.5 % fast makes 2 ms last 1.951 ms; one that is 2 % slow, 2.041 ms.
     #[test]

@@ -53,7 +53,7 @@ impl Rig {
     }
 
     fn trigger(&mut self) {
-        self.adc.trigger_by_tim3(&mut self.bench.at(self.now));
+        self.adc.trigger_by_tim3(0, &mut self.bench.at(self.now));
     }
 
     /// Runs until nothing is left to do; each input has the code of its number. Times of the DMA
@@ -225,4 +225,25 @@ fn an_injected_conversion_has_its_own_result() {
     rig.write(SMPR1, 0);
     rig.write(CR2, cr2 | SOFTWARE << 12 | 1 << JEXTTRIG | 1 << JSWSTART);
     assert_eq!(rig.bench.reported().len(), 2);
+}
+
+/// 11.3.9 and 11.7: channel 1 of TIM2 starts it, and software then does not.
+#[test]
+fn an_injected_conversion_may_wait_for_a_timer() {
+    let mut rig = Rig::ready(1);
+    let cr2 = rig.read(CR2) | TIM2_CC1 << 12;
+    rig.write(JSQR, 4 << 15);
+    rig.write(CR2, cr2);
+    rig.adc
+        .trigger_by_tim2_channel_1(&mut rig.bench.at(rig.now));
+    assert_eq!(rig.adc.next_event(), None, "JEXTTRIG is missing");
+    let on = cr2 | 1 << JEXTTRIG;
+    rig.write(CR2, on);
+    rig.write(CR2, on | 1 << JSWSTART);
+    assert_eq!(rig.adc.next_event(), None);
+    rig.adc
+        .trigger_by_tim2_channel_1(&mut rig.bench.at(rig.now));
+    let held = rig.now + TRIGGER_LATENCY * CLOCK + 479 * CLOCK / 2;
+    assert_eq!(rig.adc.next_event(), Some(held));
+    assert_eq!(rig.bench.reported(), []);
 }

@@ -1,0 +1,108 @@
+//! The one conversion in each frame that is not a sample: of the reference voltage, or in a self-test a probe.
+//!
+//! The reference voltage is measured when a frame's samples are complete, by software. A probe is started by channel 1 of
+//! TIM2, at the instant that was asked for; the pin of that channel, PA0, stays an input. Both are injected conversions (11.3.9)
+//! between two samples, and neither touches the sequence of the sensor.
+
+use crate::{sampling, supply, timing};
+use core::sync::atomic::{AtomicU16, Ordering};
+use servoid_firmware::limits::{LONGEST_PULSE, SHORTEST_PULSE};
+use servoid_protocol::loopback::{PROBES_AFTER_EDGE, PROBES_BEFORE_EDGE, Probe};
+use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
+use stm32f1xx_hal::pac::{ADC1, TIM2};
+
+/// The instant that the self-test asks for (µs after the frame edge); 0 for the reference voltage.
+static ASKED: AtomicU16 = AtomicU16::new(0);
+
+/// Calls of [`Injected::next`] after a change, until the result is that of the new instant: the compare value takes effect at
+/// the frame edge, and a probe behind the samples is read in the next frame.
+const SETTLED: u8 = 2;
+
+/// A sample's conversions, or a probe, with the trigger's latency and a margin (µs).
+const SAMPLE_TAKES_US: u16 = 100;
+const PROBE_TAKES_US: u16 = 25;
+
+// No probe meets a sample, and both edges of every pulse are within reach.
+const _: () = {
+    let (first, last) = (timing::FIRST_SAMPLE_US, timing::LAST_SAMPLE_US);
+    assert!(*PROBES_AFTER_EDGE.start() >= first + SAMPLE_TAKES_US);
+    assert!(*PROBES_AFTER_EDGE.end() + PROBE_TAKES_US <= first + SAMPLE_US as u16);
+    assert!(*PROBES_BEFORE_EDGE.start() >= last + SAMPLE_TAKES_US + PROBE_TAKES_US);
+    assert!(*PROBES_BEFORE_EDGE.end() < FRAME_US as u16);
+    assert!(*PROBES_AFTER_EDGE.start() + PROBE_TAKES_US < SHORTEST_PULSE.0);
+    assert!(*PROBES_AFTER_EDGE.end() > LONGEST_PULSE.0);
+};
+
+/// Asks for a probe in each frame, or for the reference voltage.
+pub fn ask(at_us: Option<u16>) {
+    ASKED.store(at_us.unwrap_or(0), Ordering::Relaxed);
+}
+
+/// The result of a frame.
+#[derive(Clone, Copy, Default)]
+pub struct Result {
+    /// Of the reference voltage; 0 without one.
+    pub bandgap: u16,
+    /// The probe.
+    pub probe: Option<Probe>,
+}
+
+/// What is being converted.
+pub struct Injected {
+    /// As [`ASKED`], when it was last followed.
+    at_us: u16,
+    /// Calls since then.
+    age: u8,
+}
+
+impl Injected {
+    /// The reference voltage, from the first frame on.
+    pub const fn new() -> Self {
+        Self { at_us: 0, age: 0 }
+    }
+
+    /// Takes the result of the last conversion, and starts or prepares the next one. The samples of the frame must be complete,
+    /// so the ADC is idle.
+    pub fn next(&mut self, adc: &ADC1) -> Result {
+        let code = adc.jdr1().read().jdata().bits();
+        let asked = ASKED.load(Ordering::Relaxed);
+        let changed = asked != self.at_us;
+        if changed {
+            self.follow(asked, adc);
+        }
+        self.age = self.age.saturating_add(1);
+        if asked == 0 {
+            supply::start_bandgap(adc);
+        }
+        match asked {
+            // The last conversion was a probe.
+            0 if changed => Result::default(),
+            0 => Result {
+                bandgap: code,
+                probe: None,
+            },
+            at_us => Result {
+                bandgap: 0,
+                probe: (self.age > SETTLED).then_some(Probe { at_us, code }),
+            },
+        }
+    }
+
+    fn follow(&mut self, asked: u16, adc: &ADC1) {
+        // SAFETY: only this handler uses channel 1 of the timer. What is changed of the registers that it shares with channel 2
+        // is written as it was read, and nothing else writes them in between: the fault handler does not return.
+        let tim2 = unsafe { TIM2::steal() };
+        match (self.at_us, asked) {
+            (_, 0) => {
+                timing::end_trigger(&tim2);
+                supply::prepare_bandgap(adc);
+            }
+            (0, at_us) => {
+                sampling::prepare_probe(adc);
+                timing::begin_trigger(&tim2, at_us);
+            }
+            (_, at_us) => timing::move_trigger(&tim2, at_us),
+        }
+        (self.at_us, self.age) = (asked, 0);
+    }
+}
