@@ -79,6 +79,9 @@ impl Validity {
             .misfit
             .filter(|misfit| misfit.disagreement(evidence.step) > DISAGREEMENT);
         let (withheld, gain_is_supported) = match disagreeing {
+            _ if evidence.lags_are_mixed && evidence.misfit.is_none() => {
+                (Some(Withheld::InputUnexcited), false)
+            }
             // The final value is no exception: a bank that is short of frequencies takes others for it.
             _ if unexcited_above_hz.is_some() && missing > DISAGREEMENT => {
                 (Some(Withheld::InputUnexcited), false)
