@@ -4,8 +4,8 @@
 //! SHA-256 is taken of, are the bytes of its flash alone.
 
 use object::Endianness;
-use object::elf::PT_LOAD;
-use object::read::elf::{ElfFile32, ProgramHeader};
+use object::elf::{ELFCLASS32, EM_ARM, PT_LOAD};
+use object::read::elf::{ElfFile32, FileHeader, ProgramHeader};
 use sha2::{Digest, Sha256};
 
 /// Start of the flash (RM0008 3.3.3; datasheet DS5319, memory mapping).
@@ -16,6 +16,9 @@ pub const FLASH_BYTES: u32 = 64 * 1024;
 pub const PAGE_BYTES: u32 = 1024;
 /// What erased flash reads as (PM0075).
 pub const ERASED: u8 = 0xff;
+
+/// The name of the board in the firmware, by which it answers.
+const BOARD: &[u8] = b"STM32F103C8";
 
 /// The addresses of the static memory (datasheet DS5319, memory mapping).
 const RAM: std::ops::RangeInclusive<u32> = 0x2000_0000..=0x2000_5000;
@@ -90,6 +93,13 @@ impl FlashImage {
         Some(u32::from_le_bytes(bytes.try_into().ok()?))
     }
 
+    /// Whether it is the rig's firmware: that names the board that it is for, which its answer to the host begins with.
+    #[must_use]
+    pub fn is_rigs(&self) -> bool {
+        let mut parts = self.bytes.windows(BOARD.len());
+        parts.any(|part| part == BOARD)
+    }
+
     /// The bytes of the flash, from its start on.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
@@ -126,8 +136,15 @@ impl FlashImage {
 /// values of variables included.
 fn loaded(elf: &[u8]) -> Result<Vec<u8>, ImageError> {
     let wrong = |what: &dyn std::fmt::Display| ImageError::WrongElf(what.to_string());
+    // The fifth byte of an ELF file is the width of its addresses: 1 for 32 bits (System V ABI, ELF identification).
+    if elf.get(4).is_some_and(|class| *class != ELFCLASS32) {
+        return Err(wrong(&"it is for a processor of 64 bits"));
+    }
     let file = ElfFile32::<Endianness>::parse(elf).map_err(|e| wrong(&e))?;
     let endian = file.endian();
+    if file.elf_header().e_machine(endian) != EM_ARM {
+        return Err(wrong(&"it is for another processor"));
+    }
     let mut bytes = Vec::new();
     for header in file.elf_program_headers() {
         if header.p_type(endian) != PT_LOAD || header.p_filesz(endian) == 0 {
@@ -186,6 +203,12 @@ mod tests {
         let error = |bytes: &[u8]| FlashImage::from_file(bytes).unwrap_err().to_string();
         assert!(error(b"").contains("no image for an STM32F103C8"));
         assert!(error(&[ERASED; 64]).contains("does not begin with"));
+        let pc = error(b"\x7fELF\x02 of a PC");
+        assert!(pc.contains("of 64 bits"), "{pc}");
+        let mut avr = vec![0; 52];
+        avr[..7].copy_from_slice(b"\x7fELF\x01\x01\x01");
+        avr[18] = 83;
+        assert!(error(&avr).contains("another processor"), "{}", error(&avr));
         assert!(error(b"\x7fELF and no more").contains("no image for an STM32F103C8"));
         assert!(error(&raw(65 * 1024)).contains("has 65536"));
         // An even start would end in a fault: the processor knows Thumb alone.

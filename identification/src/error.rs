@@ -56,8 +56,8 @@ pub enum Error {
     },
     /// An output of two values under an input of many.
     #[error(
-        "the output has only {levels} values, and the input has many: the two columns seem to be swapped; --input names the command, \
-         --output the motion"
+        "the output has only {levels} values, and the input has many: the two columns seem to be swapped; the input is the command, the \
+         output the motion"
     )]
     Swapped {
         /// Values of the output.
@@ -85,7 +85,7 @@ pub enum Error {
     /// The record is too short for an automatic choice of the structure.
     #[error(
         "an automatic choice of the settling time needs at least {needed} samples in one piece, and {}: record \
-         longer and without gaps, or state the settling time in samples (--settling)",
+         longer and without gaps, or state the settling time in samples",
         match samples < needed {
             true => format!("the record has {samples}"),
             false => format!("runs and gaps part the {samples} of the record into shorter ones"),
@@ -142,6 +142,18 @@ pub enum Error {
          that input and output belong together; if they do, use larger steps"
     )]
     Unanswered,
+    /// The output changes from run to run alone.
+    #[error(
+        "the output stands still in every run while the input moves: exchange the two columns if the output is the command, or check the \
+         sensor and its column"
+    )]
+    StillInRuns,
+    /// The input changes from run to run alone.
+    #[error(
+        "the input stands still in every run, so the step that each run answers came before its first sample: state the input before \
+         the runs (at rest), or record from before the step on"
+    )]
+    StepsBeforeRuns,
     /// The input does not excite as many frequencies as asked for.
     #[error(
         "the input excites {excited} of the {asked} frequencies asked for (up to {highest_hz:.3} \

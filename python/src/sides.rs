@@ -87,7 +87,13 @@ pub(crate) fn validate(
         let found = Validated::of(&model.file, &model.name, data, &source.name)?;
         let servo = found.servo_model.as_ref();
         let unit = data.about.output_unit.as_deref();
-        let text = summary::of_validation(&found.validation, servo, unit, &found.advice);
+        let text = summary::of_validation(
+            &found.validation,
+            servo,
+            found.own_fits(),
+            unit,
+            &found.advice,
+        );
         Ok((to_json(&found)?, text))
     };
     py.detach(of).map_err(raised)

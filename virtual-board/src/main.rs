@@ -79,7 +79,8 @@ fn main() -> Result<()> {
     let stop = Arc::new(AtomicBool::new(false));
     let handler = stop.clone();
     ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed))?;
-    let mut end = open(cli.tcp.as_deref())?;
+    let bootloader = cli.boot0;
+    let mut end = open(cli.tcp.as_deref(), bootloader)?;
     let pace = if cli.realtime || options.simulation.realtime {
         Pace::REAL_TIME
     } else {
@@ -125,34 +126,39 @@ fn find_image(named: Option<&Path>) -> Result<PathBuf> {
     found.context("no image was found: build it with 'cargo fw', or name one with --elf")
 }
 
-fn open(tcp: Option<&str>) -> Result<Box<dyn HostEnd>> {
+fn open(tcp: Option<&str>, bootloader: bool) -> Result<Box<dyn HostEnd>> {
     if let Some(address) = tcp {
         let server = TcpServer::listen(address).with_context(|| {
             format!("cannot listen at {address}: write HOST:PORT, with a free port")
         })?;
-        announce(&format!("tcp:{}", server.address()?));
+        announce(&format!("tcp:{}", server.address()?), bootloader);
         return Ok(Box::new(server));
     }
-    pseudo_terminal()
+    pseudo_terminal(bootloader)
 }
 
 #[cfg(unix)]
-fn pseudo_terminal() -> Result<Box<dyn HostEnd>> {
+fn pseudo_terminal(bootloader: bool) -> Result<Box<dyn HostEnd>> {
     let terminal = virtual_board::server::PseudoTerminal::open()
         .context("no pseudo-terminal can be opened: use --tcp 127.0.0.1:5000")?;
-    announce(&terminal.path().display().to_string());
+    announce(&terminal.path().display().to_string(), bootloader);
     Ok(Box::new(terminal))
 }
 
 #[cfg(not(unix))]
-fn pseudo_terminal() -> Result<Box<dyn HostEnd>> {
+fn pseudo_terminal(_bootloader: bool) -> Result<Box<dyn HostEnd>> {
     bail!("this system has no pseudo-terminals: use --tcp 127.0.0.1:5000")
 }
 
-/// The port goes to standard output alone, for scripts.
-fn announce(port: &str) {
+/// The port goes to standard output alone, for scripts; beside it, what can be typed next.
+fn announce(port: &str, bootloader: bool) {
     println!("{port}");
-    eprintln!("servoid capture --port {port} -o recording.csv");
+    match bootloader {
+        true => eprintln!(
+            "servoid flash --port {port}\n  writes the program and starts it, by which the board leaves its bootloader; it has no reset button: start it again without --boot0 and --erased, and the program runs at once"
+        ),
+        false => eprintln!("servoid capture --port {port} -o recording.csv"),
+    }
 }
 
 /// Prints new log lines and irregularities, and drops them.

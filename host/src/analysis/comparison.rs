@@ -6,8 +6,9 @@ use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
+use servoid_identification::Error;
 use servoid_identification::comparison::{
     Comparison, ComparisonOptions, ServoModelComparison, compare, compare_models,
     compare_servo_models,
@@ -32,15 +33,27 @@ pub fn compared(
         ..options
     };
     let found = compare(&a.record, &b.record, &options);
-    let mut found = found.with_context(|| names.join(" against "))?;
+    let mut found = found
+        .map_err(without_options)
+        .with_context(|| names.join(" against "))?;
     let [prints_a, prints_b] = [a, b].map(|side| fingerprint::of(&side.record));
-    say_first(
-        &mut found,
-        fingerprint::advice_on_sides(&prints_a, &prints_b),
-    );
+    let same = fingerprint::advice_on_sides(&prints_a, &prints_b);
+    let overlap = || fingerprint::advice_on_overlap(&a.record, &b.record);
+    say_first(&mut found, same.or_else(overlap));
     found.advice.extend(a.about.other_calibration(&b.about));
     found.advice.extend(a.about.other_sensor_delay(&b.about));
     Ok(found)
+}
+
+/// The error of a comparison, whose structure is always chosen from the data: nobody can state a settling time.
+fn without_options(error: Error) -> anyhow::Error {
+    match error {
+        Error::TooShortForAuto { samples, needed } => anyhow!(
+            "a comparison needs at least {needed} samples of each side in one piece, and one side has {samples} in all: record longer and \
+             without gaps"
+        ),
+        other => other.into(),
+    }
 }
 
 /// Puts a finding that makes all others worthless before them, and before the verdict.

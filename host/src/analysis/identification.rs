@@ -66,12 +66,16 @@ impl Identified {
         watch: impl FnOnce() -> W,
     ) -> Result<Self> {
         let options = &request.options;
-        let Identification { model, explanation } = identified(data, name, options)?;
+        let found = identified(data, name, options)?;
+        let Identification {
+            mut model,
+            explanation,
+        } = found;
         let flight_model = request
             .flight_model
             .then(|| fit_flight_model(data, &model).map_err(|error| error.to_string()));
         let servo = servo_fit::is_wanted(request.servo_model, model.level().withdrawn())
-            .then(|| servo_fit::find(data, &model, options, request.held_out, &watch()));
+            .then(|| servo_fit::find(data, &mut model, options, request.held_out, &watch()));
         let (servo_model, held_out) = match servo {
             Some(found) => (Some(found.model), found.held_out),
             None => (None, None),
@@ -132,7 +136,9 @@ impl Identified {
         let (flight_model, no_flight_model) = parts(&self.flight_model);
         let (servo_model, no_servo_model) = parts(&self.servo_model);
         let mut text = String::new();
-        text.extend(servo_model.map(|servo| {
+        // A finding that leaves nothing to be said before it stands in the place of the sentence.
+        let speaks = servo_model.filter(|_| summary::first_finding(model).is_none());
+        text.extend(speaks.map(|servo| {
             let sentence = summary::servo_sentence(&servo.model, units);
             summary::wrapped(&sentence, 0) + "\n\n"
         }));

@@ -15,6 +15,7 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     let mut found = found.with_context(|| name.to_owned())?;
     found.model.advice.extend(data.about.advice.iter().cloned());
     let doubtful = unlikely_period(data.record.sample_period_s());
+    let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
     found.model.advice.splice(0..0, doubtful);
     if data.about.inexact_clock {
         let [slow, fast] = INTERNAL_CLOCK_ERROR;
@@ -62,6 +63,52 @@ fn unlikely_period(seconds: f64) -> Option<Advice> {
             rounded(1e3 * rather)
         ),
     ))
+}
+
+/// Times after which an R/C servo stays at its end, and after which it is half way there \[s\]. Slow winches and the fastest servos of
+/// gyros lie within them by a factor of two.
+const SETTLING_S: std::ops::RangeInclusive<f64> = 5e-3..=5.0;
+const HALF_WAY_S: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
+
+/// That no servo takes as long, or as short, as this response.
+fn unlikely_duration(model: &Model) -> Option<Advice> {
+    let metrics = &model.metrics;
+    let settled = (metrics.settling_time_s.value).map(|time| (time, SETTLING_S, "is at its end"));
+    let half_way = (metrics.t50_s.value).map(|time| (time, HALF_WAY_S, "is half way"));
+    let (time, usual, what) = settled.or(half_way)?;
+    if usual.contains(&time) {
+        return None;
+    }
+    let (limit, which) = match time > *usual.end() {
+        true => (*usual.end(), "longer than any R/C servo takes"),
+        false => (*usual.start(), "shorter than any R/C servo can"),
+    };
+    Some(Advice::new(
+        Check::Duration,
+        format!("The response {what} after {}, {which}.", in_words(time)),
+        time,
+        limit,
+        format!(
+            "Make sure that the time between samples is {}, as it was taken to be: all times and frequencies follow from it.",
+            in_words(model.sample_period_s)
+        ),
+    ))
+}
+
+/// "12 ms"
+fn in_words(seconds: f64) -> String {
+    let number = |value: f64| {
+        let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
+        let text = format!("{value:.digits$}");
+        match text.contains('.') {
+            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+            false => text,
+        }
+    };
+    match seconds >= 1.0 {
+        true => format!("{} s", number(seconds)),
+        false => format!("{} ms", number(1e3 * seconds)),
+    }
 }
 
 /// The first digits of a number.

@@ -5,7 +5,7 @@ use crate::data::held_out::HeldOut;
 use crate::data::model_file::ServoModelDocument;
 use crate::presentation::plots::HeldOutPrediction;
 use servoid_identification::results::{Model, Reason, Validation};
-use servoid_identification::servo_model::{self, ServoModelOptions, Watch};
+use servoid_identification::servo_model::{self, ServoModelOptions, Watch, no_prediction};
 use servoid_identification::{Options, Record, Run, identify};
 
 /// Whether a servo model is looked for: on request, and where the linear result has no bounds, which leaves its user with
@@ -24,24 +24,34 @@ pub struct Found {
 }
 
 /// Finds the servo behind `data`, and puts the `linear` model of the same data beside it; with `held_out`, also its prediction of a
-/// stretch, at the same time.
+/// stretch, at the same time. Where neither model predicts the data, that becomes the first advice of the linear one.
 pub fn find(
     data: &Dataset,
-    linear: &Model,
+    linear: &mut Model,
     options: &Options,
     held_out: bool,
     search: &dyn Watch,
 ) -> Found {
-    std::thread::scope(|threads| {
+    let found = std::thread::scope(|threads| {
         let predicting =
             held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options, search)));
-        let model = fit(data, Some(linear), options.level, search);
+        let model = fit(data, Some(&*linear), options.level, search);
         let predicted = predicting.and_then(|thread| thread.join().ok().flatten());
         Found {
             held_out: predicted.filter(|_| model.is_ok()),
             model,
         }
-    })
+    });
+    let servo = found.model.as_ref().ok();
+    let doubt = servo.and_then(|servo| no_prediction(linear, &servo.model));
+    // Exchanged columns and loops are its causes: they come before it.
+    let causes = linear
+        .advice
+        .iter()
+        .take_while(|item| item.check.comes_first());
+    let at = causes.count();
+    linear.advice.splice(at..at, doubt);
+    found
 }
 
 /// Finds the servos of two sides at the same time, or the reason why one of them is not found.

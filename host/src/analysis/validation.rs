@@ -4,8 +4,9 @@ use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::ModelMetadata;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
+use servoid_identification::Error;
 use servoid_identification::results::{Advice, Validation};
 
 /// The validation as its document has it, with advice on the files.
@@ -17,6 +18,11 @@ pub struct Validated {
     /// The same of the servo model, where the file has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo_model: Option<Validation>,
+    /// The fit of the linear model to the recording that it comes from \[%\].
+    pub own_fit_percent: f64,
+    /// The same of the servo model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_model_own_fit_percent: Option<f64>,
     /// That the model comes from these very samples, and what the files ask for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub advice: Vec<Advice>,
@@ -33,7 +39,12 @@ impl Validated {
         let metadata = ModelMetadata::from(&data.about);
         file.metadata.same_units(model, &metadata, name)?;
         let validation = file.model.validate(&data.record);
-        let validation = validation.with_context(|| name.to_owned())?;
+        let validation = validation
+            .map_err(of_its_own_period)
+            .with_context(|| name.to_owned())?;
+        let own_of_servo = servo
+            .as_ref()
+            .map(|servo| servo.model.fit.simulation_percent);
         let servo = servo.map(|servo| -> Result<Validation> {
             let controllers = data.controllers.among(&servo.controller_names)?;
             Ok(servo.model.validate(&data.record, &controllers)?)
@@ -43,7 +54,29 @@ impl Validated {
         Ok(Self {
             validation,
             servo_model: servo.transpose()?,
+            own_fit_percent: file.model.fit.simulation_percent,
+            servo_model_own_fit_percent: own_of_servo,
             advice: own.into_iter().chain(data.about.advice.clone()).collect(),
         })
+    }
+
+    /// The fits of the linear and the servo model to the recording that they come from \[%\].
+    #[must_use]
+    pub fn own_fits(&self) -> (f64, Option<f64>) {
+        (self.own_fit_percent, self.servo_model_own_fit_percent)
+    }
+}
+
+/// The error of a validation: why a model is of one sample period.
+fn of_its_own_period(error: Error) -> anyhow::Error {
+    match error {
+        Error::PeriodMismatch { expected, found } => anyhow!(
+            "the model is of samples every {} ms and the recording has them every {} ms: a response is known at its own samples alone, so \
+             record or resample every {} ms, or identify this recording by itself",
+            1e3 * expected,
+            1e3 * found,
+            1e3 * expected
+        ),
+        other => other.into(),
     }
 }

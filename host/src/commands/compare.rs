@@ -1,7 +1,7 @@
 //! `servoid compare`
 
 use super::input::TableArgs;
-use super::output::Output;
+use super::output::{Output, Talk};
 use super::servo_search::ServoSearch;
 use crate::analysis::Compared;
 use crate::data::dataset::listed;
@@ -69,6 +69,7 @@ impl Compare {
             zero_sd: self.zero_sd,
             ..ComparisonOptions::default()
         };
+        warn_of_small_margin(self.margin, self.output.talk);
         self.output.check(&self.out)?;
         let (a, b) = match &self.sides[..] {
             [a, b] => (std::slice::from_ref(a), std::slice::from_ref(b)),
@@ -94,5 +95,19 @@ impl Compare {
         self.output.write_json(self.out.as_ref(), &compared)?;
         let text = compared.as_text(names);
         self.output.talk.result(text, &compared)
+    }
+}
+
+/// A margin below this is more likely a fraction \[%\].
+const SMALL_MARGIN_PERCENT: f64 = 0.5;
+
+/// Says how a margin was understood that may be meant as a fraction.
+pub(super) fn warn_of_small_margin(percent: f64, talk: Talk) {
+    if percent > 0.0 && percent < SMALL_MARGIN_PERCENT {
+        talk.say(format_args!(
+            "margin: {percent} % of the step, as --margin is in percent; {} % is --margin {}",
+            100.0 * percent,
+            100.0 * percent
+        ));
     }
 }

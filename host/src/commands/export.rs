@@ -84,7 +84,9 @@ impl ExportArgs {
     fn write_linear_model(&self, file: &ModelFile, metadata: ModelMetadata) -> Result<String> {
         let fitted = file.flight_model()?;
         let (name, source) = (self.servo_name(), self.source());
-        let export = Export::new(&name, &source, &file.model, fitted, metadata);
+        let servo = file.servo_model()?;
+        let export = Export::new(&name, &source, &file.model, fitted, metadata)
+            .beside(servo.as_ref().map(|servo| &servo.model));
         let text = export.write(self.to)?;
         self.finish(&text, &export.warnings(), Map::new())
     }
@@ -98,6 +100,10 @@ impl ExportArgs {
         };
         let export = ServoExport::new(&name, &source, &document, metadata, options)?;
         let written = export.write(self.to)?;
+        self.output.talk.say(format_args!(
+            "largest difference of the file from the servo model: {}",
+            export.share_of_stroke(&written)
+        ));
         let comparison = Map::from_iter([
             ("trial".to_owned(), json!(written.trial)),
             (

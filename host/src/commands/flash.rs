@@ -4,6 +4,7 @@ use super::completion_values;
 use super::ctrl_c;
 use super::info::explain;
 use super::output::Talk;
+use super::rig_args::RigFileArgs;
 use crate::data::input_file;
 use crate::instrument::flash::{
     BootLines, FlashError, Flashed, Hand, Progress, Start, Switch, embedded_image, flash,
@@ -27,14 +28,17 @@ reset starts the bootloader again.
 Where lines of the adapter are at BOOT0 and reset, --boot0 and --reset name them, and no hand is needed.
 
 Examples:
+  servoid flash                                                  the port of rig.toml
   servoid flash --port /dev/ttyUSB0
   servoid flash --port /dev/ttyUSB0 --boot0 '!rts' --reset dtr
   servoid flash --dry-run                                        the image inside, with its SHA-256"
 )]
 pub(super) struct Flash {
-    /// Port of the board: a serial device, or tcp:HOST:PORT (with even parity behind it)
-    #[arg(long, short, value_parser = completion_values::port(), hide_possible_values = true, required_unless_present = "dry_run")]
+    /// Port of the board: a serial device, or tcp:HOST:PORT (with even parity behind it); without it, that of the rig file
+    #[arg(long, short, value_parser = completion_values::port(), hide_possible_values = true)]
     port: Option<String>,
+    #[command(flatten)]
+    rig: RigFileArgs,
     /// Image to write, an ELF file or the bytes of the flash; without it, the one inside this program
     #[arg(long, value_name = "FILE")]
     image: Option<PathBuf>,
@@ -79,10 +83,11 @@ impl Flash {
             bytes: image.bytes().len(),
             sha256: image.sha256(),
         };
-        match &self.port {
-            Some(address) if !self.dry_run => self.write(address, &image, &facts),
-            _ => self.talk.result(describe_image(&facts), &facts),
+        if self.dry_run {
+            return self.talk.result(describe_image(&facts), &facts);
         }
+        let address = self.rig.address(self.port.as_deref(), self.talk)?;
+        self.write(&address, &image, &facts)
     }
 
     fn image(&self) -> Result<FlashImage> {
@@ -93,7 +98,14 @@ impl Flash {
         };
         let content = input_file::read(file);
         let content = content.with_context(|| format!("{file:?} cannot be read"))?;
-        FlashImage::from_file(&content).with_context(|| format!("{file:?} cannot be written"))
+        let image = FlashImage::from_file(&content);
+        let image = image.with_context(|| format!("{file:?} cannot be written"))?;
+        if !image.is_rigs() {
+            bail!(
+                "{file:?} is a program for such a chip, but not the firmware of a rig, which names its board: build that with 'cargo fw', and write other programs with another tool"
+            );
+        }
+        Ok(image)
     }
 
     fn write(&self, address: &str, image: &FlashImage, facts: &ImageFacts) -> Result<String> {

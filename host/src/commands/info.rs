@@ -2,6 +2,7 @@
 
 use super::completion_values;
 use super::output::Talk;
+use super::rig_args::RigFileArgs;
 use crate::data::clock_error::internal_clock_error;
 use crate::instrument::flash::embedded_image;
 use crate::instrument::port;
@@ -16,13 +17,16 @@ use servoid_protocol::{Health, Hello, Rejects};
 
 /// Show the rig at a port: its board, firmware, timing and state
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
+#[command(after_help = "Examples:
+  servoid info                       the port of rig.toml
   servoid info --port /dev/ttyUSB0
   servoid info --port sim:bench")]
 pub(super) struct Info {
-    /// Port of the rig: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
+    /// Port of the rig: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear; without it, that of the rig file
     #[arg(long, short, value_parser = completion_values::port(), hide_possible_values = true)]
-    port: String,
+    port: Option<String>,
+    #[command(flatten)]
+    rig: RigFileArgs,
     #[command(flatten)]
     talk: Talk,
 }
@@ -40,11 +44,12 @@ struct Identity<'a> {
 
 impl Info {
     pub(super) fn run(self) -> Result<String> {
-        let port = port::open(&self.port)?;
-        let mut client = match RigClient::connect_beside(port, &self.port) {
+        let address = self.rig.address(self.port.as_deref(), self.talk)?;
+        let port = port::open(&address)?;
+        let mut client = match RigClient::connect_beside(port, &address) {
             Err(busy @ TalkError::Rig(ClientError::RunOfAnother)) => {
                 let result = serde_json::json!({ "running": true });
-                let text = format!("{}: {busy}\n", self.port);
+                let text = format!("{address}: {busy}\n");
                 return self.talk.result(text, &result);
             }
             other => other?,

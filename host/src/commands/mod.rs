@@ -144,6 +144,24 @@ fn print(result: &str, code: u8) -> u8 {
 
 fn fail(error: &anyhow::Error, code: u8) -> u8 {
     // Causes on one line, behind the sentence that they explain.
-    print_remark(format_args!("servoid: {error:#}"));
+    let option = error
+        .chain()
+        .find_map(option)
+        .map(|option| format!(" ({option})"));
+    print_remark(format_args!(
+        "servoid: {error:#}{}",
+        option.unwrap_or_default()
+    ));
     code
+}
+
+/// The option that an error of the library asks for; the library, which Python shares, knows none.
+fn option(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
+    use servoid_identification::Error;
+    Some(match cause.downcast_ref()? {
+        Error::TooShortForAuto { .. } => "--settling N",
+        Error::StepsBeforeRuns => "--at-rest INPUT",
+        Error::Swapped { .. } => "--input names the command, --output the motion",
+        _ => return None,
+    })
 }

@@ -1,5 +1,6 @@
 //! `servoid report`
 
+use super::compare::warn_of_small_margin;
 use super::input::{TableArgs, name_of};
 use super::output::{Output, Talk, stem, wrong_usage};
 use super::servo_search::ServoSearch;
@@ -111,11 +112,11 @@ impl Report {
 
     fn servo(&self, files: &[PathBuf], data: Dataset<'static>) -> Result<Servo> {
         let (options, talk) = (Options::default(), self.output.talk);
-        let found = identified(&data, &listed(files), &options)?;
+        let mut found = identified(&data, &listed(files), &options)?;
         let machine =
             servo_fit::is_wanted(self.servo_model, found.model.level().withdrawn()).then(|| {
                 let search = ServoSearch::begin("the servo as a machine", talk);
-                servo_fit::find(&data, &found.model, &options, true, &search)
+                servo_fit::find(&data, &mut found.model, &options, true, &search)
             });
         let mut servo = Servo::of_data(name_of(&data, files), data, found);
         match machine.map(|found| (found.model, found.held_out)) {
@@ -161,6 +162,7 @@ fn servo_models(a: &Servo, b: &Servo) -> Option<ServoModelComparison> {
 
 /// The comparison of the two; `None` where there is none, as for a recording beside a model.
 fn comparison(a: &Servo, b: &Servo, margin: f64, talk: Talk) -> Result<Option<Comparison>> {
+    warn_of_small_margin(margin, talk);
     let options = ComparisonOptions {
         margin_percent: margin,
         ..ComparisonOptions::default()

@@ -5,7 +5,7 @@ use super::output::Talk;
 use crate::data::clock_error::internal_clock_error;
 use crate::data::rig_file::RigFile;
 use crate::instrument::port;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
 use servoid_protocol::Hello;
 use servoid_protocol::hello::ClockSource;
@@ -49,6 +49,14 @@ pub(super) struct RigFileArgs {
 pub(super) const FOUND: &str = "rig.toml";
 
 impl RigFileArgs {
+    /// The port that is given, or else that of the rig file, which is not read otherwise.
+    pub(super) fn address(&self, port: Option<&str>, talk: Talk) -> Result<String> {
+        match port {
+            Some(port) => Ok(port.to_owned()),
+            None => port_of(None, &self.read(None, talk)?.file),
+        }
+    }
+
     /// The rig file that applies to the rig at `port`, and its path; the defaults where there is none. A file that was not named
     /// is not that of a simulated servo, unless its port is.
     pub(super) fn read(&self, port: Option<&str>, talk: Talk) -> Result<RigSource> {
@@ -111,6 +119,14 @@ pub(super) fn require_clock(allowed: bool, hello: &Hello) -> Result<()> {
     Ok(())
 }
 
+/// The port that is given, or else that of the file.
+fn port_of(given: Option<&str>, file: &RigFile) -> Result<String> {
+    let found = given.map(str::to_owned).or_else(|| file.port.clone());
+    found.context(
+        "no port is given: add --port, or 'port' in the rig file; 'servoid ports' lists the serial ports, and sim:bench needs no hardware",
+    )
+}
+
 /// The one condition without a rotor.
 const BENCH: &str = "bench";
 
@@ -122,11 +138,7 @@ impl RigArgs {
 
     /// The rig of `file`, if its port is known and it may move.
     pub(super) fn require(&self, file: RigFile) -> Result<Rig> {
-        let Some(address) = self.port.clone().or_else(|| file.port.clone()) else {
-            bail!(
-                "no port is given: add --port, or 'port' in the rig file; 'servoid ports' lists the serial ports, and sim:bench needs no hardware"
-            );
-        };
+        let address = port_of(self.port.as_deref(), &file)?;
         let simulated = port::simulated_servo(&address);
         let condition = self.condition.clone().or_else(|| file.condition.clone());
         let condition = condition.unwrap_or_else(|| simulated.unwrap_or(BENCH).to_owned());

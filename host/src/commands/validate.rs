@@ -66,6 +66,7 @@ impl Validate {
         let text = summary::of_validation(
             &validated.validation,
             validated.servo_model.as_ref(),
+            validated.own_fits(),
             unit,
             &validated.advice,
         );

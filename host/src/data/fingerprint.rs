@@ -59,6 +59,44 @@ pub fn advice_on_sides(a: &[String], b: &[String]) -> Option<Advice> {
     advice(count, finding, remedy)
 }
 
+/// Samples in a row that no two recordings have in common by chance, if their output has so many values: noise and clock differ.
+const IN_A_ROW: usize = 128;
+const VALUES: usize = 32;
+
+/// Advice where a part of one side is in the other.
+pub fn advice_on_overlap(a: &Record, b: &Record) -> Option<Advice> {
+    let parts: HashSet<Vec<u64>> = (a.runs().iter())
+        .flat_map(|run| run.output().chunks_exact(IN_A_ROW))
+        .filter_map(distinct)
+        .collect();
+    if parts.is_empty() {
+        return None;
+    }
+    let of_run = |run: &Run| {
+        let known = |part: &[f64]| distinct(part).is_some_and(|part| parts.contains(&part));
+        run.output()
+            .windows(IN_A_ROW)
+            .filter(|part| known(part))
+            .count()
+            * IN_A_ROW
+    };
+    let count: usize = b.runs().iter().map(of_run).sum();
+    let finding = format!(
+        "Both sides have at least {count} of the second's {} samples in common, so as far as these go the comparison shows nothing about \
+         the servo.",
+        b.samples()
+    );
+    let remedy = "Record the second condition by itself, and name that file.";
+    advice(count, finding, remedy)
+}
+
+/// The bits of outputs that are all there and of many values.
+fn distinct(part: &[f64]) -> Option<Vec<u64>> {
+    let bits: Vec<u64> = part.iter().map(|value| (value + 0.0).to_bits()).collect();
+    let values: HashSet<&u64> = bits.iter().collect();
+    (values.len() >= VALUES && part.iter().all(|value| value.is_finite())).then_some(bits)
+}
+
 /// Advice where a model is validated on runs that it was identified from.
 pub fn advice_on_validation(model: &[String], record: &[String]) -> Option<Advice> {
     let count = shared(record, model);
@@ -119,5 +157,24 @@ mod tests {
         assert!(advice_on_validation(&a, &b).is_some());
         assert!(advice_on_repeats(&record(&[one, other])).is_none());
         assert!(advice_on_repeats(&record(&[one, other, one])).is_some());
+    }
+
+    #[test]
+    fn a_part_that_both_sides_have_is_known_and_a_likeness_is_not() {
+        let whole: Vec<f64> = (0..600).map(|k| (f64::from(k) * 0.7).sin()).collect();
+        let record = |output: &[f64]| {
+            let input: Vec<f64> = (0..output.len()).map(|k| (k % 7) as f64).collect();
+            Record::of_run(0.01, input, output.to_vec()).unwrap()
+        };
+        let found = advice_on_overlap(&record(&whole), &record(&whole[250..])).unwrap();
+        assert_eq!(found.value, 256.0);
+        let near: Vec<f64> = whole.iter().map(|y| y + 1e-12).collect();
+        assert_eq!(advice_on_overlap(&record(&whole), &record(&near)), None);
+        // Few steps of a sensor repeat themselves.
+        let coarse: Vec<f64> = whole.iter().map(|y| (5.0 * y).round()).collect();
+        assert_eq!(
+            advice_on_overlap(&record(&coarse), &record(&coarse[9..])),
+            None
+        );
     }
 }

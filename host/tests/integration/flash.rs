@@ -3,8 +3,8 @@
 
 use crate::support::{arg, refusal, run};
 
-/// A stack, a start, and nothing else.
-const SMALLEST: [u8; 8] = [0, 0x50, 0, 0x20, 9, 0, 0, 8];
+/// A stack, a start, and the name of the board.
+const SMALLEST: &[u8; 19] = b"\x00\x50\x00\x20\x09\x00\x00\x08STM32F103C8";
 
 #[test]
 fn a_dry_run_shows_the_image_and_writes_nothing() {
@@ -12,13 +12,13 @@ fn a_dry_run_shows_the_image_and_writes_nothing() {
     let file = folder.path().join("image.bin");
     std::fs::write(&file, SMALLEST).unwrap();
     let text = run(&["flash", "--dry-run", "--image", arg(&file)]);
-    assert!(text.contains("8 bytes of flash"), "{text}");
+    assert!(text.contains("19 bytes of flash"), "{text}");
     let json = run(&["flash", "--dry-run", "--json", "--image", arg(&file)]);
     let facts: serde_json::Value = serde_json::from_str(&json).unwrap();
-    // That of sha256sum for these eight bytes.
+    // That of sha256sum for these bytes.
     assert_eq!(
         facts["sha256"],
-        "fc2a456909271a53258a25474c80071f7ab848cc2c84def574b99d1551346489"
+        "df6acb82b1ca675cac0c36ffdf494425fd98becce8e8ee9d4f5a1d1560e0813d"
     );
 }
 
@@ -43,11 +43,14 @@ fn what_cannot_be_flashed_is_said_in_a_sentence() {
     let (good, text) = (folder.path().join("good.bin"), folder.path().join("text"));
     std::fs::write(&good, SMALLEST).unwrap();
     std::fs::write(&text, "no program").unwrap();
+    let others = folder.path().join("others.bin");
+    std::fs::write(&others, &SMALLEST[..8]).unwrap();
     let nowhere = folder.path().join("nowhere");
     for (port, image, expected) in [
         ("sim:bench", &good, "is a simulated rig and has no flash"),
         ("nowhere", &good, "there is no port"),
         ("nowhere", &text, "no image for an STM32F103C8"),
+        ("nowhere", &others, "but not the firmware of a rig"),
         ("nowhere", &nowhere, "nowhere"),
     ] {
         let error = refusal(&["flash", "--port", port, "--image", arg(image)]);

@@ -296,15 +296,18 @@ fn a_number_that_stands_for_no_reading_is_pointed_out() {
 }
 
 #[test]
-fn a_period_that_a_column_of_time_contradicts_is_taken_and_said() {
+fn a_period_that_a_column_of_time_contradicts_is_said_and_a_slip_refused() {
     let dir = tempfile::tempdir().unwrap();
     let file = file(dir.path(), "x.csv", "time_ms,u,y\n", |k, u, y| {
         format!("{},{u},{y:.4}\n", 2 * k)
     });
-    let (_, period, said) = identified(&file, &[&NAMED[..], &["--period", "0.02"]].concat());
-    assert_eq!(period, 0.02);
+    let twice = [&["identify", &file], &NAMED[..], &["--period", "0.004"]].concat();
+    let said = refusal(&twice);
+    assert!(said.contains("leave --period out"), "{said}");
+    let (_, period, said) = identified(&file, &[&NAMED[..], &["--period", "0.00205"]].concat());
+    assert_eq!(period, 0.00205);
     assert!(
-        said.contains("by column \"time_ms\" rows are 2 ms apart, but 0.02 s was stated"),
+        said.contains("by column \"time_ms\" rows are 2 ms apart, but 0.00205 s was stated"),
         "{said}"
     );
     let (_, _, said) = identified(&file, &[&NAMED[..], &["--period", "0.002"]].concat());

@@ -7,6 +7,7 @@ mod capture;
 mod chaos;
 mod damage;
 mod demo;
+mod doubts;
 mod errors;
 mod export;
 mod files;

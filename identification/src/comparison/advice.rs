@@ -116,8 +116,8 @@ pub(super) fn gather(
         advice.push(Advice::new(
             Check::Levels,
             format!(
-                "{fewest} levels of rest do not show where between them a servo loses travel, nor whether it meets a \
-                 stop."
+                "The servo rested at {fewest} levels of the command, which do not show where between them it loses travel, nor whether it meets \
+                 a stop."
             ),
             fewest as f64,
             LEVELS_FOR_ENDS as f64,

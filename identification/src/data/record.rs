@@ -337,6 +337,20 @@ impl<'a> Record<'a> {
         outputs().any(|output| output.windows(2).any(|w| (w[1] - w[0]).abs() >= range))
     }
 
+    /// Whether the input changes from run to run alone, and what it was before them is not stated.
+    pub(crate) fn steps_before_runs(&self) -> bool {
+        let unknown = |run: &Run| run.input_at_rest().is_none();
+        self.runs
+            .iter()
+            .all(|run| unknown(run) && stands_still(run.input()))
+    }
+
+    /// Whether the output changes from run to run alone, while the input moves.
+    pub(crate) fn output_stands_still_in_runs(&self) -> bool {
+        self.runs.iter().all(|run| stands_still(run.output()))
+            && !self.runs.iter().all(|run| stands_still(run.input()))
+    }
+
     /// The same with other runs.
     pub(crate) fn with_runs(&self, runs: Vec<Run<'a>>) -> Self {
         Self {
@@ -394,6 +408,13 @@ fn check_column<'a>(
         let is_zero = first.abs() <= SMALLEST;
         Err(constant(if is_zero { 0.0 } else { first }))
     }
+}
+
+/// Whether all values that are there are one.
+fn stands_still(values: &[f64]) -> bool {
+    let mut known = values.iter().filter(|value| !value.is_nan());
+    let first = known.next();
+    known.all(|value| Some(value) == first)
 }
 
 #[cfg(test)]

@@ -10,6 +10,11 @@
 //!   stationary stochastic processes*, IEEE Trans. AC 20, 1975).
 //! - **A response at lag 0 against the rest.** Feedback within one sample lets the output appear to answer at once, with the
 //!   sign of the inverse of the controller, which is opposite to the motion of the servo where the loop is stable.
+//!
+//! A smooth input does not separate lags: the errors of a servo that is not linear gather at lag 0 as anywhere, and what comes next in
+//! the input follows from what was. So neither shows a loop there; both show that the input does not determine the response.
+//!
+//! Where the errors are no noise, [what makes the input](super::input_origin) is asked, too.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -18,9 +23,9 @@ use crate::data::Moments;
 use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::residual_tests::ScoreTest;
 use crate::diagnostics::simulation_error::Simulated;
-use crate::estimation::{GlsFit, noise_filter};
+use crate::estimation::{Excitation, GlsFit, noise_filter};
 use crate::numerics::{LaggedSums, chi_square_upper_tail, dot};
-use crate::thresholds::{AGAINST_MOTION, EVIDENT_SHARE, FEEDBACK_SIGNIFICANCE};
+use crate::thresholds::{AGAINST_MOTION, EVIDENT_SHARE, FEEDBACK_SIGNIFICANCE, INPUT_EXPLAINED};
 
 /// Inputs to come that are offered: a frame of servo pulses at the rig's rate.
 const LEADS: usize = 10;
@@ -34,19 +39,45 @@ pub struct Feedback {
     pub at_once: f64,
     /// Its size, as a share of the largest value of the step response.
     pub share: f64,
+    /// Whether the input is smooth: then neither shows a loop.
+    #[serde(default)]
+    pub smooth: bool,
+    /// Share of what is new in the input that past outputs explain, where the errors are not noise; `None` elsewhere, and
+    /// where nothing is new.
+    #[serde(default)]
+    pub explained: Option<f64>,
 }
 
 impl Feedback {
     /// Whether it is beyond chance, where the errors are noise.
     #[must_use]
     pub fn is_found(&self) -> bool {
-        self.p < FEEDBACK_SIGNIFICANCE || self.at_once < -AGAINST_MOTION
+        self.is_beyond_chance() && !self.smooth
+    }
+
+    /// Whether what would show a loop under another input shows that a smooth one does not determine the response.
+    pub(crate) fn mixes_lags(&self) -> bool {
+        self.is_beyond_chance() && self.smooth
+    }
+
+    fn is_beyond_chance(&self) -> bool {
+        self.p < FEEDBACK_SIGNIFICANCE || self.is_against_motion()
     }
 
     /// Whether it is evident whatever the errors are.
     #[must_use]
     pub fn is_evident(&self) -> bool {
-        self.at_once < -AGAINST_MOTION && self.share > EVIDENT_SHARE
+        let against_motion = self.is_against_motion() && self.share > EVIDENT_SHARE && !self.smooth;
+        against_motion || self.is_explained()
+    }
+
+    /// Whether the outputs evidently make the input.
+    pub(crate) fn is_explained(&self) -> bool {
+        self.explained.is_some_and(|share| share > INPUT_EXPLAINED)
+    }
+
+    fn is_against_motion(&self) -> bool {
+        self.at_once < -AGAINST_MOTION
     }
 }
 
@@ -57,8 +88,13 @@ pub(crate) fn feedback(
     fit: &GlsFit,
     (at_once, share): (f64, f64),
 ) -> Feedback {
-    let p = inputs_to_come(runs, moments, fit).unwrap_or(1.0);
-    Feedback { p, at_once, share }
+    Feedback {
+        p: inputs_to_come(runs, moments, fit).unwrap_or(1.0),
+        at_once,
+        share,
+        smooth: Excitation::of(moments).is_smooth(),
+        explained: None,
+    }
 }
 
 fn inputs_to_come(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<f64> {

@@ -23,6 +23,8 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) unsettled: bool,
     /// Whether the input follows the output.
     pub(crate) closed_loop: bool,
+    /// Whether the response at lag 0 shows that a smooth input does not separate lags.
+    pub(crate) lags_are_mixed: bool,
     /// G_0.
     pub(crate) gain: f64,
     /// The step response, and what left-out frequencies may change in it.
@@ -77,6 +79,9 @@ impl Validity {
             .misfit
             .filter(|misfit| misfit.disagreement(evidence.step) > DISAGREEMENT);
         let (withheld, gain_is_supported) = match disagreeing {
+            _ if evidence.lags_are_mixed && evidence.misfit.is_none() => {
+                (Some(Withheld::InputUnexcited), false)
+            }
             // The final value is no exception: a bank that is short of frequencies takes others for it.
             _ if unexcited_above_hz.is_some() && missing > DISAGREEMENT => {
                 (Some(Withheld::InputUnexcited), false)
@@ -127,6 +132,9 @@ impl ValidityEvidence<'_> {
     fn unexcited_above_hz(&self) -> Option<f64> {
         if let Some(found) = self.misfit.and_then(|misfit| misfit.unexcited_above_hz) {
             return Some(found);
+        }
+        if self.lags_are_mixed && self.misfit.is_none() {
+            return Some(self.excitation.power_up_to_hz);
         }
         let unbounded = !self.excitation.bounded;
         let lacking = match self.misfit {

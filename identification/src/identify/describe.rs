@@ -36,6 +36,7 @@ pub(super) fn validity(
         unsettled: fitted.slow_end.is_some()
             || (allowances.quantisation.is_none() && still_moves(fitted, responses)),
         closed_loop: is_closed_loop(fitted),
+        lags_are_mixed: (fitted.feedback).is_some_and(|found| found.mixes_lags()),
         gain: estimate.fit.theta()[0],
         step: &responses.step_values,
         truncation_bias: allowances.step.truncation,

@@ -72,9 +72,13 @@ fn explained(record: &Record, options: &Options, of_servo: bool) -> Result<Ident
     if let Some(levels) = record.levels_of_swapped_columns() {
         return Err(Error::Swapped { levels });
     }
+    if record.output_stands_still_in_runs() {
+        return Err(Error::StillInRuns);
+    }
     let found = Undisturbed::of(record, options)?;
-    let task = |disturbances, record| Task {
-        record: Some(record),
+    let task = |disturbances, undisturbed| Task {
+        record: Some(undisturbed),
+        recorded: Some(record),
         options,
         of_servo,
         disturbances,
@@ -106,6 +110,7 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
     options.check()?;
     let task = Task {
         record: None,
+        recorded: None,
         options,
         of_servo: true,
         disturbances: &Disturbances::default(),
@@ -143,6 +148,7 @@ fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
         validity: &validity,
         explanation: &explanation,
         options: task.options,
+        recorded: task.recorded,
         samples,
     });
     Ok(Identification { model, explanation })

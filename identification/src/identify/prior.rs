@@ -13,7 +13,7 @@ use crate::selection::{longest_settling, odd_at_most};
 use crate::thresholds::PRIOR_CONTRADICTED;
 
 /// N under the prior, in those without, as far as the record allows.
-const LONGER: usize = 4;
+const LONGER: usize = 2;
 
 /// The fit under the prior, or `fitted` where there is none or it does not hold; and what became of it, where it was asked for.
 pub(super) fn under_prior(task: &Task<'_>, fitted: Fitted) -> (Fitted, Option<PriorOutcome>) {

@@ -9,6 +9,8 @@ use crate::options::Options;
 pub(super) struct Task<'a> {
     /// `None` where moments came without their record.
     pub(super) record: Option<&'a Record<'a>>,
+    /// The same with its disturbances.
+    pub(super) recorded: Option<&'a Record<'a>>,
     pub(super) options: &'a Options,
     /// Whether bounds are those of the servo's mean, or those of its runs.
     pub(super) of_servo: bool,

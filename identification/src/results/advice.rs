@@ -58,6 +58,10 @@ pub enum Check {
     Hum,
     /// Whether the input follows the output.
     Feedback,
+    /// Whether the output moves before the input.
+    OutputLeads,
+    /// Whether any model predicts the record.
+    Prediction,
     /// Whether the response goes on beyond the longest time that can be judged.
     SlowEnd,
     /// Whether runs differ by more than their noise.
@@ -82,6 +86,10 @@ pub enum Check {
     Calibration,
     /// Whether the sample period can be that of a recording of a servo.
     Period,
+    /// Whether the response takes as long as that of a servo.
+    Duration,
+    /// Whether a column of time agrees with the period that was stated.
+    TimeColumn,
     /// Whether the output has a trend of its own.
     Drift,
     /// Whether the response ends within the record.
@@ -114,6 +122,15 @@ impl std::fmt::Display for Check {
 }
 
 impl Check {
+    /// Whether a finding leaves nothing of the results to be said before it.
+    #[must_use]
+    pub fn comes_first(&self) -> bool {
+        matches!(
+            self,
+            Self::Period | Self::OutputLeads | Self::Feedback | Self::Prediction
+        )
+    }
+
     /// Whether a finding on one model is worth repeating where it is compared with another.
     #[must_use]
     pub fn bears_on_comparison(&self) -> bool {
@@ -126,6 +143,7 @@ impl Check {
                 | Self::Repeats
                 | Self::Settled
                 | Self::Feedback
+                | Self::OutputLeads
         )
     }
 }

@@ -20,6 +20,7 @@ use crate::results::residuals::Residuals;
 use crate::results::step_response::{StepResponse, is_zero};
 use crate::results::usable::{LARGEST, is_sized, is_usable};
 use crate::results::validity::{Bounds, Reason};
+use crate::thresholds::POOR_PREDICTION_PERCENT;
 
 /// Version of the JSON document.
 pub const MODEL_SCHEMA: u32 = 2;
@@ -216,6 +217,12 @@ impl Model {
             sample_period_s: self.sample_period_s,
             sample_phase_s: self.sample_phase_s,
         }
+    }
+
+    /// Whether it predicts its record as well as noise lets it, or nearly so: where it has bounds, its errors were tested as noise.
+    #[must_use]
+    pub fn predicts(&self) -> bool {
+        self.bounds.valid().is_some() || self.fit.simulation_percent >= POOR_PREDICTION_PERCENT
     }
 
     /// The filter bank of the model.

@@ -21,6 +21,7 @@ mod model;
 mod motion;
 mod noise_at_rest;
 mod possible_servo;
+mod prediction;
 mod quantities;
 mod score_test;
 mod search;
@@ -43,6 +44,7 @@ pub use model::{
     Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ServoFit,
     ServoModel, ServoResponse,
 };
+pub use prediction::no_prediction;
 pub use quantities::{Quantity, Unit};
 pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters};
 pub use watch::Watch;

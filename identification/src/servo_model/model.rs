@@ -149,6 +149,15 @@ pub struct ServoResponse {
     pub half_width: Bounds<Vec<f64>>,
 }
 
+impl LinearModels {
+    /// The fit of the linear model of this kind \[%\].
+    #[must_use]
+    pub fn percent_of(&self, kind: LinearKind) -> Option<f64> {
+        let found = self.models.iter().find(|other| other.kind == kind);
+        found.map(|found| found.held_out_percent)
+    }
+}
+
 impl ServoModel {
     /// The point of the search that it stands for.
     pub(super) fn point(&self) -> Point {
@@ -312,8 +321,7 @@ impl ServoModel {
     #[must_use]
     pub fn better_linear_percent(&self) -> Option<f64> {
         let found = self.linear_models.as_ref()?;
-        let linear = |other: &&LinearModelFit| other.kind == LinearKind::Linear;
-        let percent = found.models.iter().find(linear)?.held_out_percent;
+        let percent = found.percent_of(LinearKind::Linear)?;
         let better = percent > found.servo_model_percent + LINEAR_MODEL_ADVANTAGE;
         let most = 2 * found.samples_used > self.fit.samples_used;
         (better && most).then_some(percent)

@@ -43,6 +43,7 @@ pub(super) fn from_table(
         period_s,
         time,
         remark,
+        doubt,
     } = Spacing::of(clock, options)?;
     let found = timeline::stretches(u.len(), time.as_ref(), labels.as_deref());
     let mut remarks = table.remarks().to_vec();
@@ -75,6 +76,16 @@ pub(super) fn from_table(
             .collect(),
         ..About::default()
     };
+    if let Some(Doubt { finding, times }) = doubt {
+        let remedy =
+            "Make sure which of the two is right: all times and frequencies follow from it.";
+        about.add(
+            Check::TimeColumn,
+            format!("{file}: {finding}"),
+            times,
+            remedy,
+        );
+    }
     for (name, column) in [(input, &u), (output, &y)] {
         note_sentinel_value(&mut about, &file.to_string(), name, column);
     }
@@ -175,20 +186,24 @@ struct Spacing {
     /// The column that shows where rows are missing.
     time: Option<TimeColumn>,
     remark: Option<String>,
+    /// That the stated period is not that of the column.
+    doubt: Option<Doubt>,
+}
+
+/// A column of time that does not agree with the period that was stated.
+struct Doubt {
+    finding: String,
+    /// The period by the column, in its unit, and the one that was stated \[s\].
+    times: [f64; 2],
 }
 
 impl Spacing {
     fn of(clock: Option<Clock<'_>>, options: &DatasetOptions) -> Result<Self, DatasetFault> {
         if let Some(period_s) = options.period_s {
-            let (time, remark) = match clock {
-                Some(clock) => Self::beside_stated(period_s, clock, options)?,
-                None => (None, None),
+            return match clock {
+                Some(clock) => Self::beside_stated(period_s, clock, options),
+                None => Ok(Self::stated(period_s)),
             };
-            return Ok(Self {
-                period_s,
-                time,
-                remark,
-            });
         }
         let Clock { name, unit, times } = clock.ok_or(DatasetFault::NoPeriod)?;
         let times = times.ok_or_else(|| DatasetFault::TimeNotNumbers(name.to_owned()))?;
@@ -223,7 +238,18 @@ impl Spacing {
             period_s,
             time: Some(time),
             remark: Some(remark),
+            doubt: None,
         })
+    }
+
+    /// By statement alone.
+    fn stated(period_s: f64) -> Self {
+        Self {
+            period_s,
+            time: None,
+            remark: None,
+            doubt: None,
+        }
     }
 
     /// The column of time beside a period that was stated: it shows where rows are missing, if it agrees.
@@ -231,9 +257,9 @@ impl Spacing {
         period_s: f64,
         Clock { name, unit, times }: Clock<'_>,
         options: &DatasetOptions,
-    ) -> Result<(Option<TimeColumn>, Option<String>), DatasetFault> {
+    ) -> Result<Self, DatasetFault> {
         let Some(times) = times else {
-            return Ok((None, None));
+            return Ok(Self::stated(period_s));
         };
         let unit = options.time_unit.or(unit);
         let possible = unit
@@ -241,12 +267,16 @@ impl Spacing {
             .map_or(TimeUnit::value_variants(), std::slice::from_ref);
         let agrees = |unit: &TimeUnit| TimeColumn::with_step(&times, period_s / unit.seconds());
         if let Some(column) = possible.iter().find_map(agrees) {
-            return Ok((Some(column), None));
+            return Ok(Self {
+                time: Some(column),
+                ..Self::stated(period_s)
+            });
         }
         let column = TimeColumn::new(times).ok();
         let apart = |found: &TimeColumn, unit: &TimeUnit| found.step() * unit.seconds();
-        let near = |seconds: f64| (1.0 / GROSSLY..GROSSLY).contains(&(period_s / seconds));
+        let near = |seconds: f64| (1.0 / SLIP..SLIP).contains(&(period_s / seconds));
         if let Some(found) = &column
+            && !(unit.is_none() && found.step() == COUNT)
             && !possible.iter().any(|unit| near(apart(found, unit)))
         {
             // A column without a unit is one of seconds where its steps are short enough for that.
@@ -257,25 +287,38 @@ impl Spacing {
                 found: rounded(apart(found, &unit)),
             });
         }
-        let remark = match &column {
+        let (remark, doubt) = match &column {
             Some(column) => {
                 let unit = unit.map_or(String::new(), |unit| format!(" {}", unit.names().0));
-                format!(
+                let finding = format!(
                     "by column {name:?} rows are {}{unit} apart, but {period_s} s was stated, and is taken",
                     column.step()
-                )
+                );
+                let times = [column.step(), period_s];
+                (None, Some(Doubt { finding, times }))
             }
-            None => format!(
-                "column {name:?} is too uneven to say where rows are missing, and is not used"
-            ),
+            None => {
+                let remark = format!(
+                    "column {name:?} is too uneven to say where rows are missing, and is not used"
+                );
+                (Some(remark), None)
+            }
         };
-        Ok((column, Some(remark)))
+        Ok(Self {
+            period_s,
+            time: column,
+            remark,
+            doubt,
+        })
     }
 }
 
-/// A stated period that is so many times as long or as short as that of a column of time is a slip, such as milliseconds for
-/// seconds.
-const GROSSLY: f64 = 20.0;
+/// A stated period that is so many times as long or as short as that of a column of time is a slip: clocks differ by less. Which of
+/// the two is right only the user knows, and a wrong one makes every time wrong.
+const SLIP: f64 = 1.1;
+
+/// Steps of a column without a unit that counts rows.
+const COUNT: f64 = 1.0;
 
 /// Six digits.
 fn rounded(number: f64) -> f64 {

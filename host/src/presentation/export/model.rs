@@ -4,6 +4,7 @@ use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::flight_model;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
 use servoid_identification::results::Model;
+use servoid_identification::servo_model::ServoModel;
 
 /// A model, ready to be written.
 #[derive(Clone, Debug)]
@@ -18,6 +19,8 @@ pub struct Export<'a> {
     pub low_order: Result<FlightModel, String>,
     /// Units, and the pulse frame that holds a command, where they are known.
     pub metadata: ModelMetadata,
+    /// The servo model of the same recording, where there is one.
+    pub servo_model: Option<&'a ServoModel>,
 }
 
 impl<'a> Export<'a> {
@@ -46,6 +49,16 @@ impl<'a> Export<'a> {
             model,
             low_order,
             metadata,
+            servo_model: None,
+        }
+    }
+
+    /// The same, which knows of the servo model beside it.
+    #[must_use]
+    pub fn beside(self, servo_model: Option<&'a ServoModel>) -> Self {
+        Self {
+            servo_model,
+            ..self
         }
     }
 

@@ -5,13 +5,15 @@ use super::text::{Style, number};
 use crate::presentation::summary;
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{Bounds, Interval, SelectedBy};
+use servoid_identification::servo_model::LinearKind;
+use servoid_identification::thresholds::LINEAR_MODEL_ADVANTAGE;
 
 impl Export<'_> {
     /// The limits of the numbers and their bounds, a sentence each.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let model = self.model;
-        let mut found = Vec::new();
+        let mut found: Vec<String> = self.better_servo_model().into_iter().collect();
         let mut warn = |holds: bool, text: &str| {
             if holds {
                 found.push(text.to_owned());
@@ -59,6 +61,20 @@ impl Export<'_> {
             Err(reason) => warn(true, &format!("there is no low-order model: {reason}")),
         }
         found
+    }
+
+    /// That the servo model beside the linear one predicts better, so that this is not the model to fly with.
+    fn better_servo_model(&self) -> Option<String> {
+        let servo = self.servo_model.filter(|servo| servo.predicts())?;
+        let found = servo.linear_models.as_ref()?;
+        let linear = found.percent_of(LinearKind::Linear)?;
+        (found.servo_model_percent > linear + LINEAR_MODEL_ADVANTAGE).then(|| {
+            format!(
+                "this is the linear model, which predicts parts of the recording that it has not seen to {linear:.1} %; the servo model in \
+                 the same file predicts them to {:.1} %, and --servo-model exports it",
+                found.servo_model_percent
+            )
+        })
     }
 
     /// Origin, warnings, units, sampling, hold, bounds and parameters, a paragraph each. `held`: the frame hold is

@@ -8,7 +8,11 @@
 pub(super) fn identifier(name: &str) -> String {
     let mut safe = String::from("servo");
     let words = name.split(|c: char| !c.is_ascii_alphanumeric());
-    for word in words.filter(|word| !word.is_empty()) {
+    let words = words.filter(|word| !word.is_empty());
+    // A name that begins with that word has it already.
+    let begins =
+        |(number, word): &(usize, &str)| *number == 0 && word.eq_ignore_ascii_case("servo");
+    for (_, word) in words.enumerate().filter(|word| !begins(word)) {
         safe.push('_');
         safe.push_str(&word.to_ascii_lowercase());
     }
@@ -180,6 +184,8 @@ mod tests {
     #[test]
     fn any_name_becomes_an_identifier() {
         assert_eq!(identifier("DS610 (bench)"), "servo_ds610_bench");
+        assert_eq!(identifier("servo"), "servo");
+        assert_eq!(identifier("Servo-2"), "servo_2");
         assert_eq!(identifier("\"); system('rm');"), "servo_system_rm");
     }
 

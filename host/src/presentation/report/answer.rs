@@ -26,7 +26,9 @@ impl<'a> Basis<'a> {
             .and_then(|found| found.bounds.valid())
             .is_some();
         match (&page.second, machine(&page.first)) {
-            (None, Some(model)) if model.better_linear_percent().is_none() => Self::Machine(model),
+            (None, Some(model)) if model.better_linear_percent().is_none() && model.predicts() => {
+                Self::Machine(model)
+            }
             (Some(second), Some(first)) if !verdict && page.servo_models.is_some() => {
                 match machine(second) {
                     Some(second) => Self::Machines([first, second]),
@@ -67,20 +69,18 @@ fn verdict(page: &Page<'_>) -> String {
     };
     let first = &page.first;
     let Some(second) = &page.second else {
-        return match (first.servo_model, first.subject.model.level()) {
-            (Some(found), _) => paragraph(
+        let own = first.subject.model;
+        let doubt = summary::first_finding(own).is_some();
+        return match (first.servo_model, own.level()) {
+            (Some(found), _) if !doubt => paragraph(
                 "servo",
                 "",
                 &summary::servo_sentence(&found.model, first.subject.units),
             ),
-            (None, Bounds::Valid(_)) => {
-                paragraph("", "", &summary::headline_of_model(first.subject.model))
+            (_, Bounds::Valid(_)) => paragraph("", "", &summary::headline_of_model(own)),
+            (_, Bounds::Withdrawn(_)) => {
+                paragraph("different", "", &summary::headline_of_model(own))
             }
-            (None, Bounds::Withdrawn(_)) => paragraph(
-                "different",
-                "",
-                &summary::headline_of_model(first.subject.model),
-            ),
         };
     };
     let names = [first.subject.name, second.subject.name];

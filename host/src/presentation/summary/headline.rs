@@ -1,16 +1,15 @@
 //! The answer in a sentence or two, for the head of a page.
 
 use super::comparison::subject_in_words;
+use super::first_finding::first_finding;
 use super::model_sentence::certainty;
 use super::numbers::percent;
-use servoid_identification::comparison::{Comparison, ComparisonBounds, Verdict};
+use servoid_identification::comparison::{Comparison, ComparisonBounds, Direction, Verdict};
 use servoid_identification::results::{Advice, Bounds, Check, Interval, Model};
 
 /// How fast a servo is, and how sure that is.
 pub(crate) fn headline_of_model(model: &Model) -> String {
-    // A period that cannot be makes all times wrong.
-    let period = |item: &&Advice| item.check == Check::Period;
-    if let Some(item) = model.advice.iter().find(period) {
+    if let Some(item) = first_finding(model) {
         return format!("{} {}", item.finding, item.remedy);
     }
     let ms = |time: Interval| time.value.map(|seconds| format!("{:.0} ms", 1e3 * seconds));
@@ -45,6 +44,7 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison) -> St
     } = bounds;
     let (least, most, margin) = (apart.at_least, apart.at_most, found.margin_percent);
     let sure = format!("{} % sure", percent(*level));
+    let stroke = stroke_in_words(apart.stroke);
     let of = subject_in_words(found);
     if found.descriptions_of_different_motions {
         return format!(
@@ -53,13 +53,22 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison) -> St
     }
     match found.verdict {
         Verdict::Different => format!(
-            "{a} and {b} are {least:.1} to {most:.1} % of the step apart where they differ most ({sure}, said {of}); {margin} % would have counted as the same."
+            "{a} and {b} are {least:.1} to {most:.1} % of the step apart where they differ most{stroke} ({sure}, said {of}); {margin} % would have counted as the same."
         ),
         Verdict::Same => format!(
             "{a} and {b} are nowhere more than {most:.1} % of the step apart ({sure}, said {of}); up to {margin} % counts as the same."
         ),
         Verdict::Undecided => format!(
-            "{a} and {b} are {least:.1} to {most:.1} % of the step apart where they differ most ({sure}, said {of}), and the margin of {margin} % lies between."
+            "{a} and {b} are {least:.1} to {most:.1} % of the step apart where they differ most{stroke} ({sure}, said {of}), and the margin of {margin} % lies between."
         ),
+    }
+}
+
+/// The strokes that a difference was found in, where it is not in the response to all of them.
+pub(super) fn stroke_in_words(stroke: Direction) -> &'static str {
+    match stroke {
+        Direction::Both => "",
+        Direction::Up => ", on the way up",
+        Direction::Down => ", on the way down",
     }
 }

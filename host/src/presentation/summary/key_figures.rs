@@ -1,9 +1,10 @@
 //! The six numbers that people ask for first, of one servo or of two.
 
 use super::comparison::verdict;
+use super::headline::stroke_in_words;
 use super::metrics::{self, MetricEntry};
 use super::numbers::{percent, with_bounds};
-use super::servo_model::{four_digits, per_60_degrees, quantity_row, scale_and_unit};
+use super::servo_model::{four_digits, per_60_degrees, quantity_row, scale_and_unit, shown_by};
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Interval, Metrics, Model};
@@ -108,7 +109,10 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
         let row = quantity_row(quantity, units);
         let turn = per_60_degrees(quantity, units);
         let below = match (row.interval.is_empty(), turn) {
-            (_, _) if !quantity.determined => "not determined".to_owned(),
+            (_, _) if !quantity.determined => {
+                let shown_by = shown_by(&quantity.name).map(|words| format!(": {words}"));
+                format!("not determined{}", shown_by.unwrap_or_default())
+            }
             (true, None) => "no interval".to_owned(),
             (true, Some(turn)) => turn,
             (false, None) => row.interval,
@@ -159,7 +163,8 @@ pub(crate) fn of_comparison(b: &str, found: &Comparison, units: Units<'_>) -> Ve
             label: "largest difference".to_owned(),
             value: format!("{:.1} .. {:.1} %", largest.at_least, largest.at_most),
             below: format!(
-                "of the step, {} %: {}",
+                "of the step{}, {} %: {}",
+                stroke_in_words(largest.stroke),
                 percent(bounds.level),
                 verdict(found.verdict)
             ),

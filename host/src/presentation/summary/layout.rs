@@ -1,14 +1,28 @@
 //! The layout of text for a terminal: lines that it shows whole, and findings below them.
 
-use servoid_identification::results::Advice;
+use servoid_identification::results::{Advice, Check};
 
 /// Letters of a line.
 const LINE: usize = 110;
 
+/// The option of the program that a remedy asks for; the library, which Python shares, knows none.
+fn option(check: &Check) -> Option<&'static str> {
+    Some(match check {
+        Check::Linearity => "--limits",
+        Check::AtRest => "--at-rest INPUT",
+        Check::Outliers => "--explain",
+        Check::Drift => "--detrend none",
+        Check::OutputLeads => "--input and --output, the other way round",
+        _ => return None,
+    })
+}
+
 /// Each finding and its remedy, marked and indented.
 pub(super) fn findings(advice: &[Advice]) -> String {
     let finding = |item: &Advice| {
-        let [finding, remedy] = [&item.finding, &item.remedy].map(|text| wrapped(text, 4));
+        let option = option(&item.check).map(|option| format!(" Option: {option}."));
+        let remedy = item.remedy.clone() + &option.unwrap_or_default();
+        let [finding, remedy] = [&item.finding, &remedy].map(|text| wrapped(text, 4));
         format!("\n  ! {finding}\n    {remedy}\n")
     };
     advice.iter().map(finding).collect()

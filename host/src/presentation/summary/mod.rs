@@ -2,6 +2,7 @@
 
 mod beyond;
 mod comparison;
+mod first_finding;
 mod headline;
 mod key_figures;
 mod layout;
@@ -22,6 +23,7 @@ pub use servo_model::{of_servo_model, servo_sentence};
 pub(crate) use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,
 };
+pub(crate) use first_finding::first_finding;
 pub(crate) use headline::{headline_of_comparison, headline_of_model};
 pub(crate) use key_figures::{
     KEY_FIGURES, KeyFigure, of_both, of_both_machines, of_comparison as key_figures_of_comparison,
@@ -61,12 +63,11 @@ pub struct Extent<'a> {
 #[must_use]
 pub fn of_model(source: &str, model: &Model, units: Units<'_>, extent: Extent<'_>) -> String {
     let sentence = wrapped(&model_sentence(model, units), 0);
-    // A period that cannot be makes all times below it wrong.
     let (first, advice): (Vec<Advice>, Vec<Advice>) = model
         .advice
         .iter()
         .cloned()
-        .partition(|item| item.check == Check::Period);
+        .partition(|item| item.check.comes_first() || item.check == Check::Duration);
     let first = match findings(&first) {
         none if none.is_empty() => none,
         some => some + "\n",
@@ -166,15 +167,22 @@ fn step_band(model: &Model) -> String {
     )
 }
 
-/// How well a model predicted a recording that it was not identified from.
+/// How well a model predicted a recording that it was not identified from; `own_fits` are the fits of the linear and the servo model to
+/// the recording that they come from \[%\], which identification prints.
 #[must_use]
 pub fn of_validation(
     validation: &Validation,
     servo_model: Option<&Validation>,
+    own_fits: (f64, Option<f64>),
     unit: Option<&str>,
     advice: &[Advice],
 ) -> String {
     let linear = validation_line(validation, unit);
+    let (own, own_of_servo) = own_fits;
+    let own = match own_of_servo.filter(|_| servo_model.is_some()) {
+        Some(of_servo) => format!("{of_servo:.2} % (servo model) and {own:.2} %"),
+        None => format!("{own:.2} %"),
+    };
     let text = match servo_model {
         None => linear,
         Some(servo) => {
@@ -191,7 +199,10 @@ pub fn of_validation(
         }
         false => "",
     };
-    text + foreign + &findings(advice)
+    format!(
+        "{text}the fit of the recording that the model comes from is {own}\n{foreign}{}",
+        findings(advice)
+    )
 }
 
 fn validation_line(validation: &Validation, unit: Option<&str>) -> String {

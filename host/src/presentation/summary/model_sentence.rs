@@ -1,5 +1,6 @@
 //! What a model says, in one or two plain sentences.
 
+use super::first_finding::first_finding;
 use super::numbers::percent;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval, Model};
@@ -7,7 +8,16 @@ use servoid_identification::results::{Bounds, Interval, Model};
 /// What kind of servo, how fast, how sure.
 #[must_use]
 pub fn model_sentence(model: &Model, units: Units<'_>) -> String {
-    format!("{} {}", motion(model, units), certainty(model))
+    // Motion is no finding on a servo where something else comes first, or where the model does not follow the recording.
+    match first_finding(model) {
+        Some(_) => certainty(model),
+        None if !model.predicts() => format!(
+            "How the servo answers a step is not determined: the linear model fits the recording to {:.1} % only. {}",
+            model.fit.simulation_percent,
+            certainty(model)
+        ),
+        None => format!("{} {}", motion(model, units), certainty(model)),
+    }
 }
 
 /// How the servo answers a step of the command.

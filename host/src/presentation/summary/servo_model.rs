@@ -8,15 +8,31 @@ use servoid_identification::servo_model::{
     LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, ServoFit, ServoModel,
     Terms, Unit,
 };
+use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
 
 /// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better.
 #[must_use]
 pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
+    if !model.predicts() {
+        let noise = (model.reachable_percent())
+            .map(|percent| format!(", where noise alone would leave {percent:.1} %"));
+        return format!(
+            "The servo model does not predict this recording: simulated from the command, it fits it to {:.1} %{}. What it says \
+             of the servo is not to be relied on.{}",
+            model.prediction_percent(),
+            noise.unwrap_or_default(),
+            better_linear(model).unwrap_or_default()
+        );
+    }
     let of = |name: &str| {
         let found = model.quantities.iter().find(|found| found.name == name);
         found
             .filter(|found| found.determined)
             .map(|found| found.value)
+    };
+    let four_digits = match model.covariance {
+        Bounds::Valid(_) => four_digits,
+        Bounds::Withdrawn(_) => three_digits,
     };
     let unit = |unit: Option<&str>| unit.map(|unit| format!(" {unit}")).unwrap_or_default();
     let (command, output) = (unit(units.input), unit(units.output));
@@ -55,9 +71,19 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
     format!(
         "This servo {}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{}",
         listed_words(&all),
-        model.fit.held_out_percent,
-        better_linear(model).unwrap_or_default()
+        model.prediction_percent(),
+        hidden_by_noise(model).unwrap_or_default() + &better_linear(model).unwrap_or_default()
     )
+}
+
+/// " Noise alone would leave ...": that a poor fit is that of noise, and what it means.
+fn hidden_by_noise(model: &ServoModel) -> Option<String> {
+    let reachable = model.reachable_percent()?;
+    (model.prediction_percent() < POOR_PREDICTION_PERCENT).then(|| {
+        format!(
+            " Noise alone would leave {reachable:.1} %: it may hide friction, limits and load, so this is what shows through it."
+        )
+    })
 }
 
 /// " The linear model predicts better: ..."
@@ -156,14 +182,16 @@ const NOT_DETERMINED: &str = "not determined by this recording";
 /// An interval whose ends are so far apart says nothing.
 const WORTH_PRINTING: f64 = 1000.0;
 
-/// Quantities that a recording may leave open, by the beginnings of their names, and the one that would show them.
-const WHAT_SHOWS: [(&[&str], &str); 3] = [
+/// Quantities that a recording may leave open, by the beginnings of their names, and what would show them: in a few words, and as advice.
+const WHAT_SHOWS: [(&[&str], &str, &str); 3] = [
     (
         &["top speed", "acceleration", "error of full drive"],
+        "large strokes show it",
         "Top speed and acceleration show in large strokes: record steps over most of the travel, each held until the servo rests.",
     ),
     (
         &["bandwidth", "damping"],
+        "small quick strokes show it",
         "Bandwidth and damping show in small quick strokes: record steps or random levels of a few degrees, sampled every 5 ms or faster.",
     ),
     (
@@ -175,6 +203,7 @@ const WHAT_SHOWS: [(&[&str], &str); 3] = [
             "gain",
             "offset",
         ],
+        "rests at many levels show it",
         "Friction, dead band, load and gain show at rest: record stairs of at least four levels, each reached from both sides and held until the servo rests.",
     ),
 ];
@@ -187,9 +216,17 @@ pub(crate) fn what_to_record(quantities: &[Quantity]) -> Vec<&'static str> {
     };
     WHAT_SHOWS
         .iter()
-        .filter(|(names, _)| open(names))
-        .map(|(_, advice)| *advice)
+        .filter(|(names, ..)| open(names))
+        .map(|(.., advice)| *advice)
         .collect()
+}
+
+/// What would show the quantity of this name, in a few words.
+pub(super) fn shown_by(name: &str) -> Option<&'static str> {
+    let of = |(names, ..): &&(&[&str], &'static str, &str)| {
+        names.iter().any(|begin| name.starts_with(begin))
+    };
+    WHAT_SHOWS.iter().find(of).map(|(_, words, _)| *words)
 }
 
 /// A quantity as a row of a table.
@@ -208,6 +245,11 @@ pub(crate) struct QuantityRow {
 pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
     let (scale, unit) = scale_and_unit(quantity.unit, units);
     let shown = |value: f64| four_digits(scale * value);
+    // How sure the last digits are is not known without an interval.
+    let stated = |value: f64| match quantity.interval.valid() {
+        Some(_) => shown(value),
+        None => three_digits(scale * value),
+    };
     let interval = quantity.interval.valid().map(|found: &Interval| {
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), shown);
         match (quantity.determined, found.lower, found.upper) {
@@ -223,7 +265,7 @@ pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow
         }
     });
     let value = match quantity.determined {
-        true => shown(quantity.value),
+        true => stated(quantity.value),
         false => "-".to_owned(),
     };
     QuantityRow {
@@ -327,16 +369,25 @@ const POWERS: std::ops::Range<f64> = -7.0..9.0;
 
 /// A number with four digits; one that nobody reads as digits, as a power of ten.
 pub(crate) fn four_digits(value: f64) -> String {
+    digits(value, 4)
+}
+
+/// The same with three.
+fn three_digits(value: f64) -> String {
+    digits(value, 3)
+}
+
+fn digits(value: f64, count: usize) -> String {
     let leading = value.abs().log10().floor();
     if leading.is_finite() && !POWERS.contains(&leading) {
-        return format!("{value:.3e}");
+        return format!("{value:.0$e}", count - 1);
     }
-    let digits = if leading.is_finite() {
-        3 - leading as i32
+    let decimals = if leading.is_finite() {
+        count as i32 - 1 - leading as i32
     } else {
         0
     };
-    format!("{value:.*}", digits.clamp(0, 9) as usize)
+    format!("{value:.*}", decimals.clamp(0, 9) as usize)
 }
 
 #[cfg(test)]

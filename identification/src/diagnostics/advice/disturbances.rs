@@ -45,7 +45,7 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         count as f64,
         0.0,
-        "Look at these places (--explain has all) for glitches of the sensor or its wiring.",
+        "Look at these places (the explanation has all) for glitches of the sensor or its wiring.",
     ))
 }
 
@@ -63,7 +63,7 @@ pub(super) fn drift(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         largest,
         0.0,
-        "Look for the cause of the drift, such as temperature, supply or a load that changes. Use --detrend none to leave it in.",
+        "Look for the cause of the drift, such as temperature, supply or a load that changes. It can be left in.",
     ))
 }
 

@@ -148,7 +148,7 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
         percent,
         MATERIAL_MISFIT_PERCENT,
         "Compare only what was recorded with the same reference; look at strokes up and down and at the \
-         limits of speed and travel apart (--limits).",
+         limits of speed and travel apart.",
     ))
 }
 

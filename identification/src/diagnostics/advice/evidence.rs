@@ -1,5 +1,6 @@
 //! The evidence behind the findings on a model.
 
+use crate::data::Record;
 use crate::diagnostics::explanation::Explanation;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
@@ -15,6 +16,8 @@ pub(crate) struct Evidence<'a> {
     pub(crate) validity: &'a Validity,
     pub(crate) explanation: &'a Explanation,
     pub(crate) options: &'a Options,
+    /// With its disturbances; `None` where moments came without their record.
+    pub(crate) recorded: Option<&'a Record<'a>>,
     /// Samples of the record, missing ones included.
     pub(crate) samples: usize,
 }

@@ -1,8 +1,9 @@
 //! Findings on the input and the frequencies taken from it: whether they determine the response.
 
 use super::evidence::Evidence;
+use crate::diagnostics::output_lead::output_lead;
 use crate::results::{Advice, Check, Withheld};
-use crate::thresholds::{AGAINST_MOTION, DISAGREEMENT, FEEDBACK_SIGNIFICANCE};
+use crate::thresholds::{AGAINST_MOTION, DISAGREEMENT, FEEDBACK_SIGNIFICANCE, INPUT_EXPLAINED};
 
 /// The remedy for all of it.
 fn sharper(evidence: &Evidence<'_>) -> String {
@@ -27,19 +28,48 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
+/// An output that moves before the input. A record that a linear servo describes down to its noise needs no such question.
+pub(super) fn output_leads(evidence: &Evidence<'_>) -> Option<Advice> {
+    let record = evidence.recorded.filter(|_| !evidence.has_bounds())?;
+    let found = output_lead(record)?;
+    Some(Advice::new(
+        Check::OutputLeads,
+        format!(
+            "The output runs ahead of the input by {:.0} ms (correlation {:.2}; with the input ahead, {:.2} at most), and no servo \
+             moves before its command: nothing here is a finding on a servo.",
+            1e3 * found.lead_s,
+            found.correlation,
+            found.otherwise
+        ),
+        found.lead_s,
+        0.0,
+        "Exchange input and output, if the input is the motion that was measured; else look for a controller that computes the \
+         input from the output.",
+    ))
+}
+
 /// An input that was computed from the output.
 pub(super) fn feedback(evidence: &Evidence<'_>) -> Option<Advice> {
     let found = evidence.explanation.feedback?;
     if !evidence.is_closed_loop() {
         return None;
     }
-    let (shown_by, value, threshold) = match found.at_once < -AGAINST_MOTION {
-        true => (
+    let explained = found.explained.filter(|_| found.is_explained());
+    let (shown_by, value, threshold) = match (explained, found.at_once < -AGAINST_MOTION) {
+        (Some(share), _) => (
+            format!(
+                "past outputs explain {:.0} % of what is new in it",
+                100.0 * share
+            ),
+            share,
+            INPUT_EXPLAINED,
+        ),
+        (None, true) => (
             "it appears to answer within the same sample, and against its own motion".to_owned(),
             found.at_once,
             -AGAINST_MOTION,
         ),
-        false => (
+        (None, false) => (
             format!("inputs to come explain it (p = {:.0e})", found.p.max(1e-12)),
             found.p,
             FEEDBACK_SIGNIFICANCE,

@@ -17,6 +17,7 @@ use crate::results::Advice;
 /// All findings on a model.
 pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
     [
+        excitation::output_leads(evidence),
         excitation::feedback(evidence),
         response::still_rising(evidence),
         errors::model_error(evidence),

@@ -163,6 +163,6 @@ pub(super) fn at_rest(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         found.times_usual,
         INITIAL_REST_MISSED,
-        "State the input at which the servo rested before the run (--at-rest), or none.",
+        "State the input at which the servo rested before the run, or none.",
     ))
 }

@@ -52,7 +52,7 @@ pub(super) fn still_rising(evidence: &Evidence<'_>) -> Option<Advice> {
         rise,
         STILL_RISING,
         format!(
-            "If the input is a speed, take the speed of the output as --output. If it is a position, record holds of several times \
+            "If the input is a speed, take the speed of the output as the output. If it is a position, record holds of several times \
              {seconds:.1} s."
         ),
     ))

@@ -4,6 +4,11 @@ use super::evidence::{Free, Marginal, kernels_of};
 use super::kernel::Kernel;
 use super::slow_end::SlowEnd;
 
+/// Longest time constant of a kernel, in N.
+const TIMES_LONGEST: f64 = 10.0;
+/// Longest length of a kernel \[samples\], and the shortest as its inverse: beyond, neighbours are one, or strangers.
+const LENGTHS: f64 = 1e6;
+
 /// -2 ln of the marginal likelihood, and of what is known of a slow end where there is a second kernel.
 pub(super) struct Objective<'a> {
     pub(super) free: Free<'a>,
@@ -28,8 +33,16 @@ impl Objective<'_> {
         value.is_finite().then_some((marginal, value, gradient))
     }
 
-    /// [`Objective::at`] without the marginal.
+    /// [`Objective::at`] without the marginal, where the kernels are those of a response: that of one sample alone, or of one
+    /// that never ends, can have any size.
     pub(super) fn value(&self, numbers: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let longest = (TIMES_LONGEST * self.free.response.len() as f64).ln();
+        let is_response = |kernel: &Kernel| {
+            (0.0..longest).contains(&kernel.log_decay) && kernel.log_length.abs() < LENGTHS.ln()
+        };
+        if !kernels_of(numbers).iter().all(is_response) {
+            return None;
+        }
         self.at(numbers)
             .map(|(_, value, gradient)| (value, gradient))
     }

@@ -10,7 +10,8 @@
 use super::input_is_free;
 use crate::data::{Moments, share_held};
 use crate::diagnostics::{
-    BothEstimators, Misfit, Prediction, followed_after, rank, settlings, unexcited_above_hz,
+    BothEstimators, Feedback, Misfit, Prediction, explained_by_output, followed_after, rank,
+    settlings, unexcited_above_hz,
 };
 use crate::error::Error;
 use crate::estimation::{FsfBasis, GlsFit, GlsOptions, RowInformation};
@@ -35,7 +36,10 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     let Some(evidence) = both.evidence(linearity, || share_followed(task, &fitted.estimate)) else {
         return Ok(fitted);
     };
-    let feedback = input_is_free::tested(task, &fitted);
+    let feedback = input_is_free::tested(task, &fitted).map(|found| Feedback {
+        explained: task.recorded.and_then(explained_by_output),
+        ..found
+    });
     let predictions = rank_by_prediction(task, &fitted.candidate);
     let (candidate, estimate) = match predictions.first() {
         Some(best) => fit_again(task, best_predictor(task, &fitted.candidate, *best)?)?,

@@ -6,6 +6,7 @@
 //! If not, there is no model, and the error says whether the input or the output is to blame. A bank of one
 //! frequency passes where it was asked for, or where it is what predicts best.
 
+use crate::data::Record;
 use crate::error::Error;
 use crate::estimation::Excitation;
 use crate::identify::fitted::Fitted;
@@ -19,6 +20,7 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     }
     let excitation = Excitation::of(&fitted.estimate.information.moments);
     Err(match excitation.is_smooth() {
+        _ if task.recorded.is_some_and(Record::steps_before_runs) => Error::StepsBeforeRuns,
         true => Error::NoDetail,
         false => Error::Unanswered,
     })

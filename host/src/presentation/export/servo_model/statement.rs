@@ -1,7 +1,8 @@
 //! The comment at the top of every export of a servo model.
 
+use super::exported::ExportedServo;
 use super::subject::ServoExport;
-use super::trial::{Difference, FINER};
+use super::trial::{Difference, FINER, Trial};
 use crate::presentation::export::text::number;
 use crate::presentation::summary;
 use crate::presentation::summary::four_digits;
@@ -21,6 +22,12 @@ impl ServoExport<'_> {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let mut found = Vec::new();
+        if !self.model.predicts() {
+            found.push(format!(
+                "this servo model does not predict its own recording, which it fits to {:.1} %: what follows is not to be relied on",
+                self.model.prediction_percent()
+            ));
+        }
         if let Bounds::Withdrawn(reason) = &self.model.covariance {
             let because = reason.because();
             found.push(format!(
@@ -132,19 +139,27 @@ impl ServoExport<'_> {
         }
     }
 
-    /// The largest difference, and the command under which it was found.
-    pub(super) fn difference(&self, found: &Difference, by: Comparison) -> String {
-        let trial = &found.trial;
+    /// The largest difference of a file from the servo model, and what it is of the largest stroke.
+    #[must_use]
+    pub fn share_of_stroke(&self, written: &ExportedServo) -> String {
+        self.of_stroke(written.largest_difference, &written.trial)
+    }
+
+    fn of_stroke(&self, difference: f64, trial: &Trial) -> String {
         let unit = self.metadata.units().output;
         let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
         let stroke = trial.largest_stroke() * self.parameters.gain.abs();
-        let shown = |difference: f64| {
-            let percent = four_digits(100.0 * difference / stroke);
-            format!(
-                "{}{unit}, {percent} % of the largest stroke",
-                difference_text(difference)
-            )
-        };
+        let percent = four_digits(100.0 * difference / stroke);
+        format!(
+            "{}{unit}, {percent} % of the largest stroke",
+            difference_text(difference)
+        )
+    }
+
+    /// The largest difference, and the command under which it was found.
+    pub(super) fn difference(&self, found: &Difference, by: Comparison) -> String {
+        let trial = &found.trial;
+        let shown = |difference: f64| self.of_stroke(difference, trial);
         let without = found.without_other_loads.map(|difference| {
             format!(
                 " From the same servo without the load that is left out it is {}.",

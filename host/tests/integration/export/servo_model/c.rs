@@ -25,7 +25,7 @@ fn program(exports: &[Exported]) -> String {
             text,
             r#"    {{
         static const double levels[] = {{ {levels} }};
-        servo_{name}_servo servo;
+        servo_{name}_state servo;
         servo_{name}_reset(&servo, (servo_{name}_real)levels[0]);
         for (unsigned i = 0; i < sizeof levels / sizeof *levels; i++) {{
             for (unsigned k = 0; k < {steps}; k++) {{

@@ -33,7 +33,7 @@ typedef struct {
     {{id}}_real speed;
     {{id}}_real late[{{ID}}_LATE]; /* a ring */
     unsigned newest;
-} {{id}}_servo;
+} {{id}}_state;
 
 /* Acceleration that the load takes at an angle. */
 static inline {{id}}_real {{id}}_load({{id}}_real angle)
@@ -89,13 +89,13 @@ static inline {{id}}_real {{id}}_unlimited_drive(
 }
 
 /* The position now. */
-static inline {{id}}_real {{id}}_position(const {{id}}_servo *servo)
+static inline {{id}}_real {{id}}_position(const {{id}}_state *servo)
 {
     return {{id}}_gain * servo->angle + {{id}}_offset;
 }
 
 /* At rest under this command. */
-static inline void {{id}}_reset({{id}}_servo *servo, {{id}}_real command)
+static inline void {{id}}_reset({{id}}_state *servo, {{id}}_real command)
 {
     servo->angle = command;
     for (unsigned i = 0; i < 25; i++) {
@@ -109,7 +109,7 @@ static inline void {{id}}_reset({{id}}_servo *servo, {{id}}_real command)
 }
 
 /* The motion of h seconds under a command, without delay. */
-static inline void {{id}}_advance({{id}}_servo *servo, {{id}}_real h, {{id}}_real command)
+static inline void {{id}}_advance({{id}}_state *servo, {{id}}_real h, {{id}}_real command)
 {
     {{id}}_real speed = servo->speed, middle = servo->angle + h * speed / 2;
     {{id}}_real error = {{id}}_nearer_zero(command - middle, {{id}}_dead_band);
@@ -137,7 +137,7 @@ static inline void {{id}}_advance({{id}}_servo *servo, {{id}}_real h, {{id}}_rea
 
 /* Call once in {{ID}}_STEP_S with the command that is held from now on; returns the position at the end
  * of the step. */
-static inline {{id}}_real {{id}}_step({{id}}_servo *servo, {{id}}_real command)
+static inline {{id}}_real {{id}}_step({{id}}_state *servo, {{id}}_real command)
 {
     unsigned oldest = servo->newest + 1 < {{ID}}_LATE ? servo->newest + 1 : 0;
     unsigned next = oldest + 1 < {{ID}}_LATE ? oldest + 1 : 0;

@@ -1,0 +1,189 @@
+//! Results that stand on nothing: exchanged columns, loops, models that do not predict, times that cannot be.
+
+use crate::support::{arg, data, refusal, run, servoid};
+use serde_json::Value;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Lines of a recording of a real servo: its head, and these rows.
+fn part(dir: &Path, file: &str, rows: std::ops::Range<usize>) -> PathBuf {
+    let whole = std::fs::read_to_string(data(file)).unwrap();
+    let mut lines = whole.lines();
+    let head = lines.next().unwrap();
+    let rows: Vec<&str> = lines.skip(rows.start).take(rows.len()).collect();
+    let path = dir.join(file);
+    std::fs::write(&path, format!("{head}\n{}\n", rows.join("\n"))).unwrap();
+    path
+}
+
+/// The text of an identification, its document, and what an export of its servo model says on standard error.
+fn identified(file: &Path, columns: [&str; 2], more: &[&str]) -> (String, Value) {
+    let [input, output] = columns;
+    let args = [
+        "identify",
+        "-q",
+        arg(file),
+        "--input",
+        input,
+        "--output",
+        output,
+    ];
+    let text = run(&[&args[..], more].concat());
+    let document = run(&[&args[..], more, &["--json"]].concat());
+    (text, serde_json::from_str(&document).unwrap())
+}
+
+fn checks(document: &Value) -> Vec<&str> {
+    let advice = document["advice"].as_array().unwrap();
+    advice
+        .iter()
+        .map(|item| item["check"].as_str().unwrap())
+        .collect()
+}
+
+/// A chirp of a hobby servo with its columns exchanged: many values in both.
+#[test]
+fn exchanged_columns_have_no_headline_but_that() {
+    let dir = tempfile::tempdir().unwrap();
+    let chirp = part(dir.path(), "miuzei_rc_servo_large.csv", 0..150);
+    let (text, document) = identified(&chirp, ["y", "u"], &[]);
+    assert!(!text.contains("This servo is"), "{text}");
+    let first = text
+        .find("The output runs ahead of the input by 180 ms")
+        .unwrap();
+    let second = text
+        .find("Neither the linear model nor the servo model predicts")
+        .unwrap();
+    assert!(
+        first < second && second < text.find("NO BOUNDS").unwrap(),
+        "{text}"
+    );
+    assert_eq!(&checks(&document)[..2], ["output_leads", "prediction"]);
+    let (text, document) = identified(&chirp, ["u", "y"], &[]);
+    assert!(text.starts_with("This servo is limited"), "{text}");
+    assert!(!checks(&document).contains(&"output_leads"));
+}
+
+/// The report begins so, too, and an export of such a servo model says it.
+#[test]
+fn a_model_that_does_not_predict_says_so_wherever_it_goes() {
+    let dir = tempfile::tempdir().unwrap();
+    let chirp = part(dir.path(), "miuzei_rc_servo_large.csv", 0..150);
+    let [model, page] = ["m.json", "m.html"].map(|name| dir.path().join(name));
+    let exchanged = [arg(&chirp), "--input", "y", "--output", "u"];
+    run(&[&["identify", "-q", "-o", arg(&model)], &exchanged[..]].concat());
+    let args = ["export", arg(&model), "--to", "c", "--servo-model"];
+    let output = servoid(&args).output().unwrap();
+    let [file, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    for text in [file.replace("\n * ", " "), said] {
+        assert!(
+            text.contains("does not predict its own recording"),
+            "{text}"
+        );
+    }
+    run(&[&["report", "-q", "-o", arg(&page)], &exchanged[..]].concat());
+    let page = std::fs::read_to_string(&page).unwrap();
+    let verdict = page.split("id=\"verdict\"").nth(1).unwrap();
+    assert!(
+        verdict.starts_with(">The output runs ahead"),
+        "{}",
+        &verdict[..200]
+    );
+}
+
+/// A linear servo under noise as large as its motion fits to 30 %, and that is all that noise leaves: the sentence stands.
+#[test]
+fn noise_makes_a_fit_poor_and_not_a_right_model_wrong() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("noisy.csv");
+    let (mut random, mut level, mut servo) = (1u32, 1.0, 0.0);
+    let mut text = "t,u,y\n".to_owned();
+    for k in 0..2000 {
+        let mut next = || {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(random >> 8) / f64::from(1 << 24) - 0.5
+        };
+        if k % 20 == 0 {
+            level = (10.0 * next()).round();
+        }
+        servo += 0.2 * (level - servo);
+        let noise = 3.0 * (next() + next() + next() + next());
+        writeln!(text, "{},{level},{}", f64::from(k) * 0.01, servo + noise).unwrap();
+    }
+    std::fs::write(&file, text).unwrap();
+    let (text, document) = identified(&file, ["u", "y"], &["--servo-model"]);
+    assert!(text.starts_with("This servo is"), "{text}");
+    assert!(text.contains("Noise alone would leave"), "{text}");
+    assert!(!checks(&document).contains(&"prediction"));
+}
+
+/// A sum of sines that a planned command is has no loop behind it, however strange the response at its first sample is.
+#[test]
+fn a_smooth_reference_is_not_taken_for_a_closed_loop() {
+    let dir = tempfile::tempdir().unwrap();
+    let sines = part(dir.path(), "bam_xl330_pendulum.csv", 0..1200);
+    let (text, document) = identified(&sines, ["u", "y"], &[]);
+    assert!(!checks(&document).contains(&"feedback"), "{text}");
+    assert_eq!(document["withdrawn"]["reason"], "input_unexcited");
+    assert!(text.starts_with("This servo is"), "{text}");
+}
+
+/// Each run answers a step that came before its first sample.
+#[test]
+fn runs_of_one_command_ask_for_the_input_before_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let files: Vec<PathBuf> = [10.0, -10.0]
+        .iter()
+        .enumerate()
+        .map(|(number, level)| {
+            let mut text = "t,u,y\n".to_owned();
+            for k in 0..300 {
+                let (time, noise) = (f64::from(k) * 0.005, f64::from(k * 7919 % 101) * 1e-3);
+                let y = level * (1.0 - (-time / 0.05).exp()) + noise;
+                writeln!(text, "{time},{level},{y}").unwrap();
+            }
+            let path = dir.path().join(format!("{number}.csv"));
+            std::fs::write(&path, text).unwrap();
+            path
+        })
+        .collect();
+    let [a, b] = [arg(&files[0]), arg(&files[1])];
+    let columns = ["--input", "u", "--output", "y"];
+    let said = refusal(&[&["compare", "--a", a, b, "--b", b, a], &columns[..]].concat());
+    assert!(
+        said.contains("the step that each run answers came before"),
+        "{said}"
+    );
+    assert!(said.contains("--at-rest INPUT"), "{said}");
+    let short = part(dir.path(), "dcmotor_position_stairs.csv", 0..90);
+    let said = refusal(&[&["compare", arg(&short), arg(&short)], &columns[..]].concat());
+    assert!(
+        said.contains("record longer") && !said.contains("--settling"),
+        "{said}"
+    );
+}
+
+/// Without a column of time only the response shows that a period cannot be.
+#[test]
+fn a_response_that_takes_longer_than_any_servo_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let recording = dir.path().join("bench.csv");
+    run(&["simulate", "-q", "--servo", "linear", "-o", arg(&recording)]);
+    let whole = std::fs::read_to_string(&recording).unwrap();
+    let rows = whole.lines().filter(|line| !line.starts_with('#'));
+    let columns: Vec<&str> = rows.clone().next().unwrap().split(',').collect();
+    let place = |name: &str| columns.iter().position(|column| *column == name).unwrap();
+    let (u, y) = (place("reference_deg"), place("position_deg"));
+    let bare = dir.path().join("bare.csv");
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        format!("{},{}\n", cells[u], cells[y])
+    };
+    std::fs::write(&bare, rows.map(row).collect::<String>()).unwrap();
+    let names = [columns[u], columns[y]];
+    let (text, document) = identified(&bare, names, &["--period", "0.2"]);
+    assert!(text.contains("longer than any R/C servo takes"), "{text}");
+    assert_eq!(checks(&document)[0], "duration");
+    let (text, document) = identified(&bare, names, &["--period", "0.002"]);
+    assert!(!checks(&document).contains(&"duration"), "{text}");
+}
