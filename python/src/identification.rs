@@ -1,7 +1,8 @@
 //! Identification.
 
+use crate::arrays::{ArrayColumns, ArrayOptions};
 use crate::compute::{Interrupted, compute, compute_borrowed};
-use crate::data::{ArrayColumns, ArrayOptions, Data, remarks};
+use crate::data::{Data, remarks};
 use crate::error::raised;
 use crate::model::Model;
 use pyo3::prelude::*;

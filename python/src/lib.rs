@@ -14,6 +14,7 @@
 )]
 
 mod arguments;
+mod arrays;
 mod compute;
 mod data;
 mod error;

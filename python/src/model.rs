@@ -1,7 +1,7 @@
 //! Models: their document, and what can be computed with them.
 
+use crate::arrays::lent;
 use crate::compute::compute;
-use crate::data::lent;
 use crate::error::raised;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;

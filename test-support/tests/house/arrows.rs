@@ -150,6 +150,7 @@ const ROOMS: [(&str, &[&str]); 9] = [
         "python",
         &[
             "arguments",
+            "arrays",
             "error",
             "compute",
             "model",
