@@ -148,6 +148,12 @@ pub enum Error {
          sensor and its column"
     )]
     StillInRuns,
+    /// The output is a straight line in every run.
+    #[error(
+        "the output rises evenly with every sample, whatever the input does: it seems to be a column of time or of numbers; name the \
+         column of the motion"
+    )]
+    CountsSamples,
     /// The input changes from run to run alone.
     #[error(
         "the input stands still in every run, so the step that each run answers came before its first sample: state the input before \

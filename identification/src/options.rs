@@ -82,8 +82,8 @@ pub enum Prior {
     /// Nothing but that it is over after N: the paper's way.
     #[default]
     None,
-    /// It dies out and is smooth, as much as the data say. Bounds are narrower by a factor of 1.1 to 4; they rest on the response
-    /// being of that kind.
+    /// It dies out and is smooth, as much as the data say. Bounds are narrower by a factor of 1.5 to 4 in white noise, and no narrower in slow
+    /// noise; they rest on the response being of that kind.
     Stable,
 }
 

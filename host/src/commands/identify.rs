@@ -45,7 +45,7 @@ pub(super) struct Identify {
     #[arg(long, default_value_t = Detrend::Auto, value_name = "auto|none|offset|linear")]
     detrend: Detrend,
     /// What is known of the response before the data. none: that it is over after N. stable: that it dies out and is smooth, as
-    /// much as the data say; bounds are narrower then, and hold for such responses
+    /// much as the data say; in white noise bounds are then 1.5 to 4 times narrower, and they hold for such responses
     #[arg(long, default_value_t = Prior::None, value_name = "none|stable")]
     prior: Prior,
     /// Explain the structure: the candidates, and the reason for the choice

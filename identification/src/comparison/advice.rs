@@ -85,12 +85,23 @@ pub(super) fn gather(
     // Models have lost their runs, and the advice on models says so.
     if comparison.of == Subject::Runs && !sides.is_empty() {
         let runs = if fewest == 1 { "run" } else { "runs" };
+        // With three or more, it is the runs that do not serve.
+        let (why, remedy) = match fewest < 3 {
+            true => (
+                "",
+                "Record three or more runs a side, five for the sharper test.",
+            ),
+            false => (
+                " Some runs do not determine a response by themselves.",
+                "Record runs with several strokes each way.",
+            ),
+        };
         advice.push(Advice::new(
             Check::Runs,
-            format!("{fewest} {runs} a side: differences from run to run are not included."),
+            format!("{fewest} {runs} a side: differences from run to run are not included.{why}"),
             fewest as f64,
             3.0,
-            "Record three or more runs a side, five for the sharper test.",
+            remedy,
         ));
     }
     if let (Subject::Servos, Verdict::Undecided, Bounds::Valid(bounds)) =

@@ -351,6 +351,13 @@ impl<'a> Record<'a> {
             && !self.runs.iter().all(|run| stands_still(run.input()))
     }
 
+    /// Whether the output counts the samples: a straight line in every run, as a column of time or of numbers is, while the input is
+    /// none. No servo moves so.
+    pub(crate) fn output_counts_samples(&self) -> bool {
+        self.runs.iter().all(|run| is_straight(run.output()))
+            && !self.runs.iter().all(|run| is_straight(run.input()))
+    }
+
     /// The same with other runs.
     pub(crate) fn with_runs(&self, runs: Vec<Run<'a>>) -> Self {
         Self {
@@ -391,6 +398,22 @@ impl<'a> Record<'a> {
             .map(|span| span.len())
             .sum()
     }
+}
+
+/// Whether a column is a straight line from its first value to its last, to a thousandth of the way between them: times are rounded,
+/// and scatter.
+fn is_straight(column: &[f64]) -> bool {
+    /// A stroke at full speed can be as straight for so long.
+    const LONG: usize = 100;
+    let mut known = column.iter().enumerate().filter(|(_, y)| !y.is_nan());
+    let (Some((from, first)), Some((to, last))) = (known.next(), known.next_back()) else {
+        return false;
+    };
+    let slope = (last - first) / (to - from) as f64;
+    let near = |(k, value): (usize, &f64)| {
+        (value - first - slope * (k - from) as f64).abs() <= 1e-3 * (last - first).abs()
+    };
+    slope != 0.0 && column.len() >= LONG && known.all(near)
 }
 
 /// Requires that a column has values and is not constant. [`Run::new`] has checked their magnitude.
@@ -451,6 +474,35 @@ mod tests {
         let complete = Record::of_run(0.1, &output, &output).unwrap();
         let held = complete.with_held_inputs();
         assert_eq!(held.runs()[0].input().as_ptr(), output.as_ptr());
+    }
+
+    #[test]
+    fn a_column_of_time_is_no_motion() {
+        let steps: Vec<f64> = (0..200).map(|k| f64::from(k / 50 % 2)).collect();
+        let times: Vec<f64> = (0..200)
+            .map(|k| 0.02 * f64::from(k) + 1e-4 * f64::from(k % 3))
+            .collect();
+        let counts = |output: &[f64]| {
+            Record::of_run(0.02, &steps, output)
+                .unwrap()
+                .output_counts_samples()
+        };
+        assert!(counts(&times));
+        // A servo at the limit of its speed.
+        let limited: Vec<f64> = steps
+            .iter()
+            .scan(0.0, |y, u: &f64| {
+                *y += (u - *y).clamp(-0.02, 0.02);
+                Some(*y)
+            })
+            .collect();
+        assert!(!counts(&limited));
+        // The exchanged columns have a finding of their own.
+        assert!(
+            !Record::of_run(0.02, &times, &times)
+                .unwrap()
+                .output_counts_samples()
+        );
     }
 
     #[test]

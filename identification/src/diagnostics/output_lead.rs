@@ -68,11 +68,7 @@ struct Centred {
 
 fn centred<'a>(runs: &[Run<'a>]) -> Vec<Centred> {
     let less_mean = |of: for<'r> fn(&'r Run<'a>) -> &'r [f64]| -> Vec<Vec<f64>> {
-        let known = || {
-            runs.iter()
-                .flat_map(|run| of(run))
-                .filter(|value| !value.is_nan())
-        };
+        let known = || runs.iter().flat_map(of).filter(|value| !value.is_nan());
         let mean = known().sum::<f64>() / known().count().max(1) as f64;
         let less = |value: &f64| if value.is_nan() { 0.0 } else { value - mean };
         runs.iter()

@@ -75,6 +75,9 @@ fn explained(record: &Record, options: &Options, of_servo: bool) -> Result<Ident
     if record.output_stands_still_in_runs() {
         return Err(Error::StillInRuns);
     }
+    if record.output_counts_samples() {
+        return Err(Error::CountsSamples);
+    }
     let found = Undisturbed::of(record, options)?;
     let task = |disturbances, undisturbed| Task {
         record: Some(undisturbed),

@@ -56,7 +56,9 @@ fn with_longer_settling(task: &Task<'_>, fitted: &Fitted) -> Option<Fitted> {
     }
     let order = NoiseOrder::Order(fitted.estimate.fit.ar.len());
     let basis = FsfBasis::full(longer).ok()?;
-    let candidate = fitted.candidate.with(task, basis, order);
+    let mut candidate = fitted.candidate.with(task, basis, order);
+    // They are those of the shorter N.
+    candidate.plan.banks.clear();
     let estimate = Estimate::new(&candidate.plan, &candidate.moments, task.record).ok()?;
     let found = Fitted {
         candidate,

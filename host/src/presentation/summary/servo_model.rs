@@ -30,9 +30,10 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
             .filter(|found| found.determined)
             .map(|found| found.value)
     };
-    let four_digits = match model.covariance {
-        Bounds::Valid(_) => four_digits,
-        Bounds::Withdrawn(_) => three_digits,
+    let is_sure = model.covariance.valid().is_some();
+    let four_digits = |value: f64| match is_sure {
+        true => four_digits(value),
+        false => format!("about {}", digits(value, 2)),
     };
     let unit = |unit: Option<&str>| unit.map(|unit| format!(" {unit}")).unwrap_or_default();
     let (command, output) = (unit(units.input), unit(units.output));
@@ -53,7 +54,8 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
             turn(down)
         ),
         None if model.terms.limit => "limited in its drive".to_owned(),
-        None => "linear".to_owned(),
+        None if is_sure => "linear".to_owned(),
+        None => "much like a linear one".to_owned(),
     };
     let rest = of("resting error by friction")
         .filter(|error| *error > 0.0)
@@ -69,9 +71,13 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
     let parts = [rest, load.map(str::to_owned), delay].into_iter().flatten();
     let all: Vec<String> = std::iter::once(format!("is {kind}")).chain(parts).collect();
     format!(
-        "This servo {}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{}",
+        "This servo {}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{}{}",
         listed_words(&all),
         model.prediction_percent(),
+        match is_sure {
+            true => "",
+            false => " No intervals can be given: another recording may give other figures.",
+        },
         hidden_by_noise(model).unwrap_or_default() + &better_linear(model).unwrap_or_default()
     )
 }
