@@ -354,7 +354,10 @@ impl<'a> Record<'a> {
     /// Whether the output counts the samples: a straight line in every run, as a column of time or of numbers is, while the input is
     /// none. No servo moves so.
     pub(crate) fn output_counts_samples(&self) -> bool {
-        self.runs.iter().all(|run| is_straight(run.output()))
+        /// A single stroke at full speed can be as straight for so long.
+        const LONG: usize = 100;
+        self.samples() >= LONG
+            && self.runs.iter().all(|run| is_straight(run.output()))
             && !self.runs.iter().all(|run| is_straight(run.input()))
     }
 
@@ -403,8 +406,6 @@ impl<'a> Record<'a> {
 /// Whether a column is a straight line from its first value to its last, to a thousandth of the way between them: times are rounded,
 /// and scatter.
 fn is_straight(column: &[f64]) -> bool {
-    /// A stroke at full speed can be as straight for so long.
-    const LONG: usize = 100;
     let mut known = column.iter().enumerate().filter(|(_, y)| !y.is_nan());
     let (Some((from, first)), Some((to, last))) = (known.next(), known.next_back()) else {
         return false;
@@ -413,7 +414,7 @@ fn is_straight(column: &[f64]) -> bool {
     let near = |(k, value): (usize, &f64)| {
         (value - first - slope * (k - from) as f64).abs() <= 1e-3 * (last - first).abs()
     };
-    slope != 0.0 && column.len() >= LONG && known.all(near)
+    slope != 0.0 && known.all(near)
 }
 
 /// Requires that a column has values and is not constant. [`Run::new`] has checked their magnitude.
