@@ -70,25 +70,12 @@ impl Regularised {
         marginal.kernels.iter().for_each(|kernel| prior += kernel);
         let of_prior = &whiten * &prior;
         let of_noise = &whiten * all.as_ref().submatrix(0, 0, size, size + 1);
-        // With the offset: its variance less what the response explains of it.
-        let mut posterior = Mat::<f64>::zeros(size + 1, size + 1);
-        let block = of_prior.transpose() * &of_noise;
-        let explained = of_noise.transpose() * &of_noise;
-        for j in 0..=size {
-            for i in 0..=size {
-                posterior[(i, j)] = match (i, j) {
-                    (i, j) if i < size && j < size => (block[(i, j)] + block[(j, i)]) / 2.0,
-                    (i, j) if i < size => block[(i, j)],
-                    (i, j) if j < size => block[(j, i)],
-                    (i, j) => all[(i, j)] - explained[(i, j)],
-                };
-            }
-        }
+        let mut posterior = posterior(&of_prior, &of_noise, all[(size, size)]);
         let directions = uncertain::directions(&objective, &numbers)?;
-        let block = &directions * directions.transpose();
+        let of_numbers = &directions * directions.transpose();
         for j in 0..size {
             for i in 0..size {
-                posterior[(i, j)] += block[(i, j)];
+                posterior[(i, j)] += of_numbers[(i, j)];
             }
         }
         let mean = marginal.mean();
@@ -116,6 +103,19 @@ impl Regularised {
         fit.solution.inverse = self.covariance;
         fit.further.noise = None;
     }
+}
+
+/// K S^-1 V bordered by the offset, with L^-1 K in `of_prior` and L^-1 V, the offset's column last, in `of_noise`, S = L L'. The
+/// variance of the offset is `offset` less what the response explains of it.
+fn posterior(of_prior: &Mat<f64>, of_noise: &Mat<f64>, offset: f64) -> Mat<f64> {
+    let size = of_prior.ncols();
+    let block = of_prior.transpose() * of_noise;
+    let last = of_noise.col_as_slice(size);
+    Mat::from_fn(size + 1, size + 1, |i, j| match (i, j) {
+        (i, j) if i < size && j < size => (block[(i, j)] + block[(j, i)]) / 2.0,
+        (i, j) if i < size || j < size => block[(i.min(j), size)],
+        _ => offset - dot(last, last),
+    })
 }
 
 /// The objective, and the numbers of the two kernels that minimise it.

@@ -1,7 +1,8 @@
 //! The fit under the prior against the slow way.
 
-use super::evidence::Free;
+use super::evidence::{Free, Marginal};
 use super::*;
+use crate::numerics::{cholesky, inverse_of_square, times};
 use approx::assert_relative_eq;
 
 const SAMPLES: usize = 24;
@@ -57,5 +58,36 @@ fn the_gradient_is_the_quotient_of_differences() {
         // Central differences with a step of 1e-5 are good to 1e-9 of the third derivative.
         let expected = (at(1e-5) - at(-1e-5)) / 2e-5;
         assert_relative_eq!(found[k], expected, max_relative = 1e-5, epsilon = 1e-6);
+    }
+}
+
+/// As a row of the regression for each lag: (V^-1 + K^-1)^-1 V^-1 h, and its covariance.
+#[test]
+fn the_fit_is_that_of_least_squares_with_the_prior_as_rows() {
+    let (covariance, response) = (covariance(), response());
+    let free = Free {
+        response: &response,
+        covariance: &covariance,
+    };
+    let marginal = Marginal::of(&free, &kernels()).unwrap();
+    let inverse = |matrix: &Mat<f64>| inverse_of_square(&cholesky(matrix).unwrap());
+    let prior = &marginal.kernels[0] + &marginal.kernels[1];
+    let expected = inverse(&(inverse(&covariance) + inverse(&prior)));
+    let whiten = inverse_of_lower(&marginal.factor);
+    // An offset that has nothing to do with the response, of variance 3.
+    let bordered = Mat::from_fn(SAMPLES, SAMPLES + 1, |i, j| match j < SAMPLES {
+        true => covariance[(i, j)],
+        false => 0.0,
+    });
+    let found = posterior(&(&whiten * &prior), &(&whiten * &bordered), 3.0);
+    assert_eq!(found[(SAMPLES, SAMPLES)], 3.0);
+    let weighted = times(&inverse(&covariance), &response);
+    let mean = times(&expected, &weighted);
+    // K^-1 has a condition of some 1e5.
+    for i in 0..SAMPLES {
+        assert_relative_eq!(marginal.mean()[i], mean[i], epsilon = 1e-9);
+        for j in 0..SAMPLES {
+            assert_relative_eq!(found[(i, j)], expected[(i, j)], epsilon = 1e-9);
+        }
     }
 }
