@@ -28,7 +28,7 @@ use crate::thresholds::MARGIN;
 ///     let y: Vec<f64> = u.iter().enumerate().scan(5.0, |y, (k, u)| {
 ///         *y += speed * (u - *y); Some(*y + noise(k))
 ///     }).collect();
-///     Record::of_run(0.002, &u, &y)
+///     Record::of_run(0.002, &u, y)
 /// };
 /// let (bench, again, loaded) = (servo(0.2, 0)?, servo(0.2, 17)?, servo(0.1, 5)?);
 /// let options = ComparisonOptions::default();

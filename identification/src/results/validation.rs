@@ -105,8 +105,8 @@ impl Model {
     /// # use servoid_identification::{identify, Options, Record, Settling, Frequencies, NoiseOrder};
     /// # let u: Vec<f64> = (0..400).map(|k| f64::from(k * k / 35 % 2)).collect();
     /// # let y: Vec<f64> = u.iter().scan(0.0, |y, u| { *y += 0.3 * (u - *y); Some(*y) }).collect();
-    /// let seen = Record::of_run(0.01, u[..200], &y[..200])?;
-    /// let unseen = Record::of_run(0.01, u[200..], &y[200..])?;
+    /// let seen = Record::of_run(0.01, &u[..200], &y[..200])?;
+    /// let unseen = Record::of_run(0.01, &u[200..], &y[200..])?;
     /// let options = Options { settling: Settling::Samples(31), ..Options::default() };
     /// let model = identify(&seen, &options)?;
     /// assert!(model.validate(&unseen)?.fit_percent > 99.0);
