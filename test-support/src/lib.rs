@@ -10,6 +10,7 @@
 //! - [`arguments`]: the arguments of these examples.
 //! - [`tools`]: what a test does whose tool is not there.
 //! - `bad_line` (feature `rig`): a port that loses, damages and delays frames by chance.
+//! - `hello` (feature `rig`): the answer of a rig that has just been started.
 //! - `trials` (feature `rig`): captures over bad lines, killed captures, recordings of simulated rigs and
 //!   whether they are what the board sampled.
 //! - `virtual_board` (feature `board`): the flash image on the virtual board, as a port.
@@ -21,6 +22,8 @@ pub mod closed_loop;
 pub mod coverage;
 pub mod figures_coverage;
 pub mod hard_lines;
+#[cfg(feature = "rig")]
+pub mod hello;
 pub mod metrics_coverage;
 pub mod plants;
 pub mod servo_means;

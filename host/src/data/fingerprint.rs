@@ -2,7 +2,7 @@
 
 use servoid_identification::results::{Advice, Check};
 use servoid_identification::{Record, Run};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Samples whose bytes are gathered for one step of the CRC, so that those of a long run are not in memory twice.
 const GATHERED: usize = 512;
@@ -65,21 +65,16 @@ const VALUES: usize = 32;
 
 /// Advice where a part of one side is in the other.
 pub fn advice_on_overlap(a: &Record, b: &Record) -> Option<Advice> {
-    let parts: HashSet<Vec<u64>> = (a.runs().iter())
-        .flat_map(|run| run.output().chunks_exact(IN_A_ROW))
-        .filter_map(distinct)
-        .collect();
-    if parts.is_empty() {
-        return None;
+    let mut parts: HashMap<u64, Vec<&[f64]>> = HashMap::new();
+    let all = (a.runs().iter()).flat_map(|run| run.output().chunks_exact(IN_A_ROW));
+    for part in all.filter(|part| is_distinct(part)) {
+        parts.entry(first_bits(part)).or_default().push(part);
     }
-    let of_run = |run: &Run| {
-        let known = |part: &[f64]| distinct(part).is_some_and(|part| parts.contains(&part));
-        run.output()
-            .windows(IN_A_ROW)
-            .filter(|part| known(part))
-            .count()
-            * IN_A_ROW
+    let is_shared = |part: &&[f64]| {
+        let alike = parts.get(&first_bits(part));
+        alike.is_some_and(|alike| alike.contains(part))
     };
+    let of_run = |run: &Run| run.output().windows(IN_A_ROW).filter(is_shared).count() * IN_A_ROW;
     let count: usize = b.runs().iter().map(of_run).sum();
     let finding = format!(
         "Both sides have at least {count} of the second's {} samples in common, so as far as these go the comparison shows nothing about \
@@ -90,11 +85,19 @@ pub fn advice_on_overlap(a: &Record, b: &Record) -> Option<Advice> {
     advice(count, finding, remedy)
 }
 
-/// The bits of outputs that are all there and of many values.
-fn distinct(part: &[f64]) -> Option<Vec<u64>> {
-    let bits: Vec<u64> = part.iter().map(|value| (value + 0.0).to_bits()).collect();
-    let values: HashSet<&u64> = bits.iter().collect();
-    (values.len() >= VALUES && part.iter().all(|value| value.is_finite())).then_some(bits)
+/// Whether outputs are all there and of many values.
+fn is_distinct(part: &[f64]) -> bool {
+    let values: HashSet<u64> = part.iter().map(|value| bits(*value)).collect();
+    values.len() >= VALUES && part.iter().all(|value| value.is_finite())
+}
+
+fn first_bits(part: &[f64]) -> u64 {
+    part.first().map_or(0, |value| bits(*value))
+}
+
+/// Both zeros are one.
+fn bits(value: f64) -> u64 {
+    (value + 0.0).to_bits()
 }
 
 /// Advice where a model is validated on runs that it was identified from.

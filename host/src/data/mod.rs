@@ -19,6 +19,7 @@ pub(crate) mod numbered_path;
 
 pub(crate) mod timeline;
 pub(crate) mod units;
+mod unstated;
 
 pub use degrees::DegreeScale;
 pub use file_error::FileError;

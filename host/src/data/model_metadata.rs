@@ -1,15 +1,14 @@
 //! Facts about a model that its numbers do not show: units, and the frame that held the command.
 
+use crate::data::rig_file::LONGEST_DELAY_MS;
 use crate::data::table;
 use crate::data::units::Units;
+use crate::data::unstated::is_zero;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Pulse frames that a servo may have \[s\]; beyond a second it is a slip.
 pub const PULSE_FRAMES_S: std::ops::RangeInclusive<f64> = 0.0..=1.0;
-
-/// Delays that a sensor may have \[s\].
-const SENSOR_DELAYS_S: std::ops::RangeInclusive<f64> = 0.0..=0.1;
 
 /// Names of the units of a model's command and position.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -39,12 +38,6 @@ pub struct ModelMetadata {
     pub sensor_delay_uncertainty_s: f64,
 }
 
-/// What is not stated is left out.
-#[expect(clippy::trivially_copy_pass_by_ref)] // serde passes references
-fn is_zero(seconds: &f64) -> bool {
-    *seconds == 0.0
-}
-
 impl ModelMetadata {
     /// Units where they are named, and the pulse frame where it is known.
     pub fn new(input: Option<String>, output: Option<String>, pulse_frame_s: Option<f64>) -> Self {
@@ -69,7 +62,7 @@ impl ModelMetadata {
         let delay_s = found.sensor_delay_uncertainty_s;
         Self {
             // What is no time of a sensor is passed over, as other fields are.
-            sensor_delay_uncertainty_s: match SENSOR_DELAYS_S.contains(&delay_s) {
+            sensor_delay_uncertainty_s: match (0.0..=1e-3 * LONGEST_DELAY_MS).contains(&delay_s) {
                 true => delay_s,
                 false => 0.0,
             },

@@ -220,27 +220,18 @@ fn a_port_that_never_answers_and_one_that_talks_nonsense() {
 
 /// A rig of another version, which can only say who it is.
 fn foreign_rig(mut stream: std::net::TcpStream) {
-    use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
+    use servoid_protocol::hello::Text16;
     use servoid_protocol::schema::SCHEMA_HASH;
     use servoid_protocol::{Decoder, Hello, Request, RigMessage, framing};
+    use servoid_test_support::hello::hello;
     use std::io::{Read, Write};
     let hello = Hello {
         protocol_version: 2,
         schema_hash: !SCHEMA_HASH,
         board: Text16::new("STM32F103C8"),
         build: Text16::new("9.9.9"),
-        unique_id: [1; 12],
-        clock: ClockSource::Crystal,
-        reset_cause: ResetCause::PowerOn,
         frame_us: 3_000,
-        sample_us: 2_000,
-        first_sample_us: 500,
-        aperture_us: 84,
-        oversampling: 4,
-        full_scale_counts: 16_380,
-        shortest_pulse_us: 800,
-        longest_pulse_us: 2_200,
-        history_frames: 256,
+        ..hello()
     };
     let (mut decoder, mut byte) = (Decoder::new(), [0]);
     while stream.read(&mut byte).is_ok_and(|n| n > 0) {

@@ -5,6 +5,7 @@ mod moments;
 mod quantisation;
 mod record;
 mod timing;
+mod wrong_columns;
 
 pub(crate) use holds::{
     EXACTLY, Hold, Stroke, holds, last_quarter, mean_output, share_held, strokes, usual_hold,

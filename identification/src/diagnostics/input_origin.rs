@@ -11,7 +11,7 @@
 //! no model of the servo, so that it also speaks where none describes the record.
 
 use crate::data::Record;
-use crate::diagnostics::simulation_error::beginnings;
+use crate::diagnostics::simulation_error::{SAMPLES, beginnings};
 use faer::Mat;
 
 /// Inputs and outputs of the past. The present output is not among them: it may answer the present input.
@@ -23,9 +23,6 @@ const ALL: usize = OWN + LAGS;
 
 /// Rows that are needed: several for each regressor.
 const FEWEST_ROWS: usize = 8 * ALL;
-
-/// Samples at the beginning of a record that are looked at.
-const SAMPLES: usize = 1 << 15;
 
 /// Share of its variance that must be new in an input: below it is what rounding leaves of a smooth one.
 const NEW: f64 = 1e-8;

@@ -10,7 +10,7 @@
 //! It needs no model, so it also speaks where none describes the record.
 
 use crate::data::{Record, Run};
-use crate::diagnostics::simulation_error::beginnings;
+use crate::diagnostics::simulation_error::{SAMPLES, beginnings};
 use crate::numerics::dot;
 use crate::thresholds::{LEADING_ADVANTAGE, LEADING_CORRELATION};
 
@@ -19,9 +19,6 @@ const LAGS: usize = 400;
 
 /// A part of the longest run that lags and leads may have: the rest is what they are judged by.
 const SHARE: usize = 4;
-
-/// Samples at the beginning of a record that are looked at.
-const SAMPLES: usize = 1 << 15;
 
 /// How far the output is ahead.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -216,7 +216,7 @@ pub(super) fn explanation(
         uneven_noise: fitted.uneven,
         slow_end: fitted.slow_end,
         feedback: fitted.feedback,
-        prior: None,
+        prior: fitted.prior,
         runs,
     }
 }

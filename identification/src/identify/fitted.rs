@@ -4,9 +4,9 @@ use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
 use crate::diagnostics::{
-    Feedback, Linearity, Misfit, RunComparison, SlowEnd, UnevenNoise, against_standstill,
-    allow_for_run_offsets, allow_for_run_trends, allow_for_scatter, allow_for_uneven_noise,
-    simulated, test_linearity,
+    Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowEnd, UnevenNoise,
+    against_standstill, allow_for_run_offsets, allow_for_run_trends, allow_for_scatter,
+    allow_for_uneven_noise, simulated, test_linearity,
 };
 use crate::error::Error;
 
@@ -24,6 +24,8 @@ pub(super) struct Fitted {
     pub(super) feedback: Option<Feedback>,
     /// By how much the noise varies, where it does; the covariance of the estimate allows for it.
     pub(super) uneven: Option<UnevenNoise>,
+    /// What became of the stable prior, where it was asked for.
+    pub(super) prior: Option<PriorOutcome>,
 }
 
 impl Fitted {
@@ -37,12 +39,21 @@ impl Fitted {
     pub(super) fn tested(task: &Task<'_>, candidate: Candidate, estimate: Estimate) -> Self {
         Self {
             linearity: linearity(task, &candidate, &estimate),
+            ..Self::untested(candidate, estimate)
+        }
+    }
+
+    /// A fit to a candidate, without any findings.
+    pub(super) fn untested(candidate: Candidate, estimate: Estimate) -> Self {
+        Self {
             candidate,
             estimate,
+            linearity: None,
             misfit: None,
             slow_end: None,
             feedback: None,
             uneven: None,
+            prior: None,
         }
     }
 

@@ -69,15 +69,7 @@ pub(crate) fn identify_runs(record: &Record, options: &Options) -> Result<Identi
 
 fn explained(record: &Record, options: &Options, of_servo: bool) -> Result<Identification, Error> {
     options.check()?;
-    if let Some(levels) = record.levels_of_swapped_columns() {
-        return Err(Error::Swapped { levels });
-    }
-    if record.output_stands_still_in_runs() {
-        return Err(Error::StillInRuns);
-    }
-    if record.output_counts_samples() {
-        return Err(Error::CountsSamples);
-    }
+    record.check_columns()?;
     let found = Undisturbed::of(record, options)?;
     let task = |disturbances, undisturbed| Task {
         record: Some(undisturbed),
@@ -127,7 +119,7 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
 fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
     let samples = first.candidate.moments.samples();
     let fitted = gates::pass(task, first)?.with_honest_covariance(task);
-    let (mut fitted, prior) = prior::under_prior(task, fitted);
+    let mut fitted = prior::under_prior(task, fitted);
     let mut described = Described::new(task, &fitted);
     let runs = task.record.and_then(|record| {
         RunComparison::of(&described.model, &task.disturbances.with_offsets(record))
@@ -142,10 +134,7 @@ fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
         mut model,
     } = described;
     model.residuals = assess::residuals(task, &fitted, &model);
-    let explanation = Explanation {
-        prior,
-        ..describe::explanation(task, fitted, &responses, &allowances, (&model, runs))
-    };
+    let explanation = describe::explanation(task, fitted, &responses, &allowances, (&model, runs));
     model.advice = gather_advice(&Evidence {
         model: &model,
         validity: &validity,

@@ -15,32 +15,36 @@ use crate::thresholds::PRIOR_CONTRADICTED;
 /// N under the prior, in those without, as far as the record allows.
 const LONGER: usize = 2;
 
-/// The fit under the prior, or `fitted` where there is none or it does not hold; and what became of it, where it was asked for.
-pub(super) fn under_prior(task: &Task<'_>, fitted: Fitted) -> (Fitted, Option<PriorOutcome>) {
+/// The fit under the prior, or `fitted` where there is none or it does not hold; with what became of it, where it was asked for.
+pub(super) fn under_prior(task: &Task<'_>, fitted: Fitted) -> Fitted {
     if task.options.prior == Prior::None {
-        return (fitted, None);
+        return fitted;
     }
+    let not_used = |fitted: Fitted, outcome| Fitted {
+        prior: Some(outcome),
+        ..fitted
+    };
     if fitted.misfit.is_some() || !fitted.candidate.plan.basis.is_complete() {
-        return (fitted, Some(PriorOutcome::NotApplicable));
+        return not_used(fitted, PriorOutcome::NotApplicable);
     }
     let longer = with_longer_settling(task, &fitted);
     let wide = longer.as_ref().unwrap_or(&fitted);
     let Some(regularised) = Regularised::of(&wide.estimate.fit) else {
-        return (fitted, Some(PriorOutcome::NotFound));
+        return not_used(fitted, PriorOutcome::NotFound);
     };
     let contradiction = regularised.contradiction;
     if contradiction > PRIOR_CONTRADICTED {
-        return (fitted, Some(PriorOutcome::Contradicted { contradiction }));
+        return not_used(fitted, PriorOutcome::Contradicted { contradiction });
     }
     let mut found = longer.unwrap_or(fitted);
     let period_s = found.candidate.moments.sample_period_s();
     let constants = regularised.time_constants().into_iter();
-    let outcome = PriorOutcome::Used {
+    found.prior = Some(PriorOutcome::Used {
         time_constants_s: constants.map(|samples| samples * period_s).collect(),
         contradiction,
-    };
+    });
     regularised.carry_into(&mut found.estimate.fit);
-    (found, Some(outcome))
+    found
 }
 
 /// The same choice with a longer N; `None` where N was given, or the record does not determine so much.
@@ -61,13 +65,10 @@ fn with_longer_settling(task: &Task<'_>, fitted: &Fitted) -> Option<Fitted> {
     candidate.plan.banks.clear();
     let estimate = Estimate::new(&candidate.plan, &candidate.moments, task.record).ok()?;
     let found = Fitted {
-        candidate,
-        estimate,
         linearity: fitted.linearity,
-        misfit: None,
         slow_end: fitted.slow_end,
         feedback: fitted.feedback,
-        uneven: None,
+        ..Fitted::untested(candidate, estimate)
     };
     Some(found.with_honest_covariance(task))
 }

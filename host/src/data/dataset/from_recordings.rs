@@ -36,11 +36,12 @@ pub(super) fn from_recording(
     }
     let delay = SensorDelay::of(header)?;
     let still = stand_stills(recording);
-    let (input, _) = scale.columns(rows);
     // What the sensor shows late of the end comes after it.
     let later = range.end.saturating_add(delay.samples as u64);
-    let (_, mut output) = scale.columns(recording.rows_of(range.start..later));
-    let first = rows.first().map_or(0, |row| row.sample);
+    let (mut input, mut output) = scale.columns(recording.rows_of(range.start..later));
+    let ends = [rows.first(), rows.last()].map(|row| row.map_or(0, |row| row.sample));
+    let [first, last] = ends;
+    input.truncate((last - first) as usize + 1);
     for (sample, position) in (first..).zip(&mut output) {
         if still.iter().any(|still| still.samples.contains(&sample)) {
             *position = f64::NAN;

@@ -2,6 +2,7 @@
 
 use super::reference_toml::as_toml;
 use crate::data::rig_file::RigFile;
+use crate::data::unstated::is_zero;
 use serde::{Deserialize, Serialize};
 use servoid_protocol::Hello;
 use servoid_protocol::hello::ClockSource;
@@ -226,12 +227,6 @@ impl Header {
         let crc32 = format!("{:08x}", crc32fast::hash(lines.as_bytes()));
         (format!("{lines}# {HEADER_CRC} = \"{crc32}\"\n"), crc32)
     }
-}
-
-/// What is not stated is left out.
-#[expect(clippy::trivially_copy_pass_by_ref)] // serde passes references
-fn is_zero(seconds: &f64) -> bool {
-    *seconds == 0.0
 }
 
 /// From an edge to the moment that a sample stands for (s): the mean of the ends of its conversions.

@@ -63,8 +63,9 @@ impl Driver {
 mod tests {
     use super::*;
     use servoid_client::Connect;
-    use servoid_protocol::hello::{ClockSource, Hello, ResetCause, Text16};
+    use servoid_protocol::hello::{ClockSource, Hello};
     use servoid_protocol::{RigMessage, framing};
+    use servoid_test_support::hello::hello;
     use std::io::Result as IoResult;
 
     /// A port whose program is stopped for 15 s in its first read. What came meanwhile is there afterwards.
@@ -106,20 +107,8 @@ mod tests {
             // Another protocol's: a hello alone opens the session.
             schema_hash: 1,
             protocol_version: 1,
-            board: Text16::new("bench"),
-            build: Text16::new("0"),
-            unique_id: [7; 12],
             clock: ClockSource::Simulated,
-            reset_cause: ResetCause::PowerOn,
-            frame_us: 20_000,
-            sample_us: 2_000,
-            first_sample_us: 500,
-            aperture_us: 84,
-            oversampling: 4,
-            full_scale_counts: 16_380,
-            shortest_pulse_us: 800,
-            longest_pulse_us: 2_200,
-            history_frames: 256,
+            ..hello()
         };
         let mut wire = [0; framing::MAX_WIRE];
         let waiting = framing::encode(&RigMessage::Hello(hello), &mut wire);

@@ -326,32 +326,14 @@ fn check(
 mod tests {
     use super::super::measured::{Level, MeasuredPulse};
     use super::*;
-    use servoid_protocol::hello::{ResetCause, Text16};
     use servoid_protocol::loopback::Vitals;
     use servoid_protocol::message::{Activity, Status};
-    use servoid_protocol::schema::{PROTOCOL_VERSION, SCHEMA_HASH};
-    use servoid_protocol::{Counts, Health, Hello};
+    use servoid_protocol::{Counts, Health};
+    use servoid_test_support::hello::hello;
 
     /// As on a good board.
     fn good() -> Measured {
-        let hello = Hello {
-            protocol_version: PROTOCOL_VERSION,
-            schema_hash: SCHEMA_HASH,
-            board: Text16::new("bench"),
-            build: Text16::new("0"),
-            unique_id: [7; 12],
-            clock: ClockSource::Crystal,
-            reset_cause: ResetCause::PowerOn,
-            frame_us: 20_000,
-            sample_us: 2_000,
-            first_sample_us: 500,
-            aperture_us: 84,
-            oversampling: 4,
-            full_scale_counts: 16_380,
-            shortest_pulse_us: 800,
-            longest_pulse_us: 2_200,
-            history_frames: 256,
-        };
+        let hello = hello();
         let status = Status {
             activity: Activity::Idle,
             sensor: Counts(0),

@@ -57,13 +57,10 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
         evidence,
     };
     Ok(Fitted {
-        candidate,
-        estimate,
         linearity,
         misfit: Some(misfit),
-        slow_end: None,
         feedback,
-        uneven: None,
+        ..Fitted::untested(candidate, estimate)
     })
 }
 
