@@ -26,6 +26,9 @@ class Quantity:
         Best estimate.
     lower, upper : float or None
         Bounds; ``None`` where they are withdrawn, or nothing bounds the value on that side.
+    other_fits : tuple of float or None
+        The least and the most among fits with other terms that predict as well and fits to each quarter of the
+        recording, where bounds are withdrawn. Not an interval.
     """
 
     name: str
@@ -34,6 +37,7 @@ class Quantity:
     value: float
     lower: float | None
     upper: float | None
+    other_fits: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +117,7 @@ class ServoModel:
         found = {}
         for fields in self._fields["quantities"]:
             bounds = fields.get("bounds") or {}
+            others = fields.get("other_fits")
             found[fields["name"]] = Quantity(
                 fields["name"],
                 fields["unit"],
@@ -120,6 +125,7 @@ class ServoModel:
                 fields["value"],
                 bounds.get("lower"),
                 bounds.get("upper"),
+                None if others is None else (others["least"], others["most"]),
             )
         return found
 

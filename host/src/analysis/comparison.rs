@@ -5,6 +5,7 @@ use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::ModelMetadata;
+use crate::data::unit_mix::advice_on_units;
 use crate::presentation::summary;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
@@ -40,6 +41,10 @@ pub fn compared(
     let same = fingerprint::advice_on_sides(&prints_a, &prints_b);
     let overlap = || fingerprint::advice_on_overlap(&a.record, &b.record);
     say_first(&mut found, same.or_else(overlap));
+    if a.about.units().output.is_none() {
+        let advice = advice_on_units(names, [a.record.runs(), b.record.runs()]);
+        found.advice.splice(0..0, advice);
+    }
     found.advice.extend(a.about.other_calibration(&b.about));
     found.advice.extend(a.about.other_sensor_delay(&b.about));
     Ok(found)

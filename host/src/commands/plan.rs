@@ -5,6 +5,7 @@ use super::output::{Output, wrong_usage};
 use super::reference_args::ReferenceArgs;
 use super::rig_args::RigFileArgs;
 use crate::instrument::reference;
+use crate::instrument::simulated_servo::caution;
 use crate::plan::{
     AssumedServo, AssumedServoError, Plan, PlanRequest, figure, is_servo_model, of_plan,
 };
@@ -76,6 +77,9 @@ impl PlanArgs {
         let (output, talk) = (self.output, self.output.talk);
         output.check(&self.out)?;
         let assumed = self.assumed()?;
+        if let Some(caution) = caution(&self.servo).filter(|_| self.model.is_none()) {
+            talk.say(caution);
+        }
         let servo_model = self.servo_model || self.model.is_none() && is_servo_model(&self.servo);
         let us_per_degree = self.rig.read(None, talk)?.file.servo.us_per_degree;
         let request = PlanRequest {

@@ -7,6 +7,7 @@ use super::output::Output;
 use super::reference_args::ReferenceArgs;
 use crate::analysis::SimulatedServo;
 use crate::data::rig_file::RigFile;
+use crate::instrument::simulated_servo::caution;
 use anyhow::Result;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
@@ -51,6 +52,9 @@ impl Simulate {
         // Before a file is reserved: a servo that there is not is wrong usage.
         let address = servo.address().map_err(input::no_servo)?;
         let (rig, talk) = (RigFile::default(), self.output.talk);
+        if let Some(caution) = caution(&self.servo) {
+            talk.say(caution);
+        }
         let job = CaptureJob {
             address: &address,
             reference: self.reference.resolve(rig.servo.us_per_degree, talk)?,

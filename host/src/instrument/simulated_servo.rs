@@ -108,6 +108,21 @@ pub fn options(text: &str) -> Result<SimulationOptions, SimulatedServoError> {
     })
 }
 
+/// What to say before the servo that `text` describes is simulated: that its model does not predict the recording it comes from. `None` of
+/// one that does, and of a servo that is no model.
+#[must_use]
+pub fn caution(text: &str) -> Option<String> {
+    let path = Path::new(text.split('?').next()?);
+    let found = ModelFile::read(path).ok()?.servo_model().ok()??;
+    let percent = found.model.prediction_percent();
+    let shown = path.display();
+    (!found.model.predicts()).then(|| {
+        format!(
+            "the servo model of {shown} predicts the recording that it comes from to {percent:.1} % only: what is simulated by it is not that servo"
+        )
+    })
+}
+
 /// The servo of a model file.
 fn machine(
     path: &Path,

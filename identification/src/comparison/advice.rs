@@ -124,11 +124,15 @@ pub(super) fn gather(
     };
     let fewest = sides.iter().map(rested).min().unwrap_or(0);
     if fewest < LEVELS_FOR_ENDS {
+        let levels = match fewest {
+            0 => "no level".to_owned(),
+            1 => "one level".to_owned(),
+            more => format!("{more} levels"),
+        };
         advice.push(Advice::new(
             Check::Levels,
             format!(
-                "The servo rested at {fewest} levels of the command, which do not show where between them it loses travel, nor whether it meets \
-                 a stop."
+                "The servo rested at {levels} of the command, which does not show where it loses travel, nor whether it meets a stop."
             ),
             fewest as f64,
             LEVELS_FOR_ENDS as f64,

@@ -12,15 +12,17 @@
 //!   sign of the inverse of the controller, which is opposite to the motion of the servo where the loop is stable.
 //!
 //! A smooth input does not separate lags: the errors of a servo that is not linear gather at lag 0 as anywhere, and what comes next in
-//! the input follows from what was. So neither shows a loop there; both show that the input does not determine the response.
+//! the input follows from what was. So neither shows a loop there; both show that the input does not determine the response. The same
+//! holds for an input of straight pieces, which no controller makes of a motion that is not straight.
 //!
 //! Where the errors are no noise, [what makes the input](super::input_origin) is asked, too.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::data::Moments;
+use crate::data::{Moments, Run};
 use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
+use crate::diagnostics::input_origin::is_of_straight_pieces;
 use crate::diagnostics::residual_tests::ScoreTest;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{Excitation, GlsFit, noise_filter};
@@ -39,9 +41,9 @@ pub struct Feedback {
     pub at_once: f64,
     /// Its size, as a share of the largest value of the step response.
     pub share: f64,
-    /// Whether the input is smooth: then neither shows a loop.
-    #[serde(default)]
-    pub smooth: bool,
+    /// Whether neither can show a loop: the input is smooth, or made of straight pieces as only a planned one is.
+    #[serde(default, alias = "smooth")]
+    pub uninformative: bool,
     /// Share of what is new in the input that past outputs explain, where the errors are not noise; `None` elsewhere, and
     /// where nothing is new.
     #[serde(default)]
@@ -52,12 +54,12 @@ impl Feedback {
     /// Whether it is beyond chance, where the errors are noise.
     #[must_use]
     pub fn is_found(&self) -> bool {
-        self.is_beyond_chance() && !self.smooth
+        self.is_beyond_chance() && !self.uninformative
     }
 
-    /// Whether what would show a loop under another input shows that a smooth one does not determine the response.
+    /// Whether what would show a loop under another input shows that this one does not determine the response.
     pub(crate) fn mixes_lags(&self) -> bool {
-        self.is_beyond_chance() && self.smooth
+        self.is_beyond_chance() && self.uninformative
     }
 
     fn is_beyond_chance(&self) -> bool {
@@ -67,7 +69,7 @@ impl Feedback {
     /// Whether it is evident whatever the errors are.
     #[must_use]
     pub fn is_evident(&self) -> bool {
-        let against_motion = self.is_against_motion() && self.share > EVIDENT_SHARE && !self.smooth;
+        let against_motion = self.is_against_motion() && self.share > EVIDENT_SHARE && !self.uninformative;
         against_motion || self.is_explained()
     }
 
@@ -88,11 +90,12 @@ pub(crate) fn feedback(
     fit: &GlsFit,
     (at_once, share): (f64, f64),
 ) -> Feedback {
+    let recorded: Vec<&Run<'_>> = runs.iter().map(|simulated| &simulated.run).collect();
     Feedback {
         p: inputs_to_come(runs, moments, fit).unwrap_or(1.0),
         at_once,
         share,
-        smooth: Excitation::of(moments).is_smooth(),
+        uninformative: Excitation::of(moments).is_smooth() || is_of_straight_pieces(&recorded),
         explained: None,
     }
 }

@@ -96,6 +96,8 @@ pub enum Check {
     StillRising,
     /// Whether samples are there twice.
     SameData,
+    /// Whether all recordings seem to be in the same units.
+    UnitMix,
     /// Whether some values are sentinels of missing ones.
     #[serde(alias = "stand_in")]
     SentinelValues,

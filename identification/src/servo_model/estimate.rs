@@ -8,6 +8,7 @@ use super::fit::Problem;
 use super::ladder::{Ladder, Rung};
 use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
 use super::motion::largest_error;
+use super::other_fits::fits_of_folds;
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
 use super::search::{Shown, other_starts};
@@ -166,19 +167,41 @@ pub fn fit_watched(
         let found = uncertainty(&problem, &point, fold_of.len());
         possible.push(found.servo_at(point));
     }
+    let others = match &level {
+        Bounds::Valid(_) => Vec::new(),
+        Bounds::Withdrawn(_) => {
+            let members = possible[1..].iter().map(|servo| servo.point.clone());
+            let problem = coarse.problem(&parts);
+            let of_folds = fits_of_folds(&problem, &possible[0].point, &shown, &fold_of);
+            members.chain(of_folds).collect()
+        }
+    };
     if watch.ends() {
         return Err(Error::SearchEnded);
     }
     let ladder = Climbed { tried, chosen };
-    Ok(describe(
-        record, options, level, &parts, &ladder, &possible, found,
-    ))
+    let servos = Servos {
+        level,
+        possible,
+        others,
+    };
+    Ok(describe(record, options, &parts, &ladder, &servos, found))
 }
 
 /// The rungs that were tried, and the chosen one.
 struct Climbed {
     tried: Vec<Rung>,
     chosen: usize,
+}
+
+/// What the record says of the servo.
+struct Servos {
+    /// The level of intervals, if they hold.
+    level: Bounds<f64>,
+    /// The chosen servo, and those that predict as well.
+    possible: Vec<PossibleServo>,
+    /// Those of other fits, where intervals do not hold.
+    others: Vec<Point>,
 }
 
 /// Samples that are needed: a few for each of the blocks.
@@ -248,12 +271,14 @@ fn radians(record: &Record) -> f64 {
 fn describe(
     record: &Record,
     options: &ServoModelOptions,
-    level: Bounds<f64>,
     parts: &[Stretch],
     choice: &Climbed,
-    possible: &[PossibleServo],
+    servos: &Servos,
     found: Uncertainty,
 ) -> ServoModel {
+    let Servos {
+        level, possible, ..
+    } = servos;
     let point = &possible[0].point;
     let known: Vec<f64> = found
         .errors()
@@ -298,15 +323,16 @@ fn describe(
             level: *level,
             rows: rows(&possible[0].covariance),
         }),
-        alternatives: match &level {
+        alternatives: match level {
             Bounds::Withdrawn(_) => Vec::new(),
             _ => possible[1..].iter().map(alternative).collect(),
         },
         quantities: quantities(
             possible,
             pointwise_critical(options.level),
-            &level,
+            level,
             &found.motion.fastest,
+            &servos.others,
         ),
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),

@@ -20,6 +20,7 @@ mod ladder;
 mod model;
 mod motion;
 mod noise_at_rest;
+mod other_fits;
 mod possible_servo;
 mod prediction;
 mod quantities;
@@ -45,6 +46,6 @@ pub use model::{
     ServoModel, ServoResponse,
 };
 pub use prediction::no_prediction;
-pub use quantities::{Quantity, Unit};
+pub use quantities::{Quantity, Spread, Unit};
 pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters};
 pub use watch::Watch;

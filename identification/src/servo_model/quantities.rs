@@ -46,6 +46,19 @@ pub struct Quantity {
     /// Lower and upper bound, where bounds hold; a missing bound excludes nothing.
     #[serde(flatten)]
     pub interval: Bounds<Interval>,
+    /// How far other fits to the record go apart, where no interval can be given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub other_fits: Option<Spread>,
+}
+
+/// The least and the most of a quantity among fits to the same record: this one, those with other terms that predict as well, and those
+/// to each quarter of the record alone. Not an interval: no level says how often the truth is inside.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// The least.
+    pub least: f64,
+    /// The most.
+    pub most: f64,
 }
 
 /// The name of the only quantity that is a time from the edge of a command.
@@ -228,12 +241,13 @@ fn load_at_zero(p: &ServoParameters<f64>) -> Option<f64> {
     (p.load != Load::None).then(|| p.holding_command(0.0))
 }
 
-/// The quantities of the first of `possible`, with intervals that hold those of all, where bounds hold.
+/// The quantities of the first of `possible`, with intervals that hold those of all, where bounds hold; elsewhere with those of `others`.
 pub(super) fn quantities(
     possible: &[PossibleServo],
     critical: f64,
     level: &Bounds<f64>,
     fastest: &Fastest,
+    others: &[Point],
 ) -> Vec<Quantity> {
     let of = |definition: &Definition| {
         let value = definition.value(&possible[0].point)?;
@@ -248,6 +262,7 @@ pub(super) fn quantities(
             determined: definition.is_determined(&interval),
             value,
             interval: level.as_ref().map(|_| interval),
+            other_fits: level.withdrawn().map(|_| definition.spread(value, others)),
         })
     };
     DEFINITIONS.iter().filter_map(of).collect()
@@ -266,6 +281,16 @@ fn hull(a: Interval, b: Interval) -> Interval {
 impl Definition {
     fn value(&self, point: &Point) -> Option<f64> {
         (self.of)(&point.physics(0, |_, value| value))
+    }
+
+    /// From `value` to those of `others`; one without the term counts as in [`Self::interval`].
+    fn spread(&self, value: f64, others: &[Point]) -> Spread {
+        let without = (self.domain == Domain::NotNegative).then_some(0.0);
+        let values = || others.iter().filter_map(|point| self.value(point).or(without));
+        Spread {
+            least: values().fold(value, f64::min),
+            most: values().fold(value, f64::max),
+        }
     }
 
     /// The interval by one servo. One without the term says zero where that is what being without it means, and
@@ -355,6 +380,7 @@ mod tests {
             determined: true,
             value: 0.02,
             interval,
+            other_fits: None,
         };
         let found = Interval::new(0.02, 0.019, 0.021);
         let withdrawn = Bounds::Withdrawn(Reason::ErrorsNotNoise);

@@ -6,6 +6,7 @@
 
 use crate::data::Record;
 use servoid_dynamics::Start;
+use std::ops::Range;
 
 /// Blocks of a record, at least: enough to show whether an advantage exceeds its scatter.
 const BLOCKS: usize = 32;
@@ -42,8 +43,9 @@ impl Stretch {
         self.first_block + k / self.block_length
     }
 
-    fn blocks(&self) -> usize {
-        self.input.len().div_ceil(self.block_length)
+    /// Its blocks.
+    pub(super) fn blocks(&self) -> Range<usize> {
+        self.first_block..self.first_block + self.input.len().div_ceil(self.block_length)
     }
 }
 
@@ -90,7 +92,7 @@ pub(super) fn stretches(record: &Record, controllers: &[usize]) -> (Vec<Stretch>
         let count = (stretch.input.len() / block_length).max(1);
         stretch.block_length = stretch.input.len().div_ceil(count);
         stretch.first_block = blocks;
-        blocks += stretch.blocks();
+        blocks = stretch.blocks().end;
     }
     let folds = folds(&all, blocks, record.runs().len());
     (all, folds)
@@ -150,7 +152,7 @@ pub(super) const FOLDS: usize = 4;
 fn folds(stretches: &[Stretch], blocks: usize, runs: usize) -> Vec<usize> {
     let mut folds = vec![0; blocks];
     for stretch in stretches {
-        let own = stretch.first_block..stretch.first_block + stretch.blocks();
+        let own = stretch.blocks();
         for (block, fold) in own.clone().zip(&mut folds[own]) {
             let dealt = if runs >= FOLDS { stretch.run } else { block };
             *fold = digit_sum(dealt) % FOLDS;

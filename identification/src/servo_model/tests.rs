@@ -184,6 +184,7 @@ fn a_limited_servo_is_found_again() {
             .iter()
             .find(|quantity| quantity.name == name)
             .unwrap();
+        assert_eq!(quantity.other_fits, None);
         let interval = quantity.interval.valid().unwrap();
         assert!(interval.contains(truth), "{name}: {truth} {interval:?}");
     }
@@ -225,12 +226,18 @@ fn two_levels_have_no_intervals() {
     let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 3)).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
     assert_eq!(found.covariance.withdrawn(), Some(Reason::InputUnexcited));
-    assert!(
-        found
-            .quantities
-            .iter()
-            .all(|quantity| quantity.interval.withdrawn().is_some())
-    );
+    for quantity in &found.quantities {
+        assert!(quantity.interval.withdrawn().is_some());
+        let Spread { least, most } = quantity.other_fits.unwrap();
+        assert!(least <= quantity.value && quantity.value <= most);
+    }
+    // Between two levels fits to parts of the record agree on the time, and not on friction.
+    let spread = |name: &str| {
+        let mut named = found.quantities.iter().filter(|found| found.name == name);
+        named.next().and_then(|found| found.other_fits).unwrap()
+    };
+    let delay = spread("delay");
+    assert!(delay.most - delay.least < 2e-3, "{delay:?}");
     assert!(
         found.alternatives.is_empty() && found.respond(&[0.0, 1.0], 0).half_width.valid().is_none()
     );

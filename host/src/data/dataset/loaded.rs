@@ -4,6 +4,7 @@ use super::about::About;
 use super::error::{DatasetError, DatasetFault};
 use crate::data::file_error::FileError;
 use crate::data::model_metadata::ModelMetadata;
+use crate::data::unit_mix::advice_on_units;
 use servoid_identification::{Error, Run};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -48,7 +49,14 @@ impl Loaded<'_> {
             });
         }
         let [own, another] = [&self.about, &next.about].map(ModelMetadata::from);
-        own.same_units(&listed(earlier), &another, &path.display().to_string())?;
+        let (names, name) = (listed(earlier), path.display().to_string());
+        own.same_units(&names, &another, &name)?;
+        if own.units().output.is_none()
+            && let Some(advice) = advice_on_units([&names, &name], [&self.runs, &next.runs])
+        {
+            self.about.remarks.push(advice.finding.clone());
+            self.about.advice.push(advice);
+        }
         self.runs.extend(next.runs);
         self.controllers.extend(next.controllers);
         self.rest.extend(next.rest);

@@ -51,7 +51,7 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset<'stat
     for (index, path) in paths.iter().enumerate() {
         // A run that counts twice would make bounds narrower than they are.
         let earlier = paths.get(..index).unwrap_or_default();
-        let next = match earlier.contains(path) {
+        let next = match earlier.iter().any(|other| is_same_file(other, path)) {
             true => Err(DatasetFault::Twice),
             false => load_one(path, options),
         };
@@ -62,6 +62,12 @@ pub fn load(paths: &[PathBuf], options: &DatasetOptions) -> Result<Dataset<'stat
         }
     }
     together(all.unwrap_or_default(), &listed(paths))
+}
+
+/// Whether both names are of one file: "a.csv" is "./a.csv".
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| path.canonicalize().ok();
+    a == b || resolved(a).is_some_and(|a| resolved(b) == Some(a))
 }
 
 /// [`load`] of the content of one file, which is called `path`.

@@ -19,6 +19,9 @@ const RUNS: [&str; 6] = [
     "episode",
 ];
 
+/// Names of a column that says which controller, or which gain of it, drove a run.
+const CONTROLLERS: [&str; 4] = ["kp", "k_p", "gain", "controller"];
+
 /// "--input u --output y --period SECONDS" for a file with these columns; words in capitals where no name
 /// is known.
 pub(super) fn options(columns: &[String]) -> String {
@@ -27,16 +30,18 @@ pub(super) fn options(columns: &[String]) -> String {
     let word = |column: Option<&String>| column.map_or_else(|| "COLUMN".to_owned(), |c| quoted(c));
     let timed = crate::data::dataset::time_column::column(columns).is_some();
     let taken = |column: &&String| Some(*column) != input && Some(*column) != output;
-    let run = columns
-        .iter()
-        .filter(taken)
-        .find(|column| RUNS.contains(&column.to_lowercase().as_str()));
+    let called = |option: &str, names: &[&str]| {
+        let mut free = columns.iter().filter(taken);
+        let found = free.find(|column| names.contains(&column.to_lowercase().as_str()));
+        found.map_or_else(String::new, |column| format!(" {option} {}", quoted(column)))
+    };
     format!(
-        "--input {} --output {}{}{}",
+        "--input {} --output {}{}{}{}",
         word(input),
         word(output),
         if timed { "" } else { " --period SECONDS" },
-        run.map_or_else(String::new, |run| format!(" --run {}", quoted(run)))
+        called("--run", &RUNS),
+        called("--controller", &CONTROLLERS)
     )
 }
 
@@ -110,6 +115,10 @@ mod tests {
         assert_eq!(
             of(&["t", "u", "y", "Run"]),
             "--input u --output y --run Run"
+        );
+        assert_eq!(
+            of(&["t", "u", "y", "run", "kp"]),
+            "--input u --output y --run run --controller kp"
         );
         assert_eq!(
             of(&["pos_cmd", "pos"]),

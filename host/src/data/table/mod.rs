@@ -1,5 +1,6 @@
 //! Any CSV file, as columns of numbers.
 
+mod cut_row;
 mod error;
 mod layout;
 mod number;
@@ -9,6 +10,7 @@ pub use error::{TableError, TableFault};
 pub(crate) use layout::is_unit;
 
 use crate::data::input_file;
+use cut_row::cut_row;
 use layout::{Layout, fits};
 use number::Decimal;
 use rows::reader;
@@ -66,7 +68,13 @@ impl Table {
         if bytes.starts_with(BYTE_ORDER_MARK) {
             bytes.drain(..BYTE_ORDER_MARK.len());
         }
-        let layout = Layout::of(&bytes).ok_or(TableFault::Empty)?;
+        let mut layout = Layout::of(&bytes).ok_or(TableFault::Empty)?;
+        let rows = bytes.get(layout.rows_at..).unwrap_or_default();
+        if let Some(begins) = cut_row(rows, layout.separator) {
+            bytes.truncate(layout.rows_at + begins);
+            let remark = "its last row has no end of line, and fewer decimals than those before it: it is taken for cut off, and left out";
+            layout.remarks.push(remark.to_owned());
+        }
         let rows = bytes.get(layout.rows_at..).unwrap_or_default();
         if let [only] = &layout.columns[..]
             && only.split_whitespace().count() > 1

@@ -2,7 +2,7 @@
 
 use super::comparison::subject_in_words;
 use super::first_finding::first_finding;
-use super::model_sentence::certainty;
+use super::model_sentence::{certainty, hides_step};
 use super::numbers::percent;
 use servoid_identification::comparison::{Comparison, ComparisonBounds, Direction, Verdict};
 use servoid_identification::results::{Advice, Bounds, Check, Interval, Model};
@@ -11,6 +11,9 @@ use servoid_identification::results::{Advice, Bounds, Check, Interval, Model};
 pub(crate) fn headline_of_model(model: &Model) -> String {
     if let Some(item) = first_finding(model) {
         return format!("{} {}", item.finding, item.remedy);
+    }
+    if hides_step(model) {
+        return certainty(model);
     }
     let ms = |time: Interval| time.value.map(|seconds| format!("{:.0} ms", 1e3 * seconds));
     let half = ms(model.metrics.t50_s).map(|time| format!("is half way after {time}"));

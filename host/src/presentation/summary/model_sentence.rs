@@ -3,7 +3,7 @@
 use super::first_finding::first_finding;
 use super::numbers::percent;
 use crate::data::units::Units;
-use servoid_identification::results::{Bounds, Interval, Model};
+use servoid_identification::results::{Bounds, Interval, Model, StepBounds};
 
 /// What kind of servo, how fast, how sure.
 #[must_use]
@@ -16,8 +16,16 @@ pub fn model_sentence(model: &Model, units: Units<'_>) -> String {
             model.fit.simulation_percent,
             certainty(model)
         ),
+        None if hides_step(model) => certainty(model),
         None => format!("{} {}", motion(model, units), certainty(model)),
     }
+}
+
+/// Whether the band is wider than the step itself, so that no figure of it is a finding.
+pub(super) fn hides_step(model: &Model) -> bool {
+    let gain = model.step.value.last().map_or(1.0, |gain| gain.abs());
+    let whole = |bounds: &StepBounds| bounds.mean_half_widths().1;
+    (model.step.bounds.valid()).is_some_and(|bounds| whole(bounds) > gain)
 }
 
 /// How the servo answers a step of the command.
@@ -27,8 +35,13 @@ fn motion(model: &Model, units: Units<'_>) -> String {
     let mut parts = Vec::new();
     parts.extend(ms(metrics.delay_s).map(|time| format!("begins to move after {time}")));
     parts.extend(ms(metrics.t50_s).map(|time| format!("is half way after {time}")));
+    // A response of which the record shows no end stays there at some later time.
+    let settled = metrics.settling_time_s;
+    let has_end = metrics.bounds.withdrawn().is_some() || settled.upper.is_some();
     parts.extend(
-        ms(metrics.settling_time_s).map(|time| format!("stays within 2 % of its end after {time}")),
+        ms(settled)
+            .filter(|_| has_end)
+            .map(|time| format!("stays within 2 % of its end after {time}")),
     );
     parts.extend(
         metrics
@@ -74,6 +87,12 @@ pub(super) fn certainty(model: &Model) -> String {
             };
             let (_, whole) = bounds.mean_half_widths();
             let gain = model.step.value.last().map_or(1.0, |gain| gain.abs());
+            if hides_step(model) {
+                return format!(
+                    "The recording does not show how the servo answers a step: its band, at {} % confidence, is wider than the step.",
+                    percent(bounds.level)
+                );
+            }
             format!(
                 "{linear}The whole step response is known to ±{:.2} % of its end on average, with {} % confidence.",
                 100.0 * whole / gain,

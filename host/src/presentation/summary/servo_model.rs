@@ -6,7 +6,7 @@ use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::servo_model::{
     LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, ServoFit, ServoModel,
-    Terms, Unit,
+    Spread, Terms, Unit,
 };
 use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
 
@@ -26,60 +26,90 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
     }
     let of = |name: &str| {
         let found = model.quantities.iter().find(|found| found.name == name);
-        found
-            .filter(|found| found.determined)
-            .map(|found| found.value)
+        found.filter(|found| found.determined)
     };
     let is_sure = model.covariance.valid().is_some();
-    let four_digits = |value: f64| match is_sure {
-        true => four_digits(value),
-        false => format!("about {}", digits(value, 2)),
-    };
     let unit = |unit: Option<&str>| unit.map(|unit| format!(" {unit}")).unwrap_or_default();
     let (command, output) = (unit(units.input), unit(units.output));
-    let turn = |speed: f64| {
-        let seconds = seconds_per_60_degrees(speed, units);
+    let turn = |speed: &Quantity| {
+        let stated = seconds_per_60_degrees(speed.value, units);
+        let assumed = || {
+            let seconds = seconds_per_60_degrees(speed.value, assumed_units(model, units)?)?;
+            Some(format!("{seconds} if that is degrees"))
+        };
+        let seconds = stated.or_else(assumed);
         seconds.map_or_else(String::new, |seconds| format!(" ({seconds})"))
     };
+    let speed = |found: &Quantity| format!("{}{output}/s{}", figure(found, 1.0), turn(found));
     let speeds = of("top speed upwards").zip(of("top speed downwards"));
     let kind = match speeds {
-        Some((up, down)) if up == down => {
-            format!("limited to {}{output}/s{}", four_digits(up), turn(up))
-        }
+        Some((up, down)) if up.value == down.value => format!("is limited to {}", speed(up)),
         Some((up, down)) => format!(
-            "limited to {}{output}/s{} upwards and {}{output}/s{} downwards",
-            four_digits(up),
-            turn(up),
-            four_digits(down),
-            turn(down)
+            "is limited to {} upwards and {} downwards",
+            speed(up),
+            speed(down)
         ),
-        None if model.terms.limit => "limited in its drive".to_owned(),
-        None if is_sure => "linear".to_owned(),
-        None => "much like a linear one".to_owned(),
+        None if model.terms.limit => "is limited in its drive".to_owned(),
+        None if is_sure => "is linear".to_owned(),
+        // Of a servo whose speed does not show, nothing is known that would make it linear.
+        None if of("bandwidth at small signals").is_none() => {
+            "does not show in this recording how fast it is".to_owned()
+        }
+        None => "is much like a linear one".to_owned(),
     };
     let rest = of("resting error by friction")
-        .filter(|error| *error > 0.0)
-        .map(|error| format!("rests within {}{command} of its target", four_digits(error)));
+        .filter(|error| error.value > 0.0)
+        .map(|error| {
+            format!(
+                "rests within {}{command} of its target",
+                figure(error, 1.0)
+            )
+        });
     let load = match model.terms.load {
         LoadKind::None => None,
         LoadKind::Constant => Some("works against a constant load"),
         LoadKind::Pendulum | LoadKind::TiltedPendulum => Some("carries a weight"),
         LoadKind::Air => Some("works against a load that stiffens to one side"),
     };
-    let delay =
-        of("delay").map(|delay_s| format!("answers {} ms late", four_digits(1e3 * delay_s)));
+    let delay = of("delay").map(|delay| format!("answers {} ms late", figure(delay, 1e3)));
     let parts = [rest, load.map(str::to_owned), delay].into_iter().flatten();
-    let all: Vec<String> = std::iter::once(format!("is {kind}")).chain(parts).collect();
+    let all: Vec<String> = std::iter::once(kind).chain(parts).collect();
     format!(
         "This servo {}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{}{}",
         listed_words(&all),
         model.prediction_percent(),
         match is_sure {
             true => "",
-            false => " No intervals can be given: another recording may give other figures.",
+            false =>
+                " No intervals can be given: figures are the least and the most of fits to parts of this recording, and another \
+                 recording may give others.",
         },
-        hidden_by_noise(model).unwrap_or_default() + &better_linear(model).unwrap_or_default()
+        [
+            speeds.and_then(|(up, _)| unlikely_speed(model, up, units)),
+            hidden_by_noise(model),
+            better_linear(model)
+        ]
+        .into_iter()
+        .flatten()
+        .collect::<String>()
     )
+}
+
+/// A quantity times `scale`, to as many digits as are known; without an interval, from the least to the most of other fits.
+fn figure(quantity: &Quantity, scale: f64) -> String {
+    let two_digits = |value: f64| digits(scale * value, 2);
+    match quantity.other_fits {
+        None if quantity.interval.valid().is_some() => four_digits(scale * quantity.value),
+        // Of a file from before other fits were kept.
+        None => format!("about {}", two_digits(quantity.value)),
+        Some(Spread { least, most }) => {
+            let (least, most) = (two_digits(least), two_digits(most));
+            match least == most {
+                true => format!("about {least}"),
+                false => format!("{least}-{most}"),
+            }
+        }
+    }
 }
 
 /// " Noise alone would leave ...": that a poor fit is that of noise, and what it means.
@@ -243,7 +273,7 @@ pub(crate) struct QuantityRow {
     pub value: String,
     /// The unit that people use.
     pub unit: String,
-    /// Its interval, or that the record does not determine it; empty without intervals.
+    /// Its interval, or that the record does not determine it; without intervals, how far other fits go apart.
     pub interval: String,
 }
 
@@ -274,6 +304,14 @@ pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow
         true => stated(quantity.value),
         false => "-".to_owned(),
     };
+    let spread = quantity.other_fits.filter(|_| quantity.determined);
+    let spread = spread.map(|Spread { least, most }| {
+        format!(
+            "other fits {} .. {}",
+            three_digits(scale * least),
+            three_digits(scale * most)
+        )
+    });
     QuantityRow {
         name: quantity.name.clone(),
         value,
@@ -283,7 +321,7 @@ pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow
         } else {
             String::new()
         },
-        interval: interval.unwrap_or_default().trim_end().to_owned(),
+        interval: interval.or(spread).unwrap_or_default().trim_end().to_owned(),
     }
 }
 
@@ -308,14 +346,49 @@ pub(super) fn per_60_degrees(quantity: &Quantity, units: Units<'_>) -> Option<St
     is_speed.then(|| seconds_per_60_degrees(quantity.value, units))?
 }
 
+/// Degrees, where no unit is known and the model takes the command for them.
+fn assumed_units(model: &ServoModel, units: Units<'_>) -> Option<Units<'static>> {
+    let degrees = Some("deg");
+    let assumed = Units {
+        input: degrees,
+        output: degrees,
+    };
+    (units == Units::default() && model.radians_per_command == 1f64.to_radians()).then_some(assumed)
+}
+
+/// Times for 60 degrees that R/C servos have \[s\]: the fastest for the rotors of helicopters take 0.03 s, winches a second.
+const USUAL_TURNS_S: std::ops::RangeInclusive<f64> = 0.025..=1.5;
+
+/// " That is faster than ...": that no servo turns at this speed.
+fn unlikely_speed(model: &ServoModel, speed: &Quantity, units: Units<'_>) -> Option<String> {
+    let units = assumed_units(model, units).unwrap_or(units);
+    let turn_s = turn_time_s(speed.value, units)?;
+    let how = match turn_s {
+        turn_s if USUAL_TURNS_S.contains(&turn_s) => return None,
+        turn_s if turn_s < *USUAL_TURNS_S.start() => "faster",
+        _ => "slower",
+    };
+    Some(format!(
+        " That is {how} than R/C servos turn ({} to {} s/60°): make sure that the time between samples is {:.4} s, and the unit of the output right.",
+        USUAL_TURNS_S.start(),
+        USUAL_TURNS_S.end(),
+        model.sample_period_s
+    ))
+}
+
 /// "0.148 s/60°" of a speed; `None` where the output is not known to be an angle.
 fn seconds_per_60_degrees(speed: f64, units: Units<'_>) -> Option<String> {
+    turn_time_s(speed, units).map(|seconds| format!("{seconds:.3} s/60°"))
+}
+
+/// The time for 60 degrees \[s\]; `None` where the output is not known to be an angle.
+fn turn_time_s(speed: f64, units: Units<'_>) -> Option<f64> {
     let turn = match units.output? {
         "deg" | "°" | "degree" | "degrees" => 60.0,
         "rad" => 60f64.to_radians(),
         _ => return None,
     };
-    (speed > 0.0).then(|| format!("{:.3} s/60°", turn / speed))
+    (speed > 0.0).then(|| turn / speed)
 }
 
 /// Factor to the unit that people use, and its name.
@@ -407,6 +480,7 @@ mod tests {
             determined,
             value: 400.0,
             interval: Bounds::Valid(Interval::new(400.0, lower, upper)),
+            other_fits: None,
         }
     }
 
