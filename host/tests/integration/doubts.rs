@@ -112,7 +112,7 @@ fn noise_makes_a_fit_poor_and_not_a_right_model_wrong() {
     }
     std::fs::write(&file, text).unwrap();
     let (text, document) = identified(&file, ["u", "y"], &["--servo-model"]);
-    assert!(text.starts_with("This servo is"), "{text}");
+    assert!(text.starts_with("This servo "), "{text}");
     assert!(text.contains("Noise alone would leave"), "{text}");
     assert!(!checks(&document).contains(&"prediction"));
 }
@@ -186,4 +186,20 @@ fn a_response_that_takes_longer_than_any_servo_is_named() {
     assert_eq!(checks(&document)[0], "duration");
     let (text, document) = identified(&bare, names, &["--period", "0.002"]);
     assert!(!checks(&document).contains(&"duration"), "{text}");
+}
+
+/// Triangles and squares under a servo that is not linear: what comes next in them is related to its errors, and no controller makes them.
+#[test]
+fn planned_triangles_are_not_taken_for_a_closed_loop() {
+    let dir = tempfile::tempdir().unwrap();
+    let runs_34_to_49 = part(dir.path(), "miuzei_rc_servo_large.csv", 3350..4950);
+    let how = ["--run", "run", "--at-rest", "0"];
+    let (text, document) = identified(&runs_34_to_49, ["u", "y"], &how);
+    assert!(!checks(&document).contains(&"feedback"), "{text}");
+    // Without intervals its figures are ranges.
+    assert!(text.starts_with("This servo is limited to "), "{text}");
+    let delay = &document["servo_model"]["quantities"][0];
+    assert_eq!((&delay["name"], &delay["bounds"]), (&"delay".into(), &Value::Null));
+    let of = |key: &str| delay["other_fits"][key].as_f64().unwrap();
+    assert!(of("least") + 0.01 < of("most"), "{delay}");
 }

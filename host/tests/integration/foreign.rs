@@ -340,3 +340,24 @@ fn what_was_said_once_is_known_and_an_unlikely_period_is_named() {
     let sentence = refusal(&[&["identify", &rows], &swapped[..]].concat());
     assert!(sentence.contains("seem to be swapped"), "{sentence}");
 }
+
+/// A last row that was cut in its last number, files in different units, and one file under two names.
+#[test]
+fn what_is_cut_mixed_or_named_twice_is_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let row = |k: u32, u: f64, y: f64| format!("{k},{u},{y:.4}\n");
+    let degrees = file(dir.path(), "degrees.csv", "time_ms,u,y\n", row);
+    let radians = file(dir.path(), "radians.csv", "time_ms,u,y\n", |k, u, y| {
+        row(k, u.to_radians(), y.to_radians())
+    });
+    let cut = dir.path().join("cut.csv");
+    let whole = std::fs::read_to_string(&degrees).unwrap();
+    std::fs::write(&cut, &whole[..whole.len() - 3]).unwrap();
+    let (.., said) = identified(arg(&cut), &NAMED);
+    assert!(said.contains("its last row has no end of line"), "{said}");
+    let (.., said) = identified(&degrees, &[&NAMED[..], &[&radians]].concat());
+    assert!(said.contains("move 57 times as far in"), "{said}");
+    let again = dir.path().join(".").join("degrees.csv");
+    let said = refusal(&[&["identify", &degrees, arg(&again)], &NAMED[..]].concat());
+    assert!(said.contains("is named twice"), "{said}");
+}

@@ -1,7 +1,7 @@
 //! The equation against exact answers, and the fit against servos that are known.
 
 use super::coordinates::{Coordinate, LoadKind, Point, Terms};
-use super::{ServoModelOptions, fit};
+use super::{ServoModelOptions, Spread, fit};
 use crate::data::{Record, Run};
 use crate::results::Reason;
 use rand::SeedableRng;

@@ -110,9 +110,28 @@ impl MetricEntry {
         }
     }
 
-    /// Value and bounds.
+    /// Value and bounds. Without bounds nothing says how many digits hold, so it has three at the most.
     pub(super) fn cell(&self, interval: &Interval) -> (String, String) {
-        (self.value(interval.value), self.bounds(interval))
+        let bounds = self.bounds(interval);
+        let value = match interval.value {
+            Some(value) if bounds.is_empty() => self.rough(value),
+            value => self.value(value),
+        };
+        (value, bounds)
+    }
+
+    fn rough(&self, value: f64) -> String {
+        let (_, scale, digits) = self.unit;
+        let leading = (scale * value).abs().log10().floor();
+        let most = match self.key {
+            "dc_gain" => decimals(value, 3),
+            _ => digits,
+        };
+        let decimals = match leading.is_finite() {
+            true => (2 - leading as i32).clamp(0, most as i32) as usize,
+            false => most,
+        };
+        format!("{:.decimals$}", scale * value)
     }
 
     fn bounds(&self, interval: &Interval) -> String {

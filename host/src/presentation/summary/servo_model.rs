@@ -71,7 +71,13 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
         LoadKind::Pendulum | LoadKind::TiltedPendulum => Some("carries a weight"),
         LoadKind::Air => Some("works against a load that stiffens to one side"),
     };
-    let delay = of("delay").map(|delay| format!("answers {} ms late", figure(delay, 1e3)));
+    let delay = of("delay").map(|delay| {
+        let most_s = delay.other_fits.map_or(delay.value, |spread| spread.most);
+        match most_s < AT_ONCE * model.sample_period_s {
+            true => "answers at once".to_owned(),
+            false => format!("answers {} ms late", figure(delay, 1e3)),
+        }
+    });
     let parts = [rest, load.map(str::to_owned), delay].into_iter().flatten();
     let all: Vec<String> = std::iter::once(kind).chain(parts).collect();
     format!(
@@ -94,6 +100,9 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
         .collect::<String>()
     )
 }
+
+/// A delay of so many samples does not show.
+const AT_ONCE: f64 = 0.01;
 
 /// A quantity times `scale`, to as many digits as are known; without an interval, from the least to the most of other fits.
 fn figure(quantity: &Quantity, scale: f64) -> String {
@@ -307,7 +316,7 @@ pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow
     let spread = quantity.other_fits.filter(|_| quantity.determined);
     let spread = spread.map(|Spread { least, most }| {
         format!(
-            "other fits {} .. {}",
+            "other fits {} to {}",
             three_digits(scale * least),
             three_digits(scale * most)
         )
@@ -472,6 +481,7 @@ fn digits(value: f64, count: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use servoid_identification::results::Reason;
 
     fn quantity(name: &str, determined: bool, lower: f64, upper: f64) -> Quantity {
         Quantity {
@@ -482,6 +492,22 @@ mod tests {
             interval: Bounds::Valid(Interval::new(400.0, lower, upper)),
             other_fits: None,
         }
+    }
+
+    #[test]
+    fn a_figure_without_an_interval_is_how_far_other_fits_go_apart() {
+        let mut speed = quantity("top speed upwards", true, 390.0, 410.0);
+        assert_eq!(figure(&speed, 1.0), "400.0");
+        speed.interval = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+        let (least, most) = (371.4, 421.7);
+        speed.other_fits = Some(Spread { least, most });
+        assert_eq!(figure(&speed, 1.0), "371-422");
+        let row = quantity_row(&speed, Units::default());
+        assert_eq!((row.value.as_str(), row.interval.as_str()), ("400", "other fits 371 to 422"));
+        speed.other_fits = Some(Spread { least: 399.6, most: 400.4 });
+        assert_eq!(figure(&speed, 1.0), "about 400");
+        speed.other_fits = None;
+        assert_eq!(figure(&speed, 1.0), "about 400");
     }
 
     #[test]
