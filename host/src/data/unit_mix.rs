@@ -15,7 +15,9 @@ pub(crate) fn advice_on_units(names: [&str; 2], runs: [&[Run<'_>]; 2]) -> Option
     let far = |input: f64, output: f64| input.min(output) > APART && input.is_finite();
     let (small, large, times) = match () {
         () if far(input, output) => (names[1], names[0], input.min(output)),
-        () if far(1.0 / input, 1.0 / output) => (names[0], names[1], (1.0 / input).min(1.0 / output)),
+        () if far(1.0 / input, 1.0 / output) => {
+            (names[0], names[1], (1.0 / input).min(1.0 / output))
+        }
         () => return None,
     };
     Some(Advice::new(
@@ -44,7 +46,11 @@ mod tests {
     use super::*;
 
     fn run(scale: f64) -> Run<'static> {
-        let column = |shift: i32| (0..50).map(|k| scale * f64::from((k + shift) % 9)).collect();
+        let column = |shift: i32| {
+            (0..50)
+                .map(|k| scale * f64::from((k + shift) % 9))
+                .collect()
+        };
         let (input, output): (Vec<f64>, Vec<f64>) = (column(0), column(4));
         Run::new(input, output).unwrap()
     }

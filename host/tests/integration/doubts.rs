@@ -112,7 +112,7 @@ fn noise_makes_a_fit_poor_and_not_a_right_model_wrong() {
     }
     std::fs::write(&file, text).unwrap();
     let (text, document) = identified(&file, ["u", "y"], &["--servo-model"]);
-    assert!(text.starts_with("This servo "), "{text}");
+    assert!(text.starts_with("This servo is"), "{text}");
     assert!(text.contains("Noise alone would leave"), "{text}");
     assert!(!checks(&document).contains(&"prediction"));
 }
@@ -199,7 +199,10 @@ fn planned_triangles_are_not_taken_for_a_closed_loop() {
     // Without intervals its figures are ranges.
     assert!(text.starts_with("This servo is limited to "), "{text}");
     let delay = &document["servo_model"]["quantities"][0];
-    assert_eq!((&delay["name"], &delay["bounds"]), (&"delay".into(), &Value::Null));
+    assert_eq!(
+        (&delay["name"], &delay["bounds"]),
+        (&"delay".into(), &Value::Null)
+    );
     let of = |key: &str| delay["other_fits"][key].as_f64().unwrap();
     assert!(of("least") + 0.01 < of("most"), "{delay}");
 }

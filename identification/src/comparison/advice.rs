@@ -1,8 +1,9 @@
 //! The sentences of advice on a comparison.
 
 use super::motion::Motion;
-use super::outcome::{Comparison, Levels, Sides, Subject, Verdict};
+use super::outcome::{Comparison, Levels, Sides, Subject};
 use super::pair::Identified;
+use super::verdict::Verdict;
 use crate::nonlinear::Limits;
 use crate::results::{Advice, Bounds, Check, Model};
 use crate::thresholds::LEVELS_FOR_ENDS;

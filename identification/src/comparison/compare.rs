@@ -1,16 +1,15 @@
 //! From two records, or two models, to a verdict.
 
-use super::difference::{Curves, Differences, LargestDifference};
+use super::difference::{Curves, Differences};
 use super::difference_curves::difference_curves;
 use super::metric_differences::metric_differences;
 use super::motion::Motion;
 use super::options::ComparisonOptions;
-use super::outcome::{
-    Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Subject, Verdict,
-};
+use super::outcome::{Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Subject};
 use super::over_prediction::{Predictor, over_prediction};
 use super::pair::{Identified, identified, same_period};
 use super::run_means::RunMeans;
+use super::verdict::Verdict;
 use super::{advice, scatter, shift, words};
 use crate::data::Record;
 use crate::error::Error;
@@ -153,7 +152,12 @@ fn of_curves(
     };
     let difference_curves = difference_curves(&differences, timing, shift_of);
     let (shift, _) = shift_of(0..differences.curves());
-    let verdict = largest.map(|found| verdict(found, options.margin_percent / 100.0));
+    let verdict = largest.map(|found| {
+        Verdict::of(
+            [found.at_least, found.at_most],
+            options.margin_percent / 100.0,
+        )
+    });
     let [metrics_a, metrics_b] = [a, b].map(|model| match largest {
         Bounds::Valid(_) => model.metrics,
         Bounds::Withdrawn(reason) => model.metrics.withdrawn(reason),
@@ -190,15 +194,5 @@ fn of_curves(
         curves: difference_curves,
         summary: String::new(),
         advice: Vec::new(),
-    }
-}
-
-fn verdict(found: LargestDifference, margin: f64) -> Verdict {
-    if found.at_least > margin {
-        Verdict::Different
-    } else if found.at_most <= margin {
-        Verdict::Same
-    } else {
-        Verdict::Undecided
     }
 }

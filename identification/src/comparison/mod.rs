@@ -38,6 +38,7 @@ mod run_means;
 mod scatter;
 mod servo_models;
 mod shift;
+mod verdict;
 mod welch;
 mod words;
 
@@ -46,10 +47,11 @@ pub use motion::Motion;
 pub use options::ComparisonOptions;
 pub use outcome::{
     Asymmetry, Comparison, ComparisonBounds, CurveBounds, DifferenceCurve, DifferencePercent,
-    Direction, Levels, MetricDifference, SCHEMA, Sides, Subject, Verdict,
+    Direction, Levels, MetricDifference, SCHEMA, Sides, Subject,
 };
 pub use over_prediction::OverPrediction;
 pub use servo_models::{
     QuantityDifference, QuantityDifferences, QuantityPair, ServoModelComparison,
     compare_servo_models,
 };
+pub use verdict::Verdict;

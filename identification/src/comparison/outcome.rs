@@ -4,22 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::motion::Motion;
 use super::over_prediction::OverPrediction;
+use super::verdict::Verdict;
 use crate::results::{Advice, Bounds, Interval};
 
 /// Version of the JSON document.
 pub const SCHEMA: u32 = 2;
-
-/// The answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Verdict {
-    /// By more than the margin.
-    Different,
-    /// Within the margin.
-    Same,
-    /// The recordings allow both.
-    Undecided,
-}
 
 /// What a verdict and its bounds are of.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

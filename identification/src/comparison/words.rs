@@ -2,8 +2,9 @@
 
 use super::options::ComparisonOptions;
 use super::outcome::{
-    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Subject, Verdict,
+    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Subject,
 };
+use super::verdict::Verdict;
 use crate::results::Bounds;
 use crate::thresholds::NOTABLE_SHIFT_S;
 

@@ -12,8 +12,9 @@
 //!   sign of the inverse of the controller, which is opposite to the motion of the servo where the loop is stable.
 //!
 //! A smooth input does not separate lags: the errors of a servo that is not linear gather at lag 0 as anywhere, and what comes next in
-//! the input follows from what was. So neither shows a loop there; both show that the input does not determine the response. The same
-//! holds for an input of straight pieces, which no controller makes of a motion that is not straight.
+//! the input follows from what was. So neither shows a loop there; both show that the input does not determine the response. An input
+//! of straight pieces is none of a controller: it would carry the bends of the motion into them. Inputs to come that explain the output
+//! show there, too, that the response is not determined.
 //!
 //! Where the errors are no noise, [what makes the input](super::input_origin) is asked, too.
 
@@ -41,9 +42,12 @@ pub struct Feedback {
     pub at_once: f64,
     /// Its size, as a share of the largest value of the step response.
     pub share: f64,
-    /// Whether neither can show a loop: the input is smooth, or made of straight pieces as only a planned one is.
-    #[serde(default, alias = "smooth")]
-    pub uninformative: bool,
+    /// Whether the input is smooth: then neither shows a loop.
+    #[serde(default)]
+    pub smooth: bool,
+    /// Whether the input is made of straight pieces, as only a planned one is.
+    #[serde(default)]
+    pub planned: bool,
     /// Share of what is new in the input that past outputs explain, where the errors are not noise; `None` elsewhere, and
     /// where nothing is new.
     #[serde(default)]
@@ -54,23 +58,28 @@ impl Feedback {
     /// Whether it is beyond chance, where the errors are noise.
     #[must_use]
     pub fn is_found(&self) -> bool {
-        self.is_beyond_chance() && !self.uninformative
+        self.is_beyond_chance() && !self.smooth && !self.planned
     }
 
     /// Whether what would show a loop under another input shows that this one does not determine the response.
     pub(crate) fn mixes_lags(&self) -> bool {
-        self.is_beyond_chance() && self.uninformative
+        self.smooth && self.is_beyond_chance() || self.planned && self.is_followed()
     }
 
     fn is_beyond_chance(&self) -> bool {
-        self.p < FEEDBACK_SIGNIFICANCE || self.is_against_motion()
+        self.is_followed() || self.is_against_motion()
+    }
+
+    /// Whether inputs to come explain the output.
+    fn is_followed(&self) -> bool {
+        self.p < FEEDBACK_SIGNIFICANCE
     }
 
     /// Whether it is evident whatever the errors are.
     #[must_use]
     pub fn is_evident(&self) -> bool {
-        let against_motion = self.is_against_motion() && self.share > EVIDENT_SHARE && !self.uninformative;
-        against_motion || self.is_explained()
+        let against_motion = self.is_against_motion() && self.share > EVIDENT_SHARE;
+        against_motion && !self.smooth && !self.planned || self.is_explained()
     }
 
     /// Whether the outputs evidently make the input.
@@ -95,7 +104,8 @@ pub(crate) fn feedback(
         p: inputs_to_come(runs, moments, fit).unwrap_or(1.0),
         at_once,
         share,
-        uninformative: Excitation::of(moments).is_smooth() || is_of_straight_pieces(&recorded),
+        smooth: Excitation::of(moments).is_smooth(),
+        planned: is_of_straight_pieces(&recorded),
         explained: None,
     }
 }

@@ -14,7 +14,8 @@ use faer::Mat;
 
 use crate::estimation::lag_products::LagProducts;
 use crate::estimation::least_squares::{Coordinates, RowInformation, Solution};
-use crate::estimation::noise_model::{NoiseFit, OrderCandidate, best_order};
+use crate::estimation::noise_model::NoiseFit;
+use crate::estimation::noise_order::{OrderCandidate, best_order};
 use crate::numerics::{dot, largest_difference, times};
 use crate::options::NoiseOrder;
 

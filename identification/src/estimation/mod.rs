@@ -9,6 +9,7 @@ mod lag_products;
 mod least_squares;
 mod nested_banks;
 mod noise_model;
+mod noise_order;
 mod qr;
 mod stable_prior;
 mod truncation;
@@ -26,10 +27,10 @@ pub(crate) use least_squares::{
 };
 pub use nested_banks::BankCandidate;
 pub(crate) use nested_banks::NestedBanks;
-pub use noise_model::{Noise, OrderCandidate};
-pub(crate) use noise_model::{
-    NoiseFit, autoregressive, best_order, lagged_filter, largest_root, noise_filter,
-};
+pub use noise_model::Noise;
+pub(crate) use noise_model::{NoiseFit, lagged_filter, largest_root, noise_filter};
+pub use noise_order::OrderCandidate;
+pub(crate) use noise_order::{autoregressive, best_order};
 #[cfg(test)]
 pub(crate) use qr::triangular_factor;
 pub(crate) use stable_prior::Regularised;

@@ -39,15 +39,6 @@ pub(crate) struct NoiseFit {
     total: f64,
 }
 
-/// One order of the noise model with its criterion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OrderCandidate {
-    /// d.
-    pub order: usize,
-    /// rows ln(RSS/rows) + d ln(rows): the smallest is chosen.
-    pub bic: f64,
-}
-
 impl NoiseFit {
     /// Factorises the residual moments E, (d+1) x (d+1). `None` when the residuals are rounding only, so
     /// that there is no noise to model.
@@ -70,8 +61,13 @@ impl NoiseFit {
     }
 
     /// Sum of squares of ε for the first `order` coefficients.
-    fn rss(&self, order: usize) -> f64 {
+    pub(super) fn rss(&self, order: usize) -> f64 {
         self.total - self.projected[..order].iter().map(|z| z * z).sum::<f64>()
+    }
+
+    /// The highest order that there is a fit for.
+    pub(super) fn highest_order(&self) -> usize {
+        self.projected.len()
     }
 
     /// d_1..d_d.
@@ -91,40 +87,6 @@ impl NoiseFit {
         let lower = self.lower.as_ref().submatrix(0, 0, order, order).to_owned();
         inverse_of_square(&lower)
     }
-
-    /// Bayes' information criterion for orders 0..=max.
-    pub(crate) fn candidates(&self, rows: usize) -> Vec<OrderCandidate> {
-        let rows = rows as f64;
-        (0..=self.projected.len())
-            .map(|order| OrderCandidate {
-                order,
-                bic: rows * (self.rss(order).max(f64::MIN_POSITIVE) / rows).ln()
-                    + order as f64 * rows.ln(),
-            })
-            .collect()
-    }
-}
-
-/// The candidate with the smallest criterion.
-pub(crate) fn best_order(candidates: &[OrderCandidate]) -> usize {
-    candidates
-        .iter()
-        .min_by(|a, b| a.bic.total_cmp(&b.bic))
-        .map_or(0, |candidate| candidate.order)
-}
-
-/// An autoregressive model of `count` samples of noise, from the sums of their products at the lags 0, 1, ..: its d_1..d_d, by
-/// Bayes' criterion, and the standard deviation of the white noise behind it. Without noise, or with rounding alone, it is white.
-pub(crate) fn autoregressive(products: &[f64], count: usize) -> (Vec<f64>, f64) {
-    let moments = Mat::from_fn(products.len(), products.len(), |i, j| {
-        products[i.abs_diff(j)]
-    });
-    let ar = NoiseFit::new(&moments, 0.0).map_or(Vec::new(), |fit| {
-        fit.coefficients(best_order(&fit.candidates(count)))
-    });
-    let explained = ar.iter().zip(&products[1..]).map(|(d, r)| d * r);
-    let left = products[0] + explained.sum::<f64>();
-    (ar, (left / count.max(1) as f64).max(0.0).sqrt())
 }
 
 /// Largest magnitude of the roots of D(z), 0 for white noise. Above 1 the modelled noise would grow without

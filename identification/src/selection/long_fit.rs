@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::choice::SettlingCandidate;
-use super::noise_filter;
+use super::long_fit_noise;
 use crate::data::Moments;
 use crate::estimation::{Coordinates, FsfBasis, NormalEquations};
 use crate::numerics::{backward_solve, cholesky, dot, forward_solve, inverse_of_lower};
@@ -38,7 +38,7 @@ impl LongFit {
         let coordinates = Coordinates::new(basis);
         let factorised =
             |ar: &[f64]| OffsetFirst::new(&NormalEquations::new(moments, &coordinates, ar));
-        let ar = noise_filter::alternate(moments, order, |ar| {
+        let ar = long_fit_noise::alternate(moments, order, |ar| {
             let solution = factorised(ar)?.solution();
             Some((solution[1..].to_vec(), solution[0]))
         })?;

@@ -3,7 +3,7 @@
 mod choice;
 mod complete_bank;
 mod long_fit;
-mod noise_filter;
+mod long_fit_noise;
 mod repetition;
 mod search;
 mod settling_range;

@@ -5,7 +5,7 @@
 //! that the truncation bound counts as part of the uncertainty.
 
 use super::choice::{Choice, SettlingCandidate};
-use super::noise_filter;
+use super::long_fit_noise;
 use super::search::Search;
 use super::settling_range::grid;
 use crate::estimation::{
@@ -19,7 +19,7 @@ use crate::thresholds::DETECTION;
 pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
     let (moments, longest) = (search.moments, search.longest);
     let information = RowInformation::from_moments(moments.clone());
-    let ar = noise_filter::alternate(moments, search.order, |ar| {
+    let ar = long_fit_noise::alternate(moments, search.order, |ar| {
         let banks = NestedBanks::scan(moments, longest, ar, FIRST_ORDER)?;
         let basis = FsfBasis::new(longest, banks.narrowest().frequencies).ok()?;
         let coordinates = Coordinates::new(basis);

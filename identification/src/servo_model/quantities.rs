@@ -286,7 +286,11 @@ impl Definition {
     /// From `value` to those of `others`; one without the term counts as in [`Self::interval`].
     fn spread(&self, value: f64, others: &[Point]) -> Spread {
         let without = (self.domain == Domain::NotNegative).then_some(0.0);
-        let values = || others.iter().filter_map(|point| self.value(point).or(without));
+        let values = || {
+            others
+                .iter()
+                .filter_map(|point| self.value(point).or(without))
+        };
         Spread {
             least: values().fold(value, f64::min),
             most: values().fold(value, f64::max),

@@ -33,7 +33,9 @@ pub(super) fn options(columns: &[String]) -> String {
     let called = |option: &str, names: &[&str]| {
         let mut free = columns.iter().filter(taken);
         let found = free.find(|column| names.contains(&column.to_lowercase().as_str()));
-        found.map_or_else(String::new, |column| format!(" {option} {}", quoted(column)))
+        found.map_or_else(String::new, |column| {
+            format!(" {option} {}", quoted(column))
+        })
     };
     format!(
         "--input {} --output {}{}{}{}",

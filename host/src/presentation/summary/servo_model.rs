@@ -51,20 +51,14 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
         ),
         None if model.terms.limit => "is limited in its drive".to_owned(),
         None if is_sure => "is linear".to_owned(),
-        // Of a servo whose speed does not show, nothing is known that would make it linear.
         None if of("bandwidth at small signals").is_none() => {
-            "does not show in this recording how fast it is".to_owned()
+            "is much like a linear one whose bandwidth does not show".to_owned()
         }
         None => "is much like a linear one".to_owned(),
     };
     let rest = of("resting error by friction")
         .filter(|error| error.value > 0.0)
-        .map(|error| {
-            format!(
-                "rests within {}{command} of its target",
-                figure(error, 1.0)
-            )
-        });
+        .map(|error| format!("rests within {}{command} of its target", figure(error, 1.0)));
     let load = match model.terms.load {
         LoadKind::None => None,
         LoadKind::Constant => Some("works against a constant load"),
@@ -330,7 +324,11 @@ pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow
         } else {
             String::new()
         },
-        interval: interval.or(spread).unwrap_or_default().trim_end().to_owned(),
+        interval: interval
+            .or(spread)
+            .unwrap_or_default()
+            .trim_end()
+            .to_owned(),
     }
 }
 
@@ -503,8 +501,14 @@ mod tests {
         speed.other_fits = Some(Spread { least, most });
         assert_eq!(figure(&speed, 1.0), "371-422");
         let row = quantity_row(&speed, Units::default());
-        assert_eq!((row.value.as_str(), row.interval.as_str()), ("400", "other fits 371 to 422"));
-        speed.other_fits = Some(Spread { least: 399.6, most: 400.4 });
+        assert_eq!(
+            (row.value.as_str(), row.interval.as_str()),
+            ("400", "other fits 371 to 422")
+        );
+        speed.other_fits = Some(Spread {
+            least: 399.6,
+            most: 400.4,
+        });
         assert_eq!(figure(&speed, 1.0), "about 400");
         speed.other_fits = None;
         assert_eq!(figure(&speed, 1.0), "about 400");
