@@ -53,7 +53,9 @@ impl Simulate {
         let (rig, talk) = (RigFile::default(), self.output.talk);
         let job = CaptureJob {
             address: &address,
-            reference: self.reference.resolve(rig.servo.us_per_degree, talk)?,
+            reference: self
+                .reference
+                .resolve(rig.servo.us_per_degree, rig.train(), talk)?,
             rig,
             condition: &servo.condition(),
             notes: "",

@@ -8,7 +8,8 @@ impl RigAnswers {
         check_name(&self.name)?;
         check_condition(&self.condition)?;
         check_name(&self.servo)?;
-        check_pulses(&self.pulses_us)?;
+        check_pulse_rate(self.pulse_rate_hz, self.pulse_type)?;
+        check_pulses(&self.pulses_us, self.pulse_type)?;
         check_neutral(self.neutral_us, &self.pulses_us)?;
         check_us_per_degree(&self.us_per_degree)?;
         check_travel(&self.travel_deg)?;
@@ -54,6 +55,8 @@ fn each_answer_arrives_whatever_is_in_it() {
         port: Some("tcp:localhost:7000".into()),
         condition: "aircraft, rotor off".into(),
         servo: "S1".into(),
+        pulse_type: PulseTypeName::Wide,
+        pulse_rate_hz: 333.0,
         neutral_us: 1520,
         us_per_degree: -9.5,
         pulses_us: "900:2100".parse().unwrap(),
