@@ -162,12 +162,12 @@ impl PulseTrain {
 
     /// Length of a frame (s).
     pub fn frame_s(&self) -> f64 {
-        f64::from(self.frame_us()) * 1e-6
+        f64::from(self.frame_us()) / 1e6
     }
 
     /// Time between two samples (s).
     pub fn sample_s(&self) -> f64 {
-        f64::from(self.sample_us()) * 1e-6
+        f64::from(self.sample_us()) / 1e6
     }
 
     /// From a pulse's rising edge to the start of the next sample (µs): away from both edges of every pulse within

@@ -49,6 +49,18 @@ fn default_answers_are_the_default_rig() {
 }
 
 #[test]
+fn a_narrow_pulse_servo_gets_half_of_everything() {
+    let mut answers = RigAnswers::default();
+    answers.take_pulse_type(PulseTypeName::Narrow);
+    answers.pulse_rate_hz = 560.0;
+    answers.check().unwrap();
+    let (_, rig) = answers.to_rig_file("rig.toml".as_ref()).unwrap();
+    assert_eq!((rig.servo.neutral_us, rig.servo.us_per_degree), (760, 5.0));
+    assert_eq!((rig.limits.shortest_us, rig.limits.longest_us), (710, 810));
+    assert_eq!(rig.train().period_us, 1_786);
+}
+
+#[test]
 fn each_answer_arrives_whatever_is_in_it() {
     let answers = RigAnswers {
         name: "a \"quoted\" name \\ {{port}} # ü".into(),

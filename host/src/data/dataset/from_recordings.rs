@@ -85,7 +85,7 @@ fn about(
     ];
     provenance.extend(header.facts());
     let mut about = About {
-        pulse_frame_s: Some(f64::from(header.pulse_period_us) * 1e-6),
+        pulse_frame_s: Some(f64::from(header.pulse_period_us) / 1e6),
         staircase: header.is_of_staircase(),
         input_unit: Some("deg".to_owned()),
         output_unit: Some("deg".to_owned()),

@@ -171,7 +171,7 @@ impl Header {
             format: format_of(rig.train()),
             pulse_type: rig.servo.pulse_type,
             pulse_period_us: rig.train().period_us,
-            sample_period_s: f64::from(hello.sample_us) * 1e-6,
+            sample_period_s: f64::from(hello.sample_us) / 1e6,
             sample_phase_s: sample_phase_s(hello),
             neutral_us: rig.servo.neutral_us,
             us_per_degree: rig.servo.us_per_degree,

@@ -189,6 +189,10 @@ impl RigClient {
     pub fn arm(&mut self, asked: ArmFor) -> Result<(), TalkError> {
         self.driver.client.arm(asked, self.now());
         let armed = self.answer();
+        // It states the timing of the pulses that it is armed for.
+        if let Some(hello) = self.driver.client.hello() {
+            self.hello = *hello;
+        }
         if !self.driver.client.is_idle() {
             let _the_disarming_is_best_effort = self.answer();
         }

@@ -115,7 +115,7 @@ mod tests {
             reference: Reference::Staircase(Staircase::PAPER),
             post_roll_frames: roll_frames(PulseTrain::USUAL),
         };
-        ScopeState::new("sim:bench".to_owned(), start, Some(1.0))
+        ScopeState::new("sim:bench".to_owned(), start, PulseTrain::USUAL, Some(1.0))
     }
 
     /// After 200 of 440 frames, with a fault of each class and a band of ±0.5 %.

@@ -200,7 +200,7 @@ mod tests {
             reference: Reference::Staircase(Staircase::PAPER),
             post_roll_frames: roll_frames(PulseTrain::USUAL),
         };
-        let mut state = ScopeState::new("x".to_owned(), start, None);
+        let mut state = ScopeState::new("x".to_owned(), start, PulseTrain::USUAL, None);
         assert_eq!((state.phase(), state.left_s()), (Phase::RestBefore, 8.8));
         for index in 0..440 {
             state.apply(ScopeEvent::Frame(FrameSeen {
