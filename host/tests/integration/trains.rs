@@ -50,9 +50,9 @@ fn the_same_servo_is_found_by_every_train_of_pulses() {
         let metrics = |file: &ModelFile| {
             let metrics = &file.model.metrics;
             [
-                metrics.delay_s.value,
-                metrics..value,
-                metrics.dc_gain.value,
+                metrics.delay_s.value.unwrap(),
+                metrics.t50_s.value.unwrap(),
+                metrics.dc_gain.value.unwrap(),
             ]
         };
         let pairs = metrics(&found).into_iter().zip(metrics(&usual));
