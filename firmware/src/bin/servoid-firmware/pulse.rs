@@ -104,25 +104,38 @@ pub fn now(cs: CriticalSection) -> Now {
 }
 
 /// To be called between the last sample of a frame and its end: prepares what was asked for too late for the frame before, and
-/// changes the train where there are no pulses.
-pub fn end_frame(cs: CriticalSection, now: &Now) {
-    preload(cs, now);
-    let line = LINE.borrow(cs);
-    let Line {
-        applied,
-        preloaded,
-        train,
-        asked_train,
-        ..
-    } = line.get();
-    if train != asked_train && applied.is_none() && preloaded.is_none() {
-        timing::change(&tim2(cs), &asked_train);
-        let train = asked_train;
-        line.set(Line {
-            train,
-            ..line.get()
-        });
-    }
+/// changes the train where there are no pulses. If the frame has ended meanwhile, both wait for the end of the next one.
+pub fn end_frame() {
+    critical_section::with(|cs| {
+        let line = LINE.borrow(cs);
+        let before = line.get();
+        if before.asked == before.preloaded && before.asked_train == before.train {
+            return;
+        }
+        // Anew: some time has passed since the last look.
+        let now = now(cs);
+        preload(cs, &now);
+        let Line {
+            applied,
+            preloaded,
+            asked_train,
+            ..
+        } = line.get();
+        let is_before_end = now.since_edge_us >= last_sample_us(&now.train);
+        if is_before_end && applied.is_none() && preloaded.is_none() && asked_train != now.train {
+            timing::change(&tim2(cs), &asked_train);
+            let train = asked_train;
+            line.set(Line {
+                train,
+                ..line.get()
+            });
+        }
+    });
+}
+
+/// When the last sample of a frame begins (µs after its edge).
+pub fn last_sample_us(train: &PulseTrain) -> u16 {
+    train.frame_us() as u16 - train.sample_us() + train.first_sample_us()
 }
 
 /// Writes what was asked for into the compare register, if this is the last pulse of its frame.

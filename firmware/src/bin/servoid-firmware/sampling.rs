@@ -160,10 +160,8 @@ fn DMA1_CHANNEL1() {
     let number = COMPLETE.wrapping_sub(1);
     // Called in any case, because each frame edge must be seen.
     let now = critical_section::with(pulse::now);
-    let last_sample_us =
-        now.train.frame_us() as u16 - now.train.sample_us() + now.train.first_sample_us();
     // If the next frame has begun already, the pulse is not that of this frame. Its first sample may be under way, too.
-    if now.since_edge_us >= last_sample_us {
+    if now.since_edge_us >= pulse::last_sample_us(&now.train) {
         // SAFETY: after the start only this handler changes the ADC, and only its injected conversion: one that is over long
         // before the next sample.
         let adc = unsafe { ADC1::steal() };
@@ -180,7 +178,7 @@ fn DMA1_CHANNEL1() {
                 probe: injected.probe,
             },
         });
-        critical_section::with(|cs| pulse::end_frame(cs, &now));
+        pulse::end_frame();
     }
 }
 
