@@ -53,7 +53,12 @@ fn half_of_a_run() -> Result<ScopeState, Box<dyn Error>> {
     let file = RecordingWriter::create(&directory.path().join("run.csv"), false, &header)?;
 
     let title = format!("{ADDRESS}  to bench.csv");
-    let state = RefCell::new(ScopeState::new(title, capture.start, None));
+    let state = RefCell::new(ScopeState::new(
+        title,
+        capture.start,
+        capture.rig.train(),
+        None,
+    ));
     let mut samples = RunSamples::new(&rig, &capture.start);
     let mut estimator = Estimator::new(f64::from(SAMPLE_US) * 1e-6, Options::default());
     let before = u32::from(capture.start.pre_roll_frames);

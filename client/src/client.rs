@@ -7,7 +7,7 @@ use crate::mismatch::require_match;
 use crate::run::Run;
 use crate::session::Opening;
 use crate::task::{Arming, Asking, Next, Task};
-use servoid_protocol::message::{Arm, Command, Start, Status};
+use servoid_protocol::message::{ArmFor, Command, Start, Status};
 use servoid_protocol::{Hello, Rejects};
 use std::time::Duration;
 
@@ -74,13 +74,14 @@ impl Client {
     }
 
     /// Brings the rig to neutral, so that the next thing it does can be a run; [`Event::Answered`] says
-    /// when it is there. A rig that does not go with this program is not armed. Where it ends in
-    /// [`ClientError::NoAnswer`](crate::ClientError::NoAnswer), the rig is being asked to disarm, which ends in one more event.
-    pub fn arm(&mut self, arm: Arm, now: Duration) {
+    /// when it is there, and [`Client::hello`] has the timing of the pulses asked for. A rig that does not go with this program is not armed. Where it ends in
+    /// [`ClientError::NoAnswer`](crate::ClientError::NoAnswer), or in
+    /// [`ClientError::TimingDiffers`](crate::ClientError::TimingDiffers) once it was asked, the rig is being asked to disarm, which ends in one more event.
+    pub fn arm(&mut self, asked: ArmFor, now: Duration) {
         self.line.now = now;
         match self.line.hello.as_ref().map(require_match) {
             Some(Err(error)) => self.line.fail(error),
-            _ => self.task = Some(Box::new(Arming::begin(arm, &mut self.line))),
+            _ => self.task = Some(Box::new(Arming::begin(asked, &mut self.line))),
         }
     }
 

@@ -107,6 +107,12 @@ fn refusal_text(refusal: Refusal) -> &'static str {
         Refusal::LeaseLapsed => {
             "it had heard nothing from this program for too long, as the line held the request back; start again"
         }
+        Refusal::NoSuchTrain => {
+            "no board makes pulses of that type at that rate; mend 'servo.pulse_type' and 'servo.pulse_rate_hz' in the rig file"
+        }
+        Refusal::OtherPulseType => {
+            "it has made pulses of the other type since its last start, and a servo of that type may still be on its line; put the right servo on it, or mend 'servo.pulse_type' in the rig file, and press the board's reset button"
+        }
         Refusal::SupplyLow => {
             "its own 3.3 V are too low, so its readings would be wrong; feed its 5V pin with 4.75 to 5.25 V"
         }

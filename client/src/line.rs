@@ -3,8 +3,8 @@
 use crate::error::ClientError;
 use crate::event::Event;
 use crate::request::{ATTEMPTS, Answer, PendingRequest};
-use servoid_protocol::message::{Arm, Command, Request, RigMessage, Status};
-use servoid_protocol::{Decoder, Hello, framing};
+use servoid_protocol::message::{ArmFor, Command, Request, RigMessage, Status};
+use servoid_protocol::{Decoder, Hello, PulseTrain, framing};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -23,8 +23,8 @@ pub(crate) struct Line {
     pub events: VecDeque<Event>,
     /// Requests that were sent again.
     pub repeated: u32,
-    /// The limits that the rig was last asked to keep.
-    pub armed: Option<Arm>,
+    /// The pulses and the limits that the rig was last asked to keep.
+    pub armed: Option<ArmFor>,
     session: u16,
     next_id: u16,
     pending: Option<PendingRequest>,
@@ -75,8 +75,13 @@ impl Line {
 
     /// [`Line::ask`], sent at most so many times.
     pub(crate) fn ask_patiently(&mut self, command: Command, attempts: u32) {
-        if let Command::Arm(arm) = command {
-            self.armed = Some(arm);
+        match command {
+            Command::Arm(arm) => {
+                let train = PulseTrain::USUAL;
+                self.armed = Some(ArmFor { train, arm });
+            }
+            Command::ArmFor(asked) => self.armed = Some(asked),
+            _ => {}
         }
         let request = Request {
             session: self.session,

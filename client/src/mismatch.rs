@@ -2,9 +2,10 @@
 
 use crate::error::ClientError;
 use serde::Serialize;
-use servoid_protocol::Hello;
+use servoid_protocol::pulse_train::PulseType;
 use servoid_protocol::schema::{PROTOCOL_VERSION, SCHEMA_HASH};
 use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
+use servoid_protocol::{Hello, PulseTrain};
 
 /// One thing in which they differ.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -52,9 +53,10 @@ pub fn mismatches(hello: &Hello) -> Vec<Mismatch> {
             "samples come at another rate: every time in a recording would be wrong",
         ),
     ];
-    let differing = fields
-        .into_iter()
-        .filter(|(_, rig, servoid, _)| rig != servoid);
+    let is_timing = |field| field == "frame_us" || field == "sample_us";
+    let differing = fields.into_iter().filter(|(field, rig, servoid, _)| {
+        rig != servoid && !(is_timing(*field) && has_timing_of_a_train(hello))
+    });
     differing
         .map(|(field, rig, servoid, meaning)| Mismatch {
             field,
@@ -63,6 +65,33 @@ pub fn mismatches(hello: &Hello) -> Vec<Mismatch> {
             meaning,
         })
         .collect()
+}
+
+/// Whether the rig states the timing of pulses that this program knows: not necessarily of the usual ones.
+fn has_timing_of_a_train(hello: &Hello) -> bool {
+    let trains = [PulseType::Wide, PulseType::Narrow].map(|pulses| {
+        [1, 2, 5, 10].map(|per_frame| PulseTrain {
+            pulses,
+            period_us: (hello.frame_us / per_frame) as u16,
+        })
+    });
+    let sound = |train: &PulseTrain| train.is_sound() && require_train(hello, train).is_ok();
+    trains.as_flattened().iter().any(sound)
+}
+
+/// Refuses a rig that states another timing than that of this train.
+pub(crate) fn require_train(hello: &Hello, train: &PulseTrain) -> Result<(), ClientError> {
+    let differs = |field, rig: u32, host: u32| {
+        (rig != host).then(|| ClientError::TimingDiffers {
+            field,
+            rig: rig.to_string(),
+            host: host.to_string(),
+            meaning: "it makes other pulses than those that it was armed for",
+        })
+    };
+    let frame = differs("frame_us", hello.frame_us, train.frame_us());
+    let sample = differs("sample_us", hello.sample_us, train.sample_us().into());
+    frame.or(sample).map_or(Ok(()), Err)
 }
 
 /// Refuses a rig that differs in anything that a recording depends on.

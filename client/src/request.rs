@@ -85,7 +85,7 @@ pub(crate) fn name(command: &Command) -> &'static str {
         Command::Health => "say how its board is",
         Command::Vitals => "say how its processor is",
         Command::Loopback(_) => "test itself",
-        Command::Arm(_) => "arm",
+        Command::Arm(_) | Command::ArmFor(_) => "arm",
         Command::Disarm => "disarm",
         Command::Start(_) => "start the run",
         Command::Stop { .. } => "stop the run",

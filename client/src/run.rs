@@ -68,7 +68,7 @@ impl Run {
         line.ask(Command::Start(start));
         Self {
             start,
-            commanded: Commanded::new(start, line.armed.map(|arm| arm.neutral)),
+            commanded: Commanded::new(start, line.armed.map(|armed| armed.arm.neutral)),
             contradiction: None,
             starting: Some(0),
             order: FrameOrder::new(start.run),

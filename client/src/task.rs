@@ -3,8 +3,9 @@
 use crate::error::ClientError;
 use crate::event::Event;
 use crate::line::Line;
+use crate::mismatch::require_train;
 use crate::request::{self, Answer};
-use servoid_protocol::message::{Arm, Command, Refusal, RigMessage};
+use servoid_protocol::message::{ArmFor, Command, Refusal, RigMessage};
 use std::time::Duration;
 
 /// What comes after a task has heard something.
@@ -72,17 +73,17 @@ pub(crate) const LATE_ATTEMPTS: u32 = 3;
 
 /// Arms the rig.
 pub(crate) struct Arming {
-    arm: Arm,
+    asked: ArmFor,
     tries: u32,
     late: u32,
     pause_until: Option<Duration>,
 }
 
 impl Arming {
-    pub(crate) fn begin(arm: Arm, line: &mut Line) -> Self {
-        line.ask(Command::Arm(arm));
+    pub(crate) fn begin(asked: ArmFor, line: &mut Line) -> Self {
+        line.ask(asked.into());
         Self {
-            arm,
+            asked,
             tries: 1,
             late: 0,
             pause_until: None,
@@ -105,8 +106,33 @@ impl Task for Arming {
                 Next::Stay
             }
             (Command::KeepAlive, Some(Answer::Done)) => {
-                line.ask(Command::Arm(self.arm));
+                line.ask(self.asked.into());
                 Next::Stay
+            }
+            (Command::Arm(_) | Command::ArmFor(_), Some(Answer::Done)) => {
+                let is_known = |hello| require_train(hello, &self.asked.train).is_ok();
+                if line.hello.as_ref().is_none_or(is_known) {
+                    return Asking.on_answer(command, answer, line);
+                }
+                line.ask(Command::Hello);
+                Next::Stay
+            }
+            (Command::Hello, Some(Answer::Hello(hello))) => {
+                line.hello = Some(hello);
+                match require_train(&hello, &self.asked.train) {
+                    Ok(()) => Asking.on_answer(command, Some(Answer::Done), line),
+                    // A late answer to an earlier question has no number that tells.
+                    Err(_) if self.late < LATE_ATTEMPTS => {
+                        self.late += 1;
+                        line.ask(Command::Hello);
+                        Next::Stay
+                    }
+                    Err(error) => {
+                        line.fail(error);
+                        line.ask(Command::Disarm);
+                        Next::Then(Box::new(Asking))
+                    }
+                }
             }
             // It may have armed all the same: only the answer may be lost.
             (_, None) => {
@@ -122,7 +148,7 @@ impl Task for Arming {
         if self.pause_until.is_some_and(|until| line.now >= until) {
             self.pause_until = None;
             self.tries += 1;
-            line.ask(Command::Arm(self.arm));
+            line.ask(self.asked.into());
         }
         Next::Stay
     }

@@ -4,7 +4,7 @@ use servoid_protocol::health::LastFault;
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::loopback::{Probe, Vitals};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
-use servoid_protocol::{Counts, PulseWidth};
+use servoid_protocol::{Counts, PulseTrain, PulseWidth};
 
 /// The identity of a board; goes into [`Hello`](servoid_protocol::Hello).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub struct Identity {
     pub clock: ClockSource,
     /// The cause of its last reset.
     pub reset_cause: ResetCause,
-    /// From a pulse's rising edge to the start of the frame's first sample (µs).
+    /// From a pulse's rising edge to the start of the frame's first sample (µs), with the usual train of pulses.
     pub first_sample_us: u16,
     /// From the start of a sample's first conversion to the end of its last one (µs).
     pub aperture_us: u16,
@@ -40,12 +40,14 @@ pub struct ChipIdentity {
     pub device: u32,
 }
 
-/// One PWM frame.
+/// One frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CapturedFrame {
-    /// PWM frames since the board started, wrapping. A step of more than one means that the board lost frames.
+    /// Frames since the board started, wrapping. A step of more than one means that the board lost frames.
     pub number: u32,
-    /// The pulse on the line in this frame; `None` without one.
+    /// The train whose frame this is, though there may be no pulse in it.
+    pub train: PulseTrain,
+    /// The pulses on the line in this frame; `None` without any.
     pub pulse: Option<PulseWidth>,
     /// The samples taken in this frame, in order.
     pub samples: [Counts; SAMPLES_PER_FRAME],
@@ -95,7 +97,11 @@ pub trait Board {
     /// Dropping the future before it is ready loses nothing.
     async fn next_frame(&mut self) -> CapturedFrame;
 
-    /// The pulse from the next frame edge on; `None` for no pulse.
+    /// The train of pulses from now on. A board follows at the end of a frame that has no pulse on the line and none
+    /// prepared for the next one; [`CapturedFrame::train`] says when it has.
+    fn set_train(&mut self, train: PulseTrain);
+
+    /// The pulses from the next frame edge on; `None` for none.
     fn set_pulse(&mut self, pulse: Option<PulseWidth>);
 
     /// Takes one more conversion in each frame from now on, at this instant (µs after the frame edge), for a self-test. It

@@ -1,18 +1,8 @@
 //! The range of pulses that a servo may get, and the range of a healthy sensor.
 
-use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
+use servoid_protocol::lease::LONGEST_LEASE_S;
 use servoid_protocol::message::{Arm, Refusal, Start};
-use servoid_protocol::{Counts, PulseWidth};
-
-/// The shortest pulse that the board ever makes.
-///
-/// R/C servos take 1-2 ms, many of them 0.8-2.2 ms as extended travel; longer or shorter pulses drive most of them
-/// against a stop. No sample falls on an edge either: one that starts 0.5 ms after the rising edge ends before the
-/// shortest pulse does, and one at 2.5 ms starts after the longest one.
-pub const SHORTEST_PULSE: PulseWidth = PulseWidth(800);
-
-/// The longest pulse that the board ever makes; see [`SHORTEST_PULSE`].
-pub const LONGEST_PULSE: PulseWidth = PulseWidth(2_200);
+use servoid_protocol::{Counts, PulseTrain, PulseWidth};
 
 /// Consecutive samples outside the sensor's range that end a run: 10 ms. A single one may be a disturbance; a broken
 /// wire or a sensor without its magnet stays outside.
@@ -35,24 +25,28 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits in `arm`, if they are consistent and within those of the board.
+    /// The limits in `arm`, if they are consistent and within those that the board has for this train of pulses.
     ///
     /// # Errors
-    /// [`Refusal::BadLimits`] unless [`SHORTEST_PULSE`] ≤ shortest ≤ neutral ≤ longest ≤
-    /// [`LONGEST_PULSE`], sensor_low < sensor_high ≤ `full_scale`, and the lease is between one frame and
-    /// [`LONGEST_LEASE_FRAMES`].
-    pub fn new(arm: &Arm, full_scale: Counts) -> Result<Self, Refusal> {
+    /// [`Refusal::NoSuchTrain`] where the board cannot make the train. [`Refusal::BadLimits`] unless shortest ≤ neutral ≤
+    /// longest, all within [`board_limits`](servoid_protocol::pulse_train::PulseType::board_limits), sensor_low <
+    /// sensor_high ≤ `full_scale`, and the lease is between one frame and [`LONGEST_LEASE_S`].
+    pub fn new(arm: &Arm, train: &PulseTrain, full_scale: Counts) -> Result<Self, Refusal> {
+        if !train.is_sound() {
+            return Err(Refusal::NoSuchTrain);
+        }
+        let [board_shortest, board_longest] = train.pulses.board_limits();
         let pulses = [
-            SHORTEST_PULSE,
+            board_shortest,
             arm.shortest,
             arm.neutral,
             arm.longest,
-            LONGEST_PULSE,
+            board_longest,
         ];
         let sane = pulses.is_sorted()
             && arm.sensor_low < arm.sensor_high
             && arm.sensor_high <= full_scale
-            && (1..=LONGEST_LEASE_FRAMES).contains(&arm.lease_frames);
+            && (1..=train.frames_in(LONGEST_LEASE_S)).contains(&arm.lease_frames);
         if !sane {
             return Err(Refusal::BadLimits);
         }
@@ -112,10 +106,13 @@ impl Limits {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
+    use servoid_protocol::pulse_train::PulseType;
     use servoid_protocol::reference::{Reference, Staircase};
     use servoid_protocol::schema::SCHEMA_HASH;
 
     const FULL_SCALE: Counts = Counts(16_380);
+    const USUAL: PulseTrain = PulseTrain::USUAL;
 
     fn arm() -> Arm {
         Arm {
@@ -144,13 +141,13 @@ mod tests {
     #[test]
     fn limits_that_touch_the_boards_own_are_good_and_one_microsecond_more_is_not() {
         let widest = Arm {
-            shortest: SHORTEST_PULSE,
-            longest: LONGEST_PULSE,
+            shortest: PulseWidth(800),
+            longest: PulseWidth(2_200),
             sensor_high: FULL_SCALE,
             lease_frames: LONGEST_LEASE_FRAMES,
             ..arm()
         };
-        assert!(Limits::new(&widest, FULL_SCALE).is_ok());
+        assert!(Limits::new(&widest, &USUAL, FULL_SCALE).is_ok());
         type Change = fn(&mut Arm);
         let bad: [(&str, Change); 8] = [
             ("too short", |a| a.shortest = PulseWidth(799)),
@@ -168,9 +165,89 @@ mod tests {
             let mut arm = widest;
             change(&mut arm);
             assert_eq!(
-                Limits::new(&arm, FULL_SCALE),
+                Limits::new(&arm, &USUAL, FULL_SCALE),
                 Err(Refusal::BadLimits),
                 "{name}"
+            );
+        }
+    }
+
+    /// A wide pulse never reaches a narrow-pulse servo, nor a narrow one the other, whatever the host asks for.
+    #[test]
+    fn each_type_has_limits_and_rates_of_its_own() {
+        let train = |pulses, period_us| PulseTrain { pulses, period_us };
+        let (wide, narrow) = (
+            train(PulseType::Wide, 3_004),
+            train(PulseType::Narrow, 1_786),
+        );
+        let narrow_arm = Arm {
+            neutral: PulseWidth(760),
+            shortest: PulseWidth(400),
+            longest: PulseWidth(1_100),
+            ..arm()
+        };
+        assert!(Limits::new(&narrow_arm, &narrow, FULL_SCALE).is_ok());
+        assert!(Limits::new(&arm(), &wide, FULL_SCALE).is_ok());
+        let refused = |arm: Arm, train| Limits::new(&arm, &train, FULL_SCALE).err();
+        let bad = Some(Refusal::BadLimits);
+        assert_eq!(refused(narrow_arm, wide), bad);
+        assert_eq!(refused(arm(), narrow), bad);
+        let longest = PulseWidth(1_101);
+        assert_eq!(
+            refused(
+                Arm {
+                    longest,
+                    ..narrow_arm
+                },
+                narrow
+            ),
+            bad
+        );
+        let shortest = PulseWidth(399);
+        assert_eq!(
+            refused(
+                Arm {
+                    shortest,
+                    ..narrow_arm
+                },
+                narrow
+            ),
+            bad
+        );
+        // Five seconds of frames of 15.02 ms.
+        let lease_frames = 332;
+        assert_eq!(
+            refused(
+                Arm {
+                    lease_frames,
+                    ..arm()
+                },
+                wide
+            ),
+            None
+        );
+        let lease_frames = 333;
+        assert_eq!(
+            refused(
+                Arm {
+                    lease_frames,
+                    ..arm()
+                },
+                wide
+            ),
+            bad
+        );
+        for train in [
+            train(PulseType::Wide, 1_786),
+            train(PulseType::Wide, 3_003),
+            train(PulseType::Wide, 20_010),
+            train(PulseType::Narrow, 1_784),
+            train(PulseType::Narrow, 0),
+        ] {
+            assert_eq!(
+                refused(arm(), train),
+                Some(Refusal::NoSuchTrain),
+                "{train:?}"
             );
         }
     }
@@ -204,7 +281,7 @@ mod tests {
                                 && low < high
                                 && high <= FULL_SCALE
                                 && (1..=250).contains(&lease_frames);
-                            let found = Limits::new(&arm, FULL_SCALE);
+                            let found = Limits::new(&arm, &USUAL, FULL_SCALE);
                             assert_eq!(found.is_ok(), good, "{arm:?}");
                             accepted += u32::from(good);
                             let Ok(limits) = found else { continue };
@@ -221,7 +298,7 @@ mod tests {
 
     #[test]
     fn a_reference_may_touch_the_limits_and_not_leave_them() {
-        let limits = Limits::new(&arm(), FULL_SCALE).unwrap();
+        let limits = Limits::new(&arm(), &USUAL, FULL_SCALE).unwrap();
         assert_eq!(limits.admit(&staircase(500)), Ok(380));
         assert_eq!(limits.admit(&staircase(501)), Err(Refusal::BeyondLimits));
         // Beyond what a 16-bit pulse can be, on the low side.
@@ -230,7 +307,7 @@ mod tests {
 
     #[test]
     fn a_run_must_make_sense_and_fit_the_frame_index() {
-        let limits = Limits::new(&arm(), FULL_SCALE).unwrap();
+        let limits = Limits::new(&arm(), &USUAL, FULL_SCALE).unwrap();
         assert_eq!(limits.admit(&staircase(0)), Err(Refusal::BadReference));
         let longest = Start {
             pre_roll_frames: u16::MAX - 370,
@@ -246,7 +323,7 @@ mod tests {
 
     #[test]
     fn no_offset_makes_a_pulse_outside_the_limits() {
-        let limits = Limits::new(&arm(), FULL_SCALE).unwrap();
+        let limits = Limits::new(&arm(), &USUAL, FULL_SCALE).unwrap();
         for offset in i16::MIN..=i16::MAX {
             let pulse = limits.pulse(offset);
             assert!((PulseWidth(1_000)..=PulseWidth(2_000)).contains(&pulse));

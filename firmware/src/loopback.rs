@@ -4,11 +4,10 @@
 //! when the board does not see them. A rig with its sensor makes none at all, since a sensor does not read zero.
 
 use crate::board::CapturedFrame;
-use crate::limits::{LONGEST_PULSE, SHORTEST_PULSE};
-use servoid_protocol::Counts;
 use servoid_protocol::lease::LEASE_FRAMES;
 use servoid_protocol::loopback::{Loopback, PROBES_AFTER_EDGE, PROBES_BEFORE_EDGE};
 use servoid_protocol::message::Refusal;
+use servoid_protocol::{Counts, PulseTrain};
 
 /// Consecutive frames in which the pulse was not seen that end the self-test. The first frame may still have none on the line.
 const UNSEEN_FRAMES: u8 = 3;
@@ -32,7 +31,8 @@ impl SelfTest {
         full_scale: Counts,
     ) -> Result<Self, Refusal> {
         let probed = [PROBES_AFTER_EDGE, PROBES_BEFORE_EDGE];
-        let sane = (SHORTEST_PULSE..=LONGEST_PULSE).contains(&asked.pulse)
+        let [shortest, longest] = PulseTrain::USUAL.pulses.board_limits();
+        let sane = (shortest..=longest).contains(&asked.pulse)
             && probed.iter().any(|range| range.contains(&asked.probe_us));
         if !sane {
             return Err(Refusal::BadLimits);

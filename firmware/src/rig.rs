@@ -17,14 +17,16 @@
 //! 1. Done for the last run, which has ended; `UnknownRun` for others.
 //! 2. `UnknownRun` for another run.
 //!
+//! `ArmFor` is `Arm` with another train of pulses. While the board has not changed to it, there are no pulses.
+//!
 //! `KeepAlive`, `Status`, `Health`, `Vitals` and `Hello` change no state; `Loopback` begins the self-test of an idle rig, or changes
 //! what it does, and is refused as `Running` in other states; `Resend` is refused as `UnknownRun` unless it names the present run
 //! or the last one. Conditions of the transitions:
 //!
 //! | transition | needs                                                                                |
 //! |------------|--------------------------------------------------------------------------------------|
-//! | -> Armed   | a new request of the session at most 2 s ago; an equal schema hash; [`Limits`] within the board's; every sample of the newest frame in the sensor's range, and the board's supply not too low in it |
-//! | -> Self-test | a new request of the session at most 2 s ago; an equal schema hash; a pulse within the board's limits; the newest frame shows the pulse line: low, and high in the first sample where there was a pulse; the supply not too low |
+//! | -> Armed   | a new request of the session at most 2 s ago; an equal schema hash; a train of pulses that the board makes, of the type that it was armed for since its start; [`Limits`] within the board's for it; every sample of the newest frame in the sensor's range, and the board's supply not too low in it |
+//! | -> Self-test | a new request of the session at most 2 s ago; an equal schema hash; no arming for narrow pulses since the start; a pulse within the board's limits; the newest frame shows the pulse line: low, and high in the first sample where there was a pulse; the supply not too low |
 //! | -> Running | a new request of the session at most 2 s and one lease ago; a reference that is well formed, fits the frame index and stays within the limits; a run number other than the last; sensor and supply as for arming |
 //!
 //! The self-test ends as well with three frames in a row that do not show the pulse line.
@@ -39,24 +41,25 @@
 //! opens no session. So a second program cannot disturb a run, nor the frames that are sent again after its end. A
 //! host that is gone can be replaced once its lease has lapsed.
 
-use crate::board::{CapturedFrame, ChipIdentity, Identity};
+use crate::board::{CapturedFrame, Identity};
 use crate::history::{self, History};
-use crate::limits::{LONGEST_PULSE, Limits, SHORTEST_PULSE};
+use crate::limits::Limits;
 use crate::loopback::{self, SelfTest};
 use crate::outbox::{Answer, Item, Outbox};
 use crate::run::Run;
 use crate::session::{Admission, Session};
 use crate::supply_meter::SupplyMeter;
-use servoid_protocol::health::{Health, LastFault};
+use servoid_protocol::health::Health;
 use servoid_protocol::hello::Text16;
-use servoid_protocol::lease::LEASE_FRAMES;
+use servoid_protocol::lease::LEASE_S;
 use servoid_protocol::loopback::{Loopback, LoopbackFrame, Vitals};
 use servoid_protocol::message::{
-    Activity, Arm, Command, EndReason, Ended, Outcome, Refusal, Request, RigMessage, Start, Status,
+    Activity, Arm, ArmFor, Command, EndReason, Ended, Outcome, Refusal, Request, RigMessage, Start,
+    Status,
 };
+use servoid_protocol::pulse_train::PulseType;
 use servoid_protocol::schema::{PROTOCOL_VERSION, SCHEMA_HASH};
-use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
-use servoid_protocol::{Counts, Hello, PulseWidth};
+use servoid_protocol::{Hello, PulseTrain, PulseWidth};
 
 /// The outcome of a request that came so late that its host may be gone.
 const TOO_LATE: Outcome = Outcome::Refused(Refusal::LeaseLapsed);
@@ -76,7 +79,11 @@ enum State {
 #[derive(Debug)]
 #[cfg_attr(test, derive(Clone))]
 pub struct Rig {
-    hello: Hello,
+    identity: Identity,
+    /// The train of pulses that the rig is armed for; the usual one while it is not.
+    train: PulseTrain,
+    /// The type of the first train that it was armed for: it makes no other pulses until its next start.
+    held: Option<PulseType>,
     state: State,
     session: Session,
     history: History,
@@ -88,8 +95,6 @@ pub struct Rig {
     newly_heard_at: u32,
     frames_lost: u32,
     rejects: u32,
-    chip: ChipIdentity,
-    last_fault: Option<LastFault>,
     supply: SupplyMeter,
     vitals: Vitals,
     wants_vitals: bool,
@@ -100,7 +105,9 @@ impl Rig {
     #[inline(never)] // inlined, its 6 KB would stay on the stack of the loop that owns it
     pub fn new(identity: &Identity) -> Self {
         Self {
-            hello: hello(identity),
+            identity: *identity,
+            train: PulseTrain::USUAL,
+            held: None,
             state: State::Idle,
             session: Session::default(),
             history: History::default(),
@@ -110,8 +117,6 @@ impl Rig {
             newly_heard_at: 0,
             frames_lost: 0,
             rejects: 0,
-            chip: identity.chip,
-            last_fault: identity.last_fault,
             supply: SupplyMeter::default(),
             vitals: Vitals::default(),
             wants_vitals: false,
@@ -134,11 +139,15 @@ impl Rig {
                 self.end(reason);
             }
         }
-        let full_scale = Counts(self.hello.full_scale_counts);
+        let full_scale = self.identity.full_scale;
         if let State::SelfTest(test) = &mut self.state
             && !test.goes_on(frame, self.heard_at, full_scale)
         {
             self.state = State::Idle;
+        }
+        // No pulse comes at another rate, nor before the board has let go of the train before.
+        if frame.train != self.train {
+            return None;
         }
         match &self.state {
             State::Idle => None,
@@ -203,10 +212,18 @@ impl Rig {
         });
     }
 
+    /// The train of pulses that the rig is armed for; the usual one while it is not.
+    pub fn train(&self) -> PulseTrain {
+        self.train
+    }
+
     /// The instant of the probe that the self-test asks for (µs after the frame edge).
     pub fn probe_us(&self) -> Option<u16> {
-        match &self.state {
-            State::SelfTest(test) => Some(test.asked.probe_us),
+        match (&self.state, &self.newest) {
+            // Its instants are those of the usual train.
+            (State::SelfTest(test), Some(newest)) if newest.train == self.train => {
+                Some(test.asked.probe_us)
+            }
             _ => None,
         }
     }
@@ -250,7 +267,7 @@ impl Rig {
 
     fn message(&self, answer: Answer) -> RigMessage {
         match answer {
-            Answer::Hello => RigMessage::Hello(self.hello),
+            Answer::Hello => RigMessage::Hello(self.hello()),
             Answer::Status => RigMessage::Status(self.status()),
             Answer::Health => RigMessage::Health(self.health()),
             Answer::Vitals => RigMessage::Vitals(Vitals {
@@ -270,17 +287,44 @@ impl Rig {
         }
     }
 
+    fn hello(&self) -> Hello {
+        let (identity, train) = (&self.identity, &self.train);
+        let [shortest, longest] = train.pulses.board_limits();
+        Hello {
+            protocol_version: PROTOCOL_VERSION,
+            schema_hash: SCHEMA_HASH,
+            board: identity.board,
+            build: Text16::new(env!("CARGO_PKG_VERSION")),
+            unique_id: identity.unique_id,
+            clock: identity.clock,
+            reset_cause: identity.reset_cause,
+            frame_us: train.frame_us(),
+            sample_us: train.sample_us().into(),
+            first_sample_us: if *train == PulseTrain::USUAL {
+                identity.first_sample_us
+            } else {
+                train.first_sample_us()
+            },
+            aperture_us: identity.aperture_us,
+            oversampling: identity.oversampling,
+            full_scale_counts: identity.full_scale.0,
+            shortest_pulse_us: shortest.0,
+            longest_pulse_us: longest.0,
+            history_frames: history::CAPACITY as u16,
+        }
+    }
+
     fn newest_number(&self) -> u32 {
         self.newest.map_or(0, |frame| frame.number)
     }
 
-    /// Requires a host that was alive a moment ago: within `lease_frames`, and within [`LEASE_FRAMES`].
+    /// Requires a host that was alive a moment ago: within `lease_frames`, and within [`LEASE_S`].
     ///
     /// A line may hold back what a host said last, and deliver it when the host is gone. A copy of a request is no
     /// proof of life, since the line may hold back that too.
     fn require_alive(&self, lease_frames: u16) -> Result<(), Refusal> {
         let silent = self.newest_number().wrapping_sub(self.newly_heard_at);
-        if silent < u32::from(lease_frames.min(LEASE_FRAMES)) {
+        if silent < u32::from(lease_frames.min(self.train.frames_in(LEASE_S))) {
             Ok(())
         } else {
             Err(Refusal::LeaseLapsed)
@@ -335,12 +379,12 @@ impl Rig {
 
     fn health(&self) -> Health {
         Health {
-            flash_kib: self.chip.flash_kib,
-            device: self.chip.device,
+            flash_kib: self.identity.chip.flash_kib,
+            device: self.identity.chip.device,
             bandgap_at_start: self.supply.at_start,
             bandgap: self.supply.newest,
             low_supply_frames: self.supply.low_frames,
-            last_fault: self.last_fault,
+            last_fault: self.identity.last_fault,
         }
     }
 
@@ -353,10 +397,11 @@ impl Rig {
             | Command::Vitals
             | Command::KeepAlive => Ok(()),
             Command::Loopback(asked) => self.test_itself(asked),
-            Command::Arm(arm) => self.arm(arm),
+            Command::Arm(arm) => self.arm(PulseTrain::USUAL, arm),
+            Command::ArmFor(ArmFor { train, arm }) => self.arm(*train, arm),
             Command::Disarm => {
                 self.end(EndReason::Disarmed);
-                self.state = State::Idle;
+                (self.state, self.train) = (State::Idle, PulseTrain::USUAL);
                 Ok(())
             }
             Command::Start(start) => self.start(start),
@@ -373,16 +418,18 @@ impl Rig {
         }
     }
 
-    fn arm(&mut self, arm: &Arm) -> Result<(), Refusal> {
+    fn arm(&mut self, train: PulseTrain, arm: &Arm) -> Result<(), Refusal> {
         if matches!(self.state, State::Running(..)) {
             return Err(Refusal::Running);
         }
         if arm.schema_hash != SCHEMA_HASH {
             return Err(Refusal::SchemaDiffers);
         }
-        self.require_alive(LEASE_FRAMES)?;
-        let limits = Limits::new(arm, Counts(self.hello.full_scale_counts))?;
+        self.require_alive(u16::MAX)?;
+        let limits = Limits::new(arm, &train, self.identity.full_scale)?;
+        self.require_type(train.pulses)?;
         self.require_healthy(&limits)?;
+        (self.train, self.held) = (train, Some(train.pulses));
         self.state = State::Armed(limits);
         Ok(())
     }
@@ -395,10 +442,12 @@ impl Rig {
         if asked.schema_hash != SCHEMA_HASH {
             return Err(Refusal::SchemaDiffers);
         }
-        self.require_alive(LEASE_FRAMES)?;
+        self.require_alive(u16::MAX)?;
+        self.require_type(PulseTrain::USUAL.pulses)?;
         let newest = self.newest.as_ref().ok_or(Refusal::SensorOutOfRange)?;
-        let full_scale = Counts(self.hello.full_scale_counts);
-        self.state = State::SelfTest(SelfTest::new(*asked, newest, full_scale)?);
+        let test = SelfTest::new(*asked, newest, self.identity.full_scale)?;
+        self.train = PulseTrain::USUAL;
+        self.state = State::SelfTest(test);
         Ok(())
     }
 
@@ -438,6 +487,16 @@ impl Rig {
         }
     }
 
+    /// Requires pulses of the type that the rig was armed for since its start: a servo of the other type may be on its
+    /// line still.
+    fn require_type(&self, pulses: PulseType) -> Result<(), Refusal> {
+        if self.held.is_none_or(|held| held == pulses) {
+            Ok(())
+        } else {
+            Err(Refusal::OtherPulseType)
+        }
+    }
+
     /// Requires readings that can be trusted: the newest ones of the sensor and of the supply.
     fn require_healthy(&self, limits: &Limits) -> Result<(), Refusal> {
         if self
@@ -459,27 +518,6 @@ impl Rig {
 /// Whether a lease that began with frame `heard_at` has lapsed at `frame`.
 fn has_lapsed(frame: &CapturedFrame, heard_at: u32, limits: &Limits) -> bool {
     frame.number.wrapping_sub(heard_at) >= u32::from(limits.lease_frames)
-}
-
-fn hello(identity: &Identity) -> Hello {
-    Hello {
-        protocol_version: PROTOCOL_VERSION,
-        schema_hash: SCHEMA_HASH,
-        board: identity.board,
-        build: Text16::new(env!("CARGO_PKG_VERSION")),
-        unique_id: identity.unique_id,
-        clock: identity.clock,
-        reset_cause: identity.reset_cause,
-        frame_us: FRAME_US,
-        sample_us: SAMPLE_US,
-        first_sample_us: identity.first_sample_us,
-        aperture_us: identity.aperture_us,
-        oversampling: identity.oversampling,
-        full_scale_counts: identity.full_scale.0,
-        shortest_pulse_us: SHORTEST_PULSE.0,
-        longest_pulse_us: LONGEST_PULSE.0,
-        history_frames: history::CAPACITY as u16,
-    }
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ pub async fn serve<B: Board, L: Link>(board: &mut B, link: &mut L) -> ! {
     loop {
         let received = match select(board.next_frame(), link.receive(&mut bytes)).await {
             Either::First(frame) => {
+                board.set_train(rig.train());
                 board.set_pulse(rig.on_frame(&frame));
                 board.set_probe(rig.probe_us());
                 board.feed_watchdog();

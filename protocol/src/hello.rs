@@ -90,9 +90,9 @@ pub struct Hello {
     pub clock: ClockSource,
     /// The cause of the last reset.
     pub reset_cause: ResetCause,
-    /// Length of a PWM frame (µs).
+    /// Length of a frame (µs), of the train of pulses that the rig is armed for; the usual one while it is not.
     pub frame_us: u32,
-    /// Time between two samples (µs).
+    /// Time between two samples (µs), of that train.
     pub sample_us: u32,
     /// From a pulse's rising edge to the start of the frame's first sample (µs).
     pub first_sample_us: u16,
@@ -102,9 +102,9 @@ pub struct Hello {
     pub oversampling: u8,
     /// Counts of a sensor at the supply rail.
     pub full_scale_counts: u16,
-    /// Shortest pulse that the board makes (µs).
+    /// Shortest pulse that the board makes for that train (µs).
     pub shortest_pulse_us: u16,
-    /// Longest pulse that the board makes (µs).
+    /// Longest pulse that the board makes for that train (µs).
     pub longest_pulse_us: u16,
     /// Frames that stay in the board's memory and can be sent again.
     pub history_frames: u16,

@@ -13,7 +13,8 @@
 //! | module        | content                                                                    |
 //! |---------------|----------------------------------------------------------------------------|
 //! | [`units`]     | pulse widths (µs), sensor counts, degrees, and the scales between them     |
-//! | [`timing`]    | the 20 ms PWM frame and the ten samples in it                              |
+//! | [`timing`]    | the frame and the ten samples in it                                        |
+//! | [`pulse_train`] | the pulses that a servo is made for: their type and rate, and the frame that follows |
 //! | [`mod@reference`] | the reference signals, expanded to one pulse per frame by the same code on both ends |
 //! | [`lease`]     | the time for which a rig goes on without a request from its host           |
 //! | [`hello`]     | the identity of a rig, in a layout that never changes                      |
@@ -44,6 +45,7 @@ pub mod hello;
 pub mod lease;
 pub mod loopback;
 pub mod message;
+pub mod pulse_train;
 pub mod reference;
 pub mod schema;
 pub mod timing;
@@ -55,5 +57,6 @@ pub use hello::Hello;
 pub use message::{
     Command, EndReason, Frame, Outcome, Refusal, Request, RigMessage, RunCheck, Status,
 };
+pub use pulse_train::PulseTrain;
 pub use reference::Reference;
 pub use units::{Counts, Degrees, PulseWidth, SensorScale, ServoScale};

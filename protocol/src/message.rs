@@ -21,6 +21,7 @@ use crate::framing::CRC;
 use crate::health::Health;
 use crate::hello::Hello;
 use crate::loopback::{Loopback, LoopbackFrame, Vitals};
+use crate::pulse_train::PulseTrain;
 use crate::reference::Reference;
 use crate::timing::SAMPLES_PER_FRAME;
 use crate::units::{Counts, PulseWidth};
@@ -49,7 +50,7 @@ pub enum Command {
     Hello,
     /// Answered with [`RigMessage::Status`].
     Status,
-    /// Start pulses, at neutral.
+    /// Start pulses, at neutral, of the usual train: wide ones at 50 Hz.
     Arm(Arm),
     /// Stop pulses. Ends a run first.
     Disarm,
@@ -79,6 +80,8 @@ pub enum Command {
     /// The self-test: make these pulses, as long as the board sees them at its sensor's pin. Answered with
     /// [`RigMessage::Loopback`], unless it is refused.
     Loopback(Loopback),
+    /// [`Command::Arm`], for a servo that takes other pulses than the usual ones.
+    ArmFor(ArmFor),
 }
 
 /// The limits of a servo and its sensor, and the lease: all that a rig needs before it makes a pulse.
@@ -98,6 +101,25 @@ pub struct Arm {
     pub sensor_high: Counts,
     /// Frames for which a run goes on after the last request of the host; at least one.
     pub lease_frames: u16,
+}
+
+/// Arming for a servo with this train of pulses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct ArmFor {
+    /// The pulses that the servo takes. The board holds their type until its next start.
+    pub train: PulseTrain,
+    /// The limits; the lease is in frames of that train.
+    pub arm: Arm,
+}
+
+impl From<ArmFor> for Command {
+    /// The shorter request where it is enough.
+    fn from(asked: ArmFor) -> Self {
+        match asked.train {
+            PulseTrain::USUAL => Self::Arm(asked.arm),
+            _ => Self::ArmFor(asked),
+        }
+    }
 }
 
 /// One run: rest at neutral, the reference, rest at neutral.
@@ -150,7 +172,7 @@ pub enum RigMessage {
     },
     /// Answer to [`Command::Status`].
     Status(Status),
-    /// One PWM frame of a run, live or sent again.
+    /// One frame of a run, live or sent again.
     Frame(Frame),
     /// A run has ended. Sent once; [`Status`] repeats it.
     Ended(Ended),
@@ -200,9 +222,13 @@ pub enum Refusal {
     SupplyLow,
     /// Too long after the last sign of life of the host: it may be a request of one that is gone.
     LeaseLapsed,
+    /// No board makes such a train of pulses: its rate is not one of its type.
+    NoSuchTrain,
+    /// The board was armed for the other type of pulses since its last start.
+    OtherPulseType,
 }
 
-/// One PWM frame of a run: the *applied* pulse, and the samples taken during it.
+/// One frame of a run: the *applied* pulse, and the samples taken during it.
 ///
 /// At most 40 bytes on the wire while the counts take two bytes each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -211,7 +237,7 @@ pub struct Frame {
     pub run: u16,
     /// Frames since the run's first one.
     pub index: u16,
-    /// The pulse on the line in this frame; never zero.
+    /// The width of the pulses on the line in this frame; never zero.
     pub pulse: PulseWidth,
     /// The samples, in order.
     pub samples: [Counts; SAMPLES_PER_FRAME],

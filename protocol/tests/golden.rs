@@ -8,7 +8,8 @@ use servoid_protocol::framing::CRC;
 use servoid_protocol::health::{FaultKind, Health, LastFault};
 use servoid_protocol::hello::Text16;
 use servoid_protocol::loopback::{Loopback, LoopbackFrame, Probe, Vitals};
-use servoid_protocol::message::{Arm, Ended, Start};
+use servoid_protocol::message::{Arm, ArmFor, Ended, Start};
+use servoid_protocol::pulse_train::{PulseTrain, PulseType};
 use servoid_protocol::reference::{Multisine, Prbs, Staircase, Stairs, Step, Steps, Sweep};
 use servoid_protocol::{
     Command, Counts, Decoder, EndReason, Frame, Outcome, PulseWidth, Reference, Refusal, Request,
@@ -349,4 +350,41 @@ fn every_other_reference() {
         let bytes: Vec<u8> = reference.offsets_us().flat_map(i16::to_le_bytes).collect();
         assert_eq!(CRC.checksum(&bytes), crc, "{}", reference.name());
     }
+}
+
+#[test]
+fn arming_for_a_narrow_pulse_servo_at_560_hz() {
+    let arm = Arm {
+        schema_hash: 0x0123_4567_89ab_cdef,
+        neutral: PulseWidth(760),
+        shortest: PulseWidth(660),
+        longest: PulseWidth(860),
+        sensor_low: Counts(1_000),
+        sensor_high: Counts(15_380),
+        lease_frames: 111,
+    };
+    let train = PulseTrain {
+        pulses: PulseType::Narrow,
+        period_us: 1_786,
+    };
+    require_request(
+        0x1234,
+        301,
+        Command::ArmFor(ArmFor { train, arm }),
+        &[
+            0x00, 0x21, 0xb4, 0x24, 0xad, 0x02, 0x0c, 0x01, 0xfa, 0x0d, 0xef, 0x9b, 0xaf, 0xcd,
+            0xf8, 0xac, 0xd1, 0x91, 0x01, 0xf8, 0x05, 0x94, 0x05, 0xdc, 0x06, 0xe8, 0x07, 0x94,
+            0x78, 0x6f, 0xa7, 0x59, 0x40, 0xc4, 0x00,
+        ],
+    );
+    require_message(
+        RigMessage::Reply {
+            session: 1,
+            id: 6,
+            outcome: Outcome::Refused(Refusal::OtherPulseType),
+        },
+        &[
+            0x00, 0x0a, 0x02, 0x01, 0x06, 0x01, 0x0e, 0xec, 0xa3, 0x70, 0xfe, 0x00,
+        ],
+    );
 }

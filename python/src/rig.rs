@@ -36,6 +36,7 @@ impl ReferenceOptions {
             levels: self.levels,
             seed: self.prbs_seed,
             frequencies_hz: band.map_err(anyhow::Error::msg)?,
+            train: RigFile::default().train(),
         })
     }
 }
@@ -56,8 +57,8 @@ pub(crate) struct PlanOptions {
 impl PlanOptions {
     fn assumed(&self) -> anyhow::Result<AssumedServo> {
         let assumed = match &self.model {
-            Some(path) => AssumedServo::of_file(path)?,
-            None => AssumedServo::named(&self.servo)?,
+            Some(path) => AssumedServo::of_file(path, RigFile::default().train())?,
+            None => AssumedServo::named(&self.servo, RigFile::default().train())?,
         };
         Ok(match self.noise {
             Some(sigma) => assumed.with_white_noise(sigma),

@@ -3,19 +3,18 @@
 use crate::options::{OptionsError, SimulationOptions};
 use crate::parts::Parts;
 use crate::sensor::{SENSOR_SCALE, sum};
-use servoid_protocol::timing::{FRAME_US, SAMPLE_US, SAMPLES_PER_FRAME};
-use servoid_protocol::{Counts, PulseWidth};
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use servoid_protocol::{Counts, PulseTrain, PulseWidth};
 use std::time::Duration;
 
-/// Length of a PWM frame.
-pub(crate) const FRAME: Duration = Duration::from_micros(FRAME_US as u64);
-
-/// One PWM frame, with the true angles behind its samples.
+/// One frame, with the true angles behind its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulatedFrame {
     /// Frames since the start of the simulation.
     pub number: u64,
-    /// The pulse in this frame.
+    /// The train whose frame this is.
+    pub train: PulseTrain,
+    /// The pulses in this frame.
     pub pulse: Option<PulseWidth>,
     /// The counts of the ADC.
     pub samples: [Counts; SAMPLES_PER_FRAME],
@@ -33,8 +32,11 @@ impl SimulatedFrame {
 /// Servo and sensor on the wires of a rig, which keeps the rig's timing.
 pub struct Apparatus {
     parts: Parts,
-    first_sample: Duration,
+    /// With the usual train (µs).
+    first_sample_us: u16,
     number: u64,
+    /// When the next frame begins.
+    edge: Duration,
 }
 
 impl Apparatus {
@@ -42,26 +44,36 @@ impl Apparatus {
     pub fn new(options: &SimulationOptions) -> Result<Self, OptionsError> {
         Ok(Self {
             parts: Parts::new(options)?,
-            first_sample: Duration::from_micros(options.first_sample_us.into()),
+            first_sample_us: options.first_sample_us,
             number: 0,
+            edge: Duration::ZERO,
         })
     }
 
-    /// The next PWM frame, with `pulse` at its edge. Sample `j` is taken `first_sample_us + j · 2 ms`
-    /// after the edge; all its conversions see the same angle.
-    pub fn frame(&mut self, pulse: Option<PulseWidth>) -> SimulatedFrame {
+    /// The next frame, with equal pulses of this train. Sample `j` is taken `j` sample periods after the first one; all its
+    /// conversions see the same angle.
+    pub fn frame_of(&mut self, train: PulseTrain, pulse: Option<PulseWidth>) -> SimulatedFrame {
         let mut frame = SimulatedFrame {
             number: self.number,
+            train,
             pulse,
             samples: Default::default(),
             angles: Default::default(),
         };
         self.number += 1;
-        let edge = Duration::from_micros(frame.number * u64::from(FRAME_US));
+        let edge = self.edge;
+        self.edge += Duration::from_micros(train.frame_us().into());
+        let first_sample_us = match train {
+            PulseTrain::USUAL => self.first_sample_us,
+            _ => train.first_sample_us(),
+        };
         let parts = &mut self.parts;
-        parts.servo.command(edge, pulse);
+        let (sample_us, per_pulse) = (u64::from(train.sample_us()), train.samples_per_pulse());
         for (j, (counts, angle)) in (0..).zip(frame.samples.iter_mut().zip(&mut frame.angles)) {
-            let at = edge + self.first_sample + Duration::from_micros(j * u64::from(SAMPLE_US));
+            if j % u64::from(per_pulse) == 0 {
+                parts.command(edge + Duration::from_micros(j * sample_us), pulse);
+            }
+            let at = edge + Duration::from_micros(u64::from(first_sample_us) + j * sample_us);
             *angle = parts.servo.angle(at);
             *counts = sum(parts.sensor.convert(at, *angle, &parts.noise.next_sample()));
         }

@@ -4,8 +4,8 @@ use crate::apparatus::{Apparatus, SimulatedFrame};
 use crate::options::{OptionsError, SimulationOptions};
 use crate::sensor::{FULL_SCALE, OVERSAMPLING};
 use servoid_firmware::{Board, CapturedFrame, ChipIdentity, FrameTiming, Identity, Supply};
-use servoid_protocol::PulseWidth;
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
+use servoid_protocol::{PulseTrain, PulseWidth};
 use std::cell::Cell;
 use std::future::poll_fn;
 use std::rc::Rc;
@@ -13,6 +13,9 @@ use std::task::Poll;
 
 /// Frames so far, shared by a board and its driver.
 pub type FrameClock = Rc<Cell<u64>>;
+
+/// The train of the present frame, shared in the same way: it says when the frame ends.
+pub type TrainInUse = Rc<Cell<PulseTrain>>;
 
 /// Gets each frame as it is sampled.
 pub type Observer = Box<dyn FnMut(&SimulatedFrame)>;
@@ -27,12 +30,20 @@ pub struct SimulatedBoard {
     observer: Observer,
     /// Frames that the rig has taken.
     taken: u64,
+    /// The train of the present frame.
+    train: TrainInUse,
+    asked_train: PulseTrain,
     /// The pulse from the next frame edge on.
     pulse: Option<PulseWidth>,
     identity: Identity,
 }
 
 impl SimulatedBoard {
+    /// The train of the present frame, for the driver of the clock.
+    pub fn train_in_use(&self) -> TrainInUse {
+        self.train.clone()
+    }
+
     /// A board that was just switched on. `observer` gets every frame, with its true angles.
     pub fn new(
         options: &SimulationOptions,
@@ -44,6 +55,8 @@ impl SimulatedBoard {
             clock,
             observer,
             taken: 0,
+            train: TrainInUse::default(),
+            asked_train: PulseTrain::USUAL,
             pulse: None,
             identity: identity(options),
         })
@@ -82,10 +95,11 @@ impl Board for SimulatedBoard {
         .await;
         // No await from here on, so a dropped future has not taken the frame.
         self.taken += 1;
-        let frame = self.apparatus.frame(self.pulse);
+        let frame = self.apparatus.frame_of(self.train.get(), self.pulse);
         (self.observer)(&frame);
         CapturedFrame {
             number: frame.number as u32, // wraps, as the trait allows
+            train: frame.train,
             pulse: frame.pulse,
             samples: frame.samples,
             supply: Supply::default(),
@@ -93,7 +107,15 @@ impl Board for SimulatedBoard {
         }
     }
 
+    fn set_train(&mut self, train: PulseTrain) {
+        self.asked_train = train;
+    }
+
     fn set_pulse(&mut self, pulse: Option<PulseWidth>) {
+        // The frame before this call is over; one without a pulse follows, or none.
+        if self.pulse.is_none() && pulse.is_none() {
+            self.train.set(self.asked_train);
+        }
         self.pulse = pulse;
     }
 

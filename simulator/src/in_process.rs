@@ -4,8 +4,8 @@
 //! while the caller waits in [`InProcessRig::read`]. So nothing depends on the speed or load of the computer, and
 //! leases and time-outs have the same meaning as on a real rig.
 
-use crate::apparatus::{FRAME, SimulatedFrame};
-use crate::board::{FrameClock, SimulatedBoard};
+use crate::apparatus::SimulatedFrame;
+use crate::board::{FrameClock, SimulatedBoard, TrainInUse};
 use crate::options::{OptionsError, SimulationOptions};
 use crate::serial_line::{RigEnd, SerialLine};
 use servoid_firmware::serve;
@@ -41,6 +41,7 @@ pub struct InProcessRig {
     /// The future of `serve`, which owns the board and the link. It never ends.
     rig: Pin<Box<dyn Future<Output = ()>>>,
     clock: FrameClock,
+    train: TrainInUse,
     line: Rc<RefCell<SerialLine>>,
     now: Duration,
     next_edge: Duration,
@@ -61,14 +62,17 @@ impl InProcessRig {
     ) -> Result<Self, OptionsError> {
         let clock = FrameClock::default();
         let mut board = SimulatedBoard::new(options, clock.clone(), Box::new(observer))?;
+        let train = board.train_in_use();
+        let next_edge = frame_length(&train);
         let line = Rc::new(RefCell::new(SerialLine::new(options.line)));
         let mut link = RigEnd(line.clone());
         Ok(Self {
             rig: Box::pin(async move { serve(&mut board, &mut link).await }),
             clock,
+            train,
             line,
             now: Duration::ZERO,
-            next_edge: FRAME,
+            next_edge,
             started: options.realtime.then(Instant::now),
         })
     }
@@ -110,12 +114,19 @@ impl InProcessRig {
         }
         self.line.borrow_mut().advance(to - self.now);
         self.now = to;
-        if self.now == self.next_edge {
+        let is_edge = self.now == self.next_edge;
+        if is_edge {
             self.clock.set(self.clock.get() + 1);
-            self.next_edge += FRAME;
         }
         // One poll is enough: it checks both the frame and the link.
         let mut context = Context::from_waker(Waker::noop());
         let _ = self.rig.as_mut().poll(&mut context);
+        if is_edge {
+            self.next_edge += frame_length(&self.train);
+        }
     }
+}
+
+fn frame_length(train: &TrainInUse) -> Duration {
+    Duration::from_micros(train.get().frame_us().into())
 }

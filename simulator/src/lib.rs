@@ -61,4 +61,4 @@ pub use options::{LineSpeed, OptionsError, ServoKind, SimulationOptions};
 pub use parts::Parts;
 pub use sensor::SENSOR_SCALE;
 pub use servo::{SERVO_SCALE, Servo};
-pub use simulate::simulate;
+pub use simulate::{simulate, simulate_train};

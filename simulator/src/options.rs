@@ -7,6 +7,7 @@ use crate::linear::LinearParameters;
 use crate::machine::MachineParameters;
 use crate::noise::NoiseKind;
 use crate::sensor::SensorFault;
+use servoid_protocol::pulse_train::PulseType;
 use servoid_protocol::timing::SAMPLE_US;
 use std::time::Duration;
 use thiserror::Error;
@@ -61,7 +62,8 @@ pub enum LineSpeed {
 /// | `scatter`           | none or `all`, or some of `clock,supply,friction,sensor,rotor`: the parts that differ from seed to seed | off | all, as far as it has the part |
 /// | `baud`              | speed of the serial line, or `unlimited`           | 115200 | all             |
 /// | `fault`             | `open`, `short` or `frozen`, `@` and seconds: the sensor breaks then; `open@3-5`: it is repaired at 5 s; a comma between several | none | all |
-/// | `first-sample-us`   | 0-1999: from a pulse's edge to the first sample    | 500    | all             |
+/// | `first-sample-us`   | 0-1999: from a pulse's edge to the first sample, with pulses at 50 Hz | 500    | all             |
+/// | `pulses`            | `wide` or `narrow`: a narrow-pulse servo takes pulses of half the width | wide | all |
 /// | `clock-phase-ms`    | latency that the servo's own clock adds            | 0      | all             |
 /// | `sensor-gain`       | relative to the calibration                        | 1      | all             |
 /// | `sensor-zero-deg`   | angle at which the sensor reads its counts for 0 deg | 0     | all             |
@@ -103,6 +105,8 @@ pub struct SimulationOptions {
     pub faults: Vec<SensorFault>,
     /// From a pulse's rising edge to the frame's first sample (µs); less than 2000.
     pub first_sample_us: u16,
+    /// The pulses that the servo understands.
+    pub pulses: PulseType,
     /// The run's conditions.
     pub conditions: Conditions,
     /// The conditions that the seed draws.
@@ -120,6 +124,7 @@ impl SimulationOptions {
             line: LineSpeed::Baud(115_200),
             faults: Vec::new(),
             first_sample_us: 500,
+            pulses: PulseType::Wide,
             conditions: Conditions::default(),
             scatter: Scatter::default(),
         }
@@ -182,7 +187,7 @@ const STOPS: &str = "two angles with a colon between them, below and above 0, su
 const BAUD: &str = "bits per second, 10 or more, or unlimited";
 
 /// The keys, for the message about an unknown one.
-const KEYS: &str = "seed, realtime, noise, scatter, baud, fault, first-sample-us, clock-phase-ms, \
+const KEYS: &str = "seed, realtime, noise, scatter, baud, fault, first-sample-us, pulses, clock-phase-ms, \
     sensor-gain, sensor-zero-deg, stops-deg, supply, friction, rotor-phase-deg, gain, zeta, omega and delay-ms";
 
 /// An invalid option.

@@ -10,6 +10,9 @@ use crate::noise::Noise;
 use crate::options::{OptionsError, ServoKind, SimulationOptions};
 use crate::sensor::HallSensor;
 use crate::servo::Servo;
+use servoid_protocol::PulseWidth;
+use servoid_protocol::pulse_train::PulseType;
+use std::time::Duration;
 
 /// Servo, sensor and noise of one simulation, at rest.
 #[derive(Debug)]
@@ -20,6 +23,8 @@ pub struct Parts {
     pub sensor: HallSensor,
     /// The noise of the measured angle.
     pub noise: Noise,
+    /// The pulses that the servo understands.
+    pulses: PulseType,
 }
 
 impl Parts {
@@ -52,6 +57,17 @@ impl Parts {
                 options.faults.clone(),
             ),
             noise: Noise::new(options.noise, options.seed),
+            pulses: options.pulses,
         })
+    }
+
+    /// A pulse on the servo's wire with its rising edge at `at`, or `None` for a missing one; see [`Servo::command`]. A
+    /// narrow-pulse servo takes every width for one twice as wide.
+    pub fn command(&mut self, at: Duration, pulse: Option<PulseWidth>) {
+        let as_wide = |PulseWidth(width)| match self.pulses {
+            PulseType::Wide => PulseWidth(width),
+            PulseType::Narrow => PulseWidth(width.saturating_mul(2)),
+        };
+        self.servo.command(at, pulse.map(as_wide));
     }
 }

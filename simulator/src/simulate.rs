@@ -2,9 +2,9 @@
 
 use crate::apparatus::{Apparatus, SimulatedFrame};
 use crate::options::{OptionsError, SimulationOptions};
-use servoid_protocol::PulseWidth;
+use servoid_protocol::{PulseTrain, PulseWidth};
 
-/// Commands the servo with one pulse per PWM frame and yields the measured frames.
+/// Commands the servo with one pulse per frame of the usual train, and yields the measured frames.
 ///
 /// The servo starts at rest at 0 degrees, without a pulse before the first one. The samples are
 /// those that a rig on the same options would send, frame for frame.
@@ -23,6 +23,17 @@ pub fn simulate(
     options: &SimulationOptions,
     pulses: impl IntoIterator<Item = Option<PulseWidth>>,
 ) -> Result<impl Iterator<Item = SimulatedFrame>, OptionsError> {
+    simulate_train(options, PulseTrain::USUAL, pulses)
+}
+
+/// [`simulate`] with another train: each frame has its number of equal pulses.
+pub fn simulate_train(
+    options: &SimulationOptions,
+    train: PulseTrain,
+    pulses: impl IntoIterator<Item = Option<PulseWidth>>,
+) -> Result<impl Iterator<Item = SimulatedFrame>, OptionsError> {
     let mut apparatus = Apparatus::new(options)?;
-    Ok(pulses.into_iter().map(move |pulse| apparatus.frame(pulse)))
+    Ok(pulses
+        .into_iter()
+        .map(move |pulse| apparatus.frame_of(train, pulse)))
 }

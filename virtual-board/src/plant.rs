@@ -6,7 +6,7 @@ use servoid_protocol::PulseWidth;
 use servoid_simulator::sensor::{OVERSAMPLING, SampleNoise};
 use servoid_simulator::{OptionsError, Parts, SimulationOptions};
 
-/// Period of the pulses that a servo expects.
+/// Longest period of the pulses that a servo expects.
 const FRAME: Ticks = milliseconds(20);
 /// A pulse later than this counts as missing. Less than the latency of a servo, so the servo gets this in time.
 const PATIENCE: Ticks = milliseconds(10);
@@ -36,7 +36,7 @@ impl Plant {
         let width = (pulse.width + TICKS_PER_MICROSECOND / 2) / TICKS_PER_MICROSECOND;
         let width = u16::try_from(width).unwrap_or(u16::MAX);
         let at = to_duration(pulse.rise);
-        self.parts.servo.command(at, Some(PulseWidth(width)));
+        self.parts.command(at, Some(PulseWidth(width)));
         self.last_rise = Some(pulse.rise);
     }
 
@@ -46,7 +46,7 @@ impl Plant {
         let is_missing = |rise: &mut Ticks| held > *rise + FRAME + PATIENCE;
         let parts = &mut self.parts;
         if let Some(rise) = self.last_rise.take_if(is_missing) {
-            parts.servo.command(to_duration(rise + FRAME), None);
+            parts.command(to_duration(rise + FRAME), None);
         }
         if index == 0 {
             self.sample = parts.noise.next_sample();

@@ -5,10 +5,10 @@ use servoid_client::{Client, ClientError, Connect, Event};
 use servoid_firmware::{CapturedFrame, ChipIdentity, FrameTiming, Identity, Rig, Supply};
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::lease::LEASE_FRAMES;
-use servoid_protocol::message::{Arm, Command, RigMessage, Start};
+use servoid_protocol::message::{Arm, ArmFor, Command, RigMessage, Start};
 use servoid_protocol::reference::{Reference, Staircase};
 use servoid_protocol::schema::SCHEMA_HASH;
-use servoid_protocol::{Counts, Decoder, Frame, PulseWidth, Request, framing};
+use servoid_protocol::{Counts, Decoder, Frame, PulseTrain, PulseWidth, Request, framing};
 use std::time::Duration;
 
 pub const FRAME: Duration = Duration::from_millis(20);
@@ -47,6 +47,14 @@ pub fn arm() -> Arm {
     }
 }
 
+/// [`arm`] with the usual pulses.
+pub fn usual() -> ArmFor {
+    ArmFor {
+        train: PulseTrain::USUAL,
+        arm: arm(),
+    }
+}
+
 /// 30 frames of a staircase, 5 frames of rest before it, and `rest` behind it.
 pub fn run(rest: u16) -> Start {
     Start {
@@ -66,6 +74,7 @@ pub struct Bench {
     rig: Rig,
     decoder: Decoder,
     pulse: Option<PulseWidth>,
+    train: PulseTrain,
     pub now: Duration,
     next_edge: Duration,
     pub to_rig: Line,
@@ -98,6 +107,7 @@ impl Bench {
             rig: new_rig(),
             decoder: Decoder::new(),
             pulse: None,
+            train: PulseTrain::USUAL,
             now: Duration::ZERO,
             next_edge: FRAME,
             to_rig: Line::new(faults, 2 * seed),
@@ -133,8 +143,13 @@ impl Bench {
 
     /// A client that has armed the rig.
     pub fn armed(&mut self) -> Result<Client, ClientError> {
+        self.armed_for(usual())
+    }
+
+    /// A client that has armed the rig for these pulses.
+    pub fn armed_for(&mut self, asked: ArmFor) -> Result<Client, ClientError> {
         let mut client = self.connect()?;
-        client.arm(arm(), self.now);
+        client.arm(asked, self.now);
         match self.wait(&mut client).pop() {
             Some(Event::Answered(_)) => Ok(client),
             Some(Event::Failed(error)) => Err(error),
@@ -211,10 +226,11 @@ impl Bench {
         if self.reset_at.is_some_and(|at| self.now >= at) {
             self.reset_at = None;
             (self.rig, self.pulse) = (new_rig(), None);
+            self.train = PulseTrain::USUAL;
         }
         if self.now == self.next_edge {
-            self.next_edge += FRAME;
             self.frame();
+            self.next_edge += Duration::from_micros(self.train.frame_us().into());
         }
         while let Some(bytes) = self.to_rig.receive(self.now) {
             for &byte in &bytes {
@@ -231,12 +247,17 @@ impl Bench {
         let sample = |j: u32| Counts(8_000 + ((number * 31 + j * 7) % 1_000) as u16);
         let frame = CapturedFrame {
             number,
+            train: self.train,
             pulse: self.pulse,
             samples: std::array::from_fn(|j| sample(j as u32)),
             supply: Supply::default(),
             timing: FrameTiming::default(),
         };
-        self.pulse = self.rig.on_frame(&frame);
+        let pulse = self.rig.on_frame(&frame);
+        if self.pulse.is_none() && pulse.is_none() {
+            self.train = self.rig.train();
+        }
+        self.pulse = pulse;
         self.log.push(frame);
     }
 

@@ -1,6 +1,6 @@
 //! A rig begins nothing for a host that it has not heard of late.
 
-use crate::bench::{Bench, arm, frames, ms, run};
+use crate::bench::{Bench, arm, frames, ms, run, usual};
 use servoid_client::{Answer, Arrived, ClientError, Event, RunEnding};
 use servoid_protocol::lease::LEASE;
 use servoid_protocol::message::{Command, EndReason, Outcome, RigMessage};
@@ -10,7 +10,7 @@ fn a_host_that_was_silent_gives_a_sign_of_life_and_goes_on() {
     let mut bench = Bench::new();
     let mut client = bench.connect().unwrap();
     bench.pass(2 * LEASE);
-    client.arm(arm(), bench.now);
+    client.arm(usual(), bench.now);
     assert_eq!(bench.wait(&mut client), [Event::Answered(Answer::Done)]);
     bench.pass(2 * LEASE);
     client.run(run(15), bench.now);
@@ -49,7 +49,7 @@ fn a_failed_arming_is_followed_by_a_disarming() {
         let done = Outcome::Done;
         matches!(message, RigMessage::Reply { outcome, .. } if *outcome == done)
     };
-    client.arm(arm(), bench.now);
+    client.arm(usual(), bench.now);
     let events = bench.wait(&mut client);
     let request = "arm";
     assert_eq!(

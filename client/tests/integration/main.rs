@@ -9,3 +9,4 @@ mod line;
 mod runs;
 mod sessions;
 mod time;
+mod trains;

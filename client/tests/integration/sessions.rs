@@ -1,6 +1,6 @@
 //! Connecting: a rig that is there, that is not, that another host has.
 
-use crate::bench::{Bench, FRAME, arm, ms, run};
+use crate::bench::{Bench, FRAME, arm, ms, run, usual};
 use servoid_client::{Answer, ClientError, Event};
 use servoid_protocol::lease::LEASE;
 use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
@@ -133,7 +133,7 @@ fn a_rig_of_other_messages_is_known_and_not_armed() {
     client.handle(wire, bench.now);
     assert_eq!(client.poll_event(), Some(Event::Connected(hello)));
     while client.poll_transmit().is_some() {}
-    client.arm(arm(), bench.now);
+    client.arm(usual(), bench.now);
     let refused = client.poll_event();
     assert!(matches!(
         refused,

@@ -11,10 +11,12 @@ mod model;
 mod references;
 mod runs;
 mod sessions;
+mod trains;
 mod walk;
 
 use super::*;
-use crate::board::{FrameTiming, Supply};
+use crate::board::{ChipIdentity, FrameTiming, Supply};
+use servoid_protocol::Counts;
 use servoid_protocol::hello::{ClockSource, ResetCause};
 use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
 use servoid_protocol::message::{Frame, RunCheck};
@@ -77,6 +79,8 @@ struct Bench {
     rig: Rig,
     number: u32,
     on_line: Option<PulseWidth>,
+    /// The train that the board makes.
+    train: PulseTrain,
     id: u16,
     sent: Vec<RigMessage>,
     /// The board's supply in the next frames.
@@ -93,6 +97,7 @@ impl Bench {
             supply: Supply::default(),
             timing: FrameTiming::default(),
             on_line: None,
+            train: PulseTrain::USUAL,
             id: 0,
             sent: Vec::new(),
         }
@@ -159,11 +164,15 @@ impl Bench {
     fn frame_with(&mut self, applied: Option<PulseWidth>, samples: [Counts; 10]) {
         self.on_line = self.rig.on_frame(&CapturedFrame {
             number: self.number,
+            train: self.train,
             pulse: applied,
             samples,
             supply: self.supply,
             timing: self.timing,
         });
+        if applied.is_none() && self.on_line.is_none() {
+            self.train = self.rig.train();
+        }
         self.number = self.number.wrapping_add(1);
         self.flush();
     }
@@ -176,6 +185,7 @@ impl Bench {
             }
             self.on_line = self.rig.on_frame(&CapturedFrame {
                 number: self.number,
+                train: self.train,
                 pulse: self.on_line,
                 samples: HEALTHY,
                 supply: Supply::default(),

@@ -4,7 +4,7 @@ use core::future::poll_fn;
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::message::{Activity, Arm, Command, RigMessage};
 use servoid_protocol::schema::SCHEMA_HASH;
-use servoid_protocol::{Counts, PulseWidth};
+use servoid_protocol::{Counts, PulseTrain, PulseWidth};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::pin::pin;
@@ -56,6 +56,8 @@ impl Board for ScriptedBoard {
         .await
     }
 
+    fn set_train(&mut self, _train: PulseTrain) {}
+
     fn set_pulse(&mut self, pulse: Option<PulseWidth>) {
         let event = Event::Pulse(pulse.map(|p| p.0));
         self.0.borrow_mut().events.push(event);
@@ -106,6 +108,7 @@ impl Link for ScriptedLink {
 fn frame(number: u32) -> CapturedFrame {
     CapturedFrame {
         number,
+        train: PulseTrain::USUAL,
         pulse: None,
         samples: [Counts(8_000); 10],
         supply: Supply::default(),

@@ -126,7 +126,7 @@ fn describe(hello: &Hello, status: Option<&Status>, rejects: Rejects) -> String 
         ("schema", format!("{schema_hash:016x} ({equal})")),
         ("clock", clock(hello.clock)),
         ("last start", reset(hello.reset_cause).to_owned()),
-        ("PWM frame", format!("{frame_us} µs")),
+        ("frame", format!("{frame_us} µs")),
         (
             "samples",
             format!(

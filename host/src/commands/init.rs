@@ -1,15 +1,15 @@
 //! `servoid init`
 
 use super::completion_values;
-use super::output::{Output, Talk, typed_path};
+use super::output::{Output, Talk, typed_path, wrong_usage};
 use super::ports;
 use super::prompts::Asker;
 use super::rig_args::FOUND;
 use super::rig_wizard::{
-    Range, RigAnswers, check_condition, check_delay, check_name, check_neutral, check_pulses,
-    check_sensor_degrees, check_travel, check_us_per_degree, check_volts,
+    Range, RigAnswers, check_condition, check_delay, check_name, check_neutral, check_pulse_rate,
+    check_pulses, check_sensor_degrees, check_travel, check_us_per_degree, check_volts,
 };
-use crate::data::rig_file::RigFile;
+use crate::data::rig_file::{PulseTypeName, RigFile};
 use crate::data::sensor_preset::SensorKind;
 use anyhow::Result;
 use clap::{Args, ValueHint};
@@ -25,6 +25,8 @@ use std::path::{Path, PathBuf};
   servoid init
   servoid init --yes --port sim:bench
   servoid init --sensor-kind as5600
+  servoid init --pulse-rate 333
+  servoid init --pulse-type narrow --pulse-rate 560
   servoid init --condition aircraft --travel=-20:20 -o aircraft.toml
   servoid init --yes --servo \"ALIGN DS610\" --neutral 1520 --pulses 900:2100 -o bench.toml")]
 pub(super) struct Init {
@@ -56,14 +58,21 @@ struct Given {
     /// Name of the servo
     #[arg(long, value_name = "NAME")]
     servo: Option<String>,
-    /// Shortest and longest pulse that the servo takes (µs) [default: 1000:2000]
+    /// Kind of pulses that the servo understands: wide, or narrow for a servo whose neutral is about 760 µs [default: wide]
+    #[arg(long, value_name = "TYPE")]
+    pulse_type: Option<PulseTypeName>,
+    /// Pulses in a second (Hz): 50 for an analogue servo, up to 333 for a digital one, and up to 560 for narrow pulses
+    /// [default: 50]
+    #[arg(long, value_name = "HZ")]
+    pulse_rate: Option<f64>,
+    /// Shortest and longest pulse that the servo takes (µs) [default: 1000:2000; narrow: 500:1000]
     #[arg(long, value_name = "SHORTEST:LONGEST")]
     pulses: Option<Range>,
-    /// Neutral: the pulse at 0 degrees (µs) [default: 1500]
+    /// Neutral: the pulse at 0 degrees (µs) [default: 1500; narrow: 760]
     #[arg(long, value_name = "US")]
     neutral: Option<u16>,
     /// Change of the pulse for one degree (µs); negative where a longer pulse turns the servo towards negative
-    /// angles [default: 10]
+    /// angles [default: 10; narrow: 5]
     #[arg(long, value_name = "US", allow_negative_numbers = true)]
     us_per_degree: Option<f64>,
     /// Travel of the linkage from neutral (degrees); sets the limits of all pulses [default: -10:10, twice the
@@ -177,7 +186,15 @@ impl Given {
             None => ask_port(asker, talk)?,
         };
         asker.ask(self.servo, SERVO, &mut to.servo, |name| check_name(name))?;
-        asker.ask(self.pulses, PULSES, &mut to.pulses_us, check_pulses)?;
+        // Not asked: nearly all servos are of the usual kind, and the owner of another one knows.
+        to.take_pulse_type(self.pulse_type.unwrap_or_default());
+        let pulse_type = to.pulse_type;
+        if let Some(hz) = self.pulse_rate {
+            check_pulse_rate(hz, pulse_type).unwrap_or_else(|error| wrong_usage(error));
+            to.pulse_rate_hz = hz;
+        }
+        let pulses = |pulses: &Range| check_pulses(pulses, pulse_type);
+        asker.ask(self.pulses, PULSES, &mut to.pulses_us, pulses)?;
         let neutral = |us: &u16| check_neutral(*us, &to.pulses_us);
         asker.ask(self.neutral, NEUTRAL, &mut to.neutral_us, neutral)?;
         let scale = &mut to.us_per_degree;

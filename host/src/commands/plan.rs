@@ -11,6 +11,7 @@ use crate::plan::{
 };
 use anyhow::{Context, Result};
 use clap::Args;
+use servoid_protocol::PulseTrain;
 use std::path::PathBuf;
 
 /// Forecast a run: the width of its band, and the questions that it cannot answer
@@ -76,14 +77,16 @@ impl PlanArgs {
         }
         let (output, talk) = (self.output, self.output.talk);
         output.check(&self.out)?;
-        let assumed = self.assumed()?;
+        let rig = self.rig.read(None, talk)?.file;
+        let train = rig.train();
+        let assumed = self.assumed(train)?;
         if let Some(caution) = caution(&self.servo).filter(|_| self.model.is_none()) {
             talk.say(caution);
         }
         let servo_model = self.servo_model || self.model.is_none() && is_servo_model(&self.servo);
-        let us_per_degree = self.rig.read(None, talk)?.file.servo.us_per_degree;
+        let us_per_degree = rig.servo.us_per_degree;
         let request = PlanRequest {
-            reference: self.reference.resolve(us_per_degree, talk)?,
+            reference: self.reference.resolve(us_per_degree, train, talk)?,
             us_per_degree,
             runs: self.repeat.into(),
             assumed,
@@ -92,7 +95,7 @@ impl PlanArgs {
             servo_model,
         };
         let plan = Plan::of(&request).with_context(|| {
-            let words = reference::describe(&request.reference, us_per_degree);
+            let words = reference::describe(&request.reference, us_per_degree, train);
             format!("a run of {words} could not be identified")
         })?;
         if let Some(out) = &self.out {
@@ -106,10 +109,10 @@ impl PlanArgs {
         talk.result(of_plan(&plan), &plan)
     }
 
-    fn assumed(&self) -> Result<AssumedServo> {
+    fn assumed(&self, train: PulseTrain) -> Result<AssumedServo> {
         let assumed = match &self.model {
-            Some(path) => AssumedServo::of_file(path)?,
-            None => match AssumedServo::named(&self.servo) {
+            Some(path) => AssumedServo::of_file(path, train)?,
+            None => match AssumedServo::named(&self.servo, train) {
                 Err(AssumedServoError::NoServo(error)) => return Err(no_servo(error)),
                 named => named?,
             },

@@ -5,7 +5,7 @@ use super::output::{Talk, wrong_usage};
 use crate::instrument::reference::{FrequencyBand, Kind, ReferenceError, ReferenceSpec};
 use anyhow::Result;
 use clap::Args;
-use servoid_protocol::Reference;
+use servoid_protocol::{PulseTrain, Reference};
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Reference")]
@@ -40,7 +40,12 @@ pub(super) struct ReferenceArgs {
 
 impl ReferenceArgs {
     /// The reference; options that do not fit its kind are wrong usage.
-    pub(super) fn resolve(self, us_per_degree: f64, talk: Talk) -> Result<Reference> {
+    pub(super) fn resolve(
+        self,
+        us_per_degree: f64,
+        train: PulseTrain,
+        talk: Talk,
+    ) -> Result<Reference> {
         let spec = ReferenceSpec {
             kind: self.reference,
             amplitude_deg: self.amplitude,
@@ -49,6 +54,7 @@ impl ReferenceArgs {
             levels: self.levels,
             seed: self.prbs_seed,
             frequencies_hz: self.frequencies,
+            train,
         };
         let resolved = match spec.resolve(us_per_degree) {
             Err(error @ ReferenceError::NotFor { .. }) => wrong_usage(error),

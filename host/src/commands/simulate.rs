@@ -57,7 +57,9 @@ impl Simulate {
         }
         let job = CaptureJob {
             address: &address,
-            reference: self.reference.resolve(rig.servo.us_per_degree, talk)?,
+            reference: self
+                .reference
+                .resolve(rig.servo.us_per_degree, rig.train(), talk)?,
             rig,
             condition: &servo.condition(),
             notes: "",

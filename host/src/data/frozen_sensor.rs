@@ -3,30 +3,32 @@
 //! Every real reading has noise, and a servo that is commanded moves. Where neither shows for a second, the sensor is
 //! frozen or disconnected within its healthy range, or the servo has no power: what was recorded is no motion.
 
-use servoid_protocol::timing::SAMPLE_US;
 use servoid_protocol::{Counts, PulseWidth};
 use std::fmt;
 use std::ops::Range;
 
-/// The shortest stretch of equal counts: one second.
-const SAMPLES: u64 = 1_000_000 / SAMPLE_US as u64;
-
-/// Time for a servo to begin to move after a change of the command: half a second, more than any delay.
-const TO_MOVE: u64 = SAMPLES / 2;
+/// The shortest stretch of equal counts (s).
+const SHORTEST_S: f64 = 1.0;
 
 /// A stretch in which the reading stood still.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StandStill {
     /// The reading.
     pub counts: Counts,
     /// Its samples.
     pub samples: Range<u64>,
+    /// Time between two of them (s).
+    pub sample_s: f64,
 }
 
 impl fmt::Display for StandStill {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { counts, samples } = self;
-        let seconds = |samples: u64| samples as f64 * f64::from(SAMPLE_US) * 1e-6;
+        let Self {
+            counts,
+            samples,
+            sample_s,
+        } = self;
+        let seconds = |samples: u64| samples as f64 * sample_s;
         write!(
             f,
             "the sensor's reading stood still at {} counts for {:.1} s from {:.1} s on, while the command changed: check the sensor, its wires and its magnet, and the servo's power",
@@ -38,8 +40,11 @@ impl fmt::Display for StandStill {
 }
 
 /// Looks at readings as they come.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct FrozenSensor {
+    sample_s: f64,
+    /// [`SHORTEST_S`] in samples.
+    shortest: u64,
     now: Option<Stretch>,
     /// All stretches that are over or long enough already.
     found: Vec<StandStill>,
@@ -57,6 +62,16 @@ struct Stretch {
 }
 
 impl FrozenSensor {
+    /// Nothing has been read. A sample comes every `sample_s` seconds.
+    pub fn new(sample_s: f64) -> Self {
+        Self {
+            sample_s,
+            shortest: (SHORTEST_S / sample_s).round() as u64,
+            now: None,
+            found: Vec::new(),
+        }
+    }
+
     /// Takes the next reading: the number of the sample, the pulse of its frame, and the counts.
     pub fn take(&mut self, sample: u64, pulse: PulseWidth, counts: Counts) {
         let goes_on = self.now.filter(|now| now.counts == counts);
@@ -72,15 +87,23 @@ impl FrozenSensor {
             now.commanded_at = now.commanded_at.or(Some(sample));
         }
         let end = sample + 1;
-        let should_have_moved = now.commanded_at.is_some_and(|at| end - at >= TO_MOVE);
+        // Half a second, more than the delay of any servo.
+        let should_have_moved = now
+            .commanded_at
+            .is_some_and(|at| end - at >= self.shortest / 2);
         if now.is_found {
             if let Some(last) = self.found.last_mut() {
                 last.samples.end = end;
             }
-        } else if should_have_moved && end - now.begin >= SAMPLES {
+        } else if should_have_moved && end - now.begin >= self.shortest {
             now.is_found = true;
             let samples = now.begin..end;
-            self.found.push(StandStill { counts, samples });
+            let sample_s = self.sample_s;
+            self.found.push(StandStill {
+                counts,
+                samples,
+                sample_s,
+            });
         }
         self.now = Some(now);
     }
@@ -102,7 +125,7 @@ mod tests {
 
     /// One reading after the other, of pulses and counts; the stretches that are found.
     fn find(readings: impl IntoIterator<Item = (u16, u16)>) -> Vec<StandStill> {
-        let mut sensor = FrozenSensor::default();
+        let mut sensor = FrozenSensor::new(0.002);
         for (sample, (pulse, counts)) in (0..).zip(readings) {
             sensor.take(sample, PulseWidth(pulse), Counts(counts));
         }
@@ -127,6 +150,7 @@ mod tests {
             vec![StandStill {
                 counts: Counts(9_000),
                 samples: 100..1_400,
+                sample_s: 0.002,
             }]
         );
     }

@@ -9,6 +9,8 @@
 //! name = "ALIGN DS610"
 //! neutral_us = 1500
 //! us_per_degree = 10.0        # negative when a longer pulse turns it the other way
+//! pulse_rate_hz = 50          # 50 to 333, or to 560 with narrow pulses
+//! pulse_type = "wide"         # "narrow": neutral at about 760 µs
 //!
 //! [sensor]
 //! name = "Honeywell RTY120"
@@ -28,7 +30,8 @@
 //! Everything may be left out: [`RigFile::default`] has the values that are used then.
 
 use serde::{Deserialize, Serialize};
-use servoid_protocol::{PulseWidth, Reference, SensorScale, ServoScale};
+use servoid_protocol::pulse_train::PulseType;
+use servoid_protocol::{PulseTrain, PulseWidth, Reference, SensorScale, ServoScale};
 use std::path::{Path, PathBuf};
 
 /// A rig, as its user knows it.
@@ -49,6 +52,9 @@ pub struct RigFile {
     pub limits: LimitsSection,
 }
 
+/// The rate that every servo takes (Hz).
+pub const USUAL_RATE_HZ: f64 = 50.0;
+
 /// `[servo]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -59,6 +65,60 @@ pub struct ServoSection {
     pub neutral_us: u16,
     /// Change of the pulse for one degree (µs/deg).
     pub us_per_degree: f64,
+    /// Pulses in a second (Hz).
+    #[serde(skip_serializing_if = "is_usual_rate")]
+    pub pulse_rate_hz: f64,
+    /// The pulses that it understands.
+    #[serde(skip_serializing_if = "is_wide")]
+    pub pulse_type: PulseTypeName,
+}
+
+/// A [`PulseType`] as it is written in files and options.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PulseTypeName {
+    /// Neutral at about 1500 or 1520 µs.
+    #[default]
+    Wide,
+    /// Neutral at about 760 µs.
+    Narrow,
+}
+
+impl PulseTypeName {
+    /// As it is written.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Wide => "wide",
+            Self::Narrow => "narrow",
+        }
+    }
+}
+
+impl std::str::FromStr for PulseTypeName {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let all = [Self::Wide, Self::Narrow];
+        let named = all.into_iter().find(|name| name.as_str() == text);
+        named.ok_or("choose wide or narrow")
+    }
+}
+
+impl From<PulseTypeName> for PulseType {
+    fn from(name: PulseTypeName) -> Self {
+        match name {
+            PulseTypeName::Wide => Self::Wide,
+            PulseTypeName::Narrow => Self::Narrow,
+        }
+    }
+}
+
+fn is_wide(name: &PulseTypeName) -> bool {
+    *name == PulseTypeName::Wide
+}
+
+fn is_usual_rate(hz: &f64) -> bool {
+    *hz == USUAL_RATE_HZ
 }
 
 impl Default for ServoSection {
@@ -68,6 +128,8 @@ impl Default for ServoSection {
             name: String::new(),
             neutral_us: PulseWidth::NEUTRAL.0,
             us_per_degree: 10.0,
+            pulse_rate_hz: USUAL_RATE_HZ,
+            pulse_type: PulseTypeName::Wide,
         }
     }
 }
@@ -218,11 +280,36 @@ impl RigFile {
     /// Reads and checks the text of a rig file; `path` is what error texts call it.
     pub fn parse(text: &str, path: &Path) -> Result<Self, RigFileError> {
         let file: Result<Self, String> = toml::from_str(text).map_err(|e| in_one_line(text, &e));
-        let checked = file.and_then(|file| file.check().map(|()| file).map_err(str::to_owned));
+        let checked = file.and_then(|file| file.check().map(|()| file));
         checked.map_err(|reason| RigFileError::Malformed(path.to_owned(), reason))
     }
 
-    fn check(&self) -> Result<(), &'static str> {
+    fn check(&self) -> Result<(), String> {
+        self.check_numbers()?;
+        let ServoSection {
+            pulse_rate_hz,
+            pulse_type,
+            ..
+        } = self.servo;
+        let pulses = PulseType::from(pulse_type);
+        let [shortest, longest] = pulses.board_limits().map(|pulse| pulse.0);
+        let name = pulse_type.as_str();
+        if PulseTrain::at_rate(pulses, pulse_rate_hz).is_none() {
+            return Err(format!(
+                "servo.pulse_rate_hz must be 50 to {} Hz where servo.pulse_type is \"{name}\"",
+                pulses.highest_hz()
+            ));
+        }
+        let limits = [self.limits.shortest_us, self.limits.longest_us];
+        if limits.iter().any(|us| !(shortest..=longest).contains(us)) {
+            return Err(format!(
+                "limits.shortest_us and limits.longest_us must be within {shortest} to {longest} µs, which the board keeps where servo.pulse_type is \"{name}\""
+            ));
+        }
+        Ok(())
+    }
+
+    fn check_numbers(&self) -> Result<(), &'static str> {
         let spread = |sd: f64| sd.is_finite() && sd >= 0.0;
         let (servo, sensor, limits) = (&self.servo, &self.sensor, &self.limits);
         if !is_usable_scale(servo.us_per_degree) {
@@ -257,6 +344,13 @@ impl RigFile {
             );
         }
         Ok(())
+    }
+
+    /// The pulses that the servo takes.
+    pub fn train(&self) -> PulseTrain {
+        // A rate that no servo takes is refused where the file is read.
+        PulseTrain::at_rate(self.servo.pulse_type.into(), self.servo.pulse_rate_hz)
+            .unwrap_or_default()
     }
 
     /// How pulses become degrees.
@@ -337,6 +431,11 @@ mod tests {
             ("[servo]\nneutral = 1500", "neutral"),
             ("[limits]\nshortest_us = 99999", "shortest_us"),
             ("servo = 3", "servo"),
+            ("[servo]\npulse_rate_hz = 400", "50 to 333 Hz"),
+            ("[servo]\npulse_rate_hz = nan", "pulse_rate_hz"),
+            ("[servo]\npulse_type = \"thin\"", "narrow"),
+            ("[servo]\npulse_type = \"narrow\"", "400 to 1100 µs"),
+            ("[limits]\nshortest_us = 700", "800 to 2200 µs"),
         ] {
             let error = read(text).unwrap_err().to_string();
             assert!(error.contains(word), "{text:?}: {error}");

@@ -4,10 +4,9 @@ use crate::data::model_file::{ModelFile, ModelFileError, is_model};
 use crate::instrument::simulated_servo::{self, SimulatedServoError};
 use servoid_identification::results::{Model, Noise};
 use servoid_identification::{Error, Options, Record, identify};
-use servoid_protocol::PulseWidth;
 use servoid_protocol::reference::Staircase;
-use servoid_protocol::timing::SAMPLE_US;
-use servoid_simulator::{OptionsError, SimulationOptions, simulate};
+use servoid_protocol::{PulseTrain, PulseWidth};
+use servoid_simulator::{OptionsError, SimulationOptions, simulate_train};
 use std::path::{Path, PathBuf};
 
 /// A servo and its noise, as a model.
@@ -17,6 +16,8 @@ pub struct AssumedServo {
     pub name: String,
     /// Its response and its noise.
     pub model: Model,
+    /// The pulses that it gets.
+    pub train: PulseTrain,
     /// The options of its simulation, which is not linear; `None` where only its linear model is known.
     pub simulation: Option<SimulationOptions>,
     /// Standard deviation of white noise that replaces the simulation's own noise (deg).
@@ -40,9 +41,9 @@ pub enum AssumedServoError {
     Model(#[from] ModelFileError),
     /// A model of samples that no rig takes.
     #[error(
-        "{0:?} cannot be planned with: it was sampled every {1} µs, and a rig samples every {SAMPLE_US} µs; capture the servo once ('servoid capture -o rec.csv'), identify it ('servoid identify rec.csv -o model.json') and plan with --model model.json, or leave out --model to assume a simulated servo"
+        "{0:?} cannot be planned with: it was sampled every {1} µs, and the rig of this servo samples every {2} µs; capture the servo once ('servoid capture -o rec.csv'), identify it ('servoid identify rec.csv -o model.json') and plan with --model model.json, or leave out --model to assume a simulated servo"
     )]
-    Period(PathBuf, f64),
+    Period(PathBuf, f64, u16),
 }
 
 impl AssumedServo {
@@ -51,23 +52,27 @@ impl AssumedServo {
     ///
     /// # Errors
     /// [`AssumedServoError`].
-    pub fn simulated(options: &SimulationOptions) -> Result<Self, AssumedServoError> {
+    pub fn simulated(
+        options: &SimulationOptions,
+        train: PulseTrain,
+    ) -> Result<Self, AssumedServoError> {
         let neutral = PulseWidth::NEUTRAL;
         let degrees = |offset: i16| f64::from(offset) / 10.0;
         let offsets: Vec<i16> = (0..).map_while(|k| Staircase::PAPER.offset_us(k)).collect();
         let pulses = offsets.iter().map(|&offset| neutral.offset_by(offset));
         let name = options.servo.name();
-        let frames = simulate(options, pulses)?;
+        let frames = simulate_train(options, train, pulses)?;
         let (mut input, mut output) = (Vec::new(), Vec::new());
         for (frame, &offset) in frames.zip(&offsets) {
             let angles = frame.degrees();
             input.extend(angles.iter().map(|_| degrees(offset)));
             output.extend(angles);
         }
-        let record = Record::of_run(f64::from(SAMPLE_US) * 1e-6, &input, &output)?;
+        let record = Record::of_run(train.sample_s(), &input, &output)?;
         Ok(Self {
             name: format!("the simulated servo '{name}'"),
             model: identify(&record, &Options::default())?,
+            train,
             simulation: Some(options.clone()),
             white_noise: None,
         })
@@ -77,8 +82,8 @@ impl AssumedServo {
     ///
     /// # Errors
     /// [`AssumedServoError`].
-    pub fn named(servo: &str) -> Result<Self, AssumedServoError> {
-        let assumed = Self::simulated(&simulated_servo::options(servo)?)?;
+    pub fn named(servo: &str, train: PulseTrain) -> Result<Self, AssumedServoError> {
+        let assumed = Self::simulated(&simulated_servo::options(servo)?, train)?;
         Ok(match is_servo_model(servo) {
             true => Self {
                 name: format!("the servo model of {servo}"),
@@ -92,24 +97,30 @@ impl AssumedServo {
     ///
     /// # Errors
     /// [`AssumedServoError`].
-    pub fn of_file(path: &Path) -> Result<Self, AssumedServoError> {
+    pub fn of_file(path: &Path, train: PulseTrain) -> Result<Self, AssumedServoError> {
         let ModelFile { model, .. } = ModelFile::read(path)?;
         let period_us = model.sample_period_s * 1e6;
         // The file has the period as rounded digits, so equality is to a nanosecond.
-        if (period_us - f64::from(SAMPLE_US)).abs() > 1e-3 {
-            return Err(AssumedServoError::Period(path.to_owned(), period_us));
+        let rig_us = train.sample_us();
+        if (period_us - f64::from(rig_us)).abs() > 1e-3 {
+            return Err(AssumedServoError::Period(
+                path.to_owned(),
+                period_us,
+                rig_us,
+            ));
         }
         let name = format!("the servo of {}", path.display());
-        Ok(Self::of_model(name, model))
+        Ok(Self::of_model(name, model, train))
     }
 
     /// A servo that is known by its model alone.
     #[must_use]
-    pub fn of_model(name: String, model: Model) -> Self {
+    pub fn of_model(name: String, model: Model, train: PulseTrain) -> Self {
         let (simulation, white_noise) = (None, None);
         Self {
             name,
             model,
+            train,
             simulation,
             white_noise,
         }

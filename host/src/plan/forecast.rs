@@ -82,8 +82,8 @@ impl Plan {
         let Model { noise, .. } = &request.assumed.model;
         Ok(Self {
             reference: as_toml(reference),
-            description: describe(reference, request.us_per_degree),
-            reference_s: seconds(reference.frames()),
+            description: describe(reference, request.us_per_degree, request.assumed.train),
+            reference_s: seconds(reference.frames(), request.assumed.train),
             run_s: request.run_s(),
             runs: request.runs,
             servo: request.assumed.name.clone(),

@@ -2,9 +2,9 @@
 
 use super::AssumedServo;
 use crate::instrument::reference::seconds;
-use crate::instrument::rig::ROLL_FRAMES;
+use crate::instrument::rig::roll_frames;
 use servoid_identification::thresholds::MARGIN;
-use servoid_protocol::Reference;
+use servoid_protocol::{PulseTrain, Reference};
 
 /// The runs that a plan is made for.
 #[derive(Clone, Debug)]
@@ -28,7 +28,11 @@ pub struct PlanRequest {
 impl PlanRequest {
     /// Duration of one run: the reference, and the rest before and after it (s).
     pub(super) fn run_s(&self) -> f64 {
-        seconds(self.reference.frames() + 2 * u32::from(ROLL_FRAMES))
+        let train = self.assumed.train;
+        seconds(
+            self.reference.frames() + 2 * u32::from(roll_frames(train)),
+            train,
+        )
     }
 
     /// Whether the plan holds for a linear servo only: no more than its model is known, and the reference has no
@@ -39,14 +43,14 @@ impl PlanRequest {
         } = &self.assumed;
         let settling_s = model.structure.settling_samples as f64 * model.sample_period_s;
         // N is a margin longer than the response.
-        simulation.is_none() && !rests(&self.reference, settling_s / MARGIN)
+        simulation.is_none() && !rests(&self.reference, self.assumed.train, settling_s / MARGIN)
     }
 }
 
 /// Whether a hold lasts for the settling time. The motion before a servo has settled depends on where it comes
 /// from, unless the servo is linear.
-fn rests(reference: &Reference, settling_s: f64) -> bool {
-    let is_long_enough = |frames: u16| seconds(frames.into()) >= settling_s;
+fn rests(reference: &Reference, train: PulseTrain, settling_s: f64) -> bool {
+    let is_long_enough = |frames: u16| seconds(frames.into(), train) >= settling_s;
     match reference {
         Reference::Staircase(staircase) => is_long_enough(staircase.longest_hold_frames),
         Reference::Stairs(stairs) => is_long_enough(stairs.hold_frames),

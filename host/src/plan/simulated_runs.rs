@@ -1,15 +1,15 @@
 //! Simulated runs of the assumed servo.
 
 use super::request::PlanRequest;
-use crate::instrument::rig::ROLL_FRAMES;
+use crate::instrument::rig::roll_frames;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use servoid_identification::results::Model;
 use servoid_identification::{Error, Record, Run};
 use servoid_protocol::Degrees;
-use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
-use servoid_simulator::{SERVO_SCALE, SimulationOptions, simulate};
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use servoid_simulator::{SERVO_SCALE, SimulationOptions, simulate_train};
 
 /// Samples of noise before the first one that is used: the start from zero is forgotten by then.
 const RUN_UP: usize = 2_000;
@@ -42,7 +42,7 @@ pub(super) fn simulated(request: &PlanRequest, seed: u64) -> Result<Record<'stat
             Run::new(input.clone(), output)
         })
         .collect();
-    Record::new(f64::from(SAMPLE_US) * 1e-6, runs?)
+    Record::new(request.assumed.train.sample_s(), runs?)
 }
 
 /// The response of the model, with its noise (deg).
@@ -59,11 +59,13 @@ fn of_simulation(
     random: &mut ChaCha8Rng,
 ) -> Result<Vec<f64>, Error> {
     let pulse = |offset: i16| SERVO_SCALE.pulse(Degrees(f64::from(offset) / request.us_per_degree));
-    let rest = usize::from(ROLL_FRAMES);
+    let train = request.assumed.train;
+    let rest = usize::from(roll_frames(train));
     let neutral = std::iter::repeat_n(0, rest);
     let pulses = neutral.chain(request.reference.offsets_us()).map(pulse);
     // These options have made the assumed model already, so they are valid.
-    let frames = simulate(options, pulses).map_err(|_| Error::AllMissing { column: "output" })?;
+    let frames = simulate_train(options, train, pulses)
+        .map_err(|_| Error::AllMissing { column: "output" })?;
     let mut output = Vec::new();
     for frame in frames.skip(rest) {
         match request.assumed.white_noise {

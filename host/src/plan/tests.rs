@@ -8,11 +8,13 @@ use super::*;
 use crate::instrument::reference::{Kind, ReferenceSpec};
 use servoid_identification::results::Noise;
 use servoid_identification::{Options, identify};
+use servoid_protocol::PulseTrain;
 use servoid_protocol::Reference;
 use servoid_protocol::reference::{Step, Steps};
 
 fn question(kind: &str, noise: Noise) -> PlanRequest {
-    let mut assumed = AssumedServo::simulated(&"linear".parse().unwrap()).unwrap();
+    let mut assumed =
+        AssumedServo::simulated(&"linear".parse().unwrap(), PulseTrain::USUAL).unwrap();
     assumed.model.noise = noise;
     // Its model alone: for the linear servo that is all, but for the noise that a test wants.
     assumed.simulation = None;
@@ -146,7 +148,7 @@ fn stairs_answer_what_the_staircase_cannot() {
 /// scatter of single runs where holds let the servo rest, and none where they do not.
 #[test]
 fn where_identification_gives_bounds_the_plan_has_them_too_and_else_neither() {
-    let bench = AssumedServo::simulated(&"bench".parse().unwrap()).unwrap();
+    let bench = AssumedServo::simulated(&"bench".parse().unwrap(), PulseTrain::USUAL).unwrap();
     let both = |hold_s: f64| {
         let spec = ReferenceSpec {
             kind: Kind::Prbs,
@@ -187,7 +189,7 @@ fn where_identification_gives_bounds_the_plan_has_them_too_and_else_neither() {
 #[test]
 fn stairs_answer_on_servos_that_are_not_linear_what_the_plan_says() {
     for servo in ["bench", "aircraft"] {
-        let assumed = AssumedServo::simulated(&servo.parse().unwrap()).unwrap();
+        let assumed = AssumedServo::simulated(&servo.parse().unwrap(), PulseTrain::USUAL).unwrap();
         let question = PlanRequest {
             assumed,
             ..question("stairs", white())

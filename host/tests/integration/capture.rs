@@ -4,6 +4,7 @@ use crate::support::{arg, refusal, run, servoid};
 use servoid::data::DegreeScale;
 use servoid::data::dataset::{DatasetOptions, load};
 use servoid::data::recording::{Completeness, Recording};
+use servoid_protocol::PulseTrain;
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
@@ -14,7 +15,8 @@ fn a_capture_is_whole_and_has_the_applied_pulse_beside_each_sample() {
     run(&["capture", "--port", "sim:bench", "-o", arg(&file)]);
     let recording = Recording::read(&file).unwrap();
     assert_eq!(recording.completeness, Completeness::Complete);
-    let roll = usize::from(servoid::instrument::rig::ROLL_FRAMES) * SAMPLES_PER_FRAME;
+    let roll =
+        usize::from(servoid::instrument::rig::roll_frames(PulseTrain::USUAL)) * SAMPLES_PER_FRAME;
     let count = recording.rows.len();
     assert_eq!(count, roll + 3600 + roll);
     assert!(

@@ -29,7 +29,11 @@ const NOTES: &str = "a \"quoted\" remark, # and all";
 /// A recording of four frames in which nothing depends on the clock, nor on what this program takes
 /// a rig to be where nothing is given.
 fn small(path: &Path, notes: &str, ending: Option<&Ending>) {
-    let header = Header {
+    small_under(path, &small_header(notes), ending);
+}
+
+fn small_header(notes: &str) -> Header {
+    Header {
         servoid: "0.1.0".to_owned(),
         started: "2026-01-02T03:04:05Z".to_owned(),
         condition: "bench".to_owned(),
@@ -41,8 +45,11 @@ fn small(path: &Path, notes: &str, ending: Option<&Ending>) {
         zero_sd_deg: 1.0,
         scale_sd_percent: 1.0,
         ..Header::default()
-    };
-    let mut writer = RecordingWriter::create(path, false, &header).unwrap();
+    }
+}
+
+fn small_under(path: &Path, header: &Header, ending: Option<&Ending>) {
+    let mut writer = RecordingWriter::create(path, false, header).unwrap();
     (0..FRAMES).for_each(|index| writer.append(&frame(index)).unwrap());
     if let Some(ending) = ending {
         writer.finish(ending).unwrap();
@@ -76,11 +83,37 @@ fn require_rows_of(found: &Recording, original: &Recording, what: &str) {
 fn todays_format_is_what_it_was() {
     let golden = std::fs::read(data("recording-format-3-check.csv")).unwrap();
     assert_eq!(
-        FORMAT, 3,
-        "a new format needs a golden file of its own, and this one stays"
+        FORMAT, 4,
+        "a new format needs a golden file of its own, and these stay"
     );
     let text = String::from_utf8(small_bytes(Some(&Ending::Complete))).unwrap();
     assert_eq!(text, String::from_utf8(golden).unwrap());
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("small.csv");
+    let header = Header {
+        format: FORMAT,
+        pulse_period_us: 3_004,
+        sample_period_s: 0.001_502,
+        ..small_header(NOTES)
+    };
+    small_under(&path, &header, Some(&Ending::Complete));
+    let text = std::fs::read_to_string(&path).unwrap();
+    let golden = std::fs::read_to_string(data("recording-format-4.csv")).unwrap();
+    assert_eq!(text, golden);
+}
+
+/// The digit that says how far the pulses are apart is damaged: the rows' own times contradict it, and are kept from being
+/// read at another rate.
+#[test]
+fn a_damaged_period_of_pulses_is_not_believed() {
+    let golden = std::fs::read_to_string(data("recording-format-4.csv")).unwrap();
+    for damaged in ["3006", "20000", "0"] {
+        let text = golden.replace(
+            "pulse_period_us = 3004",
+            &format!("pulse_period_us = {damaged}"),
+        );
+        assert!(parse(text.as_bytes()).is_err(), "{damaged}");
+    }
 }
 
 #[test]
@@ -91,6 +124,7 @@ fn recordings_of_every_format_are_read() {
         ("recording-format-2-end-crc.csv", 2),
         ("recording-format-3.csv", 3),
         ("recording-format-3-check.csv", 3),
+        ("recording-format-4.csv", 4),
     ] {
         let recording = Recording::read(&data(name)).unwrap();
         assert_eq!(recording.completeness, Completeness::Complete, "{name}");
@@ -132,7 +166,7 @@ fn a_recording_of_a_later_format_says_so() {
     let path = dir.path().join("x.csv");
     std::fs::write(
         &path,
-        "# format = 4\n# new = \"thing\"\nsample,angle\n0,1\n",
+        "# format = 5\n# new = \"thing\"\nsample,angle\n0,1\n",
     )
     .unwrap();
     let said = refusal(&["identify", arg(&path)]);

@@ -44,6 +44,7 @@ mod sides;
 mod support;
 #[cfg(target_os = "linux")]
 mod terminal;
+mod trains;
 mod units;
 mod verdicts;
 mod wording;

@@ -3,7 +3,8 @@
 use crate::support::{arg, json, refusal, run};
 use servoid::data::dataset::{DatasetOptions, load};
 use servoid::data::recording::{Completeness, Recording};
-use servoid::instrument::rig::ROLL_FRAMES;
+use servoid::instrument::rig::roll_frames;
+use servoid_protocol::PulseTrain;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_simulator::linear::LinearParameters;
 use std::path::{Path, PathBuf};
@@ -39,7 +40,7 @@ fn goes_all_the_way(options: &[&str], expected: &[(&str, i64)]) {
         assert_eq!(header[*key].as_integer(), Some(*value), "{key}");
     }
     let frames = recording.header.reference_frames as usize;
-    let rest = 2 * usize::from(ROLL_FRAMES) * SAMPLES_PER_FRAME;
+    let rest = 2 * usize::from(roll_frames(PulseTrain::USUAL)) * SAMPLES_PER_FRAME;
     assert_eq!(recording.rows.len(), frames * SAMPLES_PER_FRAME + rest);
     let used = load(std::slice::from_ref(&first), &DatasetOptions::default()).unwrap();
     assert_eq!(used.record.samples(), frames * SAMPLES_PER_FRAME);

@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 
 /// A linear chirp from `first_millihertz` to `last_millihertz`, upwards or downwards.
 ///
+/// Frequencies are in cycles per 50 000 frames, which is mHz with the usual frame of 20 ms; with another frame the host
+/// scales them.
+///
 /// Frame k of K has A sin 2π(f₀ k + (f₁ - f₀) k²/2K)·20 ms, rounded to whole microseconds. The phase
 /// is exact to 1/65536 turn and the sine to 1.1e-4 of the amplitude, both far below the rounding.
 ///

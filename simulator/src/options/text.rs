@@ -7,6 +7,7 @@ use super::{
 use crate::conditions::Scatter;
 use crate::linear::LinearParameters;
 use crate::noise::NoiseKind;
+use servoid_protocol::pulse_train::PulseType;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -109,6 +110,9 @@ impl SimulationOptions {
                 self.faults = setting.read(FAULT, faults)?;
             }
             ("first-sample-us", _) => self.first_sample_us = setting.parse(FIRST_SAMPLE)?,
+            ("pulses", _) => {
+                self.pulses = setting.read("wide or narrow", pulse_type)?;
+            }
             ("clock-phase-ms", _) => self.conditions.clock_phase = setting.milliseconds()?,
             ("sensor-gain", _) => self.conditions.sensor_gain = setting.parse(POSITIVE)?,
             ("sensor-zero-deg", _) => self.conditions.sensor_zero = setting.parse(NUMBER)?,
@@ -150,6 +154,14 @@ fn noise(text: &str) -> Option<NoiseKind> {
     }
 }
 
+fn pulse_type(text: &str) -> Option<PulseType> {
+    match text {
+        "wide" => Some(PulseType::Wide),
+        "narrow" => Some(PulseType::Narrow),
+        _ => None,
+    }
+}
+
 fn scatter(text: &str) -> Option<Scatter> {
     let mut scatter = Scatter::default();
     for part in text.split(',') {
@@ -187,7 +199,7 @@ mod tests {
         assert_eq!(parse("bench"), Ok(bench.clone()));
         assert_eq!(parse("bench?"), Ok(bench));
         let all = "aircraft?seed=18446744073709551615&realtime&noise=white&scatter=clock,rotor\
-            &baud=9600&fault=short@3.5,open@4-4.5&first-sample-us=700&clock-phase-ms=1.25&sensor-gain=1.01\
+            &baud=9600&fault=short@3.5,open@4-4.5&first-sample-us=700&pulses=narrow&clock-phase-ms=1.25&sensor-gain=1.01\
             &sensor-zero-deg=-0.5&stops-deg=-30:25\
             &supply=0.9&friction=1.2&rotor-phase-deg=180";
         let expected = SimulationOptions {
@@ -202,6 +214,7 @@ mod tests {
             line: LineSpeed::Baud(9600),
             faults: vec!["short@3.5".parse().unwrap(), "open@4-4.5".parse().unwrap()],
             first_sample_us: 700,
+            pulses: PulseType::Narrow,
             conditions: Conditions {
                 supply: 0.9,
                 friction: 1.2,

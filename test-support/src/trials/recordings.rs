@@ -1,7 +1,8 @@
 //! Recordings of simulated servos as the program makes them: rest, the reference, rest.
 
-use servoid::instrument::rig::ROLL_FRAMES;
+use servoid::instrument::rig::roll_frames;
 use servoid_identification::{Record, Run};
+use servoid_protocol::PulseTrain;
 use servoid_protocol::PulseWidth;
 use servoid_protocol::reference::Reference;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
@@ -20,7 +21,7 @@ pub fn recording(servo: &str, reference: Reference, seed: u64) -> Record<'static
     let options: SimulationOptions = format!("{servo}{separator}seed={seed}")
         .parse()
         .expect("options of the simulator");
-    let roll = || std::iter::repeat_n(0, ROLL_FRAMES.into());
+    let roll = || std::iter::repeat_n(0, roll_frames(PulseTrain::USUAL).into());
     let pulses: Vec<i16> = roll().chain(reference.offsets_us()).chain(roll()).collect();
     let applied = pulses
         .iter()
@@ -31,7 +32,7 @@ pub fn recording(servo: &str, reference: Reference, seed: u64) -> Record<'static
         .iter()
         .flat_map(|&offset| [f64::from(offset) / US_PER_DEGREE; SAMPLES_PER_FRAME])
         .collect();
-    let rest = usize::from(ROLL_FRAMES) * SAMPLES_PER_FRAME;
+    let rest = usize::from(roll_frames(PulseTrain::USUAL)) * SAMPLES_PER_FRAME;
     let all = Run::new(input, output).expect("one length");
     let (begin, end) = (rest, all.len() - rest);
     let part = |samples| all.part(samples).into_owned();

@@ -17,4 +17,5 @@ mod soak;
 mod start;
 mod stepped;
 mod stops;
+mod trains;
 mod visitors;

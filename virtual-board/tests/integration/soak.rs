@@ -231,6 +231,7 @@ fn frame(number: u64, conversions: &[Conversion], pulse: Option<PulseWidth>) -> 
         .chunks(OVERSAMPLING)
         .map(|c| c.iter().map(|c| c.code).sum());
     SimulatedFrame {
+        train: servoid_protocol::PulseTrain::USUAL,
         number,
         pulse,
         samples: std::array::from_fn(|_| Counts(sums.next().unwrap_or_default())),

@@ -13,11 +13,12 @@ use object::{Object, ObjectSymbol};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use servoid::instrument::rig::RigClient;
-use servoid_protocol::PulseWidth;
 use servoid_protocol::health::FaultKind;
 use servoid_protocol::hello::ResetCause;
-use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
-use servoid_protocol::message::{Arm, Command};
+use servoid_protocol::lease::LONGEST_LEASE_S;
+use servoid_protocol::message::{Arm, ArmFor, Command};
+use servoid_protocol::pulse_train::PulseType;
+use servoid_protocol::{PulseTrain, PulseWidth};
 use servoid_test_support::virtual_board::{FIRST_SAMPLE, FRAME, SharedBoard, arm, image, options};
 use virtual_board::cpu::Core;
 use virtual_board::cpu::rsemu::RsemuCore;
@@ -26,9 +27,6 @@ use virtual_board::memory::RAM_START;
 use virtual_board::record::{Record, ResetReason};
 use virtual_board::time::{Ticks, from_duration, microseconds, milliseconds};
 use virtual_board::{BoardOptions, Fault, VirtualBoard};
-
-/// The widest pulse that any servo may get.
-const WIDEST: Ticks = microseconds(2_200);
 
 /// A way in which pulses stop.
 #[derive(Clone, Copy, Debug)]
@@ -148,14 +146,15 @@ fn time_of_stop(options: &BoardOptions, width: Ticks, rng: &mut ChaCha8Rng) -> T
 }
 
 /// Stops a board in this way.
-fn stop(stop: &Stop, seed: u64) -> Seen {
+fn stop(stop: &Stop, train: PulseTrain, seed: u64) -> Seen {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut options = chip(seed, &mut rng);
-    let width = rng.random_range(800..=2_200);
+    let [shortest, longest] = train.pulses.board_limits();
+    let width = rng.random_range(shortest.0..=longest.0);
     let width_ticks = microseconds(u64::from(width));
     let at = time_of_stop(&options, width_ticks, &mut rng);
     options.faults.extend(stop.fault.map(|fault| fault(at)));
-    let (board, mut client) = armed(&options, width);
+    let (board, mut client) = armed(&options, train, width);
     board.with(|board| board.run_until(at));
     let cause = if let Some(cause) = stop.cause {
         board.with(|board| board.run_until(at + milliseconds(700)));
@@ -170,20 +169,22 @@ fn stop(stop: &Stop, seed: u64) -> Seen {
 }
 
 /// A board at neutral, with pulses of `width`, and its host.
-fn armed(options: &BoardOptions, width: u16) -> (SharedBoard, RigClient) {
+fn armed(options: &BoardOptions, train: PulseTrain, width: u16) -> (SharedBoard, RigClient) {
     let board = SharedBoard::new(options);
     let mut client = board.connect();
-    client.request(Command::Arm(at_neutral(width))).unwrap();
+    let arm = at_neutral(train, width);
+    client.request(ArmFor { train, arm }.into()).unwrap();
     (board, client)
 }
 
 /// Pulses of `width` for longer than any test.
-fn at_neutral(width: u16) -> Arm {
+fn at_neutral(train: PulseTrain, width: u16) -> Arm {
+    let [shortest, longest] = train.pulses.board_limits();
     Arm {
         neutral: PulseWidth(width),
-        shortest: PulseWidth(800),
-        longest: PulseWidth(2_200),
-        lease_frames: LONGEST_LEASE_FRAMES,
+        shortest,
+        longest,
+        lease_frames: train.frames_in(LONGEST_LEASE_S),
         ..arm()
     }
 }
@@ -234,11 +235,13 @@ fn longest_undriven(record: &Record, context: &str) -> Ticks {
     spans.max().unwrap_or(0)
 }
 
-fn all_stops(seeds: u64) {
+fn all_stops(train: PulseTrain, seeds: u64) {
+    let [_, longest] = train.pulses.board_limits();
+    println!("{train:?}");
     println!("stop, last rise (ms), longest high (µs), undriven (ms), over {seeds} seeds");
     for way in &STOPS {
         let seen = (0..seeds)
-            .map(|seed| stop(way, seed))
+            .map(|seed| stop(way, train, seed))
             .fold(Seen::default(), Seen::max);
         let us = |ticks: Ticks| ticks as f64 / microseconds(1) as f64;
         println!(
@@ -248,19 +251,27 @@ fn all_stops(seeds: u64) {
             us(seen.high),
             us(seen.undriven) / 1e3
         );
-        assert!(seen.high <= WIDEST, "{}: {seen:?}", way.name);
+        let widest = microseconds(longest.0.into());
+        assert!(seen.high <= widest, "{}: {seen:?}", way.name);
     }
 }
 
 #[test]
 fn every_stop_ends_the_pulses_at_any_phase() {
-    all_stops(6);
+    all_stops(PulseTrain::USUAL, 4);
 }
 
 #[test]
 #[ignore = "minutes: cargo test -p virtual-board --test integration -- --ignored --nocapture two_hundred"]
 fn every_stop_on_two_hundred_chips() {
-    all_stops(200);
+    all_stops(PulseTrain::USUAL, 200);
+}
+
+#[test]
+fn every_stop_ends_the_pulses_of_other_trains() {
+    for (pulses, hz) in [(PulseType::Wide, 333.0), (PulseType::Narrow, 560.0)] {
+        all_stops(PulseTrain::at_rate(pulses, hz).unwrap(), 1);
+    }
 }
 
 /// A board whose processor can be disturbed.
@@ -271,7 +282,8 @@ fn disturbed() -> (SharedBoard<Stepped<Disturbed>>, RigClient) {
     });
     let board = SharedBoard::from(board.unwrap());
     let mut client = board.connect();
-    client.request(Command::Arm(at_neutral(1_500))).unwrap();
+    let arm = at_neutral(PulseTrain::USUAL, 1_500);
+    client.request(Command::Arm(arm)).unwrap();
     board.with(|board| board.run_until(milliseconds(600)));
     (board, client)
 }

@@ -3,11 +3,10 @@
 //! As the executor's own loop, but for the clock around the sleep. Interrupts stay pending while the clock is read, so the time
 //! of their handlers counts as awake.
 
+use crate::timing;
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::SCB;
 use embassy_executor::{SpawnToken, raw};
-use servoid_protocol::timing::FRAME_US;
-use stm32f1xx_hal::pac::TIM2;
 
 /// SEVONPEND of the system control register: an interrupt that becomes pending ends a WFE though it is masked (PM0056,
 /// 4.4.6; Armv7-M ARM, B1.5.18).
@@ -15,6 +14,10 @@ const SEV_ON_PEND: u32 = 1 << 4;
 
 /// Time awake since the start (µs, wrapping).
 static AWAKE_US: AtomicU32 = AtomicU32::new(0);
+
+/// It is never awake for as long: the watchdog would end that. A longer stretch is one in which the instants began anew, or the
+/// train of pulses changed.
+const LONGEST_US: u32 = 100_000;
 
 /// What the executor calls its thread mode (`embassy_executor`, `platform/cortex_m.rs`): waking a task sends an event, which
 /// ends the next WFE if it has not begun yet.
@@ -42,23 +45,17 @@ pub fn run<S>(program: SpawnToken<S>) -> ! {
     }
 }
 
-/// Sleeps, after being awake since the count `woken`; returns the count at the end of the sleep.
+/// Sleeps, after being awake since the instant `woken`; returns the instant of the end of the sleep.
 fn sleep(woken: u32) -> u32 {
     cortex_m::interrupt::disable();
-    // It is never awake for as long as a frame: the watchdog would end that.
-    let awake = (count() + FRAME_US - woken) % FRAME_US;
-    AWAKE_US.store(awake_us().wrapping_add(awake), Ordering::Relaxed);
+    let awake = timing::instant_us().wrapping_sub(woken);
+    if awake < LONGEST_US {
+        AWAKE_US.store(awake_us().wrapping_add(awake), Ordering::Relaxed);
+    }
     cortex_m::asm::wfe();
-    let woken = count();
+    let woken = timing::instant_us();
     // The handlers run from here on.
     // SAFETY: interrupts were on: this is no critical section of anybody.
     unsafe { cortex_m::interrupt::enable() };
     woken
-}
-
-/// Microseconds since the last frame edge.
-fn count() -> u32 {
-    // SAFETY: reading the count has no effect (15.4.10).
-    let tim2 = unsafe { TIM2::steal() };
-    u32::from(tim2.cnt().read().cnt().bits())
 }

@@ -1,7 +1,8 @@
 //! The identity of the board, and the cause of its last reset.
 
-use crate::{sampling, timing};
+use crate::sampling;
 use servoid_firmware::{ChipIdentity, Identity};
+use servoid_protocol::PulseTrain;
 use servoid_protocol::health::LastFault;
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use stm32f1xx_hal::pac::{DBGMCU, RCC};
@@ -76,7 +77,7 @@ pub fn of(signature: Signature, clock: ClockSource, start: Start, clocks: &Clock
         unique_id: signature.unique_id,
         clock,
         reset_cause: start.reset_cause,
-        first_sample_us: timing::FIRST_SAMPLE_US,
+        first_sample_us: PulseTrain::USUAL.first_sample_us(),
         aperture_us: sampling::aperture_us(clocks),
         oversampling: sampling::OVERSAMPLING as u8,
         full_scale: sampling::FULL_SCALE,

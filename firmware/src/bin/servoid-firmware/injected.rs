@@ -6,9 +6,9 @@
 
 use crate::{sampling, supply, timing};
 use core::sync::atomic::{AtomicU16, Ordering};
-use servoid_firmware::limits::{LONGEST_PULSE, SHORTEST_PULSE};
+use servoid_protocol::PulseTrain;
 use servoid_protocol::loopback::{PROBES_AFTER_EDGE, PROBES_BEFORE_EDGE, Probe};
-use servoid_protocol::timing::{FRAME_US, SAMPLE_US};
+use servoid_protocol::pulse_train::SAMPLE_TAKES_US;
 use stm32f1xx_hal::pac::{ADC1, TIM2};
 
 /// The instant that the self-test asks for (µs after the frame edge); 0 for the reference voltage.
@@ -18,19 +18,21 @@ static ASKED: AtomicU16 = AtomicU16::new(0);
 /// the frame edge, and a probe behind the samples is read in the next frame.
 const SETTLED: u8 = 2;
 
-/// A sample's conversions, or a probe, with the trigger's latency and a margin (µs).
-const SAMPLE_TAKES_US: u16 = 100;
+/// A probe's conversion, with the trigger's latency and a margin (µs).
 const PROBE_TAKES_US: u16 = 25;
 
-// No probe meets a sample, and both edges of every pulse are within reach.
+// No probe meets a sample, and both edges of every pulse are within reach: the self-test has the usual train.
 const _: () = {
-    let (first, last) = (timing::FIRST_SAMPLE_US, timing::LAST_SAMPLE_US);
+    let train = PulseTrain::USUAL;
+    let (first, sample_us) = (train.first_sample_us(), train.sample_us());
+    let last = train.period_us - sample_us + first;
+    let [shortest, longest] = train.pulses.board_limits();
     assert!(*PROBES_AFTER_EDGE.start() >= first + SAMPLE_TAKES_US);
-    assert!(*PROBES_AFTER_EDGE.end() + PROBE_TAKES_US <= first + SAMPLE_US as u16);
+    assert!(*PROBES_AFTER_EDGE.end() + PROBE_TAKES_US <= first + sample_us);
     assert!(*PROBES_BEFORE_EDGE.start() >= last + SAMPLE_TAKES_US + PROBE_TAKES_US);
-    assert!(*PROBES_BEFORE_EDGE.end() < FRAME_US as u16);
-    assert!(*PROBES_AFTER_EDGE.start() + PROBE_TAKES_US < SHORTEST_PULSE.0);
-    assert!(*PROBES_AFTER_EDGE.end() > LONGEST_PULSE.0);
+    assert!(*PROBES_BEFORE_EDGE.end() < train.period_us);
+    assert!(*PROBES_AFTER_EDGE.start() + PROBE_TAKES_US < shortest.0);
+    assert!(*PROBES_AFTER_EDGE.end() > longest.0);
 };
 
 /// Asks for a probe in each frame, or for the reference voltage.

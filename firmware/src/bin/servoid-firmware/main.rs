@@ -1,10 +1,10 @@
 //! The rig on an STM32F103C8.
 //!
 //! ```text
-//!  TIM2  20 ms, 1 µs steps --- CH2, compare preloaded ---> PA1  pulse to the servo
+//!  TIM2  20 ms, or as the rig is armed, 1 µs steps --- CH2, compare preloaded ---> PA1  pulse to the servo
 //!   | started by one write
 //!   v TRGO = enable
-//!  TIM3  2 ms, half a millisecond late
+//!  TIM3  2 ms, or the whole fraction of the pulses' period near it, half a millisecond late
 //!   | TRGO = update ----------------------------------> TIM4  counts the samples
 //!   v
 //!  ADC1  PA4 four times <--- Hall sensor
@@ -12,7 +12,8 @@
 //!  DMA1 channel 1, a ring of two frames --- half done ---> one wake-up, one frame
 //! ```
 //!
-//! The processor is not in the timing path. 1.4 ms before each edge it takes the samples of the last frame and
+//! The processor is not in the timing path. A frame is one pulse, or several equal ones, with ten samples. 1.4 ms before each
+//! frame's edge (0.7 ms with pulses at 333 Hz) it takes the samples of the last frame and
 //! prepares the pulse of the next one. Then the ADC measures the chip's reference voltage, between two samples; in a
 //! self-test it takes a probe of PA4 instead, which channel 1 of TIM2 starts.
 //!
@@ -31,7 +32,7 @@
 //!
 //! | handler         | when            | longest latency                                                 |
 //! |-----------------|-----------------|-----------------------------------------------------------------|
-//! | `DMA1_CHANNEL1` | each frame      | 1.4 ms, or the frame counts as lost                              |
+//! | `DMA1_CHANNEL1` | each frame      | 1.4 ms (0.7 ms at 333 Hz), or the frame counts as lost                              |
 //! | `USART1`        | each byte       | one byte time, 87 µs, or a byte is lost and its request repeated |
 //!
 //! Both keep the priority of the reset, so neither interrupts the other. Each takes a few microseconds, less than
@@ -61,9 +62,9 @@ mod watchdog;
 
 use defmt_rtt as _;
 use servoid_firmware::{Board, CapturedFrame, Identity, serve};
-use servoid_protocol::PulseWidth;
 use servoid_protocol::hello::{ClockSource, ResetCause};
 use servoid_protocol::loopback::Vitals;
+use servoid_protocol::{PulseTrain, PulseWidth};
 use stm32f1xx_hal::gpio::{Output, PC13, PushPull};
 use stm32f1xx_hal::pac::Peripherals;
 use stm32f1xx_hal::prelude::*;
@@ -91,6 +92,10 @@ impl Board for Stm32f103 {
         }
         self.newest = Some(frame.number);
         frame
+    }
+
+    fn set_train(&mut self, train: PulseTrain) {
+        pulse::set_train(train);
     }
 
     fn set_pulse(&mut self, pulse: Option<PulseWidth>) {

@@ -158,12 +158,10 @@ fn DMA1_CHANNEL1() {
     };
     *COMPLETE = complete(*COMPLETE, half);
     let number = COMPLETE.wrapping_sub(1);
-    let (pulse, since_edge_us) = critical_section::with(|cs| {
-        // Called in any case, because each frame edge must be seen.
-        (pulse::on_line(cs), pulse::since_edge_us(cs))
-    });
+    // Called in any case, because each frame edge must be seen.
+    let now = critical_section::with(pulse::now);
     // If the next frame has begun already, the pulse is not that of this frame. Its first sample may be under way, too.
-    if since_edge_us >= timing::LAST_SAMPLE_US {
+    if now.since_edge_us >= pulse::last_sample_us(&now.train) {
         // SAFETY: after the start only this handler changes the ADC, and only its injected conversion: one that is over long
         // before the next sample.
         let adc = unsafe { ADC1::steal() };
@@ -171,14 +169,16 @@ fn DMA1_CHANNEL1() {
         // A full queue loses the frame; the gap in the numbers shows it.
         let _ = FRAMES.try_send(CapturedFrame {
             number,
-            pulse,
+            train: now.train,
+            pulse: now.pulse,
             samples: samples(half),
             supply: supply::of_frame(injected.bandgap),
             timing: FrameTiming {
-                sampled_us: since_edge_us,
+                sampled_us: now.since_edge_us,
                 probe: injected.probe,
             },
         });
+        pulse::end_frame();
     }
 }
 
@@ -195,7 +195,7 @@ fn complete(before: u32, half: usize) -> u32 {
 
 /// The samples in one half of the ring.
 fn samples(half: usize) -> [Counts; SAMPLES_PER_FRAME] {
-    // SAFETY: `half` is 0 or 1, and the DMA is in the other half for the next 18 ms.
+    // SAFETY: `half` is 0 or 1, and the DMA is in the other half for the next nine samples.
     let raw: RawFrame = unsafe { RING.0.get().cast::<RawFrame>().add(half).read_volatile() };
     raw.map(|conversions| Counts(conversions.iter().sum()))
 }

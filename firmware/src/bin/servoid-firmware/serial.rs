@@ -14,7 +14,7 @@ use stm32f1xx_hal::serial::{Config, Serial};
 /// Bits per second, in frames of ten: start, eight data, stop.
 const BAUD: u32 = 115_200;
 
-/// Capacity of the line in one PWM frame (bytes).
+/// Capacity of the line in one frame of the usual train (bytes).
 const BYTES_PER_FRAME: usize = (BAUD as u64 / 10 * FRAME_US as u64).div_ceil(1_000_000) as usize;
 
 /// Received bytes of a whole frame, should the rig ever be that late.

@@ -7,8 +7,8 @@ use stm32f1xx_hal::watchdog::IndependentWatchdog;
 
 /// Missing frames until the chip is reset, at the oscillator's nominal rate.
 ///
-/// The oscillator has 40 kHz nominally and 30 to 60 kHz by its datasheet: 3.3 to 6.7 frames. With at least three,
-/// only a standstill triggers it.
+/// The oscillator has 40 kHz nominally and 30 to 60 kHz by its datasheet: 3.3 to 6.7 frames of the usual train, and 1.8 to 3.6
+/// of the longest frames that another one has. With more than one, only a standstill triggers it.
 const FRAMES: u32 = 5;
 
 /// Starts the watchdog, which cannot be stopped (19.3). It comes before all that may hang, such as the clocks.

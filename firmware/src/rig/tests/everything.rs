@@ -2,6 +2,7 @@
 
 use super::*;
 use proptest::prelude::*;
+use servoid_protocol::pulse_train::PulseType;
 use servoid_protocol::reference::{Multisine, Prbs, Stairs, Step, Steps, Sweep};
 
 fn any_command() -> impl Strategy<Value = Command> {
@@ -25,6 +26,26 @@ fn any_command() -> impl Strategy<Value = Command> {
                     longest: PulseWidth(longest),
                     lease_frames,
                     ..arm()
+                })
+            }
+        ),
+        (any::<bool>(), 0usize..6, 300u16..2_300, 300u16..2_300).prop_map(
+            |(narrow, rate, shortest, longest)| {
+                let pulses = if narrow {
+                    PulseType::Narrow
+                } else {
+                    PulseType::Wide
+                };
+                let period_us = [20_000, 10_000, 4_000, 3_004, 1_786, 1_000][rate];
+                let [low, high] = [shortest.min(longest), shortest.max(longest)];
+                Command::ArmFor(ArmFor {
+                    train: PulseTrain { pulses, period_us },
+                    arm: Arm {
+                        shortest: PulseWidth(low),
+                        neutral: PulseWidth(low.midpoint(high)),
+                        longest: PulseWidth(high),
+                        ..arm()
+                    },
                 })
             }
         ),
@@ -129,12 +150,14 @@ fn any_event() -> impl Strategy<Value = Event> {
 
 proptest! {
     /// Whatever is asked: no pulse while idle, every other pulse within the limits of the last
-    /// arming that was accepted, and a run that was accepted ends at most once.
+    /// arming that was accepted and of its train, all of the type of the first arming, and a run that was accepted ends at
+    /// most once.
     #[test]
     fn no_sequence_of_events_makes_a_pulse_outside_the_limits(
         events in proptest::collection::vec(any_event(), 0..120),
     ) {
         let mut bench = Bench::connected();
+        let mut trains: Vec<PulseTrain> = Vec::new();
         let (mut limits, mut line_before, mut newest, mut starts) = (None, None, (1, Command::Hello), 0);
         for event in events {
             match event {
@@ -145,6 +168,11 @@ proptest! {
                     match (command, outcome) {
                         (Command::Arm(arm), Some(Outcome::Done)) => {
                             limits = Some((arm.shortest, arm.longest));
+                            trains.push(PulseTrain::USUAL);
+                        }
+                        (Command::ArmFor(ArmFor { train, arm }), Some(Outcome::Done)) => {
+                            limits = Some((arm.shortest, arm.longest));
+                            trains.push(train);
                         }
                         (Command::Start(_), Some(Outcome::Done)) => starts += 1,
                         _ => {}
@@ -157,11 +185,14 @@ proptest! {
                     line_before = bench.on_line;
                     let samples = if sick { [SICK; 10] } else { HEALTHY };
                     bench.frame_with(applied, samples);
-                    prop_assert_eq!(bench.on_line.is_some(), bench.rig.is_armed());
+                    prop_assert!(bench.on_line.is_none() || bench.rig.is_armed());
                     if let Some(pulse) = bench.on_line {
                         let (shortest, longest) = limits.unwrap();
                         prop_assert!((shortest..=longest).contains(&pulse));
-                        prop_assert!((SHORTEST_PULSE..=LONGEST_PULSE).contains(&pulse));
+                        let train = *trains.last().unwrap();
+                        let [shortest, longest] = train.pulses.board_limits();
+                        prop_assert!((shortest..=longest).contains(&pulse));
+                        prop_assert_eq!((bench.train, train.pulses), (train, trains[0].pulses));
                     }
                 }
             }

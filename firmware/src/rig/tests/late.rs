@@ -79,7 +79,7 @@ fn nothing_starts_under_a_lease_that_has_lapsed() {
 #[test]
 fn the_longest_run_without_a_host_ends_with_the_longest_lease() {
     let widest = Arm {
-        longest: LONGEST_PULSE,
+        longest: PulseWidth(2_200),
         sensor_low: Counts(0),
         sensor_high: Counts(16_380),
         ..arm()

@@ -88,10 +88,12 @@ impl CaptureArgs {
             condition,
             inexact_clock,
         } = self.rig.require(self.rig.source(talk)?.file)?;
-        let reference = self.reference.resolve(rig.servo.us_per_degree, talk)?;
+        let reference = self
+            .reference
+            .resolve(rig.servo.us_per_degree, rig.train(), talk)?;
         let files = run_files(&self.out, self.repeat);
         ctrl_c::listen_in_a_run()?;
-        let monitor = self.monitor.start(talk);
+        let monitor = self.monitor.start(rig.train(), talk);
         let job = CaptureJob {
             address: &address,
             rig,

@@ -11,7 +11,7 @@ use crate::presentation::scope::{FrameSeen, Link, Scope, ScopeEvent, ScopeState,
 use anyhow::Result;
 use clap::Args;
 use servoid_identification::Options;
-use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLE_US};
+use servoid_protocol::PulseTrain;
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
@@ -27,8 +27,8 @@ pub(super) struct MonitorArgs {
     plain: bool,
 }
 
-/// Frames between two estimates: two estimates a second.
-const ESTIMATE_EVERY: u32 = FRAMES_PER_SECOND / 2;
+/// Frames between two estimates: about two estimates a second.
+const ESTIMATE_EVERY: u32 = 25;
 
 /// The monitor of all runs of one command.
 pub(in crate::commands) struct Monitor {
@@ -39,23 +39,24 @@ pub(in crate::commands) struct Monitor {
 }
 
 impl MonitorArgs {
-    pub(super) fn start(self, talk: Talk) -> Monitor {
+    /// The monitor of a servo with these pulses.
+    pub(super) fn start(self, train: PulseTrain, talk: Talk) -> Monitor {
         if self.until_band.is_some_and(|p| !(p > 0.0 && p.is_finite())) {
             wrong_usage("--until-band must be a percentage of the step, above 0");
         }
         let scope = !talk.quiet && !self.plain && terminal::is_there();
-        Monitor::new(talk, scope, self.until_band)
+        Monitor::new(talk, scope, train, self.until_band)
     }
 }
 
 impl Monitor {
     /// Plain lines of progress, for commands other than `capture`.
     pub(in crate::commands) fn plain(talk: Talk) -> Self {
-        Self::new(talk, false, None)
+        Self::new(talk, false, PulseTrain::USUAL, None)
     }
 
-    fn new(talk: Talk, scope: bool, until_percent: Option<f64>) -> Self {
-        let period_s = f64::from(SAMPLE_US) * 1e-6;
+    fn new(talk: Talk, scope: bool, train: PulseTrain, until_percent: Option<f64>) -> Self {
+        let period_s = train.sample_s();
         let live = (scope || until_percent.is_some())
             .then(|| LiveIdentification::new(period_s, Options::default(), until_percent));
         Self {
@@ -77,7 +78,12 @@ impl Monitor {
             live.begin_run();
         }
         let scale = DegreeScale::of_rig(&capture.rig);
-        let state = ScopeState::new(title, capture.start, self.until_percent);
+        let state = ScopeState::new(
+            title,
+            capture.start,
+            capture.rig.train(),
+            self.until_percent,
+        );
         let view = if self.scope {
             LiveView::Scope(Scope::open(state, ctrl_c::ask)?)
         } else {

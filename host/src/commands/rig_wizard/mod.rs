@@ -5,12 +5,14 @@ mod range;
 pub(super) use range::{RANGE_FORM, Range};
 
 use crate::data::rig_file::{
-    LONGEST_DELAY_MS, LimitsSection, RigFile, RigFileError, SensorSection, ServoSection,
+    LONGEST_DELAY_MS, LimitsSection, PulseTypeName, RigFile, RigFileError, SensorSection,
+    ServoSection, USUAL_RATE_HZ,
 };
 use crate::data::sensor_preset::{SensorKind, SensorPreset};
 use crate::instrument::port::is_simulated;
 use crate::presentation::template;
-use servoid_firmware::limits::{LONGEST_PULSE, SHORTEST_PULSE};
+use servoid_protocol::PulseTrain;
+use servoid_protocol::pulse_train::PulseType;
 use std::path::Path;
 
 /// The answers about a new rig.
@@ -24,6 +26,10 @@ pub(super) struct RigAnswers {
     pub condition: String,
     /// Name of the servo.
     pub servo: String,
+    /// The kind of pulses that it understands.
+    pub pulse_type: PulseTypeName,
+    /// Pulses in a second (Hz).
+    pub pulse_rate_hz: f64,
     /// The pulse at 0 degrees (µs).
     pub neutral_us: u16,
     /// Change of the pulse for one degree (µs/deg), either sign.
@@ -51,6 +57,9 @@ const DEFAULT_TRAVEL_DEG: Range = Range {
     high: 10.0,
 };
 
+/// Neutral of most narrow-pulse servos (µs).
+const NARROW_NEUTRAL_US: u16 = 760;
+
 impl Default for RigAnswers {
     /// The paper's servo and sensor, as in [`RigFile::default`].
     fn default() -> Self {
@@ -62,6 +71,8 @@ impl Default for RigAnswers {
             port: None,
             condition: "bench".into(),
             servo: String::new(),
+            pulse_type: servo.pulse_type,
+            pulse_rate_hz: servo.pulse_rate_hz,
             neutral_us: servo.neutral_us,
             us_per_degree: servo.us_per_degree,
             pulses_us: Range {
@@ -100,18 +111,34 @@ pub(super) fn check_condition(condition: &str) -> Checked {
     })
 }
 
-/// The shortest and the longest pulse.
-pub(super) fn check_pulses(pulses: &Range) -> Checked {
-    let [shortest, longest] = BOARD_US.map(f64::from);
+/// A rate of pulses of this type.
+pub(super) fn check_pulse_rate(hz: f64, pulse_type: PulseTypeName) -> Checked {
+    let pulses = PulseType::from(pulse_type);
+    require(PulseTrain::at_rate(pulses, hz).is_some(), || {
+        let (name, highest) = (pulse_type.as_str(), pulses.highest_hz());
+        format!("{name} pulses come at {USUAL_RATE_HZ} to {highest} Hz")
+    })
+}
+
+/// The shortest and the longest pulse of a servo of this type.
+pub(super) fn check_pulses(pulses: &Range, pulse_type: PulseTypeName) -> Checked {
+    let board_us = PulseType::from(pulse_type)
+        .board_limits()
+        .map(|pulse| pulse.0);
+    let [shortest, longest] = board_us.map(f64::from);
     let whole = |us: f64| us.fract() == 0.0;
     require(
         shortest <= pulses.low && pulses.high <= longest && whole(pulses.low) && whole(pulses.high),
-        || format!("the board makes pulses of {shortest} to {longest} whole microseconds"),
+        || match pulse_type {
+            PulseTypeName::Wide => format!(
+                "the board makes pulses of {shortest} to {longest} whole microseconds, and shorter ones for a narrow-pulse servo, with --pulse-type narrow"
+            ),
+            PulseTypeName::Narrow => format!(
+                "the board makes narrow pulses of {shortest} to {longest} whole microseconds"
+            ),
+        },
     )
 }
-
-/// Pulses that the board can make (µs).
-const BOARD_US: [u16; 2] = [SHORTEST_PULSE.0, LONGEST_PULSE.0];
 
 /// The pulse at 0 degrees, for a servo that takes `pulses`.
 pub(super) fn check_neutral(neutral_us: u16, pulses: &Range) -> Checked {
@@ -165,6 +192,19 @@ fn require(holds: bool, sentence: impl FnOnce() -> String) -> Checked {
 }
 
 impl RigAnswers {
+    /// Takes what is usual for a type of pulses: narrow ones have half the width, and half the change for a degree.
+    pub(super) fn take_pulse_type(&mut self, pulse_type: PulseTypeName) {
+        self.pulse_type = pulse_type;
+        if pulse_type == PulseTypeName::Narrow {
+            self.neutral_us = NARROW_NEUTRAL_US;
+            self.us_per_degree /= 2.0;
+            self.pulses_us = Range {
+                low: self.pulses_us.low / 2.0,
+                high: self.pulses_us.high / 2.0,
+            };
+        }
+    }
+
     /// Takes what is known of a kind of sensor. The one of a simulated rig reads the angle at once.
     pub(super) fn take_sensor(&mut self, kind: SensorKind) {
         let preset = kind.preset();
@@ -222,6 +262,8 @@ impl RigAnswers {
             ("servo", quoted(&self.servo)),
             ("neutral_us", self.neutral_us.to_string()),
             ("us_per_degree", number(self.us_per_degree)),
+            ("pulse_rate_hz", number(self.pulse_rate_hz)),
+            ("pulse_type", quoted(self.pulse_type.as_str())),
             ("sensor", quoted(&self.sensor)),
             ("volts", format!("{low} to {high} V")),
             ("degrees", self.sensor_degrees.to_string()),

@@ -8,7 +8,8 @@ impl RigAnswers {
         check_name(&self.name)?;
         check_condition(&self.condition)?;
         check_name(&self.servo)?;
-        check_pulses(&self.pulses_us)?;
+        check_pulse_rate(self.pulse_rate_hz, self.pulse_type)?;
+        check_pulses(&self.pulses_us, self.pulse_type)?;
         check_neutral(self.neutral_us, &self.pulses_us)?;
         check_us_per_degree(&self.us_per_degree)?;
         check_travel(&self.travel_deg)?;
@@ -48,12 +49,26 @@ fn default_answers_are_the_default_rig() {
 }
 
 #[test]
+fn a_narrow_pulse_servo_gets_half_of_everything() {
+    let mut answers = RigAnswers::default();
+    answers.take_pulse_type(PulseTypeName::Narrow);
+    answers.pulse_rate_hz = 560.0;
+    answers.check().unwrap();
+    let (_, rig) = answers.to_rig_file("rig.toml".as_ref()).unwrap();
+    assert_eq!((rig.servo.neutral_us, rig.servo.us_per_degree), (760, 5.0));
+    assert_eq!((rig.limits.shortest_us, rig.limits.longest_us), (710, 810));
+    assert_eq!(rig.train().period_us, 1_786);
+}
+
+#[test]
 fn each_answer_arrives_whatever_is_in_it() {
     let answers = RigAnswers {
         name: "a \"quoted\" name \\ {{port}} # ü".into(),
         port: Some("tcp:localhost:7000".into()),
         condition: "aircraft, rotor off".into(),
         servo: "S1".into(),
+        pulse_type: PulseTypeName::Wide,
+        pulse_rate_hz: 333.0,
         neutral_us: 1520,
         us_per_degree: -9.5,
         pulses_us: "900:2100".parse().unwrap(),

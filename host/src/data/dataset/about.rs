@@ -4,13 +4,12 @@ use super::sensor_delay::in_ms;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::results::{Advice, Check};
-use servoid_protocol::timing::FRAME_US;
 
 /// Where data come from, as far as the files state it.
 #[derive(Clone, Debug, Default)]
 pub struct About {
-    /// Whether all files are recordings of servoid, whose command changes with the pulse frame only.
-    pub by_servoid: bool,
+    /// Time between two pulses of the servo (s), where all files are recordings of servoid and agree.
+    pub pulse_frame_s: Option<f64>,
     /// Whether all files are recordings of servoid's staircase, the reference of the paper.
     pub staircase: bool,
     /// The unit of what was commanded, where the files state it and agree.
@@ -113,7 +112,9 @@ impl About {
                 *mine = None;
             }
         };
-        self.by_servoid &= other.by_servoid;
+        self.pulse_frame_s = self
+            .pulse_frame_s
+            .filter(|_| self.pulse_frame_s == other.pulse_frame_s);
         self.staircase &= other.staircase;
         self.inexact_clock |= other.inexact_clock;
         let (mine, theirs) = (
@@ -150,15 +151,10 @@ fn in_common(a: &Option<String>, b: &Option<String>) -> String {
     a.clone().filter(|_| a == b).unwrap_or_default()
 }
 
-/// The pulse frame of servoid's rig \[s\].
-const RIG_FRAME_S: f64 = FRAME_US as f64 * 1e-6;
-
 impl From<&About> for ModelMetadata {
     fn from(about: &About) -> Self {
-        // A recording of servoid was commanded by pulses, which change with the frame only.
-        let pulse_frame_s = about.by_servoid.then_some(RIG_FRAME_S);
         let (input, output) = (about.input_unit.clone(), about.output_unit.clone());
-        let mut metadata = Self::new(input, output, pulse_frame_s);
+        let mut metadata = Self::new(input, output, about.pulse_frame_s);
         metadata.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s;
         metadata
     }

@@ -85,7 +85,7 @@ fn about(
     ];
     provenance.extend(header.facts());
     let mut about = About {
-        by_servoid: true,
+        pulse_frame_s: Some(f64::from(header.pulse_period_us) / 1e6),
         staircase: header.is_of_staircase(),
         input_unit: Some("deg".to_owned()),
         output_unit: Some("deg".to_owned()),
@@ -176,7 +176,7 @@ fn about(
 
 /// The stretches in which the sensor's reading stood still though the command changed.
 fn stand_stills(recording: &Recording) -> Vec<StandStill> {
-    let mut sensor = FrozenSensor::default();
+    let mut sensor = FrozenSensor::new(recording.header.sample_period_s);
     for row in &recording.rows {
         sensor.take(row.sample, row.pulse, row.counts);
     }

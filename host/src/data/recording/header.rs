@@ -1,16 +1,22 @@
 //! The comment lines above the rows: where a recording comes from.
 
 use super::reference_toml::as_toml;
-use crate::data::rig_file::RigFile;
+use crate::data::rig_file::{PulseTypeName, RigFile};
 use crate::data::unstated::is_zero;
 use serde::{Deserialize, Serialize};
-use servoid_protocol::Hello;
 use servoid_protocol::hello::ClockSource;
 use servoid_protocol::message::Start;
+use servoid_protocol::{Hello, PulseTrain};
 use toml::{Table, Value};
 
 /// Version of the format; a reader refuses a higher one.
-pub const FORMAT: u32 = 3;
+///
+/// A recording of the usual pulses is written as [`FORMAT_OF_USUAL_PULSES`], since older readers know no other period of
+/// samples.
+pub const FORMAT: u32 = 4;
+
+/// The format of recordings with pulses at 50 Hz.
+pub const FORMAT_OF_USUAL_PULSES: u32 = 3;
 
 /// How every recording begins.
 pub(super) const FIRST_LINE: &str = "# format = ";
@@ -25,7 +31,7 @@ pub(super) const HEADER_CRC: &str = "header_crc32";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Header {
-    /// [`FORMAT`].
+    /// At most [`FORMAT`].
     pub format: u32,
     /// Version of the program that wrote it.
     pub servoid: String,
@@ -63,6 +69,12 @@ pub struct Header {
     pub reference_frames: u32,
     /// Frames at neutral after the reference.
     pub post_roll_frames: u16,
+    /// The kind of pulses.
+    #[serde(skip_serializing_if = "is_wide")]
+    pub pulse_type: PulseTypeName,
+    /// From one pulse to the next (µs).
+    #[serde(skip_serializing_if = "is_usual_period")]
+    pub pulse_period_us: u16,
     /// Time between samples (s).
     pub sample_period_s: f64,
     /// From a change of the reference to the moment that the first sample after it stands for (s).
@@ -98,7 +110,7 @@ impl Default for Header {
     fn default() -> Self {
         let rig = RigFile::default();
         Self {
-            format: FORMAT,
+            format: FORMAT_OF_USUAL_PULSES,
             servoid: String::new(),
             started: String::new(),
             servo: String::new(),
@@ -116,7 +128,9 @@ impl Default for Header {
             pre_roll_frames: 0,
             reference_frames: 0,
             post_roll_frames: 0,
-            sample_period_s: f64::from(servoid_protocol::timing::SAMPLE_US) * 1e-6,
+            pulse_type: PulseTypeName::Wide,
+            pulse_period_us: PulseTrain::USUAL.period_us,
+            sample_period_s: PulseTrain::USUAL.sample_s(),
             sample_phase_s: 0.0,
             neutral_us: rig.servo.neutral_us,
             us_per_degree: rig.servo.us_per_degree,
@@ -154,7 +168,10 @@ impl Header {
             pre_roll_frames: start.pre_roll_frames,
             reference_frames: start.reference.frames(),
             post_roll_frames: start.post_roll_frames,
-            sample_period_s: f64::from(hello.sample_us) * 1e-6,
+            format: format_of(rig.train()),
+            pulse_type: rig.servo.pulse_type,
+            pulse_period_us: rig.train().period_us,
+            sample_period_s: f64::from(hello.sample_us) / 1e6,
             sample_phase_s: sample_phase_s(hello),
             neutral_us: rig.servo.neutral_us,
             us_per_degree: rig.servo.us_per_degree,
@@ -167,6 +184,23 @@ impl Header {
             sensor_delay_s: 1e-3 * rig.sensor.delay_ms,
             sensor_delay_uncertainty_s: 1e-3 * rig.sensor.delay_uncertainty_ms,
             ..Self::default()
+        }
+    }
+
+    /// The pulses that the servo got.
+    pub fn train(&self) -> PulseTrain {
+        PulseTrain {
+            pulses: self.pulse_type.into(),
+            period_us: self.pulse_period_us,
+        }
+    }
+
+    /// The train by which the times of the rows are written: that of the header, unless damage has made it one that no board
+    /// makes.
+    pub(super) fn train_of_rows(&self) -> PulseTrain {
+        match self.train() {
+            train if train.is_sound() => train,
+            _ => PulseTrain::USUAL,
         }
     }
 
@@ -226,6 +260,22 @@ impl Header {
         let lines = format!("{FIRST_LINE}{}\n{lines}", self.format);
         let crc32 = format!("{:08x}", crc32fast::hash(lines.as_bytes()));
         (format!("{lines}# {HEADER_CRC} = \"{crc32}\"\n"), crc32)
+    }
+}
+
+fn is_wide(name: &PulseTypeName) -> bool {
+    *name == PulseTypeName::Wide
+}
+
+fn is_usual_period(period_us: &u16) -> bool {
+    *period_us == PulseTrain::USUAL.period_us
+}
+
+/// The format that a recording with this train needs.
+pub(super) fn format_of(train: PulseTrain) -> u32 {
+    match train {
+        PulseTrain::USUAL => FORMAT_OF_USUAL_PULSES,
+        _ => FORMAT,
     }
 }
 

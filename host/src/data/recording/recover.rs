@@ -4,11 +4,11 @@
 //! number and the degrees with the pulse and the counts, and all have one pulse. A frame with a damaged
 //! row is dropped whole and named as lost.
 
-use super::header::{FORMAT, Header};
+use super::header::{Header, format_of};
 use super::last_line::Ending;
 use super::read_error::{ReadError, ReadFault};
 use super::reader::{Completeness, judge};
-use super::row::{Row, SAMPLE_PERIOD_S};
+use super::row::Row;
 use super::scan::scan;
 use super::write_error::WriteError;
 use super::writer::RecordingWriter;
@@ -74,8 +74,11 @@ fn recovered(bytes: &[u8]) -> Result<Recovered, ReadFault> {
         Err(_) => {}
     }
     let mut header = scanned.header;
-    header.format = FORMAT;
-    header.sample_period_s = SAMPLE_PERIOD_S;
+    // Rows that were read are of this train, by their times.
+    let train = header.train_of_rows();
+    header.format = format_of(train);
+    header.pulse_period_us = train.period_us;
+    header.sample_period_s = train.sample_s();
     if !scanned.header_is_sound {
         header.mark_unproved(&proved(&frames, scanned.has_pulse));
         findings.push(format!(

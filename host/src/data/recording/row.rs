@@ -1,6 +1,6 @@
 //! One row, and the columns of its text.
 
-use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_protocol::{Counts, PulseWidth};
 
 /// The names of the columns. The degrees follow from the pulse and the counts, which are the data.
@@ -40,9 +40,6 @@ impl Columns {
         self != Self::WithoutPulse
     }
 }
-
-/// Time between rows (s).
-pub(super) const SAMPLE_PERIOD_S: f64 = SAMPLE_US as f64 * 1e-6;
 
 /// The longest run that the wire can number: 65 536 frames of 10 samples. A sample number beyond
 /// it is damage, and must not decide how much memory is taken.

@@ -3,7 +3,6 @@
 use super::header::Header;
 use super::row::{Columns, MOST_SAMPLES, Row};
 use crate::data::degrees::DegreeScale;
-use servoid_protocol::timing::SAMPLE_US;
 use servoid_protocol::{Counts, PulseWidth};
 use std::fmt::Write as _;
 
@@ -16,17 +15,55 @@ fn check(header_crc: &str, text: &[u8]) -> u32 {
     digest.finalize()
 }
 
+/// The times of rows, which are this many microseconds apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowTimes(pub(super) u16);
+
+impl RowTimes {
+    /// Of the rows under this header.
+    pub(super) fn under(header: &Header) -> Self {
+        Self(header.train_of_rows().sample_us())
+    }
+
+    /// Appends the time of a sample (s): milliseconds where every time is a whole number of them, or microseconds. So no row's
+    /// time carries a rounding of its own.
+    fn write(self, text: &mut String, sample: u64) {
+        let time_us = sample.saturating_mul(self.0.into());
+        let (seconds, rest) = (time_us / 1_000_000, time_us % 1_000_000);
+        let _infallible = match self.is_whole_milliseconds() {
+            true => write!(text, "{seconds}.{:03}", rest / 1000),
+            false => write!(text, "{seconds}.{rest:06}"),
+        };
+    }
+
+    /// Whether `time` is that of the sample, as it is written.
+    fn is_of(self, time: &[u8], sample: u64) -> bool {
+        let time_us = sample * u64::from(self.0);
+        match self.is_whole_milliseconds() {
+            true => fixed_point::<3>(time) == Some(time_us / 1000),
+            false => fixed_point::<6>(time) == Some(time_us),
+        }
+    }
+
+    fn is_whole_milliseconds(self) -> bool {
+        self.0.is_multiple_of(1000)
+    }
+}
+
 /// Appends a row and its line end.
-pub(super) fn write_row(text: &mut String, scale: &DegreeScale, header_crc: &str, row: Row) {
+pub(super) fn write_row(
+    text: &mut String,
+    times: RowTimes,
+    scale: &DegreeScale,
+    header_crc: &str,
+    row: Row,
+) {
     let begin = text.len();
-    // Whole microseconds, so that no row's time carries a rounding of its own.
-    let time_us = row.sample.saturating_mul(SAMPLE_US.into());
+    let _infallible = write!(text, "{},", row.sample);
+    times.write(text, row.sample);
     let _infallible = write!(
         text,
-        "{},{}.{:03},{},{:.4},{},{}",
-        row.sample,
-        time_us / 1_000_000,
-        time_us % 1_000_000 / 1000,
+        ",{},{:.4},{},{}",
         scale.reference(row.pulse),
         scale.angle(row.counts),
         row.pulse.0,
@@ -42,6 +79,7 @@ const FIELDS: usize = 7;
 /// Reads rows one after the other, and takes none that [`write_row`] would write another way.
 #[derive(Debug)]
 pub(super) struct RowReader {
+    times: RowTimes,
     scale: DegreeScale,
     columns: Columns,
     /// The header's own CRC, where the header is sound: that of a damaged one proves nothing.
@@ -56,6 +94,7 @@ impl RowReader {
         let scale = DegreeScale::of_recording(header);
         let neutral = PulseWidth::NEUTRAL;
         Self {
+            times: RowTimes::under(header),
             reference: (neutral, scale.reference(neutral).to_string()),
             scale,
             columns,
@@ -83,7 +122,7 @@ impl RowReader {
         if sample >= MOST_SAMPLES {
             return Err("the sample number is beyond any run");
         }
-        if fixed_point::<3>(time) != Some(sample * u64::from(SAMPLE_US) / 1000) {
+        if !self.times.is_of(time, sample) {
             return Err("its time is not that of its sample number");
         }
         let pulse = match pulse {
@@ -194,6 +233,7 @@ mod tests {
         let mut text = String::new();
         write_row(
             &mut text,
+            RowTimes::under(header),
             &DegreeScale::of_recording(header),
             HEADER_CRC,
             row,
@@ -219,7 +259,8 @@ mod tests {
         let mut of_another_recording = String::new();
         let scale = DegreeScale::of_recording(&header());
         let same = row(123_456, 1550, 9000);
-        write_row(&mut of_another_recording, &scale, "5ad0c1f3", same);
+        let times = RowTimes(2_000);
+        write_row(&mut of_another_recording, times, &scale, "5ad0c1f3", same);
         let of_another_recording = of_another_recording.trim_end().to_owned();
         for other in [
             line.replace("1550", "1551"),
@@ -240,6 +281,24 @@ mod tests {
         ] {
             assert_ne!(other, line);
             assert!(reader.read(other.as_bytes()).is_err(), "{other}");
+        }
+    }
+
+    #[test]
+    fn rows_of_other_pulses_have_their_times_in_microseconds() {
+        let header = Header {
+            pulse_period_us: 3_004,
+            ..header()
+        };
+        let line = written(&header, row(7, 1550, 9000));
+        assert!(line.starts_with("7,0.010514,5,7.4172,1550,9000,"), "{line}");
+        let mut own = reader(&header);
+        assert_eq!(own.read(line.as_bytes()), Ok(row(7, 1550, 9000)));
+        for other in [
+            line.replace("10514", "10515"),
+            line.replace("0.010514", "0.014"),
+        ] {
+            assert!(own.read(other.as_bytes()).is_err(), "{other}");
         }
     }
 

@@ -4,7 +4,7 @@ use super::header::Header;
 use super::last_line::Ending;
 use super::reserved_file::ReservedFile;
 use super::row::{COLUMNS, Row};
-use super::row_text::write_row;
+use super::row_text::{RowTimes, write_row};
 use super::target::RecordingTarget;
 use super::write_error::{WriteError, WriteFault};
 use crate::data::degrees::DegreeScale;
@@ -18,6 +18,7 @@ pub struct RecordingWriter {
     path: PathBuf,
     /// The lines above the rows, until they are written.
     header: Option<String>,
+    times: RowTimes,
     scale: DegreeScale,
     /// The header's own CRC, which goes into the check of each row.
     header_crc: String,
@@ -65,6 +66,7 @@ impl RecordingWriter {
             path: path.to_owned(),
             header: Some(format!("{lines}{COLUMNS}\n")),
             header_crc,
+            times: RowTimes::under(header),
             scale: DegreeScale::of_recording(header),
             rows: 0,
             end: 0,
@@ -124,7 +126,7 @@ impl RecordingWriter {
                 pulse: frame.pulse,
                 counts,
             };
-            write_row(&mut text, &self.scale, &self.header_crc, row);
+            write_row(&mut text, self.times, &self.scale, &self.header_crc, row);
         }
         // In one piece, so that a program that dies leaves whole frames.
         self.target

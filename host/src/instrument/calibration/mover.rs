@@ -5,23 +5,25 @@ use crate::data::rig_file::RigFile;
 use crate::instrument::rig::{Capture, CaptureError, RigClient, StopReason, TalkError};
 use serde::Serialize;
 use servoid_protocol::reference::{MAX_STEPS, Reference, Step, Steps};
-use servoid_protocol::timing::FRAMES_PER_SECOND;
-use servoid_protocol::{Frame, PulseWidth};
+use servoid_protocol::{Frame, PulseTrain, PulseWidth};
 use std::cell::RefCell;
 use std::io::sink;
 use std::path::Path;
 
-/// Rest before a position is read: half a second, four times what the paper's servo takes to settle.
-const SETTLE_FRAMES: u16 = (FRAMES_PER_SECOND / 2) as u16;
-
-/// A position is read for so long: half a second, 250 samples.
-const READ_FRAMES: u16 = (FRAMES_PER_SECOND / 2) as u16;
+/// Rest before a position is read: half a second or a little more, four times what the paper's servo takes to settle. For as
+/// long it is read then.
+fn settle_frames(train: PulseTrain) -> u16 {
+    train.frames_in(1).div_ceil(2)
+}
 
 /// Frames that a position takes.
-const HOLD_FRAMES: u16 = SETTLE_FRAMES + READ_FRAMES;
+fn hold_frames(train: PulseTrain) -> u16 {
+    2 * settle_frames(train)
+}
 
-/// A position that is held until somebody has read a protractor is left after so long: 20 minutes.
-const LONGEST_HOLD_FRAMES: u16 = (FRAMES_PER_SECOND * 60 * 20) as u16;
+/// A position that is held until somebody has read a protractor is left after so long (s): 16 minutes, with the shortest
+/// frames as many as 16 bits number.
+const LONGEST_HOLD_S: u32 = 16 * 60;
 
 /// The sensor while the servo rests.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -116,14 +118,15 @@ impl<'a> Mover<'a> {
         pulses_us: &[u16],
         enough: &dyn Fn(&[Rest]) -> bool,
     ) -> Result<Vec<Rest>, MoveError> {
+        let train = self.rig.train();
         let mut rests: Vec<Rest> = Vec::new();
         for part in pulses_us.chunks(MAX_STEPS) {
-            let steps = self.steps(part, HOLD_FRAMES)?;
+            let steps = self.steps(part, hold_frames(train))?;
             let frames = self.run(&steps, &|frames| {
-                let so_far = [rests.as_slice(), &readings(part, frames)].concat();
+                let so_far = [rests.as_slice(), &readings(part, train, frames)].concat();
                 enough(&so_far).then(|| StopReason::Enough("all has been seen".into()))
             })?;
-            rests.extend(readings(part, &frames));
+            rests.extend(readings(part, train, &frames));
             if enough(&rests) {
                 break;
             }
@@ -134,21 +137,22 @@ impl<'a> Mover<'a> {
     /// Holds a position until the reading there is `done`, which is asked again and again.
     ///
     /// # Errors
-    /// [`MoveError`], also when it is not for 20 minutes.
+    /// [`MoveError`], also when it is not for 16 minutes.
     pub fn hold(&mut self, pulse_us: u16, done: &dyn Fn(&Rest) -> bool) -> Result<Rest, MoveError> {
-        let steps = self.steps(&[pulse_us], LONGEST_HOLD_FRAMES)?;
+        let train = self.rig.train();
+        let steps = self.steps(&[pulse_us], train.frames_in(LONGEST_HOLD_S))?;
         let found = RefCell::new(None);
         self.run(&steps, &|frames| {
             let mut found = found.borrow_mut();
             let rest = match *found {
                 Some(rest) => rest,
-                None => *readings(&[pulse_us], frames).first()?,
+                None => *readings(&[pulse_us], train, frames).first()?,
             };
             *found = Some(rest);
             done(&rest).then(|| StopReason::Enough("the position has been read".into()))
         })?;
         let rest = found.into_inner().filter(done);
-        rest.ok_or_else(|| MoveError::BrokenOff("nobody has read the angle for 20 minutes".into()))
+        rest.ok_or_else(|| MoveError::BrokenOff("nobody has read the angle for 16 minutes".into()))
     }
 
     /// One step for each pulse, which have to lie within the limits.
@@ -189,7 +193,8 @@ impl<'a> Mover<'a> {
         let too_many = || MoveError::BrokenOff(format!("{} positions are too many", steps.len()));
         let table = Steps::new(1, steps).ok_or_else(too_many)?;
         let mut capture = Capture::new(self.rig.clone(), Reference::Steps(table));
-        capture.start.pre_roll_frames = SETTLE_FRAMES;
+        let settle_frames = settle_frames(self.rig.train());
+        capture.start.pre_roll_frames = settle_frames;
         capture.start.post_roll_frames = 0;
         capture.arm(&mut self.client)?;
         // Frames are kept in memory, and their recording is not wanted.
@@ -203,7 +208,7 @@ impl<'a> Mover<'a> {
             stop(&frames.borrow())
         };
         let keep = |frame: &Frame| {
-            if frame.index >= SETTLE_FRAMES {
+            if frame.index >= settle_frames {
                 frames.borrow_mut().push(*frame);
             }
         };
@@ -221,10 +226,10 @@ impl<'a> Mover<'a> {
 }
 
 /// What there is of the readings at each pulse, for as many as are whole.
-fn readings(pulses_us: &[u16], frames: &[Frame]) -> Vec<Rest> {
-    let holds = frames.chunks_exact(HOLD_FRAMES.into());
+fn readings(pulses_us: &[u16], train: PulseTrain, frames: &[Frame]) -> Vec<Rest> {
+    let holds = frames.chunks_exact(hold_frames(train).into());
     let reading = |(&pulse_us, hold): (&u16, &[Frame])| {
-        let rest = hold.get(usize::from(SETTLE_FRAMES)..)?;
+        let rest = hold.get(usize::from(settle_frames(train))..)?;
         let held = rest.iter().all(|frame| frame.pulse == PulseWidth(pulse_us));
         held.then(|| Rest::of(pulse_us, rest))
     };

@@ -1,12 +1,15 @@
 //! A reference in one line, for people.
 
-use super::whole_frames::seconds;
+use super::whole_frames::{frame_ratio, seconds};
+use servoid_protocol::PulseTrain;
 use servoid_protocol::reference::{MAX_STEPS, Reference};
 
 /// A reference in one line, for people: its name, its numbers, how long it takes.
-pub fn describe(reference: &Reference, us_per_degree: f64) -> String {
+pub fn describe(reference: &Reference, us_per_degree: f64, train: PulseTrain) -> String {
+    let seconds = |frames: u32| seconds(frames, train);
     let degrees = |us: u16| (1e3 * f64::from(us) / us_per_degree.abs()).round() / 1e3;
-    let hertz = |millihertz: u16| f64::from(millihertz) * 1e-3;
+    // On the wire in cycles per 50 000 frames. Rounded: what a user states comes out as it was.
+    let hertz = |wire: u16| (f64::from(wire) / frame_ratio(train)).round() * 1e-3;
     let numbers = match reference {
         Reference::Staircase(s) => format!(
             "±{} deg, holds of {} to {} s",

@@ -3,7 +3,10 @@
 use super::error::ReferenceError;
 use super::kind::{FrequencyBand, Kind};
 use super::steps_file;
-use super::whole_frames::{LARGEST_AMPLITUDE_US, LONGEST_S, frames, repetitions, seconds};
+use super::whole_frames::{
+    LARGEST_AMPLITUDE_US, LONGEST_S, frame_ratio, frames, repetitions, seconds,
+};
+use servoid_protocol::PulseTrain;
 use servoid_protocol::reference::{
     MAX_LEVELS, MAX_TONES, Multisine, Prbs, Reference, Staircase, Stairs, Sweep,
 };
@@ -25,6 +28,8 @@ pub struct ReferenceSpec {
     pub seed: Option<u16>,
     /// Lowest and highest frequency of `sweep` and `multisine` (Hz).
     pub frequencies_hz: Option<FrequencyBand>,
+    /// The pulses that the servo takes, whose frames it is made of.
+    pub train: PulseTrain,
 }
 
 /// A reference, and remarks on how it differs from the specification.
@@ -54,9 +59,10 @@ const STAIRS_HOLD_S: f64 = 1.2;
 const CHIP_S: f64 = 0.16;
 /// Each level has to be reached from each side twice, or there is no scatter to judge by.
 const CYCLES: u32 = 2;
-/// The default length of the other references: 63 chips of 8 frames, a whole sequence of 6 bits, fit
-/// just so.
-const LENGTH_FRAMES: u32 = 512;
+/// The default length of the other references: 63 chips of 8 frames of 20 ms, a whole sequence of 6 bits, fit just so.
+const LENGTH_S: f64 = 10.24;
+/// The paper's staircase has holds of 1 to 8 tenths of a second.
+const PAPER_STEP_S: f64 = 0.1;
 /// From a stroke a second or so up to where frames still make a good sine (three a turn).
 const FREQUENCIES_HZ: FrequencyBand = FrequencyBand {
     first: 0.2,
@@ -83,10 +89,7 @@ impl ReferenceSpec {
         let mut remarks = Vec::new();
         let mut amplitude = || self.amplitude_us(us_per_degree, &mut remarks);
         let reference = match &self.kind {
-            Kind::Staircase => Reference::Staircase(Staircase {
-                amplitude_us: amplitude()?,
-                ..Staircase::PAPER
-            }),
+            Kind::Staircase => Reference::Staircase(self.staircase(amplitude()?)?),
             Kind::Stairs => Reference::Stairs(self.stairs(amplitude()?)?),
             Kind::Prbs => Reference::Prbs(self.prbs(amplitude()?)?),
             Kind::Sweep => Reference::Sweep(self.sweep(amplitude()?)?),
@@ -95,10 +98,11 @@ impl ReferenceSpec {
                 file,
                 us_per_degree,
                 self.length_s,
+                self.train,
                 &mut remarks,
             )?),
         };
-        let seconds = seconds(reference.frames());
+        let seconds = seconds(reference.frames(), self.train);
         if !reference.is_well_formed() || seconds > LONGEST_S {
             return Err(ReferenceError::OutOfRange(format!(
                 "that makes a reference of {seconds} s that moves too little or lasts too long: it has to move, and to end within {LONGEST_S} s"
@@ -182,11 +186,22 @@ impl ReferenceSpec {
     }
 
     fn hold_frames(&self, otherwise_s: f64) -> Result<u16, ReferenceError> {
-        frames("hold", self.hold_s.unwrap_or(otherwise_s))
+        frames("hold", self.hold_s.unwrap_or(otherwise_s), self.train)
     }
 
     fn length_frames(&self) -> Result<u16, ReferenceError> {
-        frames("length", self.length_s.unwrap_or(seconds(LENGTH_FRAMES)))
+        frames("length", self.length_s.unwrap_or(LENGTH_S), self.train)
+    }
+
+    /// Its holds are the paper's, as near as whole frames come.
+    fn staircase(&self, amplitude_us: u16) -> Result<Staircase, ReferenceError> {
+        let hold_step_frames = frames("hold", PAPER_STEP_S, self.train)?;
+        Ok(Staircase {
+            amplitude_us,
+            longest_hold_frames: 8 * hold_step_frames,
+            shortest_hold_frames: hold_step_frames,
+            hold_step_frames,
+        })
     }
 
     fn stairs(&self, amplitude_us: u16) -> Result<Stairs, ReferenceError> {
@@ -221,7 +236,8 @@ impl ReferenceSpec {
             // The shortest register whose sequence is not over before the end.
             Some(_) => (bits(chips).clamp(2, 15), chips),
             None => {
-                let register = (bits(chips + 1) - 1).clamp(2, 15);
+                // Chips of other frames are a little longer or shorter: a sequence that takes 6 % more fits as well.
+                let register = (bits(chips + chips / 16 + 1) - 1).clamp(2, 15);
                 (register, (1 << register) - 1)
             }
         };
@@ -243,7 +259,15 @@ impl ReferenceSpec {
 
     fn sweep(&self, amplitude_us: u16) -> Result<Sweep, ReferenceError> {
         let FrequencyBand { first, last } = self.frequencies_hz.unwrap_or(FREQUENCIES_HZ);
-        let millihertz = |hz: f64| (hz * 1e3).round() as u16;
+        let highest_hz = 0.5 / self.train.frame_s();
+        if first.max(last) > highest_hz {
+            return Err(ReferenceError::OutOfRange(format!(
+                "the command changes every {} ms, so no frequency can be above {highest_hz:.1} Hz: make --frequencies lower",
+                1e3 * self.train.frame_s()
+            )));
+        }
+        // The wire counts cycles in frames: see `Sweep`.
+        let millihertz = |hz: f64| (hz * 1e3 * frame_ratio(self.train)).round() as u16;
         Ok(Sweep {
             amplitude_us,
             first_millihertz: millihertz(first),
@@ -256,7 +280,7 @@ impl ReferenceSpec {
         let FrequencyBand { first, last } = self.frequencies_hz.unwrap_or(FREQUENCIES_HZ);
         let (low, high) = (first.min(last), first.max(last));
         let period_frames = self.length_frames()? / PERIODS;
-        let period_s = seconds(period_frames.into());
+        let period_s = seconds(period_frames.into(), self.train);
         let lowest = (low * period_s).ceil().max(1.0) as u16;
         // A tone at half the frame rate may be sampled at its zeros.
         let below_half = period_frames.saturating_sub(1) / 2;

@@ -3,6 +3,7 @@
 use super::error::ReferenceError;
 use super::whole_frames::{LARGEST_AMPLITUDE_US, LONGEST_S, frames, repetitions, seconds};
 use crate::data::table::{Table, TableError};
+use servoid_protocol::PulseTrain;
 use servoid_protocol::reference::{MAX_STEPS, Step, Steps};
 use std::path::Path;
 
@@ -14,6 +15,7 @@ pub(super) fn read(
     path: &Path,
     us_per_degree: f64,
     length_s: Option<f64>,
+    train: PulseTrain,
     remarks: &mut Vec<String>,
 ) -> Result<Steps, ReferenceError> {
     let mut columns = Table::read(path)?
@@ -38,14 +40,16 @@ pub(super) fn read(
         if hold_s.is_nan() {
             return Err(wrong(row, "a hold in seconds is needed".to_owned()));
         }
-        let hold_frames = frames("hold", hold_s).map_err(|error| wrong(row, error.to_string()))?;
-        let held_s = seconds(hold_frames.into());
+        let hold_frames =
+            frames("hold", hold_s, train).map_err(|error| wrong(row, error.to_string()))?;
+        let held_s = seconds(hold_frames.into(), train);
         // Far below a frame, and above the rounding of a number with a few decimals.
         if (held_s - hold_s).abs() > 1e-6 {
             remarks.push(format!(
-                "{}, row {}: pulses come every 20 ms, so a hold of {hold_s} s becomes {held_s} s",
+                "{}, row {}: the command changes every {} ms, so a hold of {hold_s} s becomes {held_s} s",
                 path.display(),
-                row + 1
+                row + 1,
+                f64::from(train.frame_us()) / 1e3
             ));
         }
         steps.push(Step {
@@ -69,7 +73,7 @@ pub(super) fn read(
     }
     let repeats = match length_s {
         Some(length_s) if length_s > LONGEST_S => u32::from(u16::MAX),
-        Some(length_s) => repetitions(frames("length", length_s)?.into(), once.frames()),
+        Some(length_s) => repetitions(frames("length", length_s, train)?.into(), once.frames()),
         None => 1,
     };
     Ok(Steps {

@@ -1,8 +1,8 @@
 use super::*;
 use crate::data::recording::as_toml;
-use servoid_protocol::Reference;
 use servoid_protocol::reference::{MAX_STEPS, Steps};
 use servoid_protocol::reference::{Staircase, Sweep};
+use servoid_protocol::{PulseTrain, Reference};
 
 fn spec(kind: &str) -> ReferenceSpec {
     ReferenceSpec {
@@ -25,7 +25,7 @@ fn without_options_references_take_about_ten_seconds_and_stairs_more_at_five_deg
         let reference = resolved(&spec(kind));
         assert_eq!(reference.name(), kind);
         assert_eq!(reference.extremes_us(), (-50, 50));
-        let length_s = seconds(reference.frames());
+        let length_s = seconds(reference.frames(), PulseTrain::USUAL);
         // Two cycles of 20 strokes of 1.2 s.
         let expected = if kind == "stairs" {
             48.0..=48.0
@@ -49,7 +49,7 @@ fn lengths_and_holds_are_kept_as_nearly_as_whole_cycles_allow() {
         ..spec("stairs")
     };
     // 20 strokes of 0.4 s are 8 s: two and a half cycles, of which three come as near as two.
-    assert_eq!(seconds(resolved(&stairs).frames()), 24.0);
+    assert_eq!(seconds(resolved(&stairs).frames(), PulseTrain::USUAL), 24.0);
     let prbs = ReferenceSpec {
         length_s: Some(20.0),
         hold_s: Some(0.04),
@@ -86,7 +86,7 @@ fn a_long_multisine_has_its_tones_spread_over_its_frequencies() {
         let Reference::Multisine(multisine) = resolved(&spec) else {
             panic!("it is one")
         };
-        let period_s = seconds(multisine.period_frames.into());
+        let period_s = seconds(multisine.period_frames.into(), PulseTrain::USUAL);
         let tones: Vec<f64> = multisine
             .harmonics()
             .map(|harmonic| f64::from(harmonic) / period_s)

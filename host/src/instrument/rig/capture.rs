@@ -11,17 +11,23 @@ use crate::data::FrozenSensor;
 use crate::data::recording::{Ending, QueuedWriter, RecordingWriter, WriteError};
 use crate::data::rig_file::RigFile;
 use servoid_client::{Client, Event, RunEnding};
-use servoid_protocol::lease::LEASE_FRAMES;
-use servoid_protocol::message::{Arm, Start};
+use servoid_protocol::lease::LEASE_S;
+use servoid_protocol::message::{Arm, ArmFor, Start};
 use servoid_protocol::schema::SCHEMA_HASH;
-use servoid_protocol::timing::{FRAMES_PER_SECOND, SAMPLES_PER_FRAME};
-use servoid_protocol::{Counts, Frame, PulseWidth, Reference};
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use servoid_protocol::{Counts, Frame, PulseTrain, PulseWidth, Reference};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// Rest before and after the reference: as long as the paper's longest hold, 0.8 s, so that what
 /// settles within a hold has settled before the first edge.
-pub const ROLL_FRAMES: u16 = (FRAMES_PER_SECOND * 8 / 10) as u16;
+const ROLL_US: u32 = 800_000;
+
+/// [`ROLL_US`] in whole frames of this train, rounded up.
+pub fn roll_frames(train: PulseTrain) -> u16 {
+    // At most 54 frames of 15 ms.
+    ROLL_US.div_ceil(train.frame_us()) as u16
+}
 
 /// How often a capture asks whether it is to stop, where no frame comes.
 const STOP_ASKED_EVERY: Duration = Duration::from_millis(5);
@@ -42,11 +48,12 @@ pub struct Capture {
 impl Capture {
     /// A run of `reference` with the usual rest before and after it.
     pub fn new(rig: RigFile, reference: Reference) -> Self {
+        let roll_frames = roll_frames(rig.train());
         let start = Start {
             run: session_number(),
-            pre_roll_frames: ROLL_FRAMES,
+            pre_roll_frames: roll_frames,
             reference,
-            post_roll_frames: ROLL_FRAMES,
+            post_roll_frames: roll_frames,
         };
         Self { rig, start }
     }
@@ -57,15 +64,17 @@ impl Capture {
     /// When the rig refuses or does not answer.
     pub fn arm(&self, client: &mut RigClient) -> Result<(), TalkError> {
         let [sensor_low, sensor_high] = self.rig.sensor.healthy_counts.map(Counts);
-        client.arm(Arm {
+        let train = self.rig.train();
+        let arm = Arm {
             schema_hash: SCHEMA_HASH,
             neutral: PulseWidth(self.rig.servo.neutral_us),
             shortest: PulseWidth(self.rig.limits.shortest_us),
             longest: PulseWidth(self.rig.limits.longest_us),
             sensor_low,
             sensor_high,
-            lease_frames: LEASE_FRAMES,
-        })
+            lease_frames: train.frames_in(LEASE_S),
+        };
+        client.arm(ArmFor { train, arm })
     }
 
     /// Records the run. `should_stop` is asked often; when it gives a reason, the servo goes to
@@ -89,7 +98,7 @@ impl Capture {
             written: 0,
             lost: Vec::new(),
             begun: false,
-            sensor: FrozenSensor::default(),
+            sensor: FrozenSensor::new(self.rig.train().sample_s()),
             stopped: None,
             stopped_at: None,
         };

@@ -5,7 +5,7 @@ use super::talk_error::TalkError;
 use crate::instrument::port::{Port, is_simulated};
 use servoid_client::{Answer, Client, ClientError, Connect, Event};
 use servoid_protocol::loopback::{Loopback, LoopbackFrame, Vitals};
-use servoid_protocol::message::{Arm, Command, Start, Status};
+use servoid_protocol::message::{ArmFor, Command, Start, Status};
 use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::{Health, Hello, Rejects};
 use std::time::Duration;
@@ -186,9 +186,13 @@ impl RigClient {
     ///
     /// # Errors
     /// When it does not go with this program, refuses, or does not answer.
-    pub fn arm(&mut self, arm: Arm) -> Result<(), TalkError> {
-        self.driver.client.arm(arm, self.now());
+    pub fn arm(&mut self, asked: ArmFor) -> Result<(), TalkError> {
+        self.driver.client.arm(asked, self.now());
         let armed = self.answer();
+        // It states the timing of the pulses that it is armed for.
+        if let Some(hello) = self.driver.client.hello() {
+            self.hello = *hello;
+        }
         if !self.driver.client.is_idle() {
             let _the_disarming_is_best_effort = self.answer();
         }

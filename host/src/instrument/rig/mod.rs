@@ -11,7 +11,7 @@ mod driver;
 mod recording_ending;
 mod talk_error;
 
-pub use capture::{Capture, ROLL_FRAMES};
+pub use capture::{Capture, roll_frames};
 pub use capture_outcome::{CaptureEnd, CaptureError, Progress, StopReason};
 pub use client::RigClient;
 pub use servoid_client::{ClientError, Mismatch, mismatches};

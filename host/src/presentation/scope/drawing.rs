@@ -94,7 +94,7 @@ fn keys_line(state: &ScopeState) -> Line<'static> {
 mod tests {
     use super::*;
     use crate::instrument::live::LiveStep;
-    use crate::instrument::rig::ROLL_FRAMES;
+    use crate::instrument::rig::roll_frames;
     use crate::presentation::scope::{FrameSeen, Link, ScopeEvent};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
@@ -102,20 +102,20 @@ mod tests {
         Bounds, PointwiseBand, SimultaneousBand, StepBounds, StepResponse,
     };
     use servoid_protocol::Counts;
-    use servoid_protocol::Rejects;
     use servoid_protocol::message::{Activity, Start, Status};
     use servoid_protocol::reference::{Reference, Staircase};
     use servoid_protocol::timing::SAMPLES_PER_FRAME;
+    use servoid_protocol::{PulseTrain, Rejects};
     use std::sync::Arc;
 
     fn empty() -> ScopeState {
         let start = Start {
             run: 1,
-            pre_roll_frames: ROLL_FRAMES,
+            pre_roll_frames: roll_frames(PulseTrain::USUAL),
             reference: Reference::Staircase(Staircase::PAPER),
-            post_roll_frames: ROLL_FRAMES,
+            post_roll_frames: roll_frames(PulseTrain::USUAL),
         };
-        ScopeState::new("sim:bench".to_owned(), start, Some(1.0))
+        ScopeState::new("sim:bench".to_owned(), start, PulseTrain::USUAL, Some(1.0))
     }
 
     /// After 200 of 440 frames, with a fault of each class and a band of ±0.5 %.

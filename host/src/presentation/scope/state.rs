@@ -1,9 +1,10 @@
 //! Everything that the scope shows.
 
 use crate::instrument::live::LiveStep;
+use servoid_protocol::PulseTrain;
 use servoid_protocol::Rejects;
 use servoid_protocol::message::{Start, Status};
-use servoid_protocol::timing::{FRAME_US, SAMPLE_US, SAMPLES_PER_FRAME};
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -12,9 +13,6 @@ pub(super) const WINDOW_S: f64 = 4.0;
 
 /// Number of past band widths that are shown.
 const WIDTHS: usize = 6;
-
-const FRAME_S: f64 = FRAME_US as f64 * 1e-6;
-const SAMPLE_S: f64 = SAMPLE_US as f64 * 1e-6;
 
 /// News from the capture.
 #[derive(Clone, Debug)]
@@ -71,6 +69,8 @@ pub struct ScopeState {
     pub(super) title: String,
     /// The run.
     start: Start,
+    /// The pulses that the servo gets.
+    train: PulseTrain,
     /// Half width of the band at which the run ends (percent of the step), if it is to end there.
     pub(super) until_percent: Option<f64>,
     /// Frames on the disk.
@@ -97,9 +97,10 @@ pub(super) enum Phase {
 impl ScopeState {
     /// The state before the first frame.
     #[must_use]
-    pub fn new(title: String, start: Start, until_percent: Option<f64>) -> Self {
+    pub fn new(title: String, start: Start, train: PulseTrain, until_percent: Option<f64>) -> Self {
         Self {
             title,
+            train,
             start,
             until_percent,
             frames: 0,
@@ -129,8 +130,9 @@ impl ScopeState {
     fn add_frame(&mut self, frame: &FrameSeen) {
         self.frames = frame.index + 1;
         self.link = frame.link;
-        let begin = f64::from(frame.index) * FRAME_S;
-        let times = (0..).map(|sample| begin + f64::from(sample) * SAMPLE_S);
+        let begin = f64::from(frame.index) * self.train.frame_s();
+        let sample_s = self.train.sample_s();
+        let times = (0..).map(|sample| begin + f64::from(sample) * sample_s);
         let points = times
             .zip(frame.positions_deg)
             .map(|(time_s, position_deg)| TracePoint {
@@ -145,7 +147,7 @@ impl ScopeState {
 
     /// Time since the run began (s).
     pub(super) fn time_s(&self) -> f64 {
-        f64::from(self.frames) * FRAME_S
+        f64::from(self.frames) * self.train.frame_s()
     }
 
     /// Frames that the run will have.
@@ -155,7 +157,7 @@ impl ScopeState {
 
     /// Time to the end of the run (s), if nothing ends it early.
     pub(super) fn left_s(&self) -> f64 {
-        f64::from(self.frames_total().saturating_sub(self.frames)) * FRAME_S
+        f64::from(self.frames_total().saturating_sub(self.frames)) * self.train.frame_s()
     }
 
     /// The part of the run that is done, 0 to 1.
@@ -186,7 +188,7 @@ impl ScopeState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::instrument::rig::ROLL_FRAMES;
+    use crate::instrument::rig::roll_frames;
     use servoid_protocol::Reference;
     use servoid_protocol::reference::Staircase;
 
@@ -194,11 +196,11 @@ mod tests {
     fn the_window_moves_and_the_counters_count() {
         let start = Start {
             run: 1,
-            pre_roll_frames: ROLL_FRAMES,
+            pre_roll_frames: roll_frames(PulseTrain::USUAL),
             reference: Reference::Staircase(Staircase::PAPER),
-            post_roll_frames: ROLL_FRAMES,
+            post_roll_frames: roll_frames(PulseTrain::USUAL),
         };
-        let mut state = ScopeState::new("x".to_owned(), start, None);
+        let mut state = ScopeState::new("x".to_owned(), start, PulseTrain::USUAL, None);
         assert_eq!((state.phase(), state.left_s()), (Phase::RestBefore, 8.8));
         for index in 0..440 {
             state.apply(ScopeEvent::Frame(FrameSeen {
@@ -218,7 +220,7 @@ mod tests {
         assert_eq!(state.phase(), Phase::RestAfter);
         let span = state.time_s() - state.trace[0].time_s;
         // Whole samples: the last one is the present one.
-        let period_s = f64::from(SAMPLE_US) * 1e-6;
+        let period_s = PulseTrain::USUAL.sample_s();
         assert!((span + period_s - WINDOW_S).abs() < 1e-9, "{span}");
     }
 }

@@ -4,7 +4,7 @@ use super::comment::{NO_COMMENT, comment_table};
 use super::damage::Damage;
 use crate::data::recording::header::{FIRST_LINE, FORMAT, HEADER_CRC, Header};
 use crate::data::recording::read_error::ReadFault;
-use crate::data::recording::row::{Columns, SAMPLE_PERIOD_S};
+use crate::data::recording::row::Columns;
 use crate::data::rig_file::is_usable_scale;
 use crate::data::table::BYTE_ORDER_MARK;
 use toml::{Table, Value};
@@ -163,10 +163,10 @@ fn mend_scales(header: &mut Header) -> Vec<String> {
         .collect()
 }
 
-/// Times in rows are made of the period that every rig has: a header with another one would make every time
-/// in the results wrong.
+/// Times in rows are made of the period of the train of pulses: a header with another one would make every time in the
+/// results wrong.
 fn wrong_period(header: &Header) -> Option<Damage> {
-    let (stated, written) = (header.sample_period_s, SAMPLE_PERIOD_S);
+    let (stated, written) = (header.sample_period_s, header.train_of_rows().sample_s());
     // Far above the rounding of a number in text, far below what any clock is off by.
     let equal = (stated - written).abs() <= 1e-9 * written;
     (!equal).then(|| Damage {
