@@ -8,6 +8,7 @@ use super::fit::Problem;
 use super::ladder::{Ladder, Rung};
 use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
 use super::motion::largest_error;
+use super::other_valleys::{with_soft_drive, with_sticking};
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
 use super::search::{Shown, other_starts};
@@ -19,7 +20,7 @@ use super::watch::Watch;
 use crate::data::Record;
 use crate::diagnostics::level_unless;
 use crate::error::Error;
-use crate::results::{Bounds, Noise, fit_percent, pointwise_critical};
+use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
 use faer::Mat;
 use servoid_dynamics::Grid;
 
@@ -156,14 +157,37 @@ pub fn fit_watched(
     let starts = other_starts(&tried[chosen].fit, &problem, &shown);
     let (_, from) = problem.best_descent(starts, STEPS);
     let point = fine.polished(&mut parts, from);
-    let found = uncertainty(&fine.problem(&parts), &point, fold_of.len());
+    let blocks = fold_of.len();
+    let found = uncertainty(&fine.problem(&parts), &point, blocks);
     let level = level_unless(against(&parts, &point, &found), options.level);
     let mut possible = vec![found.servo_at(point)];
-    for &member in &members[1..] {
-        let mut point = tried[member].fit.clone();
-        let problem = coarse.problem(&parts);
-        problem.descend(&mut point, STEPS);
-        let found = uncertainty(&problem, &point, fold_of.len());
+    let problem = coarse.problem(&parts);
+    let mut others: Vec<Point> = members[1..].iter().map(|&m| tried[m].fit.clone()).collect();
+    for point in &mut others {
+        problem.descend(point, STEPS);
+    }
+    let mut sticks = false;
+    if let (Bounds::Valid(_), Some(linear)) = (&level, linear_rung(&tried)) {
+        let best = possible[0].point.clone();
+        for point in with_sticking(&problem, &best) {
+            let other = uncertainty(&problem, &point, blocks);
+            sticks |= found.is_beaten_by(&other);
+            if !other.is_beaten_by(&found) {
+                possible.push(other.servo_at(point));
+            }
+        }
+        let simulated = &found.motion.simulated;
+        others.extend(with_soft_drive(
+            &problem,
+            &best,
+            &linear.fit,
+            simulated,
+            blocks,
+        ));
+    }
+    let level = level.unless(sticks.then_some(Reason::ErrorsNotNoise));
+    for point in others {
+        let found = uncertainty(&problem, &point, blocks);
         possible.push(found.servo_at(point));
     }
     if watch.ends() {
@@ -179,6 +203,11 @@ pub fn fit_watched(
 struct Climbed {
     tried: Vec<Rung>,
     chosen: usize,
+}
+
+/// The linear servo among those that were tried.
+fn linear_rung(tried: &[Rung]) -> Option<&Rung> {
+    tried.iter().find(|rung| rung.terms == Terms::default())
 }
 
 /// Samples that are needed: a few for each of the blocks.
@@ -272,10 +301,7 @@ fn describe(
     let mean = outputs().sum::<f64>() / count;
     let spread: f64 = outputs().map(|y| (y - mean).powi(2)).sum();
     let held_out = |rung: &Rung| fit_percent(rung.total(), spread);
-    let linear = choice
-        .tried
-        .iter()
-        .find(|rung| rung.terms == Terms::default());
+    let linear = linear_rung(&choice.tried);
     let rung = |(index, rung): (usize, &Rung)| LadderRung {
         terms: rung.terms,
         held_out_percent: held_out(rung),
@@ -286,6 +312,7 @@ fn describe(
         terms: other.point.terms,
         coordinates: other.point.coordinates.clone(),
         values: other.point.values.clone(),
+        friction_speed_share: other.point.friction_speed_share,
         covariance: rows(&other.covariance),
     };
     ServoModel {

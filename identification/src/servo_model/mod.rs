@@ -20,6 +20,7 @@ mod ladder;
 mod model;
 mod motion;
 mod noise_at_rest;
+mod other_valleys;
 mod possible_servo;
 mod prediction;
 mod quantities;

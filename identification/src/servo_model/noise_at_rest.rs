@@ -71,6 +71,17 @@ impl NoiseAtRest {
         }
     }
 
+    /// Sum of the squares of errors, made white and of variance 1 if they are this noise. Around missing ones nothing counts.
+    pub(super) fn white_squares(&self, errors: &[Vec<f64>]) -> f64 {
+        let runs = errors.iter().flat_map(|run| run.windows(self.filter.len()));
+        let white = runs.map(|run| -> f64 {
+            let late = run.iter().rev();
+            self.filter.iter().zip(late).map(|(d, e)| d * e).sum()
+        });
+        let known = white.filter(|white| !white.is_nan());
+        known.map(|white| (white / self.sigma).powi(2)).sum()
+    }
+
     /// Variance of the mean of `count` samples in a row.
     pub(super) fn variance_of_mean(&self, count: usize) -> f64 {
         let known = self.covariance.iter().take(count).enumerate();

@@ -311,10 +311,11 @@ impl Definition {
             .collect()
     }
 
-    /// The interval of what the servo nearly did in the record; of anything else, that it can do as much.
+    /// The interval of what the servo nearly did in the record; of anything else, that it can do as much. The upper bound decides:
+    /// a value that is too low by chance, and is reached for that reason alone, would pass for determined.
     fn as_far_as_reached(&self, interval: Interval, fastest: &Fastest) -> Interval {
-        match (self.reached, interval.value) {
-            (Some(reached), Some(value)) if reached(fastest) < SERVO_TOP_SPEED_REACHED * value => {
+        match (self.reached, interval.upper) {
+            (Some(reached), Some(upper)) if reached(fastest) < SERVO_TOP_SPEED_REACHED * upper => {
                 Interval {
                     lower: interval.lower.map(|lower| lower.min(reached(fastest))),
                     upper: None,
