@@ -166,26 +166,24 @@ pub fn fit_watched(
     for point in &mut others {
         problem.descend(point, STEPS);
     }
-    let mut sticks = false;
-    if let (Bounds::Valid(_), Some(linear)) = (&level, linear_rung(&tried)) {
+    let mut sticks = None;
+    if level.valid().is_some() {
         let best = possible[0].point.clone();
         for point in with_sticking(&problem, &best) {
             let other = uncertainty(&problem, &point, blocks);
-            sticks |= found.is_beaten_by(&other);
+            if found.is_beaten_by(&other) {
+                sticks = Some(Reason::ErrorsNotNoise);
+            }
             if !other.is_beaten_by(&found) {
                 possible.push(other.servo_at(point));
             }
         }
+        let linear = linear_rung(&tried).map(|rung| &rung.fit);
         let simulated = &found.motion.simulated;
-        others.extend(with_soft_drive(
-            &problem,
-            &best,
-            &linear.fit,
-            simulated,
-            blocks,
-        ));
+        let soft = |linear| with_soft_drive(&problem, &best, linear, simulated, blocks);
+        others.extend(linear.and_then(soft));
     }
-    let level = level.unless(sticks.then_some(Reason::ErrorsNotNoise));
+    let level = level.unless(sticks);
     for point in others {
         let found = uncertainty(&problem, &point, blocks);
         possible.push(found.servo_at(point));

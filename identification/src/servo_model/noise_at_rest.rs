@@ -149,6 +149,16 @@ mod tests {
         assert_eq!(found.filter.len(), 2);
         assert!((found.filter[1] + 0.8).abs() < 0.024, "{:?}", found.filter);
         assert!((found.sigma - 1.0).abs() < 0.03, "{}", found.sigma);
+        // The noise that was found is of variance 1 when it is made white, whatever is missing.
+        let count = 10_000;
+        let mut same = vec![0.0; count];
+        for k in 1..count {
+            let white: f64 = StandardNormal.sample(&mut random);
+            same[k] = 0.8 * same[k - 1] + white;
+        }
+        same[5000] = f64::NAN;
+        let squares = found.white_squares(&[same]) / count as f64;
+        assert!((squares - 1.0).abs() < 0.08, "{squares}");
         // σ²/(1 - 0.8)² for each sample of a long mean.
         let exact = 25.0 / 1000.0;
         assert!((found.variance_of_mean(1000) / exact - 1.0).abs() < 0.25);
