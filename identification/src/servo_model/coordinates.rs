@@ -57,7 +57,7 @@ use Coordinate::{
 /// ωs B/A+, the speed at which half of the excess of friction at rest is gone, as a share of the top speed. Records hardly show
 /// it: left free it ran to the least that the integration resolves, where other recordings of the same servo were
 /// predicted to 70 %; with 0.045 to 0.06 to 84 to 95 %.
-const FRICTION_SPEED_SHARE: f64 = 0.05;
+pub(super) const FRICTION_SPEED_SHARE: f64 = 0.05;
 
 impl Coordinate {
     /// Whether a step of the fit may move it by one at the most: a factor of e.
@@ -171,6 +171,8 @@ pub(super) struct Point {
     pub(super) values: Vec<f64>,
     /// Radians for each unit of the command.
     pub(super) radians: f64,
+    /// The speed at which half of the excess of friction at rest is gone, as a share of the top speed.
+    pub(super) friction_speed_share: f64,
 }
 
 impl Point {
@@ -201,6 +203,7 @@ impl Point {
             values: coordinates.iter().map(value).collect(),
             coordinates,
             radians: self.radians,
+            friction_speed_share: self.friction_speed_share,
         }
     }
 
@@ -232,7 +235,7 @@ impl Point {
         });
         let at_rest = find(FrictionAtRest).map(|excess| AtRest {
             excess,
-            speed: get(LnTopSpeed).exp() * FRICTION_SPEED_SHARE,
+            speed: get(LnTopSpeed).exp() * self.friction_speed_share,
         });
         let constant = get(ConstantLoad) * shared;
         ServoParameters {

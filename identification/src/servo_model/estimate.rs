@@ -9,6 +9,7 @@ use super::ladder::{Ladder, Rung};
 use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
 use super::motion::largest_error;
 use super::other_fits::fits_of_folds;
+use super::other_valleys::{with_soft_drive, with_sticking};
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
 use super::search::{Shown, other_starts};
@@ -20,7 +21,7 @@ use super::watch::Watch;
 use crate::data::Record;
 use crate::diagnostics::level_unless;
 use crate::error::Error;
-use crate::results::{Bounds, Noise, fit_percent, pointwise_critical};
+use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
 use faer::Mat;
 use servoid_dynamics::Grid;
 
@@ -157,17 +158,38 @@ pub fn fit_watched(
     let starts = other_starts(&tried[chosen].fit, &problem, &shown);
     let (_, from) = problem.best_descent(starts, STEPS);
     let point = fine.polished(&mut parts, from);
-    let found = uncertainty(&fine.problem(&parts), &point, fold_of.len());
+    let blocks = fold_of.len();
+    let found = uncertainty(&fine.problem(&parts), &point, blocks);
     let level = level_unless(against(&parts, &point, &found), options.level);
     let mut possible = vec![found.servo_at(point)];
-    for &member in &members[1..] {
-        let mut point = tried[member].fit.clone();
-        let problem = coarse.problem(&parts);
-        problem.descend(&mut point, STEPS);
-        let found = uncertainty(&problem, &point, fold_of.len());
+    let problem = coarse.problem(&parts);
+    let mut others: Vec<Point> = members[1..].iter().map(|&m| tried[m].fit.clone()).collect();
+    for point in &mut others {
+        problem.descend(point, STEPS);
+    }
+    let mut sticks = None;
+    if level.valid().is_some() {
+        let best = possible[0].point.clone();
+        for point in with_sticking(&problem, &best) {
+            let other = uncertainty(&problem, &point, blocks);
+            if found.is_beaten_by(&other) {
+                sticks = Some(Reason::ErrorsNotNoise);
+            }
+            if !other.is_beaten_by(&found) {
+                possible.push(other.servo_at(point));
+            }
+        }
+        let linear = linear_rung(&tried).map(|rung| &rung.fit);
+        let simulated = &found.motion.simulated;
+        let soft = |linear| with_soft_drive(&problem, &best, linear, simulated, blocks);
+        others.extend(linear.and_then(soft));
+    }
+    let level = level.unless(sticks);
+    for point in others {
+        let found = uncertainty(&problem, &point, blocks);
         possible.push(found.servo_at(point));
     }
-    let others = match &level {
+    let other_fits = match &level {
         Bounds::Valid(_) => Vec::new(),
         Bounds::Withdrawn(_) => {
             let members = possible[1..].iter().map(|servo| servo.point.clone());
@@ -183,7 +205,7 @@ pub fn fit_watched(
     let servos = Servos {
         level,
         possible,
-        others,
+        other_fits,
     };
     Ok(describe(record, options, &parts, &ladder, &servos, found))
 }
@@ -201,7 +223,12 @@ struct Servos {
     /// The chosen servo, and those that predict as well.
     possible: Vec<PossibleServo>,
     /// Those of other fits, where intervals do not hold.
-    others: Vec<Point>,
+    other_fits: Vec<Point>,
+}
+
+/// The linear servo among those that were tried.
+fn linear_rung(tried: &[Rung]) -> Option<&Rung> {
+    tried.iter().find(|rung| rung.terms == Terms::default())
 }
 
 /// Samples that are needed: a few for each of the blocks.
@@ -297,10 +324,7 @@ fn describe(
     let mean = outputs().sum::<f64>() / count;
     let spread: f64 = outputs().map(|y| (y - mean).powi(2)).sum();
     let held_out = |rung: &Rung| fit_percent(rung.total(), spread);
-    let linear = choice
-        .tried
-        .iter()
-        .find(|rung| rung.terms == Terms::default());
+    let linear = linear_rung(&choice.tried);
     let rung = |(index, rung): (usize, &Rung)| LadderRung {
         terms: rung.terms,
         held_out_percent: held_out(rung),
@@ -311,6 +335,7 @@ fn describe(
         terms: other.point.terms,
         coordinates: other.point.coordinates.clone(),
         values: other.point.values.clone(),
+        friction_speed_share: other.point.friction_speed_share,
         covariance: rows(&other.covariance),
     };
     ServoModel {
@@ -332,7 +357,7 @@ fn describe(
             pointwise_critical(options.level),
             level,
             &found.motion.fastest,
-            &servos.others,
+            &servos.other_fits,
         ),
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),

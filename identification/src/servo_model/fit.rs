@@ -41,6 +41,20 @@ impl Problem<'_> {
         cost
     }
 
+    /// Sum of the clipped squares of the errors in each of `blocks` blocks.
+    pub(super) fn by_block(&self, point: &Point, blocks: usize) -> Vec<f64> {
+        let mut costs = vec![0.0; blocks];
+        self.each_error(point, |block, error| {
+            let square = clipped_square(error, self.clip);
+            costs[block] += if square.is_nan() {
+                f64::INFINITY
+            } else {
+                square
+            };
+        });
+        costs
+    }
+
     /// Hands block and error of each sample that counts to `each`.
     pub(super) fn each_error(&self, point: &Point, mut each: impl FnMut(usize, f64)) {
         for stretch in self.stretches {

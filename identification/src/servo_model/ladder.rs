@@ -5,7 +5,7 @@
 //! term is taken out where its advantage is not larger than its scatter over the blocks.
 
 use super::coordinates::{Coordinate, LoadKind, Point, Terms};
-use super::fit::{Problem, clipped_square};
+use super::fit::Problem;
 use super::search::{Shown, other_starts, search};
 use super::start::find_starts;
 use super::stretches::{FOLDS, Stretch};
@@ -41,24 +41,37 @@ pub(super) struct Rung {
 
 impl Rung {
     pub(super) fn total(&self) -> f64 {
-        self.held_out.iter().sum()
+        total(&self.held_out)
     }
 
     /// Whether `self` predicts better than `other` by more than the scatter of its advantage. The advantage in a block is
     /// the logarithm of the ratio of the errors, so that no block decides by its size.
     fn beats(&self, other: &Self) -> bool {
-        let advantage = |(mine, theirs): (&f64, &f64)| (theirs / mine).ln();
-        let blocks = self.held_out.iter().zip(&other.held_out);
-        let gains: Vec<f64> = blocks
-            .map(advantage)
-            .filter(|gain| gain.is_finite())
-            .collect();
-        let count = gains.len() as f64;
-        let mean = gains.iter().sum::<f64>() / count;
-        let squares: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
-        let scatter = (squares / (count - 1.0) / count).sqrt();
-        self.total() < other.total() && mean > SERVO_TERM_ADVANTAGE * scatter
+        beats(&self.held_out, &other.held_out)
     }
+}
+
+/// [`Rung::beats`] of the errors by block.
+fn beats(mine: &[f64], theirs: &[f64]) -> bool {
+    let advantage = |(mine, theirs): (&f64, &f64)| (theirs / mine).ln();
+    let gains: Vec<f64> = (mine.iter().zip(theirs))
+        .map(advantage)
+        .filter(|gain| gain.is_finite())
+        .collect();
+    let count = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / count;
+    let squares: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
+    let scatter = (squares / (count - 1.0) / count).sqrt();
+    total(mine) < total(theirs) && mean > SERVO_TERM_ADVANTAGE * scatter
+}
+
+/// Whether a servo with the errors `poorer` by block is worse than the `best` by more than scatter, or by very much.
+pub(super) fn misses(poorer: &[f64], best: &[f64]) -> bool {
+    beats(best, poorer) || total(best) < (1.0 - SERVO_LARGE_ADVANTAGE) * total(poorer)
+}
+
+fn total(by_block: &[f64]) -> f64 {
+    by_block.iter().sum()
 }
 
 /// The choice among terms.
@@ -209,8 +222,7 @@ impl Ladder<'_> {
 
     /// Whether the rung `poorer` predicts worse than `best` by more than scatter, or by very much.
     fn misses(&self, poorer: usize, best: usize) -> bool {
-        let (poorer, best) = (&self.tried[poorer], &self.tried[best]);
-        best.beats(poorer) || best.total() < (1.0 - SERVO_LARGE_ADVANTAGE) * poorer.total()
+        misses(&self.tried[poorer].held_out, &self.tried[best].held_out)
     }
 
     /// The lowest total so far.
@@ -311,16 +323,7 @@ impl Ladder<'_> {
     /// Clipped sum of squared errors in each block.
     fn by_block(&self, point: &Point) -> Vec<f64> {
         let all = |_: usize| true;
-        let mut costs = vec![0.0; self.fold_of.len()];
-        self.problem(&all).each_error(point, |block, error| {
-            let square = clipped_square(error, self.clip);
-            costs[block] += if square.is_nan() {
-                f64::INFINITY
-            } else {
-                square
-            };
-        });
-        costs
+        self.problem(&all).by_block(point, self.fold_of.len())
     }
 
     /// The servo `from` with other terms. Those with more than one valley are tried from more than one side.

@@ -21,6 +21,7 @@ mod model;
 mod motion;
 mod noise_at_rest;
 mod other_fits;
+mod other_valleys;
 mod possible_servo;
 mod prediction;
 mod quantities;

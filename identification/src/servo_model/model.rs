@@ -1,6 +1,6 @@
 //! The result: a servo, how sure it is, and how it was chosen.
 
-use super::coordinates::{Coordinate, Point, Terms};
+use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use super::descent_step::MOST;
 use super::motion::largest_error;
 use super::quantities::{Quantity, widen_delay};
@@ -60,7 +60,7 @@ pub struct Covariance {
     pub rows: Vec<Vec<f64>>,
 }
 
-/// A servo with other terms that predicts the record as well.
+/// Another servo that predicts the record as well: of other terms, or of the same in another valley of the fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Alternative {
     /// Its terms.
@@ -69,8 +69,16 @@ pub struct Alternative {
     pub coordinates: Vec<Coordinate>,
     /// Their values.
     pub values: Vec<f64>,
+    /// The speed at which half of the excess of friction at rest is gone, as a share of the top speed.
+    #[serde(default = "friction_speed_share")]
+    pub friction_speed_share: f64,
     /// Rows of their covariance.
     pub covariance: Vec<Vec<f64>>,
+}
+
+/// The share of the equation: models that were written without it had no other.
+fn friction_speed_share() -> f64 {
+    FRICTION_SPEED_SHARE
 }
 
 /// How well a servo follows a record.
@@ -170,6 +178,7 @@ impl ServoModel {
             coordinates: coordinates.to_vec(),
             values: values.to_vec(),
             radians: self.radians_per_command,
+            friction_speed_share: FRICTION_SPEED_SHARE,
         }
     }
 
@@ -196,7 +205,10 @@ impl ServoModel {
         let bound = |sd: f64| critical * sd.hypot(self.fit.discrepancy);
         let mut half: Vec<f64> = spread.iter().map(|sd| bound(*sd)).collect();
         for other in self.alternatives.iter().filter(|_| own.is_some()) {
-            let point = self.point_of(other.terms, &other.coordinates, &other.values);
+            let point = Point {
+                friction_speed_share: other.friction_speed_share,
+                ..self.point_of(other.terms, &other.coordinates, &other.values)
+            };
             let (theirs, spread) = self.response_of(&point, &other.covariance, input, controller);
             for (k, half) in half.iter_mut().enumerate() {
                 *half = half.max((theirs[k] - value[k]).abs() + bound(spread[k]));
@@ -306,6 +318,7 @@ impl ServoModel {
             .is_none_or(|own| square(&own.rows, self.values.len()));
         let other = |other: &Alternative| {
             sized(other.terms, &other.coordinates, &other.values)
+                && other.friction_speed_share > 0.0
                 && square(&other.covariance, other.values.len())
         };
         self.sample_period_s > 0.0

@@ -71,6 +71,17 @@ impl NoiseAtRest {
         }
     }
 
+    /// Sum of the squares of errors, made white and of variance 1 if they are this noise. Around missing ones nothing counts.
+    pub(super) fn white_squares(&self, errors: &[Vec<f64>]) -> f64 {
+        let runs = errors.iter().flat_map(|run| run.windows(self.filter.len()));
+        let white = runs.map(|run| -> f64 {
+            let late = run.iter().rev();
+            self.filter.iter().zip(late).map(|(d, e)| d * e).sum()
+        });
+        let known = white.filter(|white| !white.is_nan());
+        known.map(|white| (white / self.sigma).powi(2)).sum()
+    }
+
     /// Variance of the mean of `count` samples in a row.
     pub(super) fn variance_of_mean(&self, count: usize) -> f64 {
         let known = self.covariance.iter().take(count).enumerate();
@@ -138,6 +149,16 @@ mod tests {
         assert_eq!(found.filter.len(), 2);
         assert!((found.filter[1] + 0.8).abs() < 0.024, "{:?}", found.filter);
         assert!((found.sigma - 1.0).abs() < 0.03, "{}", found.sigma);
+        // The noise that was found is of variance 1 when it is made white, whatever is missing.
+        let count = 10_000;
+        let mut same = vec![0.0; count];
+        for k in 1..count {
+            let white: f64 = StandardNormal.sample(&mut random);
+            same[k] = 0.8 * same[k - 1] + white;
+        }
+        same[5000] = f64::NAN;
+        let squares = found.white_squares(&[same]) / count as f64;
+        assert!((squares - 1.0).abs() < 0.08, "{squares}");
         // σ²/(1 - 0.8)² for each sample of a long mean.
         let exact = 25.0 / 1000.0;
         assert!((found.variance_of_mean(1000) / exact - 1.0).abs() < 0.25);

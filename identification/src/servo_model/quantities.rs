@@ -255,7 +255,7 @@ pub(super) fn quantities(
             .iter()
             .filter_map(|servo| definition.interval(servo, critical))
             .reduce(hull)?;
-        let interval = definition.as_far_as_reached(hull, fastest);
+        let interval = definition.as_far_as_reached(hull, level.valid().is_some(), fastest);
         Some(Quantity {
             name: definition.name.to_owned(),
             unit: definition.unit,
@@ -340,10 +340,17 @@ impl Definition {
             .collect()
     }
 
-    /// The interval of what the servo nearly did in the record; of anything else, that it can do as much.
-    fn as_far_as_reached(&self, interval: Interval, fastest: &Fastest) -> Interval {
-        match (self.reached, interval.value) {
-            (Some(reached), Some(value)) if reached(fastest) < SERVO_TOP_SPEED_REACHED * value => {
+    /// The interval of what the servo nearly did in the record; of anything else, that it can do as much. The upper bound decides:
+    /// a value that is too low by chance, and is reached for that reason alone, would pass for determined. Where no bounds hold,
+    /// the value is all there is.
+    fn as_far_as_reached(&self, interval: Interval, holds: bool, fastest: &Fastest) -> Interval {
+        let most = if holds {
+            interval.upper
+        } else {
+            interval.value
+        };
+        match (self.reached, most) {
+            (Some(reached), Some(most)) if reached(fastest) < SERVO_TOP_SPEED_REACHED * most => {
                 Interval {
                     lower: interval.lower.map(|lower| lower.min(reached(fastest))),
                     upper: None,
@@ -375,6 +382,24 @@ pub(super) fn values(point: &Point) -> Vec<(&'static str, f64)> {
 mod tests {
     use super::*;
     use crate::results::Reason;
+
+    #[test]
+    fn a_top_speed_is_open_where_its_upper_bound_is_twice_what_was_reached() {
+        let name = "top speed upwards";
+        let top_speed = DEFINITIONS.iter().find(|found| found.name == name).unwrap();
+        let fastest = Fastest {
+            upwards: 60.0,
+            downwards: 0.0,
+        };
+        // Reached is more than half of the value, and less than half of what it may be.
+        let wide = Interval::new(100.0, 80.0, 125.0);
+        let open = top_speed.as_far_as_reached(wide, true, &fastest);
+        assert_eq!((open.lower, open.upper), (Some(60.0), None));
+        let known = top_speed.as_far_as_reached(Interval::new(100.0, 90.0, 111.0), true, &fastest);
+        assert_eq!((known.lower, known.upper), (Some(90.0), Some(111.0)));
+        assert!(!top_speed.is_determined(&open) && top_speed.is_determined(&known));
+        assert_eq!(top_speed.as_far_as_reached(wide, false, &fastest), wide);
+    }
 
     #[test]
     fn the_delay_alone_is_wider_and_only_where_bounds_hold() {

@@ -3,7 +3,7 @@
 //! The surface has poor minima, such as a long delay in place of a slow drive. From a few dozen points of a coarse grid,
 //! with a few steps each, the good valley is found.
 
-use super::coordinates::{Coordinate, Point, Terms};
+use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use super::fit::Problem;
 use super::stretches::Stretch;
 
@@ -112,6 +112,7 @@ impl Shown {
             values: coordinates.iter().map(value).collect(),
             coordinates,
             radians,
+            friction_speed_share: FRICTION_SPEED_SHARE,
         }
     }
 }

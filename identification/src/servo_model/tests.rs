@@ -1,6 +1,6 @@
 //! The equation against exact answers, and the fit against servos that are known.
 
-use super::coordinates::{Coordinate, LoadKind, Point, Terms};
+use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, LoadKind, Point, Terms};
 use super::{ServoModelOptions, Spread, fit};
 use crate::data::{Record, Run};
 use crate::results::Reason;
@@ -18,6 +18,7 @@ fn point(terms: Terms, value: impl Fn(Coordinate) -> f64) -> Point {
         values: coordinates.iter().map(|at| value(*at)).collect(),
         coordinates,
         radians: 1f64.to_radians(),
+        friction_speed_share: FRICTION_SPEED_SHARE,
     }
 }
 

@@ -17,7 +17,8 @@ use super::motion::Motion;
 use super::noise_at_rest::NoiseAtRest;
 use super::possible_servo::PossibleServo;
 use crate::estimation::{autoregressive, noise_filter};
-use crate::numerics::{cholesky, inverse_of_square};
+use crate::numerics::{chi_square_upper_tail, cholesky, inverse_of_square};
+use crate::thresholds::SERVO_LACK_OF_FIT;
 use faer::{Mat, Side};
 
 /// Highest order of the noise model.
@@ -25,6 +26,10 @@ const HIGHEST_ORDER: usize = 20;
 
 /// A coordinate whose slopes are below this share of what they would be at the scale of the output is not seen in it.
 const UNSEEN: f64 = 1e-9;
+
+/// Degrees of freedom of a servo outside of the equation: the speed at which its friction at rest is gone, and one for the choice
+/// among several.
+const FURTHER: usize = 2;
 
 /// The uncertainty of a fit.
 pub(super) struct Uncertainty {
@@ -60,6 +65,15 @@ impl Uncertainty {
     /// Errors of the simulation, by stretch, NaN where missing.
     pub(super) fn errors(&self) -> Vec<Vec<f64>> {
         errors(&self.rows)
+    }
+
+    /// Whether the errors of `other` are smaller beyond chance, as far as the noise at rest tells.
+    pub(super) fn is_beaten_by(&self, other: &Self) -> bool {
+        let Some(noise) = &self.at_rest else {
+            return false;
+        };
+        let gained = noise.white_squares(&self.errors()) - noise.white_squares(&other.errors());
+        chi_square_upper_tail(gained, FURTHER) < SERVO_LACK_OF_FIT
     }
 
     /// The servo `point`, which this is the uncertainty of.

@@ -25,6 +25,11 @@ fn number(name: &str, otherwise: u64) -> u64 {
     text.and_then(|text| text.parse().ok()).unwrap_or(otherwise)
 }
 
+/// Whether the environment names nothing else.
+fn is_wanted(name: &str, shown: impl ToString) -> bool {
+    std::env::var(name).map_or(true, |only| only == shown.to_string())
+}
+
 /// Recordings of servos of a kind under one reference with one noise.
 struct Row {
     kind: Kind,
@@ -33,13 +38,10 @@ struct Row {
 }
 
 impl Row {
-    /// All rows of the table, or those of the kind `only`.
-    fn all(only: Option<&str>) -> Vec<Self> {
+    /// All rows of the table that the environment does not exclude.
+    fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for kind in Kind::ALL {
-            if only.is_some_and(|only| only != kind.to_string()) {
-                continue;
-            }
             for reference in Reference::ALL {
                 all.extend(NoiseKind::ALL.map(|noise| Self {
                     kind,
@@ -48,6 +50,11 @@ impl Row {
                 }));
             }
         }
+        all.retain(|row| {
+            is_wanted("KIND", row.kind)
+                && is_wanted("REFERENCE", row.reference)
+                && is_wanted("NOISE", row.noise)
+        });
         all
     }
 
@@ -70,13 +77,14 @@ impl Row {
 #[ignore = "an hour; prints the table: cargo test --release -p servoid-identification --lib an_hour_of_coverage -- --ignored --nocapture"]
 fn an_hour_of_coverage() {
     let (first, servos, runs) = (number("FIRST", 0), number("SERVOS", 4), number("RUNS", 1));
-    let (each, kind) = (std::env::var("EACH").is_ok(), std::env::var("KIND").ok());
+    let each = std::env::var("EACH").is_ok();
     println!("{}", table::HEAD);
-    for row in Row::all(kind.as_deref()) {
+    for row in Row::all() {
         let trials = row.trials(first..first + servos, runs);
         println!("{}", table::row(&trials));
         if each {
             println!("   missed {}", table::misses(&trials));
+            println!("   half widths {}", table::widths(&trials));
             for trial in &trials {
                 println!("   {}", table::line(trial));
             }

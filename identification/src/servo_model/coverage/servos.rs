@@ -1,7 +1,7 @@
 //! Servos drawn at random, within the model's class and a little outside of it.
 
 use super::truth::{Beyond, Truth};
-use crate::servo_model::coordinates::{Coordinate, LoadKind, Point, Terms};
+use crate::servo_model::coordinates::{Coordinate, FRICTION_SPEED_SHARE, LoadKind, Point, Terms};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt;
@@ -92,6 +92,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
         values: coordinates.iter().map(&mut value).collect(),
         coordinates,
         radians: 1f64.to_radians(),
+        friction_speed_share: FRICTION_SPEED_SHARE,
     };
     let beyond = kind.beyond(top_speed, &mut between);
     Truth { point, beyond }

@@ -1,6 +1,6 @@
 //! The table of docs/servo-model.md.
 
-use super::trial::{Band, Claim, Trial};
+use super::trial::{Band, Claim, Judged, Trial};
 use std::collections::BTreeMap;
 
 /// Its head, and the line below it.
@@ -27,7 +27,7 @@ pub(super) fn row(trials: &[Trial]) -> String {
         return format!("{start} - | - | - |");
     }
     let judged = || claims.iter().flat_map(|claim| &claim.intervals);
-    let inside = judged().filter(|(_, inside)| *inside).count();
+    let inside = judged().filter(|judged| judged.holds()).count();
     format!(
         "{start} {inside} of {} | {} | {} |",
         judged().count(),
@@ -51,13 +51,32 @@ fn mean_and_worst(bands: impl Iterator<Item = Band>) -> String {
 pub(super) fn misses(trials: &[Trial]) -> String {
     let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     let claims = trials.iter().filter_map(|trial| trial.claim.as_ref());
-    for (name, inside) in claims.flat_map(|claim| &claim.intervals) {
-        let (misses, all) = counts.entry(name).or_default();
-        *misses += usize::from(!inside);
+    for judged in claims.flat_map(|claim| &claim.intervals) {
+        let (misses, all) = counts.entry(judged.name).or_default();
+        *misses += usize::from(!judged.holds());
         *all += 1;
     }
     counts.retain(|_, (misses, _)| *misses > 0);
     format!("{counts:?}")
+}
+
+/// Of each quantity the median of the interval's half width \[its unit\], and of how many.
+pub(super) fn widths(trials: &[Trial]) -> String {
+    let mut all: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    let claims = trials.iter().filter_map(|trial| trial.claim.as_ref());
+    for judged in claims.flat_map(|claim| &claim.intervals) {
+        if let (Some(lower), Some(upper)) = (judged.interval.lower, judged.interval.upper) {
+            all.entry(judged.name)
+                .or_default()
+                .push(0.5 * (upper - lower));
+        }
+    }
+    let median = |(name, mut widths): (&str, Vec<f64>)| {
+        widths.sort_by(f64::total_cmp);
+        format!("{name} {:.4} of {}", widths[widths.len() / 2], widths.len())
+    };
+    let shown: Vec<String> = all.into_iter().map(median).collect();
+    shown.join(", ")
 }
 
 /// One recording, for a look at it.
@@ -73,8 +92,8 @@ pub(super) fn line(trial: &Trial) -> String {
     let claim = match &trial.claim {
         None => "withdrawn".to_owned(),
         Some(claim) => {
-            let missed = claim.intervals.iter().filter(|(_, inside)| !inside);
-            let missed: Vec<&str> = missed.map(|(name, _)| *name).collect();
+            let missed = claim.intervals.iter().filter(|judged| !judged.holds());
+            let missed: Vec<&Judged> = missed.collect();
             let band = |band: Option<Band>| {
                 band.map_or("withdrawn".to_owned(), |band| {
                     let percent = 100.0 * band.inside;

@@ -4,6 +4,7 @@ use super::references::{NoiseKind, PERIOD_S, Reference};
 use super::servos::{Kind, servo};
 use super::truth::Truth;
 use crate::data::{Record, Run};
+use crate::results::Interval;
 use crate::servo_model::{ServoModel, ServoModelOptions, fit, quantities};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -43,12 +44,28 @@ pub(super) struct Trial {
 
 /// Whether what is claimed holds.
 pub(super) struct Claim {
-    /// Of each determined quantity that has a truth: its name, and whether its interval holds it.
-    pub(super) intervals: Vec<(&'static str, bool)>,
+    /// Of each determined quantity that has a truth.
+    pub(super) intervals: Vec<Judged>,
     /// Under another command of the recorded kind; `None` where it moves the servo much faster than the record.
     pub(super) alike: Option<Band>,
     /// Under random levels, whose strokes may be larger than any that was recorded.
     pub(super) large: Option<Band>,
+}
+
+/// An interval and the truth.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Judged {
+    /// The quantity.
+    pub(super) name: &'static str,
+    pub(super) truth: f64,
+    pub(super) interval: Interval,
+}
+
+impl Judged {
+    /// Whether the interval holds the truth.
+    pub(super) fn holds(&self) -> bool {
+        self.interval.contains(self.truth)
+    }
 }
 
 /// Whether the band of the response to a new command holds the true response.
@@ -126,15 +143,18 @@ fn band(truth: &Truth, found: &ServoModel, input: &[f64]) -> Option<Band> {
     })
 }
 
-/// Which intervals hold the truth, where the quantity is determined and its truth known.
-fn intervals(truth: &Truth, found: &ServoModel) -> Vec<(&'static str, bool)> {
-    let truths = truths(truth);
-    let judged = |(name, truth): &(&'static str, f64)| {
+/// The intervals of quantities that are determined and whose truth is known.
+fn intervals(truth: &Truth, found: &ServoModel) -> Vec<Judged> {
+    let judged = |(name, truth): (&'static str, f64)| {
         let mut all = found.quantities.iter();
-        let quantity = all.find(|found| found.name == *name && found.determined)?;
-        Some((*name, quantity.interval.valid()?.contains(*truth)))
+        let quantity = all.find(|found| found.name == name && found.determined)?;
+        Some(Judged {
+            name,
+            truth,
+            interval: *quantity.interval.valid()?,
+        })
     };
-    truths.iter().filter_map(judged).collect()
+    truths(truth).into_iter().filter_map(judged).collect()
 }
 
 /// The true quantities by name: outside of the class only those whose meaning does not depend on it.
