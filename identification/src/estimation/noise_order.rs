@@ -48,3 +48,15 @@ pub(crate) fn autoregressive(products: &[f64], count: usize) -> (Vec<f64>, f64) 
     let left = products[0] + explained.sum::<f64>();
     (ar, (left / count.max(1) as f64).max(0.0).sqrt())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exponentially_correlated_noise_is_of_first_order() {
+        let moments = Mat::from_fn(4, 4, |i, j| 0.8f64.powi((i as i32 - j as i32).abs()) * 50.0);
+        let fit = NoiseFit::new(&moments, 1.0).unwrap();
+        assert_eq!(best_order(&fit.candidates(1000)), 1);
+    }
+}

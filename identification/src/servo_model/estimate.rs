@@ -3,25 +3,21 @@
 //! The terms are chosen by the [ladder](super::ladder), the parameters of the chosen ones are polished, and the evidence decides
 //! whether bounds hold.
 
-use super::coordinates::{Point, Terms};
-use super::fit::Problem;
-use super::ladder::{Ladder, Rung};
+use super::candidates::Candidates;
+use super::coordinates::Point;
+use super::covariance::Uncertainty;
+use super::descent::Descent;
+use super::ladder::{Climbed, Ladder, Rung};
 use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
 use super::motion::largest_error;
-use super::other_fits::fits_of_folds;
-use super::other_valleys::{with_soft_drive, with_sticking};
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
-use super::search::{Shown, other_starts};
-use super::start::find_starts;
+use super::search::Shown;
 use super::stretches::{Stretch, stretches};
-use super::uncertainty::{Uncertainty, uncertainty};
-use super::validity::against;
 use super::watch::Watch;
 use crate::data::Record;
-use crate::diagnostics::level_unless;
 use crate::error::Error;
-use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
+use crate::results::{Bounds, Noise, fit_percent, pointwise_critical};
 use faer::Mat;
 use servoid_dynamics::Grid;
 
@@ -34,9 +30,6 @@ const LONGEST_PERIOD_S: f64 = 0.5;
 
 /// Errors beyond this many standard deviations of the output are clipped: a servo that is lost counts, but does not decide.
 pub(super) const CLIP: f64 = 0.5;
-
-/// Steps of the last descent.
-const STEPS: usize = 30;
 
 /// Longest delay that is looked for \[s\], and in samples: the larger of the two.
 const LONGEST_DELAY: (f64, f64) = (0.2, 4.0);
@@ -105,13 +98,58 @@ pub fn fit_watched(
     options: &ServoModelOptions,
     watch: &dyn Watch,
 ) -> Result<ServoModel, Error> {
+    let (mut parts, fold_of) = usable_stretches(record, options)?;
+    let (period_s, phase_s) = (record.sample_period_s(), record.sample_phase_s());
+    let shown = Shown::by(&parts, period_s);
+    let ladder = Ladder {
+        stretches: &mut parts,
+        fold_of: &fold_of,
+        grid: Grid::new(period_s, phase_s, search_step_s(period_s)),
+        shown,
+        clip: CLIP * shown.output_sd,
+        longest_delay_s: longest_delay_s(period_s),
+        controllers: controllers(options),
+        radians: options
+            .radians_per_command
+            .unwrap_or_else(|| radians(record)),
+        watch,
+        tried: Vec::new(),
+    };
+    let climbed = ladder.climbed();
+    let stiffness = climbed.best().fit.physics(0, |_, value| value).stiffness;
+    let descent = Descent {
+        grid: Grid::for_stiffness(period_s, phase_s, stiffness),
+        clip: CLIP * shown.output_sd,
+        longest_delay_s: longest_delay_s(period_s),
+        converged: 1e-5,
+        watch,
+    };
+    let found = Candidates::of(
+        &mut parts,
+        &fold_of,
+        &shown,
+        &climbed,
+        &descent,
+        options.level,
+    );
+    if watch.ends() {
+        return Err(Error::SearchEnded);
+    }
+    Ok(describe(record, options, &parts, &climbed, &found))
+}
+
+/// The stretches of a record that a servo can be found in, and the fold that each of their blocks belongs to.
+fn usable_stretches(
+    record: &Record,
+    options: &ServoModelOptions,
+) -> Result<(Vec<Stretch>, Vec<usize>), Error> {
     if controllers(options) > MOST_CONTROLLERS {
         return Err(Error::TooManyControllers {
             controllers: controllers(options),
             most: MOST_CONTROLLERS,
         });
     }
-    let (mut parts, fold_of) = stretches(record, &options.controllers);
+    let (parts, fold_of) = stretches(record, &options.controllers);
     let samples: usize = parts.iter().map(|part| part.input.len()).sum();
     if samples < FEWEST {
         return Err(Error::TooShortForAuto {
@@ -126,151 +164,11 @@ pub fn fit_watched(
             longest_s: LONGEST_PERIOD_S,
         });
     }
-    let shown = Shown::by(&parts, period_s);
-    let mut ladder = Ladder {
-        stretches: &mut parts,
-        fold_of: &fold_of,
-        grid: Grid::new(period_s, record.sample_phase_s(), search_step_s(period_s)),
-        shown,
-        clip: CLIP * shown.output_sd,
-        longest_delay_s: longest_delay_s(period_s),
-        controllers: controllers(options),
-        radians: options
-            .radians_per_command
-            .unwrap_or_else(|| radians(record)),
-        watch,
-        tried: Vec::new(),
-    };
-    let chosen = ladder.climb();
-    let members = ladder.not_beaten(chosen);
-    let tried = std::mem::take(&mut ladder.tried);
-    let stiffness = tried[chosen].fit.physics(0, |_, value| value).stiffness;
-    let grid = Grid::for_stiffness(period_s, record.sample_phase_s(), stiffness);
-    let fit_to = |converged: f64| Descent {
-        grid,
-        clip: CLIP * shown.output_sd,
-        longest_delay_s: longest_delay_s(period_s),
-        converged,
-        watch,
-    };
-    let (coarse, fine) = (fit_to(1e-5), fit_to(1e-7));
-    let problem = coarse.problem(&parts);
-    let starts = other_starts(&tried[chosen].fit, &problem, &shown);
-    let (_, from) = problem.best_descent(starts, STEPS);
-    let point = fine.polished(&mut parts, from);
-    let blocks = fold_of.len();
-    let found = uncertainty(&fine.problem(&parts), &point, blocks);
-    let level = level_unless(against(&parts, &point, &found), options.level);
-    let mut possible = vec![found.servo_at(point)];
-    let problem = coarse.problem(&parts);
-    let mut others: Vec<Point> = members[1..].iter().map(|&m| tried[m].fit.clone()).collect();
-    for point in &mut others {
-        problem.descend(point, STEPS);
-    }
-    let mut sticks = None;
-    if level.valid().is_some() {
-        let best = possible[0].point.clone();
-        for point in with_sticking(&problem, &best) {
-            let other = uncertainty(&problem, &point, blocks);
-            if found.is_beaten_by(&other) {
-                sticks = Some(Reason::ErrorsNotNoise);
-            }
-            if !other.is_beaten_by(&found) {
-                possible.push(other.servo_at(point));
-            }
-        }
-        let linear = linear_rung(&tried).map(|rung| &rung.fit);
-        let simulated = &found.motion.simulated;
-        let soft = |linear| with_soft_drive(&problem, &best, linear, simulated, blocks);
-        others.extend(linear.and_then(soft));
-    }
-    let level = level.unless(sticks);
-    for point in others {
-        let found = uncertainty(&problem, &point, blocks);
-        possible.push(found.servo_at(point));
-    }
-    let other_fits = match &level {
-        Bounds::Valid(_) => Vec::new(),
-        Bounds::Withdrawn(_) => {
-            let members = possible[1..].iter().map(|servo| servo.point.clone());
-            let problem = coarse.problem(&parts);
-            let of_folds = fits_of_folds(&problem, &possible[0].point, &shown, &fold_of);
-            members.chain(of_folds).collect()
-        }
-    };
-    if watch.ends() {
-        return Err(Error::SearchEnded);
-    }
-    let ladder = Climbed { tried, chosen };
-    let servos = Servos {
-        level,
-        possible,
-        other_fits,
-    };
-    Ok(describe(record, options, &parts, &ladder, &servos, found))
-}
-
-/// The rungs that were tried, and the chosen one.
-struct Climbed {
-    tried: Vec<Rung>,
-    chosen: usize,
-}
-
-/// What the record says of the servo.
-struct Servos {
-    /// The level of intervals, if they hold.
-    level: Bounds<f64>,
-    /// The chosen servo, and those that predict as well.
-    possible: Vec<PossibleServo>,
-    /// Those of other fits, where intervals do not hold.
-    other_fits: Vec<Point>,
-}
-
-/// The linear servo among those that were tried.
-fn linear_rung(tried: &[Rung]) -> Option<&Rung> {
-    tried.iter().find(|rung| rung.terms == Terms::default())
+    Ok((parts, fold_of))
 }
 
 /// Samples that are needed: a few for each of the blocks.
 const FEWEST: usize = 64;
-
-/// How the parameters of given terms are fitted.
-struct Descent<'w> {
-    grid: Grid,
-    clip: f64,
-    longest_delay_s: f64,
-    converged: f64,
-    watch: &'w dyn Watch,
-}
-
-impl<'w> Descent<'w> {
-    fn problem<'a>(&self, stretches: &'a [Stretch]) -> Problem<'a>
-    where
-        'w: 'a,
-    {
-        Problem {
-            stretches,
-            grid: self.grid,
-            used: &|_| true,
-            clip: self.clip,
-            longest_delay_s: self.longest_delay_s,
-            converged: self.converged,
-            watch: self.watch,
-        }
-    }
-
-    /// The minimum, with the starts of the stretches found anew.
-    fn polished(&self, parts: &mut [Stretch], mut point: Point) -> Point {
-        for _ in 0..2 {
-            find_starts(parts, &point, &self.grid);
-            self.problem(parts).descend(&mut point, STEPS);
-        }
-        if point.terms.friction || point.terms.dead_band {
-            self.problem(parts).descend_around(&mut point, STEPS);
-        }
-        point
-    }
-}
 
 pub(super) fn longest_delay_s(period_s: f64) -> f64 {
     LONGEST_DELAY.0.max(LONGEST_DELAY.1 * period_s)
@@ -299,13 +197,15 @@ fn describe(
     record: &Record,
     options: &ServoModelOptions,
     parts: &[Stretch],
-    choice: &Climbed,
-    servos: &Servos,
-    found: Uncertainty,
+    climbed: &Climbed,
+    candidates: &Candidates,
 ) -> ServoModel {
-    let Servos {
-        level, possible, ..
-    } = servos;
+    let Candidates {
+        level,
+        possible,
+        found,
+        ..
+    } = candidates;
     let point = &possible[0].point;
     let known: Vec<f64> = found
         .errors()
@@ -324,12 +224,12 @@ fn describe(
     let mean = outputs().sum::<f64>() / count;
     let spread: f64 = outputs().map(|y| (y - mean).powi(2)).sum();
     let held_out = |rung: &Rung| fit_percent(rung.total(), spread);
-    let linear = linear_rung(&choice.tried);
+    let linear = climbed.linear();
     let rung = |(index, rung): (usize, &Rung)| LadderRung {
         terms: rung.terms,
         held_out_percent: held_out(rung),
         fit_percent: fit_percent(rung.cost, spread),
-        chosen: index == choice.chosen,
+        chosen: index == climbed.chosen,
     };
     let alternative = |other: &PossibleServo| Alternative {
         terms: other.point.terms,
@@ -357,25 +257,25 @@ fn describe(
             pointwise_critical(options.level),
             level,
             &found.motion.fastest,
-            &servos.other_fits,
+            &candidates.other_fits,
         ),
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
         fit: ServoFit {
             simulation_percent: fit_percent(error, spread),
-            held_out_percent: held_out(&choice.tried[choice.chosen]),
+            held_out_percent: held_out(climbed.best()),
             linear_held_out_percent: linear.map_or(f64::NAN, held_out),
             rmse: (error / count).sqrt(),
             discrepancy: found.discrepancy,
-            largest_error: largest_error_of(parts, point, &found),
+            largest_error: largest_error_of(parts, point, found),
             samples_used: known.len(),
             samples_missing: record.samples() - known.len(),
         },
         noise: Noise {
-            ar: found.ar,
+            ar: found.ar.clone(),
             sigma: found.sigma,
         },
-        ladder: choice.tried.iter().enumerate().map(rung).collect(),
+        ladder: climbed.tried.iter().enumerate().map(rung).collect(),
         linear_models: None,
     }
 }

@@ -5,10 +5,10 @@
 //! errors that change their sign where the motion turns round; one width stands for all, since small play has one shape.
 
 use super::coordinates::Point;
+use super::covariance::Uncertainty;
 use super::discrepancy::WINDOWS;
 use super::score_test::score_test;
 use super::stretches::Stretch;
-use super::uncertainty::Uncertainty;
 
 /// Columns: each stretch of time with the change, its size, and its square with the sign.
 const OF_COMMAND: usize = 3 * WINDOWS;

@@ -91,9 +91,44 @@ pub(super) struct Ladder<'a> {
     pub(super) tried: Vec<Rung>,
 }
 
+/// The ladder after the climb.
+pub(super) struct Climbed {
+    /// Every rung that was tried, in order.
+    pub(super) tried: Vec<Rung>,
+    /// The index of the chosen one.
+    pub(super) chosen: usize,
+    /// The indices of those that predict as well.
+    pub(super) others: Vec<usize>,
+}
+
+impl Climbed {
+    /// The chosen rung.
+    pub(super) fn best(&self) -> &Rung {
+        &self.tried[self.chosen]
+    }
+
+    /// The linear servo.
+    pub(super) fn linear(&self) -> Option<&Rung> {
+        self.tried
+            .iter()
+            .find(|rung| rung.terms == Terms::default())
+    }
+}
+
 impl Ladder<'_> {
+    /// Climbs.
+    pub(super) fn climbed(mut self) -> Climbed {
+        let chosen = self.climb();
+        let others = self.not_beaten(chosen);
+        Climbed {
+            tried: self.tried,
+            chosen,
+            others,
+        }
+    }
+
     /// Climbs: returns the index of the chosen rung among those tried.
-    pub(super) fn climb(&mut self) -> usize {
+    fn climb(&mut self) -> usize {
         let limited = Terms {
             limit: true,
             ..Terms::default()
@@ -154,13 +189,12 @@ impl Ladder<'_> {
         }
     }
 
-    /// The rungs that the best one does not beat, the best first, and `chosen` before them all.
-    pub(super) fn not_beaten(&self, chosen: usize) -> Vec<usize> {
+    /// The rungs that the best one does not beat, the best first, without `chosen`.
+    fn not_beaten(&self, chosen: usize) -> Vec<usize> {
         let mut all: Vec<usize> = (0..self.tried.len()).collect();
         all.sort_by(|&a, &b| self.tried[a].total().total_cmp(&self.tried[b].total()));
         let best = all[0];
         all.retain(|&rung| rung != chosen && !self.misses(rung, best));
-        all.insert(0, chosen);
         all
     }
 

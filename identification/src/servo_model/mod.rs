@@ -7,8 +7,11 @@
 //! bands. `docs/servo-model.md` has measured tables.
 
 mod beside_linear;
+mod candidates;
 mod coordinates;
+mod covariance;
 mod current_limit;
+mod descent;
 mod descent_step;
 mod discrepancy;
 mod error_row;
@@ -30,7 +33,6 @@ mod search;
 mod start;
 mod stiction;
 mod stretches;
-mod uncertainty;
 mod validity;
 mod watch;
 

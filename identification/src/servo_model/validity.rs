@@ -5,9 +5,9 @@
 //! nothing of the record is at rest, nothing shows that they are noise.
 
 use super::coordinates::{Coordinate, Point};
+use super::covariance::Uncertainty;
 use super::lack_of_fit;
 use super::stretches::Stretch;
-use super::uncertainty::Uncertainty;
 use crate::diagnostics::one_step_errors;
 use crate::results::Reason;
 use crate::thresholds::{MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO};
