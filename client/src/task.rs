@@ -121,7 +121,7 @@ impl Task for Arming {
                 line.hello = Some(hello);
                 match require_train(&hello, &self.asked.train) {
                     Ok(()) => Asking.on_answer(command, Some(Answer::Done), line),
-                    // A late answer to an earlier question has no number that tells.
+                    // A late answer to an earlier question carries no number.
                     Err(_) if self.late < LATE_ATTEMPTS => {
                         self.late += 1;
                         line.ask(Command::Hello);

@@ -11,10 +11,12 @@
 //! 333 Hz   |_____|_____|_____|_____|_____|                5 in 15.02 ms, a sample every 1.502 ms
 //! ```
 
-use crate::timing::SAMPLES_PER_FRAME;
 use crate::units::PulseWidth;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
+
+/// Samples in one frame, whatever its length.
+pub const SAMPLES_PER_FRAME: usize = 10;
 
 /// The kind of pulses that a servo understands. The wrong kind drives it against a stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]

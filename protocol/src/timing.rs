@@ -8,8 +8,7 @@
 
 use crate::pulse_train::PulseTrain;
 
-/// Samples in one frame, whatever its length.
-pub const SAMPLES_PER_FRAME: usize = 10;
+pub use crate::pulse_train::SAMPLES_PER_FRAME;
 
 /// Length of a frame of the usual train (µs): the usual frame of R/C servos, and the paper's (§4).
 pub const FRAME_US: u32 = PulseTrain::USUAL.frame_us();

@@ -10,9 +10,10 @@ const ROOMS: [(&str, &[&str]); 9] = [
     (
         "protocol",
         &[
+            "units",
+            "pulse_train",
             "timing",
             "lease",
-            "units",
             "framing",
             "reference",
             "hello",

@@ -11,12 +11,12 @@ use toml::{Table, Value};
 
 /// Version of the format; a reader refuses a higher one.
 ///
-/// A recording of the usual pulses is written as [`FORMAT_OF_USUAL_PULSES`], since older readers know no other period of
+/// A recording of the usual pulses is written as format 3, since older readers know no other period of
 /// samples.
 pub const FORMAT: u32 = 4;
 
 /// The format of recordings with pulses at 50 Hz.
-pub const FORMAT_OF_USUAL_PULSES: u32 = 3;
+const FORMAT_OF_USUAL_PULSES: u32 = 3;
 
 /// How every recording begins.
 pub(super) const FIRST_LINE: &str = "# format = ";

@@ -19,11 +19,11 @@ use servoid_protocol::{Counts, Frame, PulseTrain, PulseWidth, Reference};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-/// Rest before and after the reference: as long as the paper's longest hold, 0.8 s, so that what
-/// settles within a hold has settled before the first edge.
+/// Rest before and after the reference.
 const ROLL_US: u32 = 800_000;
 
-/// [`ROLL_US`] in whole frames of this train, rounded up.
+/// Rest before and after the reference (frames of this train): as long as the paper's longest hold, 0.8 s or a little more, so
+/// that what settles within a hold has settled before the first edge.
 pub fn roll_frames(train: PulseTrain) -> u16 {
     // At most 54 frames of 15 ms.
     ROLL_US.div_ceil(train.frame_us()) as u16
