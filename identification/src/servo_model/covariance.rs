@@ -67,7 +67,7 @@ impl Uncertainty {
         errors(&self.rows)
     }
 
-    /// Whether the errors of `other` are smaller beyond chance, as far as the noise at rest tells.
+    /// Whether the errors of `other` are smaller beyond chance, as far as the noise at rest shows.
     pub(super) fn is_beaten_by(&self, other: &Self) -> bool {
         let Some(noise) = &self.at_rest else {
             return false;
