@@ -13,7 +13,7 @@ use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
 use crate::results::{
     FrequencyBounds, FrequencyResponse, MODEL_SCHEMA, Measured, MetricBounds, Metrics, Model,
-    ParameterBounds, Residuals, StepBounds, StepResponse, Structure,
+    ParameterBounds, Residuals, SelectedBy, StepBounds, StepResponse, Structure,
 };
 use crate::selection::hidden_end;
 use crate::thresholds::UNSETTLED_END;
@@ -36,7 +36,10 @@ pub(super) fn validity(
         unsettled: fitted.slow_end.is_some()
             || (allowances.quantisation.is_none() && still_moves(fitted, responses)),
         closed_loop: is_closed_loop(fitted),
-        lags_are_mixed: (fitted.feedback).is_some_and(|found| found.mixes_lags()),
+        // What a caller leaves out is in the errors, and inputs to come show it where they were planned.
+        lags_are_mixed: (fitted.feedback).is_some_and(|found| {
+            found.mixes_lags() && (found.smooth || plan.selected_by == SelectedBy::Auto)
+        }),
         gain: estimate.fit.theta()[0],
         step: &responses.step_values,
         truncation_bias: allowances.step.truncation,
