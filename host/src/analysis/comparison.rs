@@ -57,6 +57,12 @@ fn without_options(error: Error) -> anyhow::Error {
             "a comparison needs at least {needed} samples of each side in one piece, and one side has {samples} in all: record longer and \
              without gaps"
         ),
+        Error::PeriodMismatch { expected, found } => anyhow!(
+            "one side was recorded every {} ms and the other every {} ms, and only what was recorded alike can be compared: record both at one \
+             rate of pulses ('servoid init --pulse-rate'), or both with the same time between rows",
+            1e3 * expected,
+            1e3 * found
+        ),
         other => other.into(),
     }
 }

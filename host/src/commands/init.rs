@@ -144,6 +144,10 @@ const CONDITION: Question = (
 );
 const PORT: Question = ("--port", "Serial device or tcp:HOST:PORT");
 const SERVO: Question = ("--servo", "Name of the servo");
+const PULSE_TYPE: Question = (
+    "--pulse-type",
+    "Pulses of the servo: wide (neutral about 1500 µs), or narrow (about 760 µs)",
+);
 const PULSES: Question = (
     "--pulses",
     "Shortest and longest pulse that the servo takes (µs)",
@@ -186,8 +190,10 @@ impl Given {
             None => ask_port(asker, talk)?,
         };
         asker.ask(self.servo, SERVO, &mut to.servo, |name| check_name(name))?;
-        // Not asked: nearly all servos are of the usual kind, and the owner of another one knows.
-        to.take_pulse_type(self.pulse_type.unwrap_or_default());
+        // Wide pulses may break a narrow-pulse servo, so nobody gets them without having been asked.
+        let mut pulse_type = PulseTypeName::default();
+        asker.ask(self.pulse_type, PULSE_TYPE, &mut pulse_type, |_| Ok(()))?;
+        to.take_pulse_type(pulse_type);
         let pulse_type = to.pulse_type;
         if let Some(hz) = self.pulse_rate {
             check_pulse_rate(hz, pulse_type).unwrap_or_else(|error| wrong_usage(error));

@@ -2,6 +2,7 @@
 
 use super::output::{harmless, print_remark, wrong_usage};
 use super::rig_wizard::{Checked, Range};
+use crate::data::rig_file::PulseTypeName;
 use anyhow::{Context, Result, bail};
 use dialoguer::theme::{ColorfulTheme, SimpleTheme, Theme};
 use dialoguer::{Confirm, Input, Select};
@@ -32,6 +33,10 @@ impl TypedAnswer for u16 {
 
 impl TypedAnswer for f64 {
     const FORM: &'static str = "a number is needed, such as 10 or -9.5";
+}
+
+impl TypedAnswer for PulseTypeName {
+    const FORM: &'static str = "choose wide or narrow";
 }
 
 impl TypedAnswer for Range {

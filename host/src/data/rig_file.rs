@@ -94,6 +94,12 @@ impl PulseTypeName {
     }
 }
 
+impl std::fmt::Display for PulseTypeName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
 impl std::str::FromStr for PulseTypeName {
     type Err = &'static str;
 

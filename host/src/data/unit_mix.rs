@@ -7,23 +7,20 @@ use servoid_identification::results::{Advice, Check};
 /// people record strokes of a thirtieth of others.
 const APART: f64 = 30.0;
 
-/// That input and output of one of these move this many times as far as those of the other.
+/// That the output of one of these moves this many times as far as that of the other.
 pub(crate) fn advice_on_units(names: [&str; 2], runs: [&[Run<'_>]; 2]) -> Option<Advice> {
-    let ratio = |[a, b]: [f64; 2]| a / b;
-    let input = ratio(runs.map(|runs| travel(runs.iter().map(|run| run.input()))));
-    let output = ratio(runs.map(|runs| travel(runs.iter().map(|run| run.output()))));
-    let far = |input: f64, output: f64| input.min(output) > APART && input.is_finite();
-    let (small, large, times) = match () {
-        () if far(input, output) => (names[1], names[0], input.min(output)),
-        () if far(1.0 / input, 1.0 / output) => {
-            (names[0], names[1], (1.0 / input).min(1.0 / output))
-        }
-        () => return None,
+    let [a, b] = runs.map(|runs| travel(runs.iter().map(|run| run.output())));
+    let (small, large, times) = if a > APART * b {
+        (names[1], names[0], a / b)
+    } else if b > APART * a {
+        (names[0], names[1], b / a)
+    } else {
+        return None;
     };
     Some(Advice::new(
         Check::UnitMix,
         format!(
-            "Input and output move {times:.0} times as far in {large} as in {small}, and their columns name no units: one may be in degrees \
+            "The output moves {times:.0} times as far in {large} as in {small}, and their columns name no units: one may be in degrees \
              and the other in radians (57 times)."
         ),
         times,

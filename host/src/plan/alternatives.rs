@@ -46,6 +46,7 @@ pub(super) fn alternatives(request: &PlanRequest, expected: &Expectation) -> Vec
     let specs = kinds.map(|kind| ReferenceSpec {
         kind,
         amplitude_deg: Some(amplitude_us / request.us_per_degree.abs()),
+        train: request.assumed.train,
         ..ReferenceSpec::default()
     });
     // A reference that cannot have this amplitude is left out.

@@ -148,8 +148,11 @@ pub fn is_servo_model(servo: &str) -> bool {
 const LONGEST_MEMORY: usize = 5_000;
 
 /// The standard deviation of noise 1/D(z) driven by σ (deg): σ sqrt(Σ f_k²), f the impulse response of
-/// 1/D.
+/// 1/D; infinite where that grows.
 pub(super) fn noise_rms(noise: &Noise) -> f64 {
+    if noise.largest_root() >= 1.0 {
+        return f64::INFINITY;
+    }
     let mut response = vec![1.0];
     let mut power = 1.0;
     for k in 1..LONGEST_MEMORY {

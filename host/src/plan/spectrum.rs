@@ -4,8 +4,7 @@ use super::request::PlanRequest;
 use super::simulated_runs;
 use serde::Serialize;
 use servoid_identification::results::Model;
-use servoid_protocol::Reference;
-use servoid_protocol::timing::{SAMPLE_US, SAMPLES_PER_FRAME};
+use servoid_protocol::{PulseTrain, Reference};
 use std::f64::consts::TAU;
 
 /// The power between two frequencies.
@@ -102,7 +101,7 @@ impl Spectrum {
             most_below_hz,
             above_noise_from_hz: lowest.map_or(0.0, |octave| octave.from_hz),
             above_noise_up_to_hz: highest.map_or(0.0, |octave| octave.to_hz),
-            first_gap_hz: first_gap_hz(&request.reference),
+            first_gap_hz: first_gap_hz(&request.reference, request.assumed.train),
             octaves,
             lines: densities(&lines, model),
         }
@@ -125,24 +124,20 @@ fn periodogram(input: &[f64], mean: f64, model: &Model) -> Vec<Power> {
         .map(|(l, value)| {
             // Half of the power of a line is at its negative frequency. The last line has none.
             let both = if 2 * l == input.len() { 1.0 } else { 2.0 };
-            let hz = l as f64 / count / sample_period_s();
+            let hz = l as f64 / count / model.sample_period_s;
             let reference = both * value.norm_sqr() / (count * count);
             Power {
                 hz,
                 reference,
-                response: reference * squared_size(&impulse, hz),
+                response: reference * squared_size(&impulse, hz * model.sample_period_s),
             }
         })
         .collect()
 }
 
-fn sample_period_s() -> f64 {
-    f64::from(SAMPLE_US) * 1e-6
-}
-
-/// |Σ h_k e^(-jωk)|².
-fn squared_size(h: &[f64], hz: f64) -> f64 {
-    let step = TAU * hz * sample_period_s();
+/// |Σ h_k e^(-jωk)|² at a frequency in turns for each sample.
+fn squared_size(h: &[f64], turns: f64) -> f64 {
+    let step = TAU * turns;
     let (sin, cos) = step.sin_cos();
     // e^(-jωk) by recursion: one sine for all terms.
     let ((mut c, mut s), (mut re, mut im)) = ((1.0, 0.0), (0.0, 0.0));
@@ -159,7 +154,8 @@ fn noise_density(model: &Model, hz: f64) -> f64 {
     let d: Vec<f64> = std::iter::once(1.0)
         .chain(model.noise.ar.iter().copied())
         .collect();
-    2.0 * sample_period_s() * model.noise.sigma.powi(2) / squared_size(&d, hz)
+    2.0 * model.sample_period_s * model.noise.sigma.powi(2)
+        / squared_size(&d, hz * model.sample_period_s)
 }
 
 fn db(power: f64) -> f64 {
@@ -212,13 +208,12 @@ fn densities(lines: &[Power], model: &Model) -> Vec<Density> {
 }
 
 /// A value held for a time T has no power at 1/T.
-fn first_gap_hz(reference: &Reference) -> Option<f64> {
+fn first_gap_hz(reference: &Reference, train: PulseTrain) -> Option<f64> {
     let hold_frames = match reference {
         Reference::Stairs(stairs) => stairs.hold_frames,
         Reference::Prbs(prbs) => prbs.chip_frames,
         Reference::Sweep(_) | Reference::Multisine(_) => 1,
         Reference::Staircase(_) | Reference::Steps(_) => return None,
     };
-    let hold_s = f64::from(hold_frames) * SAMPLES_PER_FRAME as f64 * sample_period_s();
-    Some(1.0 / hold_s)
+    Some(1.0 / (f64::from(hold_frames) * train.frame_s()))
 }

@@ -21,7 +21,12 @@ pub fn of_plan(plan: &Plan) -> String {
     let rows = [
         (
             "assumed",
-            format!("{servo}, noise {noise:.4} deg rms, {colour}"),
+            match noise.is_finite() {
+                true => format!("{servo}, noise {noise:.4} deg rms, {colour}"),
+                false => format!(
+                    "{servo}, noise that grows without bound, {colour}: its model describes no noise at rest"
+                ),
+            },
         ),
         (
             "takes",

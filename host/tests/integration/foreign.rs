@@ -356,7 +356,7 @@ fn what_is_cut_mixed_or_named_twice_is_said() {
     let (.., said) = identified(arg(&cut), &NAMED);
     assert!(said.contains("its last row has no end of line"), "{said}");
     let (.., said) = identified(&degrees, &[&NAMED[..], &[&radians]].concat());
-    assert!(said.contains("move 57 times as far in"), "{said}");
+    assert!(said.contains("moves 57 times as far in"), "{said}");
     let again = dir.path().join(".").join("degrees.csv");
     let said = refusal(&[&["identify", &degrees, arg(&again)], &NAMED[..]].concat());
     assert!(said.contains("is named twice"), "{said}");

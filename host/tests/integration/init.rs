@@ -139,6 +139,8 @@ mod at_a_terminal {
         session.answer("Name of the rig", "the lab's");
         session.answer("Condition (", ENTER_ONLY);
         session.answer("Name of the servo", "DS610");
+        session.answer("Pulses of the servo", "thin");
+        session.answer("choose wide or narrow", ENTER_ONLY);
         session.answer("Shortest and longest pulse", "500:2500");
         session.answer("the board makes pulses of 800 to 2200", "900:2100");
         session.answer("Pulse at 0 degrees", "1520");
@@ -186,6 +188,7 @@ mod at_a_terminal {
         for question in [
             "Port of the rig",
             "Name of the servo",
+            "Pulses of the servo",
             "Shortest and longest pulse",
             "Pulse at 0 degrees",
             "µs for one degree",

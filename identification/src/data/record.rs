@@ -24,6 +24,7 @@ pub struct Run<'a> {
     input: Cow<'a, [f64]>,
     output: Cow<'a, [f64]>,
     at_rest: Option<f64>,
+    label: Option<f64>,
 }
 
 impl<'a> Run<'a> {
@@ -56,6 +57,7 @@ impl<'a> Run<'a> {
             input,
             output,
             at_rest: None,
+            label: None,
         })
     }
 
@@ -70,6 +72,19 @@ impl<'a> Run<'a> {
         self
     }
 
+    /// States what the run is called where it comes from, such as its number in a column of runs: findings name it so.
+    #[must_use]
+    pub fn with_label(mut self, label: f64) -> Self {
+        self.label = Some(label);
+        self
+    }
+
+    /// What the run is called.
+    #[must_use]
+    pub fn label(&self) -> Option<f64> {
+        self.label
+    }
+
     /// The run with another output of the same length.
     pub(crate) fn with_output(&self, output: Vec<f64>) -> Self {
         debug_assert_eq!(output.len(), self.output.len());
@@ -77,6 +92,7 @@ impl<'a> Run<'a> {
             input: self.input.clone(),
             output: output.into(),
             at_rest: self.at_rest,
+            label: self.label,
         }
     }
 
@@ -86,6 +102,7 @@ impl<'a> Run<'a> {
             input: Cow::Borrowed(&self.input),
             output: Cow::Borrowed(&self.output),
             at_rest: self.at_rest,
+            label: self.label,
         }
     }
 
@@ -96,6 +113,7 @@ impl<'a> Run<'a> {
             input: self.input.into_owned().into(),
             output: self.output.into_owned().into(),
             at_rest: self.at_rest,
+            label: self.label,
         }
     }
 
@@ -163,6 +181,7 @@ impl<'a> Run<'a> {
     pub fn part(&self, range: Range<usize>) -> Run<'_> {
         Run {
             at_rest: self.at_rest.filter(|_| range.start == 0),
+            label: self.label,
             input: Cow::Borrowed(&self.input[range.clone()]),
             output: Cow::Borrowed(&self.output[range]),
         }

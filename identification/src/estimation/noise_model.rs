@@ -18,6 +18,14 @@ pub struct Noise {
     pub sigma: f64,
 }
 
+impl Noise {
+    /// Largest magnitude of the roots of D(z), 0 for white noise. From 1 on the modelled noise grows without bound; near 1 it drifts.
+    #[must_use]
+    pub fn largest_root(&self) -> f64 {
+        largest_root(&self.ar)
+    }
+}
+
 /// The coefficients 1, d_1, ..., d_d of the noise filter D.
 pub(crate) fn noise_filter(ar: &[f64]) -> Vec<f64> {
     std::iter::once(1.0).chain(ar.iter().copied()).collect()

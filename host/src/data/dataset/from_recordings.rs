@@ -165,6 +165,14 @@ fn about(
             "Mend the sensor, its wires or the servo's power, and capture again.",
         );
     }
+    if let Some(apart_deg) = apart_from_command(recording).filter(|apart| apart.abs() > FAR_DEG) {
+        about.add(
+            Check::Zeros,
+            format!("{shown}: the position lies {apart_deg:+.1} degrees from the command on average"),
+            [apart_deg, FAR_DEG],
+            "Look whether the servo stood at a stop, as under pulses of the other type, and at neutral, pulse type and zero of the sensor in the rig file.",
+        );
+    }
     if options.period_s.is_some() {
         let period_s = header.sample_period_s;
         about.remarks.push(format!(
@@ -172,6 +180,22 @@ fn about(
         ));
     }
     about
+}
+
+/// A mean distance of position and command beyond this is no friction and no load \[deg\].
+const FAR_DEG: f64 = 20.0;
+
+/// How far the position lies from the command on average \[deg\].
+fn apart_from_command(recording: &Recording) -> Option<f64> {
+    let range = recording.reference_samples();
+    let scale = DegreeScale::of_recording(&recording.header);
+    let (input, output) = scale.columns(recording.rows_of(range));
+    let apart = input
+        .iter()
+        .zip(&output)
+        .map(|(command, position)| position - command);
+    let known: Vec<f64> = apart.filter(|apart| !apart.is_nan()).collect();
+    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
 }
 
 /// The stretches in which the sensor's reading stood still though the command changed.

@@ -55,7 +55,14 @@ pub(super) fn from_table(
     let controllers = found.iter().filter_map(driver).collect();
     let runs = found.iter().map(|stretch| {
         let at_rest = options.at_rest.filter(|_| !stretch.continues);
-        run(stretch.place(&u), stretch.place(&y), at_rest)
+        let run = run(stretch.place(&u), stretch.place(&y), at_rest)?;
+        let label = labels
+            .as_ref()
+            .and_then(|names| names.get(stretch.rows.start));
+        Ok::<_, DatasetFault>(match label {
+            Some(label) => run.with_label(*label),
+            None => run,
+        })
     });
     let runs = runs.collect::<Result<_, _>>()?;
     let file = path.display();

@@ -127,7 +127,7 @@ pub fn load_as(
         Err(error) => return load(paths, options).map_err(|_| error),
         Ok(data) => data,
     };
-    let remark = "the files are read as those of the model were (columns, period, runs); options override this";
+    let remark = "the files are read as those of the model were (columns, period, runs, rest); options override this";
     data.about.remarks.insert(0, remark.to_owned());
     Ok(data)
 }

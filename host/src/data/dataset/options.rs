@@ -64,6 +64,7 @@ impl DatasetOptions {
             time_unit,
             run: self.run.or(other.run),
             controller: self.controller.or(other.controller),
+            at_rest: self.at_rest.or(other.at_rest),
             ..self
         }
     }

@@ -43,7 +43,9 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
     let speed = |found: &Quantity| format!("{}{output}/s{}", figure(found, 1.0), turn(found));
     let speeds = of("top speed upwards").zip(of("top speed downwards"));
     let kind = match speeds {
-        Some((up, down)) if up.value == down.value => format!("is limited to {}", speed(up)),
+        Some((up, down)) if up.value == down.value && up.other_fits == down.other_fits => {
+            format!("is limited to {}", speed(up))
+        }
         Some((up, down)) => format!(
             "is limited to {} upwards and {} downwards",
             speed(up),
@@ -127,7 +129,9 @@ fn hidden_by_noise(model: &ServoModel) -> Option<String> {
 
 /// " The linear model predicts better: ..."
 fn better_linear(model: &ServoModel) -> Option<String> {
-    let percent = model.better_linear_percent()?;
+    // Of a linear model that does not predict either, nobody should hear that it is better.
+    let percent = (model.better_linear_percent())
+        .filter(|percent| *percent >= POOR_PREDICTION_PERCENT || model.predicts())?;
     let found = model.linear_models.as_ref()?;
     Some(format!(
         " The linear model predicts better: use it. On the {} samples that both predict, it reaches {percent:.1} %, and the model \

@@ -20,7 +20,7 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
     let place = |found: &TakenOut| {
         let seconds = found.sample as f64 * period;
         match several {
-            true => format!("{seconds:.3} s of run {}", found.run),
+            true => format!("{seconds:.3} s of run {}", evidence.run_name(found.run)),
             false => format!("{seconds:.3} s"),
         }
     };

@@ -1,6 +1,6 @@
 //! The evidence behind the findings on a model.
 
-use crate::data::Record;
+use crate::data::{Record, Run};
 use crate::diagnostics::explanation::Explanation;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
@@ -23,6 +23,15 @@ pub(crate) struct Evidence<'a> {
 }
 
 impl<'a> Evidence<'a> {
+    /// What the run of this number, from 1, is called: its label, or else its number.
+    pub(super) fn run_name(&self, number: usize) -> String {
+        let run = self
+            .recorded
+            .and_then(|record| record.runs().get(number.checked_sub(1)?));
+        let label = run.and_then(Run::label);
+        label.map_or_else(|| number.to_string(), |label| label.to_string())
+    }
+
     /// Whether the model has bounds, of which advice may speak.
     pub(super) fn has_bounds(&self) -> bool {
         self.model.bounds.valid().is_some()

@@ -84,7 +84,7 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
                 runs.gain_percent.sd,
                 1000.0 * runs.delay_s.sd,
                 runs.offset.sd,
-                farthest(runs).unwrap_or_default()
+                farthest(evidence, runs).unwrap_or_default()
             ),
             p,
             threshold,
@@ -94,18 +94,23 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
     })
 }
 
+/// Beyond this, how likely a distance is says nothing \[%\].
+const LIKELY_PERCENT: f64 = 20.0;
+
 /// The run that lies farthest from the others, where that is no finding of its own.
-fn farthest(runs: &RunComparison) -> Option<String> {
+fn farthest(evidence: &Evidence<'_>, runs: &RunComparison) -> Option<String> {
     let farthest = runs.farthest.filter(|_| runs.deviating.is_none())?;
     let run = runs.runs.iter().find(|run| run.run == farthest.run)?;
     let chance = match 100.0 * farthest.p {
-        percent if percent < 99.5 => format!("in at most {percent:.0} %"),
-        _ => "in any number".to_owned(),
+        percent if percent < LIKELY_PERCENT => {
+            format!("happens by chance in at most {percent:.0} %")
+        }
+        _ => "may well happen by chance in any".to_owned(),
     };
     Some(format!(
-        " Run {} lies farthest from the others ({}; {:.1} of their standard deviations), which happens by chance \
+        " Run {} lies farthest from the others ({}; {:.1} of their standard deviations), which \
          {chance} of records of {} runs of one kind.",
-        run.run,
+        evidence.run_name(run.run),
         differences(run),
         farthest.distance,
         runs.runs.len()
@@ -120,14 +125,14 @@ pub(super) fn deviating(evidence: &Evidence<'_>) -> Option<Advice> {
         Check::DeviatingRun,
         format!(
             "Run {} deviates from the others: {}.",
-            run.run,
+            evidence.run_name(run.run),
             differences(run)
         ),
         deviating.distance,
         deviating.threshold,
         format!(
             "Look at run {} before using it; identify again without it and compare.",
-            run.run
+            evidence.run_name(run.run)
         ),
     ))
 }
@@ -159,7 +164,11 @@ pub(super) fn at_rest(evidence: &Evidence<'_>) -> Option<Advice> {
         format!(
             "Run {} did not begin at rest under an input of {}: its first readings are {:+.3} from there, {:.0} times \
              the usual error, as if the input had been {:.3}. A wrong statement bends the whole response.",
-            found.run, found.stated, found.error, found.times_usual, found.rather
+            evidence.run_name(found.run),
+            found.stated,
+            found.error,
+            found.times_usual,
+            found.rather
         ),
         found.times_usual,
         INITIAL_REST_MISSED,
