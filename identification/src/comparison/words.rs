@@ -149,9 +149,15 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
             let position = |level: f64| with(format!("{level:.decimals$}"), &options.output_unit);
             format!(
                 "; commanded {} it comes to rest at {}, the first at {}",
-                with(format!("{command:+}"), &options.input_unit),
+                with(signed(command), &options.input_unit),
                 position(b),
                 position(a)
             )
         })
+}
+
+/// "+4.981" of 4.980556789934776: pulses are whole microseconds, and degrees by a calibration are not.
+fn signed(command: f64) -> String {
+    let four_digits = format!("{command:.3e}").parse().unwrap_or(command);
+    format!("{four_digits:+}")
 }
