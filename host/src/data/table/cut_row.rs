@@ -17,7 +17,7 @@ pub(super) fn cut_row(rows: &[u8], separator: u8) -> Option<usize> {
         Some(cell.len() - point - 1)
     };
     let (before, last) = rows.split_at(begins);
-    let earlier = before[..begins - 1].rsplit(|byte| *byte == b'\n');
+    let earlier = before.strip_suffix(b"\n")?.rsplit(|byte| *byte == b'\n');
     let earlier: Vec<Option<usize>> = earlier.take(LOOKED_AT).map(decimals).collect();
     let usual = *earlier.first()?;
     let agree = earlier.len() == LOOKED_AT && earlier.iter().all(|found| *found == usual);
