@@ -138,8 +138,8 @@ pub enum Error {
     NoDetail,
     /// Nothing of the output follows the input.
     #[error(
-        "the output shows no response to the input above its noise: check that the sensor is connected and \
-         that input and output belong together; if they do, use larger steps"
+        "the output shows no response to the input above its noise: check that the sensor is connected, \
+         that the servo moves and does not stand at a stop, and that input and output belong together; if they do, use larger steps"
     )]
     Unanswered,
     /// The output changes from run to run alone.
