@@ -116,7 +116,13 @@ pub(super) fn check_pulse_rate(hz: f64, pulse_type: PulseTypeName) -> Checked {
     let pulses = PulseType::from(pulse_type);
     require(PulseTrain::at_rate(pulses, hz).is_some(), || {
         let (name, highest) = (pulse_type.as_str(), pulses.highest_hz());
-        format!("{name} pulses come at {USUAL_RATE_HZ} to {highest} Hz")
+        let otherwise = match pulse_type {
+            PulseTypeName::Wide => {
+                "; a narrow-pulse servo (neutral about 760 µs) needs --pulse-type narrow, and takes more"
+            }
+            PulseTypeName::Narrow => "",
+        };
+        format!("{name} pulses come at {USUAL_RATE_HZ} to {highest} Hz{otherwise}")
     })
 }
 
@@ -143,7 +149,9 @@ pub(super) fn check_pulses(pulses: &Range, pulse_type: PulseTypeName) -> Checked
 /// The pulse at 0 degrees, for a servo that takes `pulses`.
 pub(super) fn check_neutral(neutral_us: u16, pulses: &Range) -> Checked {
     require(pulses.contains(neutral_us.into()), || {
-        format!("neutral must be a pulse that the servo takes, within {pulses} µs")
+        format!(
+            "neutral must be a pulse that the servo takes, within {pulses} µs (about 760 µs is that of a narrow-pulse servo: --pulse-type narrow)"
+        )
     })
 }
 
