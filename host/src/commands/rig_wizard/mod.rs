@@ -118,7 +118,7 @@ pub(super) fn check_pulse_rate(hz: f64, pulse_type: PulseTypeName) -> Checked {
         let (name, highest) = (pulse_type.as_str(), pulses.highest_hz());
         let otherwise = match pulse_type {
             PulseTypeName::Wide => {
-                "; a narrow-pulse servo (neutral about 760 µs) needs --pulse-type narrow, and takes more"
+                "; narrow ones (neutral about 760 µs) at up to 560 Hz: --pulse-type narrow"
             }
             PulseTypeName::Narrow => "",
         };
@@ -149,9 +149,11 @@ pub(super) fn check_pulses(pulses: &Range, pulse_type: PulseTypeName) -> Checked
 /// The pulse at 0 degrees, for a servo that takes `pulses`.
 pub(super) fn check_neutral(neutral_us: u16, pulses: &Range) -> Checked {
     require(pulses.contains(neutral_us.into()), || {
-        format!(
-            "neutral must be a pulse that the servo takes, within {pulses} µs (about 760 µs is that of a narrow-pulse servo: --pulse-type narrow)"
-        )
+        let narrow = match neutral_us < PulseType::Wide.board_limits()[0].0 {
+            true => "; a narrow-pulse servo (neutral about 760 µs) needs --pulse-type narrow",
+            false => "",
+        };
+        format!("neutral must be a pulse that the servo takes, within {pulses} µs{narrow}")
     })
 }
 

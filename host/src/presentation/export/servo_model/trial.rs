@@ -124,7 +124,8 @@ impl Trial {
 fn amplitude(export: &ServoExport<'_>) -> f64 {
     let (fit, parameters) = (&export.model.fit, &export.parameters);
     let output = fit.rmse / (1.0 - fit.simulation_percent / 100.0);
-    let shown = output / parameters.gain.abs();
+    // A command that friction and dead band swallow would compare two servos that stand still.
+    let shown = (output / parameters.gain.abs()).max(MOVING * held(parameters));
     if POSSIBLE.contains(&shown) {
         return shown;
     }
@@ -134,6 +135,17 @@ fn amplitude(export: &ServoExport<'_>) -> f64 {
     limited
         .filter(|amplitude| POSSIBLE.contains(amplitude))
         .unwrap_or(1.0)
+}
+
+/// So many times as large as what does not move the servo the amplitude is at least.
+const MOVING: f64 = 3.0;
+
+/// The error that moves nothing: that which friction at rest holds, and the dead band.
+fn held(parameters: &ServoParameters) -> f64 {
+    let friction = parameters.friction.map_or(0.0, |friction| {
+        friction.coulomb * (1.0 + friction.at_rest.map_or(0.0, |at_rest| at_rest.excess))
+    });
+    friction / parameters.stiffness + parameters.dead_band.unwrap_or(0.0)
 }
 
 /// Long enough for the largest stroke; whole pulse frames where there are any.
@@ -162,5 +174,39 @@ fn short(value: f64, size: f64, digits: i32, whole: fn(f64) -> f64) -> f64 {
     match exponent < 0 {
         true => whole(value * 10f64.powi(-exponent)) / 10f64.powi(-exponent),
         false => whole(value / 10f64.powi(exponent)) * 10f64.powi(exponent),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_dynamics::Friction;
+
+    #[test]
+    fn friction_and_dead_band_hold_what_they_say() {
+        let servo = ServoParameters {
+            delay_s: 0.01,
+            stiffness: 900.0,
+            damping: 60.0,
+            gain: 20.0,
+            offset: 0.0,
+            limit: None,
+            dead_band: Some(0.5),
+            friction: Some(Friction {
+                coulomb: 4500.0,
+                of_gears: 0.0,
+                at_rest: None,
+            }),
+            load: Load::None,
+        };
+        assert_eq!(held(&servo), 5.5);
+        let moved = |command: f64| {
+            let grid = Grid::for_stiffness(0.002, 0.0, servo.stiffness);
+            let start = Start::at_rest(0.0, Some(0.0));
+            let mut last = 0.0;
+            simulate(&servo, &grid, &start, &[command; 300], |_, y| last = y);
+            last != 0.0
+        };
+        assert!(!moved(0.99 * held(&servo)) && moved(MOVING * held(&servo)));
     }
 }
