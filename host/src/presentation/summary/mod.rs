@@ -11,6 +11,7 @@ mod model_sentence;
 mod numbers;
 mod servo_comparison;
 mod servo_model;
+mod servo_sentence;
 
 pub use beyond::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
@@ -18,7 +19,8 @@ pub(crate) use metrics::TableRow;
 pub use model_sentence::model_sentence;
 pub(crate) use servo_comparison::{how_servo_models_are_compared, servo_model_rows};
 pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
-pub use servo_model::{of_servo_model, servo_sentence};
+pub use servo_model::of_servo_model;
+pub use servo_sentence::servo_sentence;
 
 pub(crate) use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,

@@ -1,6 +1,6 @@
 //! The servo as a machine, as text for a terminal.
 
-use super::layout::{listed_words, wrapped};
+use super::layout::wrapped;
 use super::numbers::head_of_bounds;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval};
@@ -8,137 +8,6 @@ use servoid_identification::servo_model::{
     LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, ServoFit, ServoModel,
     Spread, Terms, Unit,
 };
-use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
-
-/// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better.
-#[must_use]
-pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
-    if !model.predicts() {
-        let noise = (model.reachable_percent())
-            .map(|percent| format!(", where noise alone would leave {percent:.1} %"));
-        return format!(
-            "The servo model does not predict this recording: simulated from the command, it fits it to {:.1} %{}. What it says \
-             of the servo is not to be relied on.{}",
-            model.prediction_percent(),
-            noise.unwrap_or_default(),
-            better_linear(model).unwrap_or_default()
-        );
-    }
-    let of = |name: &str| {
-        let found = model.quantities.iter().find(|found| found.name == name);
-        found.filter(|found| found.determined)
-    };
-    let is_sure = model.covariance.valid().is_some();
-    let unit = |unit: Option<&str>| unit.map(|unit| format!(" {unit}")).unwrap_or_default();
-    let (command, output) = (unit(units.input), unit(units.output));
-    let turn = |speed: &Quantity| {
-        let stated = seconds_per_60_degrees(speed.value, units);
-        let assumed = || {
-            let seconds = seconds_per_60_degrees(speed.value, assumed_units(model, units)?)?;
-            Some(format!("{seconds} if that is degrees"))
-        };
-        let seconds = stated.or_else(assumed);
-        seconds.map_or_else(String::new, |seconds| format!(" ({seconds})"))
-    };
-    let speed = |found: &Quantity| format!("{}{output}/s{}", figure(found, 1.0), turn(found));
-    let speeds = of("top speed upwards").zip(of("top speed downwards"));
-    let kind = match speeds {
-        Some((up, down)) if up.value == down.value && up.other_fits == down.other_fits => {
-            format!("is limited to {}", speed(up))
-        }
-        Some((up, down)) => format!(
-            "is limited to {} upwards and {} downwards",
-            speed(up),
-            speed(down)
-        ),
-        None if model.terms.limit => "is limited in its drive".to_owned(),
-        None if is_sure => "is linear".to_owned(),
-        None if of("bandwidth at small signals").is_none() => {
-            "is much like a linear one whose bandwidth does not show".to_owned()
-        }
-        None => "is much like a linear one".to_owned(),
-    };
-    let rest = of("resting error by friction")
-        .filter(|error| error.value > 0.0)
-        .map(|error| format!("rests within {}{command} of its target", figure(error, 1.0)));
-    let load = match model.terms.load {
-        LoadKind::None => None,
-        LoadKind::Constant => Some("works against a constant load"),
-        LoadKind::Pendulum | LoadKind::TiltedPendulum => Some("carries a weight"),
-        LoadKind::Air => Some("works against a load that stiffens to one side"),
-    };
-    let delay = of("delay").map(|delay| {
-        let most_s = delay.other_fits.map_or(delay.value, |spread| spread.most);
-        match most_s < AT_ONCE * model.sample_period_s {
-            true => "answers at once".to_owned(),
-            false => format!("answers {} ms late", figure(delay, 1e3)),
-        }
-    });
-    let parts = [rest, load.map(str::to_owned), delay].into_iter().flatten();
-    let all: Vec<String> = std::iter::once(kind).chain(parts).collect();
-    format!(
-        "This servo {}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{}{}",
-        listed_words(&all),
-        model.prediction_percent(),
-        match is_sure {
-            true => "",
-            false =>
-                " No intervals can be given: figures are the least and the most of fits to parts of this recording, and another \
-                 recording may give others.",
-        },
-        [
-            speeds.and_then(|(up, _)| unlikely_speed(model, up, units)),
-            hidden_by_noise(model),
-            better_linear(model)
-        ]
-        .into_iter()
-        .flatten()
-        .collect::<String>()
-    )
-}
-
-/// A delay of so many samples does not show.
-const AT_ONCE: f64 = 0.01;
-
-/// A quantity times `scale`, to as many digits as are known; without an interval, from the least to the most of other fits.
-fn figure(quantity: &Quantity, scale: f64) -> String {
-    let two_digits = |value: f64| digits(scale * value, 2);
-    match quantity.other_fits {
-        None if quantity.interval.valid().is_some() => four_digits(scale * quantity.value),
-        // Of a file from before other fits were kept.
-        None => format!("about {}", two_digits(quantity.value)),
-        Some(Spread { least, most }) => {
-            let (least, most) = (two_digits(least), two_digits(most));
-            match least == most {
-                true => format!("about {least}"),
-                false => format!("{least}-{most}"),
-            }
-        }
-    }
-}
-
-/// " Noise alone would leave ...": that a poor fit is that of noise, and what it means.
-fn hidden_by_noise(model: &ServoModel) -> Option<String> {
-    let reachable = model.reachable_percent()?;
-    (model.prediction_percent() < POOR_PREDICTION_PERCENT).then(|| {
-        format!(
-            " Noise alone would leave {reachable:.1} %: it may hide friction, limits and load, so this is what shows through it."
-        )
-    })
-}
-
-/// " The linear model predicts better: ..."
-fn better_linear(model: &ServoModel) -> Option<String> {
-    // Of a linear model that does not predict either, nobody should hear that it is better.
-    let percent = (model.better_linear_percent())
-        .filter(|percent| *percent >= POOR_PREDICTION_PERCENT || model.predicts())?;
-    let found = model.linear_models.as_ref()?;
-    Some(format!(
-        " The linear model predicts better: use it. On the {} samples that both predict, it reaches {percent:.1} %, and the model \
-         as a machine {:.1} %.",
-        found.samples_used, found.servo_model_percent
-    ))
-}
 
 /// Parameters with their intervals; with `explain`, the terms that were tried.
 #[must_use]
@@ -357,43 +226,13 @@ pub(super) fn per_60_degrees(quantity: &Quantity, units: Units<'_>) -> Option<St
     is_speed.then(|| seconds_per_60_degrees(quantity.value, units))?
 }
 
-/// Degrees, where no unit is known and the model takes the command for them.
-fn assumed_units(model: &ServoModel, units: Units<'_>) -> Option<Units<'static>> {
-    let degrees = Some("deg");
-    let assumed = Units {
-        input: degrees,
-        output: degrees,
-    };
-    (units == Units::default() && model.radians_per_command == 1f64.to_radians()).then_some(assumed)
-}
-
-/// Times for 60 degrees that R/C servos have \[s\]: the fastest for the rotors of helicopters take 0.03 s, winches a second.
-const USUAL_TURNS_S: std::ops::RangeInclusive<f64> = 0.025..=1.5;
-
-/// " That is faster than ...": that no servo turns at this speed.
-fn unlikely_speed(model: &ServoModel, speed: &Quantity, units: Units<'_>) -> Option<String> {
-    let units = assumed_units(model, units).unwrap_or(units);
-    let turn_s = turn_time_s(speed.value, units)?;
-    let how = match turn_s {
-        turn_s if USUAL_TURNS_S.contains(&turn_s) => return None,
-        turn_s if turn_s < *USUAL_TURNS_S.start() => "faster",
-        _ => "slower",
-    };
-    Some(format!(
-        " That is {how} than R/C servos turn ({} to {} s/60°): make sure that the time between samples is {:.4} s, and the unit of the output right.",
-        USUAL_TURNS_S.start(),
-        USUAL_TURNS_S.end(),
-        model.sample_period_s
-    ))
-}
-
 /// "0.148 s/60°" of a speed; `None` where the output is not known to be an angle.
-fn seconds_per_60_degrees(speed: f64, units: Units<'_>) -> Option<String> {
+pub(super) fn seconds_per_60_degrees(speed: f64, units: Units<'_>) -> Option<String> {
     turn_time_s(speed, units).map(|seconds| format!("{seconds:.3} s/60°"))
 }
 
 /// The time for 60 degrees \[s\]; `None` where the output is not known to be an angle.
-fn turn_time_s(speed: f64, units: Units<'_>) -> Option<f64> {
+pub(super) fn turn_time_s(speed: f64, units: Units<'_>) -> Option<f64> {
     let turn = match units.output? {
         "deg" | "°" | "degree" | "degrees" => 60.0,
         "rad" => 60f64.to_radians(),
@@ -467,7 +306,8 @@ fn three_digits(value: f64) -> String {
     digits(value, 3)
 }
 
-fn digits(value: f64, count: usize) -> String {
+/// A number with so many digits.
+pub(super) fn digits(value: f64, count: usize) -> String {
     let leading = value.abs().log10().floor();
     if leading.is_finite() && !POWERS.contains(&leading) {
         return format!("{value:.0$e}", count - 1);
@@ -483,7 +323,6 @@ fn digits(value: f64, count: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_identification::results::Reason;
 
     fn quantity(name: &str, determined: bool, lower: f64, upper: f64) -> Quantity {
         Quantity {
@@ -494,28 +333,6 @@ mod tests {
             interval: Bounds::Valid(Interval::new(400.0, lower, upper)),
             other_fits: None,
         }
-    }
-
-    #[test]
-    fn a_figure_without_an_interval_is_how_far_other_fits_go_apart() {
-        let mut speed = quantity("top speed upwards", true, 390.0, 410.0);
-        assert_eq!(figure(&speed, 1.0), "400.0");
-        speed.interval = Bounds::Withdrawn(Reason::ErrorsNotNoise);
-        let (least, most) = (371.4, 421.7);
-        speed.other_fits = Some(Spread { least, most });
-        assert_eq!(figure(&speed, 1.0), "371-422");
-        let row = quantity_row(&speed, Units::default());
-        assert_eq!(
-            (row.value.as_str(), row.interval.as_str()),
-            ("400", "other fits 371 to 422")
-        );
-        speed.other_fits = Some(Spread {
-            least: 399.6,
-            most: 400.4,
-        });
-        assert_eq!(figure(&speed, 1.0), "about 400");
-        speed.other_fits = None;
-        assert_eq!(figure(&speed, 1.0), "about 400");
     }
 
     #[test]
