@@ -192,51 +192,22 @@ mod tests {
         let bad = Some(Refusal::BadLimits);
         assert_eq!(refused(narrow_arm, wide), bad);
         assert_eq!(refused(arm(), narrow), bad);
-        let longest = PulseWidth(1_101);
-        assert_eq!(
-            refused(
-                Arm {
-                    longest,
-                    ..narrow_arm
-                },
-                narrow
-            ),
-            bad
-        );
-        let shortest = PulseWidth(399);
-        assert_eq!(
-            refused(
-                Arm {
-                    shortest,
-                    ..narrow_arm
-                },
-                narrow
-            ),
-            bad
-        );
+        for (shortest, longest) in [(400, 1_101), (399, 1_100)] {
+            let beyond = Arm {
+                shortest: PulseWidth(shortest),
+                longest: PulseWidth(longest),
+                ..narrow_arm
+            };
+            assert_eq!(refused(beyond, narrow), bad);
+        }
         // Five seconds of frames of 15.02 ms.
-        let lease_frames = 332;
-        assert_eq!(
-            refused(
-                Arm {
-                    lease_frames,
-                    ..arm()
-                },
-                wide
-            ),
-            None
-        );
-        let lease_frames = 333;
-        assert_eq!(
-            refused(
-                Arm {
-                    lease_frames,
-                    ..arm()
-                },
-                wide
-            ),
-            bad
-        );
+        for (lease_frames, expected) in [(332, None), (333, bad)] {
+            let leased = Arm {
+                lease_frames,
+                ..arm()
+            };
+            assert_eq!(refused(leased, wide), expected);
+        }
         for train in [
             train(PulseType::Wide, 1_786),
             train(PulseType::Wide, 3_003),

@@ -1,11 +1,11 @@
 //! A client, and the firmware's own rig on a board without a servo, with a line between them.
 
 use crate::line::{Faults, Line};
-use servoid_client::{Client, ClientError, Connect, Event};
+use servoid_client::{Arrived, Client, ClientError, Connect, Event, RunEnding};
 use servoid_firmware::{CapturedFrame, ChipIdentity, FrameTiming, Identity, Rig, Supply};
 use servoid_protocol::hello::{ClockSource, ResetCause, Text16};
 use servoid_protocol::lease::LEASE_FRAMES;
-use servoid_protocol::message::{Arm, ArmFor, Command, RigMessage, Start};
+use servoid_protocol::message::{Arm, ArmFor, Command, EndReason, RigMessage, Start};
 use servoid_protocol::reference::{Reference, Staircase};
 use servoid_protocol::schema::SCHEMA_HASH;
 use servoid_protocol::{Counts, Decoder, Frame, PulseTrain, PulseWidth, Request, framing};
@@ -310,4 +310,15 @@ pub fn frames(events: &[Event]) -> Vec<Frame> {
         _ => None,
     };
     events.iter().filter_map(frame).collect()
+}
+
+/// Requires that the last of `events` ends a run of [`run`] with all of its frames.
+#[track_caller]
+pub fn require_whole_run(events: &[Event]) {
+    let whole = RunEnding {
+        reason: EndReason::Complete,
+        arrived: Arrived::Whole,
+    };
+    assert_eq!(events.last(), Some(&Event::RunEnded(whole)));
+    assert_eq!(frames(events).len(), 50);
 }

@@ -1,9 +1,9 @@
 //! A rig begins nothing for a host that it has not heard of late.
 
-use crate::bench::{Bench, arm, frames, ms, run, usual};
-use servoid_client::{Answer, Arrived, ClientError, Event, RunEnding};
+use crate::bench::{Bench, arm, ms, require_whole_run, run, usual};
+use servoid_client::{Answer, ClientError, Event};
 use servoid_protocol::lease::LEASE;
-use servoid_protocol::message::{Command, EndReason, Outcome, RigMessage};
+use servoid_protocol::message::{Command, Outcome, RigMessage};
 
 #[test]
 fn a_host_that_was_silent_gives_a_sign_of_life_and_goes_on() {
@@ -15,12 +15,7 @@ fn a_host_that_was_silent_gives_a_sign_of_life_and_goes_on() {
     bench.pass(2 * LEASE);
     client.run(run(15), bench.now);
     let events = bench.wait(&mut client);
-    let whole = RunEnding {
-        reason: EndReason::Complete,
-        arrived: Arrived::Whole,
-    };
-    assert_eq!(events.last(), Some(&Event::RunEnded(whole)));
-    assert_eq!(frames(&events).len(), 50);
+    require_whole_run(&events);
 }
 
 /// The host says `Start`, dies, and the line delivers it eight seconds later.

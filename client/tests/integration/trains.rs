@@ -1,8 +1,8 @@
 //! Arming for other pulses than the usual ones.
 
-use crate::bench::{Bench, arm, frames, run, usual};
-use servoid_client::{Arrived, ClientError, Event, RunEnding};
-use servoid_protocol::message::{Arm, ArmFor, EndReason, Refusal, RigMessage};
+use crate::bench::{Bench, arm, require_whole_run, run, usual};
+use servoid_client::{ClientError, Event};
+use servoid_protocol::message::{Arm, ArmFor, Refusal, RigMessage};
 use servoid_protocol::pulse_train::PulseType;
 use servoid_protocol::{PulseTrain, PulseWidth};
 
@@ -37,12 +37,7 @@ fn a_run_is_whole_and_hello_has_its_timing() {
         assert_eq!(stated, timing);
         client.run(run(15), bench.now);
         let events = bench.wait(&mut client);
-        let whole = RunEnding {
-            reason: EndReason::Complete,
-            arrived: Arrived::Whole,
-        };
-        assert_eq!(events.last(), Some(&Event::RunEnded(whole)));
-        assert_eq!(frames(&events).len(), 50);
+        require_whole_run(&events);
         assert!(bench.are_true(&events));
         // A later host finds that timing, and arms for what it wants.
         bench.connect().unwrap();
