@@ -198,6 +198,18 @@ pub struct ServoParameters<S = f64> {
     pub load: Load<S>,
 }
 
+impl ServoParameters<f64> {
+    /// The error at which friction holds the shaft at rest without load \[units of the command\]: that of the gears then takes its share of the
+    /// drive. `None` without friction, and where the gears hold any drive.
+    #[must_use]
+    pub fn resting_error(&self) -> Option<f64> {
+        let friction = self.friction?;
+        let at_rest = 1.0 + friction.at_rest.map_or(0.0, |at_rest| at_rest.excess);
+        let left_of_drive = 1.0 - friction.of_gears * at_rest;
+        (left_of_drive > 0.0).then(|| friction.coulomb * at_rest / left_of_drive / self.stiffness)
+    }
+}
+
 /// Places of the parameters in [`ServoParameters::in_order`].
 pub(crate) mod place {
     pub(crate) const DELAY: usize = 0;

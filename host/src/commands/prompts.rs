@@ -36,7 +36,7 @@ impl TypedAnswer for f64 {
 }
 
 impl TypedAnswer for PulseTypeName {
-    const FORM: &'static str = "choose wide or narrow";
+    const FORM: &'static str = Self::CHOICES;
 }
 
 impl TypedAnswer for Range {

@@ -69,7 +69,7 @@ pub struct ServoSection {
     #[serde(skip_serializing_if = "is_usual_rate")]
     pub pulse_rate_hz: f64,
     /// The pulses that it understands.
-    #[serde(skip_serializing_if = "is_wide")]
+    #[serde(skip_serializing_if = "PulseTypeName::is_wide")]
     pub pulse_type: PulseTypeName,
 }
 
@@ -85,6 +85,14 @@ pub enum PulseTypeName {
 }
 
 impl PulseTypeName {
+    /// What to answer instead of another word.
+    pub const CHOICES: &'static str = "choose wide or narrow";
+
+    /// Whether it is that of nearly all servos, which files need not state.
+    pub fn is_wide(&self) -> bool {
+        *self == Self::Wide
+    }
+
     /// As it is written.
     pub fn as_str(self) -> &'static str {
         match self {
@@ -106,7 +114,7 @@ impl std::str::FromStr for PulseTypeName {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let all = [Self::Wide, Self::Narrow];
         let named = all.into_iter().find(|name| name.as_str() == text);
-        named.ok_or("choose wide or narrow")
+        named.ok_or(Self::CHOICES)
     }
 }
 
@@ -117,10 +125,6 @@ impl From<PulseTypeName> for PulseType {
             PulseTypeName::Narrow => Self::Narrow,
         }
     }
-}
-
-fn is_wide(name: &PulseTypeName) -> bool {
-    *name == PulseTypeName::Wide
 }
 
 fn is_usual_rate(hz: &f64) -> bool {

@@ -21,7 +21,7 @@
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::data::{Moments, Run};
+use crate::data::{Moments, Record};
 use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::input_origin::is_of_straight_pieces;
 use crate::diagnostics::residual_tests::ScoreTest;
@@ -92,20 +92,20 @@ impl Feedback {
     }
 }
 
-/// Tests the errors of `fit` in `runs`. `at_once` is the response at lag 0 in standard deviations and its share, where it is known.
+/// Tests the errors of `fit` in `runs`, which are those of `record`. `at_once` is the response at lag 0 in standard deviations and its share, where it is known.
 pub(crate) fn feedback(
+    record: &Record,
     runs: &[Simulated<'_>],
     moments: &Moments,
     fit: &GlsFit,
     (at_once, share): (f64, f64),
 ) -> Feedback {
-    let recorded: Vec<&Run<'_>> = runs.iter().map(|simulated| &simulated.run).collect();
     Feedback {
         p: inputs_to_come(runs, moments, fit).unwrap_or(1.0),
         at_once,
         share,
         smooth: Excitation::of(moments).is_smooth(),
-        planned: is_of_straight_pieces(&recorded),
+        planned: is_of_straight_pieces(record),
         explained: None,
     }
 }

@@ -177,7 +177,7 @@ const DEFINITIONS: &[Definition] = &[
         "resting error by friction",
         Unit::Command,
         Domain::NotNegative,
-        resting_error,
+        ServoParameters::resting_error,
     ),
     define(
         "friction at rest to that in motion",
@@ -226,14 +226,6 @@ fn top_speed(p: &ServoParameters<f64>, command_upwards: bool) -> Option<f64> {
         };
     let friction = p.friction.map_or(0.0, |friction| friction.in_motion(drive));
     Some((drive - friction).max(0.0) / limit.motor_damping * p.gain.abs())
-}
-
-/// Error at which friction holds the shaft at rest without load: that of the gears then takes its share of the drive.
-fn resting_error(p: &ServoParameters<f64>) -> Option<f64> {
-    let friction = p.friction?;
-    let at_rest = 1.0 + friction.at_rest.map_or(0.0, |at_rest| at_rest.excess);
-    let left_of_drive = 1.0 - friction.of_gears * at_rest;
-    (left_of_drive > 0.0).then(|| friction.coulomb * at_rest / left_of_drive / p.stiffness)
 }
 
 /// Error at rest by which the load is held at θ = 0.

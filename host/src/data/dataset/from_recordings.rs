@@ -56,6 +56,16 @@ pub(super) fn from_recording(
             rest.push(run(input, output, None)?);
         }
     }
+    let mut about = about(recording, path, options, scale.unhealthy(rows), &still);
+    let apart_deg = apart_from_command(&input, &output);
+    if apart_deg.abs() > FAR_DEG {
+        about.add(
+            Check::Zeros,
+            format!("{}: the position lies {apart_deg:+.1} degrees from the command on average", path.display()),
+            [apart_deg, FAR_DEG],
+            "Look whether the servo stood at a stop, as under pulses of the other type, and at neutral, pulse type and zero of the sensor in the rig file.",
+        );
+    }
     Ok(Loaded {
         controllers: Vec::new(),
         runs: vec![run(input, output, options.at_rest)?],
@@ -65,7 +75,7 @@ pub(super) fn from_recording(
         about: About {
             sensor_delay_uncertainty_s: delay.uncertainty_s,
             sensor_delays_s: vec![delay.delay_s],
-            ..about(recording, path, options, scale.unhealthy(rows), &still)
+            ..about
         },
     })
 }
@@ -165,14 +175,6 @@ fn about(
             "Mend the sensor, its wires or the servo's power, and capture again.",
         );
     }
-    if let Some(apart_deg) = apart_from_command(recording).filter(|apart| apart.abs() > FAR_DEG) {
-        about.add(
-            Check::Zeros,
-            format!("{shown}: the position lies {apart_deg:+.1} degrees from the command on average"),
-            [apart_deg, FAR_DEG],
-            "Look whether the servo stood at a stop, as under pulses of the other type, and at neutral, pulse type and zero of the sensor in the rig file.",
-        );
-    }
     if options.period_s.is_some() {
         let period_s = header.sample_period_s;
         about.remarks.push(format!(
@@ -185,17 +187,12 @@ fn about(
 /// A mean distance of position and command beyond this is no friction and no load \[deg\].
 const FAR_DEG: f64 = 20.0;
 
-/// How far the position lies from the command on average \[deg\].
-fn apart_from_command(recording: &Recording) -> Option<f64> {
-    let range = recording.reference_samples();
-    let scale = DegreeScale::of_recording(&recording.header);
-    let (input, output) = scale.columns(recording.rows_of(range));
-    let apart = input
-        .iter()
-        .zip(&output)
-        .map(|(command, position)| position - command);
+/// How far the position lies from the command on average \[deg\]; not a number where nothing is known.
+fn apart_from_command(input: &[f64], output: &[f64]) -> f64 {
+    let apart = input.iter().zip(output);
+    let apart = apart.map(|(command, position)| position - command);
     let known: Vec<f64> = apart.filter(|apart| !apart.is_nan()).collect();
-    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+    known.iter().sum::<f64>() / known.len() as f64
 }
 
 /// The stretches in which the sensor's reading stood still though the command changed.

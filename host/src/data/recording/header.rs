@@ -70,7 +70,7 @@ pub struct Header {
     /// Frames at neutral after the reference.
     pub post_roll_frames: u16,
     /// The kind of pulses.
-    #[serde(skip_serializing_if = "is_wide")]
+    #[serde(skip_serializing_if = "PulseTypeName::is_wide")]
     pub pulse_type: PulseTypeName,
     /// From one pulse to the next (µs).
     #[serde(skip_serializing_if = "is_usual_period")]
@@ -261,10 +261,6 @@ impl Header {
         let crc32 = format!("{:08x}", crc32fast::hash(lines.as_bytes()));
         (format!("{lines}# {HEADER_CRC} = \"{crc32}\"\n"), crc32)
     }
-}
-
-fn is_wide(name: &PulseTypeName) -> bool {
-    *name == PulseTypeName::Wide
 }
 
 fn is_usual_period(period_us: &u16) -> bool {

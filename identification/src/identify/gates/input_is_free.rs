@@ -27,8 +27,9 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
 pub(super) fn tested(task: &Task<'_>, fitted: &Fitted) -> Option<Feedback> {
     let estimate = &fitted.estimate;
     let (moments, fit) = (&estimate.information.moments, &estimate.fit);
-    let runs = simulated(task.record?, moments, fit);
-    Some(feedback(&runs, moments, fit, at_once(fitted)))
+    let record = task.record?;
+    let runs = simulated(record, moments, fit);
+    Some(feedback(record, &runs, moments, fit, at_once(fitted)))
 }
 
 /// The response at lag 0: in standard deviations, positive in the direction of what follows, and as a share of the largest

@@ -142,10 +142,7 @@ const MOVING: f64 = 3.0;
 
 /// The error that moves nothing: that which friction at rest holds, and the dead band.
 fn held(parameters: &ServoParameters) -> f64 {
-    let friction = parameters.friction.map_or(0.0, |friction| {
-        friction.coulomb * (1.0 + friction.at_rest.map_or(0.0, |at_rest| at_rest.excess))
-    });
-    friction / parameters.stiffness + parameters.dead_band.unwrap_or(0.0)
+    parameters.resting_error().unwrap_or(0.0) + parameters.dead_band.unwrap_or(0.0)
 }
 
 /// Long enough for the largest stroke; whole pulse frames where there are any.
