@@ -28,7 +28,7 @@ pub(crate) use least_squares::{
 pub use nested_banks::BankCandidate;
 pub(crate) use nested_banks::NestedBanks;
 pub use noise_model::Noise;
-pub(crate) use noise_model::{NoiseFit, lagged_filter, largest_root, noise_filter};
+pub(crate) use noise_model::{NoiseFit, lagged_filter, noise_filter};
 pub use noise_order::OrderCandidate;
 pub(crate) use noise_order::{autoregressive, best_order};
 #[cfg(test)]

@@ -97,9 +97,7 @@ impl NoiseFit {
     }
 }
 
-/// Largest magnitude of the roots of D(z), 0 for white noise. Above 1 the modelled noise would grow without
-/// bound; near 1 it drifts.
-pub fn largest_root(ar: &[f64]) -> f64 {
+fn largest_root(ar: &[f64]) -> f64 {
     let order = ar.len();
     if order == 0 {
         return 0.0;

@@ -4,7 +4,6 @@ use super::evidence::Evidence;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
 use crate::diagnostics::run_scatter::RunComparison;
-use crate::estimation::largest_root;
 use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
 use crate::results::{Advice, Check, Withheld};
 use crate::thresholds::{
@@ -250,7 +249,7 @@ pub(super) fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
     if evidence.errors_follow_motion() {
         return None;
     }
-    let root = largest_root(&evidence.model.noise.ar);
+    let root = evidence.model.noise.largest_root();
     let (finding, value, threshold) = if root > SLOW_ROOT {
         let effect = match evidence.has_bounds() {
             true => "; the bounds of the gain rest on few independent stretches of it",
