@@ -13,7 +13,7 @@
 //!
 //! At small signals this is a second-order system with the stiffness k (1/s²) and the damping c (1/s), of which the
 //! motor's own part is B. Where the error exceeds E = A+/k the drive is full. Top speed upwards is then
-//! (A+ - friction)/B.
+//! (A+ - friction - load)/B.
 //!
 //! Friction is Coulomb's, C, and a share μ of the torque through the gears, drive + load, which presses their teeth together;
 //! both are larger at rest: (C + μ |drive + load|) (1 + s/(1 + (ω/ωs)²)) (D. P. Hess and A. Soom, "Friction at a
@@ -207,6 +207,23 @@ impl ServoParameters<f64> {
         let at_rest = 1.0 + friction.at_rest.map_or(0.0, |at_rest| at_rest.excess);
         let left_of_drive = 1.0 - friction.of_gears * at_rest;
         (left_of_drive > 0.0).then(|| friction.coulomb * at_rest / left_of_drive / self.stiffness)
+    }
+
+    /// The speeds upwards and downwards at which full drive, damping, friction and `load` \[acceleration\] balance \[units of the
+    /// command/s\], 0 where the load holds the drive; `None` where the drive has no limit.
+    #[must_use]
+    pub fn top_speeds(&self, load: f64) -> Option<[f64; 2]> {
+        let limit = self.limit?;
+        let friction = |through_gears: f64| {
+            (self.friction).map_or(0.0, |friction| friction.in_motion(through_gears))
+        };
+        let speed = |drive: f64, load: f64| {
+            (drive - load - friction(drive + load)).max(0.0) / limit.motor_damping
+        };
+        Some([
+            speed(limit.up, load),
+            speed(limit.up * limit.down_to_up, -load),
+        ])
     }
 }
 

@@ -107,7 +107,7 @@ impl Compared {
     ) -> Result<Self> {
         let level = options.identification.level;
         let mut found = compared([a, b], names, options)?;
-        let servos = servo_fit::is_wanted(servo_model, found.bounds.withdrawn())
+        let servos = servo_fit::are_compared(servo_model, found.bounds.withdrawn())
             .then(|| servo_fit::find_both([a, b], level, &watch()));
         let (servo_model, no_servo_model) = match servos {
             Some(Ok([a, b])) => (Some(compare_servo_models(&a.model, &b.model)), None),

@@ -74,7 +74,7 @@ impl Identified {
         let flight_model = request
             .flight_model
             .then(|| fit_flight_model(data, &model).map_err(|error| error.to_string()));
-        let servo = servo_fit::is_wanted(request.servo_model, model.level().withdrawn())
+        let servo = servo_fit::is_wanted(request.servo_model, &model)
             .then(|| servo_fit::find(data, &mut model, options, request.held_out, &watch()));
         let (servo_model, held_out) = match servo {
             Some(found) => (Some(found.model), found.held_out),

@@ -8,10 +8,19 @@ use servoid_identification::results::{Model, Reason, Validation};
 use servoid_identification::servo_model::{self, ServoModelOptions, Watch, no_prediction};
 use servoid_identification::{Options, Record, Run, identify};
 
-/// Whether a servo model is looked for: on request, and where the linear result has no bounds, which leaves its user with
-/// little. Where the input follows the output the motion is that of a loop, and a model of it would be none of the servo.
-pub fn is_wanted(asked: bool, linear_bounds: Option<Reason>) -> bool {
-    asked || linear_bounds.is_some_and(|reason| reason != Reason::InputFollowsOutput)
+/// Whether a servo model is looked for: on request, and where the servo is not linear or the result has no bounds, which leaves its
+/// user with little. Where the input follows the output the motion is that of a loop, and a model of it would be none of the servo.
+pub fn is_wanted(asked: bool, linear: &Model) -> bool {
+    asked
+        || match linear.level().withdrawn() {
+            Some(reason) => reason != Reason::InputFollowsOutput,
+            None => !linear.linear,
+        }
+}
+
+/// Whether servo models of both sides are compared: on request, and where the step responses cannot be.
+pub fn are_compared(asked: bool, bounds: Option<Reason>) -> bool {
+    asked || bounds.is_some_and(|reason| reason != Reason::InputFollowsOutput)
 }
 
 /// What was found of the servo as a machine.
@@ -157,9 +166,9 @@ mod tests {
 
     #[test]
     fn a_servo_is_looked_for_where_it_helps_and_not_behind_a_closed_loop() {
-        assert!(!is_wanted(false, None));
-        assert!(is_wanted(false, Some(Reason::ErrorsNotNoise)));
-        assert!(!is_wanted(false, Some(Reason::InputFollowsOutput)));
-        assert!(is_wanted(true, Some(Reason::InputFollowsOutput)));
+        assert!(!are_compared(false, None));
+        assert!(are_compared(false, Some(Reason::ErrorsNotNoise)));
+        assert!(!are_compared(false, Some(Reason::InputFollowsOutput)));
+        assert!(are_compared(true, Some(Reason::InputFollowsOutput)));
     }
 }

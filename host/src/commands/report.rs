@@ -113,11 +113,10 @@ impl Report {
     fn servo(&self, files: &[PathBuf], data: Dataset<'static>) -> Result<Servo> {
         let (options, talk) = (Options::default(), self.output.talk);
         let mut found = identified(&data, &listed(files), &options)?;
-        let machine =
-            servo_fit::is_wanted(self.servo_model, found.model.level().withdrawn()).then(|| {
-                let search = ServoSearch::begin("the servo as a machine", talk);
-                servo_fit::find(&data, &mut found.model, &options, true, &search)
-            });
+        let machine = servo_fit::is_wanted(self.servo_model, &found.model).then(|| {
+            let search = ServoSearch::begin("the servo as a machine", talk);
+            servo_fit::find(&data, &mut found.model, &options, true, &search)
+        });
         let mut servo = Servo::of_data(name_of(&data, files), data, found);
         match machine.map(|found| (found.model, found.held_out)) {
             Some((Ok(model), held_out)) => {

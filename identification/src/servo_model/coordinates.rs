@@ -72,8 +72,8 @@ impl Coordinate {
     pub(super) fn range(self, longest_delay_s: f64) -> (f64, f64) {
         match self {
             Delay => (0.0, longest_delay_s),
-            LnStiffness => (-6.0, 12.5),
-            LnDamping => (-5.0, 9.0),
+            LnStiffness => (-6.0, 18.0),
+            LnDamping => (-5.0, 12.0),
             LnTopSpeed => (-12.0, 25.0),
             MotorShare => (0.002, 1.0),
             FrictionOfGears => (0.0, 0.9),

@@ -17,7 +17,9 @@ use super::motion::Motion;
 use super::noise_at_rest::NoiseAtRest;
 use super::possible_servo::PossibleServo;
 use crate::estimation::{autoregressive, noise_filter};
-use crate::numerics::{chi_square_upper_tail, cholesky, inverse_of_square};
+use crate::numerics::{
+    backward_solve, chi_square_upper_tail, cholesky, forward_solve, inverse_of_square,
+};
 use crate::thresholds::SERVO_LACK_OF_FIT;
 use faer::{Mat, Side};
 
@@ -35,8 +37,11 @@ const FURTHER: usize = 2;
 pub(super) struct Uncertainty {
     /// Covariance of the coordinates; 0 for those that the record does not show.
     pub(super) covariance: Mat<f64>,
-    /// Whether the record shows each coordinate.
+    /// Whether the record shows each coordinate, beside those before it.
     pub(super) seen: Vec<bool>,
+    /// Changes of all coordinates that change no output of the record: by one in each that is not seen, and what of the others makes
+    /// up for it.
+    pub(super) unseen: Vec<Vec<f64>>,
     /// d_1..d_d of the noise.
     pub(super) ar: Vec<f64>,
     /// Standard deviation of the white noise behind it.
@@ -81,7 +86,7 @@ impl Uncertainty {
         PossibleServo {
             point,
             covariance: self.covariance.clone(),
-            seen: self.seen.clone(),
+            unseen: self.unseen.clone(),
         }
     }
 }
@@ -118,16 +123,18 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
         |whole: &Mat<f64>| Mat::from_fn(kept.len(), kept.len(), |i, j| whole[(kept[i], kept[j])]);
     let modelled = by_noise_model(&rows, &ar, sigma, point.values.len());
     let blockwise = by_blocks(problem, &rows, blocks, point.values.len());
-    let unseen = by_windows(&rows, window, discrepancy, point.values.len());
+    let of_windows = by_windows(&rows, window, discrepancy, point.values.len());
     let hidden_parts = at_rest.as_ref().map_or_else(Vec::new, |noise| {
         hidden_parts(problem.stretches, point, &problem.grid, &rows, noise)
     });
     let hidden = hidden_parts.iter().map(|part| &part.hidden);
     let hidden = sum_of_products(point.values.len(), hidden);
-    let of_equation = part(&unseen) + part(&hidden);
+    let of_equation = part(&of_windows) + part(&hidden);
     let middle = larger(&part(&modelled), &part(&blockwise)) + of_equation;
     let mut covariance = Mat::zeros(seen.len(), seen.len());
+    let mut unseen = Vec::new();
     if let Some(lower) = cholesky(&part(&normal)) {
+        unseen = compensated(&normal, &seen, &lower);
         let inverse = inverse_of_square(&lower);
         let of_kept = &inverse * middle * &inverse;
         for (a, &i) in kept.iter().enumerate() {
@@ -139,6 +146,7 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     Uncertainty {
         covariance,
         seen,
+        unseen,
         ar,
         sigma,
         rows,
@@ -258,6 +266,24 @@ fn seen(normal: &Mat<f64>) -> Vec<bool> {
         seen.push(own.is_some_and(|own| own * own > UNSEEN));
     }
     seen
+}
+
+/// For each coordinate that is not seen, the change of all by which the outputs stay: `lower` is Cholesky's factor of the normal matrix of
+/// those that are seen.
+fn compensated(normal: &Mat<f64>, seen: &[bool], lower: &Mat<f64>) -> Vec<Vec<f64>> {
+    let of = |wanted: bool| (0..seen.len()).filter(move |&i| seen[i] == wanted);
+    let kept: Vec<usize> = of(true).collect();
+    let change = |i: usize| {
+        let products: Vec<f64> = kept.iter().map(|&j| normal[(j, i)]).collect();
+        let others = backward_solve(lower, &forward_solve(lower, &products));
+        let mut all = vec![0.0; seen.len()];
+        all[i] = 1.0;
+        for (&j, other) in kept.iter().zip(others) {
+            all[j] = -other;
+        }
+        all
+    };
+    of(false).map(change).collect()
 }
 
 /// The smallest covariance, up to rounding, that is at least as large as both in every direction: where `other` has more

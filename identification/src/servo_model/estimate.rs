@@ -256,7 +256,7 @@ fn describe(
             possible,
             pointwise_critical(options.level),
             level,
-            &found.motion.fastest,
+            &found.motion,
             &candidates.other_fits,
         ),
         coordinates: point.coordinates.clone(),

@@ -16,6 +16,8 @@ pub(super) struct Motion {
     pub(super) moving: Vec<Vec<bool>>,
     /// Largest speeds.
     pub(super) fastest: Fastest,
+    /// Half way between the least and the largest command.
+    pub(super) middle: f64,
 }
 
 /// Largest speeds of the simulated output over a record.
@@ -77,8 +79,17 @@ impl Motion {
             moving: judged(|step, most| step > most),
             simulated,
             fastest,
+            middle: middle(stretches),
         }
     }
+}
+
+/// Half way between the least and the largest command.
+fn middle(stretches: &[Stretch]) -> f64 {
+    let commands = || stretches.iter().flat_map(|stretch| &stretch.input);
+    let least = commands().copied().fold(f64::INFINITY, f64::min);
+    let largest = commands().copied().fold(f64::NEG_INFINITY, f64::max);
+    0.5 * (least + largest)
 }
 
 #[cfg(test)]
@@ -93,6 +104,7 @@ impl Motion {
                 upwards: 1.0,
                 downwards: 1.0,
             },
+            middle: 0.0,
         }
     }
 }

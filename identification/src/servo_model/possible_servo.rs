@@ -13,6 +13,6 @@ pub(super) struct PossibleServo {
     pub(super) point: Point,
     /// Covariance of its coordinates.
     pub(super) covariance: Mat<f64>,
-    /// Whether the record shows each coordinate.
-    pub(super) seen: Vec<bool>,
+    /// Changes of all coordinates that change no output of the record.
+    pub(super) unseen: Vec<Vec<f64>>,
 }

@@ -1,7 +1,7 @@
 //! What people ask of a servo, with intervals.
 
 use super::coordinates::Point;
-use super::motion::Fastest;
+use super::motion::{Fastest, Motion};
 use super::possible_servo::PossibleServo;
 use crate::results::{Bounds, Interval};
 use crate::thresholds::SERVO_TOP_SPEED_REACHED;
@@ -93,7 +93,8 @@ struct Definition {
     unit: Unit,
     /// Which values are possible.
     domain: Domain,
-    of: fn(&ServoParameters<f64>) -> Option<f64>,
+    /// From the servo and the middle of the commands.
+    of: fn(&ServoParameters<f64>, f64) -> Option<f64>,
     /// How much of it the servo did in the record, if what it did not do is an extrapolation.
     reached: Option<fn(&Fastest) -> f64>,
 }
@@ -102,7 +103,7 @@ const fn define(
     name: &'static str,
     unit: Unit,
     domain: Domain,
-    of: fn(&ServoParameters<f64>) -> Option<f64>,
+    of: fn(&ServoParameters<f64>, f64) -> Option<f64>,
 ) -> Definition {
     Definition {
         name,
@@ -115,20 +116,20 @@ const fn define(
 
 /// All quantities, in the order in which they are shown.
 const DEFINITIONS: &[Definition] = &[
-    define(DELAY, Unit::Seconds, Domain::NotNegative, |p| {
+    define(DELAY, Unit::Seconds, Domain::NotNegative, |p, _| {
         Some(p.delay_s)
     }),
-    define("gain", Unit::OutputPerCommand, Domain::Any, |p| {
+    define("gain", Unit::OutputPerCommand, Domain::Any, |p, _| {
         Some(p.gain)
     }),
-    define("offset", Unit::Output, Domain::Any, |p| Some(p.offset)),
+    define("offset", Unit::Output, Domain::Any, |p, _| Some(p.offset)),
     define(
         "bandwidth at small signals",
         Unit::Hertz,
         Domain::Positive,
-        |p| Some(bandwidth_hz(p)),
+        |p, _| Some(bandwidth_hz(p)),
     ),
-    define("damping ratio", Unit::One, Domain::Positive, |p| {
+    define("damping ratio", Unit::One, Domain::Positive, |p, _| {
         Some(p.damping / (2.0 * p.stiffness.sqrt()))
     }),
     Definition {
@@ -137,7 +138,7 @@ const DEFINITIONS: &[Definition] = &[
             "top speed upwards",
             Unit::OutputPerSecond,
             Domain::Positive,
-            |p| top_speed(p, true),
+            |p, middle| top_speeds(p, middle).map(|[up, _]| up),
         )
     },
     Definition {
@@ -146,62 +147,65 @@ const DEFINITIONS: &[Definition] = &[
             "top speed downwards",
             Unit::OutputPerSecond,
             Domain::Positive,
-            |p| top_speed(p, false),
+            |p, middle| top_speeds(p, middle).map(|[_, down]| down),
         )
     },
     define(
         "acceleration upwards",
         Unit::OutputPerSecondSquared,
         Domain::Positive,
-        |p| p.limit.map(|l| l.up * p.gain.abs()),
+        |p, _| p.limit.map(|l| l.up * p.gain.abs()),
     ),
     define(
         "acceleration downwards",
         Unit::OutputPerSecondSquared,
         Domain::Positive,
-        |p| p.limit.map(|l| l.up * l.down_to_up * p.gain.abs()),
+        |p, _| p.limit.map(|l| l.up * l.down_to_up * p.gain.abs()),
     ),
     define(
         "error of full drive",
         Unit::Command,
         Domain::Positive,
-        |p| p.limit.map(|l| l.up / p.stiffness),
+        |p, _| p.limit.map(|l| l.up / p.stiffness),
     ),
     define(
         "dead band, to each side",
         Unit::Command,
         Domain::NotNegative,
-        |p| p.dead_band,
+        |p, _| p.dead_band,
     ),
     define(
         "resting error by friction",
         Unit::Command,
         Domain::NotNegative,
-        ServoParameters::resting_error,
+        |p, _| p.resting_error(),
     ),
     define(
         "friction at rest to that in motion",
         Unit::One,
         Domain::NotNegative,
-        |p| Some(1.0 + p.friction?.at_rest?.excess),
+        |p, _| Some(1.0 + p.friction?.at_rest?.excess),
     ),
     define(
         "friction of the gears",
         Unit::One,
         Domain::NotNegative,
-        |p| p.friction.map(|friction| friction.of_gears),
+        |p, _| p.friction.map(|friction| friction.of_gears),
     ),
     define(
         "load at the middle",
         Unit::Command,
         Domain::Any,
-        load_at_zero,
+        |p, middle| {
+            let loaded = p.load != Load::None;
+            loaded.then(|| p.holding_command(middle) - middle)
+        },
     ),
     define(
         "load of a level arm",
         Unit::Command,
         Domain::Any,
-        |p| match p.load {
+        |p, _| match p.load {
             Load::Pendulum { gravity, .. } => Some(gravity / p.stiffness),
             _ => None,
         },
@@ -215,22 +219,11 @@ fn bandwidth_hz(p: &ServoParameters<f64>) -> f64 {
     ((half + (half * half + p.stiffness * p.stiffness).sqrt()).sqrt()) / TAU
 }
 
-/// Speed at which full drive, damping and friction balance without load.
-fn top_speed(p: &ServoParameters<f64>, command_upwards: bool) -> Option<f64> {
-    let limit = p.limit?;
-    let drive = limit.up
-        * if command_upwards {
-            1.0
-        } else {
-            limit.down_to_up
-        };
-    let friction = p.friction.map_or(0.0, |friction| friction.in_motion(drive));
-    Some((drive - friction).max(0.0) / limit.motor_damping * p.gain.abs())
-}
-
-/// Error at rest by which the load is held at θ = 0.
-fn load_at_zero(p: &ServoParameters<f64>) -> Option<f64> {
-    (p.load != Load::None).then(|| p.holding_command(0.0))
+/// Speeds upwards and downwards under the load at the middle. With it, and not without: a constant load and unequal drives make the same
+/// speeds, and a record that does not distinguish them still determines these.
+fn top_speeds(p: &ServoParameters<f64>, middle: f64) -> Option<[f64; 2]> {
+    let speeds = p.top_speeds(p.load.at(middle))?;
+    Some(speeds.map(|speed| speed * p.gain.abs()))
 }
 
 /// The quantities of the first of `possible`, with intervals that hold those of all, where bounds hold; elsewhere with those of `others`.
@@ -238,23 +231,26 @@ pub(super) fn quantities(
     possible: &[PossibleServo],
     critical: f64,
     level: &Bounds<f64>,
-    fastest: &Fastest,
+    motion: &Motion,
     others: &[Point],
 ) -> Vec<Quantity> {
+    let middle = motion.middle;
     let of = |definition: &Definition| {
-        let value = definition.value(&possible[0].point)?;
+        let value = definition.value(&possible[0].point, middle)?;
         let hull = possible
             .iter()
-            .filter_map(|servo| definition.interval(servo, critical))
+            .filter_map(|servo| definition.interval(servo, middle, critical))
             .reduce(hull)?;
-        let interval = definition.as_far_as_reached(hull, level.valid().is_some(), fastest);
+        let interval = definition.as_far_as_reached(hull, level.valid().is_some(), &motion.fastest);
         Some(Quantity {
             name: definition.name.to_owned(),
             unit: definition.unit,
             determined: definition.is_determined(&interval),
             value,
             interval: level.as_ref().map(|_| interval),
-            other_fits: level.withdrawn().map(|_| definition.spread(value, others)),
+            other_fits: level
+                .withdrawn()
+                .map(|_| definition.spread(value, middle, others)),
         })
     };
     DEFINITIONS.iter().filter_map(of).collect()
@@ -270,18 +266,30 @@ fn hull(a: Interval, b: Interval) -> Interval {
     }
 }
 
+/// How far a coordinate that the record does not show may be off \[units of the command, or powers of e\]: further than any is.
+const FARTHEST_OFF: f64 = 100.0;
+
+/// How much a quantity with these derivatives changes for each unit of `change`.
+fn along(slopes: &[f64], change: &[f64]) -> f64 {
+    slopes
+        .iter()
+        .zip(change)
+        .map(|(slope, by)| slope * by)
+        .sum()
+}
+
 impl Definition {
-    fn value(&self, point: &Point) -> Option<f64> {
-        (self.of)(&point.physics(0, |_, value| value))
+    fn value(&self, point: &Point, middle: f64) -> Option<f64> {
+        (self.of)(&point.physics(0, |_, value| value), middle)
     }
 
     /// From `value` to those of `others`; one without the term counts as in [`Self::interval`].
-    fn spread(&self, value: f64, others: &[Point]) -> Spread {
+    fn spread(&self, value: f64, middle: f64, others: &[Point]) -> Spread {
         let without = (self.domain == Domain::NotNegative).then_some(0.0);
         let values = || {
             others
                 .iter()
-                .filter_map(|point| self.value(point).or(without))
+                .filter_map(|point| self.value(point, middle).or(without))
         };
         Spread {
             least: values().fold(value, f64::min),
@@ -291,15 +299,11 @@ impl Definition {
 
     /// The interval by one servo. One without the term says zero where that is what being without it means, and
     /// else nothing.
-    fn interval(&self, servo: &PossibleServo, critical: f64) -> Option<Interval> {
-        let Some(value) = self.value(&servo.point) else {
+    fn interval(&self, servo: &PossibleServo, middle: f64, critical: f64) -> Option<Interval> {
+        let Some(value) = self.value(&servo.point, middle) else {
             return (self.domain == Domain::NotNegative).then(|| Interval::new(0.0, 0.0, 0.0));
         };
-        let slopes = self.slopes(&servo.point)?;
-        let seen = |(slope, seen): (&f64, &bool)| *seen || *slope == 0.0;
-        if !slopes.iter().zip(&servo.seen).all(seen) {
-            return Some(Interval::new(value, f64::NAN, f64::NAN));
-        }
+        let slopes = self.slopes(&servo.point, middle)?;
         let mut variance = 0.0;
         for (i, a) in slopes.iter().enumerate() {
             for (j, b) in slopes.iter().enumerate() {
@@ -307,6 +311,10 @@ impl Definition {
             }
         }
         let half = critical * variance.max(0.0).sqrt();
+        let hidden = |change: &Vec<f64>| FARTHEST_OFF * along(&slopes, change).abs() > half;
+        if servo.unseen.iter().any(hidden) {
+            return Some(Interval::new(value, f64::NAN, f64::NAN));
+        }
         Some(match self.domain {
             Domain::Any => Interval::new(value, value - half, value + half),
             Domain::NotNegative => Interval::new(value, (value - half).max(0.0), value + half),
@@ -318,11 +326,11 @@ impl Definition {
     }
 
     /// Derivatives by the coordinates, by central differences: they are smooth, and few.
-    fn slopes(&self, point: &Point) -> Option<Vec<f64>> {
+    fn slopes(&self, point: &Point, middle: f64) -> Option<Vec<f64>> {
         let at = |i: usize, change: f64| {
             let mut moved = point.clone();
             moved.values[i] += change;
-            self.value(&moved)
+            self.value(&moved, middle)
         };
         (0..point.values.len())
             .map(|i| {
@@ -363,10 +371,10 @@ impl Definition {
     }
 }
 
-/// The quantities of a servo by name, without intervals.
+/// The quantities of a servo under commands about zero by name, without intervals.
 #[cfg(test)]
 pub(super) fn values(point: &Point) -> Vec<(&'static str, f64)> {
-    let of = |definition: &Definition| Some((definition.name, definition.value(point)?));
+    let of = |definition: &Definition| Some((definition.name, definition.value(point, 0.0)?));
     DEFINITIONS.iter().filter_map(of).collect()
 }
 

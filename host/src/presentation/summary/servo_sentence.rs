@@ -25,7 +25,7 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
     let parts = [
         Some(kind(model, speeds, units)),
         resting_error(model, units),
-        load(model.terms.load).map(str::to_owned),
+        load(model).map(str::to_owned),
         delay(model),
     ];
     let all: Vec<String> = parts.into_iter().flatten().collect();
@@ -78,7 +78,8 @@ fn kind(model: &ServoModel, speeds: Option<[&Quantity; 2]>, units: Units<'_>) ->
             let (up, down) = (speed(up), speed(down));
             return format!("is limited to {up} upwards and {down} downwards");
         }
-        None if model.terms.limit => "is limited in its drive",
+        None if model.terms.limit && shows_limit(model) => "is limited in its drive",
+        None if model.terms.limit => "shows no limit of its drive",
         None if model.covariance.valid().is_some() => "is linear",
         None if determined(model, "bandwidth at small signals").is_none() => {
             "is much like a linear one whose bandwidth does not show"
@@ -86,6 +87,18 @@ fn kind(model: &ServoModel, speeds: Option<[&Quantity; 2]>, units: Units<'_>) ->
         None => "is much like a linear one",
     };
     kind.to_owned()
+}
+
+/// Whether the record determines anything that a limit of the drive brings about.
+fn shows_limit(model: &ServoModel) -> bool {
+    let names = [
+        "top speed upwards",
+        "top speed downwards",
+        "acceleration upwards",
+        "acceleration downwards",
+        "error of full drive",
+    ];
+    names.iter().any(|name| determined(model, name).is_some())
 }
 
 /// " (0.181 s/60°)", or what that is if the output is in degrees.
@@ -112,13 +125,32 @@ fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
     })
 }
 
-fn load(kind: LoadKind) -> Option<&'static str> {
-    match kind {
-        LoadKind::None => None,
-        LoadKind::Constant => Some("works against a constant load"),
-        LoadKind::Pendulum | LoadKind::TiltedPendulum => Some("carries a weight"),
-        LoadKind::Air => Some("works against a load that stiffens to one side"),
-    }
+/// The load, where the record shows that there is one: unequal drives may make the same motion.
+fn load(model: &ServoModel) -> Option<&'static str> {
+    let (name, words) = match model.terms.load {
+        LoadKind::None => return None,
+        LoadKind::Constant => ("load at the middle", "works against a constant load"),
+        LoadKind::Pendulum | LoadKind::TiltedPendulum => {
+            ("load of a level arm", "carries a weight")
+        }
+        LoadKind::Air => (
+            "load at the middle",
+            "works against a load that stiffens to one side",
+        ),
+    };
+    determined(model, name)
+        .filter(|load| is_one_sided(load))
+        .map(|_| words)
+}
+
+/// Whether a quantity has one sign in its interval, or in other fits.
+fn is_one_sided(quantity: &Quantity) -> bool {
+    let ends = match (quantity.interval.valid(), quantity.other_fits) {
+        (Some(interval), _) => interval.lower.zip(interval.upper),
+        (None, Some(Spread { least, most })) => Some((least, most)),
+        (None, None) => Some((quantity.value, quantity.value)),
+    };
+    ends.is_some_and(|(least, most)| least * most > 0.0)
 }
 
 fn delay(model: &ServoModel) -> Option<String> {

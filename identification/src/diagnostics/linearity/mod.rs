@@ -7,10 +7,10 @@
 //! regression,
 //!
 //! ```text
-//! D(z) (y - ŷ)(k) = D(z) Σ_j γ_j z_j(k) + ε(k),    z = s², s³, v |v|, |v|, s |v|,
+//! D(z) (y - ŷ)(k) = D(z) Σ_j γ_j z_j(k) + ε(k),    z = s², s³, v |v|, |v|, s |v|, a,
 //! ```
 //!
-//! together with all the parameters of the model (Ramsey's RESET, 1969). Because the z_j depend on
+//! a being the model's answer to the direction of the last change of the command, as friction and play make it, together with all the parameters of the model (Ramsey's RESET, 1969). Because the z_j depend on
 //! the data through the fitted response alone, which is independent of the residuals, the usual F
 //! statistic of γ = 0 has its F distribution for any z (Milliken & Graybill 1970), given D.
 //!
@@ -43,7 +43,7 @@ pub struct Linearity {
     /// linear.
     pub p: f64,
     /// Root mean square of the part that these functions explain and no linear model does, relative to that of
-    /// the output about its mean \[%\]. Noise alone makes it about sqrt(5/rows) times the noise.
+    /// the output about its mean \[%\]. Noise alone makes it about sqrt(6/rows) times the noise.
     pub misfit_percent: f64,
     /// Whether the model has all frequencies, so that residuals that follow the motion cannot come from those
     /// left out.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use faer::Mat;
 
-use crate::data::Moments;
+use crate::data::{EXACTLY, Moments, Run, holds};
 use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::residual_tests::ScoreTest;
 use crate::diagnostics::simulation_error::Simulated;
@@ -12,7 +12,10 @@ use crate::estimation::{GlsFit, noise_filter};
 use crate::numerics::{LaggedSums, causal_filter, dot, times};
 
 /// Functions of the simulated motion among the regressors.
-pub(super) const FUNCTIONS: usize = 5;
+pub(super) const FUNCTIONS: usize = 6;
+
+/// A command is held where it stays for more than one part in so many of the settling time, as a rule.
+const LEAST_HOLD: usize = 4;
 
 /// Functions that each of several runs has for itself.
 const OF_A_RUN: usize = 3;
@@ -235,6 +238,7 @@ impl RunColumns {
         let input = with_history(run, history, centre);
         let motion = SimulatedMotion::new(simulated, scale);
         let mut functions = motion.bent();
+        functions.push(answer_to_directions(run, history, fit));
         let mut columns: Vec<usize> = (0..FUNCTIONS).collect();
         if let Some(of_run) = of_run {
             functions.extend(motion.of_a_run());
@@ -252,6 +256,25 @@ impl RunColumns {
             rows,
         }
     }
+}
+
+/// What the servo of `fit` answers to the direction of the last change of the command. Friction pushes like a command against the
+/// direction of the motion, from its first sample to its last, and holds the servo off its target at rest. 0 for a command that is
+/// not held: a square wave beside a sine would stand for what a short bank leaves of the sine.
+fn answer_to_directions(run: &Run, history: usize, fit: &GlsFit) -> Vec<f64> {
+    let holds = holds(run, EXACTLY);
+    let enough = fit.coordinates.basis.settling() / LEAST_HOLD;
+    let long = holds.iter().filter(|hold| hold.samples.len() > enough);
+    if 2 * long.count() < holds.len() {
+        return vec![0.0; run.len()];
+    }
+    let mut directions = vec![0.0; history + run.len()];
+    let mut last = 0.0;
+    for hold in holds {
+        last = (hold.before).map_or(last, |before| (hold.level - before).signum());
+        directions[history..][hold.samples].fill(last);
+    }
+    causal_filter(&fit.impulse(), &directions, None).split_off(history)
 }
 
 /// Position s and speed v of a simulated run, of a size of one.

@@ -21,7 +21,7 @@ fn run(seed: u64, samples: usize, bend: f64) -> Run<'static> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
     // Levels from 3 to 5, held long enough for the servo to come near them.
-    let level = |k: usize| 3.0 + (k / 8 * 7919 % 101) as f64 / 50.0;
+    let level = |k: usize| 3.0 + ((k / 8).pow(2) * 7919 % 101) as f64 / 50.0;
     let input: Vec<f64> = (0..samples).map(level).collect();
     let (mut s, mut v) = (input[0], 0.0);
     let output: Vec<f64> = input
@@ -130,7 +130,8 @@ fn moments_by_transforms_give_what_the_explicit_regression_gives() {
     let shared: Vec<usize> = (0..FUNCTIONS).collect();
     // The motion of all runs together and the offset are regressors of the fit already, so the last run
     // has but its delay to itself.
-    for (record, of_runs) in [(first, vec![]), (both, vec![5, 6, 7, 9])] {
+    let of_both = [0, 1, 2, 4].map(|own| FUNCTIONS + own).to_vec();
+    for (record, of_runs) in [(first, vec![]), (both, of_both)] {
         for frequencies in [SETTLING, 5] {
             let (information, fit) = fitted(&record, frequencies);
             let runs = simulated(&record, &information.moments, &fit);

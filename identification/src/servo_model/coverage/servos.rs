@@ -13,6 +13,8 @@ pub(super) const STROKE: f64 = 10.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     InClass,
+    /// Within the class too, at the edge of it: the drive is there at once, so that only the speed is limited.
+    RateLimit,
     Stiction,
     Backlash,
     CurrentLimit,
@@ -20,8 +22,9 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    pub(super) const ALL: [Self; 5] = [
+    pub(super) const ALL: [Self; 6] = [
         Self::InClass,
+        Self::RateLimit,
         Self::Stiction,
         Self::Backlash,
         Self::CurrentLimit,
@@ -31,7 +34,7 @@ impl Kind {
     /// What servos of this kind have beyond the class.
     fn beyond(self, top_speed: f64, between: &mut impl FnMut(f64, f64) -> f64) -> Beyond {
         match self {
-            Self::InClass => Beyond::Nothing,
+            Self::InClass | Self::RateLimit => Beyond::Nothing,
             Self::Stiction => Beyond::Stiction {
                 excess: between(0.5, 2.0),
                 until: top_speed * between(0.002, 0.02),
@@ -51,6 +54,7 @@ impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::InClass => "in class",
+            Self::RateLimit => "rate limit",
             Self::Stiction => "stiction",
             Self::Backlash => "backlash",
             Self::CurrentLimit => "current limit",
@@ -59,21 +63,37 @@ impl fmt::Display for Kind {
     }
 }
 
+/// Damping of a drive that is there at once (1/s): full speed after a quarter of a millisecond.
+const AT_ONCE: f64 = 4000.0;
+
 /// The servo number `seed` of a kind, within the ranges that docs/servo-model.md states.
 pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut between = |low: f64, high: f64| random.random_range(low..high);
     let terms = terms(kind, seed);
-    let bandwidth = between(25.0, 70.0);
-    let (damping, full_drive, share) = (
-        2.0 * between(0.6, 1.1) * bandwidth,
-        between(1.0, 4.0),
-        between(0.2, 0.6),
-    );
-    let top_speed = full_drive * bandwidth * bandwidth / (share * damping);
+    let [stiffness, damping, full_drive, share] = match kind {
+        Kind::RateLimit => {
+            // The lag behind the limit \[s\] may be shorter than a sample period.
+            let lag_s = between(0.0005, 0.015);
+            let full_drive = between(60.0, 250.0) * lag_s;
+            [AT_ONCE / lag_s, AT_ONCE, full_drive, 0.9]
+        }
+        _ => {
+            let bandwidth = between(25.0, 70.0);
+            let damping = 2.0 * between(0.6, 1.1) * bandwidth;
+            let full_drive = between(1.0, 4.0);
+            [
+                bandwidth * bandwidth,
+                damping,
+                full_drive,
+                between(0.2, 0.6),
+            ]
+        }
+    };
+    let top_speed = full_drive * stiffness / (share * damping);
     let mut value = |at: &Coordinate| match at {
         Coordinate::Delay => Truth::on_grid(between(0.006, 0.04)),
-        Coordinate::LnStiffness => 2.0 * bandwidth.ln(),
+        Coordinate::LnStiffness => stiffness.ln(),
         Coordinate::LnDamping => damping.ln(),
         Coordinate::Gain => between(0.8, 1.2),
         Coordinate::Offset => between(-1.0, 1.0),

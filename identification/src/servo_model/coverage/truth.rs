@@ -1,7 +1,7 @@
 //! Servos that are computed apart from the model: their own scheme, finer steps, and parts that the equation does not have.
 
 use crate::servo_model::coordinates::Point;
-use servoid_dynamics::{Load, ServoParameters};
+use servoid_dynamics::ServoParameters;
 
 /// Step of the integration \[s\]: a tenth of the shortest that the model takes.
 const STEP_S: f64 = 2e-5;
@@ -79,10 +79,9 @@ impl Truth {
         self.beyond == Beyond::Nothing
     }
 
-    /// Speed of the output at the end of a stroke without end, without load, upwards or downwards (1/s).
+    /// Speed of the output at the end of a stroke without end upwards or downwards (1/s). Their load is a constant.
     pub(super) fn top_speed(&self, upwards: bool) -> f64 {
-        let mut machine = Machine::new(self);
-        machine.p.load = Load::None;
+        let machine = Machine::new(self);
         let command = if upwards { FAR } else { -FAR };
         let mut state = Moving {
             angle: 0.0,

@@ -136,19 +136,10 @@ impl<'a> ServoExport<'a> {
     /// \[units of the command/s\]; `None` where the drive has no limit.
     pub(super) fn top_speeds(&self) -> Option<(f64, f64)> {
         let limit = self.parameters.limit?;
-        let friction = |through_gears: f64| {
-            let friction = self.parameters.friction;
-            friction.map_or(0.0, |friction| friction.in_motion(through_gears))
-        };
-        let slowest = SLOWEST * limit.up;
-        let speed = |drive: f64, load: f64| {
-            (drive - load - friction(drive + load)).max(slowest) / limit.motor_damping
-        };
-        let load = self.constant_load();
-        Some((
-            speed(limit.up, load),
-            speed(limit.up * limit.down_to_up, -load),
-        ))
+        let slowest = SLOWEST * limit.up / limit.motor_damping;
+        let speeds = self.parameters.top_speeds(self.constant_load())?;
+        let [up, down] = speeds.map(|speed| speed.max(slowest));
+        Some((up, down))
     }
 }
 
