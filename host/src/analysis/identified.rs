@@ -79,9 +79,14 @@ fn unlikely_duration(model: &Model) -> Option<Advice> {
     if usual.contains(&time) {
         return None;
     }
-    let (limit, which) = match time > *usual.end() {
-        true => (*usual.end(), "longer than any R/C servo takes"),
-        false => (*usual.start(), "shorter than any R/C servo can"),
+    let (limit, which, other_cause) = match time > *usual.end() {
+        true => (*usual.end(), "longer than any R/C servo takes", ""),
+        false => (
+            *usual.start(),
+            "shorter than any R/C servo can",
+            " If it is, a controller may compute the input from the output of the same sample: then this describes the controller, turned \
+             round, and not the servo.",
+        ),
     };
     Some(Advice::new(
         Check::Duration,
@@ -89,7 +94,7 @@ fn unlikely_duration(model: &Model) -> Option<Advice> {
         time,
         limit,
         format!(
-            "Make sure that the time between samples is {}, as it was taken to be: all times and frequencies follow from it.",
+            "Make sure that the time between samples is {}, as it was taken to be: all times and frequencies follow from it.{other_cause}",
             in_words(model.sample_period_s)
         ),
     ))

@@ -122,7 +122,10 @@ const DEFINITIONS: &[Definition] = &[
     define("gain", Unit::OutputPerCommand, Domain::Any, |p, _| {
         Some(p.gain)
     }),
-    define("offset", Unit::Output, Domain::Any, |p, _| Some(p.offset)),
+    // With the load: a record that knows where the servo rests may not know whether a load holds it there.
+    define("offset", Unit::Output, Domain::Any, |p, _| {
+        Some(p.resting_output(0.0))
+    }),
     define(
         "bandwidth at small signals",
         Unit::Hertz,
