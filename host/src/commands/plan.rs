@@ -39,11 +39,11 @@ pub(super) struct PlanArgs {
     #[arg(long, default_value = "bench", value_name = "SERVO|MODEL.json")]
     servo: String,
     /// Take white noise of this standard deviation instead (degrees)
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, value_name = "DEGREES", value_parser = super::value_parsers::finite)]
     noise: Option<f64>,
     /// The half width wanted for the whole curve's band, where it is widest (percent of the step): adds the
     /// number of runs and seconds that reach it
-    #[arg(long, value_name = "PERCENT")]
+    #[arg(long, value_name = "PERCENT", value_parser = super::value_parsers::finite)]
     band: Option<f64>,
     /// Number of runs
     #[arg(long, default_value_t = 1, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=99))]

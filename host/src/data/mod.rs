@@ -11,6 +11,7 @@ pub(crate) mod clock_error;
 pub(crate) mod degrees;
 mod file_error;
 pub(crate) mod fingerprint;
+mod following;
 mod frozen_sensor;
 pub(crate) mod held_out;
 pub(crate) mod input_file;
@@ -24,6 +25,7 @@ mod unstated;
 
 pub use degrees::DegreeScale;
 pub use file_error::FileError;
+pub use following::{Following, hardly_moved};
 pub use frozen_sensor::{FrozenSensor, StandStill};
 pub use model_metadata::ModelMetadata;
 pub use units::Units;
