@@ -18,6 +18,7 @@ pub(crate) mod input_file;
 pub(crate) mod model_metadata;
 pub(crate) mod numbered_path;
 
+mod stopped;
 pub(crate) mod timeline;
 pub(crate) mod unit_mix;
 pub(crate) mod units;

@@ -28,7 +28,7 @@ pub use time_column::TimeUnit;
 use crate::data::file_error::FileError;
 use crate::data::recording::{self, Recording};
 use crate::data::table::{Table, TableFault};
-use crate::data::{fingerprint, input_file};
+use crate::data::{fingerprint, input_file, stopped};
 pub use controllers::{Controllers, UnknownController};
 use loaded::Loaded;
 use servoid_identification::Record;
@@ -101,7 +101,11 @@ fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetErro
     } = all;
     let record =
         Record::new(period_s, runs).map_err(|error| DatasetError::Data(names.to_owned(), error))?;
-    if let Some(advice) = fingerprint::advice_on_repeats(&record) {
+    let findings = [
+        fingerprint::advice_on_repeats(&record),
+        stopped::advice(&record),
+    ];
+    for advice in findings.into_iter().flatten() {
         about.remarks.push(advice.finding.clone());
         about.advice.push(advice);
     }
