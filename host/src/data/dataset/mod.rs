@@ -28,7 +28,7 @@ pub use time_column::TimeUnit;
 use crate::data::file_error::FileError;
 use crate::data::recording::{self, Recording};
 use crate::data::table::{Table, TableFault};
-use crate::data::{fingerprint, input_file, stopped};
+use crate::data::{fingerprint, input_file, rest_error, stopped};
 pub use controllers::{Controllers, UnknownController};
 use loaded::Loaded;
 use servoid_identification::Record;
@@ -101,9 +101,14 @@ fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetErro
     } = all;
     let record =
         Record::new(period_s, runs).map_err(|error| DatasetError::Data(names.to_owned(), error))?;
+    // The zero of a rig is a matter of its calibration.
+    let uncalibrated = about.calibrations.is_empty();
     let findings = [
         fingerprint::advice_on_repeats(&record),
         stopped::advice(&record),
+        uncalibrated
+            .then(|| rest_error::advice(&record, about.output_unit.as_deref()))
+            .flatten(),
     ];
     for advice in findings.into_iter().flatten() {
         about.remarks.push(advice.finding.clone());
