@@ -11,15 +11,16 @@ pub(crate) mod clock_error;
 pub(crate) mod degrees;
 mod file_error;
 pub(crate) mod fingerprint;
-mod following;
 mod frozen_sensor;
 pub(crate) mod held_out;
 pub(crate) mod input_file;
 pub(crate) mod model_metadata;
+mod movement;
 pub(crate) mod numbered_path;
 mod rest_error;
-
+mod statistics;
 mod stopped;
+
 pub(crate) mod timeline;
 pub(crate) mod unit_mix;
 pub(crate) mod units;
@@ -27,7 +28,7 @@ mod unstated;
 
 pub use degrees::DegreeScale;
 pub use file_error::FileError;
-pub use following::{Following, hardly_moved};
 pub use frozen_sensor::{FrozenSensor, StandStill};
 pub use model_metadata::ModelMetadata;
+pub use movement::{Movement, hardly_moved};
 pub use units::Units;

@@ -7,6 +7,7 @@
 //! y - u = c + f s        s = 1 after a stroke upwards, -1 downwards
 //! ```
 
+use super::statistics::{mean, span};
 use servoid_identification::results::{Advice, Check};
 use servoid_identification::{Record, Run};
 
@@ -33,7 +34,7 @@ struct Rest {
 pub(super) fn advice(record: &Record, unit: Option<&str>) -> Option<Advice> {
     let hold = (SHORTEST_S / record.sample_period_s()).ceil() as usize;
     let hold = hold.max(SHORTEST_SAMPLES);
-    let travel = span(record.runs().iter().map(Run::output))?;
+    let travel = span(record.runs().iter().flat_map(Run::output).copied())?;
     let all: Vec<Rest> = record
         .runs()
         .iter()
@@ -77,7 +78,8 @@ fn rests(run: &Run<'_>, hold: usize, still: f64) -> Vec<Rest> {
         let command = stretch.first().copied().unwrap_or(f64::NAN);
         let quarter = stretch.len() / 4;
         let halves = [end - quarter..end - quarter / 2, end - quarter / 2..end];
-        let means = halves.map(|half| mean(output.get(half).unwrap_or_default()));
+        let means =
+            halves.map(|half| mean(output.get(half).unwrap_or_default()).unwrap_or(f64::NAN));
         begin = end;
         let Some(before) = before.filter(|before| *before != command) else {
             continue;
@@ -99,7 +101,7 @@ fn errors(rests: &[&Rest]) -> (f64, f64) {
         .iter()
         .map(|rest| rest.position - rest.command)
         .collect();
-    let centre = mean(&errors);
+    let centre = mean(&errors).unwrap_or(f64::NAN);
     let squares: f64 = errors.iter().map(|error| (error - centre).powi(2)).sum();
     let count = errors.len() as f64;
     (centre, squares / (count - 1.0) / count)
@@ -109,7 +111,7 @@ fn errors(rests: &[&Rest]) -> (f64, f64) {
 fn slope(rests: &[Rest]) -> Option<f64> {
     let commands: Vec<f64> = rests.iter().map(|rest| rest.command).collect();
     let positions: Vec<f64> = rests.iter().map(|rest| rest.position).collect();
-    let (u, y) = (mean(&commands), mean(&positions));
+    let (u, y) = (mean(&commands)?, mean(&positions)?);
     let product: f64 = rests
         .iter()
         .map(|rest| (rest.command - u) * (rest.position - y))
@@ -118,26 +120,19 @@ fn slope(rests: &[Rest]) -> Option<f64> {
     (square > 0.0).then(|| product / square)
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// From the lowest to the highest value.
-fn span<'a>(values: impl Iterator<Item = &'a [f64]>) -> Option<f64> {
-    let values = values.flatten().filter(|value| !value.is_nan());
-    let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| {
-        (low.min(*value), high.max(*value))
-    });
-    (high > low).then_some(high - low)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// A servo that rests `off` its command and is held back by `friction`, under steps of this travel to each side.
     fn record(off: f64, friction: f64) -> Record<'static> {
-        let command = |k: usize| if k / 50 % 2 == 0 { -100.0 } else { 100.0 };
+        let command = |k: usize| {
+            if (k / 50).is_multiple_of(2) {
+                -100.0
+            } else {
+                100.0
+            }
+        };
         let input: Vec<f64> = (0..600).map(command).collect();
         let output = (0..600).map(|k| {
             let noise = ((k * k * 7919) % 101) as f64 / 1000.0;

@@ -4,6 +4,7 @@
 //! while the input goes on with strokes as long as those that the output has followed before. A servo that is too slow
 //! for shorter and shorter strokes is none of these.
 
+use super::statistics::{mean, span};
 use servoid_identification::results::{Advice, Check};
 use servoid_identification::{Record, Run};
 use std::ops::Range;
@@ -48,30 +49,30 @@ fn stopped_at(run: &Run<'_>) -> Option<usize> {
     if means.len() * size < run.len() / 2 {
         return None; // Most of it is missing.
     }
-    let travel = range(run.output().chunks(size).filter_map(mean))?;
+    let travel = span(run.output().chunks(size).filter_map(mean))?;
     let strokes = strokes(run.input())?;
     let still_from = still_from(run, size, STILL * travel)?;
-    let (before, after) = (still_from, run.len() - still_from);
+    let (before, after) = (still_from, run.len().saturating_sub(still_from));
     let part = |samples: usize| samples as f64 >= PART * run.len() as f64;
     let (early, late) = strokes.split_at(strokes.partition_point(|at| *at < still_from));
     let at = *late.first()?;
-    let longest = lengths(late).max()?;
+    let longest = between(late).map(|stroke| stroke.len()).max()?;
     let followed = |stroke: Range<usize>| {
         let parts = run.output().get(stroke)?.chunks(size).filter_map(mean);
-        Some(range(parts)? >= 3.0 * STILL * travel)
+        Some(span(parts)? >= 3.0 * STILL * travel)
     };
-    let shortest = early
-        .windows(2)
-        .filter(|pair| followed(pair[0]..pair[1]) == Some(true))
-        .flat_map(lengths)
+    let shortest = between(early)
+        .filter(|stroke| followed(stroke.clone()) == Some(true))
+        .map(|stroke| stroke.len())
         .min()?;
     let as_long = longest as f64 >= AS_LONG * shortest as f64;
     (part(before) && part(after) && late.len() >= STROKES && as_long).then_some(at)
 }
 
-/// From each stroke to the next (samples).
-fn lengths(strokes: &[usize]) -> impl Iterator<Item = usize> {
-    strokes.windows(2).map(|pair| pair[1] - pair[0])
+/// The samples from each stroke to the next.
+fn between(strokes: &[usize]) -> impl Iterator<Item = Range<usize>> {
+    let later = strokes.iter().skip(1);
+    strokes.iter().zip(later).map(|(from, to)| *from..*to)
 }
 
 /// The sample from which on the output keeps within this travel.
@@ -89,9 +90,8 @@ fn still_from(run: &Run<'_>, size: usize, travel: f64) -> Option<usize> {
 
 /// The samples at which the input crosses the middle of its travel by a quarter of it.
 fn strokes(input: &[f64]) -> Option<Vec<usize>> {
-    let present = || input.iter().copied().filter(|u| !u.is_nan());
-    let travel = range(present())?;
-    let middle = present().fold(f64::MAX, f64::min) + travel / 2.0;
+    let travel = span(input.iter().copied())?;
+    let middle = input.iter().copied().fold(f64::MAX, f64::min) + travel / 2.0;
     let mut is_above = None;
     let mut found = Vec::new();
     for (k, u) in input.iter().enumerate() {
@@ -106,21 +106,6 @@ fn strokes(input: &[f64]) -> Option<Vec<usize>> {
         is_above = Some(above);
     }
     Some(found)
-}
-
-/// The mean of what is not missing.
-fn mean(values: &[f64]) -> Option<f64> {
-    let present = values.iter().filter(|value| !value.is_nan());
-    let count = present.clone().count();
-    (count > 0).then(|| present.sum::<f64>() / count as f64)
-}
-
-/// From the lowest to the highest, where these differ.
-fn range(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| {
-        (low.min(value), high.max(value))
-    });
-    (high > low).then_some(high - low)
 }
 
 #[cfg(test)]

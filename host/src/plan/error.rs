@@ -2,7 +2,7 @@
 
 use super::request::PlanRequest;
 use super::simulated_runs::simulated;
-use crate::data::{Following, hardly_moved};
+use crate::data::{Movement, hardly_moved};
 use servoid_identification::Error;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
 
@@ -11,11 +11,11 @@ use servoid_protocol::timing::SAMPLES_PER_FRAME;
 pub enum PlanError {
     /// The servo stands still, and a recording of noise has nothing to identify.
     #[error(
-        "the assumed servo follows the command by {percent:.0} % only: friction, a dead band or a stop holds it at strokes as small as these; \
+        "the scatter of the assumed servo's position is {percent:.0} % of that of the command: friction, a dead band or a stop holds it at strokes as small as these; \
          raise --amplitude, or plan with another servo"
     )]
     HeldFast {
-        /// The share of the command by which it follows (%).
+        /// The motion of its position as a share of that of the command (%).
         percent: f64,
     },
     /// The run cannot be identified.
@@ -29,17 +29,17 @@ pub(super) fn require_motion(request: &PlanRequest) -> Result<(), PlanError> {
         return Ok(());
     }
     let record = simulated(request, 1)?;
-    let mut following = Following::default();
+    let mut movement = Movement::default();
     for run in record.runs().iter().take(1) {
         let (inputs, outputs) = (run.input(), run.output());
         let frames = inputs.chunks_exact(SAMPLES_PER_FRAME);
         let outputs = outputs.as_chunks::<SAMPLES_PER_FRAME>().0;
-        for ((number, command), positions) in (0..).zip(frames).zip(outputs) {
+        for (command, positions) in frames.zip(outputs) {
             let command = command.first().copied().unwrap_or(f64::NAN);
-            following.take(number, command, *positions);
+            movement.take(command, *positions);
         }
     }
-    match following.share().filter(|share| hardly_moved(*share)) {
+    match movement.share().filter(|share| hardly_moved(*share)) {
         Some(share) => Err(PlanError::HeldFast {
             percent: 100.0 * share,
         }),

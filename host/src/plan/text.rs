@@ -124,7 +124,11 @@ fn step_band(plan: &Plan, band: &BandWidths) -> String {
 /// The runs for the wanted band, and the metrics with their intervals.
 fn more_runs_and_metrics(plan: &Plan, band: &BandWidths) -> String {
     let mut text = match (&plan.needed, plan.wanted_percent) {
-        (Some(needed), _) => format!("  for +-{} %  {}\n", needed.band_percent, time_of(needed)),
+        (Some(needed), _) => format!(
+            "  for +-{} %  {}, on average: runs that show a slow end of the response take a longer settling\n              time, and have a wider band\n",
+            needed.band_percent,
+            time_of(needed)
+        ),
         (None, Some(wanted)) => {
             let advice = band.narrowing().advice(wanted, plan.runs);
             format!("  narrower    {}\n", summary::wrapped(&advice, 14))

@@ -74,7 +74,7 @@ struct CaptureResult<'a> {
     ended_early: bool,
     reason: Option<&'a str>,
     rows: u64,
-    followed_percent: Option<f64>,
+    moved_percent: Option<f64>,
     unreadable_messages: u32,
     frames_asked_again: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -145,14 +145,14 @@ fn report(
         };
         let why = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
         text += &format!("{name}: {state}{why}, {rows} samples\n");
-        text.extend(end.followed.and_then(standstill));
+        text.extend(end.moved.and_then(standstill));
         results.push(CaptureResult {
             file,
             complete: matches!(end.ending, Ending::Complete),
             ended_early: matches!(end.ending, Ending::Early { .. }),
             reason,
             rows,
-            followed_percent: end.followed.map(|share| 100.0 * share),
+            moved_percent: end.moved.map(|share| 100.0 * share),
             unreadable_messages: end.rejects,
             frames_asked_again: end.asked_again,
             until_band,
@@ -195,7 +195,7 @@ fn report(
 fn standstill(share: f64) -> Option<String> {
     hardly_moved(share).then(|| {
         format!(
-            "warning: the servo hardly moved: its position follows the command by {:.0} % only. Check that it has power, that nothing jams it, that \
+            "warning: the servo hardly moved: the scatter of its position is {:.0} % of that of the command. Check that it has power, that nothing jams it, that \
              its signal wire is at PA1, that it takes such pulses, that the magnet turns with the shaft, and the scales of the rig file\n",
             100.0 * share
         )

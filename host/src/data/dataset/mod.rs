@@ -191,7 +191,16 @@ fn of_content(
         return Err(fault);
     }
     let remark = is_recording.then(|| from_recordings::remark_on_named(&bytes, path));
-    let mut loaded = match from_tables::from_table(&Table::parse(bytes)?, path, options) {
+    let table = Table::parse(bytes)?;
+    // A name without its unit, which another program's file may have in full, is not meant for a column of a recording.
+    let mut wanted = [&options.input, &options.output].into_iter().flatten();
+    if is_recording && let Some(column) = wanted.find(|name| !table.has_column_called(name)) {
+        return Err(DatasetFault::OtherColumns {
+            column: column.clone(),
+            present: table.columns_listed(),
+        });
+    }
+    let mut loaded = match from_tables::from_table(&table, path, options) {
         Err(DatasetFault::Table(TableFault::NoColumn { column, present })) if is_recording => {
             return Err(DatasetFault::OtherColumns { column, present });
         }

@@ -115,6 +115,14 @@ impl Table {
         Ok(self.columns().get(place).map_or("", String::as_str))
     }
 
+    /// Whether a column has this name in full, in letters of any size.
+    pub(crate) fn has_column_called(&self, name: &str) -> bool {
+        let wanted = name.trim().to_lowercase();
+        self.columns()
+            .iter()
+            .any(|column| column.to_lowercase() == wanted)
+    }
+
     /// The columns in a clause: "its columns are t, u, y".
     pub(crate) fn columns_clause(&self) -> String {
         match self.layout.named {
@@ -128,7 +136,7 @@ impl Table {
 
     /// The column names as a list for error texts, one with a comma or a control character in it in quotes,
     /// and of very many the first.
-    fn columns_listed(&self) -> String {
+    pub(crate) fn columns_listed(&self) -> String {
         let shown = |name: &String| match name.contains(|c: char| c == ',' || c.is_control()) {
             true => format!("{name:?}"),
             false => name.clone(),

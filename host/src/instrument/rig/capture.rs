@@ -9,7 +9,7 @@ use super::recording_ending::recording_ending;
 use super::talk_error::TalkError;
 use crate::data::recording::{Ending, QueuedWriter, RecordingWriter, WriteError};
 use crate::data::rig_file::RigFile;
-use crate::data::{DegreeScale, Following, FrozenSensor};
+use crate::data::{DegreeScale, FrozenSensor, Movement};
 use servoid_client::{Client, Event, RunEnding};
 use servoid_protocol::lease::LEASE_S;
 use servoid_protocol::message::{Arm, ArmFor, Start};
@@ -100,7 +100,7 @@ impl Capture {
             begun: false,
             sensor: FrozenSensor::new(self.rig.train().sample_s()),
             scale: DegreeScale::of_rig(&self.rig),
-            following: Following::default(),
+            movement: Movement::default(),
             stopped: None,
             stopped_at: None,
         };
@@ -138,7 +138,7 @@ impl Capture {
         Ok(CaptureEnd {
             ending,
             rows,
-            followed: run.following.share(),
+            moved: run.movement.share(),
             rejects: client.rejects().total(),
             asked_again: client.conversation().frames_asked_again(),
         })
@@ -158,7 +158,7 @@ struct RecordedRun<'a> {
     begun: bool,
     sensor: FrozenSensor,
     scale: DegreeScale,
-    following: Following,
+    movement: Movement,
     stopped: Option<StopReason>,
     stopped_at: Option<Instant>,
 }
@@ -233,7 +233,7 @@ impl RecordedRun<'_> {
         }
         let positions = frame.samples.map(|counts| self.scale.angle(counts));
         let command = self.scale.reference(frame.pulse);
-        self.following.take(index, command, positions);
+        self.movement.take(command, positions);
         (self.on_progress)(Progress {
             frame,
             frames_total: self.frames_total,
