@@ -31,9 +31,9 @@ impl SimulatedServo<'_> {
             controller,
             seed,
         } = self;
-        let controller = controller.map_or_else(String::new, |name| format!("&controller={name}"));
         let keys = if servo.contains('?') { '&' } else { '?' };
-        let servo = format!("{servo}{keys}seed={seed}{controller}");
+        let servo =
+            simulated_servo::with_controller(&format!("{servo}{keys}seed={seed}"), *controller);
         simulated_servo::options(&servo)?;
         Ok(format!("sim:{servo}"))
     }

@@ -39,9 +39,6 @@ impl Validated {
         let metadata = ModelMetadata::from(&data.about);
         file.metadata.same_units(model, &metadata, name)?;
         let validation = file.model.validate(&data.record);
-        let validation = validation
-            .map_err(of_its_own_period)
-            .with_context(|| name.to_owned())?;
         let own_of_servo = servo
             .as_ref()
             .map(|servo| servo.model.fit.simulation_percent);
@@ -49,6 +46,9 @@ impl Validated {
             let controllers = data.controllers.among(&servo.controller_names)?;
             Ok(servo.model.validate(&data.record, &controllers)?)
         });
+        let validation = validation
+            .map_err(|error| without_history(error, servo.as_ref()))
+            .with_context(|| name.to_owned())?;
         let own = fingerprint::of(&data.record);
         let own = fingerprint::advice_on_validation(&file.fingerprints, &own);
         Ok(Self {
@@ -64,6 +64,19 @@ impl Validated {
     #[must_use]
     pub fn own_fits(&self) -> (f64, Option<f64>) {
         (self.own_fit_percent, self.servo_model_own_fit_percent)
+    }
+}
+
+/// The error of the linear model's validation. Where the record is too short for that model alone, what the servo model makes of
+/// it is said: it begins with the first samples and needs no history.
+fn without_history(error: Error, servo: Option<&anyhow::Result<Validation>>) -> anyhow::Error {
+    match (&error, servo) {
+        (Error::NoHistory { .. }, Some(Ok(servo))) => anyhow!(
+            "{error}; the servo model needs none, and predicts this recording to {:.2} % ({} samples)",
+            servo.fit_percent,
+            servo.samples_used
+        ),
+        _ => of_its_own_period(error),
     }
 }
 

@@ -38,10 +38,10 @@ pub(super) struct ExportArgs {
     #[arg(long)]
     servo_model: bool,
     /// The controller of the servo model, as the recordings call it, where it has several
-    #[arg(long, value_name = "CONTROLLER", allow_negative_numbers = true)]
+    #[arg(long, value_name = "CONTROLLER", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     controller: Option<f64>,
     /// Step of time of the servo model in the file (ms); without it, one that suits servo and target
-    #[arg(long, value_name = "MS")]
+    #[arg(long, value_name = "MS", value_parser = super::value_parsers::finite)]
     step_ms: Option<f64>,
     /// The file to write; without it, standard output
     #[arg(long, short, value_name = "FILE")]
@@ -51,7 +51,7 @@ pub(super) struct ExportArgs {
     name: Option<String>,
     /// Pulse frame, which holds a command (ms); 0 where commands take effect at once. Without it, that of the
     /// model: 20 ms where it is from recordings of servoid, unknown otherwise
-    #[arg(long, value_name = "MS")]
+    #[arg(long, value_name = "MS", value_parser = super::value_parsers::finite)]
     frame_ms: Option<f64>,
     #[command(flatten)]
     output: Output,

@@ -63,17 +63,17 @@ struct Given {
     pulse_type: Option<PulseTypeName>,
     /// Pulses in a second (Hz): 50 for an analogue servo, up to 333 for a digital one, and up to 560 for narrow pulses
     /// [default: 50]
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = super::value_parsers::finite)]
     pulse_rate: Option<f64>,
     /// Shortest and longest pulse that the servo takes (µs) [default: 1000:2000; narrow: 500:1000]
     #[arg(long, value_name = "SHORTEST:LONGEST")]
     pulses: Option<Range>,
     /// Neutral: the pulse at 0 degrees (µs) [default: 1500; narrow: 760]
-    #[arg(long, value_name = "US")]
+    #[arg(long, value_name = "US", value_parser = super::value_parsers::whole)]
     neutral: Option<u16>,
     /// Change of the pulse for one degree (µs); negative where a longer pulse turns the servo towards negative
     /// angles [default: 10; narrow: 5]
-    #[arg(long, value_name = "US", allow_negative_numbers = true)]
+    #[arg(long, value_name = "US", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     us_per_degree: Option<f64>,
     /// Travel of the linkage from neutral (degrees); sets the limits of all pulses [default: -10:10, twice the
     /// default amplitude of a reference]
@@ -90,13 +90,13 @@ struct Given {
     sensor_volts: Option<Range>,
     /// Angle between these two outputs (degrees); negative where the output falls as the angle grows [default: that of its
     /// kind]
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     sensor_degrees: Option<f64>,
     /// Time by which the sensor's reading lags behind the shaft (ms) [default: that of its kind]
-    #[arg(long, value_name = "MS")]
+    #[arg(long, value_name = "MS", value_parser = super::value_parsers::finite)]
     sensor_delay: Option<f64>,
     /// How far the true delay may be from that (ms) [default: that of its kind]
-    #[arg(long, value_name = "MS")]
+    #[arg(long, value_name = "MS", value_parser = super::value_parsers::finite)]
     sensor_delay_uncertainty: Option<f64>,
 }
 
@@ -196,7 +196,8 @@ impl Given {
         to.take_pulse_type(pulse_type);
         let pulse_type = to.pulse_type;
         if let Some(hz) = self.pulse_rate {
-            check_pulse_rate(hz, pulse_type).unwrap_or_else(|error| wrong_usage(error));
+            check_pulse_rate(hz, pulse_type)
+                .unwrap_or_else(|error| wrong_usage(format_args!("--pulse-rate: {error}")));
             to.pulse_rate_hz = hz;
         }
         let pulses = |pulses: &Range| check_pulses(pulses, pulse_type);

@@ -24,6 +24,7 @@ mod recover;
 mod reference_args;
 mod report;
 mod rig_args;
+mod rig_remarks;
 mod rig_wizard;
 mod selftest;
 mod servo_search;

@@ -78,12 +78,11 @@ pub(super) fn harmless(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(shown).collect())
 }
 
-/// Prints an error as clap prints its own, and ends the program with exit code 2.
+/// Prints an error as clap prints its own, and ends the program with exit code 2. The sentence ends with what to do, so no usage of
+/// all commands follows it.
 pub(super) fn wrong_usage(error: impl Display) -> ! {
-    clap::Command::new("servoid")
-        .override_usage("servoid <COMMAND>")
-        .error(ErrorKind::ValueValidation, error)
-        .exit()
+    let sentence = format!("{error}\n");
+    clap::Error::raw(ErrorKind::ValueValidation, sentence).exit()
 }
 
 /// A file's name without folder and ending, for plots and for the terminal.

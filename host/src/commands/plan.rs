@@ -5,7 +5,7 @@ use super::output::{Output, wrong_usage};
 use super::reference_args::ReferenceArgs;
 use super::rig_args::RigFileArgs;
 use crate::instrument::reference;
-use crate::instrument::simulated_servo::caution;
+use crate::instrument::simulated_servo::{caution, with_controller};
 use crate::plan::{
     AssumedServo, AssumedServoError, Plan, PlanRequest, figure, is_servo_model, of_plan,
 };
@@ -38,12 +38,15 @@ pub(super) struct PlanArgs {
     /// a model of 'servoid identify --servo-model'
     #[arg(long, default_value = "bench", value_name = "SERVO|MODEL.json")]
     servo: String,
+    /// The controller that drives the servo of --servo, where its model has several
+    #[arg(long, value_name = "NAME", conflicts_with = "model", value_parser = super::value_parsers::finite)]
+    controller: Option<f64>,
     /// Take white noise of this standard deviation instead (degrees)
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, value_name = "DEGREES", value_parser = super::value_parsers::finite)]
     noise: Option<f64>,
     /// The half width wanted for the whole curve's band, where it is widest (percent of the step): adds the
     /// number of runs and seconds that reach it
-    #[arg(long, value_name = "PERCENT")]
+    #[arg(long, value_name = "PERCENT", value_parser = super::value_parsers::finite)]
     band: Option<f64>,
     /// Number of runs
     #[arg(long, default_value_t = 1, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=99))]
@@ -112,10 +115,12 @@ impl PlanArgs {
     fn assumed(&self, train: PulseTrain) -> Result<AssumedServo> {
         let assumed = match &self.model {
             Some(path) => AssumedServo::of_file(path, train)?,
-            None => match AssumedServo::named(&self.servo, train) {
-                Err(AssumedServoError::NoServo(error)) => return Err(no_servo(error)),
-                named => named?,
-            },
+            None => {
+                match AssumedServo::named(&with_controller(&self.servo, self.controller), train) {
+                    Err(AssumedServoError::NoServo(error)) => return Err(no_servo(error)),
+                    named => named?,
+                }
+            }
         };
         Ok(match self.noise {
             Some(sigma) => assumed.with_white_noise(sigma),

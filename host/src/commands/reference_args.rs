@@ -17,21 +17,21 @@ pub(super) struct ReferenceArgs {
     #[arg(long, default_value_t = Kind::Staircase, value_name = "NAME|FILE.csv", value_parser = completion_values::reference(), hide_possible_values = true)]
     reference: Kind,
     /// Amplitude to each side of neutral (degrees) [default: 5]
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     amplitude: Option<f64>,
     /// Hold of each level of stairs, or of each chip of prbs (s) [default: 1.2 and 0.16]. Shorter holds give wider
     /// bands: most servos are not linear, and respond differently when a hold ends before they have settled.
     /// With chips of 0.02 s the simulated bench servo has no bounds at all
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = super::value_parsers::finite)]
     hold: Option<f64>,
     /// Length of the reference (s), rounded to whole cycles [default: about 10, stairs 48; a table once]
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = super::value_parsers::finite)]
     length: Option<f64>,
     /// Number of levels of stairs [default: 5]
-    #[arg(long, value_name = "COUNT")]
+    #[arg(long, value_name = "COUNT", value_parser = super::value_parsers::whole)]
     levels: Option<u16>,
     /// Start of prbs in its sequence [default: all ones]
-    #[arg(long, value_name = "SEED")]
+    #[arg(long, value_name = "SEED", value_parser = super::value_parsers::whole)]
     prbs_seed: Option<u16>,
     /// Frequencies of sweep and multisine (Hz) [default: 0.2:15]
     #[arg(long, value_name = "LOW:HIGH")]

@@ -2,6 +2,7 @@
 
 use super::completion_values;
 use super::output::Talk;
+use super::rig_remarks;
 use crate::data::clock_error::internal_clock_error;
 use crate::data::rig_file::RigFile;
 use crate::instrument::port;
@@ -131,9 +132,18 @@ fn port_of(given: Option<&str>, file: &RigFile) -> Result<String> {
 const BENCH: &str = "bench";
 
 impl RigArgs {
-    /// The rig file, named or found.
+    /// The rig file, named or found. Where there is none, its user hears which pulses the servo gets.
     pub(super) fn source(&self, talk: Talk) -> Result<RigSource> {
-        self.file.read(self.port.as_deref(), talk)
+        let port = self.port.as_deref();
+        let source = self.file.read(port, talk)?;
+        if source.path.is_none() {
+            talk.say(rig_remarks::pulses_without_file(port)?);
+        }
+        if let Some(address) = port.or(source.file.port.as_deref()) {
+            let remark = rig_remarks::delay_of_another_rig(address, &source.file);
+            remark.into_iter().for_each(|remark| talk.say(remark));
+        }
+        Ok(source)
     }
 
     /// The rig of `file`, if its port is known and it may move.

@@ -4,6 +4,7 @@ use super::completion_values;
 use super::ctrl_c;
 use super::output::Output;
 use super::prompts::{confirm, is_terminal};
+use super::rig_args::RigFileArgs;
 use crate::instrument::flash::embedded_image;
 use crate::instrument::port;
 use crate::instrument::rig::{RigClient, mismatches};
@@ -21,13 +22,16 @@ before PA4. The board makes pulses of 1000 to 2000 µs for some seconds, and onl
 
 The file has all that was measured: attach it to a report, with the print on the chip. Exit code 1 where something is wrong.
 
-Example:
+Examples:
+  servoid selftest                                 the port of rig.toml
   servoid selftest --port /dev/ttyUSB0 --yes"
 )]
 pub(super) struct SelfTest {
-    /// Port of the board: a serial device, or tcp:HOST:PORT
+    /// Port of the board: a serial device, or tcp:HOST:PORT; without it, that of the rig file
     #[arg(long, short, value_parser = completion_values::port(), hide_possible_values = true)]
-    port: String,
+    port: Option<String>,
+    #[command(flatten)]
+    rig: RigFileArgs,
     /// Confirm that no servo is connected, and that the wire is in place
     #[arg(long)]
     yes: bool,
@@ -42,17 +46,16 @@ const SURE: &str = "no servo is connected, and one wire goes from PA1 to the div
 
 impl SelfTest {
     pub(super) fn run(self) -> Result<String> {
-        if port::is_simulated(&self.port) {
-            bail!(
-                "{} is a simulated rig and has no pins: name the port of a board",
-                self.port
-            );
+        let talk = self.files.talk;
+        let address = self.rig.address(self.port.as_deref(), talk)?;
+        if port::is_simulated(&address) {
+            bail!("{address} is a simulated rig and has no pins: name the port of a board");
         }
         self.files.check([&self.output])?;
         self.require_confirmation()?;
         ctrl_c::listen()?;
-        let port = port::open(&self.port)?;
-        let mut client = RigClient::connect_beside(port, &self.port)?;
+        let port = port::open(&address)?;
+        let mut client = RigClient::connect_beside(port, &address)?;
         if let Some(mismatch) = mismatches(client.hello()).first() {
             bail!(
                 "the board's {} is {}, this servoid's {}: flash the firmware of this version with 'servoid flash', then start again",
@@ -61,12 +64,11 @@ impl SelfTest {
                 mismatch.servoid
             );
         }
-        let talk = self.files.talk;
         let measured = measure(&mut client, Extent::FULL, &ctrl_c::asked, &mut |what| {
             talk.say(what)
         })?;
         let image = embedded_image().map(|image| image.sha256());
-        let report = Report::new(measured, &self.port, image);
+        let report = Report::new(measured, &address, image);
         self.files.write_json(Some(&self.output), &report)?;
         talk.say(format_args!(
             "{} has everything that was measured",

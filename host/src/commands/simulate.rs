@@ -28,7 +28,7 @@ pub(super) struct Simulate {
     #[arg(long, value_name = "SERVO|MODEL.json", value_parser = simulated_servo(), hide_possible_values = true)]
     servo: String,
     /// The controller that drives it, where the model has several
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = super::value_parsers::finite)]
     controller: Option<f64>,
     /// Seed of the noise; equal seeds give equal recordings
     #[arg(long, default_value_t = 1)]

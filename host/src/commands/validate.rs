@@ -49,6 +49,11 @@ impl Validate {
         let (model_name, files) = (self.model.display().to_string(), listed(&self.files));
         let validated = Validated::of(&file, &model_name, &data, &files)?;
         let unit = data.about.output_unit.as_deref();
+        if validated.servo_model.is_none() {
+            self.output.talk.say(format_args!(
+                "{model_name} has no servo model, so the linear model alone is validated; 'servoid identify --servo-model' adds one"
+            ));
+        }
         self.output.write_json(self.out.as_ref(), &validated)?;
         if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
             let (name, first) = (stem(&self.model), stem(first));

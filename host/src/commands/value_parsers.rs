@@ -39,5 +39,20 @@ pub(super) fn period(text: &str) -> Result<f64, String> {
 
 /// Any number but NaN and infinity.
 pub(super) fn finite(text: &str) -> Result<f64, String> {
-    number(text, f64::is_finite, "a number")
+    number(
+        text,
+        f64::is_finite,
+        "a number without a unit, such as 12.5",
+    )
+}
+
+/// A count, or a pulse in whole microseconds.
+pub(super) fn whole(text: &str) -> Result<u16, String> {
+    let whole = text.parse();
+    whole.map_err(|_| {
+        format!(
+            "it must be a whole number from 0 to {} without a unit",
+            u16::MAX
+        )
+    })
 }

@@ -15,7 +15,11 @@ mod frozen_sensor;
 pub(crate) mod held_out;
 pub(crate) mod input_file;
 pub(crate) mod model_metadata;
+mod movement;
 pub(crate) mod numbered_path;
+mod rest_error;
+mod statistics;
+mod stopped;
 
 pub(crate) mod timeline;
 pub(crate) mod unit_mix;
@@ -26,4 +30,5 @@ pub use degrees::DegreeScale;
 pub use file_error::FileError;
 pub use frozen_sensor::{FrozenSensor, StandStill};
 pub use model_metadata::ModelMetadata;
+pub use movement::{Movement, hardly_moved};
 pub use units::Units;

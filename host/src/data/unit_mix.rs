@@ -1,5 +1,6 @@
 //! Recordings of one servo that seem to be in different units, where no column names its own.
 
+use super::statistics::span;
 use servoid_identification::Run;
 use servoid_identification::results::{Advice, Check};
 
@@ -9,7 +10,8 @@ const APART: f64 = 30.0;
 
 /// That the output of one of these moves this many times as far as that of the other.
 pub(crate) fn advice_on_units(names: [&str; 2], runs: [&[Run<'_>]; 2]) -> Option<Advice> {
-    let [a, b] = runs.map(|runs| travel(runs.iter().map(|run| run.output())));
+    let travel = |runs: &[Run<'_>]| span(runs.iter().flat_map(Run::output).copied()).unwrap_or(0.0);
+    let [a, b] = runs.map(travel);
     let (small, large, times) = if a > APART * b {
         (names[1], names[0], a / b)
     } else if b > APART * a {
@@ -27,15 +29,6 @@ pub(crate) fn advice_on_units(names: [&str; 2], runs: [&[Run<'_>]; 2]) -> Option
         APART,
         "Make sure that both are in one unit; a unit in the name of a column, such as 'angle [deg]', is held against that of the other file.",
     ))
-}
-
-/// From the lowest to the highest value of a column, which each run has a part of.
-fn travel<'a>(parts: impl Iterator<Item = &'a [f64]>) -> f64 {
-    let values = parts.flatten().filter(|value| !value.is_nan());
-    let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| {
-        (low.min(*value), high.max(*value))
-    });
-    high - low
 }
 
 #[cfg(test)]

@@ -108,6 +108,16 @@ pub fn options(text: &str) -> Result<SimulationOptions, SimulatedServoError> {
     })
 }
 
+/// The text of a servo, with the controller that is chosen of a model's several.
+#[must_use]
+pub fn with_controller(servo: &str, controller: Option<f64>) -> String {
+    let keys = if servo.contains('?') { '&' } else { '?' };
+    controller.map_or_else(
+        || servo.to_owned(),
+        |name| format!("{servo}{keys}{CONTROLLER}{name}"),
+    )
+}
+
 /// What to say before the servo that `text` describes is simulated: that its model does not predict the recording it comes from. `None` of
 /// one that does, and of a servo that is no model.
 #[must_use]

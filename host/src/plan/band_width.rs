@@ -10,6 +10,8 @@ pub struct BandWidths {
     pub level: f64,
     /// The whole curve's band, where it is widest.
     pub widest_percent: f64,
+    /// That of the widest of the simulated identifications: one in some takes a longer settling time than the others.
+    pub widest_of_all_percent: f64,
     /// The whole curve's band, on average.
     pub mean_percent: f64,
     /// The bounds of single points, on average.
@@ -27,6 +29,7 @@ impl BandWidths {
         Self {
             level: bounds.level,
             widest_percent: 100.0 * bounds.widest_half_width(),
+            widest_of_all_percent: 100.0 * bounds.widest_half_width(),
             mean_percent: 100.0 * whole,
             mean_pointwise_percent: 100.0 * pointwise,
             bias_percent: 100.0 * bounds.bias(),
@@ -40,6 +43,10 @@ impl BandWidths {
         Self {
             level: all.first().map_or(f64::NAN, |w| w.level),
             widest_percent: mean(|w| w.widest_percent),
+            widest_of_all_percent: all
+                .iter()
+                .map(|w| w.widest_of_all_percent)
+                .fold(f64::NAN, f64::max),
             mean_percent: mean(|w| w.mean_percent),
             mean_pointwise_percent: mean(|w| w.mean_pointwise_percent),
             bias_percent: mean(|w| w.bias_percent),

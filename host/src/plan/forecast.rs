@@ -4,6 +4,7 @@ use super::alternatives::{Alternative, alternatives, runs_needed};
 use super::answerable_questions::{self, Answer};
 use super::assumed_servo::noise_rms;
 use super::band_width::{BandWidths, RunsNeeded};
+use super::error::{PlanError, require_motion};
 use super::expectation::Expectation;
 use super::request::PlanRequest;
 use super::servo_quantities::ServoQuantities;
@@ -12,7 +13,6 @@ use crate::data::recording::as_toml;
 use crate::instrument::reference::{describe, seconds};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
-use servoid_identification::Error;
 use servoid_identification::results::{Bounds, Metrics, Model, StepResponse, Withdrawn};
 
 /// The forecast of a run.
@@ -74,8 +74,10 @@ impl Plan {
     /// Plans a run.
     ///
     /// # Errors
-    /// The error of identification after such a run: the reference is too short, or excites too little.
-    pub fn of(request: &PlanRequest) -> Result<Self, Error> {
+    /// The assumed servo stands still; or the error of identification after such a run: the reference is too short, or excites too
+    /// little.
+    pub fn of(request: &PlanRequest) -> Result<Self, PlanError> {
+        require_motion(request)?;
         let expected = Expectation::of(request)?;
         let reference = &request.reference;
         let band = expected.band;
@@ -93,7 +95,11 @@ impl Plan {
             frequencies: expected.model.structure.frequencies,
             band,
             metrics: match band.valid() {
-                Some(_) => expected.model.metrics_anew()?.into_valid(),
+                Some(_) => expected
+                    .model
+                    .metrics_anew()
+                    .map_err(PlanError::from)?
+                    .into_valid(),
                 None => None,
             },
             spectrum: Spectrum::of(request),

@@ -89,6 +89,9 @@ fn none_because(reason: Reason) -> String {
     )
 }
 
+/// A band of one run that is wider by this factor than the mean has another settling time.
+const APART: f64 = 1.25;
+
 /// The width of the band, and the part of it that is not noise.
 fn step_band(plan: &Plan, band: &BandWidths) -> String {
     let level = summary::percent(band.level);
@@ -96,6 +99,12 @@ fn step_band(plan: &Plan, band: &BandWidths) -> String {
         "+-{:.2} % of the step at its widest, +-{:.2} % on average; each point +-{:.2} % ({level} % confidence)\n",
         band.widest_percent, band.mean_percent, band.mean_pointwise_percent
     );
+    if band.widest_of_all_percent > APART * band.widest_percent {
+        text += &format!(
+            "              +-{:.2} % in one of the simulated runs: some runs show an end of the response that others do not, and take a longer\n              settling time; --settling N of 'servoid identify' sets it\n",
+            band.widest_of_all_percent
+        );
+    }
     if plan.only_if_linear {
         text += "              for a linear servo only: this reference has no hold in which the servo comes to rest, so speed\n              limit, dead band and friction make the band wider\n";
     }
@@ -115,7 +124,11 @@ fn step_band(plan: &Plan, band: &BandWidths) -> String {
 /// The runs for the wanted band, and the metrics with their intervals.
 fn more_runs_and_metrics(plan: &Plan, band: &BandWidths) -> String {
     let mut text = match (&plan.needed, plan.wanted_percent) {
-        (Some(needed), _) => format!("  for +-{} %  {}\n", needed.band_percent, time_of(needed)),
+        (Some(needed), _) => format!(
+            "  for +-{} %  {}, on average: runs that show a slow end of the response take a longer settling\n              time, and have a wider band\n",
+            needed.band_percent,
+            time_of(needed)
+        ),
         (None, Some(wanted)) => {
             let advice = band.narrowing().advice(wanted, plan.runs);
             format!("  narrower    {}\n", summary::wrapped(&advice, 14))

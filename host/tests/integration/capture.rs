@@ -42,6 +42,44 @@ fn a_capture_is_whole_and_has_the_applied_pulse_beside_each_sample() {
     assert!(plateau.iter().all(|y| (y - 5.0).abs() < 1.0), "{plateau:?}");
 }
 
+/// The run is whole, and what is in it is no motion: the sensor works, and the servo stands at a stop.
+#[test]
+fn a_servo_that_hardly_moves_is_named_once_its_recording_is_kept() {
+    let dir = tempfile::tempdir().unwrap();
+    for (port, moves) in [
+        ("sim:bench?stops-deg=-0.01:0.01", false),
+        ("sim:linear?gain=0.05", false),
+        ("sim:linear?gain=0.5", true),
+        ("sim:aircraft", true),
+    ] {
+        let file = dir.path().join("rec.csv");
+        let said = run(&["capture", "--force", "--port", port, "-o", arg(&file)]);
+        let (saved, warning) = (said.find("complete, 4400"), said.find("hardly moved"));
+        assert_eq!(warning.is_none(), moves, "{port}: {said}");
+        assert!(moves || saved < warning, "{said}");
+    }
+}
+
+/// Fast steps of little power are followed by little of each, and still seen.
+#[test]
+fn a_servo_that_follows_fast_steps_has_moved() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("rec.csv");
+    for fast in [["prbs", "--hold", "0.04"], ["multisine", "--length", "4"]] {
+        let reference = [&["--reference"], &fast[..]].concat();
+        let capture = [
+            "capture",
+            "--force",
+            "--port",
+            "sim:bench",
+            "-o",
+            arg(&file),
+        ];
+        let said = run(&[&capture[..], &reference].concat());
+        assert!(!said.contains("hardly moved"), "{fast:?}: {said}");
+    }
+}
+
 #[test]
 fn equal_seeds_give_equal_rows_and_others_do_not() {
     let dir = tempfile::tempdir().unwrap();

@@ -89,6 +89,8 @@ fn a_model_that_does_not_predict_says_so_wherever_it_goes() {
         "{}",
         &verdict[..200]
     );
+    // The numbers of the paper's figures are those of its reference, which another program's recording has not.
+    assert!(!page.contains("Fig. 5 of the paper"));
 }
 
 /// A linear servo under noise as large as its motion fits to 30 %, and that is all that noise leaves: the sentence stands.

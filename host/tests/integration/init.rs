@@ -27,7 +27,7 @@ fn the_rig_file_of_the_folder_is_found() {
             && said.contains("next: servoid identify found.csv -o found.json"),
         "{said}"
     );
-    here(&[
+    let said = here(&[
         "capture",
         "--port",
         "sim:bench",
@@ -35,6 +35,10 @@ fn the_rig_file_of_the_folder_is_found() {
         "-o",
         "without.csv",
     ]);
+    assert!(
+        said.contains("without a rig file, pulses are wide, 50 in a second, of 1000 to 2000 µs"),
+        "{said}"
+    );
     let said = here(&["capture", "--port", "sim:aircraft", "-o", "other.csv"]);
     assert!(
         said.contains("rig.toml is not that of sim:aircraft"),
@@ -45,6 +49,16 @@ fn the_rig_file_of_the_folder_is_found() {
         let expected = format!("us_per_degree = {us_per_degree}");
         assert!(recording.contains(&expected), "{file}: {recording:.2000}");
     }
+}
+
+/// A self-test needs a board; its port may be that of the rig file as for every other command.
+#[test]
+fn a_self_test_takes_the_port_of_the_rig_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("rig.toml");
+    std::fs::write(&file, "port = \"/dev/no-such-port\"\n").unwrap();
+    let said = refusal(&["selftest", "--yes", "--rig", arg(&file)]);
+    assert!(said.contains("no port \"/dev/no-such-port\""), "{said}");
 }
 
 #[test]

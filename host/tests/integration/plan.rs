@@ -177,3 +177,16 @@ fn what_cannot_be_planned_is_said_in_a_sentence() {
         assert!(said.contains(advice), "{options:?}: {said}");
     }
 }
+
+/// Recordings of such a servo have noise alone, and the sensor is not to blame.
+#[test]
+fn a_servo_that_the_strokes_do_not_move_is_named() {
+    let said = refusal(&["plan", "--servo", "bench?stops-deg=-0.01:0.01"]);
+    assert!(
+        said.contains("friction, a dead band or a stop") && said.contains("--amplitude"),
+        "{said}"
+    );
+    assert!(!said.contains("sensor"), "{said}");
+    let said = refusal(&["plan", "--servo", "bench", "--controller", "3"]);
+    assert!(said.contains("has no controllers"), "{said}");
+}

@@ -35,6 +35,20 @@ fn modelled(dir: &Path, name: &str, servo: &str, reference: &[&str]) -> PathBuf 
     model
 }
 
+/// The first strokes of a recording as a table of another program.
+fn beginning(recording: &Path, table: &Path) {
+    let text = std::fs::read_to_string(recording).unwrap();
+    let rows = text
+        .lines()
+        .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+    let mut out = String::from("t_s,u_deg,y_deg\n");
+    for row in rows.skip(395).take(45) {
+        let cells: Vec<&str> = row.split(',').collect();
+        out += &format!("{},{},{}\n", cells[1], cells[4], cells[5]);
+    }
+    std::fs::write(table, out).unwrap();
+}
+
 fn quantities(model: &Value) -> Vec<(String, f64, Value)> {
     let all = model["servo_model"]["quantities"].as_array().unwrap();
     let one = |quantity: &Value| {
@@ -57,6 +71,19 @@ fn a_simulated_model_is_found_again() {
         "again",
         arg(&first),
         &[&STAIRS[..], &["--seed", "2"]].concat(),
+    );
+    let short = dir.path().join("short.csv");
+    beginning(&dir.path().join("again.csv"), &short);
+    let named = "--input u_deg --output y_deg --time t_s".split(' ');
+    let args: Vec<&str> = ["validate", arg(&first), arg(&short)]
+        .into_iter()
+        .chain(named)
+        .collect();
+    // Too short for the linear model alone.
+    let said = refusal(&args);
+    assert!(
+        said.contains("the servo model needs none, and predicts"),
+        "{said}"
     );
     let (first, again) = (json(&first), json(&again));
     assert_eq!(

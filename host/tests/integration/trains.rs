@@ -78,6 +78,21 @@ fn what_no_servo_takes_is_refused_with_what_to_do() {
     assert!(said.contains("wide pulses come at 50 to 333 Hz"), "{said}");
     let said = init(&["--pulses", "500:1000"]);
     assert!(said.contains("--pulse-type narrow"), "{said}");
+    for value in ["333Hz", "fast"] {
+        let said = init(&["--pulse-rate", value]);
+        assert!(said.contains("a number without a unit"), "{said}");
+        assert!(!said.contains("float"), "{said}");
+    }
+    let said = init(&["--neutral", "760"]);
+    assert!(said.ends_with("needs --pulse-type narrow\n"), "{said}");
+    // No file says that the servo of this port takes narrow pulses, so it would get wide ones.
+    let out = dir.path().join("x.csv");
+    let narrow = "sim:bench?pulses=narrow";
+    let said = refusal(&["capture", "--port", narrow, "--no-rig", "-o", arg(&out)]);
+    assert!(
+        said.contains("--pulse-type narrow") && !out.exists(),
+        "{said}"
+    );
     // Written by hand: type and neutral contradict each other.
     std::fs::write(&rig, "[servo]\npulse_type = \"narrow\"\n").unwrap();
     let capture = [

@@ -111,6 +111,8 @@ pub enum Check {
     SensorDelay,
     /// Stretches in which the sensor's reading stood still though the command changed.
     FrozenSensor,
+    /// Whether the output stops following the input within a run.
+    Stopped,
     /// One that this version does not know.
     #[serde(untagged)]
     Other(String),
@@ -129,7 +131,7 @@ impl Check {
     pub fn comes_first(&self) -> bool {
         matches!(
             self,
-            Self::Period | Self::OutputLeads | Self::Feedback | Self::Prediction
+            Self::Period | Self::OutputLeads | Self::Feedback | Self::Prediction | Self::Stopped
         )
     }
 

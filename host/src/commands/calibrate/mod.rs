@@ -52,6 +52,7 @@ pub(super) struct Calibrate {
         value_name = "DEGREES",
         value_delimiter = ',',
         allow_hyphen_values = true,
+        value_parser = super::value_parsers::finite,
         conflicts_with_all = ["pairs", "by_servo", "travel_only"]
     )]
     angles: Vec<f64>,

@@ -13,6 +13,7 @@ use super::output::{Output, Talk, typed_path};
 use super::partial_recording::PartialRecording;
 use super::reference_args::ReferenceArgs;
 use super::rig_args::{Rig, RigArgs};
+use crate::data::hardly_moved;
 use crate::data::numbered_path::with_suffix;
 use crate::data::recording::Ending;
 use crate::instrument::rig::CaptureEnd;
@@ -73,6 +74,7 @@ struct CaptureResult<'a> {
     ended_early: bool,
     reason: Option<&'a str>,
     rows: u64,
+    moved_percent: Option<f64>,
     unreadable_messages: u32,
     frames_asked_again: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -143,12 +145,14 @@ fn report(
         };
         let why = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
         text += &format!("{name}: {state}{why}, {rows} samples\n");
+        text.extend(end.moved.and_then(standstill));
         results.push(CaptureResult {
             file,
             complete: matches!(end.ending, Ending::Complete),
             ended_early: matches!(end.ending, Ending::Early { .. }),
             reason,
             rows,
+            moved_percent: end.moved.map(|share| 100.0 * share),
             unreadable_messages: end.rejects,
             frames_asked_again: end.asked_again,
             until_band,
@@ -185,6 +189,17 @@ fn report(
         true => Ok(result),
         false => Err(PartialRecording::asked_for(result).into()),
     }
+}
+
+/// The warning of a servo that has hardly moved. The recording is kept: it may show why.
+fn standstill(share: f64) -> Option<String> {
+    hardly_moved(share).then(|| {
+        format!(
+            "warning: the servo hardly moved: the scatter of its position is {:.0} % of that of the command. Check that it has power, that nothing jams it, that \
+             its signal wire is at PA1, that it takes such pulses, that the magnet turns with the shaft, and the scales of the rig file\n",
+            100.0 * share
+        )
+    })
 }
 
 #[cfg(test)]

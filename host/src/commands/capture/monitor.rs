@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub(super) struct MonitorArgs {
     /// End the run as soon as the step response's band is within ± this percentage of the commanded step. The
     /// band holds the whole curve with 99 % confidence, and the percentage is half its width where it is widest
-    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = crate::commands::value_parsers::finite)]
     until_band: Option<f64>,
     /// Print plain lines of progress instead of the live scope, as without a terminal
     #[arg(long)]

@@ -223,10 +223,29 @@ impl RigAnswers {
         self.sensor = preset.name.into();
         self.sensor_volts = Range { low, high };
         self.sensor_degrees = preset.degrees;
-        self.sensor_delay_ms = match self.port.as_deref().is_some_and(is_simulated) {
+        self.sensor_delay_ms = match self.is_simulated() {
             true => [0.0, 0.0],
             false => preset.delay_ms,
         };
+    }
+
+    fn is_simulated(&self) -> bool {
+        self.port.as_deref().is_some_and(is_simulated)
+    }
+
+    /// What to write there once the port is that of a board.
+    fn delay_note(&self) -> String {
+        let SensorPreset {
+            name,
+            delay_ms: [delay_ms, uncertainty_ms],
+            ..
+        } = self.sensor_kind.preset();
+        match self.is_simulated() && delay_ms > 0.0 {
+            true => format!(
+                "; 0 is that of the simulated rig alone: with a board, write {delay_ms} here and {uncertainty_ms} below for the {name}"
+            ),
+            false => String::new(),
+        }
     }
 
     fn sensor_section(&self) -> SensorSection {
@@ -282,6 +301,7 @@ impl RigAnswers {
             ("zero_sd_deg", number(sensor.zero_sd_deg)),
             ("scale_sd_percent", number(sensor.scale_sd_percent)),
             ("delay_ms", number(sensor.delay_ms)),
+            ("delay_note", self.delay_note()),
             ("delay_uncertainty_ms", number(sensor.delay_uncertainty_ms)),
             ("healthy_counts", format!("{:?}", sensor.healthy_counts)),
             ("travel", self.travel_in_words()),

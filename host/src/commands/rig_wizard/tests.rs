@@ -140,8 +140,11 @@ fn each_kind_of_sensor_has_its_scale_and_its_delay() {
             };
             answers.take_sensor(kind);
             answers.check().unwrap();
-            let (_, rig) = answers.to_rig_file("rig.toml".as_ref()).unwrap();
+            let (text, rig) = answers.to_rig_file("rig.toml".as_ref()).unwrap();
             let preset = kind.preset();
+            // The port may become that of a board, whose delay the file then has to state.
+            let noted = !lags && preset.delay_ms[0] > 0.0;
+            assert_eq!(text.contains("with a board, write"), noted, "{text}");
             let expected = if lags { preset.delay_ms } else { [0.0, 0.0] };
             let sensor = &rig.sensor;
             assert_eq!([sensor.delay_ms, sensor.delay_uncertainty_ms], expected);

@@ -28,7 +28,7 @@ pub use time_column::TimeUnit;
 use crate::data::file_error::FileError;
 use crate::data::recording::{self, Recording};
 use crate::data::table::{Table, TableFault};
-use crate::data::{fingerprint, input_file};
+use crate::data::{fingerprint, input_file, rest_error, stopped};
 pub use controllers::{Controllers, UnknownController};
 use loaded::Loaded;
 use servoid_identification::Record;
@@ -101,7 +101,16 @@ fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetErro
     } = all;
     let record =
         Record::new(period_s, runs).map_err(|error| DatasetError::Data(names.to_owned(), error))?;
-    if let Some(advice) = fingerprint::advice_on_repeats(&record) {
+    // The zero of a rig is a matter of its calibration.
+    let uncalibrated = about.calibrations.is_empty();
+    let findings = [
+        fingerprint::advice_on_repeats(&record),
+        stopped::advice(&record),
+        uncalibrated
+            .then(|| rest_error::advice(&record, about.output_unit.as_deref()))
+            .flatten(),
+    ];
+    for advice in findings.into_iter().flatten() {
         about.remarks.push(advice.finding.clone());
         about.advice.push(advice);
     }
@@ -182,7 +191,16 @@ fn of_content(
         return Err(fault);
     }
     let remark = is_recording.then(|| from_recordings::remark_on_named(&bytes, path));
-    let mut loaded = match from_tables::from_table(&Table::parse(bytes)?, path, options) {
+    let table = Table::parse(bytes)?;
+    // A name without its unit, which another program's file may have in full, is not meant for a column of a recording.
+    let mut wanted = [&options.input, &options.output].into_iter().flatten();
+    if is_recording && let Some(column) = wanted.find(|name| !table.has_column_called(name)) {
+        return Err(DatasetFault::OtherColumns {
+            column: column.clone(),
+            present: table.columns_listed(),
+        });
+    }
+    let mut loaded = match from_tables::from_table(&table, path, options) {
         Err(DatasetFault::Table(TableFault::NoColumn { column, present })) if is_recording => {
             return Err(DatasetFault::OtherColumns { column, present });
         }

@@ -10,13 +10,18 @@ const OUTPUTS: &str = "y output out position pos angle measured measurement meas
                        sensor ist istwert winkel lage ángulo posición posizione";
 
 /// Names of a column whose value changes from run to run.
-const RUNS: [&str; 6] = [
+const RUNS: [&str; 11] = [
     "run",
     "run_id",
     "trial",
     "repetition",
     "experiment",
     "episode",
+    "versuch",
+    "lauf",
+    "essai",
+    "prueba",
+    "prova",
 ];
 
 /// Names of a column that says which controller, or which gain of it, drove a run.
@@ -97,8 +102,8 @@ mod tests {
     #[test]
     fn names_in_other_languages_are_known() {
         assert_eq!(
-            of(&["Zeit", "Sollwert", "Istwert"]),
-            "--input Sollwert --output Istwert"
+            of(&["Zeit", "Sollwert", "Istwert", "Versuch"]),
+            "--input Sollwert --output Istwert --run Versuch"
         );
         assert_eq!(
             of(&["Temps [ms]", "Consigne [°]", "Position [°]"]),

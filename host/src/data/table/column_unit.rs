@@ -16,19 +16,19 @@ pub fn unit_of(column: &str) -> Option<&str> {
         .strip_suffix([']', ')'])
         .and_then(|rest| rest.rsplit_once(['[', '(']))
         .map(|(_, unit)| unit.trim());
-    let last = || {
-        column
-            .rsplit_once(['_', ' '])
-            .map(|(_, word)| word)
-            .filter(|word| is_unit(word) && word.chars().count() > 1)
-    };
+    let last = || last_word(column).map(|(_, unit)| unit);
     bracketed.or_else(last).filter(|unit| !unit.is_empty())
 }
 
-/// "angle" for "angle [deg]" or "angle (deg)".
+/// "angle" and "deg" of "angle_deg" or "angle deg".
+fn last_word(column: &str) -> Option<(&str, &str)> {
+    let words = column.rsplit_once(['_', ' ']);
+    words.filter(|(_, word)| is_unit(word) && word.chars().count() > 1)
+}
+
+/// "angle" for "angle [deg]", "angle (deg)" or "angle_deg".
 pub(crate) fn without_unit(column: &str) -> &str {
-    column
-        .split_once(['[', '('])
-        .map_or(column, |(name, _)| name)
-        .trim()
+    let bracketed = column.split_once(['[', '(']).map(|(name, _)| name);
+    let last = || last_word(column).map(|(name, _)| name);
+    bracketed.or_else(last).unwrap_or(column).trim()
 }

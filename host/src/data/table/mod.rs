@@ -115,6 +115,14 @@ impl Table {
         Ok(self.columns().get(place).map_or("", String::as_str))
     }
 
+    /// Whether a column has this name in full, in letters of any size.
+    pub(crate) fn has_column_called(&self, name: &str) -> bool {
+        let wanted = name.trim().to_lowercase();
+        self.columns()
+            .iter()
+            .any(|column| column.to_lowercase() == wanted)
+    }
+
     /// The columns in a clause: "its columns are t, u, y".
     pub(crate) fn columns_clause(&self) -> String {
         match self.layout.named {
@@ -128,7 +136,7 @@ impl Table {
 
     /// The column names as a list for error texts, one with a comma or a control character in it in quotes,
     /// and of very many the first.
-    fn columns_listed(&self) -> String {
+    pub(crate) fn columns_listed(&self) -> String {
         let shown = |name: &String| match name.contains(|c: char| c == ',' || c.is_control()) {
             true => format!("{name:?}"),
             false => name.clone(),
@@ -142,7 +150,7 @@ impl Table {
     }
 
     /// The named columns, all of one length; NaN where a cell is empty or marked as missing. A column may be
-    /// named without its unit ("angle" for "angle \[deg\]") and in letters of another size, where that leaves
+    /// named without its unit ("angle" for "angle \[deg\]" or "angle_deg") and in letters of another size, where that leaves
     /// no doubt.
     pub fn numbers(&self, names: &[&str]) -> Result<Vec<Vec<f64>>, TableFault> {
         Ok(self.numbers_beside(names, None)?.0)
@@ -247,15 +255,15 @@ impl Table {
             return Ok(place);
         }
         let wanted = name.trim().to_lowercase();
-        let similar = |column: &&String| {
-            let column = column.to_lowercase();
-            column == wanted || without_unit(&column) == wanted
+        let called = |means: fn(&str) -> &str| -> Vec<(usize, &String)> {
+            let all = columns.iter().enumerate();
+            all.filter(|(_, column)| means(&column.to_lowercase()) == wanted)
+                .collect()
         };
-        let found: Vec<(usize, &String)> = columns
-            .iter()
-            .enumerate()
-            .filter(|(_, column)| similar(column))
-            .collect();
+        let mut found = called(|column| column);
+        if found.is_empty() {
+            found = called(without_unit);
+        }
         let column = name.to_owned();
         match found[..] {
             [(place, _)] => Ok(place),

@@ -95,6 +95,17 @@ fn text_above_the_header_row_units_below_it_and_no_header_row_at_all() {
 }
 
 #[test]
+fn a_column_is_found_by_its_name_without_the_unit_where_one_is_meant() {
+    let text = "t_ms,u_deg,y deg,y_raw\n0,1,2,9\n1,3,4,9\n";
+    assert_eq!(read(text, &["u", "Y"]), [[1.0, 3.0], [2.0, 4.0]]);
+    // The plain name is one column's whole name.
+    assert_eq!(read("u,u_deg\n1,2\n3,4\n", &["U"]), [[1.0, 3.0]]);
+    let two = table("u_deg,u_us\n1,2\n3,4\n").unwrap();
+    let error = two.numbers(&["u"]).unwrap_err().to_string();
+    assert!(error.contains("several columns"), "{error}");
+}
+
+#[test]
 fn what_is_not_certain_is_asked_and_not_guessed() {
     let refused = |text: &str, names: &[&str]| match table(text) {
         Err(error) => error.to_string(),

@@ -22,6 +22,9 @@ pub use control_line::ControlLine;
 pub use open_error::OpenError;
 pub use serial::BAUD_RATE;
 
+use super::simulated_servo;
+use servoid_protocol::pulse_train::PulseType;
+
 /// Opens the port at `address` (see the module's table).
 pub fn open(address: &str) -> Result<Box<dyn Port>, OpenError> {
     if let Some(simulation) = address.strip_prefix("sim:") {
@@ -36,6 +39,13 @@ pub fn open(address: &str) -> Result<Box<dyn Port>, OpenError> {
 /// Whether the servo behind `address` is a simulated one, so that nobody can be hurt by it.
 pub fn is_simulated(address: &str) -> bool {
     simulated_servo(address).is_some()
+}
+
+/// Whether the servo behind `address` is a simulated one that takes narrow pulses.
+pub fn simulates_narrow_pulses(address: &str) -> bool {
+    let simulation = address.strip_prefix("sim:");
+    let options = simulation.and_then(|text| simulated_servo::options(text).ok());
+    options.is_some_and(|options| options.pulses == PulseType::Narrow)
 }
 
 /// The name of the simulated servo behind `address`; `None` for a port to a board.

@@ -7,9 +7,9 @@ use super::capture_outcome::{CaptureEnd, CaptureError, Progress, StopReason};
 use super::client::{RigClient, session_number};
 use super::recording_ending::recording_ending;
 use super::talk_error::TalkError;
-use crate::data::FrozenSensor;
 use crate::data::recording::{Ending, QueuedWriter, RecordingWriter, WriteError};
 use crate::data::rig_file::RigFile;
+use crate::data::{DegreeScale, FrozenSensor, Movement};
 use servoid_client::{Client, Event, RunEnding};
 use servoid_protocol::lease::LEASE_S;
 use servoid_protocol::message::{Arm, ArmFor, Start};
@@ -99,6 +99,8 @@ impl Capture {
             lost: Vec::new(),
             begun: false,
             sensor: FrozenSensor::new(self.rig.train().sample_s()),
+            scale: DegreeScale::of_rig(&self.rig),
+            movement: Movement::default(),
             stopped: None,
             stopped_at: None,
         };
@@ -136,6 +138,7 @@ impl Capture {
         Ok(CaptureEnd {
             ending,
             rows,
+            moved: run.movement.share(),
             rejects: client.rejects().total(),
             asked_again: client.conversation().frames_asked_again(),
         })
@@ -154,6 +157,8 @@ struct RecordedRun<'a> {
     /// Whether the rig has reported that it has begun.
     begun: bool,
     sensor: FrozenSensor,
+    scale: DegreeScale,
+    movement: Movement,
     stopped: Option<StopReason>,
     stopped_at: Option<Instant>,
 }
@@ -226,6 +231,9 @@ impl RecordedRun<'_> {
         for (sample, &counts) in (first..).zip(&frame.samples) {
             self.sensor.take(sample, frame.pulse, counts);
         }
+        let positions = frame.samples.map(|counts| self.scale.angle(counts));
+        let command = self.scale.reference(frame.pulse);
+        self.movement.take(command, positions);
         (self.on_progress)(Progress {
             frame,
             frames_total: self.frames_total,

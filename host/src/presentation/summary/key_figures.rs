@@ -2,7 +2,7 @@
 
 use super::comparison::verdict;
 use super::headline::stroke_in_words;
-use super::metrics::{self, MetricEntry};
+use super::metrics::{self, MetricEntry, NONE};
 use super::numbers::{percent, with_bounds};
 use super::servo_model::{four_digits, per_60_degrees, quantity_row, scale_and_unit, shown_by};
 use crate::data::units::Units;
@@ -54,9 +54,6 @@ const OF_A_MACHINE: [&str; 10] = [
     "error of full drive",
     "offset",
 ];
-
-/// Text of a value that no data support.
-const NONE: &str = "-";
 
 /// Of a linear model.
 pub(crate) fn of_response(model: &Model, units: Units<'_>) -> Vec<KeyFigure> {

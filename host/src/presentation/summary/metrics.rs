@@ -22,12 +22,9 @@ const ROWS: [MetricEntry; 8] = [
     row("overshoot_percent", "overshoot", ("%", 1.0, 2), |m| {
         m.overshoot_percent
     }),
-    row(
-        "settling_time_s",
-        "settling time (2 %)",
-        ("ms", 1e3, 1),
-        |m| m.settling_time_s,
-    ),
+    row(SETTLING_TIME, "settling time (2 %)", ("ms", 1e3, 1), |m| {
+        m.settling_time_s
+    }),
     row("bandwidth_rad_s", "bandwidth (-3 dB)", HERTZ, |m| {
         m.bandwidth_rad_s
     }),
@@ -38,6 +35,12 @@ const ROWS: [MetricEntry; 8] = [
 
 /// A unit as printed, the factor from the model's unit to it, and decimals.
 type Unit = (&'static str, f64, usize);
+
+/// Text of a value that no data support.
+pub(super) const NONE: &str = "-";
+
+/// The key of the time after which a response stays at its end.
+const SETTLING_TIME: &str = "settling_time_s";
 
 const MS: Unit = ("ms", 1e3, 2);
 const HERTZ: Unit = ("Hz", std::f64::consts::TAU.recip(), 3);
@@ -90,7 +93,7 @@ impl MetricEntry {
     }
 
     pub(super) fn value(&self, value: Option<f64>) -> String {
-        value.map_or_else(|| "-".to_owned(), |value| self.number(value, value))
+        value.map_or_else(|| NONE.to_owned(), |value| self.number(value, value))
     }
 
     /// The unit, that of a gain being `gain`.
@@ -113,7 +116,10 @@ impl MetricEntry {
     /// Value and bounds. Without bounds nothing says how many digits hold, so it has three at the most.
     pub(super) fn cell(&self, interval: &Interval) -> (String, String) {
         let bounds = self.bounds(interval);
+        // A time that the record shows no end of is known by its lower bound alone.
+        let open = interval.lower.is_some() && interval.upper.is_none();
         let value = match interval.value {
+            _ if open && self.is(SETTLING_TIME) => NONE.to_owned(),
             Some(value) if bounds.is_empty() => self.rough(value),
             value => self.value(value),
         };

@@ -94,8 +94,9 @@ pub(super) fn certainty(model: &Model) -> String {
                 );
             }
             format!(
-                "{linear}The whole step response is known to ±{:.2} % of its end on average, with {} % confidence.",
+                "{linear}The whole step response is known to ±{:.2} % of its end on average and ±{:.2} % where it is widest, with {} % confidence.",
                 100.0 * whole / gain,
+                100.0 * bounds.widest_half_width() / gain,
                 percent(bounds.level)
             )
         }

@@ -5,26 +5,46 @@ use crate::diagnostics::output_lead::output_lead;
 use crate::results::{Advice, Check, Withheld};
 use crate::thresholds::{AGAINST_MOTION, DISAGREEMENT, FEEDBACK_SIGNIFICANCE, INPUT_EXPLAINED};
 
-/// The remedy for all of it.
-fn sharper(evidence: &Evidence<'_>) -> String {
+/// The remedy where the reference lacks power.
+fn sharper(highest_hz: f64) -> String {
     format!(
         "Use a reference with sharp edges, such as a staircase or random steps without a filter before the \
-         servo, which has power up to {:.0} Hz.",
-        evidence.nyquist_hz()
+         servo, which has power up to {highest_hz:.0} Hz."
     )
+}
+
+/// Beyond this share of the highest frequency that samples show there is hardly another one.
+const HIGHEST: f64 = 0.95;
+
+/// Where a reference lacks power, and the remedy.
+fn lacking(unexcited_hz: f64, highest_hz: f64) -> (String, String) {
+    match unexcited_hz > HIGHEST * highest_hz {
+        // Of equal steps at even samples alone, as many upwards as downwards, the transform is 0 there.
+        true => (
+            format!("at {unexcited_hz:.1} Hz, the highest frequency that these samples show,"),
+            "Sample faster; or vary the holds, since holds of an even number of samples each have no power there."
+                .to_owned(),
+        ),
+        false => (
+            format!("from {unexcited_hz:.1} Hz upwards"),
+            sharper(highest_hz),
+        ),
+    }
 }
 
 pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
     let unexcited = evidence.validity.unexcited_above_hz?;
+    let highest = evidence.nyquist_hz();
+    let (frequencies, remedy) = lacking(unexcited, highest);
     Some(Advice::new(
         Check::Excitation,
         format!(
-            "No bounds can be given, because the reference has too little power from {unexcited:.1} Hz upwards to \
+            "No bounds can be given, because the reference has too little power {frequencies} to \
              determine the response there, where much of the detail of a step is. Metrics that depend on it are left out."
         ),
         unexcited,
-        evidence.nyquist_hz(),
-        sharper(evidence),
+        highest,
+        remedy,
     ))
 }
 
@@ -127,7 +147,7 @@ pub(super) fn smooth(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         found.power_up_to_hz,
         evidence.nyquist_hz(),
-        sharper(evidence),
+        sharper(evidence.nyquist_hz()),
     ))
 }
 
@@ -144,7 +164,22 @@ pub(super) fn metrics(evidence: &Evidence<'_>) -> Option<Advice> {
             ),
             unexcited,
             evidence.nyquist_hz(),
-            sharper(evidence),
+            sharper(evidence.nyquist_hz()),
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lacking;
+
+    #[test]
+    fn a_reference_that_lacks_the_highest_frequency_alone_is_not_advised_to_have_it() {
+        let (frequencies, remedy) = lacking(5.0, 25.0);
+        assert_eq!(frequencies, "from 5.0 Hz upwards");
+        assert!(remedy.ends_with("power up to 25 Hz."), "{remedy}");
+        let (frequencies, remedy) = lacking(25.0, 25.0);
+        assert!(frequencies.starts_with("at 25.0 Hz, the highest"));
+        assert!(!remedy.contains("up to"), "{remedy}");
+    }
 }

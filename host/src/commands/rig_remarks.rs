@@ -1,0 +1,93 @@
+//! What is said of a rig before its servo moves: the pulses of a rig without a file, and a sensor's delay that is that of another rig.
+
+use crate::data::rig_file::RigFile;
+use crate::data::sensor_preset::SensorKind;
+use crate::instrument::port;
+use anyhow::{Result, bail};
+
+/// The pulses that a servo gets where no file names them.
+///
+/// # Errors
+/// Where the rig at `address` simulates a servo for which they are too wide.
+pub(super) fn pulses_without_file(address: Option<&str>) -> Result<String> {
+    if let Some(address) = address
+        && port::simulates_narrow_pulses(address)
+    {
+        bail!(
+            "the servo was not moved: {address} is a narrow-pulse servo, and without a rig file pulses are wide, which may break such a servo; write a file with 'servoid init --pulse-type narrow --port \"{address}\"'"
+        );
+    }
+    let RigFile { servo, limits, .. } = RigFile::default();
+    Ok(format!(
+        "without a rig file, pulses are {}, {} in a second, of {} to {} µs, neutral at {} µs; 'servoid init' writes a file for your servo",
+        servo.pulse_type,
+        servo.pulse_rate_hz,
+        limits.shortest_us,
+        limits.longest_us,
+        servo.neutral_us
+    ))
+}
+
+/// Why the sensor's delay in `file` is not that of the rig at `address`, where it cannot be.
+pub(super) fn delay_of_another_rig(address: &str, file: &RigFile) -> Option<String> {
+    let (delay_ms, uncertainty_ms) = (file.sensor.delay_ms, file.sensor.delay_uncertainty_ms);
+    let simulated = port::is_simulated(address);
+    if simulated && delay_ms > uncertainty_ms {
+        return Some(format!(
+            "the simulated sensor reads the angle at once, and the rig file takes a delay of {delay_ms} ms out: times come out shorter by that"
+        ));
+    }
+    let unknown = delay_ms == 0.0 && uncertainty_ms == 0.0;
+    (!simulated && unknown).then(|| {
+        let usual = SensorKind::default().preset();
+        format!(
+            "the sensor's delay is taken as 0 ms, as that of a simulated rig: times come out longer by the true one, which is {} ms for the {}; state it as delay_ms and delay_uncertainty_ms in the rig file",
+            usual.delay_ms[0], usual.name
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::rig_file::SensorSection;
+
+    fn said(address: &str, delay_ms: f64, delay_uncertainty_ms: f64) -> Option<String> {
+        let sensor = SensorSection {
+            delay_ms,
+            delay_uncertainty_ms,
+            ..SensorSection::default()
+        };
+        let file = RigFile {
+            sensor,
+            ..RigFile::default()
+        };
+        delay_of_another_rig(address, &file)
+    }
+
+    #[test]
+    fn a_delay_that_is_not_of_the_port_is_named() {
+        let said_of_board = said("/dev/ttyUSB0", 0.0, 0.0).unwrap();
+        assert!(said_of_board.contains("4 ms for the Honeywell RTY120"));
+        let said_of_simulation = said("sim:bench", 4.0, 2.0).unwrap();
+        assert!(said_of_simulation.contains("shorter"));
+        assert_eq!(said("sim:bench", 0.0, 0.0), None);
+        assert_eq!(said("/dev/ttyUSB0", 4.0, 2.0), None);
+        // A potentiometer does not lag.
+        assert_eq!(said("/dev/ttyUSB0", 0.0, 0.05), None);
+    }
+
+    #[test]
+    fn pulses_without_a_file_are_named_and_not_for_narrow_ones() {
+        let said = pulses_without_file(Some("/dev/ttyUSB0")).unwrap();
+        assert!(
+            said.contains("wide, 50 in a second, of 1000 to 2000 µs"),
+            "{said}"
+        );
+        let refused = pulses_without_file(Some("sim:bench?pulses=narrow"));
+        let refused = refused.unwrap_err().to_string();
+        assert!(refused.contains("--pulse-type narrow"), "{refused}");
+        // An option that is wrong is for the port to refuse.
+        assert!(pulses_without_file(Some("sim:bench?pulses=thin")).is_ok());
+    }
+}

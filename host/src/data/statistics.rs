@@ -1,0 +1,31 @@
+//! Figures of a column, whose missing values are NaN.
+
+/// The mean of what is not missing; `None` where all of it is.
+pub(crate) fn mean(values: &[f64]) -> Option<f64> {
+    let present = values.iter().filter(|value| !value.is_nan());
+    let count = present.clone().count();
+    (count > 0).then(|| present.sum::<f64>() / count as f64)
+}
+
+/// From the lowest to the highest value; `None` where these are one, or all is missing.
+pub(crate) fn span(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (low, high) = values
+        .filter(|value| !value.is_nan())
+        .fold((f64::MAX, f64::MIN), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+    (high > low).then_some(high - low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn missing_values_do_not_count() {
+        assert_eq!(mean(&[1.0, f64::NAN, 4.0]), Some(2.5));
+        assert_eq!(mean(&[f64::NAN]), None);
+        assert_eq!(span([3.0, f64::NAN, -1.0].into_iter()), Some(4.0));
+        assert_eq!(span([2.0, 2.0].into_iter()), None);
+    }
+}

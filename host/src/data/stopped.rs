@@ -1,0 +1,169 @@
+//! A servo that stops following its command within a run: switched off, unplugged, or jammed from then on.
+//!
+//! The output is looked at in blocks, whose means have little noise. From some block to the end of the run they all lie close together,
+//! while the input goes on with strokes as long as those that the output has followed before. A servo that is too slow
+//! for shorter and shorter strokes is none of these.
+
+use super::statistics::{mean, span};
+use servoid_identification::results::{Advice, Check};
+use servoid_identification::{Record, Run};
+use std::ops::Range;
+
+/// Blocks of a run, at most.
+const BLOCKS: usize = 400;
+/// Travel of an output that stands still, as a share of its whole travel.
+const STILL: f64 = 0.1;
+/// The part of a run, at least, in which it stands still, and in which it moves.
+const PART: f64 = 0.1;
+/// Strokes of the input that show that the output should move.
+const STROKES: usize = 3;
+/// How long the longest of these is, at least, relative to the shortest that the output has followed.
+const AS_LONG: f64 = 0.7;
+
+/// Advice where the output of a run stands still from some time on while its input goes on.
+pub(super) fn advice(record: &Record) -> Option<Advice> {
+    let (number, sample) = (1..)
+        .zip(record.runs())
+        .find_map(|(number, run)| Some((number, stopped_at(run)?)))?;
+    let at_s = sample as f64 * record.sample_period_s();
+    let run = match record.runs().len() {
+        1 => String::new(),
+        _ => format!(" of run {number}"),
+    };
+    Some(Advice::new(
+        Check::Stopped,
+        format!(
+            "From {at_s:.2} s{run} on the output stands still although the input goes on: the servo was switched off, unplugged or jammed then, \
+             or the sensor's magnet came loose."
+        ),
+        at_s,
+        0.0,
+        "Cut the recording there and identify what is before, or mend the servo and record again.",
+    ))
+}
+
+/// The sample from which on the output should have moved and did not.
+fn stopped_at(run: &Run<'_>) -> Option<usize> {
+    let size = run.len().div_ceil(BLOCKS).max(1);
+    let means: Vec<f64> = run.output().chunks(size).filter_map(mean).collect();
+    if means.len() * size < run.len() / 2 {
+        return None; // Most of it is missing.
+    }
+    let travel = span(run.output().chunks(size).filter_map(mean))?;
+    let strokes = strokes(run.input())?;
+    let still_from = still_from(run, size, STILL * travel)?;
+    let (before, after) = (still_from, run.len().saturating_sub(still_from));
+    let part = |samples: usize| samples as f64 >= PART * run.len() as f64;
+    let (early, late) = strokes.split_at(strokes.partition_point(|at| *at < still_from));
+    let at = *late.first()?;
+    let longest = between(late).map(|stroke| stroke.len()).max()?;
+    let followed = |stroke: Range<usize>| {
+        let parts = run.output().get(stroke)?.chunks(size).filter_map(mean);
+        Some(span(parts)? >= 3.0 * STILL * travel)
+    };
+    let shortest = between(early)
+        .filter(|stroke| followed(stroke.clone()) == Some(true))
+        .map(|stroke| stroke.len())
+        .min()?;
+    let as_long = longest as f64 >= AS_LONG * shortest as f64;
+    (part(before) && part(after) && late.len() >= STROKES && as_long).then_some(at)
+}
+
+/// The samples from each stroke to the next.
+fn between(strokes: &[usize]) -> impl Iterator<Item = Range<usize>> {
+    let later = strokes.iter().skip(1);
+    strokes.iter().zip(later).map(|(from, to)| *from..*to)
+}
+
+/// The sample from which on the output keeps within this travel.
+fn still_from(run: &Run<'_>, size: usize, travel: f64) -> Option<usize> {
+    let (mut low, mut high) = (f64::MAX, f64::MIN);
+    let blocks: Vec<&[f64]> = run.output().chunks(size).collect();
+    let moving = blocks.iter().rposition(|block| {
+        if let Some(mean) = mean(block) {
+            (low, high) = (low.min(mean), high.max(mean));
+        }
+        high - low > travel
+    })?;
+    Some((moving + 1) * size)
+}
+
+/// The samples at which the input crosses the middle of its travel by a quarter of it.
+fn strokes(input: &[f64]) -> Option<Vec<usize>> {
+    let travel = span(input.iter().copied())?;
+    let middle = input.iter().copied().fold(f64::MAX, f64::min) + travel / 2.0;
+    let mut is_above = None;
+    let mut found = Vec::new();
+    for (k, u) in input.iter().enumerate() {
+        let above = match u - middle {
+            by if by > travel / 4.0 => true,
+            by if by < -travel / 4.0 => false,
+            _ => continue,
+        };
+        if is_above.is_some_and(|was| was != above) {
+            found.push(k);
+        }
+        is_above = Some(above);
+    }
+    Some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lag of `time` samples under these commands, which stands still from `off` on; with noise of 1 % of the travel.
+    fn record(commands: &[f64], time: f64, off: usize) -> Record<'static> {
+        let mut position = commands[0];
+        let output = commands.iter().enumerate().map(|(k, command)| {
+            if k < off {
+                position += (command - position) / time;
+            }
+            let noise = ((k * k * 7919) % 101) as f64 / 100.0 - 0.5;
+            position + 0.1 * noise
+        });
+        let output: Vec<f64> = output.collect();
+        Record::of_run(0.01, commands.to_vec(), output).unwrap()
+    }
+
+    fn square(length: usize, hold: impl Fn(usize) -> usize) -> Vec<f64> {
+        let (mut commands, mut level) = (Vec::new(), 5.0);
+        while commands.len() < length {
+            let hold = hold(commands.len());
+            commands.extend(std::iter::repeat_n(level, hold));
+            level = -level;
+        }
+        commands
+    }
+
+    #[test]
+    fn a_servo_that_is_switched_off_has_a_time() {
+        let steady = square(2_000, |_| 50);
+        let found = advice(&record(&steady, 5.0, 1_020)).unwrap();
+        // The next stroke of the command.
+        assert_eq!(found.value, 10.5);
+        assert!(
+            found.finding.starts_with("From 10.50 s on"),
+            "{}",
+            found.finding
+        );
+        let shorter = square(2_000, |k| 80 - 70 * k / 2_000);
+        let found = advice(&record(&shorter, 5.0, 1_000)).unwrap();
+        assert!((10.0..10.6).contains(&found.value), "{}", found.value);
+    }
+
+    #[test]
+    fn a_servo_that_moves_rests_or_is_too_slow_has_none() {
+        let steady = square(2_000, |_| 50);
+        assert_eq!(advice(&record(&steady, 5.0, usize::MAX)), None);
+        let resting = [&steady[..1_000], &[5.0; 1_000]].concat();
+        assert_eq!(advice(&record(&resting, 5.0, usize::MAX)), None);
+        // From slow strokes to such as it cannot follow at all.
+        let sweep: Vec<f64> = (0..6_000)
+            .map(|k| 5.0 * (0.002 * f64::from(k) + 2e-5 * f64::from(k * k)).sin())
+            .collect();
+        assert_eq!(advice(&record(&sweep, 60.0, usize::MAX)), None);
+        // It never moved: that is another finding.
+        assert_eq!(advice(&record(&steady, 5.0, 0)), None);
+    }
+}
