@@ -1,4 +1,4 @@
-//! The derivatives by hand against dual numbers.
+//! The derivatives by hand against dual numbers, and speeds against their formula.
 
 use super::*;
 use crate::{AtRest, DriveLimit, Dual, Friction, Load, PARAMETERS};
@@ -113,6 +113,53 @@ fn input() -> Vec<f64> {
 
 /// Both are the same sums in another order: apart by rounding, of which 500 samples of 3 steps in a stable servo gather
 /// some thousand times 1e-16 of the largest derivative.
+/// Full drive lifts a load slowly and lets it down fast; the gears take their share of both.
+#[test]
+fn a_long_stroke_reaches_the_top_speed_under_its_load() {
+    let load = 300.0;
+    let servo = ServoParameters {
+        delay_s: 0.0,
+        stiffness: 2500.0,
+        damping: 70.0,
+        gain: 1.0,
+        offset: 0.0,
+        limit: Some(DriveLimit {
+            up: 4000.0,
+            down_to_up: 0.8,
+            motor_damping: 20.0,
+        }),
+        dead_band: None,
+        friction: Some(Friction {
+            coulomb: 100.0,
+            of_gears: 0.1,
+            at_rest: None,
+        }),
+        load: Load::Constant(load),
+    };
+    let grid = Grid::new(0.01, 0.0, 1e-3);
+    let reached = |command: f64| {
+        let mut output = Vec::new();
+        let input = vec![command; 200];
+        let start = Start::at_rest(0.0, Some(0.0));
+        simulate(&servo, &grid, &start, &input, |_, y| output.push(y));
+        (output[199] - output[198]).abs() / 0.01
+    };
+    let [up, down] = servo.top_speeds(load).unwrap();
+    // (4000 - 300 - 100 - 0.1 4300)/20 and (3200 + 300 - 100 - 0.1 2900)/20.
+    assert!(
+        (up - 158.5).abs() < 1e-9 && (down - 155.5).abs() < 1e-9,
+        "{up} {down}"
+    );
+    // After 40 time constants of the motor; what is left is rounding.
+    assert!((reached(1e6) / up - 1.0).abs() < 1e-6, "{}", reached(1e6));
+    assert!(
+        (reached(-1e6) / down - 1.0).abs() < 1e-6,
+        "{}",
+        reached(-1e6)
+    );
+    assert_eq!(servo.top_speeds(1e4).map(|[up, _]| up), Some(0.0));
+}
+
 #[test]
 fn slopes_are_those_of_dual_numbers() {
     let input = input();

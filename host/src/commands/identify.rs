@@ -56,7 +56,7 @@ pub(super) struct Identify {
     #[arg(long)]
     flight_model: bool,
     /// Also find the servo as a machine: delay, stiffness, limit of the drive, two speeds, dead band, friction and load, as
-    /// far as prediction needs them. It is found by itself where the linear model has no bounds
+    /// far as prediction needs them. It is found by itself where the servo is not linear
     #[arg(long)]
     servo_model: bool,
     /// Also test for motion that is not linear: up and down strokes that differ, rate limits, hysteresis of the

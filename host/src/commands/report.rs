@@ -44,7 +44,7 @@ pub(super) struct Report {
     /// The largest difference that still counts as the same (percent of the step)
     #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::value_parsers::margin)]
     margin: f64,
-    /// Also find the servo as a machine in every recording. It is found by itself where the linear model has no bounds
+    /// Also find the servo as a machine in every recording. It is found by itself where the servo is not linear
     #[arg(long)]
     servo_model: bool,
     #[command(flatten)]

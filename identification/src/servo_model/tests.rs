@@ -204,6 +204,48 @@ fn a_limited_servo_is_found_again() {
     }
 }
 
+/// A position that follows the command by so much in a second at the most, up and down, and is otherwise there at once.
+#[test]
+fn a_servo_whose_speed_alone_is_limited_is_found_again() {
+    const STEPS: usize = 100;
+    let (delay_s, [up, down]) = (0.02, [40.0, 30.0]);
+    let input = strokes(2400);
+    let step_s = PERIOD_S / STEPS as f64;
+    let late = (delay_s / step_s).round() as usize;
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    let mut position = input[0];
+    let mut output = Vec::new();
+    for step in 0..input.len() * STEPS {
+        if step % STEPS == 0 {
+            let v: f64 = StandardNormal.sample(&mut random);
+            output.push(position + 0.03 * v);
+        }
+        let command = input[step.saturating_sub(late) / STEPS];
+        position += (command - position).clamp(-down * step_s, up * step_s);
+    }
+    let record = Record::of_run(PERIOD_S, &input, &output).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    for (name, truth) in [
+        ("delay", delay_s),
+        ("gain", 1.0),
+        ("top speed upwards", up),
+        ("top speed downwards", down),
+    ] {
+        let mut named = found.quantities.iter().filter(|found| found.name == name);
+        let quantity = named.next().unwrap();
+        let interval = quantity.interval.valid().unwrap();
+        assert!(
+            quantity.determined && interval.contains(truth),
+            "{name}: {truth} {quantity:?}"
+        );
+    }
+    // Nothing shows how fast it would get there.
+    let accelerations = found.quantities.iter();
+    for quantity in accelerations.filter(|found| found.name.starts_with("acceleration")) {
+        assert!(!quantity.determined, "{quantity:?}");
+    }
+}
+
 #[test]
 fn a_linear_servo_stays_linear() {
     let (servo, input) = (point(Terms::default(), value), strokes(2000));

@@ -1,6 +1,7 @@
 //! Servos that are not linear are distinguished from those that are, and the bounds follow.
 
 use rayon::prelude::*;
+use servoid_dynamics::{Friction, Grid, Load, ServoParameters, Start, simulate};
 use servoid_identification::results::Model;
 use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
 use servoid_identification::{Options, Record, identify};
@@ -14,19 +15,24 @@ fn identified(input: &[f64], clean: &[f64], seed: u64) -> Model {
     identify(&record, &Options::default()).unwrap()
 }
 
-/// Random levels of ±5, each held for `hold` samples, 3600 samples in all: bits of a linear
-/// congruential generator (Knuth's MMIX).
-fn random_steps(hold: usize) -> Vec<f64> {
+/// Random levels, each held for `hold` samples, 3600 samples in all. `level` makes them of numbers from 0 to 1: the high bits of a
+/// linear congruential generator (Knuth's MMIX).
+fn random_levels(hold: usize, level: impl Fn(f64) -> f64) -> Vec<f64> {
     let mut state = 11u64;
-    let mut level = || {
+    let mut next = || {
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1_442_695_040_888_963_407);
-        if state >> 63 == 1 { 5.0 } else { -5.0 }
+        level((state >> 32) as f64 / f64::from(u32::MAX))
     };
     (0..3600 / hold)
-        .flat_map(|_| std::iter::repeat_n(level(), hold))
+        .flat_map(|_| std::iter::repeat_n(next(), hold))
         .collect()
+}
+
+/// Of ±5.
+fn random_steps(hold: usize) -> Vec<f64> {
+    random_levels(hold, |uniform| if uniform > 0.5 { 5.0 } else { -5.0 })
 }
 
 #[test]
@@ -73,6 +79,43 @@ fn limits_under_held_steps_are_said_and_bounds_keep_their_level() {
         // Not longer than a hold: later is the answer to the next step.
         assert!(model.structure.settling_samples <= 150, "{limit:?}");
     }
+}
+
+/// A servo of 45 rad/s that friction holds up to `resting_error` degrees off its target.
+fn with_friction(resting_error: f64, input: &[f64]) -> Vec<f64> {
+    let stiffness = 45.0 * 45.0;
+    let servo = ServoParameters {
+        delay_s: 0.012,
+        stiffness,
+        damping: 72.0,
+        gain: 1.0,
+        offset: 0.0,
+        limit: None,
+        dead_band: None,
+        friction: Some(Friction {
+            coulomb: resting_error * stiffness,
+            of_gears: 0.0,
+            at_rest: None,
+        }),
+        load: Load::None,
+    };
+    let (grid, start) = (
+        Grid::new(PERIOD, 0.0, 1e-4),
+        Start::at_rest(input[0], Some(input[0])),
+    );
+    let mut output = Vec::new();
+    simulate(&servo, &grid, &start, input, |_, y| output.push(y));
+    output
+}
+
+/// A noise model takes the error at rest for drift, unless it is shown which way the servo came.
+#[test]
+fn friction_under_strokes_of_many_sizes_is_seen() {
+    let input = random_levels(120, |uniform| 40.0 * uniform - 20.0);
+    let model = identified(&input, &with_friction(0.3, &input), 5);
+    assert!(!model.linear, "{:?} {:?}", model.residuals, model.advice);
+    let frictionless = identified(&input, &with_friction(0.0, &input), 5);
+    assert!(frictionless.linear, "{:?}", frictionless.residuals);
 }
 
 #[test]
