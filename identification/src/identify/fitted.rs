@@ -1,12 +1,14 @@
 //! A fitted candidate, and what its errors show.
 
+use super::assess::figures_of_merit;
 use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
+use crate::data::Quantisation;
 use crate::diagnostics::{
-    Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowEnd, UnevenNoise,
-    against_standstill, allow_for_run_offsets, allow_for_run_trends, allow_for_scatter,
-    allow_for_uneven_noise, simulated, test_linearity,
+    AllowedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowColumn, SlowEnd,
+    UnevenNoise, against_standstill, allow_for_run_offsets, allow_for_run_trends,
+    allow_for_scatter, allow_for_uneven_noise, simulated, simulated_whole, test_linearity,
 };
 use crate::error::Error;
 
@@ -20,6 +22,8 @@ pub(super) struct Fitted {
     pub(super) misfit: Option<Misfit>,
     /// That the response goes on beyond N, where it does.
     pub(super) slow_end: Option<SlowEnd>,
+    /// The slow end that is part of the covariance.
+    pub(super) allowed_end: Option<AllowedEnd>,
     /// Whether the input follows the output; `None` where that could not be tested.
     pub(super) feedback: Option<Feedback>,
     /// By how much the noise varies, where it does; the covariance of the estimate allows for it.
@@ -51,6 +55,7 @@ impl Fitted {
             linearity: None,
             misfit: None,
             slow_end: None,
+            allowed_end: None,
             feedback: None,
             uneven: None,
             prior: None,
@@ -77,6 +82,42 @@ impl Fitted {
         if !task.disturbances.trends.is_empty() {
             allow_for_run_trends(record.runs(), &information.moments, fit);
         }
+        self
+    }
+
+    /// The input behind a slow lag beside all lags up to N. `None` where its share of the errors says nothing of a slow end.
+    pub(super) fn slow_column(&self, task: &Task<'_>) -> Option<SlowColumn> {
+        let (record, plan) = (task.record?, &self.candidate.plan);
+        let choice = plan.choice.as_ref()?;
+        let follows_motion = self
+            .linearity
+            .is_some_and(|found| found.errors_follow_motion());
+        // Errors of the steps of the sensor follow the motion too.
+        let is_rounded = || {
+            let rmse = figures_of_merit(self, 0).rmse;
+            Quantisation::of(record, rmse).is_some()
+        };
+        if follows_motion
+            || self.misfit.is_some()
+            || choice.within_holds
+            || choice.repeats_after.is_some()
+            || !plan.basis.is_complete()
+            || is_rounded()
+        {
+            return None;
+        }
+        let (moments, fit) = (&self.estimate.information.moments, &self.estimate.fit);
+        SlowColumn::new(&simulated_whole(record, moments, fit), moments, fit)
+    }
+
+    /// With the covariance that allows for a slow end. The stable prior has one of its own.
+    pub(super) fn allowing_for_slow_end(mut self, task: &Task<'_>) -> Self {
+        if matches!(self.prior, Some(PriorOutcome::Used { .. })) {
+            return self;
+        }
+        let ratio = task.disturbances.outliers.variance_ratio();
+        self.allowed_end =
+            (self.slow_column(task)).map(|column| column.allow_in(&mut self.estimate.fit, ratio));
         self
     }
 

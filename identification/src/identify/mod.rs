@@ -119,7 +119,7 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
 fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
     let samples = first.candidate.moments.samples();
     let fitted = gates::pass(task, first)?.with_honest_covariance(task);
-    let mut fitted = prior::under_prior(task, fitted);
+    let mut fitted = prior::under_prior(task, fitted).allowing_for_slow_end(task);
     let mut described = Described::new(task, &fitted);
     let runs = task.record.and_then(|record| {
         RunComparison::of(&described.model, &task.disturbances.with_offsets(record))
