@@ -8,14 +8,15 @@
 //! D(z) y(k) = D(z) (sum_i h(i) u(k-i) + c + γ w(k)) + ε(k),     w(k) = ρ w(k-1) + (1 - ρ) u(k)
 //! ```
 //!
-//! The lags up to N take their share of w, and what is left is its end. An end of any other time constant is much the same beyond N.
+//! The lags up to N take their share of w, and what is left is its end. An end of another time constant is much the same up to N.
 //! With x = (Z'Z)^-1 Z'w and q = w'w - w'Z x, all behind the filter, γ is the score w'ε over q with the variance σ²/q, and with w in
 //! the regression the other parameters change by -γ x (Frisch and Waugh, 1933). The part γ of the response is added to the impulse
 //! response, what is left of it after N to its last sample, as always: together a direction δ, by which the response is off if γ is
 //! left out.
 //!
 //! It is left out of the response, which without it is the better one where there is no slow end, and is in the bounds: the covariance
-//! grows by δ δ' max(γ², σ²/q). The test counts γ² q/σ² as χ² of one degree of freedom.
+//! grows by δ δ' max(γ², σ²/q). The final value gathers all that comes after N, and slower ends have more of that: there a time
+//! constant of 2 N counts. The test counts γ² q/σ² as χ² of one degree of freedom.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,9 +28,10 @@ use crate::numerics::{LaggedSums, chi_square_upper_tail, dot, times};
 
 use faer::Mat;
 
-/// Time constant, in settling times. At half of it the whole curve is inside its band in too few of the runs with a slow end in slow
-/// noise; at two the interval of the gain is 1.5 times as wide.
-const TIME_CONSTANT: f64 = 1.0;
+/// Time constants of the ends that points of the response and the final value allow for, in settling times. At half of the first the whole
+/// curve is inside its band in too few of the runs with a slow end in slow noise. At one for both, ends of four settling times move
+/// the final value out of it; at four for the second its interval is six times as wide as without a slow end.
+const TIME_CONSTANTS: [f64; 2] = [1.0, 2.0];
 
 /// Whether the response goes on beyond N.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -61,98 +63,159 @@ impl AllowedEnd {
     }
 }
 
-/// The input behind a slow lag, as a further column of a regression.
-pub(crate) struct SlowColumn {
+/// The input behind slow lags, each as a further column of a regression.
+pub(crate) struct SlowColumns {
     /// N \[samples\].
     lags: usize,
+    /// One of each of the [`TIME_CONSTANTS`].
+    columns: Vec<SlowColumn>,
+    /// Variance of ε.
+    variance: f64,
+}
+
+struct SlowColumn {
+    /// \[samples\]
+    time_constant: f64,
     /// (Z'Z)^-1 Z'w, the offset last.
     shared: Vec<f64>,
     /// What the other columns leave of w'w.
     left: f64,
     /// w'ε, of errors but for what runs differ by.
     score: f64,
-    /// Variance of ε.
-    variance: f64,
 }
 
-impl SlowColumn {
+/// Products of a column with itself, the offset's column and the errors.
+#[derive(Default)]
+struct Products {
+    own: f64,
+    with_offset: f64,
+    score: f64,
+}
+
+impl SlowColumns {
     /// Beside the complete bank of `fit`, from its errors in `runs`; `None` where the input does not show slow ends.
     pub(crate) fn new(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Self> {
         let lags = fit.coordinates.basis.settling();
         let d = noise_filter(&fit.ar);
         let gain: f64 = d.iter().sum();
-        let mut sums = LaggedSums::new(lags, 1);
-        let (mut own, mut with_offset, mut score) = (0.0, 0.0, 0.0);
+        let time_constants = TIME_CONSTANTS.map(|times| times * lags as f64);
+        let mut sums = LaggedSums::new(lags, time_constants.len());
+        let mut all = time_constants.map(|_| Products::default());
         for run in runs {
             let history = lags + fit.ar.len();
             let input = with_history(&run.run, history, moments.centre.0);
             let rows = (run.run).complete_rows(moments.input_lags(), moments.output_lags());
-            let slow = behind_lag(&run.run, TIME_CONSTANT * lags as f64, moments.centre.0);
-            let slow = only(&rows, filtered(&slow, &d));
             // What runs differ by is no end of their common response.
             let errors: Vec<f64> = run.own_errors().iter().copied().map(present).collect();
-            score += dot(&slow, &filtered(&errors, &d));
-            own += dot(&slow, &slow);
-            with_offset += gain * slow.iter().sum::<f64>();
-            sums.add(&filtered(&input, &d)[history + 1 - lags..], &[&slow]);
+            let errors = filtered(&errors, &d);
+            let slow = time_constants.map(|time_constant| {
+                let slow = behind_lag(&run.run, time_constant, moments.centre.0);
+                only(&rows, filtered(&slow, &d))
+            });
+            for (products, slow) in all.iter_mut().zip(&slow) {
+                products.own += dot(slow, slow);
+                products.with_offset += gain * slow.iter().sum::<f64>();
+                products.score += dot(slow, &errors);
+            }
+            sums.add(
+                &filtered(&input, &d)[history + 1 - lags..],
+                &slow.each_ref().map(Vec::as_slice),
+            );
         }
-        let sums = sums.sums().remove(0);
-        let by_lag = Mat::from_fn(lags, 1, |a, _| sums[a]);
-        let mut cross = fit.coordinates.compress(by_lag).col_as_slice(0).to_vec();
-        cross.push(with_offset);
-        let shared = times(&fit.solution.inverse, &cross);
-        let left = own - dot(&cross, &shared);
-        // A millionth of new information is rounding.
-        (left > 1e-6 * own).then_some(Self {
+        let columns = (time_constants.into_iter().zip(all)).zip(sums.sums()).map(
+            |((time_constant, products), by_lag)| {
+                SlowColumn::new(time_constant, &products, by_lag, fit)
+            },
+        );
+        Some(Self {
             lags,
-            shared,
-            left,
-            score,
+            columns: columns.collect::<Option<_>>()?,
             variance: fit.variance,
         })
     }
 
     /// The test of an end.
     pub(crate) fn test(&self) -> SlowEnd {
+        let first = &self.columns[0];
         SlowEnd {
-            p: chi_square_upper_tail(self.score.powi(2) / self.left / self.variance, 1),
+            p: chi_square_upper_tail(first.score.powi(2) / first.left / self.variance, 1),
             beyond: self.lags,
         }
     }
 
     /// The covariance of `fit`, which is `ratio` times that of its rows for outliers, becomes that with a slow end.
     pub(crate) fn allow_in(&self, fit: &mut GlsFit, ratio: f64) -> AllowedEnd {
-        let end = AllowedEnd {
-            value: self.score / self.left,
-            sd: (ratio * self.variance / self.left).sqrt(),
+        let end = |column: &SlowColumn| AllowedEnd {
+            value: column.score / column.left,
+            sd: (ratio * self.variance / column.left).sqrt(),
         };
-        fit.further.slow_end = Some(self.moved(end.value.abs().max(end.sd)));
-        end
+        fit.further.slow_end = Some(self.moved(|column| {
+            let end = end(column);
+            end.value.abs().max(end.sd)
+        }));
+        end(&self.columns[0])
     }
 
     /// The same for a record that has not been made: max(γ², σ²/q) is what it is on average where the response is over.
     pub(crate) fn expect_in(&self, fit: &mut GlsFit) {
         // E max(z², 1) of a normal z is 1 + 2 φ(1).
         let average = 1.0 + 2.0 * (-0.5f64).exp() / std::f64::consts::TAU.sqrt();
-        fit.further.slow_end = Some(self.moved((average * self.variance / self.left).sqrt()));
+        let size = |column: &SlowColumn| (average * self.variance / column.left).sqrt();
+        fit.further.slow_end = Some(self.moved(size));
     }
 
-    /// δ times an end of this size, in standard deviations of ε.
-    fn moved(&self, size: f64) -> Vec<f64> {
-        let scale = size / self.variance.sqrt();
-        self.direction().iter().map(|x| scale * x).collect()
+    /// δ times the size of an end, in standard deviations of ε, the offset last; its sum is the change of the final value, the largest of all
+    /// columns.
+    fn moved(&self, size: impl Fn(&SlowColumn) -> f64) -> Vec<f64> {
+        let sd = self.variance.sqrt();
+        let moved = |column: &SlowColumn| -> Vec<f64> {
+            let direction = column.direction(self.lags);
+            direction.iter().map(|x| size(column) / sd * x).collect()
+        };
+        let mut first = moved(&self.columns[0]);
+        let total = |moved: &[f64]| moved[..self.lags].iter().sum::<f64>();
+        let own = total(&first);
+        let largest = self.columns[1..]
+            .iter()
+            .map(|column| total(&moved(column)).abs())
+            .fold(own.abs(), f64::max);
+        first[self.lags - 1] += largest.copysign(own) - own;
+        first
+    }
+}
+
+impl SlowColumn {
+    /// `None` where it is not new beside the lags.
+    fn new(
+        time_constant: f64,
+        products: &Products,
+        by_lag: Vec<f64>,
+        fit: &GlsFit,
+    ) -> Option<Self> {
+        let by_lag = Mat::from_fn(by_lag.len(), 1, |a, _| by_lag[a]);
+        let mut cross = fit.coordinates.compress(by_lag).col_as_slice(0).to_vec();
+        cross.push(products.with_offset);
+        let shared = times(&fit.solution.inverse, &cross);
+        let left = products.own - dot(&cross, &shared);
+        // A millionth of new information is rounding.
+        (left > 1e-6 * products.own).then_some(Self {
+            time_constant,
+            shared,
+            left,
+            score: products.score,
+        })
     }
 
     /// δ, the offset last.
-    fn direction(&self) -> Vec<f64> {
-        let keep = rate(TIME_CONSTANT * self.lags as f64);
+    fn direction(&self, lags: usize) -> Vec<f64> {
+        let keep = rate(self.time_constant);
         let mut direction = self.shared.clone();
         let mut rest = 1.0;
-        for x in &mut direction[..self.lags - 1] {
+        for x in &mut direction[..lags - 1] {
             *x -= rest * (1.0 - keep);
             rest *= keep;
         }
-        direction[self.lags - 1] -= rest;
+        direction[lags - 1] -= rest;
         direction
     }
 }

@@ -1,7 +1,7 @@
 //! The model that is expected of a recording which has not been made.
 
 use crate::data::{Moments, Record};
-use crate::diagnostics::{SlowColumn, simulated_whole};
+use crate::diagnostics::{SlowColumns, simulated_whole};
 use crate::error::Error;
 use crate::estimation::{Coordinates, CurveVariance, FsfBasis, GlsFit, GlsOptions, RowInformation};
 use crate::numerics::matrix_rows::to_rows;
@@ -41,10 +41,10 @@ pub fn expected_model(
         .ok_or_else(not_excited)?;
     if example.structure.selected_by == SelectedBy::Auto && basis.is_complete() {
         let moments = &information.moments;
-        if let Some(column) =
-            SlowColumn::new(&simulated_whole(record, moments, &fit), moments, &fit)
+        if let Some(columns) =
+            SlowColumns::new(&simulated_whole(record, moments, &fit), moments, &fit)
         {
-            column.expect_in(&mut fit);
+            columns.expect_in(&mut fit);
         }
     }
     let spread = CurveVariance::of_fit(&information, &fit, &coordinates.step_map());

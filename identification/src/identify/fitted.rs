@@ -6,7 +6,7 @@ use super::estimate::Estimate;
 use super::task::Task;
 use crate::data::Quantisation;
 use crate::diagnostics::{
-    AllowedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowColumn, SlowEnd,
+    AllowedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowColumns, SlowEnd,
     UnevenNoise, against_standstill, allow_for_run_offsets, allow_for_run_trends,
     allow_for_scatter, allow_for_uneven_noise, simulated, simulated_whole, test_linearity,
 };
@@ -86,7 +86,7 @@ impl Fitted {
     }
 
     /// The input behind a slow lag beside all lags up to N. `None` where its share of the errors says nothing of a slow end.
-    pub(super) fn slow_column(&self, task: &Task<'_>) -> Option<SlowColumn> {
+    pub(super) fn slow_columns(&self, task: &Task<'_>) -> Option<SlowColumns> {
         let (record, plan) = (task.record?, &self.candidate.plan);
         let choice = plan.choice.as_ref()?;
         let follows_motion = self
@@ -107,7 +107,7 @@ impl Fitted {
             return None;
         }
         let (moments, fit) = (&self.estimate.information.moments, &self.estimate.fit);
-        SlowColumn::new(&simulated_whole(record, moments, fit), moments, fit)
+        SlowColumns::new(&simulated_whole(record, moments, fit), moments, fit)
     }
 
     /// With the covariance that allows for a slow end. The stable prior has one of its own.
@@ -116,8 +116,8 @@ impl Fitted {
             return self;
         }
         let ratio = task.disturbances.outliers.variance_ratio();
-        self.allowed_end =
-            (self.slow_column(task)).map(|column| column.allow_in(&mut self.estimate.fit, ratio));
+        self.allowed_end = (self.slow_columns(task))
+            .map(|columns| columns.allow_in(&mut self.estimate.fit, ratio));
         self
     }
 

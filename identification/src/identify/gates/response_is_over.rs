@@ -60,6 +60,6 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
 }
 
 fn significant(task: &Task<'_>, fitted: &Fitted, significance: f64) -> Option<SlowEnd> {
-    let end = fitted.slow_column(task)?.test();
+    let end = fitted.slow_columns(task)?.test();
     (end.p < significance).then_some(end)
 }
