@@ -1,14 +1,12 @@
 //! A fitted candidate, and what its errors show.
 
-use super::assess::figures_of_merit;
 use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
-use crate::data::Quantisation;
 use crate::diagnostics::{
-    AllowedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowColumns, SlowEnd,
-    UnevenNoise, against_standstill, allow_for_run_offsets, allow_for_run_trends,
-    allow_for_scatter, allow_for_uneven_noise, simulated, simulated_whole, test_linearity,
+    AllowedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowEnd, UnevenNoise,
+    against_standstill, allow_for_run_offsets, allow_for_run_trends, allow_for_scatter,
+    allow_for_uneven_noise, simulated, test_linearity,
 };
 use crate::error::Error;
 
@@ -82,42 +80,6 @@ impl Fitted {
         if !task.disturbances.trends.is_empty() {
             allow_for_run_trends(record.runs(), &information.moments, fit);
         }
-        self
-    }
-
-    /// The input behind a slow lag beside all lags up to N. `None` where its share of the errors says nothing of a slow end.
-    pub(super) fn slow_columns(&self, task: &Task<'_>) -> Option<SlowColumns> {
-        let (record, plan) = (task.record?, &self.candidate.plan);
-        let choice = plan.choice.as_ref()?;
-        let follows_motion = self
-            .linearity
-            .is_some_and(|found| found.errors_follow_motion());
-        // Errors of the steps of the sensor follow the motion too.
-        let is_rounded = || {
-            let rmse = figures_of_merit(self, 0).rmse;
-            Quantisation::of(record, rmse).is_some()
-        };
-        if follows_motion
-            || self.misfit.is_some()
-            || choice.within_holds
-            || choice.repeats_after.is_some()
-            || !plan.basis.is_complete()
-            || is_rounded()
-        {
-            return None;
-        }
-        let (moments, fit) = (&self.estimate.information.moments, &self.estimate.fit);
-        SlowColumns::new(&simulated_whole(record, moments, fit), moments, fit)
-    }
-
-    /// With the covariance that allows for a slow end. The stable prior has one of its own.
-    pub(super) fn allowing_for_slow_end(mut self, task: &Task<'_>) -> Self {
-        if matches!(self.prior, Some(PriorOutcome::Used { .. })) {
-            return self;
-        }
-        let ratio = task.disturbances.outliers.variance_ratio();
-        self.allowed_end = (self.slow_columns(task))
-            .map(|columns| columns.allow_in(&mut self.estimate.fit, ratio));
         self
     }
 

@@ -11,6 +11,7 @@ use crate::diagnostics::SlowEnd;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
 use crate::identify::fitted::Fitted;
+use crate::identify::slow_end::slow_columns;
 use crate::identify::task::Task;
 use crate::selection::Choice;
 use crate::thresholds::{SLOW_END_SIGNIFICANCE, UNSETTLED_SIGNIFICANCE};
@@ -60,6 +61,6 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
 }
 
 fn significant(task: &Task<'_>, fitted: &Fitted, significance: f64) -> Option<SlowEnd> {
-    let end = fitted.slow_columns(task)?.test();
+    let end = slow_columns(task, fitted)?.test();
     (end.p < significance).then_some(end)
 }
