@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn what_was_left_out_is_drawn_at_its_place() {
-        let run = |y: [f64; 4]| Run::new(vec![0.0; 4], y.to_vec()).unwrap();
+        let run = |y: [f64; 4]| Run::new(vec![0.0, 1.0, 0.0, 1.0], y.to_vec()).unwrap();
         let runs = vec![run([0.0; 4]), run([0.0, 1.0, 5.0, 6.0])];
         let record = Record::new(0.5, runs).unwrap();
         let taken_out = TakenOut {
