@@ -50,11 +50,17 @@ type Measure<'a> = Box<dyn Fn(usize) -> Line + 'a>;
 /// The first columns of every line, and what measures it.
 fn all_lines(options: &Options) -> Vec<(String, Measure<'_>)> {
     let even = cases().into_iter().map(|case| {
-        let measure: Measure<'_> = Box::new(move |runs| measure(case, runs, options));
+        let measure: Measure<'_> = Box::new(move |runs| Line {
+            oracle: case.oracle(),
+            ..measure(case, runs, options)
+        });
         (case.label(), measure)
     });
     let hard = hard_lines().into_iter().map(|line| {
-        let measure: Measure<'_> = Box::new(move |runs| line.measure(runs, options));
+        let measure: Measure<'_> = Box::new(move |runs| Line {
+            oracle: line.oracle(),
+            ..line.measure(runs, options)
+        });
         (line.label(), measure)
     });
     even.chain(hard).collect()

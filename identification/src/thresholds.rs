@@ -177,17 +177,17 @@ pub const LINE_OF_REFERENCE: f64 = 25.0;
 /// limits.
 pub const BESIDE_MOTION: f64 = 0.1;
 
-/// Probability below which an end of the response beyond N counts; then N is the longest.
+/// Probability below which an end of the response beyond N counts. Then N is the longest, and an end beyond that takes the level.
 ///
-/// Protects: bounds from a slow end of a few percent, which no single lag shows. It is mild because a longer N costs
-/// width and nothing else, in one of fifty records; in one of twenty the mean width of PRBS, C, AR(1) grew by 27 %. Evidence: "Hard recordings", two time scales.
-pub const SLOW_END_SIGNIFICANCE: f64 = 0.02;
+/// Protects: step responses that end too soon. A longer N makes bounds three times as wide, in one of 300 records without such an end;
+/// bounds contain ends that are not found. Evidence: "Hard recordings", two time scales.
+pub const SLOW_END_SIGNIFICANCE: f64 = 3e-3;
 
-/// Probability below which an end beyond the longest N takes the level.
+/// The same where no N was found in the record.
 ///
-/// Protects: bounds of a response that is not over, at hardly any cost to those that are. Evidence: "Hard recordings", two
-/// time scales; plant E of "Measured coverage" keeps its level.
-pub const UNSETTLED_SIGNIFICANCE: f64 = 3e-3;
+/// Protects: bounds of a response that is not over. Evidence: "Hard recordings", two time scales; plant E of "Measured coverage" keeps
+/// its level.
+pub const UNSETTLED_SIGNIFICANCE: f64 = 0.02;
 
 /// Standard deviations that the end of the response may have after the longest N, extrapolated from where it is last
 /// seen, before bounds lose their level.

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use servoid_identification::thresholds::RESIDUAL_SIGNIFICANCE;
 use servoid_identification::{Options, Record, identify_explained};
 
+use crate::oracle;
 use crate::plants::{Noise, PERIOD, Plant, low_passed, prbs, random, simulate, square, staircase};
 
 /// The reference that drives the servo.
@@ -55,6 +56,8 @@ pub struct Line {
     pub order: usize,
     /// Mean half widths.
     pub half_widths: (f64, f64),
+    /// Those of one who knows N and the noise, where they were asked for.
+    pub oracle: Option<(f64, f64)>,
     /// Share of runs that carried advice.
     pub advised: f64,
     /// Share of runs with each piece of advice, by its check.
@@ -151,6 +154,7 @@ pub fn measure_trials(
             mean(|held| held.half_widths.0),
             mean(|held| held.half_widths.1),
         ),
+        oracle: None,
         advised: share(|o| !o.checks.is_empty()),
         checks: shares(outcomes.iter().flat_map(|o| &o.checks), runs),
         rejected: [
@@ -173,6 +177,11 @@ impl Case {
             scale,
         } = self;
         format!("| {reference:?} | {plant:?} | {noise:?} | {scale} |")
+    }
+
+    /// The half widths of one who knows N and the noise.
+    pub fn oracle(&self) -> Option<(f64, f64)> {
+        oracle::half_widths(&self.trial(0), self.noise, self.scale)
     }
 
     fn trial(&self, run: usize) -> Trial {
@@ -264,7 +273,7 @@ fn mode(values: impl Iterator<Item = usize>) -> usize {
 
 impl Line {
     /// The heading of the table.
-    pub const HEADING: &str = "| reference | plant | noise | x | runs | claimed % | mean % | worst % | whole % | N median (min-max) | n | d | half width point / whole | whiteness / independence / linearity rejected % | withdrawn / any alarm % | advised % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
+    pub const HEADING: &str = "| reference | plant | noise | x | runs | claimed % | mean % | worst % | whole % | N median (min-max) | n | d | half width point / whole | oracle point / whole | whiteness / independence / linearity rejected % | withdrawn / any alarm % | advised % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
 
     /// Share of runs with the advice of `check`.
     pub fn share_of(&self, check: &str) -> f64 {
@@ -276,9 +285,13 @@ impl std::fmt::Display for Line {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (low, median, high) = self.settling;
         let percent = |share: f64| 100.0 * share;
+        let oracle = self.oracle.map_or_else(
+            || "-".to_owned(),
+            |(point, whole)| format!("{point:.4} / {whole:.4}"),
+        );
         write!(
             f,
-            "{} {} | {:.1} | {:.2} | {:.1} | {:.1} | {median} ({low}-{high}) | {} | {} | {:.4} / {:.4} | {:.1} / {:.1} / {:.1} | {:.1} / {:.1} | {:.1}",
+            "{} {} | {:.1} | {:.2} | {:.1} | {:.1} | {median} ({low}-{high}) | {} | {} | {:.4} / {:.4} | {oracle} | {:.1} / {:.1} / {:.1} | {:.1} / {:.1} | {:.1}",
             self.label,
             self.runs,
             percent(self.claimed),

@@ -6,6 +6,7 @@ use rand_distr::{Distribution, StudentT};
 use servoid_identification::{Options, Record, Run};
 
 use crate::coverage::{LONGEST_TRUTH, Line, Trial, measure_trials};
+use crate::oracle;
 use crate::plants::{Noise, PERIOD, Plant, normal, prbs, random, staircase};
 
 /// Standard deviation of white noise at a factor of one.
@@ -84,14 +85,21 @@ impl HardLine {
     /// How often bounds hold the truth in `runs` recordings, which differ in their seeds.
     #[must_use]
     pub fn measure(&self, runs: usize, options: &Options) -> Line {
-        let label = self.label();
+        measure_trials(self.label(), runs, options, |run| self.seeded(run))
+    }
+
+    /// The half widths of one who knows N and the noise, of a record without the hardship.
+    #[must_use]
+    pub fn oracle(&self) -> Option<(f64, f64)> {
+        oracle::half_widths(&self.seeded(0), self.noise, self.scale)
+    }
+
+    fn seeded(&self, run: usize) -> Trial {
         // FNV-1a: lines with other names have other seeds.
-        let hash = label.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        let hash = (self.label().bytes()).fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         });
-        measure_trials(label, runs, options, |run| {
-            self.trial(&mut random(hash ^ run as u64))
-        })
+        self.trial(&mut random(hash ^ run as u64))
     }
 
     fn trial(&self, random: &mut ChaCha8Rng) -> Trial {
@@ -356,5 +364,30 @@ pub fn hard_lines() -> Vec<HardLine> {
             drive: Drive::Prbs,
             ..slow_end(0.05, 0.3, Noise::Ar2, 1.0)
         },
+        HardLine {
+            plant: Plant::B,
+            ..slow_end(0.05, 0.5, Noise::Ar1, 1.0)
+        },
+        HardLine {
+            plant: Plant::D,
+            ..slow_end(0.04, 0.6, Noise::Ar1, 5.0)
+        },
+        HardLine {
+            drive: Drive::Prbs,
+            plant: Plant::A,
+            ..slow_end(0.03, 0.4, Noise::Ar1, 1.0)
+        },
+        HardLine {
+            plant: Plant::A,
+            ..slow_end(-0.05, 0.3, Noise::Ar1, 1.0)
+        },
+        HardLine {
+            plant: Plant::A,
+            ..slow_end(0.01, 0.4, Noise::White, 1.0)
+        },
+        slow_end(0.03, 0.15, Noise::Ar1, 5.0),
+        slow_end(0.1, 0.8, Noise::Ar1, 5.0),
+        slow_end(0.02, 0.8, Noise::Ar2, 5.0),
+        slow_end(0.05, 0.4, Noise::Arma, 1.0),
     ]
 }

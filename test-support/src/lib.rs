@@ -25,6 +25,7 @@ pub mod hard_lines;
 #[cfg(feature = "rig")]
 pub mod hello;
 pub mod metrics_coverage;
+pub mod oracle;
 pub mod plants;
 pub mod servo_means;
 pub mod servos;

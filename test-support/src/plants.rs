@@ -96,13 +96,18 @@ pub enum Noise {
 }
 
 impl Noise {
-    pub fn samples(self, random: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
-        let (ar, ma, sd): (&[f64], f64, f64) = match self {
+    /// D(z) without its first coefficient, the coefficient of a moving average, and the standard deviation of what drives it.
+    pub(crate) fn numbers(self) -> (&'static [f64], f64, f64) {
+        match self {
             Self::White => (&[], 0.0, 0.05),
             Self::Ar1 => (&[-0.95], 0.0, 0.02),
             Self::Ar2 => (&[-1.5, 0.7], 0.0, 0.02),
             Self::Arma => (&[-0.9], 0.6, 0.02),
-        };
+        }
+    }
+
+    pub fn samples(self, random: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
+        let (ar, ma, sd) = self.numbers();
         let warm_up = 500;
         let mut noise: Vec<f64> = Vec::with_capacity(count + warm_up);
         let mut before = 0.0;

@@ -11,7 +11,7 @@ use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::outliers::TakenOut;
 use crate::diagnostics::prior::PriorOutcome;
 use crate::diagnostics::run_scatter::RunComparison;
-use crate::diagnostics::slow_end::SlowEnd;
+use crate::diagnostics::slow_end::{AllowedEnd, SlowEnd};
 use crate::diagnostics::uneven_noise::UnevenNoise;
 use crate::estimation::{BankCandidate, Excitation, OrderCandidate, Solver};
 use crate::results::{Bounds, Model};
@@ -118,6 +118,9 @@ pub struct Explanation {
     /// That the response goes on beyond N, where it does.
     #[serde(default)]
     pub slow_end: Option<SlowEnd>,
+    /// The slow end that bounds allow for; `None` where they rest on the response being over after N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub allowed_end: Option<AllowedEnd>,
     /// Whether the input follows the output; `None` where the errors are no noise.
     #[serde(default)]
     pub feedback: Option<Feedback>,
@@ -171,6 +174,9 @@ impl Explanation {
                     "Noise: order {order}; Bayes' criterion is smallest for white noise (order 0)."
                 ),
             });
+        }
+        if let (Some(end), Some(gain)) = (&self.allowed_end, model.metrics.dc_gain.value) {
+            sentences.push(end.in_words(gain));
         }
         if let Some(uneven) = &self.uneven_noise {
             sentences.push(uneven.in_words());
@@ -258,9 +264,15 @@ mod tests {
         let record = Record::of_run(0.01, &u, &y).unwrap();
         let found = identify_explained(&record, &Options::default()).unwrap();
         let sentences = found.explanation.sentences(&found.model);
-        for (beginning, sentence) in ["Settling time:", "Frequencies:", "Noise:", "Arithmetic:"]
-            .iter()
-            .zip(&sentences)
+        for (beginning, sentence) in [
+            "Settling time:",
+            "Frequencies:",
+            "Noise:",
+            "Slow end:",
+            "Arithmetic:",
+        ]
+        .iter()
+        .zip(&sentences)
         {
             assert!(sentence.starts_with(beginning), "{sentence}");
         }

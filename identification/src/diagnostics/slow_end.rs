@@ -1,28 +1,37 @@
-//! Whether the response goes on beyond N as a slow end.
+//! Whether the response goes on beyond N as a slow end, and what the bounds allow for it.
 //!
-//! A slow end of a few percent of the response is below the noise in every single lag beyond N, but not in all of them
-//! together. So the input behind a slow lag of first order is offered to the regression beside all its parameters,
+//! A slow end of a few percent of the response is below the noise in every single lag beyond N, and in slow noise in all of them
+//! together. A test finds it in half of the recordings, and bounds that rest on the test miss it in the others. So the input
+//! behind a slow lag of first order, with a time constant of N, is always looked at beside all parameters of the regression,
 //!
 //! ```text
-//! D(z) (y - ŷ)(k) = γ D(z) w(k) + ε(k),     w(k) = ρ w(k-1) + (1 - ρ) u(k)
+//! D(z) y(k) = D(z) (sum_i h(i) u(k-i) + c + γ w(k)) + ε(k),     w(k) = ρ w(k-1) + (1 - ρ) u(k)
 //! ```
 //!
-//! with a time constant of 2 N. The lags up to N take their share of w, and what is left is its end. A single
-//! direction has the most power, and an end of any other time constant is much the same beyond N. w depends on the
-//! input alone, so the reduction of the sum of squares over σ² has the χ² distribution of a score test where the
-//! response is over.
+//! The lags up to N take their share of w, and what is left is its end. An end of another time constant is much the same up to N.
+//! With x = (Z'Z)^-1 Z'w and q = w'w - w'Z x, all behind the filter, γ is the score w'ε over q with the variance σ²/q, and with w in
+//! the regression the other parameters change by -γ x (Frisch and Waugh, 1933). The part γ of the response is added to the impulse
+//! response, what is left of it after N to its last sample, as always: together a direction δ, by which the response is off if γ is
+//! left out.
+//!
+//! It is left out of the response, which without it is the better one where there is no slow end, and is in the bounds: the covariance
+//! grows by δ δ' max(γ², σ²/q). The final value gathers all that comes after N, and slower ends have more of that: there a time
+//! constant of 2 N counts. The test counts γ² q/σ² as χ² of one degree of freedom.
 
-use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::data::Moments;
+use crate::data::{Moments, Run};
 use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
 use crate::numerics::{LaggedSums, chi_square_upper_tail, dot, times};
 
-/// Time constant, in settling times.
-const TIME_CONSTANT: f64 = 2.0;
+use faer::Mat;
+
+/// Time constants of the ends that points of the response and the final value allow for, in settling times. At half of the first the whole
+/// curve is inside its band in too few of the runs with a slow end in slow noise. At one for both, ends of four settling times move
+/// the final value out of it; at four for the second its interval is six times as wide as without a slow end.
+const TIME_CONSTANTS: [f64; 2] = [1.0, 2.0];
 
 /// Whether the response goes on beyond N.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -33,51 +42,202 @@ pub struct SlowEnd {
     pub beyond: usize,
 }
 
-/// Tests the errors of `fit` in `runs`; `None` where the input does not show slow ends.
-pub(crate) fn slow_end(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<SlowEnd> {
-    let lags = fit.coordinates.basis.settling();
-    let d = noise_filter(&fit.ar);
-    let gain: f64 = d.iter().sum();
-    let mut sums = LaggedSums::new(lags, 1);
-    let (mut own, mut with_offset, mut score) = (0.0, 0.0, 0.0);
-    for run in runs {
-        let history = lags + fit.ar.len();
-        let input = with_history(&run.run, history, moments.centre.0);
-        let rows = run
-            .run
-            .complete_rows(moments.input_lags(), moments.output_lags());
-        let slow = behind_lag(&input[history..], TIME_CONSTANT * lags as f64);
-        let slow = only(&rows, filtered(&slow, &d));
-        // What runs differ by is no end of their common response.
-        let errors: Vec<f64> = run.own_errors().iter().copied().map(present).collect();
-        score += dot(&slow, &only(&rows, filtered(&errors, &d)));
-        own += dot(&slow, &slow);
-        with_offset += gain * slow.iter().sum::<f64>();
-        sums.add(
-            &filtered(&input, &d)[history + 1 - lags..],
-            &[slow.as_slice()],
-        );
-    }
-    let sums = sums.sums().remove(0);
-    let by_lag = Mat::from_fn(lags, 1, |a, _| sums[a]);
-    let by_coordinate = fit.coordinates.compress(by_lag);
-    let mut cross = by_coordinate.col_as_slice(0).to_vec();
-    cross.push(with_offset);
-    let left = own - dot(&cross, &times(&fit.solution.inverse, &cross));
-    // A millionth of new information is rounding.
-    (left > 1e-6 * own).then(|| SlowEnd {
-        p: chi_square_upper_tail(score * score / left / fit.variance, 1),
-        beyond: lags,
-    })
+/// The slow end that bounds allow for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AllowedEnd {
+    /// Part of the gain that has a time constant of N, as estimated \[output per input\].
+    pub value: f64,
+    /// Its standard deviation.
+    pub sd: f64,
 }
 
-/// The input behind a lag of first order that rested at its first value.
-fn behind_lag(input: &[f64], time_constant: f64) -> Vec<f64> {
-    let keep = (-time_constant.recip()).exp();
-    let mut state = input.first().copied().unwrap_or(0.0);
+impl AllowedEnd {
+    /// As one sentence, beside the gain.
+    pub(crate) fn in_words(&self, gain: f64) -> String {
+        format!(
+            "Slow end: {:.2} % of the gain, standard deviation {:.2} %, with the settling time as its time constant; the bounds \
+             contain it.",
+            100.0 * self.value / gain,
+            100.0 * self.sd / gain.abs()
+        )
+    }
+}
+
+/// The input behind slow lags, each as a further column of a regression.
+pub(crate) struct SlowColumns {
+    /// N \[samples\].
+    lags: usize,
+    /// One of each of the [`TIME_CONSTANTS`].
+    columns: Vec<SlowColumn>,
+    /// Variance of ε.
+    variance: f64,
+}
+
+struct SlowColumn {
+    /// \[samples\]
+    time_constant: f64,
+    /// (Z'Z)^-1 Z'w, the offset last.
+    shared: Vec<f64>,
+    /// What the other columns leave of w'w.
+    left: f64,
+    /// w'ε, of errors but for what runs differ by.
+    score: f64,
+}
+
+/// Products of a column with itself, the offset's column and the errors.
+#[derive(Default)]
+struct Products {
+    own: f64,
+    with_offset: f64,
+    score: f64,
+}
+
+impl SlowColumns {
+    /// Beside the complete bank of `fit`, from its errors in `runs`; `None` where the input does not show slow ends.
+    pub(crate) fn new(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Self> {
+        let lags = fit.coordinates.basis.settling();
+        let d = noise_filter(&fit.ar);
+        let gain: f64 = d.iter().sum();
+        let time_constants = TIME_CONSTANTS.map(|times| times * lags as f64);
+        let mut sums = LaggedSums::new(lags, time_constants.len());
+        let mut all = time_constants.map(|_| Products::default());
+        for run in runs {
+            let history = lags + fit.ar.len();
+            let input = with_history(&run.run, history, moments.centre.0);
+            let rows = (run.run).complete_rows(moments.input_lags(), moments.output_lags());
+            // What runs differ by is no end of their common response.
+            let errors: Vec<f64> = run.own_errors().iter().copied().map(present).collect();
+            let errors = filtered(&errors, &d);
+            let slow = time_constants.map(|time_constant| {
+                let slow = behind_lag(&run.run, time_constant, moments.centre.0);
+                only(&rows, filtered(&slow, &d))
+            });
+            for (products, slow) in all.iter_mut().zip(&slow) {
+                products.own += dot(slow, slow);
+                products.with_offset += gain * slow.iter().sum::<f64>();
+                products.score += dot(slow, &errors);
+            }
+            sums.add(
+                &filtered(&input, &d)[history + 1 - lags..],
+                &slow.each_ref().map(Vec::as_slice),
+            );
+        }
+        let columns = (time_constants.into_iter().zip(all)).zip(sums.sums()).map(
+            |((time_constant, products), by_lag)| {
+                SlowColumn::new(time_constant, &products, by_lag, fit)
+            },
+        );
+        Some(Self {
+            lags,
+            columns: columns.collect::<Option<_>>()?,
+            variance: fit.variance,
+        })
+    }
+
+    /// The test of an end.
+    pub(crate) fn test(&self) -> SlowEnd {
+        let first = &self.columns[0];
+        SlowEnd {
+            p: chi_square_upper_tail(first.score.powi(2) / first.left / self.variance, 1),
+            beyond: self.lags,
+        }
+    }
+
+    /// The covariance of `fit`, which is `ratio` times that of its rows for outliers, becomes that with a slow end.
+    pub(crate) fn allow_in(&self, fit: &mut GlsFit, ratio: f64) -> AllowedEnd {
+        let end = |column: &SlowColumn| AllowedEnd {
+            value: column.score / column.left,
+            sd: (ratio * self.variance / column.left).sqrt(),
+        };
+        fit.further.slow_end = Some(self.moved(|column| {
+            let end = end(column);
+            end.value.abs().max(end.sd)
+        }));
+        end(&self.columns[0])
+    }
+
+    /// The same for a record that has not been made: max(γ², σ²/q) is what it is on average where the response is over.
+    pub(crate) fn expect_in(&self, fit: &mut GlsFit) {
+        // E max(z², 1) of a normal z is 1 + 2 φ(1).
+        let average = 1.0 + 2.0 * (-0.5f64).exp() / std::f64::consts::TAU.sqrt();
+        let size = |column: &SlowColumn| (average * self.variance / column.left).sqrt();
+        fit.further.slow_end = Some(self.moved(size));
+    }
+
+    /// δ times the size of an end, in standard deviations of ε, the offset last; its sum is the change of the final value, the largest of all
+    /// columns.
+    fn moved(&self, size: impl Fn(&SlowColumn) -> f64) -> Vec<f64> {
+        let sd = self.variance.sqrt();
+        let moved = |column: &SlowColumn| -> Vec<f64> {
+            let direction = column.direction(self.lags);
+            direction.iter().map(|x| size(column) / sd * x).collect()
+        };
+        let mut first = moved(&self.columns[0]);
+        let total = |moved: &[f64]| moved[..self.lags].iter().sum::<f64>();
+        let own = total(&first);
+        let largest = self.columns[1..]
+            .iter()
+            .map(|column| total(&moved(column)).abs())
+            .fold(own.abs(), f64::max);
+        first[self.lags - 1] += largest.copysign(own) - own;
+        first
+    }
+}
+
+impl SlowColumn {
+    /// `None` where it is not new beside the lags.
+    fn new(
+        time_constant: f64,
+        products: &Products,
+        by_lag: Vec<f64>,
+        fit: &GlsFit,
+    ) -> Option<Self> {
+        let by_lag = Mat::from_fn(by_lag.len(), 1, |a, _| by_lag[a]);
+        let mut cross = fit.coordinates.compress(by_lag).col_as_slice(0).to_vec();
+        cross.push(products.with_offset);
+        let shared = times(&fit.solution.inverse, &cross);
+        let left = products.own - dot(&cross, &shared);
+        // A millionth of new information is rounding.
+        (left > 1e-6 * products.own).then_some(Self {
+            time_constant,
+            shared,
+            left,
+            score: products.score,
+        })
+    }
+
+    /// δ, the offset last.
+    fn direction(&self, lags: usize) -> Vec<f64> {
+        let keep = rate(self.time_constant);
+        let mut direction = self.shared.clone();
+        let mut rest = 1.0;
+        for x in &mut direction[..lags - 1] {
+            *x -= rest * (1.0 - keep);
+            rest *= keep;
+        }
+        direction[lags - 1] -= rest;
+        direction
+    }
+}
+
+/// The input of `run` relative to `centre`, behind a lag of first order that was at rest before. A missing value is the one before.
+fn behind_lag(run: &Run, time_constant: f64, centre: f64) -> Vec<f64> {
+    let keep = rate(time_constant);
+    let input = run.input();
+    let first = input.iter().find(|u| !u.is_nan()).copied();
+    let mut state = run.input_at_rest().or(first).map_or(0.0, |u| u - centre);
+    let mut last = state;
     let next = |u: &f64| {
-        state = keep * state + (1.0 - keep) * u;
+        if !u.is_nan() {
+            last = u - centre;
+        }
+        state = keep * state + (1.0 - keep) * last;
         state
     };
     input.iter().map(next).collect()
+}
+
+/// What is left of a lag after one sample.
+fn rate(time_constant: f64) -> f64 {
+    (-time_constant.recip()).exp()
 }

@@ -10,7 +10,7 @@
 
 use std::sync::Arc;
 
-use faer::Mat;
+use faer::{ColRef, Mat};
 
 use crate::estimation::lag_products::LagProducts;
 use crate::estimation::least_squares::{Coordinates, RowInformation, Solution};
@@ -58,6 +58,8 @@ impl Default for GlsOptions {
 pub struct FurtherSpread {
     /// Added to (Z_D'Z_D)^-1: noise that is not even, or cut at its tails, and what was estimated for each run.
     pub noise: Option<Mat<f64>>,
+    /// By how much a slow end that is not in the response moves the coordinates and the offset, in standard deviations of ε.
+    pub slow_end: Option<Vec<f64>>,
     /// What differs from run to run.
     pub runs: Option<RunSpread>,
 }
@@ -198,6 +200,10 @@ impl GlsFit {
     /// Covariance of the coordinates and the offset, over the variance of ε.
     pub(crate) fn unit_covariance(&self) -> Mat<f64> {
         let mut covariance = self.noise_covariance();
+        if let Some(moved) = &self.further.slow_end {
+            let moved = ColRef::from_slice(moved);
+            covariance += moved * moved.transpose();
+        }
         if let Some(runs) = &self.further.runs {
             covariance += &runs.directions * runs.directions.transpose();
         }

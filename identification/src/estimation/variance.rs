@@ -77,7 +77,15 @@ impl CurveVariance {
             true => weights,
             false => fit.noise_covariance().as_ref().submatrix(0, 0, p + 1, p) * &functions,
         };
-        let product = |i: usize, k: usize| dot(all.col_as_slice(i), functions.col_as_slice(k));
+        let slow_end: Vec<f64> = match &fit.further.slow_end {
+            Some(moved) => (0..f)
+                .map(|i| dot(&moved[..p], functions.col_as_slice(i)))
+                .collect(),
+            None => vec![0.0; f],
+        };
+        let product = |i: usize, k: usize| {
+            dot(all.col_as_slice(i), functions.col_as_slice(k)) + slow_end[i] * slow_end[k]
+        };
         let variance: Vec<f64> = (0..f).map(|i| product(i, i).max(0.0)).collect();
         let sd = |v: f64| (fit.variance * v).sqrt();
         let noise_correlation =
@@ -96,7 +104,10 @@ impl CurveVariance {
         let of_runs = |i: usize, k: usize| dot(along.col_as_slice(i), along.col_as_slice(k));
         let runs: Vec<f64> = (0..f).map(|i| of_runs(i, i)).collect();
         let together = |i: usize| {
-            let parts = variance[i].powi(2) / noise_degrees[i] + runs[i].powi(2) / degrees;
+            // A slow end says nothing of the scatter of runs.
+            let slow = slow_end[i].powi(2);
+            let parts = (variance[i] - slow).powi(2) / noise_degrees[i]
+                + (runs[i] + slow).powi(2) / degrees;
             (variance[i] + runs[i]).powi(2) / parts.max(f64::MIN_POSITIVE)
         };
         let sum = |i: usize| variance[i] + runs[i];

@@ -218,6 +218,7 @@ pub(super) fn explanation(
         drift: drift(task),
         uneven_noise: fitted.uneven,
         slow_end: fitted.slow_end,
+        allowed_end: fitted.allowed_end,
         feedback: fitted.feedback,
         prior: fitted.prior,
         runs,

@@ -1,11 +1,12 @@
 //! The model that is expected of a recording which has not been made.
 
 use crate::data::{Moments, Record};
+use crate::diagnostics::{SlowColumns, simulated_whole};
 use crate::error::Error;
 use crate::estimation::{Coordinates, CurveVariance, FsfBasis, GlsFit, GlsOptions, RowInformation};
 use crate::numerics::matrix_rows::to_rows;
 use crate::options::NoiseOrder;
-use crate::results::{Bounds, Model, ParameterBounds, StepBounds, StepResponse};
+use crate::results::{Bounds, Model, ParameterBounds, SelectedBy, StepBounds, StepResponse};
 
 /// The model that records like `record` are expected to give of the servo `truth`: its response and noise, with
 /// the structure of `example`, which was identified from a simulation of such a record. The covariance is that of
@@ -38,6 +39,14 @@ pub fn expected_model(
     fit.solution = information
         .solve(&coordinates, &fit.ar)
         .ok_or_else(not_excited)?;
+    if example.structure.selected_by == SelectedBy::Auto && basis.is_complete() {
+        let moments = &information.moments;
+        if let Some(columns) =
+            SlowColumns::new(&simulated_whole(record, moments, &fit), moments, &fit)
+        {
+            columns.expect_in(&mut fit);
+        }
+    }
     let spread = CurveVariance::of_fit(&information, &fit, &coordinates.step_map());
     let last = truth.step.value.last().copied().unwrap_or(0.0);
     let mut value = truth.step.value.clone();

@@ -4,7 +4,7 @@ use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
 use crate::diagnostics::{
-    Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowEnd, UnevenNoise,
+    AllowedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowEnd, UnevenNoise,
     against_standstill, allow_for_run_offsets, allow_for_run_trends, allow_for_scatter,
     allow_for_uneven_noise, simulated, test_linearity,
 };
@@ -20,6 +20,8 @@ pub(super) struct Fitted {
     pub(super) misfit: Option<Misfit>,
     /// That the response goes on beyond N, where it does.
     pub(super) slow_end: Option<SlowEnd>,
+    /// The slow end that is part of the covariance.
+    pub(super) allowed_end: Option<AllowedEnd>,
     /// Whether the input follows the output; `None` where that could not be tested.
     pub(super) feedback: Option<Feedback>,
     /// By how much the noise varies, where it does; the covariance of the estimate allows for it.
@@ -51,6 +53,7 @@ impl Fitted {
             linearity: None,
             misfit: None,
             slow_end: None,
+            allowed_end: None,
             feedback: None,
             uneven: None,
             prior: None,

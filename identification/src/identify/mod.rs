@@ -17,6 +17,7 @@ mod gates;
 mod plan;
 mod prior;
 mod responses;
+mod slow_end;
 mod task;
 mod undisturbed;
 
@@ -31,6 +32,7 @@ use candidate::Candidate;
 use disturbances::Disturbances;
 use fitted::Fitted;
 use responses::Responses;
+use slow_end::allowing_for_slow_end;
 use task::Task;
 use undisturbed::Undisturbed;
 
@@ -119,7 +121,7 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
 fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
     let samples = first.candidate.moments.samples();
     let fitted = gates::pass(task, first)?.with_honest_covariance(task);
-    let mut fitted = prior::under_prior(task, fitted);
+    let mut fitted = allowing_for_slow_end(task, prior::under_prior(task, fitted));
     let mut described = Described::new(task, &fitted);
     let runs = task.record.and_then(|record| {
         RunComparison::of(&described.model, &task.disturbances.with_offsets(record))

@@ -69,6 +69,13 @@ fn diagnostics(part: &Part<'_>, place: &str) -> Vec<Shown> {
             "Settling time N, noise order d and number of frequencies n, with the criterion of each choice, and the rest of the response at its end.",
         ));
     }
+    if let (Some(explanation), Some(record)) = (explanation, subject.record) {
+        let (name, title) = (name("left-out"), title("Samples that were left out"));
+        shown.push(Shown::new(
+            plots::left_out(&name, &title, record, &explanation.taken_out, subject.units.output),
+            "What the others predict is far from the marked samples. The model was made without them: look for glitches of the sensor or its wiring.",
+        ));
+    }
     if let Some(record) = subject.record {
         let (name, title) = (name("residuals"), title("Residual tests"));
         shown.push(Shown::new(
