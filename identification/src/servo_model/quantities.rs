@@ -3,6 +3,7 @@
 use super::coordinates::Point;
 use super::motion::{Fastest, Motion};
 use super::possible_servo::PossibleServo;
+use crate::numerics::dot;
 use crate::results::{Bounds, Interval};
 use crate::thresholds::SERVO_TOP_SPEED_REACHED;
 use serde::{Deserialize, Serialize};
@@ -272,15 +273,6 @@ fn hull(a: Interval, b: Interval) -> Interval {
 /// How far a coordinate that the record does not show may be off \[units of the command, or powers of e\]: further than any is.
 const FARTHEST_OFF: f64 = 100.0;
 
-/// How much a quantity with these derivatives changes for each unit of `change`.
-fn along(slopes: &[f64], change: &[f64]) -> f64 {
-    slopes
-        .iter()
-        .zip(change)
-        .map(|(slope, by)| slope * by)
-        .sum()
-}
-
 impl Definition {
     fn value(&self, point: &Point, middle: f64) -> Option<f64> {
         (self.of)(&point.physics(0, |_, value| value), middle)
@@ -314,7 +306,7 @@ impl Definition {
             }
         }
         let half = critical * variance.max(0.0).sqrt();
-        let hidden = |change: &Vec<f64>| FARTHEST_OFF * along(&slopes, change).abs() > half;
+        let hidden = |change: &Vec<f64>| FARTHEST_OFF * dot(&slopes, change).abs() > half;
         if servo.unseen.iter().any(hidden) {
             return Some(Interval::new(value, f64::NAN, f64::NAN));
         }
