@@ -6,7 +6,7 @@ use super::descent::{Descent, STEPS};
 use super::fit::Problem;
 use super::ladder::Climbed;
 use super::other_fits::fits_of_folds;
-use super::other_valleys::{with_soft_drive, with_sticking};
+use super::other_valleys::{with_quick_drive, with_soft_drive, with_sticking};
 use super::possible_servo::PossibleServo;
 use super::search::{Shown, other_starts};
 use super::stretches::Stretch;
@@ -59,6 +59,10 @@ impl Candidates {
         if candidates.level.valid().is_some() {
             candidates.add_sticking(&problem, &best, fold_of.len());
             others.extend(candidates.soft_drive(&problem, &best, climbed, fold_of.len()));
+            // With the covariance of the best: its own knows no end of how quick the drive may be.
+            let quick = with_quick_drive(&problem, &best, fold_of.len());
+            let quick = quick.map(|point| candidates.found.servo_at(point));
+            candidates.possible.extend(quick);
         }
         let of = |point: Point| uncertainty(&problem, &point, fold_of.len()).servo_at(point);
         candidates.possible.extend(others.into_iter().map(of));

@@ -26,8 +26,11 @@ use faer::{Mat, Side};
 /// Highest order of the noise model.
 const HIGHEST_ORDER: usize = 20;
 
-/// A coordinate whose slopes are below this share of what they would be at the scale of the output is not seen in it.
+/// A coordinate whose own slopes are below this share of all of its slopes is not seen in the output.
 const UNSEEN: f64 = 1e-9;
+
+/// Such a share is rounding: the coordinate has no variance, however large.
+const ROUNDING: f64 = 1e-13;
 
 /// Degrees of freedom of a servo outside of the equation: the speed at which its friction at rest is gone, and one for the choice
 /// among several.
@@ -35,12 +38,12 @@ const FURTHER: usize = 2;
 
 /// The uncertainty of a fit.
 pub(super) struct Uncertainty {
-    /// Covariance of the coordinates; 0 for those that the record does not show.
+    /// Covariance of the coordinates; 0 for those without slopes of their own.
     pub(super) covariance: Mat<f64>,
     /// Whether the record shows each coordinate, beside those before it.
     pub(super) seen: Vec<bool>,
-    /// Changes of all coordinates that change no output of the record: by one in each that is not seen, and what of the others makes
-    /// up for it.
+    /// Changes of all coordinates that change no output of the record: by one in each whose own slopes are rounding, and what of the
+    /// others makes up for it.
     pub(super) unseen: Vec<Vec<f64>>,
     /// d_1..d_d of the noise.
     pub(super) ar: Vec<f64>,
@@ -117,8 +120,8 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     };
     let known = rows.iter().flatten().filter(|row| !row.error.is_nan());
     let normal = sum_of_products(point.values.len(), known.map(|row| &row.slope));
-    let seen = seen(&normal);
-    let kept: Vec<usize> = (0..seen.len()).filter(|&i| seen[i]).collect();
+    let has_slopes = with_own_slopes(&normal, ROUNDING);
+    let kept: Vec<usize> = (0..has_slopes.len()).filter(|&i| has_slopes[i]).collect();
     let part =
         |whole: &Mat<f64>| Mat::from_fn(kept.len(), kept.len(), |i, j| whole[(kept[i], kept[j])]);
     let modelled = by_noise_model(&rows, &ar, sigma, point.values.len());
@@ -131,10 +134,10 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     let hidden = sum_of_products(point.values.len(), hidden);
     let of_equation = part(&of_windows) + part(&hidden);
     let middle = larger(&part(&modelled), &part(&blockwise)) + of_equation;
-    let mut covariance = Mat::zeros(seen.len(), seen.len());
+    let mut covariance = Mat::zeros(has_slopes.len(), has_slopes.len());
     let mut unseen = Vec::new();
     if let Some(lower) = cholesky(&part(&normal)) {
-        unseen = compensated(&normal, &seen, &lower);
+        unseen = compensated(&normal, &has_slopes, &lower);
         let inverse = inverse_of_square(&lower);
         let of_kept = &inverse * middle * &inverse;
         for (a, &i) in kept.iter().enumerate() {
@@ -145,7 +148,7 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     }
     Uncertainty {
         covariance,
-        seen,
+        seen: with_own_slopes(&normal, UNSEEN),
         unseen,
         ar,
         sigma,
@@ -249,12 +252,12 @@ fn sum_of_products<'a>(count: usize, vectors: impl Iterator<Item = &'a [f64; MOS
     Mat::from_fn(count, count, |i, j| sums[i.max(j)][i.min(j)])
 }
 
-/// Coordinates whose derivatives are not combinations of the others' but for rounding.
-fn seen(normal: &Mat<f64>) -> Vec<bool> {
+/// Coordinates whose slopes are not combinations of those of the coordinates before, but for this `share` of them.
+fn with_own_slopes(normal: &Mat<f64>, share: f64) -> Vec<bool> {
     let count = normal.nrows();
-    let mut seen: Vec<bool> = Vec::new();
+    let mut own_slopes: Vec<bool> = Vec::new();
     for i in 0..count {
-        let mut with: Vec<usize> = (0..i).filter(|&j| seen[j]).collect();
+        let mut with: Vec<usize> = (0..i).filter(|&j| own_slopes[j]).collect();
         with.push(i);
         let scale = |a: usize, b: usize| (normal[(a, a)] * normal[(b, b)]).sqrt();
         let correlation = Mat::from_fn(with.len(), with.len(), |a, b| {
@@ -263,20 +266,20 @@ fn seen(normal: &Mat<f64>) -> Vec<bool> {
         // The last pivot is the share of its slopes that the others do not have.
         let last = with.len() - 1;
         let own = cholesky(&correlation).map(|lower| lower[(last, last)]);
-        seen.push(own.is_some_and(|own| own * own > UNSEEN));
+        own_slopes.push(own.is_some_and(|own| own * own > share));
     }
-    seen
+    own_slopes
 }
 
-/// For each coordinate that is not seen, the change of all by which the outputs stay: `lower` is Cholesky's factor of the normal matrix of
-/// those that are seen.
-fn compensated(normal: &Mat<f64>, seen: &[bool], lower: &Mat<f64>) -> Vec<Vec<f64>> {
-    let of = |wanted: bool| (0..seen.len()).filter(move |&i| seen[i] == wanted);
+/// For each coordinate without slopes of its own, the change of all by which the outputs stay: `lower` is Cholesky's factor of the normal
+/// matrix of the others.
+fn compensated(normal: &Mat<f64>, has_slopes: &[bool], lower: &Mat<f64>) -> Vec<Vec<f64>> {
+    let of = |wanted: bool| (0..has_slopes.len()).filter(move |&i| has_slopes[i] == wanted);
     let kept: Vec<usize> = of(true).collect();
     let change = |i: usize| {
         let products: Vec<f64> = kept.iter().map(|&j| normal[(j, i)]).collect();
         let others = backward_solve(lower, &forward_solve(lower, &products));
-        let mut all = vec![0.0; seen.len()];
+        let mut all = vec![0.0; has_slopes.len()];
         all[i] = 1.0;
         for (&j, other) in kept.iter().zip(others) {
             all[j] = -other;

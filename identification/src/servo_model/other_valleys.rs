@@ -1,9 +1,9 @@
 //! Servos with the same terms in other valleys of the surface, which the record hardly distinguishes from the best one.
 //!
-//! The covariance of a fit knows its own valley alone. Two others are known to hide below the noise. Where all strokes are alike,
+//! The covariance of a fit knows its own valley alone. Three others are known to hide below the noise. Where all strokes are alike,
 //! a limit of the drive acts as a linear servo does: a low top speed and a stiff drive, or a soft drive that is never full. And
 //! friction at rest may be gone at a far lower speed than the equation has it: then a stroke that the record does not have, a small
-//! one, may not move the shaft.
+//! one, may not move the shaft. A drive that is there at once differs from a quick one by a delay of less than a sample.
 
 use super::coordinates::{Coordinate, Point};
 use super::fit::Problem;
@@ -16,6 +16,9 @@ const STEPS: usize = 30;
 /// The error of full drive from which the soft drive is looked for, as a share of the largest error in the record: where no error
 /// reaches it, nothing shows how the fit depends on it.
 const FULL_AT: f64 = 0.7;
+
+/// Logarithm of the factor by which a drive that is there at once is stiffer and more damped.
+const QUICKER: f64 = 2.0;
 
 /// Speeds at which half of the excess of friction at rest is gone, as shares of the top speed, and the excess from which such
 /// friction is looked for.
@@ -39,6 +42,31 @@ pub(super) fn with_soft_drive(
     problem.descend(&mut soft, STEPS);
     let [own, other] = [point, &soft].map(|servo| problem.by_block(servo, blocks));
     (!misses(&other, &own)).then_some(soft)
+}
+
+/// The servo as `point` with a drive that brings it to its speed at once, unless it misses the record by more than chance beside it. Where the
+/// motor takes less than a sample period for that, a longer delay makes nearly the same motion, and the logarithm of an endless
+/// drive is beyond any interval.
+pub(super) fn with_quick_drive(
+    problem: &Problem<'_>,
+    point: &Point,
+    blocks: usize,
+) -> Option<Point> {
+    let motor_lag_s = 1.0 / point.physics(0, |_, value| value).limit?.motor_damping;
+    if motor_lag_s > problem.grid.period_s {
+        return None;
+    }
+    let mut quick = point.clone();
+    for faster in [Coordinate::LnStiffness, Coordinate::LnDamping] {
+        let (_, most) = faster.range(problem.longest_delay_s);
+        quick.set(faster, (point.get(faster)? + QUICKER).min(most));
+    }
+    let gained_s = motor_lag_s * (1.0 - (-QUICKER).exp());
+    let delay_s = point.get(Coordinate::Delay)? + gained_s;
+    quick.set(Coordinate::Delay, delay_s.min(problem.longest_delay_s));
+    problem.descend(&mut quick, STEPS);
+    let [own, other] = [point, &quick].map(|servo| problem.by_block(servo, blocks));
+    (!misses(&other, &own)).then_some(quick)
 }
 
 /// The servos as `point` whose friction at rest is gone at lower speeds.

@@ -79,7 +79,8 @@ fn kind(model: &ServoModel, speeds: Option<[&Quantity; 2]>, units: Units<'_>) ->
             return format!("is limited to {up} upwards and {down} downwards");
         }
         None if model.terms.limit && shows_limit(model) => "is limited in its drive",
-        None if model.terms.limit => "shows no limit of its drive",
+        // Friction comes with a limit that the record may not reach.
+        None if model.terms.limit => "is not linear",
         None if model.covariance.valid().is_some() => "is linear",
         None if determined(model, "bandwidth at small signals").is_none() => {
             "is much like a linear one whose bandwidth does not show"
@@ -138,10 +139,14 @@ fn load(model: &ServoModel) -> Option<&'static str> {
             "works against a load that stiffens to one side",
         ),
     };
-    determined(model, name)
-        .filter(|load| is_one_sided(load))
-        .map(|_| words)
+    let is_shown = |load: &&Quantity| {
+        is_one_sided(load) && load.value.abs() * model.radians_per_command < LARGEST_LOAD
+    };
+    determined(model, name).filter(is_shown).map(|_| words)
 }
+
+/// A load that holds a servo further off its command is none \[rad\]: in small strokes a weight is much like a softer drive behind a larger gain.
+const LARGEST_LOAD: f64 = 1.0;
 
 /// Whether a quantity has one sign in its interval, or in other fits.
 fn is_one_sided(quantity: &Quantity) -> bool {
