@@ -11,11 +11,8 @@ use servoid_identification::{Options, Record, Run, identify};
 /// Whether a servo model is looked for: on request, and where the servo is not linear or the result has no bounds, which leaves its
 /// user with little. Where the input follows the output the motion is that of a loop, and a model of it would be none of the servo.
 pub fn is_wanted(asked: bool, linear: &Model) -> bool {
-    asked
-        || match linear.level().withdrawn() {
-            Some(reason) => reason != Reason::InputFollowsOutput,
-            None => !linear.linear,
-        }
+    let withdrawn = linear.level().withdrawn();
+    are_compared(asked, withdrawn) || withdrawn.is_none() && !linear.linear
 }
 
 /// Whether servo models of both sides are compared: on request, and where the step responses cannot be.

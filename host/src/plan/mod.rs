@@ -17,6 +17,7 @@ mod band_width;
 mod error;
 mod expectation;
 mod forecast;
+mod motion;
 mod plot;
 mod request;
 mod servo_quantities;

@@ -94,10 +94,13 @@ const NOT_DETERMINED: &str = "not determined by this recording";
 /// An interval whose ends are so far apart says nothing.
 const WORTH_PRINTING: f64 = 1000.0;
 
+/// The beginnings of the names of what a limit of the drive brings about.
+pub(super) const OF_LIMIT: &[&str] = &["top speed", "acceleration", "error of full drive"];
+
 /// Quantities that a recording may leave open, by the beginnings of their names, and what would show them: in a few words, and as advice.
 const WHAT_SHOWS: [(&[&str], &str, &str); 3] = [
     (
-        &["top speed", "acceleration", "error of full drive"],
+        OF_LIMIT,
         "large strokes show it",
         "Top speed and acceleration show in large strokes: record steps over most of the travel, each held until the servo rests.",
     ),

@@ -1,7 +1,7 @@
 //! The servo as a machine, in a sentence or two.
 
 use super::layout::listed_words;
-use super::servo_model::{digits, four_digits, seconds_per_60_degrees, turn_time_s};
+use super::servo_model::{OF_LIMIT, digits, four_digits, seconds_per_60_degrees, turn_time_s};
 use crate::data::units::Units;
 use servoid_identification::servo_model::{LoadKind, Quantity, ServoModel, Spread};
 use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
@@ -92,14 +92,9 @@ fn kind(model: &ServoModel, speeds: Option<[&Quantity; 2]>, units: Units<'_>) ->
 
 /// Whether the record determines anything that a limit of the drive brings about.
 fn shows_limit(model: &ServoModel) -> bool {
-    let names = [
-        "top speed upwards",
-        "top speed downwards",
-        "acceleration upwards",
-        "acceleration downwards",
-        "error of full drive",
-    ];
-    names.iter().any(|name| determined(model, name).is_some())
+    let is_of_limit = |found: &&Quantity| OF_LIMIT.iter().any(|name| found.name.starts_with(name));
+    let mut of_limit = model.quantities.iter().filter(is_of_limit);
+    of_limit.any(|found| found.determined)
 }
 
 /// " (0.181 s/60°)", or what that is if the output is in degrees.

@@ -10,9 +10,10 @@
 //! D(z) (y - ŷ)(k) = D(z) Σ_j γ_j z_j(k) + ε(k),    z = s², s³, v |v|, |v|, s |v|, a,
 //! ```
 //!
-//! a being the model's answer to the direction of the last change of the command, as friction and play make it, together with all the parameters of the model (Ramsey's RESET, 1969). Because the z_j depend on
-//! the data through the fitted response alone, which is independent of the residuals, the usual F
-//! statistic of γ = 0 has its F distribution for any z (Milliken & Graybill 1970), given D.
+//! a being the model's answer to the direction of the last change of the command, as friction and play make it,
+//! together with all the parameters of the model (Ramsey's RESET, 1969). Because the z_j depend on the data
+//! through the fitted response alone, which is independent of the residuals, the usual F statistic of γ = 0 has
+//! its F distribution for any z (Milliken & Graybill 1970), given D.
 //!
 //! Runs of one servo differ, because its supply and its clock do. A gain, a delay and an offset of each run are no
 //! evidence of a servo that is not linear. So where there are several runs, D(z) s, D(z) v and D(z) 1 of each run
