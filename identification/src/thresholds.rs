@@ -159,6 +159,15 @@ pub const OUTLYING: f64 = 4.75;
 /// 2 %.
 pub const MOST_OUTLYING: f64 = 0.05;
 
+/// How many times as far as usual a single sample stands out of the course of the errors on both sides to be a spike.
+///
+/// Protects: records of servos that are not linear from glitches, whose errors pass for those of the servo. Gaussian errors never
+/// stand out as far, and neither did the errors of limited servos. Evidence: "Hard recordings".
+pub const SPIKE: f64 = 5.0;
+
+/// What is usual is this quantile of how far samples stand out: spikes are fewer than [`MOST_OUTLYING`].
+pub const SPIKE_SCALE_QUANTILE: f64 = 0.95;
+
 /// Ratio of a line in the spectrum of the errors to its neighbours above which it is hum.
 ///
 /// Protects: noise from being called periodic, which 25 did in 3 % of records; a sine of a third of the noise is 300

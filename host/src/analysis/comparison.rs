@@ -107,7 +107,7 @@ impl Compared {
     ) -> Result<Self> {
         let level = options.identification.level;
         let mut found = compared([a, b], names, options)?;
-        let servos = servo_fit::are_compared(servo_model, found.bounds.withdrawn())
+        let servos = servo_fit::are_compared(servo_model, &found)
             .then(|| servo_fit::find_both([a, b], level, &watch()));
         let (servo_model, no_servo_model) = match servos {
             Some(Ok([a, b])) => (Some(compare_servo_models(&a.model, &b.model)), None),
@@ -160,11 +160,16 @@ impl Compared {
     pub fn as_text(&self, names: [&str; 2]) -> String {
         let mut text = summary::of_comparison(names[0], names[1], &self.found);
         let units = self.metadata.units();
-        text.extend(self.servo_model.iter().map(|servos| {
+        if let Some(servos) = &self.servo_model {
             let sentence = summary::sentence_on_servo_models("A", "B", servos, units);
+            let sentence = summary::wrapped(&sentence, 0);
             let table = summary::of_servo_models("A", "B", servos, units);
-            format!("\n{}\n{table}", summary::wrapped(&sentence, 0))
-        }));
+            text = match self.found.has_verdict() || servos.bounds.valid().is_none() {
+                true => format!("{text}\n{sentence}\n{table}"),
+                // The answer comes first.
+                false => format!("{sentence}\n\n{text}{table}"),
+            };
+        }
         text.extend(
             self.no_servo_model
                 .iter()

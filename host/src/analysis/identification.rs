@@ -66,16 +66,13 @@ impl Identified {
         watch: impl FnOnce() -> W,
     ) -> Result<Self> {
         let options = &request.options;
-        let found = identified(data, name, options)?;
-        let Identification {
-            mut model,
-            explanation,
-        } = found;
+        let mut found = identified(data, name, options)?;
         let flight_model = request
             .flight_model
-            .then(|| fit_flight_model(data, &model).map_err(|error| error.to_string()));
-        let servo = servo_fit::is_wanted(request.servo_model, &model)
-            .then(|| servo_fit::find(data, &mut model, options, request.held_out, &watch()));
+            .then(|| fit_flight_model(data, &found.model).map_err(|error| error.to_string()));
+        let servo = servo_fit::is_wanted(request.servo_model, &found.model)
+            .then(|| servo_fit::find(data, &mut found, options, request.held_out, &watch()));
+        let Identification { model, explanation } = found;
         let (servo_model, held_out) = match servo {
             Some(found) => (Some(found.model), found.held_out),
             None => (None, None),

@@ -4,20 +4,27 @@ use crate::data::dataset::Dataset;
 use crate::data::held_out::HeldOut;
 use crate::data::model_file::ServoModelDocument;
 use crate::presentation::plots::HeldOutPrediction;
+use servoid_identification::comparison::Comparison;
+use servoid_identification::diagnostics::TakenOut;
 use servoid_identification::results::{Model, Reason, Validation};
 use servoid_identification::servo_model::{self, ServoModelOptions, Watch, no_prediction};
-use servoid_identification::{Options, Record, Run, identify};
+use servoid_identification::{Identification, Options, Record, Run, identify};
 
 /// Whether a servo model is looked for: on request, and where the servo is not linear or the result has no bounds, which leaves its
 /// user with little. Where the input follows the output the motion is that of a loop, and a model of it would be none of the servo.
 pub fn is_wanted(asked: bool, linear: &Model) -> bool {
     let withdrawn = linear.level().withdrawn();
-    are_compared(asked, withdrawn) || withdrawn.is_none() && !linear.linear
+    help(asked, linear.linear && withdrawn.is_none(), withdrawn)
 }
 
-/// Whether servo models of both sides are compared: on request, and where the step responses cannot be.
-pub fn are_compared(asked: bool, bounds: Option<Reason>) -> bool {
-    asked || bounds.is_some_and(|reason| reason != Reason::InputFollowsOutput)
+/// Whether servo models of both sides are compared: on request, and where the step responses have no verdict.
+pub fn are_compared(asked: bool, found: &Comparison) -> bool {
+    help(asked, found.has_verdict(), found.bounds.withdrawn())
+}
+
+/// Whether servo models help: on request, and where a linear model does not suffice, but not behind a closed loop.
+fn help(asked: bool, suffices: bool, withdrawn: Option<Reason>) -> bool {
+    asked || !suffices && withdrawn != Some(Reason::InputFollowsOutput)
 }
 
 /// What was found of the servo as a machine.
@@ -30,14 +37,20 @@ pub struct Found {
 }
 
 /// Finds the servo behind `data`, and puts the `linear` model of the same data beside it; with `held_out`, also its prediction of a
-/// stretch, at the same time. Where neither model predicts the data, that becomes the first advice of the linear one.
+/// stretch, at the same time. What was taken out of the data for the linear model is left out here, too. Where neither model
+/// predicts the data, that becomes the first advice of the linear one.
 pub fn find(
     data: &Dataset,
-    linear: &mut Model,
+    linear: &mut Identification,
     options: &Options,
     held_out: bool,
     search: &dyn Watch,
 ) -> Found {
+    let data = &Dataset {
+        record: TakenOut::removed_from(&linear.explanation.taken_out, &data.record),
+        ..data.clone()
+    };
+    let linear = &mut linear.model;
     let found = std::thread::scope(|threads| {
         let predicting =
             held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options, search)));
@@ -163,9 +176,10 @@ mod tests {
 
     #[test]
     fn a_servo_is_looked_for_where_it_helps_and_not_behind_a_closed_loop() {
-        assert!(!are_compared(false, None));
-        assert!(are_compared(false, Some(Reason::ErrorsNotNoise)));
-        assert!(!are_compared(false, Some(Reason::InputFollowsOutput)));
-        assert!(are_compared(true, Some(Reason::InputFollowsOutput)));
+        assert!(!help(false, true, None));
+        assert!(help(false, false, None));
+        assert!(help(false, false, Some(Reason::ErrorsNotNoise)));
+        assert!(!help(false, false, Some(Reason::InputFollowsOutput)));
+        assert!(help(true, false, Some(Reason::InputFollowsOutput)));
     }
 }

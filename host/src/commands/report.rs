@@ -115,7 +115,7 @@ impl Report {
         let mut found = identified(&data, &listed(files), &options)?;
         let machine = servo_fit::is_wanted(self.servo_model, &found.model).then(|| {
             let search = ServoSearch::begin("the servo as a machine", talk);
-            servo_fit::find(&data, &mut found.model, &options, true, &search)
+            servo_fit::find(&data, &mut found, &options, true, &search)
         });
         let mut servo = Servo::of_data(name_of(&data, files), data, found);
         match machine.map(|found| (found.model, found.held_out)) {

@@ -200,8 +200,11 @@ fn planned_triangles_are_not_taken_for_a_closed_loop() {
     let how = ["--run", "run", "--at-rest", "0"];
     let (text, document) = identified(&runs_34_to_49, ["u", "y"], &how);
     assert!(!checks(&document).contains(&"feedback"), "{text}");
-    // Without intervals its figures are ranges.
-    assert!(text.starts_with("This servo is limited to "), "{text}");
+    // Without intervals the sentence has what the record shows, and the table how far other fits go apart.
+    assert!(
+        text.starts_with("This servo is limited in its speed and moved at up to "),
+        "{text}"
+    );
     let delay = &document["servo_model"]["quantities"][0];
     assert_eq!(
         (&delay["name"], &delay["bounds"]),

@@ -276,6 +276,40 @@ fn servo_models_are_compared_where_both_have_one() {
     assert!(said.contains("has no servo model"), "{said}");
 }
 
+/// Steps under a servo whose speed alone is limited, at 100 samples a second. The sine of a square stands for random numbers.
+fn rate_limited(dir: &Path, name: &str, first: usize, top_speed: f64) -> PathBuf {
+    let random = |k: usize| (0.7 * (k * k) as f64).sin();
+    let mut rows = "u_deg,y_deg\n".to_owned();
+    let (mut at, mut level) = (0.0, 0.0);
+    for k in 0..1200 {
+        if k % 40 == 30 {
+            level = 30.0 * random(first + k);
+        }
+        rows += &format!("{level:.3},{:.4}\n", at + 0.04 * random(first + 7 * k));
+        for _ in 0..100 {
+            at += 1e-4 * (50.0 * (level - at)).clamp(-top_speed, top_speed);
+        }
+    }
+    let file = dir.join(name);
+    std::fs::write(&file, rows).unwrap();
+    file
+}
+
+#[test]
+fn servos_that_no_step_response_compares_are_compared_as_machines_and_that_is_said_first() {
+    let dir = tempfile::tempdir().unwrap();
+    let quick = rate_limited(dir.path(), "quick.csv", 1, 300.0);
+    let slow = rate_limited(dir.path(), "slow.csv", 2, 250.0);
+    let columns = ["--input", "u_deg", "--output", "y_deg", "--period", "0.01"];
+    let text = run(&[&["compare", arg(&quick), arg(&slow)], &columns[..]].concat());
+    assert!(
+        text.starts_with("As machines they differ, each quantity by itself at 99 %: top speed upwards 300.0 deg/s in A, 250."),
+        "{text}"
+    );
+    // What a record leaves open has no ends that nobody reads.
+    assert!(text.contains("not determined"), "{text}");
+}
+
 #[test]
 #[ignore = "ten seconds: cargo test -p servoid --test integration -- --ignored a_plan_says_what_of"]
 fn a_plan_says_what_of_the_servo_model_comes_out_determined() {

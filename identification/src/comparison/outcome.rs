@@ -193,3 +193,11 @@ pub struct Comparison {
     /// Questions that the recordings leave open, and how to answer them.
     pub advice: Vec<Advice>,
 }
+
+impl Comparison {
+    /// Whether the step responses have bounds that say something of the servos.
+    #[must_use]
+    pub fn has_verdict(&self) -> bool {
+        self.bounds.valid().is_some() && !self.descriptions_of_different_motions
+    }
+}

@@ -7,6 +7,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use crate::data::complete_input::{bridge_input, complete_input};
 use crate::data::timing::Timing;
 use crate::error::Error;
 
@@ -106,6 +107,24 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// The run with the missing inputs that the others make known.
+    fn with_complete_input(&self) -> Run<'_> {
+        let mut run = self.borrowed();
+        if run.input.iter().any(|u| u.is_nan()) {
+            complete_input(run.input.to_mut());
+        }
+        run
+    }
+
+    /// The same, and with those across which it moves evenly (see [`bridge_input`]).
+    fn with_bridged_input(&self) -> Run<'_> {
+        let mut run = self.with_complete_input();
+        if run.input.iter().any(|u| u.is_nan()) {
+            bridge_input(run.input.to_mut());
+        }
+        run
+    }
+
     /// The run with columns of its own.
     #[must_use]
     pub fn into_owned(self) -> Run<'static> {
@@ -115,27 +134,6 @@ impl<'a> Run<'a> {
             at_rest: self.at_rest,
             label: self.label,
         }
-    }
-
-    /// The run with the inputs that are missing between two equal ones: a reference that is held is known there.
-    fn with_held_input(&self) -> Run<'_> {
-        let mut run = self.borrowed();
-        if !run.input.iter().any(|u| u.is_nan()) {
-            return run;
-        }
-        let input = run.input.to_mut();
-        let mut last: Option<usize> = None;
-        for k in 0..input.len() {
-            if input[k].is_nan() {
-                continue;
-            }
-            if let Some(last) = last.filter(|last| input[*last] == input[k]) {
-                let held = input[k];
-                input[last + 1..k].fill(held);
-            }
-            last = Some(k);
-        }
-        run
     }
 
     /// The input u, one value per sample, NaN where missing.
@@ -335,10 +333,19 @@ impl<'a> Record<'a> {
         }
     }
 
-    /// The same with the inputs that are missing between two equal ones.
-    pub(crate) fn with_held_inputs(&self) -> Record<'_> {
+    /// The same with the missing inputs that the others make known (see [`complete_input`]).
+    pub(crate) fn with_complete_inputs(&self) -> Record<'_> {
+        self.with_inputs(Run::with_complete_input)
+    }
+
+    /// The same, and with those across which it moves evenly (see [`bridge_input`]).
+    pub(crate) fn with_bridged_inputs(&self) -> Record<'_> {
+        self.with_inputs(Run::with_bridged_input)
+    }
+
+    fn with_inputs<'b>(&'b self, completed: impl Fn(&'b Run<'a>) -> Run<'b>) -> Record<'b> {
         Record {
-            runs: self.runs.iter().map(Run::with_held_input).collect(),
+            runs: self.runs.iter().map(completed).collect(),
             rest: self.rest.iter().map(Run::borrowed).collect(),
             ..*self
         }
@@ -414,11 +421,11 @@ mod tests {
         assert_eq!(run.input().as_ptr(), input.as_ptr());
         assert_eq!(run.output().as_ptr(), output.as_ptr());
         assert_eq!(run.part(1..3).output().as_ptr(), output[1..].as_ptr());
-        let held = record.with_held_inputs();
+        let held = record.with_complete_inputs();
         assert_eq!(held.runs()[0].input(), [0.0, 1.0, 1.0, 1.0]);
         assert_eq!(held.runs()[0].output().as_ptr(), output.as_ptr());
         let complete = Record::of_run(0.1, &output, &output).unwrap();
-        let held = complete.with_held_inputs();
+        let held = complete.with_complete_inputs();
         assert_eq!(held.runs()[0].input().as_ptr(), output.as_ptr());
     }
 

@@ -22,6 +22,7 @@ mod run_trends;
 mod servo_mean;
 mod simulation_error;
 mod slow_end;
+mod spikes;
 mod standstill_noise;
 mod uneven_noise;
 mod validity;

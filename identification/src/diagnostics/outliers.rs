@@ -8,14 +8,15 @@
 //!
 //! The scale is a median, which glitches do not move, and larger in motion where errors are. What is outlying
 //! must be rare and unrelated to the motion: where a servo that is not linear misses its model, samples are evidence,
-//! not glitches, and none is taken out.
+//! not glitches, and none is taken out but single [`spikes`].
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use crate::data::Moments;
+use crate::data::{Moments, Record};
 use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
+use crate::diagnostics::spikes::spikes;
 use crate::diagnostics::uneven_noise::{motion, squared_speed};
 use crate::estimation::GlsFit;
 use crate::thresholds::{MISFIT_SIGNIFICANCE, MOST_OUTLYING, OUTLYING};
@@ -37,10 +38,35 @@ pub struct TakenOut {
     pub samples: usize,
 }
 
+impl TakenOut {
+    /// `record` without these samples.
+    #[must_use]
+    pub fn removed_from<'a>(taken_out: &[Self], record: &Record<'a>) -> Record<'a> {
+        if taken_out.is_empty() {
+            return record.clone();
+        }
+        let runs = record.runs().iter().enumerate().map(|(index, run)| {
+            let mut output = run.output().to_vec();
+            Self::blank(taken_out, index, &mut output);
+            run.with_output(output)
+        });
+        record.with_runs(runs.collect())
+    }
+
+    /// Makes these samples of a run, counted from 0, missing ones.
+    pub(crate) fn blank(taken_out: &[Self], run: usize, output: &mut [f64]) {
+        for found in taken_out.iter().filter(|found| found.run == run + 1) {
+            output[found.sample..found.sample + found.samples].fill(f64::NAN);
+        }
+    }
+}
+
 /// What is outlying in a record.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Outliers {
     pub(crate) taken_out: Vec<TakenOut>,
+    /// The [`spikes`], which no motion makes, whatever model is wrong.
+    pub(crate) spikes: Vec<TakenOut>,
     /// Share of samples less than one standard deviation within the limit.
     pub(crate) near_limit: f64,
     /// Whether those in motion were left in the record, because they are more than chance would put there: the
@@ -52,6 +78,14 @@ impl Outliers {
     /// Number of samples.
     pub(crate) fn count(&self) -> usize {
         self.taken_out.iter().map(|found| found.samples).sum()
+    }
+
+    /// The spikes alone: all that is no error of the model.
+    pub(crate) fn of_shape(&self) -> Self {
+        Self {
+            taken_out: self.spikes.clone(),
+            ..self.clone()
+        }
     }
 
     /// By how much the variance of an estimate from the samples that are left exceeds that of noise of their
@@ -115,18 +149,44 @@ pub(crate) fn outliers(
         }
     }
     found.near_limit = near as f64 / samples.max(1) as f64;
-    let rare = found.count() as f64 <= MOST_OUTLYING * moments.samples() as f64;
+    let few = |count: usize| count as f64 <= MOST_OUTLYING * moments.samples() as f64;
     let chance = Binomial::new(moving as f64 / samples.max(1) as f64, events.0);
     let unrelated =
         events.1 == 0 || chance.is_ok_and(|chance| chance.sf(events.1 - 1) > MISFIT_SIGNIFICANCE);
+    found.spikes = spikes_of(runs, &motions, IN_MOTION * scale.largest_motion);
+    if !few(found.spikes.len()) {
+        found.spikes.clear();
+    }
+    let rare = few(found.count());
+    if rare && unrelated {
+        return found;
+    }
+    if !found.spikes.is_empty() {
+        return found.of_shape();
+    }
     if !rare {
         return Outliers::default();
     }
-    if !unrelated {
-        found.taken_out = at_rest;
-        found.provisional = true;
-    }
+    found.taken_out = at_rest;
+    found.provisional = true;
     found
+}
+
+/// The [`spikes`] among the errors, where q is above `moving` in motion.
+fn spikes_of(runs: &[Simulated<'_>], motions: &[Vec<f64>], moving: f64) -> Vec<TakenOut> {
+    let errors: Vec<&[f64]> = runs.iter().map(Simulated::own_errors).collect();
+    let in_motion: Vec<Vec<bool>> = (motions.iter())
+        .map(|run| run.iter().map(|q| *q > moving).collect())
+        .collect();
+    let single = |(run, sample): (usize, usize)| TakenOut {
+        run: run + 1,
+        sample,
+        samples: 1,
+    };
+    spikes(&errors, &in_motion)
+        .into_iter()
+        .map(single)
+        .collect()
 }
 
 /// The variance of errors one step ahead, from medians.

@@ -1,7 +1,7 @@
 //! What is in a record beside the servo and its noise: glitches, hum, offsets of runs.
 
 use crate::data::{Record, Run};
-use crate::diagnostics::{HumLine, Outliers, RunOffsets, RunTrends, trend_at};
+use crate::diagnostics::{HumLine, Outliers, RunOffsets, RunTrends, TakenOut, trend_at};
 use crate::numerics::largest_difference;
 
 /// What was taken out of a record.
@@ -66,14 +66,7 @@ impl Disturbances {
             let mut output: Vec<f64> = values
                 .map(|(k, y)| y - hum(k) - offset - trend(k))
                 .collect();
-            for found in self
-                .outliers
-                .taken_out
-                .iter()
-                .filter(|found| found.run == index + 1)
-            {
-                output[found.sample..found.sample + found.samples].fill(f64::NAN);
-            }
+            TakenOut::blank(&self.outliers.taken_out, index, &mut output);
             *run = run.with_output(output);
         }
         record.with_runs(runs)

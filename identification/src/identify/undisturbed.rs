@@ -26,7 +26,7 @@ pub(super) struct Undisturbed<'a> {
 
 impl<'a> Undisturbed<'a> {
     pub(super) fn of(record: &'a Record, options: &Options) -> Result<Self, Error> {
-        let complete = record.with_held_inputs();
+        let complete = record.with_complete_inputs();
         let mut found = Self::without(Disturbances::default(), &complete, options)?;
         for _ in 0..TURNS {
             let next = found.searched(&complete, options.detrend);
@@ -48,7 +48,7 @@ impl<'a> Undisturbed<'a> {
         Ok(found)
     }
 
-    /// With all that may be errors of the model: without the offsets and trends of runs alone.
+    /// With all that may be errors of the model: without the offsets and trends of runs, and spikes, alone.
     pub(super) fn with_errors(
         record: &'a Record,
         options: &Options,
@@ -57,9 +57,10 @@ impl<'a> Undisturbed<'a> {
         let of_runs = Disturbances {
             offsets: found.offsets.clone(),
             trends: found.trends.clone(),
+            outliers: found.outliers.of_shape(),
             ..Disturbances::default()
         };
-        Self::without(of_runs, &record.with_held_inputs(), options)
+        Self::without(of_runs, &record.with_complete_inputs(), options)
     }
 
     fn without(

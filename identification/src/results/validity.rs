@@ -35,7 +35,7 @@ impl Reason {
         match self {
             Self::InputUnexcited => "the reference does not excite all of the response",
             Self::FrequenciesLeftOut => {
-                "the number of frequencies asked for leaves part of the response out"
+                "part of the response lies at frequencies that were left out"
             }
             Self::ErrorsNotNoise => "the errors are not noise",
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",

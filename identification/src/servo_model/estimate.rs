@@ -8,7 +8,9 @@ use super::coordinates::Point;
 use super::covariance::Uncertainty;
 use super::descent::Descent;
 use super::ladder::{Climbed, Ladder, Rung};
-use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
+use super::model::{
+    Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ReachedSpeeds, ServoFit, ServoModel,
+};
 use super::motion::largest_error;
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
@@ -135,7 +137,13 @@ pub fn fit_watched(
     if watch.ends() {
         return Err(Error::SearchEnded);
     }
-    Ok(describe(record, options, &parts, &climbed, &found))
+    Ok(describe(
+        record,
+        options,
+        &parts,
+        (&climbed, shown.reached),
+        &found,
+    ))
 }
 
 /// The stretches of a record that a servo can be found in, and the fold that each of their blocks belongs to.
@@ -197,7 +205,7 @@ fn describe(
     record: &Record,
     options: &ServoModelOptions,
     parts: &[Stretch],
-    climbed: &Climbed,
+    (climbed, reached): (&Climbed, ReachedSpeeds),
     candidates: &Candidates,
 ) -> ServoModel {
     let Candidates {
@@ -261,6 +269,7 @@ fn describe(
         ),
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
+        reached: Some(reached),
         fit: ServoFit {
             simulation_percent: fit_percent(error, spread),
             held_out_percent: held_out(climbed.best()),

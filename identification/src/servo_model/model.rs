@@ -40,6 +40,9 @@ pub struct ServoModel {
     pub alternatives: Vec<Alternative>,
     /// Parameters and what follows from them, in people's terms.
     pub quantities: Vec<Quantity>,
+    /// How fast the servo moved in the record, whatever the model says of it; `None` in files from before this was kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reached: Option<ReachedSpeeds>,
     /// How well it follows the record.
     pub fit: ServoFit,
     /// Noise of the errors of simulation.
@@ -101,6 +104,15 @@ pub struct ServoFit {
     pub samples_used: usize,
     /// Samples without an output, or without an input.
     pub samples_missing: usize,
+}
+
+/// The speeds that a servo reached in a record, as it was measured: means over 40 ms, exceeded in one of 200.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReachedSpeeds {
+    /// Towards larger outputs \[output/s\].
+    pub upwards: f64,
+    /// Towards smaller outputs, not negative \[output/s\].
+    pub downwards: f64,
 }
 
 /// Terms that were tried.

@@ -5,6 +5,7 @@
 
 use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use super::fit::Problem;
+use super::model::ReachedSpeeds;
 use super::stretches::Stretch;
 
 /// Descents that are continued after the grid.
@@ -33,8 +34,18 @@ pub(super) struct Shown {
     offset: f64,
     /// Speed of the steepest strokes \[units of the command for each second\].
     pub(super) top_speed: f64,
+    /// The same by direction.
+    pub(super) reached: ReachedSpeeds,
     /// Sample period \[s\].
     period_s: f64,
+}
+
+/// The largest but one in 200: the largest of all may be a glitch.
+fn nearly_largest(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    let index = values.len().checked_sub(1 + values.len() / 200)?;
+    values.get(index).copied()
 }
 
 impl Shown {
@@ -51,16 +62,14 @@ impl Shown {
         let output_sd = mean(&|(_, b)| (b - y).powi(2)).sqrt();
         let gain = strongest_slope(stretches, u, y);
         let lag = ((STROKE_S / period_s).ceil() as usize).max(1);
-        let stroke = |y: &[f64]| (y[lag] - y[0]).abs() / (lag as f64 * period_s);
+        let stroke = |y: &[f64]| (y[lag] - y[0]) / (lag as f64 * period_s);
         let windows = stretches.iter().flat_map(|s| s.output.windows(lag + 1));
-        let mut speeds: Vec<f64> = windows.map(stroke).filter(|v| v.is_finite()).collect();
-        speeds.sort_by(f64::total_cmp);
-        // One in 200: the fastest of all may be a glitch.
-        let fastest = speeds.get(speeds.len().saturating_sub(1 + speeds.len() / 200));
-        let speed = fastest
-            .copied()
+        let speeds: Vec<f64> = windows.map(stroke).filter(|v| v.is_finite()).collect();
+        let fastest = |towards: fn(f64) -> f64| nearly_largest(speeds.iter().copied().map(towards));
+        let speed = fastest(f64::abs)
             .filter(|v| *v > 0.0)
             .unwrap_or(output_sd / period_s);
+        let reached = |towards| fastest(towards).unwrap_or(0.0).max(0.0);
         Self {
             output_sd,
             output_square: output_sd * output_sd * count,
@@ -69,6 +78,10 @@ impl Shown {
             gain,
             offset: y - gain * u,
             top_speed: speed / gain.abs(),
+            reached: ReachedSpeeds {
+                upwards: reached(|v| v),
+                downwards: reached(|v| -v),
+            },
             period_s,
         }
     }

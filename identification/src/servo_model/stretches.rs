@@ -1,6 +1,6 @@
 //! A record as the fit sees it: stretches with a known command.
 //!
-//! A stretch ends where the input is missing, since the motion after that is not known; the next one begins with a
+//! A stretch ends where the input is missing and the samples around it do not show it, since the motion after that is not known; the next one begins with a
 //! start of its own. Missing outputs are not compared. A stretch is divided into blocks, which the choice of terms
 //! leaves out in turn.
 
@@ -51,6 +51,7 @@ impl Stretch {
 
 /// The stretches of a record, and the fold that each of their blocks belongs to. `controllers` has the controller of each run.
 pub(super) fn stretches(record: &Record, controllers: &[usize]) -> (Vec<Stretch>, Vec<usize>) {
+    let record = &record.with_bridged_inputs();
     let block_length = (record.samples() / BLOCKS).max(1);
     let mut all: Vec<Stretch> = Vec::new();
     for (run, samples) in record.runs().iter().enumerate() {

@@ -155,6 +155,8 @@ fn a_withdrawn_response_says_that_it_is_not_over() {
     let record = Record::of_run(PERIOD, input, output).unwrap();
     let model = identify(&record, &Options::default()).unwrap();
     assert_eq!(model.bounds.withdrawn(), Some(Reason::ResponseNotOver));
+    // When it stays within 2 % of its end depends on what is beyond.
+    assert_eq!(model.metrics.settling_time_s.value, None);
 }
 
 #[test]
@@ -178,4 +180,51 @@ fn scatter_of_three_runs_is_part_of_the_bounds() {
     // moves the scatter that is found by a few percent.
     assert!(equal < 0.006, "{equal}");
     assert!((0.09..0.15).contains(&scattered), "{scattered}");
+}
+
+/// A limited servo leaves errors in motion, among which glitches hide: they are found by their shape, and without them none is.
+#[test]
+fn glitches_under_a_limited_servo_are_found_and_its_own_errors_are_none() {
+    let input: Vec<f64> = (0..3600)
+        .map(|k| 30.0 * (0.7 * (k / 150 * (k / 150)) as f64).sin())
+        .collect();
+    let noise = simulate(
+        Plant::A,
+        Noise::White,
+        &vec![0.0; input.len()],
+        1.0,
+        &mut random(11),
+    );
+    let mut at = 0.0;
+    let mut output: Vec<f64> = (input.iter().zip(noise))
+        .map(|(u, v)| {
+            let seen = at + v;
+            for _ in 0..10 {
+                at += PERIOD / 10.0 * (80.0_f64 * (u - at)).clamp(-300.0, 300.0);
+            }
+            seen
+        })
+        .collect();
+    let taken_out = |output: &[f64]| {
+        let record = Record::of_run(PERIOD, &input[..], output).unwrap();
+        let found = identify_explained(&record, &Options::default()).unwrap();
+        assert!(!found.model.linear || found.model.bounds.withdrawn().is_some());
+        let places = found.explanation.taken_out.iter();
+        places
+            .map(|found| (found.sample, found.samples))
+            .collect::<Vec<_>>()
+    };
+    assert!(taken_out(&output).is_empty());
+    let glitches = [
+        (320, -8.0),
+        (650, 20.0),
+        (905, 12.0),
+        (1510, -20.0),
+        (2405, 4.0),
+        (3100, 9.0),
+    ];
+    for (k, size) in glitches {
+        output[k] += size;
+    }
+    assert_eq!(taken_out(&output), glitches.map(|(k, _)| (k, 1)));
 }

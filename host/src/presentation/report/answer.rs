@@ -5,6 +5,7 @@ use super::text::escape;
 use crate::data::units::Units;
 use crate::presentation::plots::{self, Answer, Figure, Named, NamedServo};
 use crate::presentation::summary::{self, KEY_FIGURES, KeyFigure};
+use servoid_identification::comparison::Comparison;
 use servoid_identification::results::Bounds;
 use servoid_identification::servo_model::ServoModel;
 
@@ -21,10 +22,7 @@ enum Basis<'a> {
 impl<'a> Basis<'a> {
     fn of(page: &Page<'a>) -> Self {
         let machine = |part: &Part<'a>| part.servo_model.map(|found| &found.model);
-        let verdict = page
-            .comparison
-            .and_then(|found| found.bounds.valid())
-            .is_some();
+        let verdict = page.comparison.is_some_and(Comparison::has_verdict);
         match (&page.second, machine(&page.first)) {
             (None, Some(model)) if model.better_linear_percent().is_none() && model.predicts() => {
                 Self::Machine(model)

@@ -3,7 +3,7 @@
 use super::first_finding::first_finding;
 use super::numbers::percent;
 use crate::data::units::Units;
-use servoid_identification::results::{Bounds, Interval, Model, StepBounds};
+use servoid_identification::results::{Bounds, Interval, Model, Reason, StepBounds};
 
 /// What kind of servo, how fast, how sure.
 #[must_use]
@@ -52,16 +52,7 @@ fn motion(model: &Model, units: Units<'_>) -> String {
                 false => format!("overshoots by {share:.1} %"),
             }),
     );
-    let unit = units
-        .gain()
-        .map(|unit| format!(" {unit}"))
-        .unwrap_or_default();
-    parts.extend(
-        metrics
-            .dc_gain
-            .value
-            .map(|gain| format!("ends at {gain:.3}{unit} for each unit of the command")),
-    );
+    parts.extend(end(model, units));
     match parts.pop() {
         None => "How the servo answers a step is not determined.".to_owned(),
         Some(last) if parts.is_empty() => format!("After a step of the command the servo {last}."),
@@ -70,6 +61,22 @@ fn motion(model: &Model, units: Units<'_>) -> String {
             parts.join(", ")
         ),
     }
+}
+
+/// Where the response ends; or that it does not, as far as that can be judged.
+fn end(model: &Model, units: Units<'_>) -> Option<String> {
+    if model.step.bounds.withdrawn() == Some(Reason::ResponseNotOver) {
+        let judged_s = model.structure.settling_samples as f64 * model.sample_period_s;
+        return Some(format!("still moves after {:.0} ms", 1e3 * judged_s));
+    }
+    let unit = units
+        .gain()
+        .map(|unit| format!(" {unit}"))
+        .unwrap_or_default();
+    let gain = model.metrics.dc_gain.value?;
+    Some(format!(
+        "ends at {gain:.3}{unit} for each unit of the command"
+    ))
 }
 
 /// An overshoot that is none to the eye (% of the final value).

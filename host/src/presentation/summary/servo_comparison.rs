@@ -118,10 +118,12 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             Some(_) => format!("{} {unit}", shown(value)).trim_end().to_owned(),
             None => shown(value),
         };
-        let ends = |interval: Option<Interval>| match interval {
-            Some(found) if found.lower.or(found.upper).is_some() => {
+        let ends = |interval: Option<Interval>, value: Option<f64>| match interval {
+            // What a record leaves open has ends that nobody reads.
+            Some(found) if value.is_some() && found.lower.or(found.upper).is_some() => {
                 format!("{} .. {}", shown(found.lower), shown(found.upper))
             }
+            Some(_) if value.is_none() => "not determined".to_owned(),
             _ => String::new(),
         };
         let sure = bounds.and_then(|bounds| bounds.differences.get(index));
@@ -130,12 +132,12 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             None => [None; 3],
         };
         let mut cells = vec![
-            (with_unit(pair.a), ends(of_a)),
-            (with_unit(pair.b), ends(of_b)),
+            (with_unit(pair.a), ends(of_a, pair.a)),
+            (with_unit(pair.b), ends(of_b, pair.b)),
         ];
         if bounds.is_some() {
             let less = apart.map_or_else(String::new, |found| with_unit(found.value));
-            cells.push((less, ends(apart)));
+            cells.push((less, ends(apart, apart.and_then(|found| found.value))));
         }
         TableRow {
             label: pair.name.clone(),

@@ -3,7 +3,8 @@
 use super::layout::listed_words;
 use super::servo_model::{OF_LIMIT, digits, four_digits, seconds_per_60_degrees, turn_time_s};
 use crate::data::units::Units;
-use servoid_identification::servo_model::{LoadKind, Quantity, ServoModel, Spread};
+use servoid_identification::results::{Bounds, Reason};
+use servoid_identification::servo_model::{LoadKind, Quantity, ServoModel};
 use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
 
 /// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better.
@@ -20,32 +21,69 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
             better_linear(model).unwrap_or_default()
         );
     }
-    let is_sure = model.covariance.valid().is_some();
     let speeds = top_speeds(model);
-    let parts = [
-        Some(kind(model, speeds, units)),
-        resting_error(model, units),
-        load(model).map(str::to_owned),
-        delay(model),
-    ];
-    let all: Vec<String> = parts.into_iter().flatten().collect();
+    let (what, doubt) = match model.covariance {
+        Bounds::Valid(_) => (what_is_known(model, speeds, units), String::new()),
+        Bounds::Withdrawn(reason) => (
+            what_was_seen(model, speeds, units),
+            format!(
+                " Its figures have no intervals and may be off: {}{}.",
+                reason.because(),
+                match reason {
+                    Reason::ErrorsNotNoise => ", so the servo does something that the model lacks",
+                    _ => "",
+                }
+            ),
+        ),
+    };
     let doubts = [
         speeds.and_then(|[up, _]| unlikely_speed(model, up, units)),
         hidden_by_noise(model),
         better_linear(model),
     ];
     format!(
-        "This servo {}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{}{}",
-        listed_words(&all),
+        "This servo {}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{doubt}{}",
+        listed_words(&what),
         model.prediction_percent(),
-        match is_sure {
-            true => "",
-            false =>
-                " No intervals can be given: figures are the least and the most of fits to parts of this recording, and another \
-                 recording may give others.",
-        },
         doubts.into_iter().flatten().collect::<String>()
     )
+}
+
+/// What the model says of the servo, where its intervals hold.
+fn what_is_known(
+    model: &ServoModel,
+    speeds: Option<[&Quantity; 2]>,
+    units: Units<'_>,
+) -> Vec<String> {
+    let parts = [
+        Some(limited_to(model, speeds, units).unwrap_or_else(|| kind(model).to_owned())),
+        resting_error(model, units),
+        load(model).map(str::to_owned),
+        delay(model),
+    ];
+    parts.into_iter().flatten().collect()
+}
+
+/// What the recording shows whether or not the model is right: of a servo that does more than its model, terms and figures stand for
+/// what the model lacks (a load for a sagging supply, a delay for a slow profile generator).
+fn what_was_seen(
+    model: &ServoModel,
+    speeds: Option<[&Quantity; 2]>,
+    units: Units<'_>,
+) -> Vec<String> {
+    let kind = match speeds {
+        Some(_) => "is limited in its speed",
+        None => kind(model),
+    };
+    let reached = model.reached.map(|reached| {
+        let speed = |speed: f64| {
+            let per_second = format!("{}{}/s", digits(speed, 2), with_space(units.output));
+            format!("{per_second}{}", turn(model, speed, units))
+        };
+        let (up, down) = (speed(reached.upwards), speed(reached.downwards));
+        format!("moved at up to {up} upwards and {down} downwards in this recording")
+    });
+    std::iter::once(kind.to_owned()).chain(reached).collect()
 }
 
 /// The quantity of this name, where the record determines it.
@@ -60,34 +98,36 @@ fn top_speeds(model: &ServoModel) -> Option<[&Quantity; 2]> {
     Some([up?, down?])
 }
 
-/// "is limited to 331 deg/s (0.181 s/60°)"
-fn kind(model: &ServoModel, speeds: Option<[&Quantity; 2]>, units: Units<'_>) -> String {
-    let output = with_space(units.output);
+/// "is limited to 331 deg/s (0.181 s/60°)", where the record determines that.
+fn limited_to(
+    model: &ServoModel,
+    speeds: Option<[&Quantity; 2]>,
+    units: Units<'_>,
+) -> Option<String> {
     let speed = |found: &Quantity| {
-        format!(
-            "{}{output}/s{}",
-            figure(found, 1.0),
-            turn(model, found, units)
-        )
+        let per_second = format!("{}{}/s", four_digits(found.value), with_space(units.output));
+        format!("{per_second}{}", turn(model, found.value, units))
     };
-    let kind = match speeds {
-        Some([up, down]) if up.value == down.value && up.other_fits == down.other_fits => {
-            return format!("is limited to {}", speed(up));
-        }
-        Some([up, down]) => {
-            let (up, down) = (speed(up), speed(down));
-            return format!("is limited to {up} upwards and {down} downwards");
-        }
-        None if model.terms.limit && shows_limit(model) => "is limited in its drive",
+    let [up, down] = speeds?;
+    Some(match up.value == down.value {
+        true => format!("is limited to {}", speed(up)),
+        false => format!(
+            "is limited to {} upwards and {} downwards",
+            speed(up),
+            speed(down)
+        ),
+    })
+}
+
+/// What kind of servo it is, without figures.
+fn kind(model: &ServoModel) -> &'static str {
+    match model.covariance {
+        _ if model.terms.limit && shows_limit(model) => "is limited in its drive",
         // Friction comes with a limit that the record may not reach.
-        None if model.terms.limit => "is not linear",
-        None if model.covariance.valid().is_some() => "is linear",
-        None if determined(model, "bandwidth at small signals").is_none() => {
-            "is much like a linear one whose bandwidth does not show"
-        }
-        None => "is much like a linear one",
-    };
-    kind.to_owned()
+        _ if model.terms.limit => "is not linear",
+        Bounds::Valid(_) => "is linear",
+        Bounds::Withdrawn(_) => "is much like a linear one",
+    }
 }
 
 /// Whether the record determines anything that a limit of the drive brings about.
@@ -98,10 +138,10 @@ fn shows_limit(model: &ServoModel) -> bool {
 }
 
 /// " (0.181 s/60°)", or what that is if the output is in degrees.
-fn turn(model: &ServoModel, speed: &Quantity, units: Units<'_>) -> String {
-    let stated = seconds_per_60_degrees(speed.value, units);
+fn turn(model: &ServoModel, speed: f64, units: Units<'_>) -> String {
+    let stated = seconds_per_60_degrees(speed, units);
     let assumed = || {
-        let seconds = seconds_per_60_degrees(speed.value, assumed_units(model, units)?)?;
+        let seconds = seconds_per_60_degrees(speed, assumed_units(model, units)?)?;
         Some(format!("{seconds} if that is degrees"))
     };
     let seconds = stated.or_else(assumed);
@@ -117,7 +157,10 @@ fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let error = determined(model, "resting error by friction")?;
     (error.value > 0.0).then(|| {
         let command = with_space(units.input);
-        format!("rests within {}{command} of its target", figure(error, 1.0))
+        format!(
+            "rests within {}{command} of its target",
+            four_digits(error.value)
+        )
     })
 }
 
@@ -143,44 +186,23 @@ fn load(model: &ServoModel) -> Option<&'static str> {
 /// A load that holds a servo further off its command is none \[rad\]: in small strokes a weight is much like a softer drive behind a larger gain.
 const LARGEST_LOAD: f64 = 1.0;
 
-/// Whether a quantity has one sign in its interval, or in other fits.
+/// Whether a quantity has one sign in its interval.
 fn is_one_sided(quantity: &Quantity) -> bool {
-    let ends = match (quantity.interval.valid(), quantity.other_fits) {
-        (Some(interval), _) => interval.lower.zip(interval.upper),
-        (None, Some(Spread { least, most })) => Some((least, most)),
-        (None, None) => Some((quantity.value, quantity.value)),
-    };
-    ends.is_some_and(|(least, most)| least * most > 0.0)
+    let interval = quantity.interval.valid();
+    let ends = interval.and_then(|interval| interval.lower.zip(interval.upper));
+    ends.is_some_and(|(lower, upper)| lower * upper > 0.0)
 }
 
 fn delay(model: &ServoModel) -> Option<String> {
-    let delay = determined(model, "delay")?;
-    let most_s = delay.other_fits.map_or(delay.value, |spread| spread.most);
-    Some(match most_s < AT_ONCE * model.sample_period_s {
+    let delay = determined(model, "delay")?.value;
+    Some(match delay < AT_ONCE * model.sample_period_s {
         true => "answers at once".to_owned(),
-        false => format!("answers {} ms late", figure(delay, 1e3)),
+        false => format!("answers {} ms late", four_digits(1e3 * delay)),
     })
 }
 
 /// A delay of so many samples does not show.
 const AT_ONCE: f64 = 0.01;
-
-/// A quantity times `scale`, to as many digits as are known; without an interval, from the least to the most of other fits.
-fn figure(quantity: &Quantity, scale: f64) -> String {
-    let two_digits = |value: f64| digits(scale * value, 2);
-    match quantity.other_fits {
-        None if quantity.interval.valid().is_some() => four_digits(scale * quantity.value),
-        // Of a file from before other fits were kept.
-        None => format!("about {}", two_digits(quantity.value)),
-        Some(Spread { least, most }) => {
-            let (least, most) = (two_digits(least), two_digits(most));
-            match least == most {
-                true => format!("about {least}"),
-                false => format!("{least}-{most}"),
-            }
-        }
-    }
-}
 
 /// " Noise alone would leave ...": that a poor fit is that of noise, and what it means.
 fn hidden_by_noise(model: &ServoModel) -> Option<String> {
@@ -233,41 +255,4 @@ fn unlikely_speed(model: &ServoModel, speed: &Quantity, units: Units<'_>) -> Opt
         USUAL_TURNS_S.end(),
         model.sample_period_s
     ))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::servo_model::quantity_row;
-    use super::*;
-    use servoid_identification::results::{Bounds, Interval, Reason};
-    use servoid_identification::servo_model::Unit;
-
-    #[test]
-    fn a_figure_without_an_interval_is_how_far_other_fits_go_apart() {
-        let mut speed = Quantity {
-            name: "top speed upwards".to_owned(),
-            unit: Unit::OutputPerSecond,
-            determined: true,
-            value: 400.0,
-            interval: Bounds::Valid(Interval::new(400.0, 390.0, 410.0)),
-            other_fits: None,
-        };
-        assert_eq!(figure(&speed, 1.0), "400.0");
-        speed.interval = Bounds::Withdrawn(Reason::ErrorsNotNoise);
-        let (least, most) = (371.4, 421.7);
-        speed.other_fits = Some(Spread { least, most });
-        assert_eq!(figure(&speed, 1.0), "371-422");
-        let row = quantity_row(&speed, Units::default());
-        assert_eq!(
-            (row.value.as_str(), row.interval.as_str()),
-            ("400", "other fits 371 to 422")
-        );
-        speed.other_fits = Some(Spread {
-            least: 399.6,
-            most: 400.4,
-        });
-        assert_eq!(figure(&speed, 1.0), "about 400");
-        speed.other_fits = None;
-        assert_eq!(figure(&speed, 1.0), "about 400");
-    }
 }

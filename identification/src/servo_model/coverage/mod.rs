@@ -65,6 +65,7 @@ impl Row {
             reference: self.reference,
             noise: self.noise,
             run,
+            missing_percent: number("MISSING", 0),
         };
         let cases: Vec<Case> = servos
             .flat_map(|servo| (0..runs).map(move |run| case(servo, run)))
@@ -101,6 +102,7 @@ fn bands_hold_or_are_withdrawn() {
         reference: Reference::RandomLevels,
         noise: NoiseKind::White,
         run: 0,
+        missing_percent: 0,
     };
     let kinds = Kind::ALL.into_par_iter();
     let trials: Vec<Trial> = kinds.map(|kind| case(kind).trial()).collect();
@@ -131,7 +133,7 @@ fn linear_servos_stay_linear() {
             beyond: Beyond::Nothing,
         };
         let mut random = ChaCha8Rng::seed_from_u64(*seed);
-        let input = Reference::ALL[(*seed % 3) as usize].command(&mut random, 3600);
+        let input = Reference::ALL[(*seed % 4) as usize].command(&mut random, 3600);
         let noise = NoiseKind::ALL[(*seed % 2) as usize].draw(&mut random, input.len());
         let clean = truth.response(&input, PERIOD_S);
         let output: Vec<f64> = clean.iter().zip(noise).map(|(y, v)| y + v).collect();

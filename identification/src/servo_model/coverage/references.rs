@@ -32,19 +32,27 @@ pub(super) enum Reference {
     RandomLevels,
     /// Up and down over a few levels, each for 240 ms.
     Stairs,
-    /// Sines of random phases, with rest before and after.
+    /// Sines of random phases in frames, with rest before and after.
     Multisine,
+    /// The same with a new command at each sample.
+    Smooth,
 }
 
 impl Reference {
-    pub(super) const ALL: [Self; 3] = [Self::RandomLevels, Self::Stairs, Self::Multisine];
+    pub(super) const ALL: [Self; 4] = [
+        Self::RandomLevels,
+        Self::Stairs,
+        Self::Multisine,
+        Self::Smooth,
+    ];
 
     /// The command, sample by sample.
     pub(super) fn command(self, random: &mut ChaCha8Rng, samples: usize) -> Vec<f64> {
         match self {
             Self::RandomLevels => random_levels(random, samples),
             Self::Stairs => stairs(samples),
-            Self::Multisine => multisine(random, samples),
+            Self::Multisine => multisine(random, samples, FRAME),
+            Self::Smooth => multisine(random, samples, 1),
         }
     }
 
@@ -63,6 +71,7 @@ impl fmt::Display for Reference {
             Self::RandomLevels => "random levels",
             Self::Stairs => "stairs",
             Self::Multisine => "multisine",
+            Self::Smooth => "smooth",
         })
     }
 }
@@ -107,10 +116,11 @@ fn wandering_stairs(random: &mut ChaCha8Rng, samples: usize) -> Vec<f64> {
     command
 }
 
-fn multisine(random: &mut ChaCha8Rng, samples: usize) -> Vec<f64> {
+/// Each command is held for `hold` samples.
+fn multisine(random: &mut ChaCha8Rng, samples: usize, hold: usize) -> Vec<f64> {
     let phases: Vec<f64> = (0..TONES).map(|_| random.random_range(0.0..TAU)).collect();
     let sum = |k: usize| -> f64 {
-        let time_s = (k / FRAME * FRAME) as f64 * PERIOD_S;
+        let time_s = (k / hold * hold) as f64 * PERIOD_S;
         let tone = |(i, phase): (usize, &f64)| {
             (TAU * LOWEST_HZ * (2 * i + 1) as f64 * time_s + phase).sin()
         };
@@ -156,10 +166,12 @@ impl NoiseKind {
         (0..samples).map(|_| next()).collect()
     }
 
-    /// Sum of the squares of errors, made white and of variance 1 if they are this noise.
-    pub(super) fn white_squares(self, errors: &[f64]) -> f64 {
+    /// Sum of the squares of errors, made white and of variance 1 if they are this noise, where `known` is not NaN.
+    pub(super) fn white_squares(self, errors: &[f64], known: &[f64]) -> f64 {
         let white = |pair: &[f64]| ((pair[1] - self.memory() * pair[0]) / WHITE).powi(2);
-        errors.windows(2).map(white).sum()
+        let pairs = errors.windows(2).zip(known.windows(2));
+        let known = pairs.filter(|(_, known)| !known[0].is_nan() && !known[1].is_nan());
+        known.map(|(errors, _)| white(errors)).sum()
     }
 }
 

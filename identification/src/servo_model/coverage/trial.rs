@@ -6,7 +6,7 @@ use super::truth::Truth;
 use crate::data::{Record, Run};
 use crate::results::Interval;
 use crate::servo_model::{ServoModel, ServoModelOptions, fit, quantities};
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Samples of a recording.
@@ -28,6 +28,8 @@ pub(super) struct Case {
     pub(super) noise: NoiseKind,
     /// Number of the recording of this servo.
     pub(super) run: u64,
+    /// Percent of the rows that are missing.
+    pub(super) missing_percent: u64,
 }
 
 /// The fit of a recording, and what is true.
@@ -84,11 +86,16 @@ impl Case {
         let stream = 10_000 * self.run + 10 * self.reference as u64 + self.noise as u64;
         let mut random = ChaCha8Rng::seed_from_u64(self.servo);
         random.set_stream(stream);
-        let input = self.reference.command(&mut random, SAMPLES);
+        let mut input = self.reference.command(&mut random, SAMPLES);
         let noise = self.noise.draw(&mut random, input.len());
         let clean = truth.response(&input, PERIOD_S);
-        let output: Vec<f64> = clean.iter().zip(&noise).map(|(y, v)| y + v).collect();
+        let mut output: Vec<f64> = clean.iter().zip(&noise).map(|(y, v)| y + v).collect();
         let at_rest = input[0];
+        for (u, y) in input.iter_mut().zip(&mut output).skip(1) {
+            if random.random_range(0..100) < self.missing_percent {
+                (*u, *y) = (f64::NAN, f64::NAN);
+            }
+        }
         let run = Run::new(input, output).expect("as many outputs as inputs");
         let run = run.with_input_at_rest(at_rest);
         let record = Record::new(PERIOD_S, vec![run]).expect("one run");
@@ -115,7 +122,8 @@ impl Case {
         let simulated = found.simulate(&record, &[]).expect("its own record");
         let measured = record.runs()[0].output().iter();
         let errors: Vec<f64> = measured.zip(&simulated[0]).map(|(y, s)| y - s).collect();
-        let misfit = self.noise.white_squares(&errors) - self.noise.white_squares(&noise);
+        let misfit =
+            self.noise.white_squares(&errors, &errors) - self.noise.white_squares(&noise, &errors);
         Trial {
             case: self,
             misfit,
