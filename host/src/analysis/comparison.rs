@@ -11,7 +11,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use servoid_identification::Error;
 use servoid_identification::comparison::{
-    Comparison, ComparisonOptions, ServoModelComparison, compare, compare_models,
+    Comparison, ComparisonOptions, ServoModelComparison, Verdict, compare, compare_models,
     compare_servo_models,
 };
 use servoid_identification::results::Advice;
@@ -164,7 +164,8 @@ impl Compared {
             let sentence = summary::sentence_on_servo_models("A", "B", servos, units);
             let sentence = summary::wrapped(&sentence, 0);
             let table = summary::of_servo_models("A", "B", servos, units);
-            text = match self.found.has_verdict() || servos.bounds.valid().is_none() {
+            let decided = self.found.verdict != Verdict::Undecided;
+            text = match decided || servos.bounds.valid().is_none() {
                 true => format!("{text}\n{sentence}\n{table}"),
                 // The answer comes first.
                 false => format!("{sentence}\n\n{text}{table}"),

@@ -4,7 +4,7 @@ use crate::data::dataset::Dataset;
 use crate::data::held_out::HeldOut;
 use crate::data::model_file::ServoModelDocument;
 use crate::presentation::plots::HeldOutPrediction;
-use servoid_identification::comparison::Comparison;
+use servoid_identification::comparison::{Comparison, Verdict};
 use servoid_identification::diagnostics::TakenOut;
 use servoid_identification::results::{Model, Reason, Validation};
 use servoid_identification::servo_model::{self, ServoModelOptions, Watch, no_prediction};
@@ -17,9 +17,10 @@ pub fn is_wanted(asked: bool, linear: &Model) -> bool {
     help(asked, linear.linear && withdrawn.is_none(), withdrawn)
 }
 
-/// Whether servo models of both sides are compared: on request, and where the step responses have no verdict.
+/// Whether servo models of both sides are compared: on request, and where the step responses decide nothing.
 pub fn are_compared(asked: bool, found: &Comparison) -> bool {
-    help(asked, found.has_verdict(), found.bounds.withdrawn())
+    let decided = found.verdict != Verdict::Undecided;
+    help(asked, decided, found.bounds.withdrawn())
 }
 
 /// Whether servo models help: on request, and where a linear model does not suffice, but not behind a closed loop.
@@ -37,7 +38,7 @@ pub struct Found {
 }
 
 /// Finds the servo behind `data`, and puts the `linear` model of the same data beside it; with `held_out`, also its prediction of a
-/// stretch, at the same time. What was taken out of the data for the linear model is left out here, too. Where neither model
+/// stretch, at the same time. Glitches that were taken out of the data for the linear model are left out here, too. Where neither model
 /// predicts the data, that becomes the first advice of the linear one.
 pub fn find(
     data: &Dataset,
@@ -47,7 +48,7 @@ pub fn find(
     search: &dyn Watch,
 ) -> Found {
     let data = &Dataset {
-        record: TakenOut::removed_from(&linear.explanation.taken_out, &data.record),
+        record: TakenOut::without_spikes(&linear.explanation.taken_out, &data.record),
         ..data.clone()
     };
     let linear = &mut linear.model;

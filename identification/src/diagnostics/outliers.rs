@@ -16,7 +16,7 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 use crate::data::{Moments, Record};
 use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
-use crate::diagnostics::spikes::spikes;
+use crate::diagnostics::spikes::{Course, spikes};
 use crate::diagnostics::uneven_noise::{motion, squared_speed};
 use crate::estimation::GlsFit;
 use crate::thresholds::{MISFIT_SIGNIFICANCE, MOST_OUTLYING, OUTLYING};
@@ -36,18 +36,27 @@ pub struct TakenOut {
     pub sample: usize,
     /// Number of samples.
     pub samples: usize,
+    /// Whether it has the shape of a glitch: a single sample that leaves the course of both sides. Anything else may be an error
+    /// of a linear model.
+    #[serde(default)]
+    pub spike: bool,
 }
 
 impl TakenOut {
-    /// `record` without these samples.
+    /// `record` without the spikes of what was taken out.
     #[must_use]
-    pub fn removed_from<'a>(taken_out: &[Self], record: &Record<'a>) -> Record<'a> {
-        if taken_out.is_empty() {
+    pub fn without_spikes<'a>(taken_out: &[Self], record: &Record<'a>) -> Record<'a> {
+        let spikes: Vec<Self> = taken_out
+            .iter()
+            .copied()
+            .filter(|found| found.spike)
+            .collect();
+        if spikes.is_empty() {
             return record.clone();
         }
         let runs = record.runs().iter().enumerate().map(|(index, run)| {
             let mut output = run.output().to_vec();
-            Self::blank(taken_out, index, &mut output);
+            Self::blank(&spikes, index, &mut output);
             run.with_output(output)
         });
         record.with_runs(runs.collect())
@@ -131,6 +140,7 @@ pub(crate) fn outliers(
                     run: index + 1,
                     sample: k,
                     samples: 1,
+                    spike: false,
                 });
             }
             match found.taken_out.last_mut() {
@@ -142,6 +152,7 @@ pub(crate) fn outliers(
                         run: index + 1,
                         sample: k,
                         samples: 1,
+                        spike: false,
                     });
                 }
             }
@@ -156,6 +167,14 @@ pub(crate) fn outliers(
     found.spikes = spikes_of(runs, &motions, IN_MOTION * scale.largest_motion);
     if !few(found.spikes.len()) {
         found.spikes.clear();
+    }
+    for single in &mut found.taken_out {
+        let at = |spike: &&TakenOut| (spike.run, spike.sample) == (single.run, single.sample);
+        if single.samples == 1
+            && let Some(spike) = found.spikes.iter().find(at)
+        {
+            *single = *spike;
+        }
     }
     let rare = few(found.count());
     if rare && unrelated {
@@ -173,20 +192,20 @@ pub(crate) fn outliers(
 }
 
 /// The [`spikes`] among the errors, where q is above `moving` in motion.
-fn spikes_of(runs: &[Simulated<'_>], motions: &[Vec<f64>], moving: f64) -> Vec<TakenOut> {
-    let errors: Vec<&[f64]> = runs.iter().map(Simulated::own_errors).collect();
-    let in_motion: Vec<Vec<bool>> = (motions.iter())
-        .map(|run| run.iter().map(|q| *q > moving).collect())
-        .collect();
+fn spikes_of<'a>(runs: &'a [Simulated<'a>], motions: &[Vec<f64>], moving: f64) -> Vec<TakenOut> {
+    let course = |(simulated, motion): (&'a Simulated<'a>, &Vec<f64>)| Course {
+        measured: simulated.run.output(),
+        errors: simulated.own_errors(),
+        in_motion: motion.iter().map(|q| *q > moving).collect(),
+    };
+    let courses: Vec<Course<'_>> = runs.iter().zip(motions).map(course).collect();
     let single = |(run, sample): (usize, usize)| TakenOut {
         run: run + 1,
         sample,
         samples: 1,
+        spike: true,
     };
-    spikes(&errors, &in_motion)
-        .into_iter()
-        .map(single)
-        .collect()
+    spikes(&courses).into_iter().map(single).collect()
 }
 
 /// The variance of errors one step ahead, from medians.

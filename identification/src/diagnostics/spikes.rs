@@ -1,33 +1,55 @@
 //! Single samples that stand out from the straight lines on both sides of them.
 //!
 //! A servo that is not linear misses its linear model in motion, where a glitch is then one large error among many. Its shape
-//! sets it apart: the motion bends, and no motion leaves its course and is back on it two samples later.
+//! sets it apart: the motion bends, and no motion leaves its course and is back on it two samples later. The errors alone would not
+//! do: where samples are far apart, a model that is wrong at an edge is wrong for one sample. So both stand out, the errors and the
+//! measured output.
 
 use crate::thresholds::{SPIKE, SPIKE_SCALE_QUANTILE};
 
-/// The distance of sample `k` from the lines through the two samples before and the two after it, where it is on one side of both:
-/// the smaller of the two. 0 elsewhere, and where one of these samples is missing.
-fn stands_out(errors: &[f64], k: usize) -> f64 {
-    let (Some([a, b]), Some([c, d])) = (
-        k.checked_sub(2).and_then(|from| errors.get(from..k)),
-        errors.get(k + 1..k + 3),
-    ) else {
-        return 0.0;
-    };
-    let (before, after) = (errors[k] - (2.0 * b - a), errors[k] - (2.0 * c - d));
-    match before * after > 0.0 {
-        true => before.abs().min(after.abs()),
-        false => 0.0,
+/// The outputs of a run.
+pub(super) struct Course<'a> {
+    /// As measured.
+    pub(super) measured: &'a [f64],
+    /// Measured less simulated.
+    pub(super) errors: &'a [f64],
+    /// Whether the servo moves.
+    pub(super) in_motion: Vec<bool>,
+}
+
+impl Course<'_> {
+    /// The distance of sample `k` from the lines through the two samples before and the two after it, where it is on one side of
+    /// both, in the output and in the errors: the least of all. 0 elsewhere, and where one of these samples is missing.
+    fn stands_out(&self, k: usize) -> f64 {
+        let of = |course: &[f64]| {
+            let before = k.checked_sub(2).and_then(|from| course.get(from..k))?;
+            let after = course.get(k + 1..k + 3)?;
+            Some([
+                course[k] - (2.0 * before[1] - before[0]),
+                course[k] - (2.0 * after[0] - after[1]),
+            ])
+        };
+        let Some((of_output, of_errors)) = of(self.measured).zip(of(self.errors)) else {
+            return 0.0;
+        };
+        let all = [of_output, of_errors].concat();
+        let least = |sign: f64| {
+            all.iter()
+                .fold(f64::INFINITY, |least, by| least.min(sign * by))
+        };
+        match all.iter().any(|by| by.is_nan()) {
+            true => 0.0,
+            false => least(1.0).max(least(-1.0)).max(0.0),
+        }
     }
 }
 
-/// The spikes among the errors of each run, as indices of run and sample. `in_motion` is true where the servo moves: what
-/// stands out there is compared with what usually does.
-pub(super) fn spikes(errors: &[&[f64]], in_motion: &[Vec<bool>]) -> Vec<(usize, usize)> {
+/// The spikes of each run, as indices of run and sample. What stands out in motion is compared with what usually does there.
+pub(super) fn spikes(courses: &[Course<'_>]) -> Vec<(usize, usize)> {
     let all = || {
-        let runs = errors.iter().zip(in_motion).enumerate();
-        runs.flat_map(|(run, (errors, moving))| {
-            (0..errors.len()).map(move |k| (run, k, stands_out(errors, k), moving[k]))
+        courses.iter().enumerate().flat_map(|(run, course)| {
+            let samples = 0..course.errors.len();
+            samples.map(move |k| (run, k, course.stands_out(k), course.in_motion[k]))
         })
     };
     let limit = |of_motion: bool| {
@@ -62,14 +84,24 @@ mod tests {
 
     #[test]
     fn a_sample_that_leaves_the_course_of_both_sides_is_one_and_a_bend_is_none() {
-        let mut errors = motion();
-        let moving = vec![(0..300).map(|k| (85..155).contains(&k)).collect()];
-        assert!(spikes(&[&errors], &moving).is_empty());
-        errors[50] += 8.0;
-        errors[103] -= 8.0;
-        assert_eq!(spikes(&[&errors], &moving), [(0, 50), (0, 103)]);
+        let found = |measured: &[f64], errors: &[f64]| {
+            let in_motion = (0..300).map(|k| (85..155).contains(&k)).collect();
+            spikes(&[Course {
+                measured,
+                errors,
+                in_motion,
+            }])
+        };
+        let clean = motion();
+        assert!(found(&clean, &clean).is_empty());
+        let mut glitches = clean.clone();
+        glitches[50] += 8.0;
+        glitches[103] -= 8.0;
+        assert_eq!(found(&glitches, &glitches), [(0, 50), (0, 103)]);
+        // A model that is wrong for one sample.
+        assert!(found(&clean, &glitches).is_empty());
         // Two samples in a row are no spike: a motion may be as fast.
-        errors[51] += 8.0;
-        assert_eq!(spikes(&[&errors], &moving), [(0, 103)]);
+        glitches[51] += 8.0;
+        assert_eq!(found(&glitches, &glitches), [(0, 103)]);
     }
 }

@@ -63,6 +63,7 @@ mod tests {
             run: 2,
             sample: 2,
             samples: 2,
+            spike: false,
         };
         let drawn = left_out("left-out", "Left out", &record, &[taken_out], Some("deg"));
         let [panel] = &drawn.panels[..] else {

@@ -30,7 +30,8 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
                 " Its figures have no intervals and may be off: {}{}.",
                 reason.because(),
                 match reason {
-                    Reason::ErrorsNotNoise => ", so the servo does something that the model lacks",
+                    Reason::ErrorsNotNoise =>
+                        ", so the servo or the recording has something that the model lacks",
                     _ => "",
                 }
             ),
@@ -109,13 +110,10 @@ fn limited_to(
         format!("{per_second}{}", turn(model, found.value, units))
     };
     let [up, down] = speeds?;
-    Some(match up.value == down.value {
-        true => format!("is limited to {}", speed(up)),
-        false => format!(
-            "is limited to {} upwards and {} downwards",
-            speed(up),
-            speed(down)
-        ),
+    let (up, down) = (speed(up), speed(down));
+    Some(match up == down {
+        true => format!("is limited to {up}"),
+        false => format!("is limited to {up} upwards and {down} downwards"),
     })
 }
 

@@ -7,8 +7,8 @@ use crate::diagnostics::run_scatter::RunComparison;
 use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
 use crate::results::{Advice, Check, Withheld};
 use crate::thresholds::{
-    DISAGREEMENT, FEW_DEGREES, MATERIAL_MISFIT_PERCENT, RESIDUAL_SIGNIFICANCE, SLOW_ROOT,
-    STEPS_FOLLOWED, UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,
+    DISAGREEMENT, FEW_DEGREES, MATERIAL_MISFIT_PERCENT, POOR_PREDICTION_PERCENT,
+    RESIDUAL_SIGNIFICANCE, SLOW_ROOT, STEPS_FOLLOWED, UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,
 };
 
 pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
@@ -25,10 +25,14 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     let (chosen_by, use_of_model) = match misfit.candidates.first() {
         Some(best) => (
             "how well it predicts parts not seen",
-            format!(
-                "use this model for prediction (it met parts not seen to {:.0} %), not for comparison",
-                best.cross_validated_percent
-            ),
+            match best.cross_validated_percent {
+                percent if percent < POOR_PREDICTION_PERCENT => format!(
+                    "use this model for nothing else than this recording (it met parts not seen to {percent:.0} % only)"
+                ),
+                percent => format!(
+                    "use this model for prediction (it met parts not seen to {percent:.0} %), not for comparison"
+                ),
+            },
         ),
         None => (
             "how well it simulates this record, as no part of it predicts another",

@@ -131,7 +131,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         deflections.iter().map(position).collect()
     };
     let exact = trial.exact(&export.parameters_with(Load::None));
-    let share = best_share(&trial, &exact, |share| positions(&full_speed.slower(share)));
+    let share = best_share(&trial, &exact, |share| positions(&full_speed.slower(share))).share;
     let parameters = full_speed.slower(share);
     let positions = positions(&parameters);
     let difference = Difference::of(export, trial, &positions, Load::None);

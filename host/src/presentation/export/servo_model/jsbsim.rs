@@ -1,11 +1,11 @@
-//! A JSBSim system: an actuator with speeds, hysteresis and delay, and a filter behind it.
+//! A JSBSim system: an actuator with speeds, hysteresis and delay, and a filter before or behind it.
 //!
-//! The command is limited in its rate before the filter, so that the filter's lag behind a ramp, c/k times the speed, is the distance
-//! at which a servo of full drive begins to brake.
+//! Behind the actuator the filter's lag behind a ramp, c/k times the speed, is the distance at which a servo of full drive begins to
+//! brake. A servo whose speed alone is limited does not brake, and would be late by c/k: its filter comes first.
 
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
-use super::rate::best_share;
+use super::rate::{RateFit, best_share};
 use super::statement::Comparison;
 use super::subject::ServoExport;
 use super::terms::Term;
@@ -26,9 +26,17 @@ const LEFT_OUT: [Term; 5] = [
     Term::StiffeningLoad,
 ];
 
+/// Where the filter is.
+#[derive(Clone, Copy, PartialEq)]
+enum Filter {
+    Before,
+    Behind,
+}
+
 /// The numbers of the actuator and of the filter, in units of the command.
 #[derive(Clone, Copy)]
 struct Actuator {
+    filter: Filter,
     delay_s: f64,
     /// Upwards and downwards \[1/s\].
     rates: Option<(f64, f64)>,
@@ -45,6 +53,7 @@ impl Actuator {
         let p = &export.parameters;
         let friction = p.friction.map_or(0.0, |friction| friction.coulomb);
         Self {
+            filter: Filter::Behind,
             delay_s: p.delay_s.max(0.0),
             rates: export.top_speeds(),
             hysteresis_width: 2.0 * (p.dead_band.unwrap_or(0.0) + friction / p.stiffness),
@@ -54,6 +63,15 @@ impl Actuator {
             gain: p.gain,
             offset: p.offset,
         }
+    }
+
+    /// With the filter there, at the rates that come closest to `exact`.
+    fn fitted(&self, filter: Filter, trial: &Trial, exact: &[f64]) -> (Self, RateFit) {
+        let full_speed = Self { filter, ..*self };
+        let found = best_share(trial, exact, |share| {
+            full_speed.slower(share).respond(trial)
+        });
+        (full_speed.slower(found.share), found)
     }
 
     /// With this share of its rates.
@@ -72,21 +90,67 @@ impl Actuator {
         let first = command.first().copied().unwrap_or(0.0);
         // A delay of n whole steps delays by n-1; the second delay, of three steps, by two.
         let whole = (self.delay_s / step_s) as usize;
+        let before = match self.filter {
+            Filter::Before => first,
+            Filter::Behind => first + self.bias,
+        };
         let mut late = DelayLine::new(whole.saturating_sub(1) + 2, first + self.bias);
-        let mut filter = SecondOrder::new(self.stiffness, self.damping, step_s, first + self.bias);
+        let mut filter = SecondOrder::new(self.stiffness, self.damping, step_s, before);
         let (mut limited, mut played) = (first, first);
-        let position = |command: &f64| {
+        let mut act = |command: f64| {
             limited = match self.rates {
-                None => *command,
+                None => command,
                 Some((up, down)) => {
                     limited + (command - limited).clamp(-down * step_s, up * step_s)
                 }
             };
             let half = self.hysteresis_width / 2.0;
             played = played.clamp(limited - half, limited + half);
-            self.gain * filter.pass(late.pass(played + self.bias)) + self.offset
+            late.pass(played + self.bias)
+        };
+        let position = |command: &f64| {
+            let moved = match self.filter {
+                Filter::Before => act(filter.pass(*command)),
+                Filter::Behind => filter.pass(act(*command)),
+            };
+            self.gain * moved + self.offset
         };
         command.iter().map(position).collect()
+    }
+
+    /// The parts of the system from the property `input` on, in their order, and the property behind them.
+    fn parts(&self, id: &str, input: &str) -> (String, String) {
+        let actuator = [
+            (
+                include_str!("../templates/servo_model/limited.xml"),
+                "limited",
+            ),
+            (
+                include_str!("../templates/servo_model/aligned.xml"),
+                "aligned",
+            ),
+        ];
+        let filter = [(include_str!("../templates/oscillator.xml"), "moved")];
+        let order = match self.filter {
+            Filter::Before => [&filter[..], &actuator].concat(),
+            Filter::Behind => [&actuator[..], &filter].concat(),
+        };
+        let mut property = format!("fcs/{id}-{input}");
+        let part = |(template, name): (&str, &str)| {
+            let values = [
+                ("id", id.to_owned()),
+                (
+                    "input",
+                    std::mem::replace(&mut property, format!("fcs/{id}-{name}")),
+                ),
+                ("elements", self.elements()),
+                ("square", number(self.stiffness)),
+                ("middle", number(self.damping)),
+            ];
+            fill(template, &values)
+        };
+        let parts: Vec<String> = order.into_iter().map(part).collect();
+        (parts.join("\n"), property)
     }
 
     /// The elements of the actuator.
@@ -119,7 +183,7 @@ impl Actuator {
 
 /// The system.
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
-    let full_speed = Actuator::of(export);
+    let any = Actuator::of(export);
     let trial = Trial::of(
         export,
         export.options.step_s.unwrap_or(STEP_S),
@@ -127,35 +191,28 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     );
     let load = export.only_constant_load();
     let exact = trial.exact(&export.parameters_with(load));
-    let share = best_share(&trial, &exact, |share| {
-        full_speed.slower(share).respond(&trial)
-    });
-    let actuator = full_speed.slower(share);
+    let [first, behind] =
+        [Filter::Before, Filter::Behind].map(|filter| any.fitted(filter, &trial, &exact));
+    let (actuator, fit) = match first.1.squares < behind.1.squares {
+        true => first,
+        false => behind,
+    };
     let positions = actuator.respond(&trial);
     let first = trial.levels.first().copied().unwrap_or(0.0);
     let difference = Difference::of(export, trial, &positions, load);
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
-    let about = about(export, share, &difference);
+    let about = about(export, fit.share, &difference);
     let frame = [("id", id.clone()), ("frame", number(export.frame_s()))];
     let hold = held.then(|| fill(include_str!("../templates/hold.xml"), &frame));
     let input = if held { "held" } else { "cmd" };
-    let oscillator = [
-        ("id", id.clone()),
-        ("input", format!("fcs/{id}-aligned")),
-        ("square", number(actuator.stiffness)),
-        ("middle", number(actuator.damping)),
-    ];
+    let (parts, moved) = actuator.parts(&id, input);
     let values = [
         ("about", XML_STYLE.comment(&about)),
         ("first", number(first)),
         ("hold", hold.unwrap_or_default()),
-        ("input", format!("fcs/{id}-{input}")),
-        ("elements", actuator.elements()),
-        (
-            "filter",
-            fill(include_str!("../templates/oscillator.xml"), &oscillator),
-        ),
+        ("parts", parts),
+        ("moved", moved),
         ("gain", number(actuator.gain)),
         ("offset", number(actuator.offset)),
         ("id", id),

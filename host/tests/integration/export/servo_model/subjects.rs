@@ -47,7 +47,7 @@ pub struct Servo {
 const ALL_TERMS: &[&str] = &["limit", "two_speeds", "dead_band", "friction", "gears"];
 
 /// One with each term and each load, and one without any.
-pub const SERVOS: [Servo; 8] = [
+pub const SERVOS: [Servo; 9] = [
     servo("linear", &[], "none"),
     servo("limited", &["limit"], "none"),
     servo(
@@ -63,6 +63,7 @@ pub const SERVOS: [Servo; 8] = [
         controller: Some(800.0),
         ..servo("second", ALL_TERMS, "constant")
     },
+    servo("weightless", &["limit"], "none"),
 ];
 
 const fn servo(name: &'static str, terms: &'static [&'static str], load: &'static str) -> Servo {
@@ -118,10 +119,15 @@ impl Servo {
         let has = |term: &str| self.terms.contains(&term);
         // One without a delay, and the others with one of a part of a step.
         let delay = if self.name == "linear" { 0.0 } else { 0.0213 };
+        // One whose speed alone is limited: it follows with a lag of 12 ms.
+        let (stiffness, damping): (f64, f64) = match self.name {
+            "weightless" => (1.2e6, 1.44e4),
+            _ => (1500.0, 60.0),
+        };
         let mut pairs: Vec<(Value, f64)> = vec![
             (json!("delay"), delay),
-            (json!("ln_stiffness"), 1500f64.ln()),
-            (json!("ln_damping"), 60f64.ln()),
+            (json!("ln_stiffness"), stiffness.ln()),
+            (json!("ln_damping"), damping.ln()),
             (json!("gain"), 1.02),
             (json!("offset"), 0.3),
         ];
