@@ -9,7 +9,7 @@ use faer::Mat;
 use crate::data::{MomentStream, Moments, Record, Run};
 use crate::estimation::{Coordinates, FsfBasis, NoiseFit, best_order, lagged_filter, noise_filter};
 use crate::numerics::{
-    backward_solve, cholesky, forward_solve, inverse_of_square, largest_difference, times,
+    backward_solve, factorised, forward_solve, inverse_of_square, largest_difference, times,
 };
 use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
 use crate::thresholds::SEPARABLE;
@@ -218,7 +218,7 @@ impl<'a> Problem<'a> {
             return None;
         }
         let scaled = Mat::from_fn(p, p, |i, j| gram[(i, j)] * scale[i] * scale[j]);
-        let lower = cholesky(&scaled)?;
+        let lower = factorised(scaled)?;
         // A column that is a combination of the others to five digits is undetermined.
         if (0..p).any(|k| lower[(k, k)] < SEPARABLE) {
             return None;
