@@ -16,6 +16,7 @@
 //! 2 % of the stroke. Other nonlinearities of a symmetric servo, such as limited speed or play, also affect
 //! δ: by up to 1.4 % on simulated servos, outside the bounds in one run of six.
 
+mod slow_end;
 #[cfg(test)]
 mod tests;
 mod two_inputs;
@@ -92,9 +93,40 @@ pub(crate) struct SplitFit {
     pub(crate) split_map: Mat<f64>,
     centre: (f64, f64, f64),
     pub(crate) degrees_of_freedom: f64,
+    /// Places of the parameters of δ.
+    of_changes: std::ops::Range<usize>,
 }
 
 impl SplitFit {
+    fn new(
+        moments: &TwoInputMoments,
+        coordinates: &Coordinates,
+        second: &FsfBasis,
+        fit: &TwoInputFit,
+    ) -> Self {
+        let (n, n2) = (coordinates.len(), second.frequencies());
+        let p = n + n2 + 1;
+        let (step, impulse) = (coordinates.step_map(), second.impulse_map());
+        let within = |columns: std::ops::Range<usize>, map: &Mat<f64>| {
+            Mat::from_fn(step.nrows(), p, |m, k| {
+                if columns.contains(&k) {
+                    map[(m, k - columns.start)]
+                } else {
+                    0.0
+                }
+            })
+        };
+        Self {
+            step_map: within(0..n, &step),
+            split_map: within(n..n + n2, &impulse),
+            parameters: fit.parameters.clone(),
+            covariance: fit.covariance.clone(),
+            centre: moments.centre,
+            degrees_of_freedom: fit.degrees_of_freedom,
+            of_changes: n..n + n2,
+        }
+    }
+
     /// Rows of g_up, then of g_down: 2N x p.
     pub(crate) fn curves_map(&self) -> Mat<f64> {
         let n = self.step_map.nrows();
@@ -102,6 +134,34 @@ impl SplitFit {
             let sign = if i < n { 1.0 } else { -1.0 };
             self.step_map[(i % n, k)] + sign * self.split_map[(i % n, k)]
         })
+    }
+
+    fn simulate(&self, run: &Run) -> Vec<f64> {
+        let step = self.mean_step();
+        let before = std::iter::once(&0.0).chain(&step);
+        let impulse: Vec<f64> = step.iter().zip(before).map(|(g, b)| g - b).collect();
+        let (input, at_rest) = (run.input(), run.input_at_rest());
+        let earlier = std::iter::once(at_rest.unwrap_or(f64::NAN)).chain(input.iter().copied());
+        let changes: Vec<f64> = input
+            .iter()
+            .zip(earlier)
+            .map(|(u, before)| (u - before).abs())
+            .collect();
+        let by_level = causal_filter(&impulse, input, at_rest);
+        let split = times(&self.split_map, &self.parameters);
+        let by_changes = causal_filter(&split, &changes, at_rest.map(|_| 0.0));
+        let offset = self.offset();
+        let both = by_level.iter().zip(by_changes);
+        both.map(|(a, b)| a + b + offset).collect()
+    }
+
+    fn mean_step(&self) -> Vec<f64> {
+        times(&self.step_map, &self.parameters)
+    }
+
+    fn offset(&self) -> f64 {
+        let (weights, constant) = self.level_weights(0.0);
+        constant + dot(&weights, &self.parameters)
     }
 
     /// Weights of the parameters in the output at rest at the command `u`, and its constant part.
@@ -142,10 +202,17 @@ impl SplitFit {
 /// The record has too few samples, or strokes in one direction only, which do not separate the two
 /// responses.
 pub fn split_by_direction(record: &Record, model: &Model) -> Result<DirectionModel, Error> {
-    split_with(record, model.basis()?, NoiseOrder::Auto, model.level())
+    split_with(
+        record,
+        model.basis()?,
+        NoiseOrder::Auto,
+        model.level(),
+        false,
+    )
 }
 
-/// [`split_by_direction`] with a given bank, noise order and level.
+/// [`split_by_direction`] with a given bank, noise order and level. `may_go_on` where the response may go on beyond the settling time of
+/// a complete bank.
 ///
 /// # Errors
 /// As [`split_by_direction`].
@@ -154,6 +221,7 @@ pub(crate) fn split_with(
     basis: FsfBasis,
     order: NoiseOrder,
     level: Bounds<f64>,
+    may_go_on: bool,
 ) -> Result<DirectionModel, Error> {
     let settling = basis.settling();
     let second = changes_bank(settling)?;
@@ -173,8 +241,18 @@ pub(crate) fn split_with(
     let Some(fit) = two_inputs::fit(&moments, &coordinates, &second, order) else {
         return Err(Error::OneDirection);
     };
-    let timing = record.timing();
-    Ok(build(&moments, &coordinates, &second, fit, timing, level))
+    let mut split = SplitFit::new(&moments, &coordinates, &second, &fit);
+    if may_go_on && basis.is_complete() {
+        slow_end::allow_for_slow_end(record, &moments, (&coordinates, &second), &fit, &mut split);
+    }
+    let simulation_percent = fit_percent(fit.error, moments.output_spread);
+    Ok(DirectionModel::new(
+        split,
+        fit.ar.len(),
+        simulation_percent,
+        record.timing(),
+        level,
+    ))
 }
 
 /// The bank on |du| for a settling time.
@@ -183,57 +261,8 @@ pub(crate) fn changes_bank(settling: usize) -> Result<FsfBasis, Error> {
     FsfBasis::new(settling, FREQUENCIES.min(full))
 }
 
-fn build(
-    moments: &TwoInputMoments,
-    coordinates: &Coordinates,
-    second: &FsfBasis,
-    fit: TwoInputFit,
-    timing: Timing,
-    level: Bounds<f64>,
-) -> DirectionModel {
-    let (n, n2) = (coordinates.len(), second.frequencies());
-    let p = n + n2 + 1;
-    let (step, impulse) = (coordinates.step_map(), second.impulse_map());
-    let settling = step.nrows();
-    let within = |columns: std::ops::Range<usize>, map: &Mat<f64>| {
-        Mat::from_fn(settling, p, |m, k| {
-            if columns.contains(&k) {
-                map[(m, k - columns.start)]
-            } else {
-                0.0
-            }
-        })
-    };
-    let split = SplitFit {
-        step_map: within(0..n, &step),
-        split_map: within(n..n + n2, &impulse),
-        parameters: fit.parameters,
-        covariance: fit.covariance,
-        centre: moments.centre,
-        degrees_of_freedom: fit.degrees_of_freedom,
-    };
-    let curves = split.curves_map();
-    let half = |from: usize| {
-        let map = Mat::from_fn(settling, p, |m, k| curves[(from + m, k)]);
-        let spread = CurveVariance::of_functions(&map, &split.covariance, split.degrees_of_freedom);
-        let value = times(&map, &split.parameters);
-        let bounds = level.map(|level| StepBounds::new(&value, &spread, level, Biases::default()));
-        StepResponse::new(timing.sample_period_s, value, bounds)
-    };
-    let symmetry = level.map(|_| symmetry(&split, n..n + n2, timing));
-    DirectionModel {
-        settling_samples: settling,
-        noise_order: fit.ar.len(),
-        up: half(0),
-        down: half(settling),
-        symmetry,
-        simulation_percent: fit_percent(fit.error, moments.output_spread),
-        level,
-        fit: split,
-    }
-}
-
-fn symmetry(split: &SplitFit, parameters: std::ops::Range<usize>, timing: Timing) -> Symmetry {
+fn symmetry(split: &SplitFit, timing: Timing) -> Symmetry {
+    let parameters = split.of_changes.clone();
     let spread = CurveVariance::of_functions(
         &split.split_map,
         &split.covariance,
@@ -284,6 +313,36 @@ pub(crate) fn wald(x: &[f64], covariance: &Mat<f64>) -> (f64, usize) {
 }
 
 impl DirectionModel {
+    fn new(
+        split: SplitFit,
+        noise_order: usize,
+        simulation_percent: f64,
+        timing: Timing,
+        level: Bounds<f64>,
+    ) -> Self {
+        let (settling, p) = (split.step_map.nrows(), split.step_map.ncols());
+        let curves = split.curves_map();
+        let half = |from: usize| {
+            let map = Mat::from_fn(settling, p, |m, k| curves[(from + m, k)]);
+            let spread =
+                CurveVariance::of_functions(&map, &split.covariance, split.degrees_of_freedom);
+            let value = times(&map, &split.parameters);
+            let bounds =
+                level.map(|level| StepBounds::new(&value, &spread, level, Biases::default()));
+            StepResponse::new(timing.sample_period_s, value, bounds)
+        };
+        Self {
+            settling_samples: settling,
+            noise_order,
+            up: half(0),
+            down: half(settling),
+            symmetry: level.map(|_| symmetry(&split, timing)),
+            simulation_percent,
+            level,
+            fit: split,
+        }
+    }
+
     /// Whether up and down strokes differ by enough to matter. Without bounds nothing is known of that.
     pub fn asymmetric(&self) -> bool {
         self.symmetry.valid().is_some_and(|found| found.asymmetric)
@@ -307,33 +366,16 @@ impl DirectionModel {
     /// samples is not complete; with [`Run::with_input_at_rest`] it is complete from the first sample on.
     #[must_use]
     pub fn simulate(&self, run: &Run) -> Vec<f64> {
-        let fit = &self.fit;
-        let step = self.mean_step();
-        let before = std::iter::once(&0.0).chain(&step);
-        let impulse: Vec<f64> = step.iter().zip(before).map(|(g, b)| g - b).collect();
-        let (input, at_rest) = (run.input(), run.input_at_rest());
-        let earlier = std::iter::once(at_rest.unwrap_or(f64::NAN)).chain(input.iter().copied());
-        let changes: Vec<f64> = input
-            .iter()
-            .zip(earlier)
-            .map(|(u, before)| (u - before).abs())
-            .collect();
-        let by_level = causal_filter(&impulse, input, at_rest);
-        let split = times(&fit.split_map, &fit.parameters);
-        let by_changes = causal_filter(&split, &changes, at_rest.map(|_| 0.0));
-        let offset = self.offset();
-        let both = by_level.iter().zip(by_changes);
-        both.map(|(a, b)| a + b + offset).collect()
+        self.fit.simulate(run)
     }
 
     /// g, the mean of the responses to strokes up and down.
     pub(crate) fn mean_step(&self) -> Vec<f64> {
-        times(&self.fit.step_map, &self.fit.parameters)
+        self.fit.mean_step()
     }
 
     /// The output at rest at the command 0.
     pub(crate) fn offset(&self) -> f64 {
-        let (weights, constant) = self.fit.level_weights(0.0);
-        constant + dot(&weights, &self.fit.parameters)
+        self.fit.offset()
     }
 }

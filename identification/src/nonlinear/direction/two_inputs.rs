@@ -68,6 +68,13 @@ impl TwoInputMoments {
     }
 }
 
+impl TwoInputMoments {
+    /// Lags of the command and the output that a row has: the oldest change needs one more command.
+    pub(crate) fn row_lags(&self) -> (usize, usize) {
+        (self.lags + 1, self.outputs)
+    }
+}
+
 /// A stretch of samples with complete rows, with the history that they need.
 struct Stretch {
     u: Vec<f64>,
@@ -135,6 +142,8 @@ pub(crate) struct TwoInputFit {
     pub(crate) covariance: Mat<f64>,
     /// d_1..d_d.
     pub(crate) ar: Vec<f64>,
+    /// Variance of ε.
+    pub(crate) variance: f64,
     /// rows - parameters - d.
     pub(crate) degrees_of_freedom: f64,
     /// Sum of squares of the simulation error.
@@ -176,8 +185,10 @@ pub(crate) fn fit(
         return None;
     }
     let error = problem.residual_moments(&solution.parameters, 0)[(0, 0)];
+    let variance = solution.rss / degrees_of_freedom;
     Some(TwoInputFit {
-        covariance: faer::Scale(solution.rss / degrees_of_freedom) * solution.inverse,
+        covariance: faer::Scale(variance) * solution.inverse,
+        variance,
         parameters: solution.parameters,
         ar,
         degrees_of_freedom,
