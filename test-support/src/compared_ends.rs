@@ -12,6 +12,9 @@ use crate::plants::{Noise, PERIOD, Plant, random};
 /// Time constant of the difference between strokes up and down \[samples\].
 const LEAN_SAMPLES: f64 = 10.0;
 
+/// Seed of the first pair.
+const FIRST_SEED: u64 = 1000;
+
 /// Margin of a verdict, as a share.
 const MARGIN: f64 = 0.05;
 
@@ -143,11 +146,14 @@ impl ComparedEnds {
         })
     }
 
-    /// Compares as many pairs; pair k has the seed k.
+    /// Compares as many pairs, each with a seed of its own.
     #[must_use]
     pub fn compare(&self, pairs: u64, options: &ComparisonOptions) -> Outcome {
         let pair = |seed| self.pair(seed, options);
-        let found: Vec<Outcome> = (0..pairs).into_par_iter().filter_map(pair).collect();
+        let found: Vec<Outcome> = (FIRST_SEED..FIRST_SEED + pairs)
+            .into_par_iter()
+            .filter_map(pair)
+            .collect();
         let count = |of: fn(&Outcome) -> usize| found.iter().map(of).sum();
         let mean = |of: fn(&Outcome) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
         Outcome {
