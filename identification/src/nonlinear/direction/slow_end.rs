@@ -2,7 +2,7 @@
 
 use faer::ColRef;
 
-use super::SplitFit;
+use super::split_fit::SplitFit;
 use super::two_inputs::{TwoInputFit, TwoInputMoments};
 use crate::data::{Record, Run};
 use crate::diagnostics::{Regression, RegressionRun, SlowColumns};
