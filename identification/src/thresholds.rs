@@ -14,6 +14,13 @@
 /// narrow. Evidence: table "Stable prior" of docs/method.md.
 pub const PRIOR_CONTRADICTED: f64 = 4.0;
 
+/// Standard deviation of a slow end, as a share of the gain, from which on the stable prior is not used: its kernels do not say of an end that
+/// the noise hides how large it may be.
+///
+/// Protects: bands under the prior that a slow end leaves. Evidence: the lines with slow ends of table "Stable prior" of docs/method.md; the
+/// single white noise there has .15 %, AR(2) noise .3 %, AR(1) noise 1 %.
+pub const PRIOR_HIDDEN_END: f64 = 0.005;
+
 // The choice of the settling time.
 
 /// Standard deviations from its final value at which a response counts as still moving.

@@ -102,7 +102,7 @@ impl HardLine {
         self.trial(&mut random(hash ^ run as u64))
     }
 
-    fn trial(&self, random: &mut ChaCha8Rng) -> Trial {
+    pub(crate) fn trial(&self, random: &mut ChaCha8Rng) -> Trial {
         let runs = match self.hardship {
             Hardship::RunOffsets(_) => RUNS,
             Hardship::GainScatter { runs, .. } | Hardship::DelayScatter { runs, .. } => runs,

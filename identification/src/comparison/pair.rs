@@ -4,8 +4,8 @@ use super::outcome::{Asymmetry, Levels};
 use crate::data::Record;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
-use crate::identify::identify_runs;
-use crate::nonlinear::{DirectionModel, Limits, split_by_direction, split_with};
+use crate::identify::{Identification, identify_runs};
+use crate::nonlinear::{DirectionModel, Limits, split_with};
 use crate::numerics::pointwise_critical;
 use crate::options::{Frequencies, NoiseOrder, Options, Settling};
 use crate::results::{Bounds, Interval, Model};
@@ -17,23 +17,34 @@ pub(super) struct Identified<'a> {
     pub(super) split: Option<DirectionModel>,
     /// How the model was identified, with the structure of both sides.
     pub(super) options: Options,
+    /// Whether the response may go on beyond the settling time of that structure.
+    pub(super) may_go_on: bool,
     /// The model with a structure of its own. Bounds hold only where its own do. It carries the advice.
     pub(super) alone: Model,
 }
 
 impl<'a> Identified<'a> {
-    fn new(record: &'a Record<'a>, alone: Model, options: &Options) -> Result<Self, Error> {
-        let mut model = identify_runs(record, options)?.model;
+    fn new(
+        record: &'a Record<'a>,
+        alone: Identification,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let may_go_on = alone.explanation.may_go_on();
+        let by_direction = alone.explanation.may_go_on_by_direction();
+        let mut model = identify_runs(record, options, may_go_on)?.model;
+        let alone = alone.model;
         if let Bounds::Withdrawn(reason) = alone.level() {
             model.withdraw(reason);
         }
         // A record without an answer, such as one with strokes in one direction only, is no error here.
-        let split = split_by_direction(record, &model).ok();
+        let basis = model.basis()?;
+        let split = split_with(record, basis, NoiseOrder::Auto, model.level(), by_direction).ok();
         Ok(Self {
             record,
             model,
             split,
             options: *options,
+            may_go_on,
             alone,
         })
     }
@@ -49,7 +60,7 @@ impl<'a> Identified<'a> {
     /// A model of each run alone, whose bounds hold if those of the side do.
     pub(super) fn splits_of_runs(&self, basis: FsfBasis) -> Result<Vec<DirectionModel>, Error> {
         self.run_records()
-            .map(|run| split_with(&run?, basis, NoiseOrder::Auto, self.model.level()))
+            .map(|run| split_with(&run?, basis, NoiseOrder::Auto, self.model.level(), false))
             .collect()
     }
 
@@ -119,15 +130,16 @@ pub(super) fn identified<'a>(
     options: &Options,
 ) -> Result<(Identified<'a>, Identified<'a>), Error> {
     same_period(a.sample_period_s(), b.sample_period_s())?;
-    let found = [identify_runs(a, options)?, identify_runs(b, options)?];
+    let found = [a, b].map(|record| identify_runs(record, options, false));
+    let [alone_a, alone_b] = found;
+    let found = [alone_a?, alone_b?];
     let distinct = found.iter().filter_map(|side| {
         let choice = side.explanation.settling.as_ref()?;
         // An odd number of lags, as every complete bank has.
         Some((choice.repeats_after? - 1) | 1)
     });
     let distinct = distinct.min().unwrap_or(usize::MAX);
-    let models = found.map(|side| side.model);
-    let structure = [&models[0].structure, &models[1].structure];
+    let structure = [&found[0].model.structure, &found[1].model.structure];
     let longer = structure[0]
         .settling_samples
         .max(structure[1].settling_samples);
@@ -146,7 +158,7 @@ pub(super) fn identified<'a>(
         },
         ..*options
     };
-    let [alone_a, alone_b] = models;
+    let [alone_a, alone_b] = found;
     Ok((
         Identified::new(a, alone_a, &common)?,
         Identified::new(b, alone_b, &common)?,

@@ -82,6 +82,11 @@ fn curves(side: &Identified<'_>, split: bool) -> Result<Vec<Curves>, Error> {
     }
     let points = side.model.structure.settling_samples;
     side.run_records()
-        .map(|run| Curves::of_model(&identify_runs(&run?, &side.options)?.model, points))
+        .map(|run| {
+            Curves::of_model(
+                &identify_runs(&run?, &side.options, side.may_go_on)?.model,
+                points,
+            )
+        })
         .collect()
 }

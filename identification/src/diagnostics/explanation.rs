@@ -132,6 +132,18 @@ pub struct Explanation {
 }
 
 impl Explanation {
+    /// Whether bounds allow for a response that goes on beyond N.
+    pub(crate) fn may_go_on(&self) -> bool {
+        self.allowed_end.is_some() || matches!(self.prior, Some(PriorOutcome::Used { .. }))
+    }
+
+    /// Whether what the errors of a plain model hide of the end of the response may be in those of a model of both directions: N was chosen,
+    /// the input does not repeat itself within it, and the errors are no steps of the sensor.
+    pub(crate) fn may_go_on_by_direction(&self) -> bool {
+        let chosen = self.settling.as_ref();
+        chosen.is_some_and(|choice| choice.repeats_after.is_none()) && self.resolution.is_none()
+    }
+
     /// The choice of the structure of `model` in words, one sentence for each decision.
     #[must_use]
     pub fn sentences(&self, model: &Model) -> Vec<String> {

@@ -56,8 +56,8 @@ pub(crate) use servo_mean::allow_for_scatter;
 pub(crate) use simulation_error::{
     beginnings, one_step_errors, simulated, simulated_whole, square,
 };
-pub(crate) use slow_end::SlowColumns;
 pub use slow_end::{AllowedEnd, SlowEnd};
+pub(crate) use slow_end::{Regression, RegressionRun, SlowColumns};
 pub use standstill_noise::StandstillNoise;
 pub(crate) use standstill_noise::against_standstill;
 pub use uneven_noise::UnevenNoise;

@@ -18,6 +18,13 @@ pub enum PriorOutcome {
         /// Largest difference between the responses with and without it, in standard deviations.
         contradiction: f64,
     },
+    /// The response may go on beyond N: slow ends of this size are hidden by the noise, or one is seen. Response and bounds are those without
+    /// the prior, which allow for such ends.
+    SlowEnd {
+        /// Standard deviation of a slow end \[% of the gain\]; `None` where no settling time was found in the record.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        hidden_percent: Option<f64>,
+    },
     /// Bounds hold for other reasons alone, or not at all: the input leaves frequencies out, or the errors are not noise.
     NotApplicable,
     /// Its numbers cannot be found from so little data.
@@ -46,6 +53,15 @@ impl PriorOutcome {
             Self::Contradicted { contradiction } => format!(
                 "Prior: not used, because the response without it differs by {contradiction:.1} standard deviations of that difference."
             ),
+            Self::SlowEnd {
+                hidden_percent: Some(percent),
+            } => format!(
+                "Prior: not used, because a slow end of the response is known to {percent:.1} % of the gain only (standard deviation), and it \
+                 would not be in the band."
+            ),
+            Self::SlowEnd {
+                hidden_percent: None,
+            } => "Prior: not used, because the response goes on beyond the settling times that can be judged.".to_owned(),
             Self::NotApplicable => {
                 "Prior: not used, because the errors are not noise, or the input does not excite all frequencies.".to_owned()
             }

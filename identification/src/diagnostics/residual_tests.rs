@@ -108,7 +108,7 @@ pub fn input_independence(moments: &Moments, coordinates: &Coordinates, ar: &[f6
     let gain: f64 = d.iter().sum();
     let uu = filtered_input_moments(&moments.uu, n + beyond, &d);
     let square = coordinates.square(uu.as_ref().submatrix(0, 0, n, n).to_owned());
-    let equations = NormalEquations::with_square(moments, coordinates, ar, square);
+    let equations = NormalEquations::with_square(moments, coordinates, ar, &square);
     let solution = solve_moments(&equations)?;
     let impulse = coordinates.impulse(solution.response());
     let rows = moments.rows as f64;

@@ -92,45 +92,110 @@ struct Products {
     score: f64,
 }
 
+/// The regression that slow columns stand beside.
+pub(crate) struct Regression<'a> {
+    /// N \[samples\].
+    pub(crate) lags: usize,
+    /// Lags of the input and the output that a row has.
+    pub(crate) row_lags: (usize, usize),
+    /// What the input is relative to.
+    pub(crate) centre: f64,
+    pub(crate) ar: &'a [f64],
+    /// Variance of ε.
+    pub(crate) variance: f64,
+    /// (Z'Z)^-1, the offset last.
+    pub(crate) inverse: &'a Mat<f64>,
+}
+
+/// One run of it.
+pub(crate) struct RegressionRun<'a> {
+    pub(crate) run: &'a Run<'a>,
+    /// The inputs whose lags are columns, each with N and the order of D samples before the first.
+    pub(crate) inputs: Vec<Vec<f64>>,
+    /// y - ŷ; 0 where it is missing.
+    pub(crate) errors: Vec<f64>,
+}
+
 impl SlowColumns {
     /// Beside the complete bank of `fit`, from its errors in `runs`; `None` where the input does not show slow ends.
     pub(crate) fn new(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Self> {
         let lags = fit.coordinates.basis.settling();
-        let d = noise_filter(&fit.ar);
+        let regression = Regression {
+            lags,
+            row_lags: (moments.input_lags(), moments.output_lags()),
+            centre: moments.centre.0,
+            ar: &fit.ar,
+            variance: fit.variance,
+            inverse: &fit.solution.inverse,
+        };
+        let runs = runs.iter().map(|run| RegressionRun {
+            run: &run.run,
+            inputs: vec![with_history(
+                &run.run,
+                lags + fit.ar.len(),
+                moments.centre.0,
+            )],
+            // What runs differ by is no end of their common response.
+            errors: run.own_errors().iter().copied().map(present).collect(),
+        });
+        Self::beside(&regression, runs, |by_input| {
+            let by_lag = Mat::from_fn(lags, 1, |a, _| by_input[0][a]);
+            fit.coordinates.compress(by_lag).col_as_slice(0).to_vec()
+        })
+    }
+
+    /// Beside any regression; `columns` makes products with its columns, but for the offset's, of those with the lags of each input.
+    pub(crate) fn beside<'a>(
+        regression: &Regression<'_>,
+        runs: impl Iterator<Item = RegressionRun<'a>>,
+        columns: impl Fn(&[Vec<f64>]) -> Vec<f64>,
+    ) -> Option<Self> {
+        let (lags, centre) = (regression.lags, regression.centre);
+        let d = noise_filter(regression.ar);
         let gain: f64 = d.iter().sum();
         let time_constants = TIME_CONSTANTS.map(|times| times * lags as f64);
-        let mut sums = LaggedSums::new(lags, time_constants.len());
+        let mut sums: Vec<LaggedSums> = Vec::new();
         let mut all = time_constants.map(|_| Products::default());
-        for run in runs {
-            let history = lags + fit.ar.len();
-            let input = with_history(&run.run, history, moments.centre.0);
-            let rows = (run.run).complete_rows(moments.input_lags(), moments.output_lags());
-            // What runs differ by is no end of their common response.
-            let errors: Vec<f64> = run.own_errors().iter().copied().map(present).collect();
+        for RegressionRun {
+            run,
+            inputs,
+            errors,
+        } in runs
+        {
+            let rows = run.complete_rows(regression.row_lags.0, regression.row_lags.1);
             let errors = filtered(&errors, &d);
             let slow = time_constants.map(|time_constant| {
-                let slow = behind_lag(&run.run, time_constant, moments.centre.0);
-                only(&rows, filtered(&slow, &d))
+                only(&rows, filtered(&behind_lag(run, time_constant, centre), &d))
             });
             for (products, slow) in all.iter_mut().zip(&slow) {
                 products.own += dot(slow, slow);
                 products.with_offset += gain * slow.iter().sum::<f64>();
                 products.score += dot(slow, &errors);
             }
-            sums.add(
-                &filtered(&input, &d)[history + 1 - lags..],
-                &slow.each_ref().map(Vec::as_slice),
-            );
+            let history = lags + regression.ar.len();
+            sums.resize_with(inputs.len(), || LaggedSums::new(lags, time_constants.len()));
+            for (sums, input) in sums.iter_mut().zip(&inputs) {
+                sums.add(
+                    &filtered(input, &d)[history + 1 - lags..],
+                    &slow.each_ref().map(Vec::as_slice),
+                );
+            }
         }
-        let columns = (time_constants.into_iter().zip(all)).zip(sums.sums()).map(
-            |((time_constant, products), by_lag)| {
-                SlowColumn::new(time_constant, &products, by_lag, fit)
+        let by_input: Vec<Vec<Vec<f64>>> = sums.iter().map(LaggedSums::sums).collect();
+        let found = (0..).zip(time_constants.into_iter().zip(all)).map(
+            |(which, (time_constant, products))| {
+                let by_input: Vec<Vec<f64>> = by_input
+                    .iter()
+                    .map(|sums: &Vec<Vec<f64>>| sums[which].clone())
+                    .collect();
+                let cross = columns(&by_input);
+                SlowColumn::new(time_constant, &products, cross, regression.inverse)
             },
         );
         Some(Self {
             lags,
-            columns: columns.collect::<Option<_>>()?,
-            variance: fit.variance,
+            columns: found.collect::<Option<_>>()?,
+            variance: regression.variance,
         })
     }
 
@@ -143,17 +208,24 @@ impl SlowColumns {
         }
     }
 
+    /// The end \[output per input\].
+    pub(crate) fn end(&self) -> AllowedEnd {
+        self.columns[0].end(self.variance)
+    }
+
     /// The covariance of `fit`, which is `ratio` times that of its rows for outliers, becomes that with a slow end.
     pub(crate) fn allow_in(&self, fit: &mut GlsFit, ratio: f64) -> AllowedEnd {
-        let end = |column: &SlowColumn| AllowedEnd {
-            value: column.score / column.left,
-            sd: (ratio * self.variance / column.left).sqrt(),
-        };
-        fit.further.slow_end = Some(self.moved(|column| {
-            let end = end(column);
+        fit.further.slow_end = Some(self.allowance(ratio));
+        self.columns[0].end(ratio * self.variance)
+    }
+
+    /// By how much the parameters are allowed to be off for a slow end, in standard deviations of ε, the offset last. The covariance
+    /// is `ratio` times that of the rows for outliers.
+    pub(crate) fn allowance(&self, ratio: f64) -> Vec<f64> {
+        self.moved(|column| {
+            let end = column.end(ratio * self.variance);
             end.value.abs().max(end.sd)
-        }));
-        end(&self.columns[0])
+        })
     }
 
     /// The same for a record that has not been made: max(γ², σ²/q) is what it is on average where the response is over.
@@ -189,13 +261,11 @@ impl SlowColumn {
     fn new(
         time_constant: f64,
         products: &Products,
-        by_lag: Vec<f64>,
-        fit: &GlsFit,
+        mut cross: Vec<f64>,
+        inverse: &Mat<f64>,
     ) -> Option<Self> {
-        let by_lag = Mat::from_fn(by_lag.len(), 1, |a, _| by_lag[a]);
-        let mut cross = fit.coordinates.compress(by_lag).col_as_slice(0).to_vec();
         cross.push(products.with_offset);
-        let shared = times(&fit.solution.inverse, &cross);
+        let shared = times(inverse, &cross);
         let left = products.own - dot(&cross, &shared);
         // A millionth of new information is rounding.
         (left > 1e-6 * products.own).then_some(Self {
@@ -204,6 +274,14 @@ impl SlowColumn {
             left,
             score: products.score,
         })
+    }
+
+    /// γ, where ε has this variance.
+    fn end(&self, variance: f64) -> AllowedEnd {
+        AllowedEnd {
+            value: self.score / self.left,
+            sd: (variance / self.left).sqrt(),
+        }
     }
 
     /// δ, the offset last.

@@ -23,7 +23,7 @@ pub(crate) use gls::{GlsFit, GlsOptions, RunSpread};
 pub use least_squares::Solver;
 pub(crate) use least_squares::{
     Coordinates, NormalEquations, RowInformation, complete_bank_rss, filtered_input_moments,
-    solve_moments,
+    residual_moments_of_lags, solve_moments,
 };
 pub use nested_banks::BankCandidate;
 pub(crate) use nested_banks::NestedBanks;

@@ -61,15 +61,25 @@ pub fn identify(record: &Record, options: &Options) -> Result<Model, Error> {
 /// # Errors
 /// As [`identify`].
 pub fn identify_explained(record: &Record, options: &Options) -> Result<Identification, Error> {
-    explained(record, options, true)
+    explained(record, options, true, false)
 }
 
-/// [`identify_explained`] with the bounds of the runs of a record, for a comparison that counts their scatter itself.
-pub(crate) fn identify_runs(record: &Record, options: &Options) -> Result<Identification, Error> {
-    explained(record, options, false)
+/// [`identify_explained`] with the bounds of the runs of a record, for a comparison that counts their scatter itself. `may_go_on` where
+/// a settling time in the options is that of another choice, beyond which the response may go on.
+pub(crate) fn identify_runs(
+    record: &Record,
+    options: &Options,
+    may_go_on: bool,
+) -> Result<Identification, Error> {
+    explained(record, options, false, may_go_on)
 }
 
-fn explained(record: &Record, options: &Options, of_servo: bool) -> Result<Identification, Error> {
+fn explained(
+    record: &Record,
+    options: &Options,
+    of_servo: bool,
+    may_go_on: bool,
+) -> Result<Identification, Error> {
     options.check()?;
     record.check_columns()?;
     let found = Undisturbed::of(record, options)?;
@@ -78,6 +88,7 @@ fn explained(record: &Record, options: &Options, of_servo: bool) -> Result<Ident
         recorded: Some(record),
         options,
         of_servo,
+        may_go_on,
         disturbances,
     };
     let first = task(&found.disturbances, &found.record);
@@ -110,6 +121,7 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
         recorded: None,
         options,
         of_servo: true,
+        may_go_on: false,
         disturbances: &Disturbances::default(),
     };
     run(

@@ -5,12 +5,13 @@
 
 use super::estimate::Estimate;
 use super::fitted::Fitted;
+use super::slow_end::slow_columns;
 use super::task::Task;
 use crate::diagnostics::PriorOutcome;
 use crate::estimation::{FsfBasis, Regularised};
 use crate::options::{NoiseOrder, Prior, Settling};
 use crate::selection::{longest_settling, odd_at_most};
-use crate::thresholds::PRIOR_CONTRADICTED;
+use crate::thresholds::{PRIOR_CONTRADICTED, PRIOR_HIDDEN_END};
 
 /// N under the prior, in those without, as far as the record allows.
 const LONGER: usize = 2;
@@ -26,6 +27,9 @@ pub(super) fn under_prior(task: &Task<'_>, fitted: Fitted) -> Fitted {
     };
     if fitted.misfit.is_some() || !fitted.candidate.plan.basis.is_complete() {
         return not_used(fitted, PriorOutcome::NotApplicable);
+    }
+    if let Some(outcome) = slow_end(task, &fitted) {
+        return not_used(fitted, outcome);
     }
     let longer = with_longer_settling(task, &fitted);
     let wide = longer.as_ref().unwrap_or(&fitted);
@@ -45,6 +49,21 @@ pub(super) fn under_prior(task: &Task<'_>, fitted: Fitted) -> Fitted {
     });
     regularised.carry_into(&mut found.estimate.fit);
     found
+}
+
+/// That the response may go on beyond N, where it may.
+fn slow_end(task: &Task<'_>, fitted: &Fitted) -> Option<PriorOutcome> {
+    let choice = fitted.candidate.plan.choice.as_ref()?;
+    if !choice.settled || choice.for_slow_end {
+        return Some(PriorOutcome::SlowEnd {
+            hidden_percent: None,
+        });
+    }
+    let gain = fitted.estimate.fit.theta()[0].abs();
+    let hidden = slow_columns(task, fitted)?.end().sd / gain;
+    (hidden > PRIOR_HIDDEN_END).then_some(PriorOutcome::SlowEnd {
+        hidden_percent: Some(100.0 * hidden),
+    })
 }
 
 /// The same choice with a longer N; `None` where N was given, or the record does not determine so much.

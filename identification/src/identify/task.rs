@@ -14,6 +14,8 @@ pub(super) struct Task<'a> {
     pub(super) options: &'a Options,
     /// Whether bounds are those of the servo's mean, or those of its runs.
     pub(super) of_servo: bool,
+    /// Whether the response may go on beyond a settling time that is given. Where a caller states it, it does not.
+    pub(super) may_go_on: bool,
     /// What was taken out of the record.
     pub(super) disturbances: &'a Disturbances,
 }

@@ -1,18 +1,39 @@
 //! Factorisations and products that the estimators share, on top of `faer`.
 
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{
+    LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
+};
 use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Mat, Par, Side};
+use faer::{Mat, Par, Spec};
 
 /// Lower Cholesky factor of a symmetric matrix, `None` when it is not positive definite.
 pub(crate) fn cholesky(matrix: &Mat<f64>) -> Option<Mat<f64>> {
-    if matrix.nrows() == 0 {
-        return Some(Mat::zeros(0, 0));
+    factorised(matrix.clone())
+}
+
+/// [`cholesky`] in the place of the matrix, whose lower triangle is read.
+pub(crate) fn factorised(matrix: Mat<f64>) -> Option<Mat<f64>> {
+    let mut lower = matrix;
+    let size = lower.nrows();
+    if size == 0 {
+        return Some(lower);
     }
-    let factor = matrix.llt(Side::Lower).ok()?;
-    let lower = factor.L().to_owned();
+    let scratch = cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
+    cholesky_in_place(
+        lower.as_mut(),
+        LltRegularization::default(),
+        Par::Seq,
+        MemStack::new(&mut MemBuffer::new(scratch)),
+        Spec::default(),
+    )
+    .ok()?;
+    for column in 1..size {
+        lower.col_as_slice_mut(column)[..column].fill(0.0);
+    }
     // Rounding can give a singular matrix a meaningless last pivot.
     (0..lower.nrows())
         .all(|i| lower[(i, i)].is_finite() && lower[(i, i)] > 0.0)

@@ -15,7 +15,7 @@ pub(crate) use critical_values::{
 pub use critical_values::{pointwise_critical, student_critical};
 pub(crate) use lagged_sums::LaggedSums;
 pub(crate) use linear_algebra::{
-    add_outer_product, backward_solve, cholesky, condition, forward_solve, inverse_of_lower,
-    inverse_of_square, times,
+    add_outer_product, backward_solve, cholesky, condition, factorised, forward_solve,
+    inverse_of_lower, inverse_of_square, times,
 };
 pub(crate) use vectors::{dot, largest_difference, running_sum};

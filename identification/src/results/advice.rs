@@ -62,7 +62,7 @@ pub enum Check {
     OutputLeads,
     /// Whether any model predicts the record.
     Prediction,
-    /// Whether the response goes on beyond the longest time that can be judged.
+    /// Whether the response goes on beyond the longest time that can be judged, or the settling time that was given.
     SlowEnd,
     /// Whether runs differ by more than their noise.
     RunScatter,

@@ -22,7 +22,7 @@ pub enum Reason {
     QuantisationAboveNoise,
     /// The command runs further ahead of the servo than in the recording that the model comes from.
     BeyondRecord,
-    /// The response goes on beyond the longest time that can be judged.
+    /// The response goes on beyond the longest time that can be judged, or the settling time that was given.
     ResponseNotOver,
     /// The input was computed from the output, as a controller does.
     InputFollowsOutput,
@@ -40,9 +40,7 @@ impl Reason {
             Self::ErrorsNotNoise => "the errors are not noise",
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
             Self::BeyondRecord => "the command has larger strokes than the recording",
-            Self::ResponseNotOver => {
-                "the response goes on beyond the longest time that can be judged"
-            }
+            Self::ResponseNotOver => "the response goes on beyond the settling time",
             Self::InputFollowsOutput => "the input follows the output, as in a closed loop",
         }
     }

@@ -6,7 +6,7 @@ use super::choice::SettlingCandidate;
 use super::long_fit_noise;
 use crate::data::Moments;
 use crate::estimation::{Coordinates, FsfBasis, NormalEquations};
-use crate::numerics::{backward_solve, cholesky, dot, forward_solve, inverse_of_lower};
+use crate::numerics::{backward_solve, dot, factorised, forward_solve, inverse_of_lower};
 use crate::options::NoiseOrder;
 use crate::thresholds::{DETECTION, IMMATERIAL_TAIL};
 
@@ -46,17 +46,14 @@ impl LongFit {
         let inverse = inverse_of_lower(&factor.lower);
         // Row j of L^-1 holds the weights of z_j in each parameter; running sums over the lags
         // make them the weights in the step response.
-        let mut weights = Mat::zeros(settling + 1, settling);
+        let mut weights = Mat::<f64>::zeros(settling + 1, settling);
+        let mut sum = vec![0.0; settling + 1];
         for m in 0..settling {
-            for j in m + 1..=settling {
-                weights[(j, m)] = inverse[(j, m + 1)] * factor.scale[m + 1];
+            let scale = factor.scale[m + 1];
+            for (sum, weight) in sum.iter_mut().zip(inverse.col_as_slice(m + 1)) {
+                *sum += scale * weight;
             }
-        }
-        for m in 1..settling {
-            for j in 0..=settling {
-                let before = weights[(j, m - 1)];
-                weights[(j, m)] += before;
-            }
+            weights.col_as_slice_mut(m).copy_from_slice(&sum);
         }
         let spread = moments.output_spread() / moments.rows.max(1) as f64;
         Some(Self {
@@ -173,13 +170,29 @@ struct OffsetFirst {
 
 impl OffsetFirst {
     fn new(equations: &NormalEquations) -> Option<Self> {
-        let (a, scale) = equations.equilibrated();
-        let p = scale.len();
-        let original = |k: usize| if k == 0 { p - 1 } else { k - 1 };
-        let turned = Mat::from_fn(p, p, |i, j| a[(original(i), original(j))]);
-        let lower = cholesky(&turned)?;
-        let scale: Vec<f64> = (0..p).map(|k| scale[original(k)]).collect();
-        let b: Vec<f64> = (0..p)
+        let a = &equations.a;
+        let last = a.nrows() - 1;
+        let original = |k: usize| if k == 0 { last } else { k - 1 };
+        let scale = |k: usize| a[(original(k), original(k))].sqrt().recip();
+        let scale: Vec<f64> = (0..=last).map(scale).collect();
+        // The lower triangle is all that the factor needs.
+        let mut turned = Mat::<f64>::zeros(last + 1, last + 1);
+        turned[(0, 0)] = 1.0;
+        let edge = &a.col_as_slice(last)[..last];
+        for ((target, entry), s) in
+            (turned.col_as_slice_mut(0)[1..].iter_mut().zip(edge)).zip(&scale[1..])
+        {
+            *target = scale[0] * s * entry;
+        }
+        for k in 1..=last {
+            let source = &a.col_as_slice(k - 1)[k - 1..last];
+            let target = &mut turned.col_as_slice_mut(k)[k..];
+            for ((target, entry), s) in target.iter_mut().zip(source).zip(&scale[k..]) {
+                *target = scale[k] * s * entry;
+            }
+        }
+        let lower = factorised(turned)?;
+        let b: Vec<f64> = (0..=last)
             .map(|k| equations.b[original(k)] * scale[k])
             .collect();
         let projected = forward_solve(&lower, &b);

@@ -1,7 +1,7 @@
 //! The noise filter of a long fit, which has to be roughly right only.
 
 use crate::data::Moments;
-use crate::estimation::{NoiseFit, RowInformation, best_order};
+use crate::estimation::{NoiseFit, best_order, residual_moments_of_lags};
 use crate::numerics::largest_difference;
 use crate::options::NoiseOrder;
 
@@ -18,11 +18,10 @@ pub(crate) fn alternate(
     order: NoiseOrder,
     fit: impl Fn(&[f64]) -> Option<(Vec<f64>, f64)>,
 ) -> Option<Vec<f64>> {
-    let information = RowInformation::from_moments(moments.clone());
     let mut ar = Vec::new();
     for pass in 0..PASSES {
         let (impulse, offset) = fit(&ar)?;
-        let next = filter(&information, &impulse, offset, order, pass == 0);
+        let next = filter(moments, &impulse, offset, order, pass == 0);
         let change = largest_difference(&ar, &next);
         ar = next;
         if change < TOLERANCE {
@@ -34,15 +33,14 @@ pub(crate) fn alternate(
 
 /// The highest order at the first pass, then by the criterion or as fixed.
 fn filter(
-    information: &RowInformation,
+    moments: &Moments,
     impulse: &[f64],
     offset: f64,
     order: NoiseOrder,
     first: bool,
 ) -> Vec<f64> {
-    let moments = &information.moments;
     let max = order.highest().min(moments.output_lags() - 1);
-    let residuals = information.residual_moments(impulse, offset, max);
+    let residuals = residual_moments_of_lags(moments, impulse, offset, max);
     let Some(noise) = NoiseFit::new(&residuals, moments.output_spread()) else {
         return Vec::new();
     };

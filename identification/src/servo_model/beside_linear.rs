@@ -236,7 +236,7 @@ impl Refit {
 
     /// The same of the direction-split model with the noise order `order`.
     fn direction_split(left: &Record, like: &Model, order: NoiseOrder) -> Option<Self> {
-        let found = split_with(left, like.basis().ok()?, order, like.level()).ok()?;
+        let found = split_with(left, like.basis().ok()?, order, like.level(), false).ok()?;
         Some(Self {
             step: found.mean_step(),
             offset: found.offset(),

@@ -7,6 +7,9 @@ use servoid_identification::comparison::{
 use servoid_identification::results::Check;
 use servoid_identification::{Options, Record, Run, Settling, identify};
 
+use servoid_test_support::compared_ends::ComparedEnds;
+use servoid_test_support::hard_lines::Drive;
+use servoid_test_support::plants::{Noise, Plant};
 use servoid_test_support::servo_means::Means;
 use servoid_test_support::servos::{
     Limit, Linear, PERIOD, exact_shift, limited, measured, respond_by_stroke, staircase,
@@ -419,4 +422,43 @@ fn runs_of_one_step_each_are_compared_as_recordings() {
     assert_eq!(found.runs, [4, 4]);
     assert_eq!(found.p_value, None);
     assert_eq!(found.of, Subject::Runs);
+}
+
+/// Without an allowance for slow ends, most such curves and nearly all such gains leave their bounds.
+#[test]
+fn a_slow_end_that_noise_hides_is_in_the_bounds_of_the_difference() {
+    const PAIRS: u64 = 4;
+    let case = ComparedEnds {
+        drive: Drive::Staircase,
+        plant: Plant::C,
+        noise: Noise::Ar1,
+        scale: 5.0,
+        ends: [(0.0, 0.4), (0.1, 0.4)],
+        gain: 1.0,
+        lean: 0.0,
+    };
+    let options = ComparisonOptions {
+        identification: Options {
+            longest_settling: Some(201),
+            ..Options::default()
+        },
+        ..ComparisonOptions::default()
+    };
+    let found = case.compare(PAIRS, &options);
+    assert!(found.claimed > 1, "{found:?}");
+    assert_eq!(
+        (found.whole, found.gain, found.wrong),
+        (found.claimed, found.claimed, 0),
+        "{found:?}"
+    );
+    // Up and down strokes that differ are compared one by one, and each has its slow end.
+    let by_stroke = ComparedEnds {
+        scale: 1.0,
+        ends: [(0.0, 0.4), (0.03, 0.4)],
+        lean: 0.06,
+        ..case
+    };
+    let found = by_stroke.compare(PAIRS, &options);
+    assert!(found.split > 0, "{found:?}");
+    assert_eq!(found.whole, found.claimed, "{found:?}");
 }

@@ -2,7 +2,7 @@
 //! "Hard recordings" of docs/method.md has hundreds of runs of each line.
 
 use servoid_identification::results::{Check, Model, Reason, StepBounds};
-use servoid_identification::{Options, Record, Run, identify, identify_explained};
+use servoid_identification::{Options, Record, Run, Settling, identify, identify_explained};
 use servoid_test_support::hard_lines::{HardLine, Hardship, hard_lines};
 use servoid_test_support::plants::{Noise, PERIOD, Plant, random, simulate, staircase};
 
@@ -227,4 +227,37 @@ fn glitches_under_a_limited_servo_are_found_and_its_own_errors_are_none() {
         output[k] += size;
     }
     assert_eq!(taken_out(&output), glitches.map(|(k, _)| (k, 1)));
+}
+
+/// A settling time that is given is the caller's word, unless the errors speak against it.
+#[test]
+fn a_settling_time_that_is_too_short_takes_the_level() {
+    let given = Options {
+        settling: Settling::Samples(191),
+        ..Options::default()
+    };
+    let slow = Hardship::SlowEnd {
+        share: 0.01,
+        seconds: 0.4,
+    };
+    let line = line(|hardship| *hardship == slow);
+    let found = line.measure(2, &given);
+    assert_eq!(
+        (found.claimed, found.share_of("slow_end")),
+        (0.0, 1.0),
+        "{found}"
+    );
+    let over = HardLine {
+        hardship: Hardship::SlowEnd {
+            share: 0.0,
+            seconds: 0.4,
+        },
+        ..line
+    };
+    let found = over.measure(2, &given);
+    assert_eq!(
+        (found.claimed, found.share_of("slow_end")),
+        (1.0, 0.0),
+        "{found}"
+    );
 }

@@ -23,7 +23,7 @@ fn bands_under_the_prior_are_narrower_and_hold() {
     for (plant, noise, narrower) in [
         (Plant::A, Noise::White, 0.6),
         (Plant::C, Noise::White, 0.5),
-        (Plant::B, Noise::Ar1, 1.0),
+        (Plant::A, Noise::Ar2, 1.0),
     ] {
         let case = Case {
             reference: Reference::Staircase,
@@ -80,6 +80,13 @@ fn what_became_of_the_prior_is_said() {
         time_constants_s.iter().any(|t| (0.005..0.1).contains(t)),
         "{time_constants_s:?}"
     );
+    let slow_noise = simulate(Plant::A, Noise::Ar1, &staircase(), 1.0, &mut random(8));
+    let record = Record::of_run(PERIOD, staircase(), slow_noise).unwrap();
+    let found = identify_explained(&record, &options(Prior::Stable)).unwrap();
+    let said = found.explanation.prior.as_ref().unwrap().in_words();
+    assert!(said.contains("a slow end"), "{said}");
+    let without = identify_explained(&record, &options(Prior::None)).unwrap();
+    assert_eq!(found.model.step, without.model.step);
     let smooth = low_passed(&low_passed(&staircase(), 20.0), 20.0);
     assert_eq!(
         outcome(&smooth, Prior::Stable),

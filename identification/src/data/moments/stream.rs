@@ -168,15 +168,17 @@ impl MomentStream {
         let (uu, yu) = (&sums[0], &sums[1]);
         let edges = &done.edges;
         let square = |first_row: &[f64], first_column: &[f64], edge: &Mat<f64>| {
-            let mut matrix = Mat::zeros(first_column.len(), first_row.len());
-            for b in 0..first_row.len() {
-                matrix[(0, b)] = first_row[b];
-                for a in 1..first_column.len() {
-                    matrix[(a, b)] = match b {
-                        0 => first_column[a],
-                        _ => matrix[(a - 1, b - 1)] + edge[(a - 1, b - 1)],
-                    };
+            let mut matrix = Mat::<f64>::zeros(first_column.len(), first_row.len());
+            let mut column = first_column.to_vec();
+            for (b, first) in first_row.iter().enumerate() {
+                if b > 0 {
+                    column.rotate_right(1);
+                    for (sum, edge) in column[1..].iter_mut().zip(edge.col_as_slice(b - 1)) {
+                        *sum += edge;
+                    }
                 }
+                column[0] = *first;
+                matrix.col_as_slice_mut(b).copy_from_slice(&column);
             }
             matrix
         };

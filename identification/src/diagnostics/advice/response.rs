@@ -68,18 +68,28 @@ pub(super) fn slow_end(evidence: &Evidence<'_>) -> Option<Advice> {
         true => "the bounds are approximate",
         false => "no bounds can be given",
     };
+    let (time, remedy) = match evidence.explanation.settling {
+        Some(_) => (
+            "slowly beyond the longest time that can be judged",
+            format!(
+                "Record holds of several times {seconds:.1} s, and at least {:.0} s in all.",
+                14.0 * seconds
+            ),
+        ),
+        None => (
+            "beyond the settling time that was given",
+            "Leave the settling time to the automatic choice, or give a longer one.".to_owned(),
+        ),
+    };
     Some(Advice::new(
         Check::SlowEnd,
         format!(
-            "The response goes on slowly beyond the longest time that can be judged, {seconds:.3} s (p = {:.0e}), so {bounds}.",
+            "The response goes on {time}, {seconds:.3} s (p = {:.0e}), so {bounds}.",
             end.p.max(1e-12)
         ),
         end.p,
         SLOW_END_SIGNIFICANCE,
-        format!(
-            "Record holds of several times {seconds:.1} s, and at least {:.0} s in all.",
-            14.0 * seconds
-        ),
+        remedy,
     ))
 }
 

@@ -25,5 +25,6 @@ pub use coordinates::Coordinates;
 pub(crate) use normal_equations::{
     NormalEquations, complete_bank_rss, filtered_input_moments, solve_moments,
 };
+pub(crate) use residual_moments::residual_moments_of_lags;
 pub use row_information::{RowInformation, Solver};
 pub use solution::Solution;

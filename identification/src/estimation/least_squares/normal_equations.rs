@@ -7,7 +7,7 @@ use super::solution::Solution;
 use crate::data::Moments;
 use crate::estimation::noise_model::noise_filter;
 use crate::numerics::{
-    backward_solve, cholesky, condition, dot, forward_solve, inverse_of_square, times,
+    backward_solve, condition, dot, factorised, forward_solve, inverse_of_square, times,
 };
 
 /// D-filtered normal equations A x = b with the offset as last parameter.
@@ -20,10 +20,17 @@ pub(crate) struct NormalEquations {
 
 impl NormalEquations {
     pub(crate) fn new(moments: &Moments, coordinates: &Coordinates, ar: &[f64]) -> Self {
-        let uu =
-            filtered_input_moments(&moments.uu, coordinates.basis.settling(), &noise_filter(ar));
-        let square = coordinates.square(uu);
-        Self::with_square(moments, coordinates, ar, square)
+        let (n, d) = (coordinates.basis.settling(), noise_filter(ar));
+        match coordinates.impulse_map() {
+            None => {
+                let bordered = bordered_input_moments(&moments.uu, n, &d, 1);
+                Self::with_bordered(moments, coordinates, ar, bordered)
+            }
+            Some(_) => {
+                let square = coordinates.square(filtered_input_moments(&moments.uu, n, &d));
+                Self::with_square(moments, coordinates, ar, &square)
+            }
+        }
     }
 
     /// With a known coordinates' part of A.
@@ -31,7 +38,20 @@ impl NormalEquations {
         moments: &Moments,
         coordinates: &Coordinates,
         ar: &[f64],
-        square: Mat<f64>,
+        square: &Mat<f64>,
+    ) -> Self {
+        let p = coordinates.len();
+        let mut a = Mat::zeros(p + 1, p + 1);
+        a.as_mut().submatrix_mut(0, 0, p, p).copy_from(square);
+        Self::with_bordered(moments, coordinates, ar, a)
+    }
+
+    /// With a known coordinates' part of A, and room for the offset.
+    fn with_bordered(
+        moments: &Moments,
+        coordinates: &Coordinates,
+        ar: &[f64],
+        mut a: Mat<f64>,
     ) -> Self {
         let n = coordinates.basis.settling();
         let d = noise_filter(ar);
@@ -51,8 +71,6 @@ impl NormalEquations {
         }
         let edge = coordinates.compress(edge);
         let p = coordinates.len();
-        let mut a = Mat::zeros(p + 1, p + 1);
-        a.as_mut().submatrix_mut(0, 0, p, p).copy_from(&square);
         for k in 0..p {
             a[(k, p)] = edge[(k, 1)];
             a[(p, k)] = edge[(k, 1)];
@@ -103,32 +121,58 @@ pub(crate) fn complete_bank_rss(moments: &Moments, settling: usize) -> Option<f6
     };
     let (scaled, scale) = equations.equilibrated();
     let right: Vec<f64> = equations.b.iter().zip(&scale).map(|(b, s)| b * s).collect();
-    let projected = forward_solve(&cholesky(&scaled)?, &right);
+    let projected = forward_solve(&factorised(scaled)?, &right);
     Some(equations.c - dot(&projected, &projected))
 }
 
 /// sum_ij d_i d_j R[i:i+N, j:j+N].
 pub(crate) fn filtered_input_moments(uu: &Mat<f64>, n: usize, d: &[f64]) -> Mat<f64> {
-    let mut once = Mat::<f64>::zeros(n, n + d.len() - 1);
-    for b in 0..once.ncols() {
-        let source = uu.col_as_slice(b);
-        let target = once.col_as_slice_mut(b);
+    bordered_input_moments(uu, n, d, 0)
+}
+
+/// [`filtered_input_moments`], and as many further rows and columns of zeros.
+fn bordered_input_moments(uu: &Mat<f64>, n: usize, d: &[f64], border: usize) -> Mat<f64> {
+    // Columns filtered along their lags, of which each is needed by as many columns as D has coefficients.
+    let mut once = vec![vec![0.0; n]; d.len()];
+    let mut products = Mat::<f64>::zeros(n + border, n + border);
+    for column in 0..n + d.len() - 1 {
+        let first = (column + 1).saturating_sub(d.len());
+        let filtered = &mut once[column % d.len()][first..];
+        filtered.fill(0.0);
         for (i, di) in d.iter().enumerate() {
-            for (target, source) in target.iter_mut().zip(&source[i..]) {
+            let source = &uu.col_as_slice(column)[first + i..];
+            for (target, source) in filtered.iter_mut().zip(source) {
                 *target += di * source;
             }
         }
-    }
-    let mut twice = Mat::<f64>::zeros(n, n);
-    for b in 0..n {
-        for (j, dj) in d.iter().enumerate() {
-            let source = once.col_as_slice(b + j);
-            for (target, source) in twice.col_as_slice_mut(b).iter_mut().zip(source) {
-                *target += dj * source;
+        // The last column that `first` needs is complete.
+        if column + 1 >= d.len() {
+            let target = &mut products.col_as_slice_mut(first)[first..n];
+            for (j, dj) in d.iter().enumerate() {
+                let source = &once[(first + j) % d.len()][first..];
+                for (target, source) in target.iter_mut().zip(source) {
+                    *target += dj * source;
+                }
             }
         }
     }
-    twice
+    mirror(&mut products);
+    products
+}
+
+/// Copies the lower triangle of a square matrix into the upper one. In tiles, whose columns stay at hand while they are
+/// read across.
+fn mirror(matrix: &mut Mat<f64>) {
+    const TILE: usize = 32;
+    let size = matrix.nrows();
+    for start in (0..size).step_by(TILE) {
+        let rows = start..(start + TILE).min(size);
+        for column in start + 1..size {
+            for row in rows.start..rows.end.min(column) {
+                matrix[(row, column)] = matrix[(column, row)];
+            }
+        }
+    }
 }
 
 /// Cholesky factor of equilibrated normal equations.
@@ -140,7 +184,7 @@ pub(super) struct Factored {
 impl Factored {
     pub(super) fn new(equations: &NormalEquations) -> Option<Self> {
         let (scaled, scale) = equations.equilibrated();
-        cholesky(&scaled).map(|lower| Self { lower, scale })
+        factorised(scaled).map(|lower| Self { lower, scale })
     }
 
     fn solve(&self, b: &[f64]) -> Vec<f64> {

@@ -12,10 +12,7 @@ impl RowInformation {
     /// the centre).
     pub fn residual_moments(&self, impulse: &[f64], offset: f64, order: usize) -> Mat<f64> {
         match &self.factor {
-            None => {
-                let modelled = modelled_moments(&self.moments, impulse, order);
-                residual_moments(&self.moments, impulse, offset, &modelled)
-            }
+            None => residual_moments_of_lags(&self.moments, impulse, offset, order),
             Some(factor) => {
                 let (lags, n) = (self.moments.input_lags(), impulse.len());
                 let combination = Mat::from_fn(factor.ncols(), order + 1, |row, i| match row {
@@ -48,6 +45,17 @@ impl RowInformation {
             _ => self.residual_moments(&impulse, offset, order),
         }
     }
+}
+
+/// [`RowInformation::residual_moments`] from moments.
+pub(crate) fn residual_moments_of_lags(
+    moments: &Moments,
+    impulse: &[f64],
+    offset: f64,
+    order: usize,
+) -> Mat<f64> {
+    let modelled = modelled_moments(moments, impulse, order);
+    residual_moments(moments, impulse, offset, &modelled)
 }
 
 /// sum of s(k-i) s(k-j), i, j = 0..=order, for the modelled output s = h*u.

@@ -98,7 +98,7 @@ impl RowInformation {
         match self.lag_products(coordinates) {
             Some(products) => {
                 let square = products.twice_filtered(&noise_filter(ar));
-                NormalEquations::with_square(&self.moments, coordinates, ar, square)
+                NormalEquations::with_square(&self.moments, coordinates, ar, &square)
             }
             None => NormalEquations::new(&self.moments, coordinates, ar),
         }

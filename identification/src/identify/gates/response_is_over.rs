@@ -3,8 +3,8 @@
 //! Protects: a step response that ends too soon. A servo that creeps under load has two time scales, and N follows the one that is
 //! seen. Bounds allow for a slow end in any case; where it is evident, it is shown.
 //!
-//! If not, N is the longest that the record allows. If it is not over then either, bounds lose their level. A servo
-//! that is not linear leaves errors that look like slow ends, and so do steps of the sensor and left-out frequencies.
+//! If not, N is the longest that the record allows. If it is not over then either, bounds lose their level, and so they do where N was
+//! given. A servo that is not linear leaves errors that look like slow ends, and so do steps of the sensor and left-out frequencies.
 
 use super::errors_are_noise;
 use crate::diagnostics::SlowEnd;
@@ -19,7 +19,8 @@ use crate::thresholds::{SLOW_END_SIGNIFICANCE, UNSETTLED_SIGNIFICANCE};
 pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     let candidate = &fitted.candidate;
     let Some(choice) = &candidate.plan.choice else {
-        return Ok(fitted);
+        let slow_end = significant(task, &fitted, SLOW_END_SIGNIFICANCE);
+        return Ok(Fitted { slow_end, ..fitted });
     };
     // Where no N was found in the record, mild evidence is enough.
     let limit = match choice.settled {

@@ -16,6 +16,8 @@
 //! 2 % of the stroke. Other nonlinearities of a symmetric servo, such as limited speed or play, also affect
 //! δ: by up to 1.4 % on simulated servos, outside the bounds in one run of six.
 
+mod slow_end;
+mod split_fit;
 #[cfg(test)]
 mod tests;
 mod two_inputs;
@@ -27,13 +29,13 @@ use crate::data::{Record, Run, Timing};
 use crate::error::Error;
 use crate::estimation::{Coordinates, CurveVariance, FsfBasis};
 use crate::numerics::{
-    causal_filter, chi_square_upper_tail, dot, pointwise_critical, simultaneous_critical,
-    student_critical, times,
+    chi_square_upper_tail, dot, pointwise_critical, simultaneous_critical, student_critical, times,
 };
 use crate::options::NoiseOrder;
 use crate::results::{Biases, Bounds, Interval, Model, StepBounds, StepResponse, fit_percent};
 use crate::thresholds::{ASYMMETRY_FALSE_ALARM, MATERIAL_ASYMMETRY};
-use two_inputs::{TwoInputFit, TwoInputMoments};
+use split_fit::SplitFit;
+use two_inputs::TwoInputMoments;
 
 /// Number of frequencies of the bank on |du|. With fewer, truncation bias would pass for asymmetry.
 const FREQUENCIES: usize = 31;
@@ -80,45 +82,6 @@ pub struct DirectionModel {
     pub(crate) fit: SplitFit,
 }
 
-/// Parameters and covariance of the fit, from which models are compared.
-#[derive(Debug, Clone)]
-pub(crate) struct SplitFit {
-    /// Coordinates of the response to u, parameters of δ, offset about the centre.
-    pub(crate) parameters: Vec<f64>,
-    pub(crate) covariance: Mat<f64>,
-    /// From parameters to g, N rows.
-    pub(crate) step_map: Mat<f64>,
-    /// From parameters to δ, N rows.
-    pub(crate) split_map: Mat<f64>,
-    centre: (f64, f64, f64),
-    pub(crate) degrees_of_freedom: f64,
-}
-
-impl SplitFit {
-    /// Rows of g_up, then of g_down: 2N x p.
-    pub(crate) fn curves_map(&self) -> Mat<f64> {
-        let n = self.step_map.nrows();
-        Mat::from_fn(2 * n, self.step_map.ncols(), |i, k| {
-            let sign = if i < n { 1.0 } else { -1.0 };
-            self.step_map[(i % n, k)] + sign * self.split_map[(i % n, k)]
-        })
-    }
-
-    /// Weights of the parameters in the output at rest at the command `u`, and its constant part.
-    fn level_weights(&self, u: f64) -> (Vec<f64>, f64) {
-        let last = self.step_map.nrows() - 1;
-        let columns = self.step_map.ncols();
-        let weights = (0..columns)
-            .map(|k| {
-                let split: f64 = self.split_map.col_as_slice(k).iter().sum();
-                let offset = f64::from(u8::from(k + 1 == columns));
-                self.step_map[(last, k)] * (u - self.centre.0) - split * self.centre.1 + offset
-            })
-            .collect();
-        (weights, self.centre.2)
-    }
-}
-
 /// Fits the direction-split model with the settling time, bank and level of a plain `model` of the
 /// same record.
 ///
@@ -142,10 +105,17 @@ impl SplitFit {
 /// The record has too few samples, or strokes in one direction only, which do not separate the two
 /// responses.
 pub fn split_by_direction(record: &Record, model: &Model) -> Result<DirectionModel, Error> {
-    split_with(record, model.basis()?, NoiseOrder::Auto, model.level())
+    split_with(
+        record,
+        model.basis()?,
+        NoiseOrder::Auto,
+        model.level(),
+        false,
+    )
 }
 
-/// [`split_by_direction`] with a given bank, noise order and level.
+/// [`split_by_direction`] with a given bank, noise order and level. `may_go_on` where the response may go on beyond the settling time of
+/// a complete bank.
 ///
 /// # Errors
 /// As [`split_by_direction`].
@@ -154,6 +124,7 @@ pub(crate) fn split_with(
     basis: FsfBasis,
     order: NoiseOrder,
     level: Bounds<f64>,
+    may_go_on: bool,
 ) -> Result<DirectionModel, Error> {
     let settling = basis.settling();
     let second = changes_bank(settling)?;
@@ -173,8 +144,18 @@ pub(crate) fn split_with(
     let Some(fit) = two_inputs::fit(&moments, &coordinates, &second, order) else {
         return Err(Error::OneDirection);
     };
-    let timing = record.timing();
-    Ok(build(&moments, &coordinates, &second, fit, timing, level))
+    let mut split = SplitFit::new(&moments, &coordinates, &second, &fit);
+    if may_go_on && basis.is_complete() {
+        slow_end::allow_for_slow_end(record, &moments, (&coordinates, &second), &fit, &mut split);
+    }
+    let simulation_percent = fit_percent(fit.error, moments.output_spread);
+    Ok(DirectionModel::new(
+        split,
+        fit.ar.len(),
+        simulation_percent,
+        record.timing(),
+        level,
+    ))
 }
 
 /// The bank on |du| for a settling time.
@@ -183,57 +164,8 @@ pub(crate) fn changes_bank(settling: usize) -> Result<FsfBasis, Error> {
     FsfBasis::new(settling, FREQUENCIES.min(full))
 }
 
-fn build(
-    moments: &TwoInputMoments,
-    coordinates: &Coordinates,
-    second: &FsfBasis,
-    fit: TwoInputFit,
-    timing: Timing,
-    level: Bounds<f64>,
-) -> DirectionModel {
-    let (n, n2) = (coordinates.len(), second.frequencies());
-    let p = n + n2 + 1;
-    let (step, impulse) = (coordinates.step_map(), second.impulse_map());
-    let settling = step.nrows();
-    let within = |columns: std::ops::Range<usize>, map: &Mat<f64>| {
-        Mat::from_fn(settling, p, |m, k| {
-            if columns.contains(&k) {
-                map[(m, k - columns.start)]
-            } else {
-                0.0
-            }
-        })
-    };
-    let split = SplitFit {
-        step_map: within(0..n, &step),
-        split_map: within(n..n + n2, &impulse),
-        parameters: fit.parameters,
-        covariance: fit.covariance,
-        centre: moments.centre,
-        degrees_of_freedom: fit.degrees_of_freedom,
-    };
-    let curves = split.curves_map();
-    let half = |from: usize| {
-        let map = Mat::from_fn(settling, p, |m, k| curves[(from + m, k)]);
-        let spread = CurveVariance::of_functions(&map, &split.covariance, split.degrees_of_freedom);
-        let value = times(&map, &split.parameters);
-        let bounds = level.map(|level| StepBounds::new(&value, &spread, level, Biases::default()));
-        StepResponse::new(timing.sample_period_s, value, bounds)
-    };
-    let symmetry = level.map(|_| symmetry(&split, n..n + n2, timing));
-    DirectionModel {
-        settling_samples: settling,
-        noise_order: fit.ar.len(),
-        up: half(0),
-        down: half(settling),
-        symmetry,
-        simulation_percent: fit_percent(fit.error, moments.output_spread),
-        level,
-        fit: split,
-    }
-}
-
-fn symmetry(split: &SplitFit, parameters: std::ops::Range<usize>, timing: Timing) -> Symmetry {
+fn symmetry(split: &SplitFit, timing: Timing) -> Symmetry {
+    let parameters = split.of_changes.clone();
     let spread = CurveVariance::of_functions(
         &split.split_map,
         &split.covariance,
@@ -284,6 +216,36 @@ pub(crate) fn wald(x: &[f64], covariance: &Mat<f64>) -> (f64, usize) {
 }
 
 impl DirectionModel {
+    fn new(
+        split: SplitFit,
+        noise_order: usize,
+        simulation_percent: f64,
+        timing: Timing,
+        level: Bounds<f64>,
+    ) -> Self {
+        let (settling, p) = (split.step_map.nrows(), split.step_map.ncols());
+        let curves = split.curves_map();
+        let half = |from: usize| {
+            let map = Mat::from_fn(settling, p, |m, k| curves[(from + m, k)]);
+            let spread =
+                CurveVariance::of_functions(&map, &split.covariance, split.degrees_of_freedom);
+            let value = times(&map, &split.parameters);
+            let bounds =
+                level.map(|level| StepBounds::new(&value, &spread, level, Biases::default()));
+            StepResponse::new(timing.sample_period_s, value, bounds)
+        };
+        Self {
+            settling_samples: settling,
+            noise_order,
+            up: half(0),
+            down: half(settling),
+            symmetry: level.map(|_| symmetry(&split, timing)),
+            simulation_percent,
+            level,
+            fit: split,
+        }
+    }
+
     /// Whether up and down strokes differ by enough to matter. Without bounds nothing is known of that.
     pub fn asymmetric(&self) -> bool {
         self.symmetry.valid().is_some_and(|found| found.asymmetric)
@@ -307,33 +269,16 @@ impl DirectionModel {
     /// samples is not complete; with [`Run::with_input_at_rest`] it is complete from the first sample on.
     #[must_use]
     pub fn simulate(&self, run: &Run) -> Vec<f64> {
-        let fit = &self.fit;
-        let step = self.mean_step();
-        let before = std::iter::once(&0.0).chain(&step);
-        let impulse: Vec<f64> = step.iter().zip(before).map(|(g, b)| g - b).collect();
-        let (input, at_rest) = (run.input(), run.input_at_rest());
-        let earlier = std::iter::once(at_rest.unwrap_or(f64::NAN)).chain(input.iter().copied());
-        let changes: Vec<f64> = input
-            .iter()
-            .zip(earlier)
-            .map(|(u, before)| (u - before).abs())
-            .collect();
-        let by_level = causal_filter(&impulse, input, at_rest);
-        let split = times(&fit.split_map, &fit.parameters);
-        let by_changes = causal_filter(&split, &changes, at_rest.map(|_| 0.0));
-        let offset = self.offset();
-        let both = by_level.iter().zip(by_changes);
-        both.map(|(a, b)| a + b + offset).collect()
+        self.fit.simulate(run)
     }
 
     /// g, the mean of the responses to strokes up and down.
     pub(crate) fn mean_step(&self) -> Vec<f64> {
-        times(&self.fit.step_map, &self.fit.parameters)
+        self.fit.mean_step()
     }
 
     /// The output at rest at the command 0.
     pub(crate) fn offset(&self) -> f64 {
-        let (weights, constant) = self.fit.level_weights(0.0);
-        constant + dot(&weights, &self.fit.parameters)
+        self.fit.offset()
     }
 }

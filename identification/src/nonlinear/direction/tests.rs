@@ -31,6 +31,7 @@ fn model(up: &Linear, down: &Linear, zero: f64, seed: u64, level: f64) -> Direct
         FsfBasis::full(SETTLING).unwrap(),
         NoiseOrder::Auto,
         Bounds::Valid(level),
+        false,
     )
     .unwrap()
 }

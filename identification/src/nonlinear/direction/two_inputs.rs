@@ -9,7 +9,7 @@ use faer::Mat;
 use crate::data::{MomentStream, Moments, Record, Run};
 use crate::estimation::{Coordinates, FsfBasis, NoiseFit, best_order, lagged_filter, noise_filter};
 use crate::numerics::{
-    backward_solve, cholesky, forward_solve, inverse_of_square, largest_difference, times,
+    backward_solve, factorised, forward_solve, inverse_of_square, largest_difference, times,
 };
 use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
 use crate::thresholds::SEPARABLE;
@@ -65,6 +65,13 @@ impl TwoInputMoments {
             centre: (first.centre.0, second.centre.0, first.centre.1),
             output_spread: first.output_spread(),
         }
+    }
+}
+
+impl TwoInputMoments {
+    /// Lags of the command and the output that a row has: the oldest change needs one more command.
+    pub(crate) fn row_lags(&self) -> (usize, usize) {
+        (self.lags + 1, self.outputs)
     }
 }
 
@@ -135,6 +142,8 @@ pub(crate) struct TwoInputFit {
     pub(crate) covariance: Mat<f64>,
     /// d_1..d_d.
     pub(crate) ar: Vec<f64>,
+    /// Variance of ε.
+    pub(crate) variance: f64,
     /// rows - parameters - d.
     pub(crate) degrees_of_freedom: f64,
     /// Sum of squares of the simulation error.
@@ -176,8 +185,10 @@ pub(crate) fn fit(
         return None;
     }
     let error = problem.residual_moments(&solution.parameters, 0)[(0, 0)];
+    let variance = solution.rss / degrees_of_freedom;
     Some(TwoInputFit {
-        covariance: faer::Scale(solution.rss / degrees_of_freedom) * solution.inverse,
+        covariance: faer::Scale(variance) * solution.inverse,
+        variance,
         parameters: solution.parameters,
         ar,
         degrees_of_freedom,
@@ -218,7 +229,7 @@ impl<'a> Problem<'a> {
             return None;
         }
         let scaled = Mat::from_fn(p, p, |i, j| gram[(i, j)] * scale[i] * scale[j]);
-        let lower = cholesky(&scaled)?;
+        let lower = factorised(scaled)?;
         // A column that is a combination of the others to five digits is undetermined.
         if (0..p).any(|k| lower[(k, k)] < SEPARABLE) {
             return None;
