@@ -20,7 +20,7 @@
 mod tests;
 mod two_inputs;
 
-use faer::{Mat, Side};
+use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::data::{Record, Run, Timing};
@@ -28,7 +28,7 @@ use crate::error::Error;
 use crate::estimation::{Coordinates, CurveVariance, FsfBasis};
 use crate::numerics::{
     causal_filter, chi_square_upper_tail, dot, pointwise_critical, simultaneous_critical,
-    student_critical, times,
+    student_critical, symmetric_eigen, times,
 };
 use crate::options::NoiseOrder;
 use crate::results::{Biases, Bounds, Interval, Model, StepBounds, StepResponse, fit_percent};
@@ -271,15 +271,15 @@ fn symmetry(split: &SplitFit, parameters: std::ops::Range<usize>, timing: Timing
 
 /// x'C^-1 x over the directions of C that are not rounding, and their number.
 pub(crate) fn wald(x: &[f64], covariance: &Mat<f64>) -> (f64, usize) {
-    let Ok(eigen) = covariance.self_adjoint_eigen(Side::Lower) else {
+    let Some(eigen) = symmetric_eigen(covariance) else {
         return (0.0, 0);
     };
-    let turned = times(&eigen.U().transpose().to_owned(), x);
-    let largest = (0..x.len()).map(|i| eigen.S()[i]).fold(0.0, f64::max);
+    let turned = times(&eigen.vectors.transpose().to_owned(), x);
+    let largest = eigen.values.iter().copied().fold(0.0, f64::max);
     (0..x.len())
-        .filter(|&i| eigen.S()[i] > ROUNDING * largest)
+        .filter(|&i| eigen.values[i] > ROUNDING * largest)
         .fold((0.0, 0), |(sum, count), i| {
-            (sum + turned[i] * turned[i] / eigen.S()[i], count + 1)
+            (sum + turned[i] * turned[i] / eigen.values[i], count + 1)
         })
 }
 

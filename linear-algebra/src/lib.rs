@@ -1,0 +1,121 @@
+//! Factorisations and products of matrices, on top of `faer`.
+//!
+//! A crate of its own because `faer` is generic: every crate that factorises a matrix compiles the whole of that
+//! factorisation again, for several sets of instructions. Behind these functions it is compiled once.
+
+use faer::linalg::triangular_inverse::invert_lower_triangular;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Mat, Par, Side};
+
+/// Lower Cholesky factor of a symmetric matrix, `None` when it is not positive definite.
+#[must_use]
+pub fn cholesky(matrix: &Mat<f64>) -> Option<Mat<f64>> {
+    if matrix.nrows() == 0 {
+        return Some(Mat::zeros(0, 0));
+    }
+    let factor = matrix.llt(Side::Lower).ok()?;
+    let lower = factor.L().to_owned();
+    // Rounding can give a singular matrix a meaningless last pivot.
+    (0..lower.nrows())
+        .all(|i| lower[(i, i)].is_finite() && lower[(i, i)] > 0.0)
+        .then_some(lower)
+}
+
+/// L^-1 b.
+#[must_use]
+pub fn forward_solve(lower: &Mat<f64>, b: &[f64]) -> Vec<f64> {
+    let mut x = column(b);
+    solve_lower_triangular_in_place(lower.as_ref(), x.as_mut(), Par::Seq);
+    x.col_as_slice(0).to_vec()
+}
+
+/// L^-T b.
+#[must_use]
+pub fn backward_solve(lower: &Mat<f64>, b: &[f64]) -> Vec<f64> {
+    let mut x = column(b);
+    solve_upper_triangular_in_place(lower.transpose(), x.as_mut(), Par::Seq);
+    x.col_as_slice(0).to_vec()
+}
+
+/// L^-1.
+#[must_use]
+pub fn inverse_of_lower(lower: &Mat<f64>) -> Mat<f64> {
+    let mut inverse = Mat::zeros(lower.nrows(), lower.nrows());
+    invert_lower_triangular(inverse.as_mut(), lower.as_ref(), Par::Seq);
+    inverse
+}
+
+/// (L L')^-1.
+#[must_use]
+pub fn inverse_of_square(lower: &Mat<f64>) -> Mat<f64> {
+    let inverse = inverse_of_lower(lower);
+    inverse.transpose() * &inverse
+}
+
+/// Upper triangular R of the QR factorisation: R'R = A'A. It has as many rows as A where A has fewer rows than columns.
+#[must_use]
+pub fn upper_factor(matrix: &Mat<f64>) -> Mat<f64> {
+    matrix.qr().thin_R().to_owned()
+}
+
+/// Eigenvalues and eigenvectors of a symmetric matrix.
+#[derive(Clone, Debug)]
+pub struct SymmetricEigen {
+    /// Eigenvalues, in ascending order.
+    pub values: Vec<f64>,
+    /// The eigenvector of each value, as the column of the same number; of length 1 and orthogonal to the others.
+    pub vectors: Mat<f64>,
+}
+
+/// The eigenvalues and eigenvectors of a symmetric matrix, of which the lower triangle is read; `None` where the iteration
+/// does not end, as with entries that are not finite.
+#[must_use]
+pub fn symmetric_eigen(matrix: &Mat<f64>) -> Option<SymmetricEigen> {
+    let eigen = matrix.self_adjoint_eigen(Side::Lower).ok()?;
+    Some(SymmetricEigen {
+        values: eigen.S().column_vector().iter().copied().collect(),
+        vectors: eigen.U().to_owned(),
+    })
+}
+
+/// The largest magnitude of an eigenvalue of a square matrix; not a number where the iteration does not end.
+#[must_use]
+pub fn spectral_radius(matrix: &Mat<f64>) -> f64 {
+    matrix.eigenvalues().map_or(f64::NAN, |values| {
+        values.iter().map(|value| value.norm()).fold(0.0, f64::max)
+    })
+}
+
+/// A column vector.
+fn column(values: &[f64]) -> Mat<f64> {
+    Mat::from_fn(values.len(), 1, |i, _| values[i])
+}
+
+/// The product of a matrix and a vector.
+#[must_use]
+pub fn times(matrix: &Mat<f64>, vector: &[f64]) -> Vec<f64> {
+    (matrix * column(vector)).col_as_slice(0).to_vec()
+}
+
+/// Condition number in the 1-norm of a matrix whose inverse is known.
+#[must_use]
+pub fn condition(matrix: &Mat<f64>, inverse: &Mat<f64>) -> f64 {
+    let norm = |matrix: &Mat<f64>| {
+        (0..matrix.ncols())
+            .map(|j| matrix.col_as_slice(j).iter().map(|x| x.abs()).sum::<f64>())
+            .fold(0.0, f64::max)
+    };
+    norm(matrix) * norm(inverse)
+}
+
+/// Adds `sign` times the outer product of `rows` and `columns` to `matrix`.
+pub fn add_outer_product(matrix: &mut Mat<f64>, rows: &[f64], columns: &[f64], sign: f64) {
+    for (b, column) in columns.iter().enumerate() {
+        let scale = sign * column;
+        for (entry, row) in matrix.col_as_slice_mut(b).iter_mut().zip(rows) {
+            *entry += scale * row;
+        }
+    }
+}
