@@ -18,7 +18,8 @@ use super::noise_at_rest::NoiseAtRest;
 use super::possible_servo::PossibleServo;
 use crate::estimation::{autoregressive, noise_filter};
 use crate::numerics::{
-    backward_solve, chi_square_upper_tail, cholesky, forward_solve, inverse_of_square, symmetric_eigen,
+    backward_solve, chi_square_upper_tail, cholesky, forward_solve, inverse_of_square,
+    symmetric_eigen,
 };
 use crate::thresholds::SERVO_LACK_OF_FIT;
 use faer::Mat;

@@ -16,7 +16,10 @@ const CRATES: [(&str, &[&str]); 12] = [
         "simulator",
         &["servoid-dynamics", "servoid-firmware", "servoid-protocol"],
     ),
-    ("identification", &["servoid-dynamics", "servoid-fft", "servoid-linear-algebra"]),
+    (
+        "identification",
+        &["servoid-dynamics", "servoid-fft", "servoid-linear-algebra"],
+    ),
     ("client", &["servoid-protocol"]),
     (
         "host",
