@@ -27,7 +27,7 @@
 )]
 
 pub mod board;
-pub mod history;
+pub mod frame_history;
 pub mod limits;
 mod loopback;
 mod outbox;

@@ -1,6 +1,6 @@
 //! The messages that wait to be sent, and their order.
 
-use crate::history::History;
+use crate::frame_history::History;
 use core::ops::Range;
 use heapless::Deque;
 use servoid_protocol::message::{Ended, Frame, Outcome};

@@ -42,7 +42,7 @@
 //! host that is gone can be replaced once its lease has lapsed.
 
 use crate::board::{CapturedFrame, Identity};
-use crate::history::{self, History};
+use crate::frame_history::{self, History};
 use crate::limits::Limits;
 use crate::loopback::{self, SelfTest};
 use crate::outbox::{Answer, Item, Outbox};
@@ -310,7 +310,7 @@ impl Rig {
             full_scale_counts: identity.full_scale.0,
             shortest_pulse_us: shortest.0,
             longest_pulse_us: longest.0,
-            history_frames: history::CAPACITY as u16,
+            history_frames: frame_history::CAPACITY as u16,
         }
     }
 

@@ -1,7 +1,7 @@
 //! The present run.
 
 use crate::board::CapturedFrame;
-use crate::history::History;
+use crate::frame_history::History;
 use crate::limits::{Limits, UNHEALTHY_SAMPLES};
 use servoid_protocol::message::{Activity, EndReason, Ended, Frame, RunCheck, Start};
 use servoid_protocol::{Counts, PulseWidth};

@@ -2,10 +2,10 @@
 
 mod text;
 
-use crate::conditions::{Conditions, Scatter};
+use crate::identified_servo::MachineParameters;
 use crate::linear::LinearParameters;
-use crate::machine::MachineParameters;
 use crate::noise::NoiseKind;
+use crate::run_to_run::{Conditions, Scatter};
 use crate::sensor::SensorFault;
 use servoid_protocol::pulse_train::PulseType;
 use servoid_protocol::timing::SAMPLE_US;

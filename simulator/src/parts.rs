@@ -2,9 +2,9 @@
 
 use crate::aircraft::{AIRCRAFT, LOAD};
 use crate::bench::BENCH;
+use crate::identified_servo::MachineServo;
 use crate::linear::LinearServo;
 use crate::load::AerodynamicLoad;
-use crate::machine::MachineServo;
 use crate::motor::MotorServo;
 use crate::noise::Noise;
 use crate::options::{OptionsError, ServoKind, SimulationOptions};

@@ -3,9 +3,9 @@
 use super::servo_fit;
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
+use crate::data::mixed_units::advice_on_units;
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::ModelMetadata;
-use crate::data::unit_mix::advice_on_units;
 use crate::presentation::summary;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;

@@ -15,20 +15,20 @@ mod frozen_sensor;
 pub(crate) mod held_out;
 pub(crate) mod input_file;
 pub(crate) mod model_metadata;
-mod movement;
 pub(crate) mod numbered_path;
 mod rest_error;
+mod servo_moved;
+mod servo_stopped;
 mod statistics;
-mod stopped;
 
+pub(crate) mod mixed_units;
+mod omitted_fields;
 pub(crate) mod timeline;
-pub(crate) mod unit_mix;
 pub(crate) mod units;
-mod unstated;
 
 pub use degrees::DegreeScale;
 pub use file_error::FileError;
 pub use frozen_sensor::{FrozenSensor, StandStill};
 pub use model_metadata::ModelMetadata;
-pub use movement::{Movement, hardly_moved};
+pub use servo_moved::{Movement, hardly_moved};
 pub use units::Units;

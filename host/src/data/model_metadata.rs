@@ -1,9 +1,9 @@
 //! Facts about a model that its numbers do not show: units, and the frame that held the command.
 
+use crate::data::omitted_fields::is_zero;
 use crate::data::rig_file::LONGEST_DELAY_MS;
 use crate::data::table;
 use crate::data::units::Units;
-use crate::data::unstated::is_zero;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 

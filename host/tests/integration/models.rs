@@ -276,7 +276,7 @@ fn numbers(text: &str) -> Vec<std::ops::Range<usize>> {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        cases: 200,
+        cases: 100,
         rng_seed: RngSeed::Fixed(1),
         failure_persistence: None,
         ..ProptestConfig::default()

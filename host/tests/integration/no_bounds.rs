@@ -68,7 +68,7 @@ impl Withdrawn {
         let mut lagged = vec![level; lags];
         let (mut position, mut speed) = (level, 0.0);
         let mut rows = String::from("time_s,u [us],y [deg]\n");
-        for k in 0..2000 {
+        for k in 0..1400 {
             if k % (10 * frames) == 0 {
                 level = if next(&mut random) > 0.5 { 5.0 } else { -5.0 };
             }

@@ -1,6 +1,5 @@
 //! The recorded data, and the moments that all estimates are made from.
 
-mod complete_input;
 mod holds;
 mod moments;
 mod quantisation;

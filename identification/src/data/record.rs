@@ -4,10 +4,12 @@
 //! y(k) = φ(k)'θ + v(k) needs the output at k and the input at k, k-1, ..., so a gap removes only the rows
 //! whose history it interrupts.
 
+mod known_inputs;
+mod missing_samples;
+
 use std::borrow::Cow;
 use std::ops::Range;
 
-use crate::data::complete_input::{bridge_input, complete_input};
 use crate::data::timing::Timing;
 use crate::error::Error;
 
@@ -107,24 +109,6 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The run with the missing inputs that the others make known.
-    fn with_complete_input(&self) -> Run<'_> {
-        let mut run = self.borrowed();
-        if run.input.iter().any(|u| u.is_nan()) {
-            complete_input(run.input.to_mut());
-        }
-        run
-    }
-
-    /// The same, and with those across which it moves evenly (see [`bridge_input`]).
-    fn with_bridged_input(&self) -> Run<'_> {
-        let mut run = self.with_complete_input();
-        if run.input.iter().any(|u| u.is_nan()) {
-            bridge_input(run.input.to_mut());
-        }
-        run
-    }
-
     /// The run with columns of its own.
     #[must_use]
     pub fn into_owned(self) -> Run<'static> {
@@ -161,15 +145,6 @@ impl<'a> Run<'a> {
         self.input.is_empty()
     }
 
-    /// Number of samples that lack the input or the output.
-    pub fn missing(&self) -> usize {
-        self.input
-            .iter()
-            .zip(self.output.iter())
-            .filter(|(u, y)| u.is_nan() || y.is_nan())
-            .count()
-    }
-
     /// The part of the run from `range.start` up to `range.end`, as a run of its own.
     ///
     /// Only a part that starts at sample 0 keeps the statement about rest.
@@ -183,36 +158,6 @@ impl<'a> Run<'a> {
             input: Cow::Borrowed(&self.input[range.clone()]),
             output: Cow::Borrowed(&self.output[range]),
         }
-    }
-
-    /// The longest stretches of complete rows. Row k is complete when the output is known from
-    /// k-`output_lags`+1 to k and the input from k-`input_lags`+1 to k. Before the first sample only the
-    /// input is known, and only when the run began at rest.
-    pub fn complete_rows(&self, input_lags: usize, output_lags: usize) -> Vec<Range<usize>> {
-        let mut spans = Vec::new();
-        let (inputs, outputs) = (input_lags.max(1), output_lags.max(1));
-        let history = if self.at_rest.is_some() {
-            0
-        } else {
-            inputs - 1
-        };
-        // The first row whose history no earlier gap interrupts.
-        let mut from = history.max(outputs - 1);
-        let samples = self.input.iter().zip(self.output.iter()).enumerate();
-        for (k, (u, y)) in samples.filter(|(_, (u, y))| u.is_nan() || y.is_nan()) {
-            if from < k {
-                spans.push(from..k);
-            }
-            for (missing, lags) in [(u.is_nan(), inputs), (y.is_nan(), outputs)] {
-                if missing {
-                    from = from.max(k + lags);
-                }
-            }
-        }
-        if from < self.len() {
-            spans.push(from..self.len());
-        }
-        spans
     }
 
     /// Input at sample `k`, which may lie before the run when it began at rest.
@@ -333,12 +278,12 @@ impl<'a> Record<'a> {
         }
     }
 
-    /// The same with the missing inputs that the others make known (see [`complete_input`]).
+    /// The same with the missing inputs that the others make known (see [`known_inputs`]).
     pub(crate) fn with_complete_inputs(&self) -> Record<'_> {
         self.with_inputs(Run::with_complete_input)
     }
 
-    /// The same, and with those across which it moves evenly (see [`bridge_input`]).
+    /// The same, and with those across which it moves evenly (see [`known_inputs`]).
     pub(crate) fn with_bridged_inputs(&self) -> Record<'_> {
         self.with_inputs(Run::with_bridged_input)
     }

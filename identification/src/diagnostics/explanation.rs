@@ -9,7 +9,7 @@ use crate::diagnostics::initial_rest::Contradicted;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::outliers::TakenOut;
-use crate::diagnostics::prior::PriorOutcome;
+use crate::diagnostics::prior_outcome::PriorOutcome;
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::diagnostics::slow_end::{AllowedEnd, SlowEnd};
 use crate::diagnostics::uneven_noise::UnevenNoise;

@@ -13,7 +13,7 @@ mod misfit;
 mod outliers;
 mod output_lead;
 mod part_means;
-mod prior;
+mod prior_outcome;
 mod residual_tests;
 mod rise_at_end;
 mod run_offsets;
@@ -45,7 +45,7 @@ pub(crate) use misfit::{BothEstimators, followed_after, rank, settlings, unexcit
 pub use misfit::{Misfit, MisfitEvidence, Prediction};
 pub use outliers::TakenOut;
 pub(crate) use outliers::{Outliers, outliers};
-pub use prior::PriorOutcome;
+pub use prior_outcome::PriorOutcome;
 pub use residual_tests::WHITENESS_LAGS;
 pub(crate) use residual_tests::{INPUT_LAGS, WHITENESS_SAMPLES, input_independence, whiteness};
 pub(crate) use rise_at_end::rise_at_end;

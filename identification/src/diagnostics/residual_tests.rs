@@ -13,14 +13,14 @@
 //! **Linearity** is tested in [`crate::diagnostics::linearity`], and in
 //! [`crate::diagnostics::standstill_noise`] for a servo that was recorded at rest too.
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use crate::data::Moments;
 use crate::diagnostics::filtered_rows::present;
 use crate::estimation::{
     Coordinates, NormalEquations, filtered_input_moments, noise_filter, solve_moments,
 };
-use crate::numerics::{chi_square_upper_tail, dot, times};
+use crate::numerics::{chi_square_upper_tail, dot, symmetric_eigen, times};
 
 /// Lags of the whiteness test.
 pub const WHITENESS_LAGS: usize = 25;
@@ -181,21 +181,21 @@ impl ScoreTest {
         };
         let scale: Vec<f64> = (0..k).map(|i| scale_of(own[(i, i)])).collect();
         let scaled = Mat::from_fn(k, k, |i, j| left[(i, j)] * scale[i] * scale[j]);
-        let eigen = scaled.self_adjoint_eigen(Side::Lower).ok()?;
+        let eigen = symmetric_eigen(&scaled)?;
         let scaled_score: Vec<f64> = score.iter().zip(&scale).map(|(s, c)| s * c).collect();
-        let turned = times(&eigen.U().transpose().to_owned(), &scaled_score);
+        let turned = times(&eigen.vectors.transpose().to_owned(), &scaled_score);
         // A direction with less than a millionth of new information carries rounding only.
-        let kept: Vec<usize> = (0..k).filter(|&i| eigen.S()[i] > 1e-6).collect();
+        let kept: Vec<usize> = (0..k).filter(|&i| eigen.values[i] > 1e-6).collect();
         let coefficients = (0..k)
             .map(|j| {
-                let along = |&i: &usize| eigen.U()[(j, i)] * turned[i] / eigen.S()[i];
+                let along = |&i: &usize| eigen.vectors[(j, i)] * turned[i] / eigen.values[i];
                 scale[j] * kept.iter().map(along).sum::<f64>()
             })
             .collect();
         (!kept.is_empty()).then(|| Self {
             reduction: kept
                 .iter()
-                .map(|&i| turned[i] * turned[i] / eigen.S()[i])
+                .map(|&i| turned[i] * turned[i] / eigen.values[i])
                 .sum(),
             degrees: kept.len(),
             coefficients,

@@ -7,7 +7,7 @@
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::numerics::{cholesky, forward_solve, inverse_of_square};
+use crate::numerics::{cholesky, forward_solve, inverse_of_square, spectral_radius};
 
 /// The noise of a model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -109,10 +109,7 @@ fn largest_root(ar: &[f64]) -> f64 {
             f64::from(u8::from(i == j + 1))
         }
     });
-    companion
-        .eigenvalues()
-        .map(|roots: Vec<faer::c64>| roots.iter().map(|root| root.norm()).fold(0.0, f64::max))
-        .unwrap_or(f64::NAN)
+    spectral_radius(&companion)
 }
 
 #[cfg(test)]

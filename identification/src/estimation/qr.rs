@@ -8,6 +8,7 @@
 use faer::Mat;
 
 use crate::data::{Moments, Record};
+use crate::numerics::upper_factor;
 
 /// Upper triangular R with R'R = Z'Z for the complete rows of `record`, with the lags and centre of
 /// `template`.
@@ -43,8 +44,4 @@ pub fn triangular_factor(record: &Record, template: &Moments) -> Mat<f64> {
         .submatrix_mut(0, 0, factor.nrows(), width)
         .copy_from(&factor);
     square
-}
-
-fn upper_factor(matrix: &Mat<f64>) -> Mat<f64> {
-    matrix.qr().thin_R().to_owned()
 }

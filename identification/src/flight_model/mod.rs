@@ -17,12 +17,12 @@
 //! half frame of delay, and it lacks the jitter of up to a frame.
 
 mod discrete;
-mod guess;
+mod levenberg_marquardt;
 mod low_order;
 mod options;
 mod order;
 mod projection;
-mod search;
+mod starting_points;
 
 use serde::{Deserialize, Serialize};
 
@@ -31,10 +31,10 @@ use crate::error::Error;
 use crate::options::LEVELS;
 use crate::results::{Bounds, Interval, Model, ParameterBounds, is_sized};
 use crate::thresholds::ORDER_REJECTED;
-use guess::Guess;
+use levenberg_marquardt::{Minimum, best_minimum};
 use order::{Estimates, simplest};
 use projection::Projection;
-use search::{Minimum, best_minimum};
+use starting_points::Guess;
 
 pub use discrete::Discrete;
 pub use low_order::{LowOrder, Oscillator};

@@ -3,7 +3,7 @@
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use super::search::Minimum;
+use super::levenberg_marquardt::Minimum;
 use crate::numerics::matrix_rows::to_rows;
 use crate::numerics::{chi_square_upper_tail, pointwise_critical};
 use crate::results::{Bounds, Interval, ParameterBounds};

@@ -10,12 +10,12 @@
 //!
 //! The estimate is compared with m(h), not with h, so that truncation cancels exactly.
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use crate::data::{Moments, Record, Run};
 use crate::error::Error;
 use crate::estimation::{Coordinates, RowInformation, filtered_input_moments, noise_filter};
-use crate::numerics::{dot, times};
+use crate::numerics::{dot, symmetric_eigen, times};
 use crate::results::{Bounds, Model};
 
 /// Length of h in settling times. N leaves a margin over the response; a response that is longer than
@@ -177,15 +177,15 @@ pub(crate) fn with_history<'a>(record: &'a Record, settling: usize) -> Result<Re
 
 /// W with W C W' = 1 over the directions of C that are not rounding.
 fn whitening(covariance: &Mat<f64>) -> Option<Mat<f64>> {
-    let eigen = covariance.self_adjoint_eigen(Side::Lower).ok()?;
+    let eigen = symmetric_eigen(covariance)?;
     let size = covariance.nrows();
-    let largest = (0..size).map(|i| eigen.S()[i]).fold(0.0, f64::max);
+    let largest = eigen.values.iter().copied().fold(0.0, f64::max);
     let kept: Vec<usize> = (0..size)
-        .filter(|&i| eigen.S()[i] > ROUNDING * largest)
+        .filter(|&i| eigen.values[i] > ROUNDING * largest)
         .collect();
     (largest > 0.0).then(|| {
         Mat::from_fn(kept.len(), size, |i, k| {
-            eigen.U()[(k, kept[i])] / eigen.S()[kept[i]].sqrt()
+            eigen.vectors[(k, kept[i])] / eigen.values[kept[i]].sqrt()
         })
     })
 }

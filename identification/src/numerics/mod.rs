@@ -4,7 +4,6 @@ mod chebyshev;
 mod convolution;
 mod critical_values;
 mod lagged_sums;
-mod linear_algebra;
 pub(crate) mod matrix_rows;
 mod vectors;
 
@@ -14,8 +13,8 @@ pub(crate) use critical_values::{
 };
 pub use critical_values::{pointwise_critical, student_critical};
 pub(crate) use lagged_sums::LaggedSums;
-pub(crate) use linear_algebra::{
+pub(crate) use servoid_linear_algebra::{
     add_outer_product, backward_solve, cholesky, condition, factorised, forward_solve,
-    inverse_of_lower, inverse_of_square, times,
+    inverse_of_lower, inverse_of_square, spectral_radius, symmetric_eigen, times, upper_factor,
 };
 pub(crate) use vectors::{dot, largest_difference, running_sum};

@@ -17,7 +17,7 @@ use crate::data::Timing;
 use crate::estimation::{Coordinates, CurveVariance};
 use crate::numerics::{pointwise_critical, student_critical};
 use crate::options::LEVELS;
-use crate::results::usable::is_sized;
+use crate::results::usable_numbers::is_sized;
 use crate::results::validity::Bounds;
 
 /// Decibels that stand for a magnitude of zero.

@@ -7,7 +7,7 @@ mod model;
 mod residuals;
 mod servo_response;
 mod step_response;
-mod usable;
+mod usable_numbers;
 mod validation;
 mod validity;
 
@@ -22,7 +22,7 @@ pub use model::{Fit, MODEL_SCHEMA, Model, ParameterBounds, SelectedBy, Structure
 pub use residuals::Residuals;
 pub(crate) use step_response::Biases;
 pub use step_response::{PointwiseBand, SimultaneousBand, StepBounds, StepResponse};
-pub(crate) use usable::is_sized;
+pub(crate) use usable_numbers::is_sized;
 pub use validation::Validation;
 pub(crate) use validation::{command_before, fit_percent, require_period};
 pub use validity::{Bounds, Reason, Withdrawn};

@@ -18,7 +18,7 @@ use crate::results::metrics::Metrics;
 use crate::results::metrics::measured::Measured;
 use crate::results::residuals::Residuals;
 use crate::results::step_response::{StepResponse, is_zero};
-use crate::results::usable::{LARGEST, is_sized, is_usable};
+use crate::results::usable_numbers::{LARGEST, is_sized, is_usable};
 use crate::results::validity::{Bounds, Reason};
 use crate::thresholds::POOR_PREDICTION_PERCENT;
 

@@ -5,7 +5,7 @@ use faer::Mat;
 use crate::error::Error;
 use crate::estimation::CurveVariance;
 use crate::results::frequency_response::{FrequencyBounds, FrequencyResponse};
-use crate::results::metrics::bands;
+use crate::results::metrics::frequency_metrics;
 use crate::results::metrics::measured::Measured;
 use crate::results::model::Model;
 
@@ -31,7 +31,7 @@ fn bounds_of(measured: &Measured<'_>, omega_rad_s: &[f64], values: &[f64]) -> Fr
         of_runs: None,
         sd,
     };
-    let bias = bands::bias(measured, omega_rad_s);
+    let bias = frequency_metrics::bias(measured, omega_rad_s);
     FrequencyBounds::new(values, &spread, measured.level(), bias)
 }
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::estimation::CurveVariance;
 use crate::numerics::{pointwise_critical, simultaneous_critical, student_critical};
 use crate::options::LEVELS;
-use crate::results::usable::{LARGEST, is_sized, is_usable};
+use crate::results::usable_numbers::{LARGEST, is_sized, is_usable};
 use crate::results::validity::Bounds;
 
 /// Bounds that hold point by point: each single point is inside with the stated probability. The

@@ -1,9 +1,9 @@
 //! Candidate: all frequencies, n = N.
 
-use super::choice::Choice;
 use super::long_fit::LongFit;
-use super::search::Search;
+use super::settling_choice::Choice;
 use super::settling_range::grid;
+use super::settling_search::Search;
 use crate::estimation::{Excitation, FIRST_ORDER, NestedBanks};
 use crate::thresholds::WIDE_COMPLETE_BAND;
 

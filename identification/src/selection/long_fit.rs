@@ -2,8 +2,8 @@
 
 use faer::Mat;
 
-use super::choice::SettlingCandidate;
 use super::long_fit_noise;
+use super::settling_choice::SettlingCandidate;
 use crate::data::Moments;
 use crate::estimation::{Coordinates, FsfBasis, NormalEquations};
 use crate::numerics::{backward_solve, dot, factorised, forward_solve, inverse_of_lower};

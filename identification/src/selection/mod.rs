@@ -1,19 +1,19 @@
 //! The choice of the settling time and of the number of frequencies.
 
-mod choice;
 mod complete_bank;
 mod long_fit;
 mod long_fit_noise;
 mod repetition;
-mod search;
+mod settling_choice;
 mod settling_range;
+mod settling_search;
 mod settling_time;
 mod shorter_history;
 mod smooth_input;
 
-pub(crate) use choice::hidden_end;
-pub use choice::{Choice, SettlingCandidate};
 pub(crate) use complete_bank::is_wide;
-pub(crate) use search::Search;
+pub(crate) use settling_choice::hidden_end;
+pub use settling_choice::{Choice, SettlingCandidate};
 pub(crate) use settling_range::{longest_for_prediction, longest_settling, odd_at_most};
+pub(crate) use settling_search::Search;
 pub(crate) use settling_time::choose_settling;

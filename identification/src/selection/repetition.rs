@@ -8,10 +8,10 @@
 //! squared pivot of a Cholesky factorisation. For a reference with edges it falls slowly with the lag; where it
 //! repeats itself, it falls to nothing at once.
 
-use super::choice::Choice;
 use super::complete_bank;
-use super::search::Search;
+use super::settling_choice::Choice;
 use super::settling_range::odd_at_most;
+use super::settling_search::Search;
 use crate::data::Moments;
 use crate::estimation::{Coordinates, FsfBasis, NormalEquations};
 use crate::numerics::dot;

@@ -13,8 +13,8 @@
 //!
 //! **Noise order.** Bayes' information criterion over 0..8, at every pass of the alternation.
 
-use super::choice::Choice;
-use super::search::Search;
+use super::settling_choice::Choice;
+use super::settling_search::Search;
 use super::{complete_bank, repetition, shorter_history, smooth_input};
 use crate::error::Error;
 

@@ -4,10 +4,10 @@
 //! bank is taken whose band of noise and truncation together is narrowest. N itself is chosen as always, except
 //! that the truncation bound counts as part of the uncertainty.
 
-use super::choice::{Choice, SettlingCandidate};
 use super::long_fit_noise;
-use super::search::Search;
+use super::settling_choice::{Choice, SettlingCandidate};
 use super::settling_range::grid;
+use super::settling_search::Search;
 use crate::estimation::{
     Coordinates, CurveVariance, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, NestedBanks,
     RowInformation,

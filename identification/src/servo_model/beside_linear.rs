@@ -8,11 +8,11 @@
 use super::coordinates::Point;
 use super::estimate::{CLIP, ServoModelOptions, fit_watched, longest_delay_s};
 use super::fit::{Problem, clipped_square};
+use super::initial_state::find_starts;
 use super::model::{LinearKind, LinearModelFit, LinearModels, ServoModel};
-use super::search::Shown;
-use super::start::find_starts;
+use super::search_progress::Watch;
+use super::starting_values::Shown;
 use super::stretches::{FOLDS, Stretch, stretches};
-use super::watch::Watch;
 use crate::data::{Moments, Record, Run};
 use crate::error::Error;
 use crate::estimation::{Coordinates, accurate_fit};

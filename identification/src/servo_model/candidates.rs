@@ -8,7 +8,7 @@ use super::ladder::Climbed;
 use super::other_fits::fits_of_folds;
 use super::other_valleys::{with_quick_drive, with_soft_drive, with_sticking};
 use super::possible_servo::PossibleServo;
-use super::search::{Shown, other_starts};
+use super::starting_values::{Shown, other_starts};
 use super::stretches::Stretch;
 use super::validity::against;
 use crate::diagnostics::level_unless;

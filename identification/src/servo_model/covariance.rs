@@ -19,9 +19,10 @@ use super::possible_servo::PossibleServo;
 use crate::estimation::{autoregressive, noise_filter};
 use crate::numerics::{
     backward_solve, chi_square_upper_tail, cholesky, forward_solve, inverse_of_square,
+    symmetric_eigen,
 };
 use crate::thresholds::SERVO_LACK_OF_FIT;
-use faer::{Mat, Side};
+use faer::Mat;
 
 /// Highest order of the noise model.
 const HIGHEST_ORDER: usize = 20;
@@ -297,13 +298,12 @@ fn larger(base: &Mat<f64>, other: &Mat<f64>) -> Mat<f64> {
     };
     let whitener = crate::numerics::inverse_of_lower(&lower);
     let relative = &whitener * other * whitener.transpose();
-    let Ok(decomposition) = relative.self_adjoint_eigen(Side::Lower) else {
+    let Some(eigen) = symmetric_eigen(&relative) else {
         return base.clone();
     };
-    let vectors = &lower * decomposition.U();
-    let values = decomposition.S();
+    let vectors = &lower * eigen.vectors;
     Mat::from_fn(base.nrows(), base.nrows(), |i, j| {
-        let term = |k: usize| vectors[(i, k)] * values[k].max(1.0) * vectors[(j, k)];
+        let term = |k: usize| vectors[(i, k)] * eigen.values[k].max(1.0) * vectors[(j, k)];
         (0..base.nrows()).map(term).sum::<f64>()
     })
 }

@@ -2,9 +2,9 @@
 
 use super::coordinates::Point;
 use super::fit::Problem;
-use super::start::find_starts;
+use super::initial_state::find_starts;
+use super::search_progress::Watch;
 use super::stretches::Stretch;
-use super::watch::Watch;
 use servoid_dynamics::Grid;
 
 /// Steps of it.

@@ -14,9 +14,9 @@ use super::model::{
 use super::motion::largest_error;
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
-use super::search::Shown;
+use super::search_progress::Watch;
+use super::starting_values::Shown;
 use super::stretches::{Stretch, stretches};
-use super::watch::Watch;
 use crate::data::Record;
 use crate::error::Error;
 use crate::results::{Bounds, Noise, fit_percent, pointwise_critical};

@@ -5,8 +5,8 @@
 
 use super::coordinates::Point;
 use super::descent_step::{MOST, Products, Sums, by_coordinates, solve};
+use super::search_progress::Watch;
 use super::stretches::Stretch;
-use super::watch::Watch;
 use servoid_dynamics::{Grid, Slopes, simulate, simulate_with_slopes};
 
 /// What is fitted.

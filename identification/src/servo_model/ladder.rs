@@ -6,10 +6,10 @@
 
 use super::coordinates::{Coordinate, LoadKind, Point, Terms};
 use super::fit::Problem;
-use super::search::{Shown, other_starts, search};
-use super::start::find_starts;
+use super::initial_state::find_starts;
+use super::search_progress::Watch;
+use super::starting_values::{Shown, other_starts, search};
 use super::stretches::{FOLDS, Stretch};
-use super::watch::Watch;
 use crate::results::fit_percent;
 use crate::thresholds::{SERVO_LARGE_ADVANTAGE, SERVO_MATERIAL_ADVANTAGE, SERVO_TERM_ADVANTAGE};
 use servoid_dynamics::Grid;

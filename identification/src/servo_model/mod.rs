@@ -18,6 +18,7 @@ mod error_row;
 mod estimate;
 mod fit;
 mod hidden_parts;
+mod initial_state;
 mod lack_of_fit;
 mod ladder;
 mod model;
@@ -29,12 +30,11 @@ mod possible_servo;
 mod prediction;
 mod quantities;
 mod score_test;
-mod search;
-mod start;
+mod search_progress;
+mod starting_values;
 mod stiction;
 mod stretches;
 mod validity;
-mod watch;
 
 #[cfg(test)]
 mod coverage;
@@ -50,5 +50,5 @@ pub use model::{
 };
 pub use prediction::no_prediction;
 pub use quantities::{Quantity, Spread, Unit};
+pub use search_progress::Watch;
 pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters};
-pub use watch::Watch;

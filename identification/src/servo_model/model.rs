@@ -2,9 +2,9 @@
 
 use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use super::descent_step::MOST;
+use super::initial_state::find_starts;
 use super::motion::largest_error;
 use super::quantities::{Quantity, widen_delay};
-use super::start::find_starts;
 use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;

@@ -6,7 +6,7 @@
 
 use super::coordinates::Point;
 use super::fit::Problem;
-use super::search::{Shown, other_starts};
+use super::starting_values::{Shown, other_starts};
 use super::stretches::{FOLDS, Stretch};
 
 /// Steps of a descent to one fold.

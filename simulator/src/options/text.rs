@@ -4,9 +4,9 @@ use super::{
     BAUD, FIRST_SAMPLE, LineSpeed, MILLISECONDS, NOT_NEGATIVE, NUMBER, OptionsError, POSITIVE,
     STOPS, ServoKind, SimulationOptions,
 };
-use crate::conditions::Scatter;
 use crate::linear::LinearParameters;
 use crate::noise::NoiseKind;
+use crate::run_to_run::Scatter;
 use servoid_protocol::pulse_train::PulseType;
 use std::str::FromStr;
 use std::time::Duration;
@@ -186,7 +186,7 @@ fn stops(text: &str) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::conditions::Conditions;
+    use crate::run_to_run::Conditions;
 
     fn parse(text: &str) -> Result<SimulationOptions, OptionsError> {
         text.parse()

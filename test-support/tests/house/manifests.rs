@@ -5,8 +5,9 @@ use std::fs;
 use toml::{Table, Value};
 
 /// The crates and those that each may use, the lowest first.
-const CRATES: [(&str, &[&str]); 11] = [
+const CRATES: [(&str, &[&str]); 12] = [
     ("fft", &[]),
+    ("linear-algebra", &[]),
     ("flash-image", &[]),
     ("dynamics", &[]),
     ("protocol", &[]),
@@ -15,7 +16,10 @@ const CRATES: [(&str, &[&str]); 11] = [
         "simulator",
         &["servoid-dynamics", "servoid-firmware", "servoid-protocol"],
     ),
-    ("identification", &["servoid-dynamics", "servoid-fft"]),
+    (
+        "identification",
+        &["servoid-dynamics", "servoid-fft", "servoid-linear-algebra"],
+    ),
     ("client", &["servoid-protocol"]),
     (
         "host",

@@ -66,17 +66,17 @@ fn a_silent_link_loses_nothing_for_as_long_as_the_history_is() {
         ..short_run(1)
     };
     let mut bench = Bench::running(long);
-    bench.frames_unsent(history::CAPACITY);
+    bench.frames_unsent(frame_history::CAPACITY);
     bench.flush();
-    assert_eq!(bench.sent_frames().len(), history::CAPACITY);
-    bench.frames_unsent(history::CAPACITY + 1);
+    assert_eq!(bench.sent_frames().len(), frame_history::CAPACITY);
+    bench.frames_unsent(frame_history::CAPACITY + 1);
     bench.sent.clear();
     bench.flush();
     // One too many: the oldest is gone, and what is sent says so by its index.
-    assert_eq!(bench.sent_frames().len(), history::CAPACITY);
+    assert_eq!(bench.sent_frames().len(), frame_history::CAPACITY);
     assert_eq!(
         usize::from(bench.sent_frames()[0].index),
-        history::CAPACITY + 1
+        frame_history::CAPACITY + 1
     );
 }
 

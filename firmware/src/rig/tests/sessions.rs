@@ -17,7 +17,7 @@ fn hello_says_who_the_rig_is() {
         (hello.shortest_pulse_us, hello.longest_pulse_us),
         (800, 2_200)
     );
-    assert_eq!(usize::from(hello.history_frames), history::CAPACITY);
+    assert_eq!(usize::from(hello.history_frames), frame_history::CAPACITY);
 }
 
 const UNKNOWN: Option<Outcome> = Some(Outcome::Refused(Refusal::UnknownSession));

@@ -1,9 +1,9 @@
 //! `servoid calibrate`
 
-mod doubts;
-mod kept_aside;
 mod measured;
+mod misread_angles;
 mod protractor;
+mod rig_file_backup;
 mod text;
 
 use super::output::{Output, print_remark, typed_path, wrong_usage};
@@ -19,8 +19,8 @@ use crate::instrument::port;
 use crate::instrument::rig::RigClient;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
-use kept_aside::keep_aside;
 use measured::{DOUBT_PERCENT, Measured};
+use rig_file_backup::keep_aside;
 use servoid_protocol::PulseWidth;
 use std::path::{Path, PathBuf};
 
@@ -126,7 +126,8 @@ impl Calibrate {
                 doubts: Vec::new(),
             }
         };
-        measured.doubts = doubts::doubts(&measured, &source.file, &self.positions(&source.file));
+        measured.doubts =
+            misread_angles::doubts(&measured, &source.file, &self.positions(&source.file));
         let text = text::describe(&measured);
         let asked = self.asks_for_angles() && self.out.is_none() && !self.update;
         let target = match (&self.out, &source.path) {

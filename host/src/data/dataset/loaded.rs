@@ -3,8 +3,8 @@
 use super::about::About;
 use super::error::{DatasetError, DatasetFault};
 use crate::data::file_error::FileError;
+use crate::data::mixed_units::advice_on_units;
 use crate::data::model_metadata::ModelMetadata;
-use crate::data::unit_mix::advice_on_units;
 use servoid_identification::{Error, Run};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};

@@ -28,7 +28,7 @@ pub use time_column::TimeUnit;
 use crate::data::file_error::FileError;
 use crate::data::recording::{self, Recording};
 use crate::data::table::{Table, TableFault};
-use crate::data::{fingerprint, input_file, rest_error, stopped};
+use crate::data::{fingerprint, input_file, rest_error, servo_stopped};
 pub use controllers::{Controllers, UnknownController};
 use loaded::Loaded;
 use servoid_identification::Record;
@@ -105,7 +105,7 @@ fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetErro
     let uncalibrated = about.calibrations.is_empty();
     let findings = [
         fingerprint::advice_on_repeats(&record),
-        stopped::advice(&record),
+        servo_stopped::advice(&record),
         uncalibrated
             .then(|| rest_error::advice(&record, about.output_unit.as_deref()))
             .flatten(),

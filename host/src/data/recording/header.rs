@@ -1,8 +1,8 @@
 //! The comment lines above the rows: where a recording comes from.
 
 use super::reference_toml::as_toml;
+use crate::data::omitted_fields::is_zero;
 use crate::data::rig_file::{PulseTypeName, RigFile};
-use crate::data::unstated::is_zero;
 use serde::{Deserialize, Serialize};
 use servoid_protocol::hello::ClockSource;
 use servoid_protocol::message::Start;

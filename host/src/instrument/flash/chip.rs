@@ -2,7 +2,7 @@
 
 use super::bootloader::code;
 use super::error::FlashError;
-use super::repeated::Repeated;
+use super::retries::Repeated;
 use serde::Serialize;
 use servoid_flash_image::{FLASH_START, FlashImage};
 

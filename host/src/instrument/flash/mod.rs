@@ -24,7 +24,7 @@ mod embedded;
 mod error;
 mod exchange;
 mod programming;
-mod repeated;
+mod retries;
 mod session;
 
 pub use boot_lines::{BootLines, Switch};

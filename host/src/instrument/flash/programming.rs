@@ -6,7 +6,7 @@
 //! nothing.
 
 use super::error::{FlashError, State};
-use super::repeated::Repeated;
+use super::retries::Repeated;
 use servoid_flash_image::{ERASED, FLASH_START, FlashImage, PAGE_BYTES};
 
 /// The bootloader writes whole words.

@@ -5,7 +5,7 @@ use super::chip::{ChipFound, Look, look};
 use super::error::{FlashError, State};
 use super::exchange::Exchange;
 use super::programming::program;
-use super::repeated::Repeated;
+use super::retries::Repeated;
 use crate::instrument::port::Port;
 use serde::Serialize;
 use servoid_flash_image::{FLASH_START, FlashImage};

@@ -1,6 +1,6 @@
 //! Results as text for a terminal.
 
-mod beyond;
+mod beyond_linear;
 mod comparison;
 mod first_finding;
 mod headline;
@@ -13,7 +13,7 @@ mod servo_comparison;
 mod servo_model;
 mod servo_sentence;
 
-pub use beyond::{of_flight_model, of_limits};
+pub use beyond_linear::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
 pub(crate) use metrics::TableRow;
 pub use model_sentence::model_sentence;

@@ -7,7 +7,7 @@ use super::normal_equations::centred_condition;
 use super::solution::Solution;
 use crate::data::Moments;
 use crate::estimation::noise_model::{lagged_filter, noise_filter};
-use crate::numerics::{backward_solve, inverse_of_square};
+use crate::numerics::{backward_solve, inverse_of_square, upper_factor};
 
 pub(super) fn solve_factor(
     factor: &Mat<f64>,
@@ -30,8 +30,7 @@ pub(super) fn solve_factor(
         (row, k) if row > lags && k == p + 1 => d.get(row - lags - 1).copied().unwrap_or(0.0),
         _ => 0.0,
     });
-    let qr = (factor * combination).qr();
-    let r = qr.thin_R().to_owned();
+    let r = upper_factor(&(factor * combination));
     let triangle = r.as_ref().submatrix(0, 0, p + 1, p + 1).to_owned();
     if (0..=p).any(|k| {
         let norm = triangle.col(k).norm_l2();

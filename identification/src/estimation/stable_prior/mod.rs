@@ -10,29 +10,29 @@
 //!
 //! which is the least-squares estimate with the prior as a further row for each lag. The offset has no prior. K is the sum of a fast
 //! kernel and a slow one: with a single one, a servo that creeps at the end has bands that miss it. A slow end of a few percent is
-//! [expected](slow_end) before the data.
+//! [expected](slow_kernel) before the data.
 //!
 //! Sources: T. Chen, H. Ohlsson and L. Ljung, Automatica 2012; G. Pillonetto, F. Dinuzzo, T. Chen, G. De Nicolao and L. Ljung,
 //! Automatica 2014.
 
+mod bfgs;
 mod contradiction;
-mod descent;
 mod evidence;
 mod kernel;
 mod objective;
-mod slow_end;
+mod slow_kernel;
 mod uncertain;
 
 use faer::Mat;
 
 use crate::estimation::GlsFit;
 use crate::numerics::{dot, inverse_of_lower};
+use bfgs::descend;
 use contradiction::contradiction;
-use descent::descend;
 use evidence::{Free, kernels_of};
 use kernel::Kernel;
 use objective::Objective;
-use slow_end::SlowEnd;
+use slow_kernel::SlowEnd;
 
 /// Time constants from which the search sets out, as shares of N.
 const DECAYS: [f64; 3] = [0.04, 0.1, 0.25];

@@ -2,7 +2,7 @@
 
 use super::evidence::{Free, Marginal, kernels_of};
 use super::kernel::Kernel;
-use super::slow_end::SlowEnd;
+use super::slow_kernel::SlowEnd;
 
 /// Longest time constant of a kernel, in N.
 const TIMES_LONGEST: f64 = 10.0;

@@ -3,7 +3,8 @@
 //! It matters where the kernels come to describe the response almost entirely: that of a first order is a single exponential, and
 //! its time constant is known as well as the data allow, and no better.
 
-use faer::{Mat, Side};
+use crate::numerics::symmetric_eigen;
+use faer::Mat;
 
 use super::objective::Objective;
 
@@ -37,12 +38,12 @@ pub(super) fn directions(objective: &Objective<'_>, numbers: &[f64]) -> Option<M
             curvature[(k, i)] += half;
         }
     }
-    let eigen = curvature.self_adjoint_eigen(Side::Lower).ok()?;
+    let eigen = symmetric_eigen(&curvature)?;
     let scale = |k: usize| {
-        let information = eigen.S()[k].max(0.0) + UNKNOWN.powi(-2);
+        let information = eigen.values[k].max(0.0) + UNKNOWN.powi(-2);
         information.sqrt().recip()
     };
-    let rotated = slopes * eigen.U();
+    let rotated = slopes * &eigen.vectors;
     Some(Mat::from_fn(rotated.nrows(), size, |i, k| {
         rotated[(i, k)] * scale(k)
     }))

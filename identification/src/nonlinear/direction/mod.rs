@@ -22,14 +22,15 @@ mod split_fit;
 mod tests;
 mod two_inputs;
 
-use faer::{Mat, Side};
+use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
 use crate::estimation::{Coordinates, CurveVariance, FsfBasis};
 use crate::numerics::{
-    chi_square_upper_tail, dot, pointwise_critical, simultaneous_critical, student_critical, times,
+    chi_square_upper_tail, dot, pointwise_critical, simultaneous_critical, student_critical,
+    symmetric_eigen, times,
 };
 use crate::options::NoiseOrder;
 use crate::results::{Biases, Bounds, Interval, Model, StepBounds, StepResponse, fit_percent};
@@ -203,15 +204,15 @@ fn symmetry(split: &SplitFit, timing: Timing) -> Symmetry {
 
 /// x'C^-1 x over the directions of C that are not rounding, and their number.
 pub(crate) fn wald(x: &[f64], covariance: &Mat<f64>) -> (f64, usize) {
-    let Ok(eigen) = covariance.self_adjoint_eigen(Side::Lower) else {
+    let Some(eigen) = symmetric_eigen(covariance) else {
         return (0.0, 0);
     };
-    let turned = times(&eigen.U().transpose().to_owned(), x);
-    let largest = (0..x.len()).map(|i| eigen.S()[i]).fold(0.0, f64::max);
+    let turned = times(&eigen.vectors.transpose().to_owned(), x);
+    let largest = eigen.values.iter().copied().fold(0.0, f64::max);
     (0..x.len())
-        .filter(|&i| eigen.S()[i] > ROUNDING * largest)
+        .filter(|&i| eigen.values[i] > ROUNDING * largest)
         .fold((0.0, 0), |(sum, count), i| {
-            (sum + turned[i] * turned[i] / eigen.S()[i], count + 1)
+            (sum + turned[i] * turned[i] / eigen.values[i], count + 1)
         })
 }
 

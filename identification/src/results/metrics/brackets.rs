@@ -3,10 +3,10 @@
 //! Draws from a rough estimate are rougher still: they pass a level earlier, and later, than the truth, and
 //! their quantiles miss it. A bracket asks of each sample by itself whether it may be beyond a level, or surely is.
 
+use super::crossings_and_peak::LEVELS;
 use super::interval::Interval;
 use super::rise::RiseIntervals;
-use super::shape::LEVELS;
-use super::spread::Spread;
+use super::sample_uncertainty::Spread;
 use crate::thresholds::ROUGH_SAMPLE;
 
 /// A curve whose gain is positive, and how well its samples are known.
@@ -49,7 +49,7 @@ impl Brackets<'_> {
         (from..self.last()).find(|&m| self.over(m, share, self.all) > 0.0)
     }
 
-    /// The times by which the response has passed 5, 10, 50 and 90 % as [`Shape`](super::shape::Shape) reads them:
+    /// The times by which the response has passed 5, 10, 50 and 90 % as [`Shape`](super::crossings_and_peak::Shape) reads them:
     /// half and 90 % for the first time, the others for the last time before half. `value` holds the estimates.
     pub(super) fn intervals(&self, value: &RiseIntervals) -> RiseIntervals {
         let half_first = self.earliest(0, LEVELS.half);

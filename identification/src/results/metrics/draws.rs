@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::interval::Interval;
-use super::spread::{Joint, semidefinite_factor};
+use super::sample_uncertainty::{Joint, semidefinite_factor};
 use crate::numerics::pointwise_critical;
 
 /// Seed of the draws: the same record always gives the same intervals.

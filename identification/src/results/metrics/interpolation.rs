@@ -1,8 +1,8 @@
 //! Between samples: what interpolation of a crossing may be wrong by.
 
 use super::crossing::Crossing;
-use super::shape::{AtLevels, LEVELS, Shape};
-use super::spread::Weights;
+use super::crossings_and_peak::{AtLevels, LEVELS, Shape};
+use super::sample_uncertainty::Weights;
 
 /// Samples in the rise below which a cubic through four samples no longer follows the curve between
 /// them.
@@ -81,8 +81,8 @@ pub(crate) fn weights_at(place: f64, last: usize, share: f64) -> Weights {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::metrics::shape::tests::response;
-    use crate::results::metrics::shape::{Crossings, Windows};
+    use crate::results::metrics::crossings_and_peak::tests::response;
+    use crate::results::metrics::crossings_and_peak::{Crossings, Windows};
     use approx::assert_abs_diff_eq;
 
     #[test]

@@ -11,7 +11,7 @@
 //! the places at which v = 0 is not rejected.
 
 use super::interpolation::weights_at;
-use super::spread::{Joint, Spread, Weights};
+use super::sample_uncertainty::{Joint, Spread, Weights};
 use crate::thresholds::{RISING, SURE};
 
 /// A level that a curve passes.

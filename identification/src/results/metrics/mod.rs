@@ -32,17 +32,17 @@
 //! The bounds of what left-out frequencies may hide, and of what the steps of a sensor add, are in all of them.
 
 mod aliasing;
-pub(crate) mod bands;
 mod brackets;
 mod crossing;
+mod crossings_and_peak;
 mod draws;
+pub(crate) mod frequency_metrics;
 mod interpolation;
 pub(crate) mod interval;
 mod inversion;
 pub(crate) mod measured;
 mod rise;
-mod shape;
-mod spread;
+mod sample_uncertainty;
 mod step_metrics;
 
 use serde::{Deserialize, Serialize};
@@ -52,7 +52,7 @@ use crate::results::frequency_response::FrequencyResponse;
 use crate::results::validity::{Bounds, Reason};
 
 use measured::Measured;
-use spread::Spread;
+use sample_uncertainty::Spread;
 use step_metrics::StepMetrics;
 
 pub use interval::Interval;
@@ -144,7 +144,7 @@ impl Metrics {
         let of_step = StepMetrics::new(measured, &spread);
         let rise = of_step.rise();
         let [bandwidth_rad_s, phase_minus_90_rad_s] =
-            bands::bandwidth_and_quarter_turn(measured, spread.widest());
+            frequency_metrics::bandwidth_and_quarter_turn(measured, spread.widest());
         // No response comes before its edge, even if an interval is wide.
         let since_edge = |samples: f64| measured.timing.seconds(samples).max(0.0);
         Self {

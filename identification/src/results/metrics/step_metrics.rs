@@ -1,14 +1,14 @@
 //! The metrics of a step response with their intervals.
 
 use super::brackets::Brackets;
+use super::crossings_and_peak::{AtLevels, Crossings, LEVELS, SETTLED, Shape, Windows, bump};
 use super::draws;
 use super::interpolation::interpolation_errors;
 use super::interval::Interval;
 use super::inversion::{Known, Level, SureCrossing};
 use super::measured::Measured;
 use super::rise::RiseIntervals;
-use super::shape::{AtLevels, Crossings, LEVELS, SETTLED, Shape, Windows, bump};
-use super::spread::{Joint, Spread};
+use super::sample_uncertainty::{Joint, Spread};
 use crate::numerics::{normal_upper_quantile, pointwise_critical};
 
 /// A step response, turned so that its gain is positive, and its metrics. Times in samples.

@@ -1,6 +1,6 @@
 //! The result of an export.
 
-use super::trial::{Difference, Trial};
+use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 
 /// A file, and how far it is from the servo model.

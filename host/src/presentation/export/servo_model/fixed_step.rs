@@ -1,7 +1,7 @@
 //! The equation in steps of one length, as the files for C, Python, Julia and MATLAB compute it.
 
 use super::subject::ServoExport;
-use super::trial::Trial;
+use super::trial_command::Trial;
 use crate::presentation::export::error::ExportError;
 use servoid_dynamics::{Grid, State, Stepper};
 

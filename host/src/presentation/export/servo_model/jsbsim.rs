@@ -5,11 +5,11 @@
 
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
-use super::rate::{RateFit, best_share};
+use super::rate_limit::{RateFit, best_share};
 use super::statement::Comparison;
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial::{Difference, Trial};
+use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::template::fill;

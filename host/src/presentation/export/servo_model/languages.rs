@@ -4,7 +4,7 @@ use super::exported::ExportedServo;
 use super::fixed_step::{DelayInSteps, respond, step_s};
 use super::statement::Comparison;
 use super::subject::ServoExport;
-use super::trial::{Difference, Trial};
+use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{
     C_STYLE, MATLAB_STYLE, PYTHON_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted,

@@ -11,17 +11,17 @@ mod exported;
 mod fixed_step;
 mod jsbsim;
 mod languages;
+mod load_mass;
 mod mujoco;
-mod rate;
+mod rate_limit;
 mod statement;
 mod subject;
 mod terms;
-mod trial;
-mod weight;
+mod trial_command;
 
 pub use exported::ExportedServo;
 pub use subject::{ServoExport, ServoExportOptions};
-pub use trial::Trial;
+pub use trial_command::Trial;
 
 use super::error::ExportError;
 use super::target::Target;

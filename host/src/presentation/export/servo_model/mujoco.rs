@@ -6,11 +6,11 @@
 use super::emulation::DelayLine;
 use super::exported::ExportedServo;
 use super::fixed_step::step_s;
+use super::load_mass::{GRAVITY, Weight};
 use super::statement::Comparison;
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial::{Difference, Trial};
-use super::weight::{GRAVITY, Weight};
+use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::template::fill;

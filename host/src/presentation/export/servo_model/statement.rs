@@ -2,7 +2,7 @@
 
 use super::exported::ExportedServo;
 use super::subject::ServoExport;
-use super::trial::{Difference, FINER, Trial};
+use super::trial_command::{Difference, FINER, Trial};
 use crate::presentation::export::text::number;
 use crate::presentation::summary;
 use crate::presentation::summary::four_digits;

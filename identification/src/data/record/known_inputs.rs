@@ -3,12 +3,34 @@
 //! A command is held, so a missing one between two equal ones is that command. Where all changes lie on a raster, as
 //! those of a PWM frame do, a change in a gap is where the raster says. A gap that may hide a whole hold stays a gap.
 
+use super::Run;
+
+impl Run<'_> {
+    /// The run with the missing inputs that the others make known.
+    pub(super) fn with_complete_input(&self) -> Run<'_> {
+        let mut run = self.borrowed();
+        if run.input.iter().any(|u| u.is_nan()) {
+            complete_input(run.input.to_mut());
+        }
+        run
+    }
+
+    /// The same, and with those across which it moves evenly (see [`bridge_input`]).
+    pub(super) fn with_bridged_input(&self) -> Run<'_> {
+        let mut run = self.with_complete_input();
+        if run.input.iter().any(|u| u.is_nan()) {
+            bridge_input(run.input.to_mut());
+        }
+        run
+    }
+}
+
 /// Changes from which the raster of an input is read: those of an input without one are all even apart in one of 2^8
 /// cases.
 const CHANGES: usize = 8;
 
 /// Fills the gaps (NaN) in the input of one run whose commands are known.
-pub(super) fn complete_input(input: &mut [f64]) {
+fn complete_input(input: &mut [f64]) {
     let raster = Raster::of(input);
     let mut last: Option<usize> = None;
     for k in 0..input.len() {
@@ -36,7 +58,7 @@ const EVEN_WITHIN: f64 = 0.1;
 
 /// Fills the gaps that are left across which the input of one run moves evenly, by a cubic through the two known samples
 /// on either side.
-pub(super) fn bridge_input(input: &mut [f64]) {
+fn bridge_input(input: &mut [f64]) {
     let known: Vec<(usize, f64)> = (0..input.len())
         .map(|k| (k, input[k]))
         .filter(|(_, u)| !u.is_nan())

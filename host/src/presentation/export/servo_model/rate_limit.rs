@@ -1,6 +1,6 @@
 //! The rate limit that comes closest to a drive that must first build up speed.
 
-use super::trial::Trial;
+use super::trial_command::Trial;
 
 /// Rates that are tried: the top speed, and shares of it down to this.
 const LOWEST_SHARE: f64 = 0.05;

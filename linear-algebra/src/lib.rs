@@ -1,4 +1,7 @@
-//! Factorisations and products that the estimators share, on top of `faer`.
+//! Factorisations and products of matrices, on top of `faer`.
+//!
+//! A crate of its own because `faer` is generic: every crate that factorises a matrix compiles the whole of that
+//! factorisation again, for several sets of instructions. Behind these functions it is compiled once.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{
@@ -8,15 +11,17 @@ use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Mat, Par, Spec};
+use faer::{Mat, Par, Side, Spec};
 
 /// Lower Cholesky factor of a symmetric matrix, `None` when it is not positive definite.
-pub(crate) fn cholesky(matrix: &Mat<f64>) -> Option<Mat<f64>> {
+#[must_use]
+pub fn cholesky(matrix: &Mat<f64>) -> Option<Mat<f64>> {
     factorised(matrix.clone())
 }
 
 /// [`cholesky`] in the place of the matrix, whose lower triangle is read.
-pub(crate) fn factorised(matrix: Mat<f64>) -> Option<Mat<f64>> {
+#[must_use]
+pub fn factorised(matrix: Mat<f64>) -> Option<Mat<f64>> {
     let mut lower = matrix;
     let size = lower.nrows();
     if size == 0 {
@@ -41,30 +46,68 @@ pub(crate) fn factorised(matrix: Mat<f64>) -> Option<Mat<f64>> {
 }
 
 /// L^-1 b.
-pub(crate) fn forward_solve(lower: &Mat<f64>, b: &[f64]) -> Vec<f64> {
+#[must_use]
+pub fn forward_solve(lower: &Mat<f64>, b: &[f64]) -> Vec<f64> {
     let mut x = column(b);
     solve_lower_triangular_in_place(lower.as_ref(), x.as_mut(), Par::Seq);
     x.col_as_slice(0).to_vec()
 }
 
 /// L^-T b.
-pub(crate) fn backward_solve(lower: &Mat<f64>, b: &[f64]) -> Vec<f64> {
+#[must_use]
+pub fn backward_solve(lower: &Mat<f64>, b: &[f64]) -> Vec<f64> {
     let mut x = column(b);
     solve_upper_triangular_in_place(lower.transpose(), x.as_mut(), Par::Seq);
     x.col_as_slice(0).to_vec()
 }
 
 /// L^-1.
-pub(crate) fn inverse_of_lower(lower: &Mat<f64>) -> Mat<f64> {
+#[must_use]
+pub fn inverse_of_lower(lower: &Mat<f64>) -> Mat<f64> {
     let mut inverse = Mat::zeros(lower.nrows(), lower.nrows());
     invert_lower_triangular(inverse.as_mut(), lower.as_ref(), Par::Seq);
     inverse
 }
 
 /// (L L')^-1.
-pub(crate) fn inverse_of_square(lower: &Mat<f64>) -> Mat<f64> {
+#[must_use]
+pub fn inverse_of_square(lower: &Mat<f64>) -> Mat<f64> {
     let inverse = inverse_of_lower(lower);
     inverse.transpose() * &inverse
+}
+
+/// Upper triangular R of the QR factorisation: R'R = A'A. It has as many rows as A where A has fewer rows than columns.
+#[must_use]
+pub fn upper_factor(matrix: &Mat<f64>) -> Mat<f64> {
+    matrix.qr().thin_R().to_owned()
+}
+
+/// Eigenvalues and eigenvectors of a symmetric matrix.
+#[derive(Clone, Debug)]
+pub struct SymmetricEigen {
+    /// Eigenvalues, in ascending order.
+    pub values: Vec<f64>,
+    /// The eigenvector of each value, as the column of the same number; of length 1 and orthogonal to the others.
+    pub vectors: Mat<f64>,
+}
+
+/// The eigenvalues and eigenvectors of a symmetric matrix, of which the lower triangle is read; `None` where the iteration
+/// does not end, as with entries that are not finite.
+#[must_use]
+pub fn symmetric_eigen(matrix: &Mat<f64>) -> Option<SymmetricEigen> {
+    let eigen = matrix.self_adjoint_eigen(Side::Lower).ok()?;
+    Some(SymmetricEigen {
+        values: eigen.S().column_vector().iter().copied().collect(),
+        vectors: eigen.U().to_owned(),
+    })
+}
+
+/// The largest magnitude of an eigenvalue of a square matrix; not a number where the iteration does not end.
+#[must_use]
+pub fn spectral_radius(matrix: &Mat<f64>) -> f64 {
+    matrix.eigenvalues().map_or(f64::NAN, |values| {
+        values.iter().map(|value| value.norm()).fold(0.0, f64::max)
+    })
 }
 
 /// A column vector.
@@ -73,12 +116,14 @@ fn column(values: &[f64]) -> Mat<f64> {
 }
 
 /// The product of a matrix and a vector.
-pub(crate) fn times(matrix: &Mat<f64>, vector: &[f64]) -> Vec<f64> {
+#[must_use]
+pub fn times(matrix: &Mat<f64>, vector: &[f64]) -> Vec<f64> {
     (matrix * column(vector)).col_as_slice(0).to_vec()
 }
 
 /// Condition number in the 1-norm of a matrix whose inverse is known.
-pub(crate) fn condition(matrix: &Mat<f64>, inverse: &Mat<f64>) -> f64 {
+#[must_use]
+pub fn condition(matrix: &Mat<f64>, inverse: &Mat<f64>) -> f64 {
     let norm = |matrix: &Mat<f64>| {
         (0..matrix.ncols())
             .map(|j| matrix.col_as_slice(j).iter().map(|x| x.abs()).sum::<f64>())
@@ -88,7 +133,7 @@ pub(crate) fn condition(matrix: &Mat<f64>, inverse: &Mat<f64>) -> f64 {
 }
 
 /// Adds `sign` times the outer product of `rows` and `columns` to `matrix`.
-pub(crate) fn add_outer_product(matrix: &mut Mat<f64>, rows: &[f64], columns: &[f64], sign: f64) {
+pub fn add_outer_product(matrix: &mut Mat<f64>, rows: &[f64], columns: &[f64], sign: f64) {
     for (b, column) in columns.iter().enumerate() {
         let scale = sign * column;
         for (entry, row) in matrix.col_as_slice_mut(b).iter_mut().zip(rows) {
