@@ -119,6 +119,7 @@ def read(
     run: str | None = None,
     controller: str | None = None,
     at_rest: float | None = None,
+    polled: bool = False,
     with_rest: bool = False,
 ) -> Recording:
     """Read recordings of servoid, CSV files of other programs, or a table of pandas.
@@ -143,6 +144,8 @@ def read(
         Column with the name or gain of the controller that drove the run.
     at_rest : float, optional
         The input during at least the settling time before each run. A wrong value is far worse than none.
+    polled : bool
+        The command changed between rows, as a logger with a clock of its own sees it: times are corrected by half a row.
     with_rest : bool
         Use the rest around the reference of servoid's recordings too.
 
@@ -171,6 +174,7 @@ def read(
         "run": run,
         "controller": controller,
         "at_rest": at_rest,
+        "polled": polled,
         "with_rest": with_rest,
     }
     if any(hasattr(path, "to_csv") for path in paths):
@@ -184,7 +188,7 @@ def read(
 
 def of_bytes(content: bytes, name: str) -> Recording:
     """The content of a recording of servoid, which is called ``name``."""
-    options = dict.fromkeys(READ_OPTIONS) | {"with_rest": False}
+    options = dict.fromkeys(READ_OPTIONS) | {"polled": False, "with_rest": False}
     return Recording(_servoid.Data.of_table(content, name, options))
 
 
@@ -315,7 +319,8 @@ def as_recording(source: Any, options: dict[str, Any], like: Model | None = None
     if like is None:
         return read(*paths, **options)
     given = {name: options.get(name) for name in READ_OPTIONS}
-    given["with_rest"] = bool(given["with_rest"])
+    for flag in ("polled", "with_rest"):
+        given[flag] = bool(given[flag])
     return Recording(
         _servoid.Data.read_as([os.fspath(path) for path in paths], given, like._core)
     )
@@ -330,5 +335,6 @@ READ_OPTIONS = (
     "run",
     "controller",
     "at_rest",
+    "polled",
     "with_rest",
 )

@@ -33,6 +33,7 @@ pub(crate) struct ReadOptions {
     run: Option<String>,
     controller: Option<String>,
     at_rest: Option<f64>,
+    polled: bool,
     with_rest: bool,
 }
 
@@ -54,6 +55,7 @@ impl ReadOptions {
             run: self.run,
             controller: self.controller,
             at_rest: self.at_rest,
+            polled: self.polled,
             with_rest: self.with_rest,
         })
     }

@@ -17,6 +17,10 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     let doubtful = unlikely_period(data.record.sample_period_s());
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
     found.model.advice.splice(0..0, doubtful);
+    found
+        .model
+        .advice
+        .extend(commands_between_rows(data, &found));
     if data.about.inexact_clock {
         let [slow, fast] = INTERNAL_CLOCK_ERROR;
         found.model.metrics = found.model.metrics.with_clock_error(slow, fast);
@@ -63,6 +67,32 @@ fn unlikely_period(seconds: f64) -> Option<Advice> {
             rounded(1e3 * rather)
         ),
     ))
+}
+
+/// Scatter of edges from row to row that looks like commands which change between rows, as shares of the time between rows: uniform, it is
+/// 0.29 of it, of which a servo that follows slowly shows a part. What scatters by more has another cause.
+const BETWEEN_ROWS: std::ops::RangeInclusive<f64> = 0.05..=0.5;
+
+/// That commands may have changed between the rows of a file.
+fn commands_between_rows(data: &Dataset, found: &Identification) -> Option<Advice> {
+    let scatter_s = found.explanation.uneven_noise?.jitter_s;
+    let period_s = data.record.sample_period_s();
+    let share = scatter_s / period_s;
+    (data.about.commands_at_rows && BETWEEN_ROWS.contains(&share)).then(|| {
+        Advice::new(
+            Check::CommandEdges,
+            format!(
+                "The motion scatters from stroke to stroke as if commands changed {} or so from their rows. A logger with a clock of its own \
+                 does that: then all times are half a row, {}, too early, which no bound contains.",
+                in_words(scatter_s),
+                in_words(0.5 * period_s)
+            ),
+            share,
+            *BETWEEN_ROWS.start(),
+            "If such a logger wrote the file, say --polled: times are corrected, and their intervals allow for the rest. Better, record by the \
+             clock of the commands.",
+        )
+    })
 }
 
 /// Times after which an R/C servo stays at its end, and after which it is half way there \[s\]. Slow winches and the fastest servos of

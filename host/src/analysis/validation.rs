@@ -4,10 +4,11 @@ use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::ModelMetadata;
+use crate::presentation::summary::four_digits;
 use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
 use servoid_identification::Error;
-use servoid_identification::results::{Advice, Validation};
+use servoid_identification::results::{Advice, Check, Validation};
 
 /// The validation as its document has it, with advice on the files.
 #[derive(Debug, Serialize)]
@@ -39,9 +40,9 @@ impl Validated {
         let metadata = ModelMetadata::from(&data.about);
         file.metadata.same_units(model, &metadata, name)?;
         let validation = file.model.validate(&data.record);
-        let own_of_servo = servo
-            .as_ref()
-            .map(|servo| servo.model.fit.simulation_percent);
+        let fit_of_servo = servo.as_ref().map(|servo| servo.model.fit);
+        let own_of_servo = fit_of_servo.map(|fit| fit.simulation_percent);
+        let own_rmse_of_servo = fit_of_servo.map(|fit| fit.rmse);
         let servo = servo.map(|servo| -> Result<Validation> {
             let controllers = data.controllers.among(&servo.controller_names)?;
             Ok(servo.model.validate(&data.record, &controllers)?)
@@ -51,12 +52,18 @@ impl Validated {
             .with_context(|| name.to_owned())?;
         let own = fingerprint::of(&data.record);
         let own = fingerprint::advice_on_validation(&file.fingerprints, &own);
+        let servo_model = servo.transpose()?;
+        let unit = metadata.units().output.unwrap_or_default();
+        let of_linear = larger_error("linear", &validation, file.model.fit.rmse, unit);
+        let of_servo = servo_model.as_ref().zip(own_rmse_of_servo);
+        let of_servo = of_servo.and_then(|(found, own)| larger_error("servo", found, own, unit));
+        let own = own.into_iter().chain(of_linear).chain(of_servo);
         Ok(Self {
             validation,
-            servo_model: servo.transpose()?,
+            servo_model,
             own_fit_percent: file.model.fit.simulation_percent,
             servo_model_own_fit_percent: own_of_servo,
-            advice: own.into_iter().chain(data.about.advice.clone()).collect(),
+            advice: own.chain(data.about.advice.clone()).collect(),
         })
     }
 
@@ -65,6 +72,34 @@ impl Validated {
     pub fn own_fits(&self) -> (f64, Option<f64>) {
         (self.own_fit_percent, self.servo_model_own_fit_percent)
     }
+}
+
+/// A model whose error is so many times that of its own recording misses what it knew there: noise alone changes far less from one
+/// recording of a sensor to the next.
+const LARGER_ERROR: f64 = 2.0;
+
+/// That a model does not hold for a recording as it did for its own.
+fn larger_error(kind: &str, found: &Validation, own_rmse: f64, unit: &str) -> Option<Advice> {
+    let times = found.rmse / own_rmse;
+    let in_unit = |error: f64| {
+        format!("{} {unit}", four_digits(error))
+            .trim_end()
+            .to_owned()
+    };
+    (times > LARGER_ERROR).then(|| {
+        Advice::new(
+            Check::Prediction,
+            format!(
+                "The {kind} model does not hold here as it does for its own recording: its error is {} rms, {times:.1} times the {} there.",
+                in_unit(found.rmse),
+                in_unit(own_rmse)
+            ),
+            times,
+            LARGER_ERROR,
+            "Where the servo is the same, the motion is not: identify from recordings of both kinds of motion (strokes as large, as small and as \
+             quick as these), and take the servo model where the servo is not linear.",
+        )
+    })
 }
 
 /// The error of the linear model's validation. Where the record is too short for that model alone, what the servo model makes of

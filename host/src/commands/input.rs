@@ -39,6 +39,10 @@ pub(super) struct TableArgs {
     /// only if it is true: a wrong value is far worse than none
     #[arg(long, value_name = "INPUT", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     at_rest: Option<f64>,
+    /// The command changed between rows: a logger with a clock of its own wrote the file. Times are then corrected by half a row,
+    /// and their intervals allow for the other half
+    #[arg(long)]
+    polled: bool,
     /// Use the rest at neutral before and after the reference of servoid's recordings too. Its strokes are half
     /// as long, and a real servo does not follow them in proportion
     #[arg(long)]
@@ -66,8 +70,11 @@ impl TableArgs {
             let value = quoted(&value?);
             Some(format!(" {option} {value}"))
         });
-        let with_rest = if self.with_rest { " --with-rest" } else { "" };
-        typed.collect::<String>() + with_rest
+        let flags = [(self.polled, " --polled"), (self.with_rest, " --with-rest")];
+        let flags = flags
+            .iter()
+            .filter_map(|(given, flag)| given.then_some(*flag));
+        typed.collect::<String>() + &flags.collect::<String>()
     }
 
     /// How these options say that files are to be read.
@@ -82,6 +89,7 @@ impl TableArgs {
             run: args.run,
             controller: args.controller,
             at_rest: args.at_rest,
+            polled: args.polled,
             with_rest: args.with_rest,
         }
     }

@@ -213,3 +213,51 @@ fn planned_triangles_are_not_taken_for_a_closed_loop() {
     let of = |key: &str| delay["other_fits"][key].as_f64().unwrap();
     assert!(of("least") + 0.01 < of("most"), "{delay}");
 }
+
+/// A servo with a lag of 30 ms after 12 ms, at 50 rows a second: a logger reads command and position by its own clock. The sine of a
+/// square stands for random numbers.
+fn polled(path: &Path) {
+    let random = |k: usize| (0.7 * (k * k) as f64).sin();
+    let mut rows = "u_deg,y_deg\n".to_owned();
+    let mut commands = vec![0.0; 500];
+    while commands.len() < 25_000 {
+        let (level, held) = (
+            4.0 * random(commands.len()),
+            150.0 + 100.0 * random(3 * commands.len()),
+        );
+        commands.extend(std::iter::repeat_n(level, held as usize));
+    }
+    let mut at = 0.0;
+    for k in 0..25_000 {
+        if k % 10 == 0 {
+            rows += &format!("{:.4},{:.4}\n", commands[k], at + 0.05 * random(7 * k + 1));
+        }
+        at += 0.002 / 0.03 * (commands[k.saturating_sub(6)] - at);
+    }
+    std::fs::write(path, rows).unwrap();
+}
+
+#[test]
+fn commands_that_change_between_rows_are_suspected_and_corrected() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("polled.csv");
+    polled(&file);
+    let names = ["u_deg", "y_deg"];
+    let (text, document) = identified(&file, names, &["--period", "0.02"]);
+    assert!(checks(&document).contains(&"command_edges"), "{text}");
+    assert!(text.contains("half a row, 10 ms, too early"), "{text}");
+    let half_way = |document: &Value| {
+        let metrics = &document["metrics"]["t50_s"];
+        ["lower", "value", "upper"].map(|end| metrics[end].as_f64().unwrap())
+    };
+    // 12 ms + 30 ms ln 2.
+    let truth = 0.0328;
+    let [_, _, upper] = half_way(&document);
+    assert!(upper < truth, "{text}");
+    let (text, document) = identified(&file, names, &["--period", "0.02", "--polled"]);
+    assert!(!checks(&document).contains(&"command_edges"), "{text}");
+    let [lower, value, upper] = half_way(&document);
+    assert!((lower..upper).contains(&truth), "{text}");
+    // A quarter of a row: the changes of this command do not lie evenly between rows.
+    assert!((value - truth).abs() < 0.005, "{value}");
+}

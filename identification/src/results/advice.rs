@@ -98,6 +98,8 @@ pub enum Check {
     SameData,
     /// Whether all recordings seem to be in the same units.
     UnitMix,
+    /// Whether commands change at their rows.
+    CommandEdges,
     /// Whether some values are sentinels of missing ones.
     #[serde(alias = "stand_in")]
     SentinelValues,

@@ -90,8 +90,8 @@ pub fn no_prediction(linear: &Model, servo: &ServoModel) -> Option<Advice> {
     Some(Advice::new(
         Check::Prediction,
         format!(
-            "Neither the linear model nor the servo model predicts this recording: simulated from the input, they fit the output to \
-             {:.0} and {:.0} %{noise}. What they say of the servo is not to be relied on.",
+            "Neither the linear model nor the servo model predicts this recording: simulated from the input, they fit what they had \
+             not seen to {:.0} and {:.0} %{noise}. What they say of the servo is not to be relied on.",
             of_linear.max(0.0),
             of_servo.max(0.0)
         ),

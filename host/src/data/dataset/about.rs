@@ -31,6 +31,8 @@ pub struct About {
     pub inexact_clock: bool,
     /// The sensor's true delay is at most this far from the one that was taken out (s).
     pub sensor_delay_uncertainty_s: f64,
+    /// Whether commands of a file of another program are taken to change at their rows.
+    pub commands_at_rows: bool,
     /// The delays that were taken out of the recordings (s).
     pub sensor_delays_s: Vec<f64>,
 }
@@ -116,6 +118,7 @@ impl About {
             .pulse_frame_s
             .filter(|_| self.pulse_frame_s == other.pulse_frame_s);
         self.staircase &= other.staircase;
+        self.commands_at_rows |= other.commands_at_rows;
         self.inexact_clock |= other.inexact_clock;
         let (mine, theirs) = (
             self.sensor_delay_uncertainty_s,

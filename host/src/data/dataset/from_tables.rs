@@ -81,8 +81,15 @@ pub(super) fn from_table(
             .iter()
             .map(|remark| format!("{file}: {remark}"))
             .collect(),
+        commands_at_rows: !options.polled,
         ..About::default()
     };
+    // A change that is seen in a row came up to one row before.
+    let phase_s = match options.polled {
+        true => 0.5 * period_s,
+        false => 0.0,
+    };
+    about.sensor_delay_uncertainty_s = phase_s;
     if let Some(Doubt { finding, times }) = doubt {
         let remedy =
             "Make sure which of the two is right: all times and frequencies follow from it.";
@@ -101,7 +108,7 @@ pub(super) fn from_table(
         controllers,
         rest: Vec::new(),
         period_s,
-        phase_s: 0.0,
+        phase_s,
         about,
     })
 }

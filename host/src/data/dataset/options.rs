@@ -31,6 +31,9 @@ pub struct DatasetOptions {
     /// The input before the first row of each run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_rest: Option<f64>,
+    /// The command changed between rows, as a logger with a clock of its own sees it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub polled: bool,
     /// Use the rest around the reference too.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub with_rest: bool,
@@ -65,6 +68,7 @@ impl DatasetOptions {
             run: self.run.or(other.run),
             controller: self.controller.or(other.controller),
             at_rest: self.at_rest.or(other.at_rest),
+            polled: self.polled || other.polled,
             ..self
         }
     }

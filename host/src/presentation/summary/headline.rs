@@ -2,6 +2,7 @@
 
 use super::comparison::subject_in_words;
 use super::first_finding::first_finding;
+use super::metrics::settling_time;
 use super::model_sentence::{certainty, hides_step};
 use super::numbers::percent;
 use servoid_identification::comparison::{Comparison, ComparisonBounds, Direction, Verdict};
@@ -17,7 +18,7 @@ pub(crate) fn headline_of_model(model: &Model) -> String {
     }
     let ms = |time: Interval| time.value.map(|seconds| format!("{:.0} ms", 1e3 * seconds));
     let half = ms(model.metrics.t50_s).map(|time| format!("is half way after {time}"));
-    let settled = ms(model.metrics.settling_time_s)
+    let settled = ms(settling_time(&model.metrics))
         .map(|time| format!("stays within 2 % of its end after {time}"));
     let parts: Vec<String> = half.into_iter().chain(settled).collect();
     let motion = match parts.is_empty() {

@@ -3,7 +3,7 @@
 use super::numbers::{decimals, head_of_bounds};
 use crate::data::units::Units;
 use servoid_identification::comparison::Comparison;
-use servoid_identification::results::{Interval, Metrics, Model};
+use servoid_identification::results::{Interval, Metrics, Model, Reason};
 
 /// One line of a table of metrics.
 pub(super) struct MetricEntry {
@@ -22,9 +22,12 @@ const ROWS: [MetricEntry; 8] = [
     row("overshoot_percent", "overshoot", ("%", 1.0, 2), |m| {
         m.overshoot_percent
     }),
-    row(SETTLING_TIME, "settling time (2 %)", ("ms", 1e3, 1), |m| {
-        m.settling_time_s
-    }),
+    row(
+        SETTLING_TIME,
+        "settling time (2 %)",
+        ("ms", 1e3, 1),
+        settling_time,
+    ),
     row("bandwidth_rad_s", "bandwidth (-3 dB)", HERTZ, |m| {
         m.bandwidth_rad_s
     }),
@@ -33,11 +36,23 @@ const ROWS: [MetricEntry; 8] = [
     }),
 ];
 
+/// The settling time, but of a response that is not over: what lies beyond the end that was seen decides when it stays within 2 %
+/// of it.
+pub(super) fn settling_time(metrics: &Metrics) -> Interval {
+    match metrics.bounds.withdrawn() {
+        Some(Reason::ResponseNotOver) => Interval::default(),
+        _ => metrics.settling_time_s,
+    }
+}
+
 /// A unit as printed, the factor from the model's unit to it, and decimals.
 type Unit = (&'static str, f64, usize);
 
 /// Text of a value that no data support.
 pub(super) const NONE: &str = "-";
+
+/// Behind a bound without another.
+const OR_MORE: &str = " or more";
 
 /// The key of the time after which a response stays at its end.
 const SETTLING_TIME: &str = "settling_time_s";
@@ -145,7 +160,7 @@ impl MetricEntry {
         let number = |bound: f64| self.number(bound, like.unwrap_or(bound));
         match (interval.lower, interval.upper) {
             (None, None) => String::new(),
-            (Some(lower), None) => format!("{} or more", number(lower)),
+            (Some(lower), None) => number(lower) + OR_MORE,
             (None, Some(upper)) => format!("up to {}", number(upper)),
             (Some(lower), Some(upper)) => format!("{} .. {}", number(lower), number(upper)),
         }
@@ -161,9 +176,12 @@ pub(super) fn table(model: &Model, units: Units<'_>) -> String {
     let mut text = format!("\n  {:22} {:>10}       {head}\n", "", "value");
     for row in &ROWS {
         let interval = (row.of)(metrics);
-        // A unit beside no number would read as one.
-        let unit = interval.value.map_or("", |_| row.unit_with(&gain));
         let (value, bounds) = row.cell(&interval);
+        // A unit beside no number would read as one.
+        let (unit, bounds) = match (row.unit_with(&gain), value.as_str()) {
+            (unit, NONE) => ("", bounds.replace(OR_MORE, &format!(" {unit}{OR_MORE}"))),
+            (unit, _) => (unit, bounds),
+        };
         let bounds = match interval.value {
             // One line below has the reason of all.
             None if bounds.is_empty() && metrics.withheld.is_some() => continue,

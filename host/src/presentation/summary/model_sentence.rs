@@ -1,6 +1,7 @@
 //! What a model says, in one or two plain sentences.
 
 use super::first_finding::first_finding;
+use super::metrics::settling_time;
 use super::numbers::percent;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval, Model, Reason, StepBounds};
@@ -36,7 +37,7 @@ fn motion(model: &Model, units: Units<'_>) -> String {
     parts.extend(ms(metrics.delay_s).map(|time| format!("begins to move after {time}")));
     parts.extend(ms(metrics.t50_s).map(|time| format!("is half way after {time}")));
     // A response of which the record shows no end stays there at some later time.
-    let settled = metrics.settling_time_s;
+    let settled = settling_time(metrics);
     let has_end = metrics.bounds.withdrawn().is_some() || settled.upper.is_some();
     parts.extend(
         ms(settled)

@@ -30,7 +30,11 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
         );
     }
     text += &quantities(&model.quantities, level, units);
-    for advice in what_to_record(&model.quantities) {
+    let advice = match model.is_linear() && level.valid().is_some() {
+        true => vec![LINEAR_IS_SHARPER],
+        false => what_to_record(&model.quantities),
+    };
+    for advice in advice {
         text += &format!("  {}\n", wrapped(advice, 2));
     }
     if explain {
@@ -46,6 +50,10 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
     }
     text
 }
+
+/// Said of a servo model without any term beyond a linear servo.
+const LINEAR_IS_SHARPER: &str = "This recording needs no more than a linear servo: where the linear model has intervals, they are \
+    narrower. Those here also hold for limits, friction and loads that the recording leaves open.";
 
 /// The table of the linear models beside the servo model.
 fn linear_models(found: &LinearModels, fit: &ServoFit) -> String {

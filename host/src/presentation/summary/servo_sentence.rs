@@ -156,8 +156,8 @@ fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
     (error.value > 0.0).then(|| {
         let command = with_space(units.input);
         format!(
-            "rests within {}{command} of its target",
-            four_digits(error.value)
+            "comes to rest up to {}{command} off by friction",
+            digits(error.value, 2)
         )
     })
 }

@@ -74,8 +74,9 @@ fn bridge_input(input: &mut [f64]) {
         let miss = |beside: f64| (beside - across).abs() * gap;
         let farthest = miss(slope(before, last)).max(miss(slope(next, after)));
         if farthest <= EVEN_WITHIN * variance.sqrt() {
-            for k in last.0 + 1..next.0 {
-                input[k] = cubic(around, k);
+            let gap = last.0 + 1..next.0;
+            for (k, missing) in gap.clone().zip(&mut input[gap]) {
+                *missing = cubic(around, k);
             }
         }
     }

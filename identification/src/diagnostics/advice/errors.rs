@@ -189,7 +189,13 @@ pub(super) fn gain_may_be_zero(evidence: &Evidence<'_>) -> Option<Advice> {
             ),
             gain,
             0.0,
-            "Record larger strokes, or more of them, each held until the servo rests.",
+            match evidence.model.linear && evidence.misfit().is_none() {
+                true => "Record larger strokes, or more of them, each held until the servo rests.",
+                false => {
+                    "The servo is not linear, so take the servo model; for a linear one, record smaller strokes, each held until the \
+                     servo rests."
+                }
+            },
         )
     })
 }

@@ -264,10 +264,6 @@ impl Metrics {
         ] {
             (interval.lower, interval.upper) = (None, None);
         }
-        if reason == Reason::ResponseNotOver {
-            // What lies beyond the end that was seen decides when it stays within 2 % of it.
-            self.settling_time_s = Interval::default();
-        }
         self.bounds = Bounds::Withdrawn(reason);
         self
     }

@@ -67,7 +67,7 @@ impl ServoExport<'_> {
             None => format!("the unit of the {what} is that of the recording, and not known"),
         };
         format!(
-            "Units and signs: {}, {}, theta is in units of the command, times are in seconds. A positive load turns towards smaller angles. The offset is part of the position.",
+            "Units and signs: {}, {}, theta is in units of the command, times are in seconds. A positive load turns towards smaller angles. The offset that was identified is the position at rest under command 0; that of the parameters is without the load, and part of the position.",
             of("command", units.input),
             of("position", units.output),
         )
