@@ -22,6 +22,8 @@ fn options(choice: u8) -> DatasetOptions {
         run: has(2).then(|| "run".into()),
         at_rest: has(3).then_some(0.0),
         with_rest: has(4),
+        // Both are options of times: the bits are enough for one.
+        polled: has(7),
         controller: None,
     }
 }
