@@ -89,6 +89,16 @@ impl Outliers {
         self.taken_out.iter().map(|found| found.samples).sum()
     }
 
+    /// Marks what is a spike.
+    fn mark(&mut self, spikes: Vec<TakenOut>) {
+        for single in self.taken_out.iter_mut().filter(|found| found.samples == 1) {
+            single.spike = spikes
+                .iter()
+                .any(|spike| (spike.run, spike.sample) == (single.run, single.sample));
+        }
+        self.spikes = spikes;
+    }
+
     /// The spikes alone: all that is no error of the model.
     pub(crate) fn of_shape(&self) -> Self {
         Self {
@@ -164,17 +174,12 @@ pub(crate) fn outliers(
     let chance = Binomial::new(moving as f64 / samples.max(1) as f64, events.0);
     let unrelated =
         events.1 == 0 || chance.is_ok_and(|chance| chance.sf(events.1 - 1) > MISFIT_SIGNIFICANCE);
-    found.spikes = spikes_of(runs, &motions, IN_MOTION * scale.largest_motion);
-    if !few(found.spikes.len()) {
-        found.spikes.clear();
+    if found.taken_out.is_empty() {
+        return found;
     }
-    for single in &mut found.taken_out {
-        let at = |spike: &&TakenOut| (spike.run, spike.sample) == (single.run, single.sample);
-        if single.samples == 1
-            && let Some(spike) = found.spikes.iter().find(at)
-        {
-            *single = *spike;
-        }
+    let spikes = spikes_of(runs, &motions, IN_MOTION * scale.largest_motion);
+    if few(spikes.len()) {
+        found.mark(spikes);
     }
     let rare = few(found.count());
     if rare && unrelated {

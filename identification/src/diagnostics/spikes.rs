@@ -29,45 +29,50 @@ impl Course<'_> {
                 course[k] - (2.0 * after[0] - after[1]),
             ])
         };
-        let Some((of_output, of_errors)) = of(self.measured).zip(of(self.errors)) else {
+        let Some(([a, b], [c, d])) = of(self.measured).zip(of(self.errors)) else {
             return 0.0;
         };
-        let all = [of_output, of_errors].concat();
-        let least = |sign: f64| {
-            all.iter()
-                .fold(f64::INFINITY, |least, by| least.min(sign * by))
-        };
-        match all.iter().any(|by| by.is_nan()) {
-            true => 0.0,
-            false => least(1.0).max(least(-1.0)).max(0.0),
-        }
+        let all = [a, b, c, d];
+        let on_one_side = all.iter().all(|by| *by > 0.0) || all.iter().all(|by| *by < 0.0);
+        let least = all
+            .iter()
+            .fold(f64::INFINITY, |least, by| least.min(by.abs()));
+        if on_one_side { least } else { 0.0 }
     }
 }
 
 /// The spikes of each run, as indices of run and sample. What stands out in motion is compared with what usually does there.
 pub(super) fn spikes(courses: &[Course<'_>]) -> Vec<(usize, usize)> {
-    let all = || {
-        courses.iter().enumerate().flat_map(|(run, course)| {
-            let samples = 0..course.errors.len();
-            samples.map(move |k| (run, k, course.stands_out(k), course.in_motion[k]))
+    let by: Vec<Vec<f64>> = (courses.iter())
+        .map(|course| {
+            (0..course.errors.len())
+                .map(|k| course.stands_out(k))
+                .collect()
         })
-    };
+        .collect();
     let limit = |of_motion: bool| {
-        let mut usual: Vec<f64> = all()
-            .filter(|(.., moving)| *moving == of_motion)
-            .map(|(_, _, by, _)| by)
-            .collect();
-        usual.sort_by(f64::total_cmp);
-        let index = (SPIKE_SCALE_QUANTILE * usual.len() as f64) as usize;
-        SPIKE * usual.get(index).copied().unwrap_or(0.0)
+        let pairs = courses.iter().zip(&by);
+        let pairs = pairs.flat_map(|(course, by)| course.in_motion.iter().zip(by));
+        let of_kind = pairs.filter(|(moving, _)| **moving == of_motion);
+        SPIKE * usual(of_kind.map(|(_, by)| *by).collect())
     };
-    let (at_rest, in_motion) = (limit(false), limit(true));
     // Motion bends at its beginning and end, too, where it hardly counts as motion.
-    let limit = at_rest.max(in_motion);
-    all()
-        .filter(|(_, _, by, _)| *by > limit && limit > 0.0)
-        .map(|(run, k, ..)| (run, k))
-        .collect()
+    let limit = limit(false).max(limit(true));
+    let of_run = |(run, by): (usize, &Vec<f64>)| -> Vec<(usize, usize)> {
+        let samples = by.iter().enumerate();
+        let beyond = samples.filter(|(_, by)| limit > 0.0 && **by > limit);
+        beyond.map(|(k, _)| (run, k)).collect()
+    };
+    by.iter().enumerate().flat_map(of_run).collect()
+}
+
+/// The quantile of what is usual; 0 of no values.
+fn usual(mut values: Vec<f64>) -> f64 {
+    let index = (SPIKE_SCALE_QUANTILE * values.len() as f64) as usize;
+    match index < values.len() {
+        true => *values.select_nth_unstable_by(index, f64::total_cmp).1,
+        false => 0.0,
+    }
 }
 
 #[cfg(test)]
