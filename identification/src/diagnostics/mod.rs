@@ -10,6 +10,7 @@ mod initial_rest;
 mod input_origin;
 mod linearity;
 mod misfit;
+mod noise_prediction;
 mod outliers;
 mod output_lead;
 mod part_means;
