@@ -49,7 +49,8 @@ pub fn find(
 ) -> Found {
     let data = &Dataset {
         record: TakenOut::without_spikes(&linear.explanation.taken_out, &data.record),
-        ..data.clone()
+        controllers: data.controllers.clone(),
+        about: data.about.clone(),
     };
     let linear = &mut linear.model;
     let found = std::thread::scope(|threads| {

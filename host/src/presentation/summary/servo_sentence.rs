@@ -77,11 +77,8 @@ fn what_was_seen(
         None => kind(model),
     };
     let reached = model.reached.map(|reached| {
-        let speed = |speed: f64| {
-            let per_second = format!("{}{}/s", digits(speed, 2), with_space(units.output));
-            format!("{per_second}{}", turn(model, speed, units))
-        };
-        let (up, down) = (speed(reached.upwards), speed(reached.downwards));
+        let [up, down] = [reached.upwards, reached.downwards]
+            .map(|speed| speed_in_words(model, (speed, digits(speed, 2)), units));
         format!("moved at up to {up} upwards and {down} downwards in this recording")
     });
     std::iter::once(kind.to_owned()).chain(reached).collect()
@@ -105,16 +102,18 @@ fn limited_to(
     speeds: Option<[&Quantity; 2]>,
     units: Units<'_>,
 ) -> Option<String> {
-    let speed = |found: &Quantity| {
-        let per_second = format!("{}{}/s", four_digits(found.value), with_space(units.output));
-        format!("{per_second}{}", turn(model, found.value, units))
-    };
-    let [up, down] = speeds?;
-    let (up, down) = (speed(up), speed(down));
+    let [up, down] =
+        speeds?.map(|found| speed_in_words(model, (found.value, four_digits(found.value)), units));
     Some(match up == down {
         true => format!("is limited to {up}"),
         false => format!("is limited to {up} upwards and {down} downwards"),
     })
+}
+
+/// "331 deg/s (0.181 s/60°)", of a speed and its figure.
+fn speed_in_words(model: &ServoModel, (speed, figure): (f64, String), units: Units<'_>) -> String {
+    let unit = with_space(units.output);
+    format!("{figure}{unit}/s{}", turn(model, speed, units))
 }
 
 /// What kind of servo it is, without figures.
