@@ -511,6 +511,27 @@ pub const LEADING_CORRELATION: f64 = 0.4;
 /// that of the motion, whose columns were exchanged exceed it by 0.024 or more; none with its own columns exceeds 0.
 pub const LEADING_ADVANTAGE: f64 = 0.02;
 
+/// Share of the gain elsewhere below which the output does not follow the command at an end of its range: it stands at a stop.
+///
+/// Protects: servos whose gain falls towards the end of the travel, or that have a dead band, from being told that they are stopped.
+/// Evidence: the tests of stops.
+pub const STOP_GAIN: f64 = 0.1;
+
+/// Share of the range of the commands over which it must not; see [`STOP_GAIN`].
+pub const STOP_SHARE: f64 = 0.08;
+
+/// Standard deviations from which on motion before the changes of a held command is beyond chance.
+///
+/// Protects: recordings whose command was written in time from being told that it was late. Evidence: the tests of early motion, where
+/// it is below 3 in time, also with servos that ring or creep, and above 10 where 8 ms of motion come first.
+pub const EARLY_SIGNIFICANCE: f64 = 6.0;
+
+/// Share of the stroke that must have been made when the command changes; see [`EARLY_SIGNIFICANCE`].
+pub const EARLY_SHARE: f64 = 0.005;
+
+/// How many times larger it must be than any of the motions before it: a servo that has not come to rest, or rings, moves in these, too.
+pub const EARLY_TO_EARLIER: f64 = 3.0;
+
 // Validation and comparison.
 
 /// Errors of samples judged from rest relative to the others, up to which a run began at rest. The noise of the

@@ -68,25 +68,32 @@ class Comparison(Printed):
 class Validation(Printed):
     """How well a model predicts data that it was not identified from. :func:`validate` gives it."""
 
-    @property
-    def fit_percent(self) -> float:
-        """100 for a perfect prediction, 0 for one no better than the mean (%)."""
-        return float(self._fields["fit_percent"])
+    def _linear(self, field: str) -> float | None:
+        found = self._fields.get(field)
+        return None if found is None else float(found)
 
     @property
-    def rmse(self) -> float:
+    def fit_percent(self) -> float | None:
+        """100 for a perfect prediction, 0 for one no better than the mean (%).
+
+        None, as the others, where the servo model alone can be validated."""
+        return self._linear("fit_percent")
+
+    @property
+    def rmse(self) -> float | None:
         """Root mean square of the error (unit of the output)."""
-        return float(self._fields["rmse"])
+        return self._linear("rmse")
 
     @property
-    def bias(self) -> float:
+    def bias(self) -> float | None:
         """Mean of measured less predicted (unit of the output)."""
-        return float(self._fields["bias"])
+        return self._linear("bias")
 
     @property
-    def samples_used(self) -> int:
+    def samples_used(self) -> int | None:
         """Number of samples with a prediction."""
-        return int(self._fields["samples_used"])
+        found = self._fields.get("samples_used")
+        return None if found is None else int(found)
 
     @property
     def servo_model(self) -> dict[str, Any] | None:
@@ -100,7 +107,9 @@ class Validation(Printed):
         return advice(self._fields)
 
     def __repr__(self) -> str:
-        return f"<Validation: fit {self.fit_percent:.2f} %, error {self.rmse:.3g} rms, {self.samples_used} samples>"
+        found = self.to_dict()
+        found = found if "fit_percent" in found else found["servo_model"]
+        return f"<Validation: fit {found['fit_percent']:.2f} %, error {found['rmse']:.3g} rms, {found['samples_used']} samples>"
 
 
 def compare(

@@ -88,7 +88,7 @@ pub(crate) fn validate(
         let servo = found.servo_model.as_ref();
         let unit = data.about.output_unit.as_deref();
         let text = summary::of_validation(
-            &found.validation,
+            found.validation.as_ref(),
             servo,
             found.own_fits(),
             unit,

@@ -11,7 +11,8 @@ use servoid_identification::servo_model::{self, ServoModelOptions, Watch, no_pre
 use servoid_identification::{Identification, Options, Record, Run, identify};
 
 /// Whether a servo model is looked for: on request, and where the servo is not linear or the result has no bounds, which leaves its
-/// user with little. Where the input follows the output the motion is that of a loop, and a model of it would be none of the servo.
+/// user with little. Where the input follows the output the motion is that of a loop, and where the output leads times count from nothing:
+/// a model of such a recording would be none of the servo.
 pub fn is_wanted(asked: bool, linear: &Model) -> bool {
     let withdrawn = linear.level().withdrawn();
     help(asked, linear.linear && withdrawn.is_none(), withdrawn)
@@ -23,9 +24,13 @@ pub fn are_compared(asked: bool, found: &Comparison) -> bool {
     help(asked, decided, found.bounds.withdrawn())
 }
 
-/// Whether servo models help: on request, and where a linear model does not suffice, but not behind a closed loop.
+/// Whether servo models help: on request, and where a linear model does not suffice, but not where the command is not what moved the servo.
 fn help(asked: bool, suffices: bool, withdrawn: Option<Reason>) -> bool {
-    asked || !suffices && withdrawn != Some(Reason::InputFollowsOutput)
+    let is_none = matches!(
+        withdrawn,
+        Some(Reason::InputFollowsOutput | Reason::EarlyMotion)
+    );
+    asked || !suffices && !is_none
 }
 
 /// What was found of the servo as a machine.
@@ -148,7 +153,7 @@ fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<
         .controller
         .and_then(|name| names.iter().position(|known| *known == name));
     let controllers: Vec<usize> = controller.into_iter().collect();
-    let by_servo = servo.model.simulate(&whole, &controllers).ok()?.pop()?;
+    let by_servo = servo.model.simulate(&whole, &controllers).pop()?;
     let by_linear = linear.simulate(&from_rest(&held_out.run, &linear));
     let stretch = |values: &[f64]| Some(values.get(held_out.samples.clone())?.to_vec());
     let measured = stretch(held_out.run.output())?;
@@ -183,5 +188,6 @@ mod tests {
         assert!(help(false, false, Some(Reason::ErrorsNotNoise)));
         assert!(!help(false, false, Some(Reason::InputFollowsOutput)));
         assert!(help(true, false, Some(Reason::InputFollowsOutput)));
+        assert!(!help(false, false, Some(Reason::EarlyMotion)));
     }
 }

@@ -13,9 +13,9 @@ use servoid_identification::results::{Advice, Check, Validation};
 /// The validation as its document has it, with advice on the files.
 #[derive(Debug, Serialize)]
 pub struct Validated {
-    /// That of the linear model.
+    /// That of the linear model; `None` where the servo model alone can be validated.
     #[serde(flatten)]
-    pub validation: Validation,
+    pub validation: Option<Validation>,
     /// The same of the servo model, where the file has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo_model: Option<Validation>,
@@ -33,8 +33,8 @@ impl Validated {
     /// Validates the model of `file`, which is called `model`, on the data, which are called `name`.
     ///
     /// # Errors
-    /// Different units or sample periods, a controller that the model does not know, and data without the history that it
-    /// needs.
+    /// Different units, a controller that the model does not know, and data of another sample period or without the history that the
+    /// model needs; the servo model needs neither.
     pub fn of(file: &ModelFile, model: &str, data: &Dataset, name: &str) -> Result<Self> {
         let servo = file.servo_model()?;
         let metadata = ModelMetadata::from(&data.about);
@@ -47,17 +47,25 @@ impl Validated {
             let controllers = data.controllers.among(&servo.controller_names)?;
             Ok(servo.model.validate(&data.record, &controllers)?)
         });
-        let validation = validation
-            .map_err(|error| without_history(error, servo.as_ref()))
-            .with_context(|| name.to_owned())?;
+        let servo_model = servo.transpose()?;
+        let (validation, only_servo) = match validation.map_err(of_its_own_period) {
+            Ok(found) => (Some(found), None),
+            Err(error) if servo_model.is_some() => (None, Some(only_servo_model(&error))),
+            Err(error) => return Err(error).with_context(|| name.to_owned()),
+        };
         let own = fingerprint::of(&data.record);
         let own = fingerprint::advice_on_validation(&file.fingerprints, &own);
-        let servo_model = servo.transpose()?;
         let unit = metadata.units().output.unwrap_or_default();
-        let of_linear = larger_error("linear", &validation, file.model.fit.rmse, unit);
+        let own_rmse = file.model.fit.rmse;
+        let of_linear = validation.as_ref();
+        let of_linear = of_linear.and_then(|found| larger_error("linear", found, own_rmse, unit));
         let of_servo = servo_model.as_ref().zip(own_rmse_of_servo);
         let of_servo = of_servo.and_then(|(found, own)| larger_error("servo", found, own, unit));
-        let own = own.into_iter().chain(of_linear).chain(of_servo);
+        let own = only_servo
+            .into_iter()
+            .chain(own)
+            .chain(of_linear)
+            .chain(of_servo);
         Ok(Self {
             validation,
             servo_model,
@@ -102,24 +110,22 @@ fn larger_error(kind: &str, found: &Validation, own_rmse: f64, unit: &str) -> Op
     })
 }
 
-/// The error of the linear model's validation. Where the record is too short for that model alone, what the servo model makes of
-/// it is said: it begins with the first samples and needs no history.
-fn without_history(error: Error, servo: Option<&anyhow::Result<Validation>>) -> anyhow::Error {
-    match (&error, servo) {
-        (Error::NoHistory { .. }, Some(Ok(servo))) => anyhow!(
-            "{error}; the servo model needs none, and predicts this recording to {:.2} % ({} samples)",
-            servo.fit_percent,
-            servo.samples_used
-        ),
-        _ => of_its_own_period(error),
-    }
+/// Why the servo model alone is validated: it is continuous in time and begins with the first samples.
+fn only_servo_model(error: &anyhow::Error) -> Advice {
+    Advice::new(
+        Check::History,
+        format!("The servo model alone is validated, because for the linear one {error}."),
+        0.0,
+        0.0,
+        "Nothing needs to be done where the servo model is used.",
+    )
 }
 
 /// The error of a validation: why a model is of one sample period.
 fn of_its_own_period(error: Error) -> anyhow::Error {
     match error {
         Error::PeriodMismatch { expected, found } => anyhow!(
-            "the model is of samples every {} ms and the recording has them every {} ms: a response is known at its own samples alone, so \
+            "the model has samples every {} ms and the recording has them every {} ms: a response is known at its own samples alone, so \
              record or resample every {} ms, or identify this recording by itself",
             1e3 * expected,
             1e3 * found,

@@ -30,7 +30,7 @@ pub(super) struct Validate {
     /// The result to write, as JSON
     #[arg(long, short, value_name = "FILE.json")]
     out: Option<PathBuf>,
-    /// Folder for plots of model against measurement
+    /// Folder for plots of the linear model against measurement
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
     #[command(flatten)]
@@ -55,7 +55,11 @@ impl Validate {
             ));
         }
         self.output.write_json(self.out.as_ref(), &validated)?;
-        if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
+        let linear = self
+            .plots
+            .as_ref()
+            .filter(|_| validated.validation.is_some());
+        if let (Some(folder), Some(first)) = (linear, self.files.first()) {
             let (name, first) = (stem(&self.model), stem(first));
             let named = [Named {
                 name: &name,
@@ -69,7 +73,7 @@ impl Validate {
             self.output.draw(folder, &figures)?;
         }
         let text = summary::of_validation(
-            &validated.validation,
+            validated.validation.as_ref(),
             validated.servo_model.as_ref(),
             validated.own_fits(),
             unit,

@@ -7,10 +7,11 @@
 use crate::data::model_file::{ModelFile, ModelFileError};
 use crate::data::model_metadata::unit_meant;
 use crate::data::units::Units;
+use servoid_identification::results::Noise;
 use servoid_identification::servo_model::ServoModel;
-use servoid_protocol::PulseWidth;
+use servoid_protocol::{PulseTrain, PulseWidth};
 use servoid_simulator::{
-    MachineParameters, OptionsError, SERVO_SCALE, ServoKind, SimulationOptions,
+    MachineParameters, NoiseKind, OptionsError, SERVO_SCALE, ServoKind, SimulationOptions,
 };
 use std::path::{Path, PathBuf};
 
@@ -131,6 +132,27 @@ pub fn caution(text: &str) -> Option<String> {
             "the servo model of {shown} predicts the recording that it comes from to {percent:.1} % only: what is simulated by it is not that servo"
         )
     })
+}
+
+/// The noise of the recording that the model in the file `text` names comes from (deg), for a rig of this sampling; `None` of a servo that is no
+/// model, and where `options` choose a noise of their own. Where the recording had another sample period, the noise is white, and as large.
+#[must_use]
+pub fn noise_of_model(text: &str, options: &SimulationOptions, train: PulseTrain) -> Option<Noise> {
+    let ServoKind::Machine(parameters) = &options.servo else {
+        return None;
+    };
+    let path = Path::new(text.split('?').next()?);
+    let found = ModelFile::read(path).ok()?.servo_model().ok()??.model;
+    if options.noise != NoiseKind::Full {
+        return None;
+    }
+    let same_period = (found.sample_period_s - train.sample_s()).abs() < 1e-9;
+    let (ar, sigma) = match same_period {
+        true => (found.noise.ar, found.noise.sigma),
+        false => (Vec::new(), found.fit.rmse),
+    };
+    let sigma = sigma * parameters.degrees_per_output;
+    Some(Noise { ar, sigma })
 }
 
 /// The servo of a model file.

@@ -20,8 +20,8 @@ pub struct AssumedServo {
     pub train: PulseTrain,
     /// The options of its simulation, which is not linear; `None` where only its linear model is known.
     pub simulation: Option<SimulationOptions>,
-    /// Standard deviation of white noise that replaces the simulation's own noise (deg).
-    pub white_noise: Option<f64>,
+    /// Noise that replaces the simulation's own (deg).
+    pub noise: Option<Noise>,
 }
 
 /// Why no servo can be assumed.
@@ -74,23 +74,26 @@ impl AssumedServo {
             model: identify(&record, &Options::default())?,
             train,
             simulation: Some(options.clone()),
-            white_noise: None,
+            noise: None,
         })
     }
 
-    /// The simulated servo of this name, or that of a servo model in a file.
+    /// The simulated servo of this name; or that of a servo model in a file, with the noise of its recording.
     ///
     /// # Errors
     /// [`AssumedServoError`].
     pub fn named(servo: &str, train: PulseTrain) -> Result<Self, AssumedServoError> {
-        let assumed = Self::simulated(&simulated_servo::options(servo)?, train)?;
-        Ok(match is_servo_model(servo) {
-            true => Self {
-                name: format!("the servo model of {servo}"),
-                ..assumed
+        let options = simulated_servo::options(servo)?;
+        let assumed = Self::simulated(&options, train)?;
+        Ok(
+            match simulated_servo::noise_of_model(servo, &options, train) {
+                Some(noise) => Self {
+                    name: format!("the servo model of {servo}"),
+                    ..assumed.with_noise(noise)
+                },
+                None => assumed,
             },
-            false => assumed,
-        })
+        )
     }
 
     /// The servo of a model file, of which the linear part is known.
@@ -116,24 +119,28 @@ impl AssumedServo {
     /// A servo that is known by its model alone.
     #[must_use]
     pub fn of_model(name: String, model: Model, train: PulseTrain) -> Self {
-        let (simulation, white_noise) = (None, None);
+        let (simulation, noise) = (None, None);
         Self {
             name,
             model,
             train,
             simulation,
-            white_noise,
+            noise,
         }
     }
 
     /// The same servo with white noise of this standard deviation (deg).
     #[must_use]
-    pub fn with_white_noise(mut self, sigma: f64) -> Self {
-        self.model.noise = Noise {
+    pub fn with_white_noise(self, sigma: f64) -> Self {
+        self.with_noise(Noise {
             ar: Vec::new(),
             sigma,
-        };
-        self.white_noise = Some(sigma);
+        })
+    }
+
+    fn with_noise(mut self, noise: Noise) -> Self {
+        self.model.noise = noise.clone();
+        self.noise = Some(noise);
         self
     }
 }

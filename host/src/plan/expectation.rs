@@ -39,7 +39,7 @@ impl Expectation {
             ..Options::default()
         };
         let assumed = &request.assumed;
-        let by_model_alone = assumed.simulation.is_none() && assumed.white_noise.is_none();
+        let by_model_alone = assumed.simulation.is_none() && assumed.noise.is_none();
         let mut all = Vec::new();
         for seed in 1..=simulations {
             let record = simulated(request, seed)?;

@@ -1,6 +1,6 @@
 //! What a run of the reference will determine of the servo as a machine.
 //!
-//! One simulated run is identified as a real one will be. A long run is thinned to at most [`MOST_SAMPLES`] samples, whose
+//! Simulated runs are identified as real ones will be, until one has intervals: noise withdraws those of one run in some. A long run is thinned to at most [`MOST_SAMPLES`] samples, whose
 //! intervals are wider than those of all samples.
 
 use super::request::PlanRequest;
@@ -9,9 +9,13 @@ use serde::Serialize;
 use servoid_identification::results::{Bounds, Reason};
 use servoid_identification::servo_model::{Quantity, ServoModelOptions, Terms, fit};
 use servoid_identification::{Error, Record, Run};
+use servoid_simulator::{ServoKind, SimulationOptions};
 
 /// Samples that are identified: some seconds of computing.
 const MOST_SAMPLES: usize = 8_000;
+
+/// Runs that are tried.
+const RUNS: u64 = 3;
 
 /// Thinnings that keep the edges of the command, which lie every 10 samples.
 const THINNINGS: [usize; 4] = [1, 2, 5, 10];
@@ -21,6 +25,8 @@ const THINNINGS: [usize; 4] = [1, 2, 5, 10];
 pub struct ServoQuantities {
     /// Of the samples of a run, every so many were identified.
     pub every: usize,
+    /// Simulated runs that were identified; all but the last had no intervals.
+    pub tried: u64,
     /// The terms that were found.
     pub terms: Terms,
     /// Level of the intervals; withdrawn where the run will have none.
@@ -33,16 +39,24 @@ pub struct ServoQuantities {
 }
 
 impl ServoQuantities {
-    /// From one simulated run.
+    /// From the first of some simulated runs that has intervals, or else the last.
     ///
     /// # Errors
     /// The run is too short.
     pub(super) fn of(request: &PlanRequest) -> Result<Self, Error> {
+        let mut found = Self::of_run(request, 1)?;
+        while found.level.withdrawn() == Some(Reason::ErrorsNotNoise) && found.tried < RUNS {
+            found = Self::of_run(request, found.tried + 1)?;
+        }
+        Ok(found)
+    }
+
+    fn of_run(request: &PlanRequest, number: u64) -> Result<Self, Error> {
         let one = PlanRequest {
             runs: 1,
             ..request.clone()
         };
-        let record = simulated(&one, 1)?;
+        let record = simulated(&one, number)?;
         let thinnings = THINNINGS.into_iter();
         let fits = |every: &usize| record.samples() / every <= MOST_SAMPLES;
         let every = thinnings.clone().find(fits).or(thinnings.last());
@@ -58,10 +72,13 @@ impl ServoQuantities {
         };
         let found = fit(&record, &options)?;
         let level = found.covariance.as_ref().map(|found| found.level);
+        let is_machine = |rig: &SimulationOptions| matches!(rig.servo, ServoKind::Machine(_));
+        let is_of_equation = simulation.is_some_and(is_machine);
         Ok(Self {
             every,
+            tried: number,
             terms: found.terms,
-            remedies: remedies(found.terms, &level, &found.quantities),
+            remedies: remedies(is_of_equation, found.terms, &level, &found.quantities),
             level,
             quantities: found.quantities,
         })
@@ -79,8 +96,14 @@ fn thinned(record: &Record, every: usize) -> Result<Record<'static>, Error> {
     Record::new(record.sample_period_s() * every as f64, runs?)
 }
 
-/// What to record for what is not determined, the most important first.
-fn remedies(terms: Terms, level: &Bounds<f64>, quantities: &[Quantity]) -> Vec<&'static str> {
+/// What to record for what is not determined, the most important first. A servo may have what the equation lacks, unless it is a model
+/// of that equation.
+fn remedies(
+    is_of_equation: bool,
+    terms: Terms,
+    level: &Bounds<f64>,
+    quantities: &[Quantity],
+) -> Vec<&'static str> {
     let open = |names: &[&str]| {
         quantities
             .iter()
@@ -90,6 +113,9 @@ fn remedies(terms: Terms, level: &Bounds<f64>, quantities: &[Quantity]) -> Vec<&
         Some(Reason::InputUnexcited) => Some(
             "take a reference with more than two levels, such as stairs or a table of random steps: two positions of rest do not \
              distinguish friction, dead band and load from gain and offset",
+        ),
+        Some(_) if is_of_equation => Some(
+            "take longer holds, so that noise at rest can be distinguished from errors in motion",
         ),
         Some(_) => Some(
             "take longer holds, so that noise at rest can be distinguished from errors in motion; if that does not help, the servo has what \

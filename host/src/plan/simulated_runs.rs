@@ -5,7 +5,7 @@ use crate::instrument::rig::roll_frames;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use servoid_identification::results::Model;
+use servoid_identification::results::{Model, Noise};
 use servoid_identification::{Error, Record, Run};
 use servoid_protocol::Degrees;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
@@ -48,7 +48,7 @@ pub(super) fn simulated(request: &PlanRequest, seed: u64) -> Result<Record<'stat
 /// The response of the model, with its noise (deg).
 fn of_model(model: &Model, input: &[f64], random: &mut ChaCha8Rng) -> Vec<f64> {
     let undisturbed = model.simulate_input(input, Some(0.0));
-    let noise = noise(random, model, input.len());
+    let noise = coloured(random, &model.noise, input.len());
     undisturbed.iter().zip(noise).map(|(y, v)| y + v).collect()
 }
 
@@ -66,27 +66,25 @@ fn of_simulation(
     // These options have made the assumed model already, so they are valid.
     let frames = simulate_train(options, train, pulses)
         .map_err(|_| Error::AllMissing { column: "output" })?;
-    let mut output = Vec::new();
-    for frame in frames.skip(rest) {
-        match request.assumed.white_noise {
-            None => output.extend(frame.degrees()),
-            Some(sigma) => output.extend(frame.angles.map(|angle| {
-                let white: f64 = StandardNormal.sample(random);
-                angle + sigma * white
-            })),
+    let frames = frames.skip(rest);
+    Ok(match &request.assumed.noise {
+        None => frames.flat_map(|frame| frame.degrees()).collect(),
+        Some(noise) => {
+            let angles: Vec<f64> = frames.flat_map(|frame| frame.angles).collect();
+            let noise = coloured(random, noise, angles.len());
+            angles.iter().zip(noise).map(|(y, v)| y + v).collect()
         }
-    }
-    Ok(output)
+    })
 }
 
 /// Coloured noise v = ε/D(z) (deg).
-fn noise(random: &mut ChaCha8Rng, model: &Model, count: usize) -> Vec<f64> {
-    let (ar, sigma) = (&model.noise.ar, model.noise.sigma);
-    let mut noise: Vec<f64> = Vec::with_capacity(RUN_UP + count);
+fn coloured(random: &mut ChaCha8Rng, noise: &Noise, count: usize) -> Vec<f64> {
+    let (ar, sigma) = (&noise.ar, noise.sigma);
+    let mut values: Vec<f64> = Vec::with_capacity(RUN_UP + count);
     for _ in 0..RUN_UP + count {
         let white: f64 = StandardNormal.sample(random);
-        let past = ar.iter().zip(noise.iter().rev());
-        noise.push(sigma * white - past.map(|(d, v)| d * v).sum::<f64>());
+        let past = ar.iter().zip(values.iter().rev());
+        values.push(sigma * white - past.map(|(d, v)| d * v).sum::<f64>());
     }
-    noise.split_off(RUN_UP)
+    values.split_off(RUN_UP)
 }

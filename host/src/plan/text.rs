@@ -80,6 +80,7 @@ fn none_because(reason: Reason) -> String {
             "take a reference with sharp edges, or a sensor with finer steps"
         }
         Reason::BeyondRecord => "plan with a model of a recording with strokes as large as these",
+        Reason::EarlyMotion => "write the command when it is sent",
         Reason::InputFollowsOutput => "record with a reference that was planned before",
         Reason::ResponseNotOver => "take longer holds, and a longer reference",
     };
@@ -181,8 +182,13 @@ fn servo_model(plan: &Plan) -> String {
         1 => "all samples".to_owned(),
         every => format!("every {every}th sample: all of them give narrower intervals"),
     };
+    let tried = match (found.tried, found.level.withdrawn()) {
+        (1, _) => String::new(),
+        (tried, None) => format!("; {} of {tried} runs had no intervals", tried - 1),
+        (tried, Some(_)) => format!("; none of {tried} runs had intervals"),
+    };
     let mut text = format!(
-        "\nThe servo as a machine, as identified on a simulated run ({samples})\n  {}\n",
+        "\nThe servo as a machine, as identified on a simulated run ({samples}{tried})\n  {}\n",
         summary::terms_in_words(found.terms)
     );
     if let Bounds::Withdrawn(reason) = &found.level {

@@ -35,16 +35,16 @@ fn modelled(dir: &Path, name: &str, servo: &str, reference: &[&str]) -> PathBuf 
     model
 }
 
-/// The first strokes of a recording as a table of another program.
-fn beginning(recording: &Path, table: &Path) {
+/// Some of the rows of a recording as a table of another program.
+fn table(recording: &Path, table: &Path, rows: impl Fn(usize) -> bool) {
     let text = std::fs::read_to_string(recording).unwrap();
-    let rows = text
+    let lines = text
         .lines()
         .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
     let mut out = String::from("t_s,u_deg,y_deg\n");
-    for row in rows.skip(395).take(45) {
+    for (_, row) in lines.enumerate().filter(|(number, _)| rows(*number)) {
         let cells: Vec<&str> = row.split(',').collect();
-        out += &format!("{},{},{}\n", cells[1], cells[4], cells[5]);
+        out += &format!("{},{},{}\n", cells[1], cells[2], cells[3]);
     }
     std::fs::write(table, out).unwrap();
 }
@@ -72,19 +72,27 @@ fn a_simulated_model_is_found_again() {
         arg(&first),
         &[&STAIRS[..], &["--seed", "2"]].concat(),
     );
-    let short = dir.path().join("short.csv");
-    beginning(&dir.path().join("again.csv"), &short);
-    let named = "--input u_deg --output y_deg --time t_s".split(' ');
-    let args: Vec<&str> = ["validate", arg(&first), arg(&short)]
-        .into_iter()
-        .chain(named)
-        .collect();
-    // Too short for the linear model alone.
-    let said = refusal(&args);
-    assert!(
-        said.contains("the servo model needs none, and predicts"),
-        "{said}"
-    );
+    // Too short for the linear model, and of another sample period.
+    let (short, seldom) = (dir.path().join("short.csv"), dir.path().join("seldom.csv"));
+    table(&dir.path().join("again.csv"), &short, |row| {
+        (395..440).contains(&row)
+    });
+    table(&dir.path().join("again.csv"), &seldom, |row| row % 10 == 0);
+    for (recording, because) in [(&short, "no sample"), (&seldom, "every 20 ms")] {
+        let args = ["validate", arg(&first), arg(recording), "--json"];
+        let named = "--input u_deg --output y_deg --time t_s".split(' ');
+        let args: Vec<&str> = args.into_iter().chain(named).collect();
+        let found: Value = serde_json::from_str(&run(&args)).unwrap();
+        assert!(found["fit_percent"].is_null(), "{found}");
+        let fit = found["servo_model"]["fit_percent"].as_f64().unwrap();
+        // Noise of .05 deg beside strokes of degrees; the rows of a table are taken to be at the edges of the command.
+        assert!(fit > 90.0, "{found}");
+        let said = found["advice"][0]["finding"].as_str().unwrap();
+        assert!(
+            said.starts_with("The servo model alone is validated") && said.contains(because),
+            "{said}"
+        );
+    }
     let (first, again) = (json(&first), json(&again));
     assert_eq!(
         first["servo_model"]["terms"]["limit"], true,

@@ -147,12 +147,13 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
                 false => 0,
             };
             let position = |level: f64| with(format!("{level:.decimals$}"), &options.output_unit);
-            format!(
-                "; commanded {} it comes to rest at {}, the first at {}",
-                with(signed(command), &options.input_unit),
-                position(b),
-                position(a)
-            )
+            let commanded = with(signed(command), &options.input_unit);
+            match (position(a), position(b)) {
+                (a, b) if a == b => format!("; commanded {commanded} both come to rest at {a}"),
+                (a, b) => {
+                    format!("; commanded {commanded} it comes to rest at {b}, the first at {a}")
+                }
+            }
         })
 }
 

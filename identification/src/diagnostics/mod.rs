@@ -2,6 +2,7 @@
 
 mod advice;
 mod correlogram;
+mod early_motion;
 mod explanation;
 mod feedback;
 mod filtered_rows;
@@ -25,6 +26,7 @@ mod simulation_error;
 mod slow_end;
 mod spikes;
 mod standstill_noise;
+mod travel_end;
 mod uneven_noise;
 mod validity;
 
@@ -32,6 +34,7 @@ pub use crate::estimation::{Excitation, OrderCandidate, Solver};
 pub use crate::selection::{Choice, SettlingCandidate};
 pub(crate) use advice::{Evidence, gather_advice};
 pub use correlogram::Correlogram;
+pub(crate) use early_motion::early_motion;
 pub use explanation::{Bank, Explanation, Resolution};
 pub use feedback::Feedback;
 pub(crate) use feedback::feedback;

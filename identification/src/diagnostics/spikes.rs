@@ -17,54 +17,80 @@ pub(super) struct Course<'a> {
     pub(super) in_motion: Vec<bool>,
 }
 
-impl Course<'_> {
-    /// The distance of sample `k` from the lines through the two samples before and the two after it, where it is on one side of
-    /// both, in the output and in the errors: the least of all. 0 elsewhere, and where one of these samples is missing.
-    fn stands_out(&self, k: usize) -> f64 {
-        let of = |course: &[f64]| {
-            let before = k.checked_sub(2).and_then(|from| course.get(from..k))?;
-            let after = course.get(k + 1..k + 3)?;
-            Some([
-                course[k] - (2.0 * before[1] - before[0]),
-                course[k] - (2.0 * after[0] - after[1]),
-            ])
-        };
-        let Some(([a, b], [c, d])) = of(self.measured).zip(of(self.errors)) else {
-            return 0.0;
-        };
-        let all = [a, b, c, d];
-        let on_one_side = all.iter().all(|by| *by > 0.0) || all.iter().all(|by| *by < 0.0);
-        let least = all
+/// The distance of sample `k` from the lines through the two samples before and the two after it, where it is on one side of
+/// both in all `courses`: the least of all. 0 elsewhere, and where one of these samples is missing.
+fn stands_out(courses: &[&[f64]], k: usize) -> f64 {
+    let of = |course: &&[f64]| {
+        let before = k.checked_sub(2).and_then(|from| course.get(from..k))?;
+        let after = course.get(k + 1..k + 3)?;
+        Some([
+            course[k] - (2.0 * before[1] - before[0]),
+            course[k] - (2.0 * after[0] - after[1]),
+        ])
+    };
+    let all: Option<Vec<[f64; 2]>> = courses.iter().map(of).collect();
+    let all = all.unwrap_or_default().concat();
+    let on_one_side = all.iter().all(|by| *by > 0.0) || all.iter().all(|by| *by < 0.0);
+    match on_one_side && !all.is_empty() {
+        true => all
             .iter()
-            .fold(f64::INFINITY, |least, by| least.min(by.abs()));
-        if on_one_side { least } else { 0.0 }
+            .fold(f64::INFINITY, |least, by| least.min(by.abs())),
+        false => 0.0,
     }
 }
 
-/// The spikes of each run, as indices of run and sample. What stands out in motion is compared with what usually does there.
+/// How far each sample stands out, in output and errors, and in the output alone.
+struct Distances {
+    both: Vec<f64>,
+    measured: Vec<f64>,
+}
+
+impl Distances {
+    fn of(course: &Course<'_>) -> Self {
+        let all = |courses: &[&[f64]]| {
+            let samples = 0..course.errors.len();
+            samples.map(|k| stands_out(courses, k)).collect()
+        };
+        Self {
+            both: all(&[course.measured, course.errors]),
+            measured: all(&[course.measured]),
+        }
+    }
+}
+
+/// The spikes of each run, as indices of run and sample. What stands out in motion is compared with what usually does there. The first
+/// samples of a run, which a model needs as history, have no errors: there the output must stand out farther than anywhere else.
 pub(super) fn spikes(courses: &[Course<'_>]) -> Vec<(usize, usize)> {
-    let by: Vec<Vec<f64>> = (courses.iter())
-        .map(|course| {
-            (0..course.errors.len())
-                .map(|k| course.stands_out(k))
-                .collect()
-        })
-        .collect();
+    let distances: Vec<Distances> = courses.iter().map(Distances::of).collect();
     let limit = |of_motion: bool| {
-        let pairs = courses.iter().zip(&by);
-        let pairs = pairs.flat_map(|(course, by)| course.in_motion.iter().zip(by));
+        let pairs = courses.iter().zip(&distances);
+        let pairs = pairs.flat_map(|(course, by)| course.in_motion.iter().zip(&by.both));
         let of_kind = pairs.filter(|(moving, _)| **moving == of_motion);
         SPIKE * usual(of_kind.map(|(_, by)| *by).collect())
     };
     // Motion bends at its beginning and end, too, where it hardly counts as motion.
     let limit = limit(false).max(limit(true));
-    let of_run = |(run, by): (usize, &Vec<f64>)| -> Vec<(usize, usize)> {
-        let samples = by.iter().enumerate();
-        let beyond = samples.filter(|(_, by)| limit > 0.0 && **by > limit);
-        beyond.map(|(k, _)| (run, k)).collect()
+    let is_spike = |by: f64| limit > 0.0 && by > limit;
+    let mut farthest = limit;
+    for (course, by) in courses.iter().zip(&distances) {
+        let known = course.errors.iter().zip(by.both.iter().zip(&by.measured));
+        let usual = known.filter(|(error, (both, _))| !error.is_nan() && !is_spike(**both));
+        farthest = usual.fold(farthest, |most, (_, (_, measured))| most.max(*measured));
+    }
+    let of_run = |(run, (course, by)): (usize, (&Course<'_>, &Distances))| -> Vec<(usize, usize)> {
+        let is_found = |k: &usize| match course.errors[*k].is_nan() {
+            true => limit > 0.0 && by.measured[*k] > FARTHER * farthest,
+            false => is_spike(by.both[*k]),
+        };
+        let found = (0..course.errors.len()).filter(is_found);
+        found.map(|k| (run, k)).collect()
     };
-    by.iter().enumerate().flat_map(of_run).collect()
+    let runs = courses.iter().zip(&distances).enumerate();
+    runs.flat_map(of_run).collect()
 }
+
+/// How many times farther than all others a sample without error must stand out: the farthest of some others is no rare event.
+const FARTHER: f64 = 1.5;
 
 /// The quantile of what is usual; 0 of no values.
 fn usual(mut values: Vec<f64>) -> f64 {
@@ -105,6 +131,13 @@ mod tests {
         assert_eq!(found(&glitches, &glitches), [(0, 50), (0, 103)]);
         // A model that is wrong for one sample.
         assert!(found(&clean, &glitches).is_empty());
+        // Before the history of a model there are no errors.
+        glitches[20] += 8.0;
+        let mut errors = glitches.clone();
+        errors[..30].fill(f64::NAN);
+        assert_eq!(found(&glitches, &errors), [(0, 20), (0, 50), (0, 103)]);
+        errors[..45].copy_from_slice(&clean[..45]);
+        glitches[20] -= 8.0;
         // Two samples in a row are no spike: a motion may be as fast.
         glitches[51] += 8.0;
         assert_eq!(found(&glitches, &glitches), [(0, 103)]);

@@ -3,6 +3,7 @@
 //! This is the one place where that is decided, from the evidence alone, before anything is drawn or written.
 //! Nothing else makes bounds valid; everything else derives its own from the level that is given here.
 
+use crate::diagnostics::early_motion::EarlyMotion;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::rise_at_end::rise_at_end;
 use crate::estimation::{Excitation, FsfBasis};
@@ -21,6 +22,8 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) quantised: bool,
     /// Whether the response goes on beyond the longest N.
     pub(crate) unsettled: bool,
+    /// Motion before its command.
+    pub(crate) early_motion: Option<EarlyMotion>,
     /// Whether the input follows the output.
     pub(crate) closed_loop: bool,
     /// Whether the response at lag 0 shows that a smooth input does not separate lags.
@@ -42,6 +45,8 @@ pub(crate) struct Validity {
     pub(crate) unexcited_above_hz: Option<f64>,
     /// The lowest frequency that was left out by the caller's choice \[Hz\], where nothing bounds what that does.
     pub(crate) left_out_above_hz: Option<f64>,
+    /// Motion before its command, which no servo makes.
+    pub(crate) early_motion: Option<EarlyMotion>,
     /// Why metrics are left out, where they are.
     pub(crate) withheld: Option<Withheld>,
     /// Whether the final value is supported all the same.
@@ -51,14 +56,18 @@ pub(crate) struct Validity {
 impl Validity {
     /// Decides; bounds that hold have `level`.
     ///
-    /// An input that excites only part of the response leaves errors that do not look like noise either, so it
-    /// comes first. Under a smooth input the effect of rounding grows with everything else, and nothing bounds it.
+    /// Where the servo moves before its command, everything else may be its consequence. An input that excites only part of the
+    /// response leaves errors that do not look like noise either, so it comes next. Under a smooth input the effect of rounding grows with everything else, and nothing bounds it.
     pub(crate) fn new(evidence: &ValidityEvidence<'_>, level: f64) -> Self {
-        let unexcited_above_hz = evidence.unexcited_above_hz();
+        let early_motion = evidence.early_motion;
+        let in_time = || early_motion.is_none().then_some(());
+        let unexcited_above_hz = in_time().and_then(|()| evidence.unexcited_above_hz());
         let left_out_above_hz = evidence
             .left_out_above_hz()
             .filter(|_| unexcited_above_hz.is_none());
-        let reason = if unexcited_above_hz.is_some() {
+        let reason = if early_motion.is_some() {
+            Some(Reason::EarlyMotion)
+        } else if unexcited_above_hz.is_some() {
             Some(Reason::InputUnexcited)
         } else if left_out_above_hz.is_some() {
             Some(Reason::FrequenciesLeftOut)
@@ -79,6 +88,7 @@ impl Validity {
             .misfit
             .filter(|misfit| misfit.disagreement(evidence.step) > DISAGREEMENT);
         let (withheld, gain_is_supported) = match disagreeing {
+            _ if early_motion.is_some() => (Some(Withheld::EarlyMotion), true),
             _ if evidence.lags_are_mixed && evidence.misfit.is_none() => {
                 (Some(Withheld::InputUnexcited), false)
             }
@@ -106,6 +116,7 @@ impl Validity {
             level: reason.map_or(Bounds::Valid(level), Bounds::Withdrawn),
             unexcited_above_hz,
             left_out_above_hz,
+            early_motion,
             withheld,
             gain_is_supported,
         }

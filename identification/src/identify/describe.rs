@@ -8,6 +8,7 @@ use super::task::Task;
 use crate::data::{Run, Timing};
 use crate::diagnostics::{
     Bank, Explanation, Resolution, RunComparison, Validity, ValidityEvidence, contradicted_rest,
+    early_motion,
 };
 use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
@@ -35,6 +36,7 @@ pub(super) fn validity(
         quantised: allowances.quantisation.is_some(),
         unsettled: fitted.slow_end.is_some()
             || (allowances.quantisation.is_none() && still_moves(fitted, responses)),
+        early_motion: task.record.and_then(early_motion),
         closed_loop: is_closed_loop(fitted),
         // What a caller leaves out is in the errors, and inputs to come show it where they were planned.
         lags_are_mixed: (fitted.feedback).is_some_and(|found| {

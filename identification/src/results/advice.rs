@@ -60,6 +60,8 @@ pub enum Check {
     Feedback,
     /// Whether the output moves before the input.
     OutputLeads,
+    /// Whether the servo moves before its command changes.
+    EarlyMotion,
     /// Whether any model predicts the record.
     Prediction,
     /// Whether the response goes on beyond the longest time that can be judged, or the settling time that was given.
@@ -113,6 +115,8 @@ pub enum Check {
     SensorDelay,
     /// Stretches in which the sensor's reading stood still though the command changed.
     FrozenSensor,
+    /// Whether the output stops at an angle within the range of the commands.
+    TravelEnd,
     /// Whether the output stops following the input within a run.
     Stopped,
     /// One that this version does not know.
@@ -133,7 +137,13 @@ impl Check {
     pub fn comes_first(&self) -> bool {
         matches!(
             self,
-            Self::Period | Self::OutputLeads | Self::Feedback | Self::Prediction | Self::Stopped
+            Self::Period
+                | Self::OutputLeads
+                | Self::EarlyMotion
+                | Self::TravelEnd
+                | Self::Feedback
+                | Self::Prediction
+                | Self::Stopped
         )
     }
 
@@ -150,6 +160,8 @@ impl Check {
                 | Self::Settled
                 | Self::Feedback
                 | Self::OutputLeads
+                | Self::EarlyMotion
+                | Self::TravelEnd
         )
     }
 }

@@ -24,5 +24,5 @@ pub(crate) use step_response::Biases;
 pub use step_response::{PointwiseBand, SimultaneousBand, StepBounds, StepResponse};
 pub(crate) use usable_numbers::is_sized;
 pub use validation::Validation;
-pub(crate) use validation::{command_before, fit_percent, require_period};
+pub(crate) use validation::{command_before, fit_percent};
 pub use validity::{Bounds, Reason, Withdrawn};

@@ -85,7 +85,7 @@ impl Validation {
 }
 
 /// Requires that a record has the sample period `expected` \[s\].
-pub(crate) fn require_period(record: &Record, expected: f64) -> Result<(), Error> {
+fn require_period(record: &Record, expected: f64) -> Result<(), Error> {
     let found = record.sample_period_s();
     if ((found - expected) / expected).abs() > PERIOD_TOLERANCE {
         return Err(Error::PeriodMismatch { expected, found });

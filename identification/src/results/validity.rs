@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize, Serializer};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reason {
+    /// The servo moves before its command changes, as where commands were written late.
+    EarlyMotion,
     /// The input lacks the frequencies that part of the response consists of.
     InputUnexcited,
     /// The number of frequencies that was asked for leaves out more than can be bounded, though the input has it.
@@ -33,6 +35,7 @@ impl Reason {
     #[must_use]
     pub fn because(self) -> &'static str {
         match self {
+            Self::EarlyMotion => "the servo moves before its command",
             Self::InputUnexcited => "the reference does not excite all of the response",
             Self::FrequenciesLeftOut => {
                 "part of the response lies at frequencies that were left out"

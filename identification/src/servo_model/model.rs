@@ -8,7 +8,7 @@ use super::quantities::{Quantity, widen_delay};
 use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
-use crate::results::{Bounds, Noise, Reason, Validation, pointwise_critical, require_period};
+use crate::results::{Bounds, Noise, Reason, Validation, pointwise_critical};
 use crate::thresholds::{LINEAR_MODEL_ADVANTAGE, SERVO_ERROR_BEYOND_RECORD};
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{Dual, Grid, Scalar, ServoParameters, Start, simulate};
@@ -277,12 +277,10 @@ impl ServoModel {
     }
 
     /// The output of each run of a record, simulated from its input and its first samples. NaN where an input is missing,
-    /// until the motion is known again. `controllers` has the controller of each run; without it, all have the first.
-    ///
-    /// # Errors
-    /// The record has another sample period.
-    pub fn simulate(&self, record: &Record, controllers: &[usize]) -> Result<Vec<Vec<f64>>, Error> {
-        require_period(record, self.sample_period_s)?;
+    /// until the motion is known again. `controllers` has the controller of each run; without it, all have the first. The model is
+    /// continuous in time, so the record may have any sample period.
+    #[must_use]
+    pub fn simulate(&self, record: &Record, controllers: &[usize]) -> Vec<Vec<f64>> {
         let point = self.point();
         let grid = self.grid(record.timing());
         let (mut parts, _) = stretches(record, controllers);
@@ -296,15 +294,15 @@ impl ServoModel {
                 output[k] = y
             });
         }
-        Ok(outputs)
+        outputs
     }
 
     /// Simulates every run of a record that the model has not seen, from its input and its first samples, and compares.
     ///
     /// # Errors
-    /// As [`ServoModel::simulate`]; or the record has no sample that can be compared.
+    /// The record has no sample that can be compared.
     pub fn validate(&self, record: &Record, controllers: &[usize]) -> Result<Validation, Error> {
-        let simulated = self.simulate(record, controllers)?;
+        let simulated = self.simulate(record, controllers);
         let measured = record.runs().iter().flat_map(Run::output).copied();
         let pairs = measured.zip(simulated.into_iter().flatten());
         Validation::of_pairs(pairs).ok_or(Error::NoHistory { history: 1 })

@@ -53,7 +53,7 @@ fn table(part: &Part<'_>) -> Option<String> {
         .iter()
         .map(|quantity| row(summary::quantity_row(quantity, units)))
         .collect();
-    let advice: String = summary::what_to_record(&model.quantities)
+    let advice: String = summary::advice_on_servo_model(model)
         .iter()
         .map(|advice| format!("<p>{}</p>\n", escape(advice)))
         .collect();

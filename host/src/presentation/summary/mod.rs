@@ -35,8 +35,8 @@ pub(crate) use layout::{listed_words, wrapped};
 pub(crate) use metrics::{difference_rows, metric_rows, withheld_line};
 pub(crate) use numbers::{decimals, head_of_bounds, percent, probability};
 pub(crate) use servo_model::{
-    QuantityRow, four_digits, quantities, quantity_row, quantity_text, terms_in_words,
-    what_to_record,
+    QuantityRow, advice_on_servo_model, four_digits, quantities, quantity_row, quantity_text,
+    terms_in_words,
 };
 
 use crate::data::units::Units;
@@ -173,28 +173,32 @@ fn step_band(model: &Model) -> String {
 /// the recording that they come from \[%\], which identification prints.
 #[must_use]
 pub fn of_validation(
-    validation: &Validation,
+    linear: Option<&Validation>,
     servo_model: Option<&Validation>,
     own_fits: (f64, Option<f64>),
     unit: Option<&str>,
     advice: &[Advice],
 ) -> String {
-    let linear = validation_line(validation, unit);
     let (own, own_of_servo) = own_fits;
-    let own = match own_of_servo.filter(|_| servo_model.is_some()) {
-        Some(of_servo) => format!("{of_servo:.2} % (servo model) and {own:.2} %"),
-        None => format!("{own:.2} %"),
+    let line = |found| validation_line(found, unit);
+    let own_of_servo = own_of_servo.filter(|_| servo_model.is_some());
+    let own = match (linear, own_of_servo) {
+        (Some(_), Some(of_servo)) => format!("{of_servo:.2} % (servo model) and {own:.2} %"),
+        (None, Some(of_servo)) => format!("{of_servo:.2} %"),
+        (_, None) => format!("{own:.2} %"),
     };
-    let text = match servo_model {
-        None => linear,
-        Some(servo) => {
-            let servo = validation_line(servo, unit);
-            format!("servo model:  {servo}linear model: {linear}")
+    let text = match (linear.map(line), servo_model.map(line)) {
+        (Some(linear), None) => linear,
+        (linear, servo) => {
+            let named = |name: &str, line: String| format!("{name:<13} {line}");
+            let servo = servo.map(|line| named("servo model:", line));
+            let linear = linear.map(|line| named("linear model:", line));
+            servo.into_iter().chain(linear).collect()
         }
     };
-    let best = servo_model.map_or(validation.fit_percent, |servo| {
-        servo.fit_percent.max(validation.fit_percent)
-    });
+    let fits = linear.into_iter().chain(servo_model);
+    let fits = fits.map(|found| found.fit_percent);
+    let best = fits.fold(f64::NEG_INFINITY, f64::max);
     let foreign = match best < 0.0 {
         true => {
             "\n  ! The model predicts this recording worse than its mean does.\n    Check that the servo, the columns and their units are those of the model.\n"

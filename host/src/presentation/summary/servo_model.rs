@@ -30,11 +30,7 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
         );
     }
     text += &quantities(&model.quantities, level, units);
-    let advice = match model.is_linear() && level.valid().is_some() {
-        true => vec![LINEAR_IS_SHARPER],
-        false => what_to_record(&model.quantities),
-    };
-    for advice in advice {
+    for advice in advice_on_servo_model(model) {
         text += &format!("  {}\n", wrapped(advice, 2));
     }
     if explain {
@@ -49,6 +45,14 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
         );
     }
     text
+}
+
+/// What to say below the quantities of a servo model.
+pub(crate) fn advice_on_servo_model(model: &ServoModel) -> Vec<&'static str> {
+    match model.is_linear() && model.covariance.valid().is_some() {
+        true => vec![LINEAR_IS_SHARPER],
+        false => what_to_record(&model.quantities),
+    }
 }
 
 /// Said of a servo model without any term beyond a linear servo.
@@ -132,7 +136,7 @@ const WHAT_SHOWS: [(&[&str], &str, &str); 3] = [
 ];
 
 /// What to record for the quantities that this recording leaves open.
-pub(crate) fn what_to_record(quantities: &[Quantity]) -> Vec<&'static str> {
+fn what_to_record(quantities: &[Quantity]) -> Vec<&'static str> {
     let open = |names: &&[&str]| {
         let mut left_open = quantities.iter().filter(|found| !found.determined);
         left_open.any(|found| names.iter().any(|name| found.name.starts_with(name)))
@@ -167,11 +171,15 @@ pub(crate) struct QuantityRow {
 /// A quantity in the units that people use.
 pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
     let (scale, unit) = scale_and_unit(quantity.unit, units);
-    let shown = |value: f64| four_digits(scale * value);
+    let width = |least: f64, most: f64| scale * (most - least);
+    let known = quantity.interval.valid();
+    let known = known.and_then(|found| found.lower.zip(found.upper));
+    let fits = quantity.other_fits;
+    let fits = fits.map(|Spread { least, most }| width(least, most));
     // How sure the last digits are is not known without an interval.
-    let stated = |value: f64| match quantity.interval.valid() {
-        Some(_) => shown(value),
-        None => three_digits(scale * value),
+    let shown = |value: f64| match quantity.interval.valid() {
+        Some(_) => digits_beside(scale * value, 4, known.map(|(low, high)| width(low, high))),
+        None => digits_beside(scale * value, 3, fits),
     };
     let interval = quantity.interval.valid().map(|found: &Interval| {
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), shown);
@@ -188,17 +196,12 @@ pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow
         }
     });
     let value = match quantity.determined {
-        true => stated(quantity.value),
+        true => shown(quantity.value),
         false => "-".to_owned(),
     };
     let spread = quantity.other_fits.filter(|_| quantity.determined);
-    let spread = spread.map(|Spread { least, most }| {
-        format!(
-            "other fits {} to {}",
-            three_digits(scale * least),
-            three_digits(scale * most)
-        )
-    });
+    let spread = spread
+        .map(|Spread { least, most }| format!("other fits {} to {}", shown(least), shown(most)));
     QuantityRow {
         name: quantity.name.clone(),
         value,
@@ -255,6 +258,7 @@ pub(super) fn turn_time_s(speed: f64, units: Units<'_>) -> Option<f64> {
 /// Factor to the unit that people use, and its name.
 pub(super) fn scale_and_unit(unit: Unit, units: Units<'_>) -> (f64, String) {
     let output = units.output.unwrap_or("");
+    let some_output = units.output.unwrap_or("units");
     match unit {
         Unit::Seconds => (1e3, "ms".to_owned()),
         Unit::Hertz => (1.0, "Hz".to_owned()),
@@ -262,8 +266,8 @@ pub(super) fn scale_and_unit(unit: Unit, units: Units<'_>) -> (f64, String) {
         Unit::OutputPerCommand => (1.0, units.gain().unwrap_or_default()),
         Unit::Command => (1.0, units.input.unwrap_or("").to_owned()),
         Unit::Output => (1.0, output.to_owned()),
-        Unit::OutputPerSecond => (1.0, format!("{output}/s")),
-        Unit::OutputPerSecondSquared => (1.0, format!("{output}/s2")),
+        Unit::OutputPerSecond => (1.0, format!("{some_output}/s")),
+        Unit::OutputPerSecondSquared => (1.0, format!("{some_output}/s2")),
     }
 }
 
@@ -312,23 +316,31 @@ pub(crate) fn four_digits(value: f64) -> String {
     digits(value, 4)
 }
 
-/// The same with three.
-fn three_digits(value: f64) -> String {
-    digits(value, 3)
-}
-
 /// A number with so many digits.
 pub(super) fn digits(value: f64, count: usize) -> String {
-    let leading = value.abs().log10().floor();
-    if leading.is_finite() && !POWERS.contains(&leading) {
+    digits_beside(value, count, None)
+}
+
+/// Digits of the width of an interval that are shown: what is smaller says nothing.
+const OF_WIDTH: usize = 3;
+
+/// A number with so many digits at most, and none that is small beside the `width` of its interval.
+fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
+    let leading = |value: f64| Some(value.abs().log10().floor()).filter(|power| power.is_finite());
+    let decimals = |power: f64, count: usize| count as i32 - 1 - power as i32;
+    let width = width.and_then(leading);
+    let enough = width.map_or(i32::MAX, |power| decimals(power, OF_WIDTH));
+    let Some(power) = leading(value) else {
+        return format!("{value:.0}");
+    };
+    if !POWERS.contains(&power) && decimals(power, count) <= enough {
         return format!("{value:.0$e}", count - 1);
     }
-    let decimals = if leading.is_finite() {
-        count as i32 - 1 - leading as i32
-    } else {
-        0
-    };
-    format!("{value:.*}", decimals.clamp(0, 9) as usize)
+    let decimals = decimals(power, count).min(enough).clamp(0, 9) as usize;
+    // A small number of either sign may round to 0.
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.chars().all(|letter| "-0.".contains(letter));
+    text[usize::from(is_zero && text.starts_with('-'))..].to_owned()
 }
 
 #[cfg(test)]

@@ -14,11 +14,15 @@ pub(crate) use evidence::Evidence;
 
 use crate::results::Advice;
 
-/// All findings on a model.
+/// All findings on a model. Motion before its command stands alone: whatever else is found may be its consequence.
 pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
+    if let Some(early) = excitation::early_motion(evidence) {
+        return vec![early];
+    }
     [
         excitation::output_leads(evidence),
         excitation::feedback(evidence),
+        response::travel_end(evidence),
         response::still_rising(evidence),
         errors::model_error(evidence),
         errors::not_linear(evidence),

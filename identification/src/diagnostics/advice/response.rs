@@ -1,7 +1,7 @@
 //! Findings on the response: whether it is over, and which part of it was left out.
 
 use super::evidence::{Evidence, two_digits};
-use crate::diagnostics::rise_at_end;
+use crate::diagnostics::{rise_at_end, travel_end};
 use crate::options::Frequencies;
 use crate::results::{Advice, Check, SelectedBy};
 use crate::selection::{Choice, hidden_end};
@@ -35,6 +35,28 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
             MARGIN * longest,
             7.0 * MARGIN * longest
         ),
+    ))
+}
+
+/// A stop within the range of the commands. A record that a linear servo describes has none.
+pub(super) fn travel_end(evidence: &Evidence<'_>) -> Option<Advice> {
+    let record = evidence.recorded.filter(|_| !evidence.model.linear)?;
+    let found = travel_end::travel_end(record)?;
+    let (from, to) = found.commands;
+    let four_digits = |number: f64| format!("{number:.3e}").parse().unwrap_or(number);
+    Some(Advice::new(
+        Check::TravelEnd,
+        format!(
+            "The output stops at {}: commands from {} to {} all come to rest there ({} of them), though it follows the others. Neither the linear \
+             model nor the servo model has a stop.",
+            four_digits(found.rest),
+            four_digits(from),
+            four_digits(to),
+            found.count
+        ),
+        found.rest,
+        from,
+        "Record again with commands on this side of the stop, or take the stop away; what a simulator needs beside that model is this angle.",
     ))
 }
 

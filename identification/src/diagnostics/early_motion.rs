@@ -1,0 +1,189 @@
+//! Whether the servo moves before its command changes, as where a logger writes commands late.
+//!
+//! Just before a change of a command that was held, a servo is near its rest: what is left of the last stroke gets slower. Motion that
+//! begins there and goes where the next command is answers a command that came before it was written. With the motions of the
+//! servo in the last four windows of L samples before each change, the last one first,
+//!
+//! ```text
+//! share_i = Σ Δu m_i / Σ Δu Δy,   i = 1 … 4,     Δu: change of the command,  Δy: motion of the servo from before the windows to the next change
+//! ```
+//!
+//! share_1 stands out against chance and against the other three. The windows that show it best are taken. It needs no model, so it also
+//! speaks of servos that are not linear.
+
+use crate::data::{EXACTLY, Hold, Record, Run, holds, usual_hold};
+use crate::thresholds::{EARLY_SHARE, EARLY_SIGNIFICANCE, EARLY_TO_EARLIER};
+
+/// Windows before each change.
+const WINDOWS: usize = 4;
+
+/// Changes from which on their scatter shows what chance does.
+const FEWEST: usize = 10;
+
+/// That the servo moves before its command.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct EarlyMotion {
+    /// For how long before the change it moves at least \[s\].
+    pub(crate) lead_s: f64,
+    /// Share of its stroke that it has made when the command changes.
+    pub(crate) share: f64,
+    /// Changes of the command that show it.
+    pub(crate) changes: usize,
+}
+
+/// The motion before the changes of a held command, where there is any.
+pub(crate) fn early_motion(record: &Record) -> Option<EarlyMotion> {
+    let changes: Vec<Change> = record.runs().iter().flat_map(changes_of).collect();
+    let windows = |length: &usize| (WINDOWS + 1) * length <= usual_hold(record);
+    let shown: Vec<(usize, Before)> = (1..)
+        .take_while(windows)
+        .filter_map(|length| Some((length, Before::of(&changes, length)?)))
+        .collect();
+    let found = shown.iter().filter(|(_, before)| before.is_early());
+    let (_, clearest) = found.max_by(|(_, a), (_, b)| a.deviations.total_cmp(&b.deviations))?;
+    // A window shorter than the lead has only its last part.
+    let whole = |(_, before): &&(usize, Before)| before.shares[0] >= MOST * clearest.shares[0];
+    let (length, _) = shown.iter().find(whole)?;
+    Some(EarlyMotion {
+        lead_s: *length as f64 * record.sample_period_s(),
+        share: clearest.shares[0],
+        changes: clearest.changes,
+    })
+}
+
+/// What of an early motion a window must have to be said to be as long.
+const MOST: f64 = 0.9;
+
+/// A change of the command, and the output from the change before it up to the next one.
+struct Change<'a> {
+    by: f64,
+    /// Of the hold before.
+    before: &'a [f64],
+    /// At the end of the hold after.
+    end: f64,
+}
+
+fn changes_of<'a>(run: &'a Run<'_>) -> Vec<Change<'a>> {
+    let output = run.output();
+    let holds = holds(run, EXACTLY);
+    let pairs = holds.windows(2);
+    let adjoining = pairs.filter(|pair| pair[1].before.is_some());
+    let change = |pair: &[Hold]| Change {
+        by: pair[1].level - pair[0].level,
+        before: &output[pair[0].samples.clone()],
+        end: output[pair[1].samples.end - 1],
+    };
+    adjoining.map(change).collect()
+}
+
+/// The motion in windows of one length before the changes.
+struct Before {
+    shares: [f64; WINDOWS],
+    /// By how many standard deviations that of the last window stands out.
+    deviations: f64,
+    changes: usize,
+}
+
+impl Before {
+    fn of(changes: &[Change<'_>], length: usize) -> Option<Self> {
+        let of_change = |change: &Change<'_>| {
+            let last = change.before.len().checked_sub(1 + WINDOWS * length)? + WINDOWS * length;
+            let at: [f64; WINDOWS + 1] = std::array::from_fn(|i| change.before[last - i * length]);
+            let moved: [f64; WINDOWS] = std::array::from_fn(|i| at[i] - at[i + 1]);
+            let stroke = change.end - at[WINDOWS];
+            let is_known = !stroke.is_nan() && moved.iter().all(|moved| !moved.is_nan());
+            is_known.then_some((change.by, stroke, moved))
+        };
+        let all: Vec<_> = changes.iter().filter_map(of_change).collect();
+        if all.len() < FEWEST {
+            return None;
+        }
+        let sum = |of: &dyn Fn(&(f64, f64, [f64; WINDOWS])) -> f64| all.iter().map(of).sum::<f64>();
+        let squares = sum(&|(by, ..)| by * by);
+        let strokes = sum(&|(by, stroke, _)| by * stroke);
+        let products: [f64; WINDOWS] =
+            std::array::from_fn(|i| sum(&|(by, _, moved)| by * moved[i]));
+        // The scatter from change to change, whatever its cause.
+        let scatter = sum(&|(by, _, moved)| (by * (moved[0] - products[0] / squares * by)).powi(2));
+        Some(Self {
+            shares: products.map(|product| product / strokes),
+            deviations: products[0] * strokes.signum() / scatter.sqrt(),
+            changes: all.len(),
+        })
+    }
+
+    fn is_early(&self) -> bool {
+        let [last, earlier @ ..] = self.shares;
+        let earlier = earlier
+            .iter()
+            .fold(0.0, |most: f64, share| most.max(share.abs()));
+        self.deviations > EARLY_SIGNIFICANCE
+            && last > EARLY_SHARE
+            && last > EARLY_TO_EARLIER * earlier
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::StandardNormal;
+
+    /// A servo of second order (ω in rad a sample, damping ζ) that answers `delay` samples late, under levels held for 60 to 200 samples.
+    fn recording(omega: f64, damping: f64, delay: usize, top: f64) -> (Vec<f64>, Vec<f64>) {
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let mut commands = Vec::new();
+        while commands.len() < 6000 {
+            let level = random.random_range(-5.0..5.0);
+            commands.extend(vec![level; random.random_range(60..200)]);
+        }
+        let (mut y, mut v) = (commands[0], 0.0);
+        let output = (0..commands.len())
+            .map(|k: usize| {
+                let error = commands[k.saturating_sub(delay)] - y;
+                v += omega * omega * error - 2.0 * damping * omega * v;
+                v = f64::clamp(v, -top, top);
+                y += v;
+                y + 0.05 * random.sample::<f64, _>(StandardNormal)
+            })
+            .collect();
+        (commands, output)
+    }
+
+    /// The command as a logger writes it `late` samples after it was sent.
+    fn written(commands: &[f64], late: usize) -> Vec<f64> {
+        let at = |k: usize| commands[k.saturating_sub(late)];
+        (0..commands.len()).map(at).collect()
+    }
+
+    #[test]
+    fn a_command_that_is_written_after_the_motion_began_is_late() {
+        for (damping, top) in [(0.8, f64::INFINITY), (0.8, 0.1), (1.5, f64::INFINITY)] {
+            let (commands, output) = recording(0.08, damping, 6, top);
+            let late = |late: usize| {
+                let input = written(&commands, late);
+                early_motion(&Record::of_run(0.002, &input, &output).unwrap())
+            };
+            for causal in [0, 3, 6] {
+                assert_eq!(late(causal), None, "{damping}, {top}");
+            }
+            for lead in [10, 14, 20] {
+                // A motion begins slowly: its first tenth may take half of its time.
+                let found = late(6 + lead).unwrap();
+                let expected = 0.002 * (0.5 * lead as f64)..0.002 * (lead as f64 + 3.0);
+                assert!(expected.contains(&found.lead_s), "{lead}: {found:?}");
+            }
+        }
+    }
+
+    /// Ringing goes on before each change, in any direction.
+    #[test]
+    fn a_servo_that_rings_or_creeps_is_not_early() {
+        for damping in [0.05, 0.1, 0.3, 4.0] {
+            let (commands, output) = recording(0.08, damping, 6, f64::INFINITY);
+            let record = Record::of_run(0.002, &commands, &output).unwrap();
+            assert_eq!(early_motion(&record), None, "{damping}");
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Whether the output stops at an angle within the range that is commanded, as at a mechanical stop.
+//!
+//! The rests of held commands lie on a line, one end of which is flat: commands that differ by a notable part of the range reach the same
+//! angle. It needs no model; neither kind of model has a stop.
+
+use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output};
+use crate::thresholds::{STOP_GAIN, STOP_SHARE};
+
+/// Different commands that must rest at the end, and elsewhere.
+const FEWEST: usize = 3;
+
+/// Commands at which the output rests at one angle, beside those at which it follows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TravelEnd {
+    /// Where it rests \[output\].
+    pub(crate) rest: f64,
+    /// The command from which on it does, and the last one \[input\].
+    pub(crate) commands: (f64, f64),
+    /// Different commands between the two, both included.
+    pub(crate) count: usize,
+}
+
+/// The end of the travel that is reached first, if one is within the range of the commands.
+pub(crate) fn travel_end(record: &Record) -> Option<TravelEnd> {
+    let mut rests: Vec<(f64, f64)> = record.runs().iter().flat_map(rests_of).collect();
+    rests.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let rests = mean_by_command(&rests);
+    let upper = flat_end(&rests);
+    upper.or_else(|| {
+        let lower: Vec<_> = rests.iter().rev().copied().collect();
+        flat_end(&lower)
+    })
+}
+
+/// Command and mean output of the holds in which the output comes to rest: the two halves of the last quarter agree, beside the way there.
+fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
+    let at_rest = |hold: &Hold| {
+        let last = last_quarter(&hold.samples);
+        let middle = last.start + last.len() / 2;
+        let [first, second] =
+            [last.start..middle, middle..last.end].map(|part| mean_output(run, part));
+        let (first, second) = first.zip(second)?;
+        let start = run.output()[hold.samples.start];
+        let way = (second - start).abs();
+        let is_at_rest = (second - first).abs() < STOP_GAIN * way;
+        (hold.before.is_some() && is_at_rest).then_some((hold.level, 0.5 * (first + second)))
+    };
+    holds(run, EXACTLY)
+        .iter()
+        .filter(|hold| last_quarter(&hold.samples).len() > 1)
+        .filter_map(at_rest)
+        .collect()
+}
+
+/// One point for each command.
+fn mean_by_command(sorted: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let of = |group: &[(f64, f64)]| {
+        let sum: f64 = group.iter().map(|(_, rest)| rest).sum();
+        (group[0].0, sum / group.len() as f64)
+    };
+    sorted.chunk_by(|a, b| a.0 == b.0).map(of).collect()
+}
+
+/// The flat end of a line of points, which is their last part. Flat is what follows the command less than [`STOP_GAIN`] of how the others
+/// do, over more than [`STOP_SHARE`] of the range.
+fn flat_end(points: &[(f64, f64)]) -> Option<TravelEnd> {
+    let (first, last) = (points.first()?, points.last()?);
+    let range = (last.0 - first.0).abs();
+    let is_flat = |from: &usize| {
+        let (line, end) = points.split_at(*from);
+        let span = (last.0 - end[0].0).abs();
+        let rests = end.iter().map(|(_, rest)| *rest);
+        let (low, high) = rests.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), rest| {
+            (low.min(rest), high.max(rest))
+        });
+        let (start, stop) = (line[0], line[line.len() - 1]);
+        let gain = ((stop.1 - start.1) / (stop.0 - start.0)).abs();
+        span > STOP_SHARE * range && high - low < STOP_GAIN * gain * span
+    };
+    let mut all = FEWEST..=points.len().checked_sub(FEWEST)?;
+    let from = all.find(is_flat)?;
+    let end = &points[from..];
+    Some(TravelEnd {
+        rest: end.iter().map(|(_, rest)| rest).sum::<f64>() / end.len() as f64,
+        commands: (end[0].0, last.0),
+        count: end.len(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// A lag of 10 samples under random levels that are held for 100, whose output has its ends at `ends`.
+    fn found(ends: (f64, f64), follows: impl Fn(f64) -> f64) -> Option<TravelEnd> {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let levels: Vec<f64> = (0..40).map(|_| random.random_range(-20.0..20.0)).collect();
+        let input: Vec<f64> = levels.iter().flat_map(|level| [*level; 100]).collect();
+        let mut y = 0.0;
+        let output: Vec<f64> = input
+            .iter()
+            .map(|u| {
+                y += (follows(*u) - y) / 10.0;
+                y = f64::clamp(y, ends.0, ends.1);
+                y + random.random_range(-0.1..0.1)
+            })
+            .collect();
+        travel_end(&Record::of_run(0.01, &input, &output).unwrap())
+    }
+
+    #[test]
+    fn a_stop_within_the_range_is_found_at_either_end_and_none_is_elsewhere() {
+        let none = (f64::NEG_INFINITY, f64::INFINITY);
+        let upper = found((-40.0, 12.0), |u| u).unwrap();
+        assert!((upper.rest - 12.0).abs() < 0.05, "{upper:?}");
+        assert!(upper.commands.0 > 12.0 && upper.commands.1 > 17.0 && upper.count >= 5);
+        let lower = found((-6.0, 40.0), |u| 0.5 * u).unwrap_or_else(|| panic!("a lower stop"));
+        assert!(
+            (lower.rest + 6.0).abs() < 0.05 && lower.commands.1 < -18.0,
+            "{lower:?}"
+        );
+        assert_eq!(found(none, |u| u), None);
+        // A gain that falls to a third, and a dead band of 2 units.
+        assert_eq!(
+            found(none, |u| if u > 10.0 { 10.0 + (u - 10.0) / 3.0 } else { u }),
+            None
+        );
+        assert_eq!(found(none, |u| (u / 2.0).round() * 2.0), None);
+    }
+}
