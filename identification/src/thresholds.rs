@@ -517,8 +517,8 @@ pub const LEADING_ADVANTAGE: f64 = 0.02;
 /// Evidence: the tests of stops.
 pub const STOP_GAIN: f64 = 0.1;
 
-/// Share of the range of the commands over which it must not; see [`STOP_GAIN`].
-pub const STOP_SHARE: f64 = 0.08;
+/// Share of the range by which it must be short of where it would go; see [`STOP_GAIN`].
+pub const STOP_SHARE: f64 = 0.05;
 
 /// Standard deviations from which on motion before the changes of a held command is beyond chance.
 ///

@@ -61,11 +61,10 @@ fn mean_by_command(sorted: &[(f64, f64)]) -> Vec<(f64, f64)> {
     sorted.chunk_by(|a, b| a.0 == b.0).map(of).collect()
 }
 
-/// The flat end of a line of points, which is their last part. Flat is what follows the command less than [`STOP_GAIN`] of how the others
-/// do, over more than [`STOP_SHARE`] of the range.
+/// The flat end of a line of points, which is their last part: it follows the command less than [`STOP_GAIN`] of how the others do, and
+/// is short of where they would go by more than [`STOP_SHARE`] of the range.
 fn flat_end(points: &[(f64, f64)]) -> Option<TravelEnd> {
     let (first, last) = (points.first()?, points.last()?);
-    let range = (last.0 - first.0).abs();
     let is_flat = |from: &usize| {
         let (line, end) = points.split_at(*from);
         let span = (last.0 - end[0].0).abs();
@@ -74,8 +73,10 @@ fn flat_end(points: &[(f64, f64)]) -> Option<TravelEnd> {
             (low.min(rest), high.max(rest))
         });
         let (start, stop) = (line[0], line[line.len() - 1]);
-        let gain = ((stop.1 - start.1) / (stop.0 - start.0)).abs();
-        span > STOP_SHARE * range && high - low < STOP_GAIN * gain * span
+        let gain = (stop.1 - start.1) / (stop.0 - start.0);
+        let short_by = (start.1 + gain * (last.0 - start.0) - last.1).abs();
+        let range = (gain * (last.0 - first.0)).abs();
+        high - low < STOP_GAIN * gain.abs() * span && short_by > STOP_SHARE * range
     };
     let mut all = FEWEST..=points.len().checked_sub(FEWEST)?;
     let from = all.find(is_flat)?;
@@ -118,7 +119,7 @@ mod tests {
         assert!(upper.commands.0 > 12.0 && upper.commands.1 > 17.0 && upper.count >= 5);
         let lower = found((-6.0, 40.0), |u| 0.5 * u).unwrap_or_else(|| panic!("a lower stop"));
         assert!(
-            (lower.rest + 6.0).abs() < 0.05 && lower.commands.1 < -18.0,
+            (lower.rest + 6.0).abs() < 0.05 && lower.commands.1 < -17.0,
             "{lower:?}"
         );
         assert_eq!(found(none, |u| u), None);

@@ -48,6 +48,7 @@ pub(super) fn from_table(
     let found = timeline::stretches(u.len(), time.as_ref(), labels.as_deref());
     let mut remarks = table.remarks().to_vec();
     remarks.extend(remark);
+    remarks.extend(controllers_not_named(table, options));
     if let (Some(column), Some(_)) = (clock_name, &time) {
         remarks.extend(remarks_on_time(column, &found, labels.is_some()));
     }
@@ -135,6 +136,31 @@ pub(super) fn note_sentinel_value(about: &mut About, place: &str, name: &str, co
         remedy,
     );
     about.advice.push(advice);
+}
+
+/// Values of a column up to which it may name controllers.
+const MOST_NAMES: usize = 9;
+
+/// A remark where a column that is not used seems to name several controllers.
+fn controllers_not_named(table: &Table, options: &DatasetOptions) -> Option<String> {
+    let used = [&options.input, &options.output, &options.controller];
+    let column = suggestion::controller(table.columns())?;
+    if options.controller.is_some() || used.contains(&&Some(column.clone())) {
+        return None;
+    }
+    let (mut names, _) = table.numbers_beside(&[column.as_str()], None).ok()?;
+    let mut names = names.pop()?;
+    names.sort_by(f64::total_cmp);
+    names.dedup();
+    let all: Vec<String> = names.iter().map(f64::to_string).collect();
+    (2..=MOST_NAMES).contains(&names.len()).then(|| {
+        format!(
+            "column {column:?} has the values {}; where it is a controller or its gain, --controller {} lets the servo model have one mechanism under \
+             several controllers",
+            all.join(", "),
+            suggestion::quoted(column)
+        )
+    })
 }
 
 /// The columns that are needed of a table.

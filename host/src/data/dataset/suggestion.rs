@@ -36,8 +36,7 @@ pub(super) fn options(columns: &[String]) -> String {
     let timed = crate::data::dataset::time_column::column(columns).is_some();
     let taken = |column: &&String| Some(*column) != input && Some(*column) != output;
     let called = |option: &str, names: &[&str]| {
-        let mut free = columns.iter().filter(taken);
-        let found = free.find(|column| names.contains(&column.to_lowercase().as_str()));
+        let found = one_of(columns.iter().filter(taken), names);
         found.map_or_else(String::new, |column| {
             format!(" {option} {}", quoted(column))
         })
@@ -50,6 +49,16 @@ pub(super) fn options(columns: &[String]) -> String {
         called("--run", &RUNS),
         called("--controller", &CONTROLLERS)
     )
+}
+
+/// The column that says which controller drove a run, by its name.
+pub(super) fn controller(columns: &[String]) -> Option<&String> {
+    one_of(columns.iter(), &CONTROLLERS)
+}
+
+/// The first column with one of these names.
+fn one_of<'a>(mut columns: impl Iterator<Item = &'a String>, names: &[&str]) -> Option<&'a String> {
+    columns.find(|column| names.contains(&column.to_lowercase().as_str()))
 }
 
 /// The first column that is called so, or else whose name has such a word in it, and is not `taken`.

@@ -122,3 +122,24 @@ fn a_period_in_milliseconds_is_refused_where_the_column_of_time_shows_it() {
     // A column without a unit may be one of milliseconds.
     assert!(with("t", 5e-6).is_ok());
 }
+
+#[test]
+fn a_column_that_seems_to_name_controllers_is_pointed_at_until_it_is_used() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = "0,1,2,400\n.02,2,3,400\n.04,1,2,800\n.06,5,6,800\n.08,7,8,800\n";
+    let path = write(dir.path(), "a.csv", &format!("t,u,y,kp\n{rows}"));
+    let remarks = |options: &DatasetOptions| {
+        let found = load(std::slice::from_ref(&path), options).unwrap();
+        found.about.remarks.join("\n")
+    };
+    let said = remarks(&named());
+    assert!(
+        said.contains("\"kp\" has the values 400, 800") && said.contains("--controller kp"),
+        "{said}"
+    );
+    let used = DatasetOptions {
+        controller: Some("kp".into()),
+        ..named()
+    };
+    assert!(!remarks(&used).contains("--controller"));
+}
