@@ -499,6 +499,12 @@ pub const INPUT_EXPLAINED: f64 = 0.4;
 /// Protects: servos that are not linear from being taken for a closed loop. Evidence: table "Closed loop".
 pub const EVIDENT_SHARE: f64 = 0.1;
 
+/// Share of the largest value of the step response from which on the response at lag 0 is all of it.
+///
+/// Protects: bounds of recordings of a regulator alone, u = -K y, where they are narrow, and those of -1/K. Evidence: the test of a regulator
+/// alone.
+pub const ALL_AT_ONCE: f64 = 0.95;
+
 /// Correlation of input and output with the output ahead, from which on a lead is looked at.
 ///
 /// Protects: records without relation between the two, which are most alike anywhere. Evidence: the tests of exchanged columns.

@@ -9,7 +9,8 @@
 //!   distribution of a score test where the input is independent of the noise (P. E. Caines and C. W. Chan, *Feedback between
 //!   stationary stochastic processes*, IEEE Trans. AC 20, 1975).
 //! - **A response at lag 0 against the rest.** Feedback within one sample lets the output appear to answer at once, with the
-//!   sign of the inverse of the controller, which is opposite to the motion of the servo where the loop is stable.
+//!   sign of the inverse of the controller, which is opposite to the motion of the servo where the loop is stable. Where nothing
+//!   but the controller moves the input, all of the response is at lag 0.
 //!
 //! A smooth input does not separate lags: the errors of a servo that is not linear gather at lag 0 as anywhere, and what comes next in
 //! the input follows from what was. So neither shows a loop there; both show that the input does not determine the response. An input
@@ -28,7 +29,9 @@ use crate::diagnostics::residual_tests::ScoreTest;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{Excitation, GlsFit, noise_filter};
 use crate::numerics::{LaggedSums, chi_square_upper_tail, dot};
-use crate::thresholds::{AGAINST_MOTION, EVIDENT_SHARE, FEEDBACK_SIGNIFICANCE, INPUT_EXPLAINED};
+use crate::thresholds::{
+    AGAINST_MOTION, ALL_AT_ONCE, EVIDENT_SHARE, FEEDBACK_SIGNIFICANCE, INPUT_EXPLAINED,
+};
 
 /// Inputs to come that are offered: a frame of servo pulses at the rig's rate.
 const LEADS: usize = 10;
@@ -58,7 +61,7 @@ impl Feedback {
     /// Whether it is beyond chance, where the errors are noise.
     #[must_use]
     pub fn is_found(&self) -> bool {
-        self.is_beyond_chance() && !self.smooth && !self.planned
+        (self.is_beyond_chance() || self.is_all_at_once()) && !self.smooth && !self.planned
     }
 
     /// Whether what would show a loop under another input shows that this one does not determine the response.
@@ -68,6 +71,11 @@ impl Feedback {
 
     fn is_beyond_chance(&self) -> bool {
         self.is_followed() || self.is_against_motion()
+    }
+
+    /// Whether nothing follows the response at lag 0.
+    pub(crate) fn is_all_at_once(&self) -> bool {
+        self.share > ALL_AT_ONCE
     }
 
     /// Whether inputs to come explain the output.

@@ -1,8 +1,10 @@
 //! Recordings in closed loop have no bounds, or bounds that hold; open loops are not taken for closed ones. The table "Closed loop"
 //! of docs/method.md has more runs of each line.
 
+use rand::RngExt;
+use rand_distr::StandardNormal;
 use servoid_identification::results::{Check, Reason};
-use servoid_identification::{Options, identify, identify_explained};
+use servoid_identification::{Options, Record, identify, identify_explained};
 use servoid_test_support::closed_loop::{Course, Loop};
 use servoid_test_support::plants::{Noise, Plant, random};
 
@@ -74,4 +76,28 @@ fn feedback_is_named_and_not_called_nonlinear() {
     let checks: Vec<&Check> = model.advice.iter().map(|found| &found.check).collect();
     assert!(checks.contains(&&Check::Feedback), "{checks:?}");
     assert!(!checks.contains(&&Check::ModelError), "{checks:?}");
+}
+
+/// u = -0.3 y in every sample: the estimate is the inverse of the controller, and exact.
+#[test]
+fn a_regulator_alone_is_no_servo() {
+    for (seed, white) in [(1, 0.0), (2, 0.2), (3, 1.0)] {
+        let mut random = random(seed);
+        let (mut drift, mut servo, mut input, mut output) = (0.0, 0.0, Vec::new(), Vec::new());
+        for _ in 0..3600 {
+            servo += 0.05 * (input.last().copied().unwrap_or(0.0) - servo);
+            drift = 0.98 * drift + 0.3 * random.sample::<f64, _>(StandardNormal);
+            let y = servo + drift + white * random.sample::<f64, _>(StandardNormal);
+            // As a file has it.
+            output.push((1e4 * y).round() / 1e4);
+            input.push((-0.3e4 * y).round() / 1e4);
+        }
+        let record = Record::of_run(0.002, &input, &output).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        assert_eq!(
+            model.bounds.withdrawn(),
+            Some(Reason::InputFollowsOutput),
+            "{seed}"
+        );
+    }
 }

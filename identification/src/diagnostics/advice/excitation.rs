@@ -3,7 +3,9 @@
 use super::evidence::Evidence;
 use crate::diagnostics::output_lead::output_lead;
 use crate::results::{Advice, Check, Withheld};
-use crate::thresholds::{AGAINST_MOTION, DISAGREEMENT, FEEDBACK_SIGNIFICANCE, INPUT_EXPLAINED};
+use crate::thresholds::{
+    AGAINST_MOTION, ALL_AT_ONCE, DISAGREEMENT, FEEDBACK_SIGNIFICANCE, INPUT_EXPLAINED,
+};
 
 /// The remedy where the reference lacks power.
 fn sharper(highest_hz: f64) -> String {
@@ -107,6 +109,11 @@ pub(super) fn feedback(evidence: &Evidence<'_>) -> Option<Advice> {
             "it appears to answer within the same sample, and against its own motion".to_owned(),
             found.at_once,
             -AGAINST_MOTION,
+        ),
+        (None, false) if found.is_all_at_once() => (
+            "all of its answer is within the same sample".to_owned(),
+            found.share,
+            ALL_AT_ONCE,
         ),
         (None, false) => (
             format!("inputs to come explain it (p = {:.0e})", found.p.max(1e-12)),
