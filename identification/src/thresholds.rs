@@ -517,6 +517,23 @@ pub const LEADING_CORRELATION: f64 = 0.4;
 /// that of the motion, whose columns were exchanged exceed it by 0.024 or more; none with its own columns exceeds 0.
 pub const LEADING_ADVANTAGE: f64 = 0.02;
 
+/// Share of the changes of the output that must come at multiples of one time for it to be that of a slow sensor.
+///
+/// Protects: times of recordings whose sensor is refreshed less often than rows are written, which are late by up to that. Evidence: the tests
+/// of held outputs; in time, half of all changes come an odd number of samples apart.
+pub const HELD_OUTPUT_SHARE: f64 = 0.95;
+
+/// Share of changes of a single step of the sensor from which on these steps, and not its refresh, keep the output in place.
+pub const ONE_STEP_SHARE: f64 = 0.5;
+
+/// Probability below which a lag that changes along the record is no chance.
+///
+/// Protects: bounds of recordings whose two columns have clocks that differ, and of servos that change. Evidence: the tests of clocks.
+pub const LAG_DRIFT_SIGNIFICANCE: f64 = 1e-5;
+
+/// Change of the lag over a run that matters \[samples\]; see [`LAG_DRIFT_SIGNIFICANCE`].
+pub const LAG_DRIFT_SAMPLES: f64 = 0.25;
+
 /// Share of the gain elsewhere below which the output does not follow the command at an end of its range: it stands at a stop.
 ///
 /// Protects: servos whose gain falls towards the end of the travel, or that have a dead band, from being told that they are stopped.

@@ -1,8 +1,9 @@
 //! The linear model of a data set, with the advice that its files ask for.
 
 use crate::data::dataset::Dataset;
+use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
-use servoid_identification::results::{Advice, Check, Metrics, Model};
+use servoid_identification::results::{Advice, Check, Metrics, Model, pointwise_critical};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 
@@ -17,10 +18,12 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     let doubtful = unlikely_period(data.record.sample_period_s());
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
     found.model.advice.splice(0..0, doubtful);
-    found
-        .model
-        .advice
-        .extend(commands_between_rows(data, &found));
+    let of_data = commands_between_rows(data, &found);
+    let of_data = of_data
+        .into_iter()
+        .chain(against_command(data, &found.model));
+    let of_data: Vec<Advice> = of_data.chain(rough_scale(data, &found.model)).collect();
+    found.model.advice.extend(of_data);
     if data.about.inexact_clock {
         let [slow, fast] = INTERNAL_CLOCK_ERROR;
         found.model.metrics = found.model.metrics.with_clock_error(slow, fast);
@@ -78,7 +81,9 @@ fn commands_between_rows(data: &Dataset, found: &Identification) -> Option<Advic
     let scatter_s = found.explanation.uneven_noise?.jitter_s;
     let period_s = data.record.sample_period_s();
     let share = scatter_s / period_s;
-    (data.about.commands_at_rows && BETWEEN_ROWS.contains(&share)).then(|| {
+    // Errors of a servo that is not linear, and steps of a coarse sensor, scatter from stroke to stroke, too.
+    let is_plain = found.model.linear && found.explanation.resolution.is_none();
+    (is_plain && data.about.commands_at_rows && BETWEEN_ROWS.contains(&share)).then(|| {
         Advice::new(
             Check::CommandEdges,
             format!(
@@ -91,6 +96,54 @@ fn commands_between_rows(data: &Dataset, found: &Identification) -> Option<Advic
             *BETWEEN_ROWS.start(),
             "If such a logger wrote the file, say --polled: times are corrected, and their intervals allow for the rest. Better, record by the \
              clock of the commands.",
+        )
+    })
+}
+
+/// That the servo turns the other way, where command and position are both degrees.
+fn against_command(data: &Dataset, model: &Model) -> Option<Advice> {
+    let units = data.about.units();
+    let gain = model.metrics.dc_gain;
+    let highest = gain.upper.or(gain.value)?;
+    (units.input == Some("deg") && units.output == units.input && highest < 0.0).then(|| {
+        Advice::new(
+            Check::Calibration,
+            format!(
+                "The position goes against the command: the gain is {:.2}.",
+                gain.value.unwrap_or(highest)
+            ),
+            highest,
+            0.0,
+            "If it should follow, change the sign of one of them: of us_per_degree or degrees_per_count in the rig file ('servoid calibrate' finds both), \
+             or of a column.",
+        )
+    })
+}
+
+/// That the scale of the sensor is not known as well as the gain.
+fn rough_scale(data: &Dataset, model: &Model) -> Option<Advice> {
+    let sd_percent = data
+        .about
+        .calibrations
+        .iter()
+        .map(|found| found.scale_sd_percent);
+    let sd_percent = sd_percent.fold(0.0, f64::max);
+    let level = *model.level().valid()?;
+    let scale_percent = pointwise_critical(level) * sd_percent;
+    let gain = model.metrics.dc_gain;
+    let (lower, upper) = gain.lower.zip(gain.upper)?;
+    let half_percent = 50.0 * ((upper - lower) / gain.value?).abs();
+    (scale_percent > half_percent).then(|| {
+        Advice::new(
+            Check::Calibration,
+            format!(
+                "The scale of the sensor is known to ±{scale_percent:.1} % only ({} % confidence), which no interval here contains: the gain, \
+                 speeds and positions may all be off by that. Times and shares do not depend on it.",
+                percent(level)
+            ),
+            scale_percent,
+            half_percent,
+            "Calibrate ('servoid calibrate') before the gain is used, with angles as far apart as the travel allows.",
         )
     })
 }

@@ -28,7 +28,12 @@ pub fn are_compared(asked: bool, found: &Comparison) -> bool {
 fn help(asked: bool, suffices: bool, withdrawn: Option<Reason>) -> bool {
     let is_none = matches!(
         withdrawn,
-        Some(Reason::InputFollowsOutput | Reason::EarlyMotion)
+        Some(
+            Reason::InputFollowsOutput
+                | Reason::EarlyMotion
+                | Reason::HeldOutput
+                | Reason::LagDrift
+        )
     );
     asked || !suffices && !is_none
 }

@@ -70,7 +70,8 @@ impl Compare {
             ..ComparisonOptions::default()
         };
         warn_of_small_margin(self.margin, self.output.talk);
-        self.output.check(&self.out)?;
+        let read = self.sides.iter().chain(&self.a).chain(&self.b);
+        self.output.check_beside(&self.out, read)?;
         let (a, b) = match &self.sides[..] {
             [a, b] => (std::slice::from_ref(a), std::slice::from_ref(b)),
             _ => (&self.a[..], &self.b[..]),

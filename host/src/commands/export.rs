@@ -70,7 +70,7 @@ impl ExportArgs {
         if !servo_model && (self.controller.is_some() || self.step_ms.is_some()) {
             wrong_usage("--controller and --step-ms are for a servo model: add --servo-model");
         }
-        self.output.check(&self.out)?;
+        self.output.check_beside(&self.out, [&self.model])?;
         let file = ModelFile::read(&self.model)?;
         let mut metadata = file.metadata.clone();
         metadata.pulse_frame_s = stated_s.or(metadata.pulse_frame_s);

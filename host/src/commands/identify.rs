@@ -90,7 +90,7 @@ impl Identify {
             wrong_usage(error);
         }
         let (output, talk) = (self.output, self.output.talk);
-        output.check(&self.out)?;
+        output.check_beside(&self.out, &self.files)?;
         let data = self.table.load(&self.files, talk)?;
         let name = listed(&self.files);
         let request = IdentifyRequest {

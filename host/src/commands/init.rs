@@ -1,5 +1,6 @@
 //! `servoid init`
 
+use super::calibrate::keep_aside;
 use super::completion_values;
 use super::output::{Output, Talk, typed_path, wrong_usage};
 use super::ports;
@@ -117,6 +118,11 @@ impl Init {
         )?;
         let answers = self.given.complete(&asker, self.output.talk)?;
         let (text, rig) = answers.to_rig_file(&self.out)?;
+        if let Some(kept) = keep_aside(&self.out)? {
+            self.output
+                .talk
+                .say(format_args!("as it was: {}", kept.display()));
+        }
         self.output.write(&self.out, &text)?;
         let file = self.out.display();
         let next = match &answers.port {

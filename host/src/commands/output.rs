@@ -142,10 +142,28 @@ pub(super) struct Output {
 impl Output {
     /// Fails where a file could not be written later: before an hour of work rather than after it.
     pub(super) fn check<'a>(self, files: impl IntoIterator<Item = &'a PathBuf>) -> Result<()> {
-        match files.into_iter().find(|file| !self.force && file.exists()) {
-            Some(file) => Err(WriteError::exists(file).into()),
-            None => Ok(()),
+        for file in files {
+            let folder = file
+                .parent()
+                .filter(|folder| !folder.as_os_str().is_empty());
+            if folder.is_some_and(|folder| !folder.exists()) {
+                return Err(WriteError::no_folder(file).into());
+            }
+            if !self.force && file.exists() {
+                return Err(WriteError::exists(file).into());
+            }
         }
+        Ok(())
+    }
+
+    /// The same, and fails where a result would replace what the command reads.
+    pub(super) fn check_beside<'a>(
+        self,
+        file: impl IntoIterator<Item = &'a PathBuf> + Copy,
+        read: impl IntoIterator<Item = &'a PathBuf>,
+    ) -> Result<()> {
+        check_apart(file, read)?;
+        self.check(file)
     }
 
     /// Writes a whole file: after an error, the file that was there stays.
@@ -171,6 +189,20 @@ impl Output {
         }
         self.talk.say(format_args!("plots: {}", files.join(", ")));
         Ok(())
+    }
+}
+
+/// Fails where a file to be written is one that is read: it may be the only copy, so not even --force replaces it.
+pub(super) fn check_apart<'a>(
+    files: impl IntoIterator<Item = &'a PathBuf>,
+    read: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<()> {
+    let one_name = |path: &PathBuf| path.canonicalize().ok();
+    let read: Vec<PathBuf> = read.into_iter().filter_map(one_name).collect();
+    let is_read = |file: &&PathBuf| one_name(file).is_some_and(|file| read.contains(&file));
+    match files.into_iter().find(is_read) {
+        Some(file) => Err(WriteError::is_input(file).into()),
+        None => Ok(()),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::input::no_servo;
 use super::output::{Output, wrong_usage};
 use super::reference_args::ReferenceArgs;
-use super::rig_args::RigFileArgs;
+use super::rig_args::{RigFileArgs, RigSource};
 use crate::instrument::reference;
 use crate::instrument::simulated_servo::{caution, with_controller};
 use crate::plan::{
@@ -79,8 +79,10 @@ impl PlanArgs {
             wrong_usage("--noise (degrees) and --band (percent) must be above 0");
         }
         let (output, talk) = (self.output, self.output.talk);
-        output.check(&self.out)?;
-        let rig = self.rig.read(None, talk)?.file;
+        let RigSource { file: rig, path } = self.rig.read(None, talk)?;
+        let servo = PathBuf::from(self.servo.split('?').next().unwrap_or_default());
+        let read = self.model.iter().chain(&path).chain([&servo]);
+        output.check_beside(&self.out, read)?;
         let train = rig.train();
         let assumed = self.assumed(train)?;
         if let Some(caution) = caution(&self.servo).filter(|_| self.model.is_none()) {

@@ -56,7 +56,8 @@ pub(super) struct Report {
 impl Report {
     pub(super) fn run(self) -> Result<String> {
         let talk = self.output.talk;
-        self.output.check([&self.out])?;
+        let read = self.files.iter().chain(&self.a).chain(&self.b);
+        self.output.check_beside([&self.out], read)?;
         let sides: Vec<&[PathBuf]> = match &self.files[..] {
             [] if self.b.is_empty() => vec![&self.a],
             [] => vec![&self.a, &self.b],

@@ -41,7 +41,8 @@ pub(super) struct Validate {
 
 impl Validate {
     pub(super) fn run(self) -> Result<String> {
-        self.output.check(&self.out)?;
+        let read = self.files.iter().chain([&self.model]);
+        self.output.check_beside(&self.out, read)?;
         let file = ModelFile::read(&self.model)?;
         let data = self
             .table

@@ -30,5 +30,5 @@ pub use degrees::DegreeScale;
 pub use file_error::FileError;
 pub use frozen_sensor::{FrozenSensor, StandStill};
 pub use model_metadata::ModelMetadata;
-pub use servo_moved::{Movement, hardly_moved};
+pub use servo_moved::{FAR_FROM_COMMAND_DEG, Movement, hardly_moved};
 pub use units::Units;

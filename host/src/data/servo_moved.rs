@@ -9,6 +9,9 @@ use servoid_protocol::timing::SAMPLES_PER_FRAME;
 /// A servo that moves by less of its command has hardly moved, or its scales are wrong by ten times.
 const HARDLY: f64 = 0.1;
 
+/// A mean distance of position and command beyond this is no friction and no load \[deg\].
+pub const FAR_FROM_COMMAND_DEG: f64 = 20.0;
+
 /// Commands and positions of a run, as they come.
 #[derive(Clone, Debug, Default)]
 pub struct Movement {
@@ -30,6 +33,14 @@ impl Movement {
     pub fn share(&self) -> Option<f64> {
         let commanded = self.command.squares;
         (commanded > 0.0).then(|| (self.position.squares / commanded).sqrt())
+    }
+}
+
+impl Movement {
+    /// How far the position lies from the command on average (deg); `None` of no frames.
+    #[must_use]
+    pub fn apart_deg(&self) -> Option<f64> {
+        (self.position.count > 0.0).then_some(self.position.mean - self.command.mean)
     }
 }
 

@@ -58,7 +58,11 @@ pub fn of_plan(plan: &Plan) -> String {
     text += &spectrum(plan);
     text += "\nQuestions beside the linear response\n";
     for answer in &plan.answers {
-        let sign = if answer.answered { "yes" } else { "no " };
+        let sign = if answer.answered {
+            "shown    "
+        } else {
+            "not shown"
+        };
         text += &format!("  {sign}  {}?\n", answer.question);
         text.extend(answer.why.as_ref().map(|why| format!("       {why}\n")));
     }
@@ -80,7 +84,8 @@ fn none_because(reason: Reason) -> String {
             "take a reference with sharp edges, or a sensor with finer steps"
         }
         Reason::BeyondRecord => "plan with a model of a recording with strokes as large as these",
-        Reason::EarlyMotion => "write the command when it is sent",
+        Reason::EarlyMotion | Reason::LagDrift => "write command and position by one clock",
+        Reason::HeldOutput => "read the sensor with every sample",
         Reason::InputFollowsOutput => "record with a reference that was planned before",
         Reason::ResponseNotOver => "take longer holds, and a longer reference",
     };

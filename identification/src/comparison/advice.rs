@@ -125,16 +125,14 @@ pub(super) fn gather(
     };
     let fewest = sides.iter().map(rested).min().unwrap_or(0);
     if fewest < LEVELS_FOR_ENDS {
-        let levels = match fewest {
-            0 => "no level".to_owned(),
-            1 => "one level".to_owned(),
-            more => format!("{more} levels"),
+        let rests = match fewest {
+            0 => "What was compared shows no rests of the servo, so it".to_owned(),
+            1 => "The servo rested at one level of the command, which".to_owned(),
+            more => format!("The servo rested at {more} levels of the command, which"),
         };
         advice.push(Advice::new(
             Check::Levels,
-            format!(
-                "The servo rested at {levels} of the command, which does not show where it loses travel, nor whether it meets a stop."
-            ),
+            format!("{rests} does not show where it loses travel, nor whether it meets a stop."),
             fewest as f64,
             LEVELS_FOR_ENDS as f64,
             "Record stairs up and down with at least four levels, both ends included, each reached \

@@ -8,8 +8,11 @@ use serde::{Deserialize, Serialize};
 use crate::data::{Record, Run, usual_hold};
 use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN};
 
-/// More levels than this are a smooth motion.
+/// More levels than this are not told apart.
 const MOST_LEVELS: usize = 25;
+
+/// A hold has at least so many samples.
+const HELD: usize = 4;
 
 /// The reference of one side.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -18,10 +21,13 @@ pub struct Motion {
     pub lowest: f64,
     /// Largest input.
     pub highest: f64,
-    /// Number of levels of an input of steps; `None` when it moves smoothly.
+    /// Number of levels of an input of steps; `None` when they are many, or it moves smoothly.
     pub levels: Option<usize>,
     /// For how long a level is usually held \[s\].
     pub hold_s: f64,
+    /// Whether it is held at all between changes.
+    #[serde(default)]
+    pub held: bool,
 }
 
 impl Motion {
@@ -41,13 +47,21 @@ impl Motion {
         let apart = HELD_WITHIN * (highest - lowest);
         let further = |pair: &&[f64]| pair[1] - pair[0] > apart;
         let levels = 1 + inputs.windows(2).filter(further).count();
+        let hold = usual_hold(record);
+        // Of an input that is held, every value is a level; of one that was measured, values that lie together are one.
+        inputs.dedup();
+        let levels = match hold >= HELD && inputs.len() <= record.samples() / hold {
+            true => inputs.len(),
+            false => levels,
+        };
         // Values all over the range leave no gaps; values of a fine grid leave many.
         let stepped = (2..=MOST_LEVELS).contains(&levels);
         Self {
             lowest,
             highest,
             levels: stepped.then_some(levels),
-            hold_s: usual_hold(record) as f64 * record.sample_period_s(),
+            hold_s: hold as f64 * record.sample_period_s(),
+            held: hold >= HELD,
         }
     }
 
@@ -78,6 +92,10 @@ impl Motion {
         match self.levels {
             Some(levels) => format!(
                 "{levels} levels {range}, usually held for {} s",
+                rounded(self.hold_s)
+            ),
+            None if self.held => format!(
+                "steps between many levels {range}, usually held for {} s",
                 rounded(self.hold_s)
             ),
             None => format!("a smooth motion {range}"),

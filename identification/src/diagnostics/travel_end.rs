@@ -32,6 +32,9 @@ pub(crate) fn travel_end(record: &Record) -> Option<TravelEnd> {
     })
 }
 
+/// Share of the range of the commands over which the others must follow: a few neighbours show no slope.
+const LINE: f64 = 0.25;
+
 /// Command and mean output of the holds in which the output comes to rest: the two halves of the last quarter agree, beside the way there.
 fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
     let at_rest = |hold: &Hold| {
@@ -74,9 +77,10 @@ fn flat_end(points: &[(f64, f64)]) -> Option<TravelEnd> {
         });
         let (start, stop) = (line[0], line[line.len() - 1]);
         let gain = (stop.1 - start.1) / (stop.0 - start.0);
+        let is_line = (stop.0 - start.0).abs() > LINE * (last.0 - first.0).abs();
         let short_by = (start.1 + gain * (last.0 - start.0) - last.1).abs();
         let range = (gain * (last.0 - first.0)).abs();
-        high - low < STOP_GAIN * gain.abs() * span && short_by > STOP_SHARE * range
+        is_line && high - low < STOP_GAIN * gain.abs() * span && short_by > STOP_SHARE * range
     };
     let mut all = FEWEST..=points.len().checked_sub(FEWEST)?;
     let from = all.find(is_flat)?;

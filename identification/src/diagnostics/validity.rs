@@ -3,9 +3,9 @@
 //! This is the one place where that is decided, from the evidence alone, before anything is drawn or written.
 //! Nothing else makes bounds valid; everything else derives its own from the level that is given here.
 
-use crate::diagnostics::early_motion::EarlyMotion;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::rise_at_end::rise_at_end;
+use crate::diagnostics::time_fault::TimeFault;
 use crate::estimation::{Excitation, FsfBasis};
 use crate::results::{Bounds, Interval, Metrics, Reason, SelectedBy, Withheld};
 use crate::thresholds::DISAGREEMENT;
@@ -22,8 +22,8 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) quantised: bool,
     /// Whether the response goes on beyond the longest N.
     pub(crate) unsettled: bool,
-    /// Motion before its command.
-    pub(crate) early_motion: Option<EarlyMotion>,
+    /// What makes its times other than what they are taken for.
+    pub(crate) time_fault: Option<TimeFault>,
     /// Whether the input follows the output.
     pub(crate) closed_loop: bool,
     /// Whether the response at lag 0 shows that a smooth input does not separate lags.
@@ -45,8 +45,8 @@ pub(crate) struct Validity {
     pub(crate) unexcited_above_hz: Option<f64>,
     /// The lowest frequency that was left out by the caller's choice \[Hz\], where nothing bounds what that does.
     pub(crate) left_out_above_hz: Option<f64>,
-    /// Motion before its command, which no servo makes.
-    pub(crate) early_motion: Option<EarlyMotion>,
+    /// What makes the times of the record other than what they are taken for.
+    pub(crate) time_fault: Option<TimeFault>,
     /// Why metrics are left out, where they are.
     pub(crate) withheld: Option<Withheld>,
     /// Whether the final value is supported all the same.
@@ -56,17 +56,20 @@ pub(crate) struct Validity {
 impl Validity {
     /// Decides; bounds that hold have `level`.
     ///
-    /// Where the servo moves before its command, everything else may be its consequence. An input that excites only part of the
-    /// response leaves errors that do not look like noise either, so it comes next. Under a smooth input the effect of rounding grows with everything else, and nothing bounds it.
+    /// Where times are not what they seem, everything else may be its consequence. An input that excites only part of the response leaves
+    /// errors that do not look like noise either, so it comes next. Under a smooth input the effect of rounding grows with everything
+    /// else, and nothing bounds it.
     pub(crate) fn new(evidence: &ValidityEvidence<'_>, level: f64) -> Self {
-        let early_motion = evidence.early_motion;
-        let in_time = || early_motion.is_none().then_some(());
-        let unexcited_above_hz = in_time().and_then(|()| evidence.unexcited_above_hz());
+        let time_fault = evidence.time_fault;
+        let unexcited_above_hz = match time_fault {
+            None => evidence.unexcited_above_hz(),
+            Some(_) => None,
+        };
         let left_out_above_hz = evidence
             .left_out_above_hz()
             .filter(|_| unexcited_above_hz.is_none());
-        let reason = if early_motion.is_some() {
-            Some(Reason::EarlyMotion)
+        let reason = if let Some(fault) = time_fault {
+            Some(fault.reason())
         } else if unexcited_above_hz.is_some() {
             Some(Reason::InputUnexcited)
         } else if left_out_above_hz.is_some() {
@@ -88,7 +91,7 @@ impl Validity {
             .misfit
             .filter(|misfit| misfit.disagreement(evidence.step) > DISAGREEMENT);
         let (withheld, gain_is_supported) = match disagreeing {
-            _ if early_motion.is_some() => (Some(Withheld::EarlyMotion), true),
+            _ if time_fault.is_some() => (Some(Withheld::TimeFault), true),
             _ if evidence.lags_are_mixed && evidence.misfit.is_none() => {
                 (Some(Withheld::InputUnexcited), false)
             }
@@ -116,7 +119,7 @@ impl Validity {
             level: reason.map_or(Bounds::Valid(level), Bounds::Withdrawn),
             unexcited_above_hz,
             left_out_above_hz,
-            early_motion,
+            time_fault,
             withheld,
             gain_is_supported,
         }

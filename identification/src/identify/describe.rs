@@ -7,8 +7,8 @@ use super::responses::Responses;
 use super::task::Task;
 use crate::data::{Run, Timing};
 use crate::diagnostics::{
-    Bank, Explanation, Resolution, RunComparison, Validity, ValidityEvidence, contradicted_rest,
-    early_motion,
+    Bank, Explanation, Resolution, RunComparison, TimeFault, Validity, ValidityEvidence,
+    contradicted_rest,
 };
 use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
@@ -27,6 +27,7 @@ pub(super) fn validity(
     allowances: &Allowances,
 ) -> Validity {
     let (plan, estimate) = (&fitted.candidate.plan, &fitted.estimate);
+    let moments = &estimate.information.moments;
     let evidence = ValidityEvidence {
         basis: plan.basis,
         selected_by: plan.selected_by,
@@ -36,7 +37,9 @@ pub(super) fn validity(
         quantised: allowances.quantisation.is_some(),
         unsettled: fitted.slow_end.is_some()
             || (allowances.quantisation.is_none() && still_moves(fitted, responses)),
-        early_motion: task.record.and_then(early_motion),
+        time_fault: task
+            .record
+            .and_then(|record| TimeFault::of(record, moments, &estimate.fit)),
         closed_loop: is_closed_loop(fitted),
         // What a caller leaves out is in the errors, and inputs to come show it where they were planned.
         lags_are_mixed: (fitted.feedback).is_some_and(|found| {

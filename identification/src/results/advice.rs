@@ -62,6 +62,10 @@ pub enum Check {
     OutputLeads,
     /// Whether the servo moves before its command changes.
     EarlyMotion,
+    /// Whether the output is refreshed with every sample.
+    HeldOutput,
+    /// Whether the lag of the output is the same all along the record.
+    LagDrift,
     /// Whether any model predicts the record.
     Prediction,
     /// Whether the response goes on beyond the longest time that can be judged, or the settling time that was given.
@@ -140,6 +144,8 @@ impl Check {
             Self::Period
                 | Self::OutputLeads
                 | Self::EarlyMotion
+                | Self::HeldOutput
+                | Self::LagDrift
                 | Self::TravelEnd
                 | Self::Feedback
                 | Self::Prediction
@@ -161,6 +167,8 @@ impl Check {
                 | Self::Feedback
                 | Self::OutputLeads
                 | Self::EarlyMotion
+                | Self::HeldOutput
+                | Self::LagDrift
                 | Self::TravelEnd
         )
     }

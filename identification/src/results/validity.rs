@@ -14,6 +14,10 @@ use serde::{Deserialize, Serialize, Serializer};
 pub enum Reason {
     /// The servo moves before its command changes, as where commands were written late.
     EarlyMotion,
+    /// The output is refreshed less often than samples are taken.
+    HeldOutput,
+    /// The lag of the output changes along the record, as where two clocks differ.
+    LagDrift,
     /// The input lacks the frequencies that part of the response consists of.
     InputUnexcited,
     /// The number of frequencies that was asked for leaves out more than can be bounded, though the input has it.
@@ -36,6 +40,8 @@ impl Reason {
     pub fn because(self) -> &'static str {
         match self {
             Self::EarlyMotion => "the servo moves before its command",
+            Self::HeldOutput => "the position is refreshed less often than it is written",
+            Self::LagDrift => "the servo's lag changes along the recording",
             Self::InputUnexcited => "the reference does not excite all of the response",
             Self::FrequenciesLeftOut => {
                 "part of the response lies at frequencies that were left out"

@@ -20,7 +20,7 @@ use crate::instrument::rig::RigClient;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
 use measured::{DOUBT_PERCENT, Measured};
-use rig_file_backup::keep_aside;
+pub(super) use rig_file_backup::keep_aside;
 use servoid_protocol::PulseWidth;
 use std::path::{Path, PathBuf};
 
@@ -144,7 +144,8 @@ impl Calibrate {
         }
         match target {
             Some(path) => {
-                self.write(path, &before, &measured)?;
+                self.write(path, &before, &measured)
+                    .inspect_err(|_| print_remark(&text))?;
                 self.output.talk.say(format_args!("rig file: {}", path.display()));
             }
             None => self.output.talk.say("nothing was written: add --update to write into the rig file, or -o RIG.toml for another one"),
@@ -236,6 +237,7 @@ impl Calibrate {
         let fit = Calibration::fit(readings);
         if fit.is_err() {
             require_followed(rests)?;
+            print_remark(protractor::so_far(readings));
         }
         Ok(fit?)
     }

@@ -34,7 +34,7 @@ pub(super) fn read(mover: &mut Mover<'_>, pulses: &[u16]) -> Result<(Vec<Reading
 }
 
 /// The readings so far, for a calibration that fails: they can be used again.
-fn so_far(readings: &[Reading]) -> String {
+pub(super) fn so_far(readings: &[Reading]) -> String {
     let pair = |r: &Reading| format!("{}={:.1}", r.angle_deg, r.counts);
     let pairs: Vec<String> = readings.iter().map(pair).collect();
     match pairs.join(",").as_str() {

@@ -1,4 +1,4 @@
-//! The rig file as it was before a calibration: a wrong calibration must not be the end of a right one.
+//! The rig file as it was: neither a wrong calibration nor a new beginning may be the end of a right one.
 
 use crate::data::numbered_path::with_suffix;
 use crate::data::recording::write_file;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Copies a file that is about to be replaced to a free name beside it, such as rig-1.toml, and returns that; `None` where
 /// there is no such file.
-pub(super) fn keep_aside(path: &Path) -> Result<Option<PathBuf>> {
+pub(in crate::commands) fn keep_aside(path: &Path) -> Result<Option<PathBuf>> {
     if !path.is_file() {
         return Ok(None);
     }

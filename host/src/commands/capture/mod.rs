@@ -9,13 +9,13 @@ pub(super) use monitor::Monitor;
 pub(super) use runs::{CaptureJob, capture, first_partial};
 
 use super::ctrl_c;
-use super::output::{Output, Talk, typed_path};
+use super::output::{Output, Talk, check_apart, typed_path};
 use super::partial_recording::PartialRecording;
 use super::reference_args::ReferenceArgs;
 use super::rig_args::{Rig, RigArgs};
-use crate::data::hardly_moved;
 use crate::data::numbered_path::with_suffix;
 use crate::data::recording::Ending;
+use crate::data::{FAR_FROM_COMMAND_DEG, hardly_moved};
 use crate::instrument::rig::CaptureEnd;
 use anyhow::Result;
 use clap::Args;
@@ -84,16 +84,18 @@ struct CaptureResult<'a> {
 impl CaptureArgs {
     pub(super) fn run(self) -> Result<String> {
         let talk = self.output.talk;
+        let source = self.rig.source(talk)?;
+        let files = run_files(&self.out, self.repeat);
+        check_apart(&files, &source.path)?;
         let Rig {
             address,
             file: rig,
             condition,
             inexact_clock,
-        } = self.rig.require(self.rig.source(talk)?.file)?;
+        } = self.rig.require(source.file)?;
         let reference = self
             .reference
             .resolve(rig.servo.us_per_degree, rig.train(), talk)?;
-        let files = run_files(&self.out, self.repeat);
         ctrl_c::listen_in_a_run()?;
         let monitor = self.monitor.start(rig.train(), talk);
         let job = CaptureJob {
@@ -146,6 +148,7 @@ fn report(
         let why = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
         text += &format!("{name}: {state}{why}, {rows} samples\n");
         text.extend(end.moved.and_then(standstill));
+        text.extend(end.apart_deg.and_then(far_from_command));
         results.push(CaptureResult {
             file,
             complete: matches!(end.ending, Ending::Complete),
@@ -198,6 +201,16 @@ fn standstill(share: f64) -> Option<String> {
             "warning: the servo hardly moved: the scatter of its position is {:.0} % of that of the command. Check that it has power, that nothing jams it, that \
              its signal wire is at PA1, that it takes such pulses, that the magnet turns with the shaft, and the scales of the rig file\n",
             100.0 * share
+        )
+    })
+}
+
+/// The warning of a servo that stands far from its command: on a linkage, or with the wrong pulses, that is where it breaks.
+fn far_from_command(apart_deg: f64) -> Option<String> {
+    (apart_deg.abs() > FAR_FROM_COMMAND_DEG).then(|| {
+        format!(
+            "warning: the position lies {apart_deg:+.0} degrees from the command on average. Look at the servo before the next run: it may stand at its stop, \
+             the rig file may be that of another servo or sensor, or the servo takes other pulses\n"
         )
     })
 }

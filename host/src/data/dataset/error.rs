@@ -85,7 +85,7 @@ pub enum DatasetFault {
     TimeNotNumbers(String),
     /// A column of time without a period, and what its steps are like.
     #[error(
-        "has in column {0:?} {1}; say how far apart the rows are meant to be with --period SECONDS"
+        "has in column {0:?} {1}; where these times are right, interpolate the rows to even ones first; where the rows are even and the column is not, say how far apart they are with --period SECONDS"
     )]
     UnevenTime(String, TimeFault),
     /// A period that the column of time contradicts (s).

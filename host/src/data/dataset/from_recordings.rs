@@ -5,6 +5,7 @@ use super::error::DatasetFault;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use super::sensor_delay::{SensorDelay, in_ms};
+use crate::data::FAR_FROM_COMMAND_DEG;
 use crate::data::clock_error::internal_clock_error;
 use crate::data::degrees::DegreeScale;
 use crate::data::frozen_sensor::{FrozenSensor, StandStill};
@@ -58,11 +59,11 @@ pub(super) fn from_recording(
     }
     let mut about = about(recording, path, options, scale.unhealthy(rows), &still);
     let apart_deg = apart_from_command(&input, &output);
-    if apart_deg.abs() > FAR_DEG {
+    if apart_deg.abs() > FAR_FROM_COMMAND_DEG {
         about.add(
             Check::Zeros,
             format!("{}: the position lies {apart_deg:+.1} degrees from the command on average", path.display()),
-            [apart_deg, FAR_DEG],
+            [apart_deg, FAR_FROM_COMMAND_DEG],
             "Look whether the servo stood at a stop, as under pulses of the other type, and at neutral, pulse type and zero of the sensor in the rig file.",
         );
     }
@@ -183,9 +184,6 @@ fn about(
     }
     about
 }
-
-/// A mean distance of position and command beyond this is no friction and no load \[deg\].
-const FAR_DEG: f64 = 20.0;
 
 /// How far the position lies from the command on average \[deg\]; not a number where nothing is known.
 fn apart_from_command(input: &[f64], output: &[f64]) -> f64 {

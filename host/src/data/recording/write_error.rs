@@ -13,6 +13,9 @@ pub enum WriteFault {
     /// It is there already.
     #[error("exists already: choose another name, or add --force to replace it")]
     Exists,
+    /// The command reads it.
+    #[error("is what the command reads, and would be replaced by the result: choose another name")]
+    IsInput,
     /// It is a folder.
     #[error("is a folder: give the name of a file in it")]
     Folder,
@@ -56,6 +59,7 @@ impl WriteFault {
         match self {
             Self::Rescued { rows, .. } | Self::Stopped { rows, .. } => *rows,
             Self::Exists
+            | Self::IsInput
             | Self::Folder
             | Self::NoFolder
             | Self::NotCreated(_)
@@ -72,6 +76,16 @@ impl WriteError {
             true => WriteFault::Folder,
             false => WriteFault::Exists,
         })
+    }
+
+    /// That `path` is read by the command that would write it.
+    pub(crate) fn is_input(path: &Path) -> Self {
+        Self::at(path)(WriteFault::IsInput)
+    }
+
+    /// That the folder of `path` is not there.
+    pub(crate) fn no_folder(path: &Path) -> Self {
+        Self::at(path)(WriteFault::NoFolder)
     }
 
     /// That `path` cannot be made, and why.

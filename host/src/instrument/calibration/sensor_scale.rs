@@ -56,7 +56,7 @@ pub enum CalibrationError {
     TooFewAngles(usize),
     /// No slope that differs from none.
     #[error(
-        "the readings do not follow the angles well enough to show even the direction: take angles that are farther apart, or more of them, and look at the sensor's wiring"
+        "the readings do not follow the angles well enough to show even the direction: look for an angle that was typed wrong; else take angles that are farther apart, or more of them, and look at the sensor's wiring"
     )]
     Flat,
 }

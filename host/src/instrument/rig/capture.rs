@@ -139,6 +139,7 @@ impl Capture {
             ending,
             rows,
             moved: run.movement.share(),
+            apart_deg: run.movement.apart_deg(),
             rejects: client.rejects().total(),
             asked_again: client.conversation().frames_asked_again(),
         })

@@ -44,6 +44,8 @@ pub struct CaptureEnd {
     pub rows: u64,
     /// The motion of the position as a share of that of the command; `None` where the command did not change.
     pub moved: Option<f64>,
+    /// How far the position lies from the command on average (deg); `None` of no frames.
+    pub apart_deg: Option<f64>,
     /// Messages from the rig that could not be read.
     pub rejects: u32,
     /// Frames that had to be asked for again.

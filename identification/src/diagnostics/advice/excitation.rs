@@ -70,25 +70,6 @@ pub(super) fn output_leads(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// A servo that moves before its command.
-pub(super) fn early_motion(evidence: &Evidence<'_>) -> Option<Advice> {
-    let found = evidence.validity.early_motion?;
-    Some(Advice::new(
-        Check::EarlyMotion,
-        format!(
-            "No bounds can be given, because the servo moves at least {:.0} ms before its command changes: it has made {:.1} % of its stroke by \
-             then, on average over {} changes. So the command was written late, or the two columns come from different clocks.",
-            1e3 * found.lead_s,
-            100.0 * found.share,
-            found.changes
-        ),
-        found.lead_s,
-        0.0,
-        "Write the command at the moment at which it is sent, with the clock of the position; or put the column of the command earlier \
-         by more than that, and then take speeds and sizes alone from the result, because no delay is known.",
-    ))
-}
-
 /// An input that was computed from the output.
 pub(super) fn feedback(evidence: &Evidence<'_>) -> Option<Advice> {
     let found = evidence.explanation.feedback?;
@@ -116,7 +97,10 @@ pub(super) fn feedback(evidence: &Evidence<'_>) -> Option<Advice> {
             ALL_AT_ONCE,
         ),
         (None, false) => (
-            format!("inputs to come explain it (p = {:.0e})", found.p.max(1e-12)),
+            format!(
+                "inputs to come explain it (p = {:.0e}), as they also do where commands are written after the servo began to move",
+                found.p.max(1e-12)
+            ),
             found.p,
             FEEDBACK_SIGNIFICANCE,
         ),

@@ -9,15 +9,16 @@ mod excitation;
 mod record;
 mod resolution;
 mod response;
+mod time_fault;
 
 pub(crate) use evidence::Evidence;
 
 use crate::results::Advice;
 
-/// All findings on a model. Motion before its command stands alone: whatever else is found may be its consequence.
+/// All findings on a model. That times are not what they seem stands alone: whatever else is found may be its consequence.
 pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
-    if let Some(early) = excitation::early_motion(evidence) {
-        return vec![early];
+    if let Some(fault) = time_fault::time_fault(evidence) {
+        return vec![fault];
     }
     [
         excitation::output_leads(evidence),

@@ -61,8 +61,8 @@ pub use interval::Interval;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Withheld {
-    /// All but the gain: the servo moves before its command, so times count from nothing.
-    EarlyMotion,
+    /// All but the gain: times are not what they are taken for.
+    TimeFault,
     /// All of them: they rest on frequencies that the input does not excite.
     InputUnexcited,
     /// All of them: they rest on frequencies that were left out because the caller asked for so few.
@@ -78,7 +78,7 @@ impl Withheld {
     #[must_use]
     pub fn because(self) -> &'static str {
         match self {
-            Self::EarlyMotion => "the servo moves before its command, so times count from nothing",
+            Self::TimeFault => "times of this recording are not what they seem",
             Self::InputUnexcited => "the reference does not excite what they rest on",
             Self::FrequenciesLeftOut => "they rest on frequencies that were left out",
             Self::EstimatorsDisagree => "two ways to estimate them disagree",

@@ -97,7 +97,7 @@ pub enum TravelError {
     Move(#[from] MoveError),
     /// The servo stays where it is.
     #[error(
-        "the servo does not follow the pulses: between {shortest} and {longest} µs the sensor's reading changes by {counts:.0} counts only; look at the servo's supply, its signal wire, and whether the sensor sits on its shaft"
+        "the servo does not follow the pulses: between {shortest} and {longest} µs the sensor's reading changes by {counts:.0} counts, which is {degrees:.1} degrees on the scale of the sensor; look at the servo's supply, its signal wire, whether the sensor sits on its shaft, and at that scale: angles that were stated too small make it so"
     )]
     StandsStill {
         /// The shortest pulse of the readings (µs).
@@ -106,6 +106,8 @@ pub enum TravelError {
         longest: u16,
         /// How far apart the readings are (counts).
         counts: f64,
+        /// The same in degrees.
+        degrees: f64,
     },
     /// Neutral is at a limit, or next to it.
     #[error(
@@ -183,10 +185,12 @@ impl Travel {
         let stands_still = || {
             let pulses = || rests.iter().map(|rest| rest.pulse_us);
             let counts = |pick: fn(f64, f64) -> f64| rests.iter().map(|r| r.counts).reduce(pick);
+            let counts = counts(f64::max).unwrap_or(0.0) - counts(f64::min).unwrap_or(0.0);
             TravelError::StandsStill {
                 shortest: pulses().min().unwrap_or(neutral_us),
                 longest: pulses().max().unwrap_or(neutral_us),
-                counts: counts(f64::max).unwrap_or(0.0) - counts(f64::min).unwrap_or(0.0),
+                counts,
+                degrees: (counts * sensor.degrees_per_count).abs(),
             }
         };
         let line = knee::Line::through(&points).ok_or_else(stands_still)?;

@@ -1,0 +1,44 @@
+//! What makes the times of a record another thing than what they are taken for: then no model of it describes a servo, and whatever else is
+//! found may be its consequence.
+
+use super::early_motion::{EarlyMotion, early_motion};
+use super::held_output::output_held_for;
+use super::lag_drift::{LagDrift, lag_drift};
+use super::simulation_error::simulated_whole;
+use crate::data::{Moments, Record};
+use crate::estimation::GlsFit;
+use crate::results::Reason;
+
+/// A fault of times.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum TimeFault {
+    /// The servo moves before its command.
+    EarlyMotion(EarlyMotion),
+    /// The output is refreshed every so many samples only.
+    HeldOutput(usize),
+    /// The lag changes along the record.
+    LagDrift(LagDrift),
+}
+
+impl TimeFault {
+    /// That of a record with this fit, the plainest first.
+    pub(crate) fn of(record: &Record, moments: &Moments, fit: &GlsFit) -> Option<Self> {
+        let held = || output_held_for(record).map(Self::HeldOutput);
+        let early = || early_motion(record).map(Self::EarlyMotion);
+        let drift = || {
+            let runs = simulated_whole(record, moments, fit);
+            let history = fit.coordinates.basis.settling();
+            lag_drift(record, &runs, history).map(Self::LagDrift)
+        };
+        held().or_else(early).or_else(drift)
+    }
+
+    /// Why there are no bounds then.
+    pub(crate) fn reason(&self) -> Reason {
+        match self {
+            Self::EarlyMotion(_) => Reason::EarlyMotion,
+            Self::HeldOutput(_) => Reason::HeldOutput,
+            Self::LagDrift(_) => Reason::LagDrift,
+        }
+    }
+}
